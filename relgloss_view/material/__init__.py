@@ -1,0 +1,1 @@
+"""What the sample is: reflection models, materials, fit, spectra."""

@@ -1,0 +1,214 @@
+"""Reflection models in float64: Torrance-Sparrow, Oren-Nayar, EON, Lambert.
+
+The twin of shaders/brdf.glsl: same function names, same quantities. Directions are unit vectors
+that point away from the surface, `i` to the lamp and `o` to the eye; any shape (..., 3), and the
+results broadcast. Angles are radians. Every BRDF is in 1/sr. Each specular lobe carries the factor
+1/(4 cos_i cos_o) and a facet density whose projected area is normalised to one.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+#: Below this product of sines the azimuth between i and o is undefined; every term that holds it
+#: is itself at most of this size there, so it is taken as cos(phi) = 0.
+AZIMUTH_EPSILON = 1e-7
+#: EON divides by one minus an albedo, which is zero at r = 0 (Portsmouth, Kutz, Hill 2025, their
+#: listing guards it the same way).
+EON_EPSILON = 1e-7
+#: Cosines this small only guard a division: the product with the guarded term is already zero.
+COSINE_EPSILON = 1e-4
+
+
+class Facing(NamedTuple):
+    """How a surface element stands to the lamp and the eye; what every model here depends on."""
+
+    mu_i: Array  #: cosine of the angle of incidence (below zero: lit from behind)
+    mu_o: Array  #: cosine of the viewing angle
+    t: Array  #: dot product of the tangential parts of i and o, = sin_i sin_o cos(phi)
+    cos_d: Array  #: cosine of the angle between i and the half-vector
+    delta2: Array  #: squared angle between the normal and the half-vector, rad^2
+
+
+def facing(n: Array, i: Array, o: Array) -> Facing:
+    """Relate normal, lamp and eye directions (unit vectors, (..., 3)).
+
+    Where i = -o there is no half-vector: cos_d is 0 and delta2 is that of a right angle.
+    """
+    mu_i = np.sum(n * i, axis=-1)
+    mu_o = np.sum(n * o, axis=-1)
+    t = np.sum((i - n * mu_i[..., None]) * (o - n * mu_o[..., None]), axis=-1)
+    half = i + o
+    length = np.linalg.norm(half, axis=-1)
+    defined = length > AZIMUTH_EPSILON
+    h = half / np.where(defined, length, 1.0)[..., None]
+    cross = np.linalg.norm(np.cross(n, h), axis=-1)
+    delta = np.arctan2(cross, np.sum(n * h, axis=-1))
+    delta = np.where(defined, delta, 0.5 * np.pi)
+    return Facing(mu_i, mu_o, t, np.where(defined, 0.5 * length, 0.0), delta * delta)
+
+
+# --- specular: Torrance and Sparrow 1967 ---------------------------------------------------------
+
+
+def fresnel_dielectric(cos_d: ArrayLike, n: ArrayLike) -> Array:
+    """Unpolarised reflectance of a dielectric of refractive index n >= 1 (Cook, Torrance 1982)."""
+    c = np.abs(np.asarray(cos_d, dtype=np.float64))
+    q = np.sqrt(np.maximum(np.square(n) - 1.0 + c * c, 0.0))
+    # q + c is zero only at grazing incidence on n = 1, where nothing is reflected.
+    ratio = (q - c) / np.maximum(q + c, 1e-12)
+    polarised = (c * (q + c) - 1.0) / (c * (q - c) + 1.0)
+    return np.asarray(0.5 * ratio * ratio * (1.0 + polarised * polarised))
+
+
+@lru_cache(maxsize=256)
+def facet_amplitude(s: float) -> float:
+    """Peak A of the facet density D = A exp(-delta^2 / 2 s^2), so that D cos(delta) integrates to 1.
+
+    The integral runs over the hemisphere, by Gauss-Legendre quadrature; for narrow lobes it is
+    (1 + 4 s^2/3) / (2 pi s^2), and 1 / (pi sqrt(2) s Dawson(sqrt(2) s)) where the tail beyond 90
+    degrees is negligible.
+    """
+    upper = min(0.5 * np.pi, 9.0 * s)
+    x, weight = np.polynomial.legendre.leggauss(96)
+    delta = 0.5 * upper * (x + 1.0)
+    integrand = np.exp(-0.5 * (delta / s) ** 2) * np.cos(delta) * np.sin(delta)
+    return float(1.0 / (2.0 * np.pi * 0.5 * upper * np.sum(weight * integrand)))
+
+
+def facet_density(delta2: Array, s: float, amplitude: float | None = None) -> Array:
+    """Facet normals per solid angle: Gaussian in the facet's angle (Torrance, Sparrow 1967).
+
+    s is the per-axis standard deviation of the facets in radians; the equivalent Beckmann slope
+    is m = sqrt(2) s.
+    """
+    peak = facet_amplitude(s) if amplitude is None else amplitude
+    return np.asarray(peak * np.exp(-delta2 / (2.0 * s * s)))
+
+
+def shadowing(f: Facing) -> Array:
+    """G / (cos_i cos_o) with the V-groove G of Torrance, Sparrow 1967 (Cook, Torrance 1982's form).
+
+    G = min(1, 2 n.h n.i / i.h, 2 n.h n.o / i.h) is divided through analytically, so that nothing
+    cancels at grazing angles. With n.h = (mu_i + mu_o) / |i + o| and i.h = |i + o| / 2.
+    """
+    mu_i = np.maximum(f.mu_i, 0.0)
+    mu_o = np.maximum(f.mu_o, 0.0)
+    unshadowed = 1.0 / np.maximum(mu_i * mu_o, COSINE_EPSILON**2)
+    nh_over_ih = 0.5 * (mu_i + mu_o) / np.maximum(f.cos_d * f.cos_d, COSINE_EPSILON**2)
+    grooves = 2.0 * nh_over_ih / np.maximum(np.maximum(mu_i, mu_o), COSINE_EPSILON)
+    return np.asarray(np.minimum(unshadowed, grooves))
+
+
+def torrance_sparrow(f: Facing, s: float, n: float) -> Array:
+    """Specular BRDF of unit strength: D G F / (4 cos_i cos_o), zero below either horizon."""
+    value = 0.25 * facet_density(f.delta2, s) * fresnel_dielectric(f.cos_d, n) * shadowing(f)
+    return np.where(_above(f), value, 0.0)
+
+
+def _above(f: Facing) -> NDArray[np.bool_]:
+    return (f.mu_i > 0.0) & (f.mu_o > 0.0) & (f.cos_d > 0.0)
+
+
+# --- diffuse: a model is two shapes, for the albedo and for a second albedo ----------------------
+#
+# f = rho * first + second_albedo(rho) * second. Both shapes are free of wavelength, so a spectrum
+# folds into two XYZ triples without error.
+
+
+def lambert(f: Facing) -> tuple[Array, Array]:
+    """Lambert: 1/pi, and no second part."""
+    first = np.where((f.mu_i > 0.0) & (f.mu_o > 0.0), 1.0 / np.pi, 0.0)
+    return first, np.zeros_like(first)
+
+
+def oren_nayar(f: Facing, sigma: float) -> tuple[Array, Array]:
+    """Full model of Oren and Nayar 1995 (their eqs. 30-31), for rho and rho^2.
+
+    sigma is the standard deviation of the facet slope angle in radians, 0 to about 0.7. The
+    azimuth is never formed by dividing small sines, and tan((a + b)/2) is written
+    (sin a + sin b) / (cos a + cos b). Where the model goes below zero (sigma > 0.7, both
+    directions grazing and opposite) it is held at zero.
+    """
+    mu_i, mu_o = np.clip(f.mu_i, 0.0, 1.0), np.clip(f.mu_o, 0.0, 1.0)
+    sin_i, sin_o = np.sqrt((1 - mu_i) * (1 + mu_i)), np.sqrt((1 - mu_o) * (1 + mu_o))
+    product = sin_i * sin_o
+    has_azimuth = product > AZIMUTH_EPSILON
+    cos_phi = np.clip(np.where(has_azimuth, f.t / np.where(has_azimuth, product, 1.0), 0.0), -1, 1)
+    theta_i, theta_o = np.arctan2(sin_i, mu_i), np.arctan2(sin_o, mu_o)
+    a, b = np.maximum(theta_i, theta_o), np.minimum(theta_i, theta_o)
+    sin_a, sin_b = np.maximum(sin_i, sin_o), np.minimum(sin_i, sin_o)
+    s2 = sigma * sigma
+    c1 = 1.0 - 0.5 * s2 / (s2 + 0.33)
+    k = s2 / (s2 + 0.09)
+    b_unit = 2.0 * b / np.pi
+    c2 = 0.45 * k * (sin_a - np.where(cos_phi >= 0.0, 0.0, b_unit**3))
+    c3 = 0.125 * k * (4.0 * a * b / np.pi**2) ** 2
+    tan_b = sin_b / np.maximum(np.maximum(mu_i, mu_o), COSINE_EPSILON)
+    tan_mean = (sin_a + sin_b) / np.maximum(mu_i + mu_o, COSINE_EPSILON)
+    first = (c1 + cos_phi * c2 * tan_b + (1.0 - np.abs(cos_phi)) * c3 * tan_mean) / np.pi
+    second = 0.17 * s2 / (s2 + 0.13) * (1.0 - cos_phi * b_unit**2) / np.pi
+    above = (f.mu_i > 0.0) & (f.mu_o > 0.0)
+    return np.where(above, np.maximum(first, 0.0), 0.0), np.where(above, second, 0.0)
+
+
+def fujii_normalisation(r: float) -> float:
+    """A_F = 1 / (1 + (1/2 - 2/(3 pi)) r) (Portsmouth, Kutz, Hill 2025)."""
+    return 1.0 / (1.0 + (0.5 - 2.0 / (3.0 * np.pi)) * r)
+
+
+def fujii_albedo(mu: Array, r: float) -> Array:
+    """Directional albedo of the Fujii model at rho = 1, their polynomial fit (2025)."""
+    m = 1.0 - mu
+    g = m * (0.0571085289 + m * (0.491881867 + m * (-0.332181442 + m * 0.0714429953)))
+    return np.asarray((1.0 + r * g) * fujii_normalisation(r))
+
+
+def fujii_mean_albedo(r: float) -> float:
+    """Hemispherical albedo of the Fujii model at rho = 1 (Portsmouth, Kutz, Hill 2025)."""
+    return fujii_normalisation(r) * (1.0 + (2.0 / 3.0 - 28.0 / (15.0 * np.pi)) * r)
+
+
+def eon(f: Facing, r: float) -> tuple[Array, Array]:
+    """Energy-preserving Oren-Nayar (Portsmouth, Kutz, Hill 2025), for rho and rho_ms.
+
+    r is the roughness, 0 to 1. The second shape multiplies `second_albedo`.
+    """
+    mu_i, mu_o = np.clip(f.mu_i, 0.0, 1.0), np.clip(f.mu_o, 0.0, 1.0)
+    largest = np.maximum(np.maximum(mu_i, mu_o), COSINE_EPSILON)
+    s_over_t = np.where(f.t > 0.0, f.t / largest, f.t)
+    first = fujii_normalisation(r) * (1.0 + r * s_over_t) / np.pi
+    missing_i = np.maximum(EON_EPSILON, 1.0 - fujii_albedo(mu_i, r))
+    missing_o = np.maximum(EON_EPSILON, 1.0 - fujii_albedo(mu_o, r))
+    missing = max(EON_EPSILON, 1.0 - fujii_mean_albedo(r))
+    second = missing_i * missing_o / (missing * np.pi)
+    above = (f.mu_i > 0.0) & (f.mu_o > 0.0)
+    return np.where(above, np.maximum(first, 0.0), 0.0), np.where(above, second, 0.0)
+
+
+def second_albedo(model: str, albedo: ArrayLike, sigma: float) -> Array:
+    """The albedo that multiplies a model's second shape: 0, rho^2, or EON's rho_ms."""
+    rho = np.asarray(albedo, dtype=np.float64)
+    if model == "lambert":
+        return np.zeros_like(rho)
+    if model == "oren-nayar":
+        return np.asarray(rho * rho)
+    mean = fujii_mean_albedo(sigma)
+    return np.asarray(rho * rho * mean / (1.0 - rho * (1.0 - mean)))
+
+
+def diffuse_shapes(model: str, f: Facing, sigma: float) -> tuple[Array, Array]:
+    """The two shapes of the named model ('lambert', 'oren-nayar', 'eon'; sigma in radians)."""
+    if model == "lambert":
+        return lambert(f)
+    if model == "oren-nayar":
+        return oren_nayar(f, sigma)
+    if model == "eon":
+        return eon(f, sigma)
+    raise ValueError(f"no diffuse model is named {model!r}")

@@ -1,0 +1,1 @@
+"""What an instrument saw: geometry, tables and their readers."""

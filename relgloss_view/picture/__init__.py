@@ -1,0 +1,1 @@
+"""How a sample is drawn: scene, noise, tone, shaders, renderer, reference."""
