@@ -1,0 +1,35 @@
+"""Write the standard observer and the default lamp into assets/spectra, from colour-science's tables.
+
+They are shipped as files because importing colour-science takes longer than drawing a picture.
+Run: python scripts/export_spectra.py
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import colour
+
+FOLDER = Path(__file__).resolve().parent.parent / "assets" / "spectra"
+
+
+def main() -> None:
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    origin = f"from the tables of colour-science {colour.__version__}"
+    observer = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
+    lines = [f"# CIE 1931 2 degree standard observer, 1 nm (CIE 15), {origin}"]
+    lines.append("wavelength_nm,x,y,z")
+    for wavelength, (x, y, z) in zip(observer.wavelengths, observer.values, strict=True):
+        lines.append(f"{wavelength:g},{x:.12g},{y:.12g},{z:.12g}")
+    (FOLDER / "cie1931_2deg.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    for name, note in (("HP5", "CIE high-pressure lamp HP5, a metal halide"),):
+        lamp = colour.SDS_ILLUMINANTS[name]
+        lines = [f"# {note}, 5 nm (CIE 15), {origin}"]
+        lines.append("wavelength_nm,relative_power")
+        for wavelength, power in zip(lamp.wavelengths, lamp.values, strict=True):
+            lines.append(f"{wavelength:g},{power:.12g}")
+        (FOLDER / f"{name}.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
