@@ -1,1 +1,66 @@
-"""One reader a format, chosen by content."""
+"""Readers: one a format, chosen by what the file holds, never by its name."""
+
+from __future__ import annotations
+
+import stat
+from pathlib import Path
+
+from relgloss_view.errors import InputError
+from relgloss_view.measure.readers import csv_table, gcms, generic, rgl, tensor_file
+from relgloss_view.measure.table import Measurement
+
+__all__ = ["read_measurement"]
+
+
+def read_measurement(
+    path: str | Path, *, quantity: str | None = None, gamma_s_deg: float | None = None
+) -> Measurement:
+    """Read an instrument's file: RGL .bsdf, MERL .binary, GCMS-style or generic CSV.
+
+    quantity ('radiance-factor', 'brdf' or 'brdf-cos') and gamma_s_deg win over what the file says;
+    a text table that declares no quantity needs it. Raises InputError, one line that names file,
+    place and remedy, for everything that is wrong with the file.
+    """
+    path = Path(path)
+    try:
+        return _read(path, quantity, gamma_s_deg)
+    except OSError as error:
+        raise InputError(
+            f"{path}: {error.strerror or error}; give a file that can be read"
+        ) from None
+
+
+def _read(path: Path, quantity: str | None, gamma_s_deg: float | None) -> Measurement:
+    try:
+        mode = path.stat().st_mode
+    except ValueError as error:  # a NUL in the name
+        raise InputError(f"{str(path)!a}: {error}; give the name of a file") from None
+    if not stat.S_ISREG(mode):
+        kind = "a folder" if stat.S_ISDIR(mode) else "not a regular file"
+        raise InputError(f"{path}: this is {kind}; give a measurement file")
+    with path.open("rb") as file:
+        head = file.read(4096)
+
+    if head.startswith(tensor_file.MAGIC):
+        measurement = rgl.read(path)
+    elif b"\x00" in head:
+        raise InputError(
+            f"{path}: neither text nor a known binary format; "
+            "give a CSV table, an RGL .bsdf or a MERL .binary"
+        )
+    else:
+        return _read_text(path, quantity, gamma_s_deg)
+    return measurement
+
+
+def _read_text(path: Path, quantity: str | None, gamma_s_deg: float | None) -> Measurement:
+    table = csv_table.parse(path)
+    names = {name.lower() for name in table.columns}
+    if names & gcms.COLUMNS.keys():
+        return gcms.read(table, quantity, gamma_s_deg)
+    if names & generic.COLUMNS.keys():
+        return generic.read(table, quantity, gamma_s_deg)
+    raise InputError(
+        f"{path}: line {table.header_line}: found column {table.columns[0]!a}; the header "
+        f"should begin {','.join(gcms.COLUMNS)} or {','.join(generic.COLUMNS)}"
+    )

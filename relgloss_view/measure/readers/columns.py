@@ -1,0 +1,88 @@
+"""Which columns of a text table are angles and which are bands."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.bands import RGB, Bands
+from relgloss_view.errors import InputError
+from relgloss_view.measure.readers.csv_table import TextTable
+
+Array = NDArray[np.float64]
+
+#: No instrument reads reflectance outside; a header in micrometres or picometres falls outside too.
+WAVELENGTH_RANGE_NM = (100.0, 10_000.0)
+
+
+def split_columns(
+    table: TextTable, angle_limits_deg: dict[str, float]
+) -> tuple[Array, Bands, Array]:
+    """Split a table into angles (N, A), bands and readings (N, B).
+
+    The keys of angle_limits_deg name the angle columns, wherever they stand; the rest must be
+    wavelengths in nm or R, G, B. Raises InputError that names the column.
+    """
+    where = f"{table.path}: line {table.header_line}"
+    names = [column.lower() for column in table.columns]
+    absent = [name for name in angle_limits_deg if name not in names]
+    if absent:
+        raise InputError(
+            f"{where}: column {absent[0]} is missing; the header should begin "
+            f"{','.join(angle_limits_deg)}"
+        )
+    angle_columns = [names.index(name) for name in angle_limits_deg]
+    rest = [k for k in range(len(names)) if k not in angle_columns]
+    bands = _bands(where, [(k, table.columns[k]) for k in rest])
+
+    angles = table.values[:, angle_columns]
+    limits = np.array(list(angle_limits_deg.values()))
+    wrong = np.argwhere(~(np.abs(angles) <= limits))
+    if len(wrong):
+        row, which = wrong[0]
+        place = table.at(row, angle_columns[which])
+        if np.isnan(angles[row, which]):
+            raise InputError(f"{place}: the angle is empty; complete it or remove the row")
+        raise InputError(
+            f"{place}: {angles[row, which]:g} deg is not between "
+            f"-{limits[which]:g} and {limits[which]:g}; angles are in degrees"
+        )
+    return angles, bands, table.values[:, rest]
+
+
+def _bands(where: str, columns: Sequence[tuple[int, str]]) -> Bands:
+    """The bands that the columns (index, name) stand for."""
+    if not columns:
+        raise InputError(f"{where}: no column of readings; add wavelengths in nm, or R,G,B")
+    labels = [name.upper() for _, name in columns]
+    if set(labels) & {"R", "G", "B"}:
+        if labels != ["R", "G", "B"]:
+            raise InputError(
+                f"{where}: columns {','.join(labels)[:60]} after the angles; "
+                "expected R,G,B or wavelengths in nm"
+            )
+        return RGB
+    wavelengths: list[float] = []
+    low, high = WAVELENGTH_RANGE_NM
+    for k, name in columns:
+        place = f"{where}, column {k + 1}"
+        try:
+            nm = float(name.lower().removesuffix("nm"))
+        except ValueError:
+            raise InputError(
+                f"{place}: {name!a} is neither an angle, a wavelength in nm, nor R, G, B; "
+                "rename or remove it"
+            ) from None
+        if not low <= nm <= high:
+            raise InputError(
+                f"{place}: wavelength {name} is not between {low:g} and {high:g} nm; correct it"
+            )
+        if wavelengths and nm <= wavelengths[-1]:
+            raise InputError(
+                f"{place}: {nm:g} nm follows {wavelengths[-1]:g} nm; "
+                "put the wavelengths in increasing order, each once"
+            )
+        wavelengths.append(nm)
+    return Bands(tuple(wavelengths))

@@ -1,0 +1,124 @@
+"""What the comments of a text table, and the caller, say about it: quantity, gamma_s, aperture."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from relgloss_view.errors import InputError
+from relgloss_view.measure import quantity as quantities
+from relgloss_view.measure.gonio import GAMMA_S_DEG
+from relgloss_view.measure.readers.csv_table import TextTable
+
+MAX_APERTURE_SD_DEG = 45.0
+
+
+@dataclass(frozen=True)
+class Declared:
+    """The facts about a table that its numbers do not show."""
+
+    name: str
+    source: str
+    quantity: str
+    gamma_s_deg: float
+    gamma_s_given: bool  #: False where gamma_s_deg is the default
+    aperture_sd_deg: tuple[float, float]
+    saturation: float | None
+    warnings: tuple[str, ...]
+
+
+def declared(
+    table: TextTable, quantity: str | None = None, gamma_s_deg: float | None = None
+) -> Declared:
+    """Merge the file's comments with the caller's arguments, which win.
+
+    Raises InputError where the quantity is nowhere declared or a value makes no sense.
+    """
+    warnings: list[str] = []
+    chosen = _quantity(table, quantity, warnings)
+    gamma_s, given = _gamma_s(table, gamma_s_deg, warnings)
+
+    aperture = (0.0, 0.0)
+    if "aperture_sd_deg" in table.comments:
+        lamp, *rest = _numbers(table, "aperture_sd_deg", (1, 2), 0.0, MAX_APERTURE_SD_DEG)
+        aperture = (lamp, rest[0] if rest else lamp)
+
+    saturation = None
+    if "saturation" in table.comments:
+        (saturation,) = _numbers(table, "saturation", (1,), 0.0, math.inf)
+
+    return Declared(
+        name=_comment(table, "name") or table.path.stem,
+        source=_comment(table, "source") or table.path.name,
+        quantity=chosen,
+        gamma_s_deg=gamma_s,
+        gamma_s_given=given,
+        aperture_sd_deg=aperture,
+        saturation=saturation,
+        warnings=tuple(warnings),
+    )
+
+
+def check_angle(value: float, where: str, limit_deg: float = 90.0) -> float:
+    """Return a finite angle within +-limit_deg; raises InputError, naming `where`."""
+    if not (math.isfinite(value) and abs(value) <= limit_deg):
+        raise InputError(f"{where}: {value:g} deg is not between -{limit_deg:g} and {limit_deg:g}")
+    return float(value)
+
+
+def _quantity(table: TextTable, argument: str | None, warnings: list[str]) -> str:
+    in_file = None
+    if "quantity" in table.comments:
+        line, text = table.comments["quantity"]
+        in_file = quantities.known(text, f"{table.path}: line {line}")
+    if argument is not None:
+        chosen = quantities.known(argument, "--quantity")
+        if in_file not in (None, chosen):
+            warnings.append(f"the file says quantity {in_file}, but it is read as {chosen}")
+        return chosen
+    if in_file is None:
+        raise InputError(
+            f"{table.path}: nothing says what the numbers are; add the line "
+            "'# quantity: radiance-factor' (or brdf, or brdf-cos) on top, or pass --quantity"
+        )
+    return in_file
+
+
+def _gamma_s(table: TextTable, argument: float | None, warnings: list[str]) -> tuple[float, bool]:
+    in_file = None
+    if "gamma_s_deg" in table.comments:
+        (in_file,) = _numbers(table, "gamma_s_deg", (1,), -90.0, 90.0)
+    if argument is not None:
+        chosen = check_angle(argument, "--gamma-s-deg")
+        if in_file is not None and chosen != in_file:
+            warnings.append(
+                f"the file says gamma_s_deg {in_file:g}, but it is read with {chosen:g}"
+            )
+        return chosen, True
+    if in_file is not None:
+        return in_file, True
+    return GAMMA_S_DEG, False
+
+
+def _comment(table: TextTable, key: str) -> str:
+    return " ".join(table.comments.get(key, (0, ""))[1].split())
+
+
+def _numbers(
+    table: TextTable, key: str, counts: tuple[int, ...], low: float, high: float
+) -> list[float]:
+    """The finite numbers, low to high, of a comment; one of `counts` must stand there."""
+    line, text = table.comments[key]
+    try:
+        numbers = [float(word) for word in text.replace(",", " ").split()]
+    except ValueError:
+        numbers = []
+    fine = all(math.isfinite(x) and low <= x <= high for x in numbers)
+    if len(numbers) not in counts or not fine:
+        expected = " or ".join(str(c) for c in counts)
+        limit = f" from {low:g} to {high:g}" if math.isfinite(high) else f" of at least {low:g}"
+        raise InputError(
+            f"{table.path}: line {line}: '# {key}: {text[:40]}', expected {expected} "
+            f"number{'s' if counts[-1] > 1 else ''}{limit}; correct it or remove the line"
+        )
+    return numbers

@@ -1,0 +1,203 @@
+"""RGL material database (Dupuy and Jakob 2018): isotropic measured BRDFs, rgb variant.
+
+The stored values stand on a grid that follows the material: the half-vector's polar angle
+theta = u^2 pi/2 and azimuth phi = (2v - 1) pi relative to the lamp make a unit square, and the
+density of visible facet normals at each incidence warps that square into the one that is tabulated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from relgloss_view.bands import RGB
+from relgloss_view.errors import InputError
+from relgloss_view.measure import screen, table
+from relgloss_view.measure.gonio import spherical, tabulated_grid
+from relgloss_view.measure.readers import tensor_file
+from relgloss_view.measure.readers.assemble import require_samples
+from relgloss_view.measure.readers.unit_square import Warp, bilinear, find_slices
+from relgloss_view.measure.table import Measurement
+
+Array = NDArray[np.float64]
+
+#: Rec. 709 luminance of linear sRGB.
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+
+
+def read(path: Path) -> Measurement:
+    """Read an isotropic rgb .bsdf at gonio.tabulated_grid(). Raises InputError.
+
+    A saturated colour has a negative channel in linear sRGB; that is its gamut, not a fault of the
+    instrument. The channel is set to zero, with a warning, and the sample is kept.
+    """
+    brdf = load(path)
+    theta_i, theta_r, phi = tabulated_grid().T
+    to_lamp = spherical(theta_i, np.full_like(theta_i, 180.0))
+    to_receiver = spherical(theta_r, 180.0 - phi)
+    factor = np.pi * brdf.evaluate(to_lamp, to_receiver)
+
+    luminance = factor @ LUMINANCE
+    # The acquisition stores zeros where the instrument could not see.
+    unseen = (factor == 0.0).all(axis=1)
+    readings = np.where(unseen, np.nan, luminance)[:, None]
+    reasons = screen.reasons(to_lamp, to_receiver, readings)
+
+    outside = ((factor < 0.0) & (reasons == table.KEPT)[:, None]).sum(axis=0)
+    warnings = [
+        f"channel {label} is negative in {count} samples: the colour lies outside sRGB; "
+        "it is taken as 0 there"
+        for label, count in zip(RGB.labels, outside, strict=True)
+        if count
+    ]
+    return require_samples(
+        Measurement(
+            name=brdf.description or path.stem,
+            source=f"{path.name}, RGL material database format (Dupuy and Jakob 2018)",
+            to_lamp=to_lamp,
+            to_receiver=to_receiver,
+            bands=RGB,
+            radiance_factor=np.where(unseen[:, None], np.nan, np.maximum(factor, 0.0)),
+            reasons=reasons,
+            group=np.rint(theta_i).astype(np.int64),
+            warnings=tuple(warnings),
+        ),
+        path,
+    )
+
+
+def load(path: Path) -> RglBrdf:
+    """Load a .bsdf file. Raises InputError where it is damaged, anisotropic or without rgb."""
+    fields = tensor_file.read(path)
+    if "rgb" not in fields and {"spectra", "wavelengths"} & fields.keys():
+        raise InputError(
+            f"{path}: the file holds spectra only; download the variant whose name ends in _rgb"
+        )
+    phi_i = _floats(path, fields, "phi_i", (None,))
+    if len(phi_i) != 1:
+        raise InputError(
+            f"{path}: field 'phi_i' has {len(phi_i)} values: the material is anisotropic; "
+            "only isotropic ones can be read"
+        )
+    theta_i = _floats(path, fields, "theta_i", (None,))
+    increasing = (np.diff(theta_i) > 0.0).all()
+    # float32 rounds pi/2 up.
+    if not increasing or theta_i[0] < 0.0 or theta_i[-1] > 0.5 * np.pi + 1e-6:
+        raise InputError(
+            f"{path}: field 'theta_i' does not increase from 0 to pi/2; "
+            "the file is damaged, download it again"
+        )
+    count = len(theta_i)
+    vndf = _floats(path, fields, "vndf", (1, count, None, None))[0]
+    sigma = _floats(path, fields, "sigma", (None, None))
+    ndf = _floats(path, fields, "ndf", (None, None))
+    rgb = _floats(path, fields, "rgb", (1, count, 3, None, None))[0]
+    for name, values in (("vndf", vndf), ("sigma", sigma), ("ndf", ndf)):
+        if values.min() < 0.0 or values.reshape(-1, values.shape[-1]).max() <= 0.0:
+            raise InputError(
+                f"{path}: field '{name}' is not a density: it is negative or zero throughout; "
+                "the file is damaged, download it again"
+            )
+    description = fields.get("description", np.zeros(0, np.uint8)).astype(np.uint8).tobytes()
+    jacobian = fields.get("jacobian", np.ones(1, np.uint8))
+    return RglBrdf(
+        description=" ".join(description.decode("utf-8", "replace").split())[:200],
+        theta_i=theta_i,
+        warp=Warp.of(vndf),
+        sigma=sigma,
+        ndf=ndf,
+        rgb=rgb,
+        has_jacobian=bool(jacobian.any()),
+    )
+
+
+def _floats(
+    path: Path, fields: dict[str, NDArray[Any]], name: str, shape: tuple[int | None, ...]
+) -> Array:
+    """A field as float64, its shape and values checked; None is any length that can hold a grid."""
+    if name not in fields:
+        raise InputError(f"{path}: field '{name}' is missing; is this a .bsdf of the RGL database?")
+    values = fields[name]
+    least = 1 if len(shape) == 1 else 2
+    fits = len(values.shape) == len(shape) and all(
+        have == want if want is not None else have >= least
+        for have, want in zip(values.shape, shape, strict=True)
+    )
+    if not fits:
+        found = "x".join(map(str, values.shape))
+        wanted = "x".join("N" if n is None else str(n) for n in shape)
+        raise InputError(
+            f"{path}: field '{name}' has shape {found}, expected {wanted}; "
+            "only isotropic rgb files of the RGL database can be read"
+        )
+    if not np.isfinite(values).all():
+        place = ", ".join(str(k) for k in np.argwhere(~np.isfinite(values))[0])
+        raise InputError(
+            f"{path}: field '{name}' holds a NaN or an infinity at [{place}]; "
+            "the file is damaged, download it again"
+        )
+    return values.astype(np.float64)
+
+
+@dataclass(frozen=True)
+class RglBrdf:
+    """An isotropic measured BRDF; call evaluate."""
+
+    description: str
+    theta_i: Array  #: (T,), incidence angles of the slices, radians
+    warp: Warp  #: visible-normal density of each slice
+    sigma: Array  #: projected facet area over the direction to the lamp
+    ndf: Array  #: facet density over the half-vector
+    rgb: Array  #: (T, 3, N, N)
+    has_jacobian: bool  #: whether the values still lack ndf / (4 sigma)
+
+    def evaluate(self, i: ArrayLike, o: ArrayLike) -> Array:
+        """BRDF in 1/sr, linear sRGB, shape (..., 3); zero where a direction is not above z = 0.
+
+        i (to the lamp) and o (to the eye) are unit vectors, (..., 3). Beyond the tabulated
+        incidences the nearest slice holds.
+        """
+        i, o = np.broadcast_arrays(np.asarray(i, np.float64), np.asarray(o, np.float64))
+        shape = i.shape
+        i, o = i.reshape(-1, 3), o.reshape(-1, 3)
+        result = np.zeros_like(i)
+        above = (i[:, 2] > 0.0) & (o[:, 2] > 0.0)
+        if above.any():
+            result[above] = self._above(i[above], o[above])
+        return result.reshape(shape)
+
+    def _above(self, i: Array, o: Array) -> Array:
+        half = i + o
+        half /= np.linalg.norm(half, axis=1)[:, None]
+        theta_i, phi_i = _spherical(i)
+        theta_h, phi_h = _spherical(half)
+        lamp = np.stack([_theta_to_unit(theta_i), _phi_to_unit(phi_i)], axis=1)
+        middle = np.stack([_theta_to_unit(theta_h), _phi_to_unit(phi_h - phi_i)], axis=1)
+
+        slices = find_slices(self.theta_i, theta_i)
+        values = bilinear(self.rgb, self.warp.invert(middle, slices), slices)
+        if self.has_jacobian:
+            values *= (bilinear(self.ndf, middle) / (4.0 * self._area(lamp)))[:, None]
+        return np.asarray(values / o[:, 2:])
+
+    def _area(self, lamp: Array) -> Array:
+        # The smallest positive float32 guards a damaged file: measured areas are about 0.05 to 1.
+        return np.maximum(bilinear(self.sigma, lamp), 1.4e-45)
+
+
+def _spherical(w: Array) -> tuple[Array, Array]:
+    """Polar angle from the chord to +z (exact near the pole) and azimuth of (N, 3) unit vectors."""
+    chord = np.linalg.norm(w - np.array([0.0, 0.0, 1.0]), axis=1)
+    return 2.0 * np.arcsin(np.minimum(0.5 * chord, 1.0)), np.arctan2(w[:, 1], w[:, 0])
+
+
+def _theta_to_unit(theta: Array) -> Array:
+    return np.sqrt(np.minimum(theta * (2.0 / np.pi), 1.0))
+
+
+def _phi_to_unit(phi: Array) -> Array:
+    return np.asarray((phi + np.pi) / (2.0 * np.pi) % 1.0)

@@ -1,0 +1,87 @@
+"""The container of the RGL material database: named arrays in one little-endian file."""
+
+from __future__ import annotations
+
+import math
+import struct
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.errors import InputError
+
+MAGIC = b"tensor_file\x00"
+#: The largest files of the database (anisotropic, spectral) stay below this.
+MAX_BYTES = 1_000_000_000
+MAX_FIELDS = 1000
+MAX_DIMENSIONS = 16
+
+_TYPES = {
+    1: "<u1", 2: "<i1", 3: "<u2", 4: "<i2", 5: "<u4", 6: "<i4", 7: "<u8", 8: "<i8",
+    9: "<f2", 10: "<f4", 11: "<f8",
+}  # fmt: skip
+
+
+def read(path: Path) -> dict[str, NDArray[Any]]:
+    """Read all arrays by name (Dupuy and Jakob 2018, their file format).
+
+    Nothing is allocated before it is known to lie inside the file. Raises InputError.
+    """
+    size = path.stat().st_size
+    if size > MAX_BYTES:
+        raise InputError(f"{path}: {size} bytes, at most {MAX_BYTES} are read from a .bsdf file")
+    with path.open("rb") as file:
+        reader = _Reader(path, file, size)
+        reader.take(len(MAGIC) + 2, "the file header")
+        (count,) = reader.unpack("<I", "the number of fields")
+        if count > MAX_FIELDS:
+            reader.fail(f"{count} fields claimed, expected about 11")
+        layout = [reader.field(f"field {k + 1} of {count}") for k in range(count)]
+        return {field[0]: reader.array(*field) for field in layout}
+
+
+class _Reader:
+    """Reads forward and knows the place for its messages."""
+
+    def __init__(self, path: Path, file: BinaryIO, size: int) -> None:
+        self.path, self.file, self.size = path, file, size
+
+    def fail(self, what: str) -> None:
+        raise InputError(
+            f"{self.path}: offset {self.file.tell()}: {what}; "
+            "the file is damaged, download it again"
+        )
+
+    def take(self, count: int, what: str) -> bytes:
+        data = self.file.read(count)
+        if len(data) != count:
+            self.fail(f"the file ends ({self.size} bytes) inside {what}")
+        return data
+
+    def unpack(self, layout: str, what: str) -> tuple[Any, ...]:
+        return struct.unpack(layout, self.take(struct.calcsize(layout), what))
+
+    def field(self, what: str) -> tuple[str, np.dtype[Any], int, tuple[int, ...]]:
+        """The name, type, offset and shape of the next field of the directory."""
+        (length,) = self.unpack("<H", what)
+        name = self.take(length, what).decode("ascii", "backslashreplace")
+        dimensions, code, offset = self.unpack("<HBQ", what)
+        if dimensions > MAX_DIMENSIONS or code not in _TYPES:
+            self.fail(f"{what} has {dimensions} dimensions and type {code}, which nothing has")
+        shape = self.unpack(f"<{dimensions}Q", what)
+        dtype = np.dtype(_TYPES[code])
+        if offset + math.prod(shape) * dtype.itemsize > self.size:
+            self.fail(
+                f"field {name[:40]!r} claims shape {'x'.join(map(str, shape))} at {offset}, "
+                f"beyond the end of the file ({self.size} bytes)"
+            )
+        return name, dtype, offset, shape
+
+    def array(
+        self, name: str, dtype: np.dtype[Any], offset: int, shape: tuple[int, ...]
+    ) -> NDArray[Any]:
+        self.file.seek(offset)
+        data = self.take(math.prod(shape) * dtype.itemsize, f"field {name[:40]!r}")
+        return np.frombuffer(data, dtype).reshape(shape)

@@ -1,0 +1,50 @@
+"""Which samples are left out of a measurement, and why."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.measure import table
+from relgloss_view.measure.gonio import GRAZING_COSINE, OCCLUSION_DEG
+
+Array = NDArray[np.float64]
+
+
+def reasons(
+    to_lamp: Array,
+    to_receiver: Array,
+    readings: Array,
+    *,
+    saturation: float | None = None,
+    arms_occlude: bool = False,
+) -> NDArray[np.str_]:
+    """For each sample, table.KEPT or the reason to leave it out; shape (N,).
+
+    to_lamp and to_receiver are (N, 3) unit vectors; readings (N, B) as the instrument gave them,
+    NaN where it gave none. Where several reasons apply, the reading's own fault is named before
+    the geometry's. `saturation` is in the unit of the readings; `arms_occlude` says that lamp and
+    receiver are arms that shadow each other.
+    """
+    missing = np.isnan(readings).any(axis=1)
+    filled = np.where(np.isnan(readings), 0.0, readings)
+    lowest = np.minimum(to_lamp[:, 2], to_receiver[:, 2])
+
+    faults = [
+        (table.MISSING, missing),
+        (table.NEGATIVE, (filled < 0.0).any(axis=1)),
+    ]
+    if saturation is not None:
+        faults.append((table.SATURATED, (filled >= saturation).any(axis=1)))
+    # cos(90 deg) is 6e-17 in float64: the horizon itself counts as below.
+    faults += [(table.BELOW, lowest <= 1e-12), (table.GRAZING, lowest < GRAZING_COSINE)]
+    if arms_occlude:
+        # From the chord, which stays exact for near-equal directions where acos does not.
+        chord = np.linalg.norm(to_lamp - to_receiver, axis=1)
+        angle_deg = np.degrees(2.0 * np.arcsin(np.minimum(0.5 * chord, 1.0)))
+        # "Within 8 degrees" includes 8 itself, whatever the last bit of the chord says.
+        faults.append((table.OCCLUDED, angle_deg <= OCCLUSION_DEG + 1e-9))
+
+    names = [name for name, _ in faults]
+    found = np.select([mask for _, mask in faults], names, default=table.KEPT)
+    return np.asarray(found, dtype=np.str_)
