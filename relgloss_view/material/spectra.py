@@ -1,0 +1,173 @@
+"""Bands x illuminant -> XYZ, exactly: one weight for each band and tristimulus value.
+
+A BRDF that is a sum of spectra times shapes folds into one XYZ triple a spectrum, so a picture
+needs three channels only. The lamp is summed on its own fine grid and never at the band centres: a
+discharge lamp sampled at 10 nm moves its white by several dE (science of CIE 15; ASTM E308).
+"""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.bands import Bands
+from relgloss_view.errors import InputError
+from relgloss_view.resources import asset
+
+Array = NDArray[np.float64]
+
+#: Linear sRGB to XYZ, IEC 61966-2-1:1999 with its primaries and D65 (0.3127, 0.3290) carried to
+#: full precision, so that white is exactly Y = 1.
+SRGB_PRIMARIES_XY = ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06))
+D65_XY = (0.3127, 0.3290)
+SHIPPED_ILLUMINANTS = ("HP5",)
+
+
+def rgb_to_xyz_matrix(
+    primaries_xy: tuple[tuple[float, float], ...], white_xy: tuple[float, float]
+) -> Array:
+    """Matrix from linear RGB to XYZ with white at Y = 1 (SMPTE RP 177:1993), shape (3, 3)."""
+    columns = np.array([(x / y, 1.0, (1.0 - x - y) / y) for x, y in primaries_xy]).T
+    scale = np.linalg.solve(columns, white_from_xy(white_xy))
+    return np.asarray(columns * scale)
+
+
+def white_from_xy(xy: tuple[float, float]) -> Array:
+    """XYZ of a white of chromaticity (x, y) with Y = 1."""
+    x, y = xy
+    return np.array([x / y, 1.0, (1.0 - x - y) / y])
+
+
+@dataclass(frozen=True)
+class Illuminant:
+    """A lamp's relative spectral power on a regular or irregular grid of at most 10 nm."""
+
+    name: str
+    wavelengths_nm: tuple[float, ...]
+    power: tuple[float, ...]
+
+    def weighted_observer(self) -> tuple[Array, Array]:
+        """The lamp's grid and S(l) times the CIE 1931 observer times the step, Y summing to 1."""
+        grid = np.asarray(self.wavelengths_nm)
+        observer = _observer()
+        inside = (grid >= observer[0, 0]) & (grid <= observer[-1, 0])
+        grid, power = grid[inside], np.asarray(self.power)[inside]
+        matching = np.stack([np.interp(grid, observer[:, 0], observer[:, k]) for k in (1, 2, 3)])
+        product = matching * power * np.gradient(grid)
+        return grid, np.asarray(product / np.sum(product[1]))
+
+    def white_xyz(self) -> Array:
+        """XYZ of the perfect diffuser under this lamp, Y = 1."""
+        return np.asarray(np.sum(self.weighted_observer()[1], axis=1))
+
+
+@lru_cache(maxsize=32)
+def illuminant(name: str) -> Illuminant:
+    """A lamp by name (shipped, or any of colour-science's), or from a two-column file.
+
+    Raises InputError where neither exists or the file is not a table of wavelength and power.
+    """
+    if name in SHIPPED_ILLUMINANTS:
+        return _illuminant_file(asset("spectra", f"{name}.csv"), name)
+    if Path(name).is_file():
+        return _illuminant_file(Path(name), Path(name).stem)
+    import colour
+
+    for table in (colour.SDS_ILLUMINANTS, colour.SDS_LIGHT_SOURCES):
+        if name in table:
+            distribution = table[name]
+            return Illuminant(
+                name,
+                tuple(float(w) for w in distribution.wavelengths),
+                tuple(float(p) for p in distribution.values),
+            )
+    known = ", ".join(sorted(colour.SDS_ILLUMINANTS))
+    raise InputError(
+        f"illuminant {name!r}: neither a file nor a name that colour-science knows; "
+        f"give a two-column file (nm, power) or one of {known}"
+    )
+
+
+@lru_cache(maxsize=64)
+def xyz_weights(bands: Bands, lamp: Illuminant) -> Array:
+    """Weights W (B, 3): XYZ of reflectances R is R @ W, and R = 1 gives the lamp's white, Y = 1.
+
+    Reflectance between band centres is interpolated as ASTM E2022 does (cubic Lagrange, quadratic
+    in the outer intervals); beyond the outer bands it is held, so their weights are folded in.
+    Linear sRGB reflectances are taken relative to D65 and carried to the lamp's white by ratios.
+    """
+    if bands.is_rgb:
+        matrix = rgb_to_xyz_matrix(SRGB_PRIMARIES_XY, D65_XY)
+        return np.asarray((matrix * (lamp.white_xyz() / white_from_xy(D65_XY))[:, None]).T)
+    grid, observer = lamp.weighted_observer()
+    return np.asarray((observer @ lagrange_matrix(bands.centres_nm(), grid)).T)
+
+
+def lagrange_matrix(centres: Array, grid: Array) -> Array:
+    """Interpolation matrix (G, B) from band centres to a grid; both increasing, any spacing."""
+    count = len(centres)
+    matrix = np.zeros((len(grid), count))
+    interval = np.clip(np.searchsorted(centres, grid, side="right") - 1, 0, max(count - 2, 0))
+    for row, (x, k) in enumerate(
+        zip(np.clip(grid, centres[0], centres[-1]), interval, strict=True)
+    ):
+        nodes = np.arange(max(k - 1, 0), min(k + 3, count))
+        for j in nodes:
+            others = nodes[nodes != j]
+            factors = (x - centres[others]) / (centres[j] - centres[others])
+            matrix[row, j] = np.prod(factors)
+    return matrix
+
+
+@lru_cache(maxsize=1)
+def _observer() -> Array:
+    with asset("spectra", "cie1931_2deg.csv").open(encoding="utf-8") as file:
+        rows = [line for line in csv.reader(file) if line and not line[0].startswith("#")]
+    return np.array(rows[1:], dtype=np.float64)
+
+
+def _illuminant_file(path: Path, name: str) -> Illuminant:
+    rows: list[tuple[float, float]] = []
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(
+            f"{path}: can't be read as text ({error}); expected two columns"
+        ) from error
+    for number, line in enumerate(lines, 1):
+        fields = line.replace(",", " ").replace(";", " ").split()
+        if not fields or fields[0].startswith("#"):
+            continue
+        try:
+            wavelength, power = (float(v) for v in fields)
+        except ValueError:
+            if rows:
+                raise InputError(
+                    f"{path}: line {number}: expected a wavelength in nm and a power, found {line!r}"
+                ) from None
+            continue  # the header
+        if not (np.isfinite(wavelength) and np.isfinite(power) and wavelength > 0 and power >= 0):
+            raise InputError(
+                f"{path}: line {number}: a wavelength above 0 and a power of at least 0"
+            )
+        if rows and wavelength <= rows[-1][0]:
+            raise InputError(f"{path}: line {number}: wavelengths must increase")
+        rows.append((wavelength, power))
+    inside = [(w, p) for w, p in rows if 380 <= w <= 780]
+    widest = max((b[0] - a[0] for a, b in zip(rows, rows[1:], strict=False)), default=np.inf)
+    if (
+        not inside
+        or inside[0][0] > 400
+        or inside[-1][0] < 700
+        or widest > 10
+        or not any(p for _, p in inside)
+    ):
+        raise InputError(
+            f"{path}: a lamp needs power from 400 to 700 nm or wider, in steps of at most 10 nm"
+        )
+    return Illuminant(name, tuple(w for w, _ in rows), tuple(p for _, p in rows))

@@ -1,0 +1,136 @@
+"""OpenGL 3.3 contexts without a window: EGL first, OSMesa as the fallback.
+
+One of the two modules that know moderngl. A window gives its own context to `attach`.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import moderngl
+
+from relgloss_view.errors import GLUnavailableError
+
+BACKENDS = ("egl", "osmesa")
+REQUIRED_GL = 330
+REMEDY = (
+    "on Debian or Ubuntu: apt-get install libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri libx11-6 "
+    "(or libosmesa6); `--backend reference` draws without OpenGL"
+)
+
+
+def open_context(backend: str = "auto") -> moderngl.Context:
+    """A headless context; `backend` is 'auto', 'egl' or 'osmesa'.
+
+    Raises GLUnavailableError, one line with the remedy, where none can be made.
+    """
+    if backend == "auto":
+        makers = [_egl, _osmesa] if sys.platform.startswith("linux") else [_standalone]
+    else:
+        makers = [{"egl": _egl, "osmesa": _osmesa}[backend]]
+    faults: list[str] = []
+    for make in makers:
+        try:
+            return _checked(make())
+        except GLUnavailableError as error:
+            faults.append(str(error))
+        except Exception as error:  # the drivers and bindings below raise whatever they like
+            faults.append(f"{make.__name__.strip('_')}: {error or type(error).__name__}")
+    raise GLUnavailableError(f"no OpenGL 3.3 context: {'; '.join(faults)}; {REMEDY}")
+
+
+def attach(load: Callable[[str], int]) -> moderngl.Context:
+    """A moderngl context on the OpenGL context that is current; `load` finds a function by name."""
+    return _checked(moderngl.create_context(context=_Loader(load)))
+
+
+def describe(ctx: moderngl.Context) -> dict[str, Any]:
+    """Renderer, version and the limits that a picture meets."""
+    info = ctx.info
+    return {
+        "renderer": info["GL_RENDERER"],
+        "vendor": info["GL_VENDOR"],
+        "version": info["GL_VERSION"],
+        "glsl": ctx.version_code,
+        "max_texture_size": max_texture_size(ctx),
+    }
+
+
+def max_texture_size(ctx: moderngl.Context) -> int:
+    """Largest side of a picture on this device, pixels."""
+    return int(ctx.info["GL_MAX_TEXTURE_SIZE"])
+
+
+class _Loader:
+    """What moderngl asks of a context that it did not make (glcontext's four methods)."""
+
+    def __init__(self, load: Callable[[str], int], close: Callable[[], None] | None = None) -> None:
+        self._load = load
+        self._close = close
+
+    def load_opengl_function(self, name: str) -> int:
+        return self._load(name) or 0
+
+    def load(self, name: str) -> int:
+        return self.load_opengl_function(name)
+
+    def release(self) -> None:
+        if self._close is not None:
+            self._close()
+            self._close = None
+
+    def __enter__(self) -> _Loader:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+
+def _checked(ctx: moderngl.Context) -> moderngl.Context:
+    if ctx.version_code < REQUIRED_GL:
+        raise GLUnavailableError(
+            f"{ctx.info['GL_RENDERER']} offers OpenGL {ctx.version_code / 100:.1f}, 3.3 is needed"
+        )
+    ctx.gc_mode = "context_gc"  # dropped textures are freed at ctx.gc(), on the context's thread
+    return ctx
+
+
+def _egl() -> moderngl.Context:
+    return moderngl.create_context(standalone=True, backend="egl", require=REQUIRED_GL)
+
+
+def _standalone() -> moderngl.Context:
+    return moderngl.create_context(standalone=True, require=REQUIRED_GL)
+
+
+def _osmesa() -> moderngl.Context:
+    """OSMesa by way of GLFW's null platform; glcontext has no OSMesa backend of its own."""
+    import ctypes
+
+    import glfw
+
+    glfw.init_hint(glfw.PLATFORM, glfw.PLATFORM_NULL)
+    if not glfw.init():
+        raise GLUnavailableError("osmesa: GLFW's null platform does not start")
+    glfw.default_window_hints()
+    for hint, value in (
+        (glfw.VISIBLE, glfw.FALSE),
+        (glfw.CONTEXT_CREATION_API, glfw.OSMESA_CONTEXT_API),
+        (glfw.CONTEXT_VERSION_MAJOR, 3),
+        (glfw.CONTEXT_VERSION_MINOR, 3),
+        (glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE),
+        (glfw.OPENGL_FORWARD_COMPAT, glfw.FALSE),
+    ):
+        glfw.window_hint(hint, value)
+    window = glfw.create_window(16, 16, "relgloss", None, None)
+    if not window:
+        raise GLUnavailableError("osmesa: the library libOSMesa is missing or has no OpenGL 3.3")
+    glfw.make_context_current(window)
+
+    def load(name: str) -> int:
+        return ctypes.cast(glfw.get_proc_address(name), ctypes.c_void_p).value or 0
+
+    loader = _Loader(load, lambda: glfw.destroy_window(window))
+    return moderngl.create_context(context=loader, require=REQUIRED_GL)

@@ -1,0 +1,123 @@
+"""Hash, Gaussian tilt of the normal, and the mean of a lobe over that tilt.
+
+The twin of shaders/noise.glsl: same function names; the integers are identical, the rest is in
+float64. Angles are radians.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+UInts = NDArray[np.uint32]
+
+ATTEMPTS = 4
+
+
+def pcg3d(v: UInts) -> UInts:
+    """Hash of three 32-bit integers, (..., 3) (Jarzynski, Olano 2020)."""
+    x, y, z = (v[..., k].astype(np.uint32) * _U(1664525) + _U(1013904223) for k in range(3))
+    x += y * z
+    y += z * x
+    z += x * y
+    x ^= x >> _U(16)
+    y ^= y >> _U(16)
+    z ^= z >> _U(16)
+    x += y * z
+    y += z * x
+    z += x * y
+    return np.stack([x, y, z], axis=-1)
+
+
+def cell_hash(cell: NDArray[np.int64], seed: int) -> UInts:
+    """Three hashes of a grain cell (column, row, face), (..., 3); negative cells wrap."""
+    key = np.array(cell, dtype=np.int64).astype(np.uint32)
+    key[..., 2] = _U(seed) + key[..., 2] * _U(0x9E3779B9)
+    return pcg3d(key)
+
+
+def uniforms(hashes: UInts) -> Array:
+    """Numbers inside (0, 1) from the upper 23 bits; exact in float32 too."""
+    return np.asarray(((hashes >> _U(9)).astype(np.float64) + 0.5) * 2.0**-23)
+
+
+def gaussians(u: Array) -> Array:
+    """Two independent standard normals from two uniforms, (..., 2) (Box, Muller 1958)."""
+    radius = np.sqrt(-2.0 * np.log(u[..., 0]))
+    angle = 2.0 * np.pi * u[..., 1]
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=-1)
+
+
+def frame(n: Array) -> tuple[Array, Array]:
+    """Tangent and bitangent of unit normals (Duff et al. 2017)."""
+    x, y, z = np.moveaxis(n, -1, 0)
+    side = np.where(z >= 0.0, 1.0, -1.0)
+    a = -1.0 / (side + z)
+    b = x * y * a
+    tangent = np.stack([1.0 + side * x * x * a, side * b, -side * x], axis=-1)
+    bitangent = np.stack([b, side + y * y * a, -y], axis=-1)
+    return tangent, bitangent
+
+
+def tilt_angles(law: str, hashes: UInts, sigma: float) -> Array:
+    """Tilt along tangent and bitangent, (..., 2).
+
+    'paper': the angle is Gaussian of standard deviation sigma, its azimuth uniform (Ishii et al.).
+    'tangent': both components are Gaussian, so the angle is Rayleigh distributed.
+    """
+    u = uniforms(hashes)
+    g = gaussians(u[..., :2])
+    if law == "tangent":
+        return sigma * g
+    azimuth = 2.0 * np.pi * u[..., 2]
+    return sigma * g[..., :1] * np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
+
+
+def tilted(n: Array, angles: Array) -> Array:
+    """Unit normals turned by the tilt, (..., 3)."""
+    tangent, bitangent = frame(n)
+    theta = np.linalg.norm(angles, axis=-1, keepdims=True)
+    sinc = np.sinc(theta / np.pi)
+    turned = n * np.cos(theta) + sinc * (angles[..., :1] * tangent + angles[..., 1:] * bitangent)
+    return np.asarray(turned / np.linalg.norm(turned, axis=-1, keepdims=True))
+
+
+def noisy_normal(law: str, n: Array, o: Array, hashes: UInts, sigma: float) -> Array:
+    """The normal of a grain as the eye (direction o) sees it.
+
+    A tilt that would turn the grain away from the eye is halved up to three times, then dropped.
+    """
+    if law == "none" or sigma <= 0.0:
+        return n
+    angles = tilt_angles(law, hashes, sigma)
+    result = np.array(n)
+    open_ = np.ones(n.shape[:-1], dtype=bool)
+    for _ in range(ATTEMPTS):
+        candidate = tilted(n, angles)
+        visible = open_ & (np.sum(candidate * o, axis=-1) > 0.0)
+        result[visible] = candidate[visible]
+        open_ &= ~visible
+        angles = 0.5 * angles
+    return result
+
+
+def mean_lobe(delta: Array, s: float, sigma: float, law: str = "paper") -> Array:
+    """Expectation of exp(-delta'^2 / 2 s^2) over the tilt, delta' the tilted angle to the half-vector.
+
+    Gaussian tilt of uniform azimuth ('paper'): (1 + q^2)^-1/2 exp(-delta^2 / 2(s^2 + sigma^2))
+    I0e(z), q = sigma/s, z = delta^2 sigma^2 / (4 s^2 (s^2 + sigma^2)). Small angles, with Fresnel,
+    masking and cosines frozen. Replace s by s/sqrt(2) for the second moment.
+    """
+    from scipy.special import i0e
+
+    total = s * s + sigma * sigma
+    envelope = np.exp(-np.square(delta) / (2.0 * total))
+    if law == "tangent":
+        return np.asarray(s * s / total * envelope)
+    z = np.square(delta) * sigma * sigma / (4.0 * s * s * total)
+    return np.asarray(s / np.sqrt(total) * envelope * i0e(z))
+
+
+def _U(value: int) -> np.uint32:
+    return np.uint32(value & 0xFFFFFFFF)

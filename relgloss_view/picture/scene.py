@@ -1,0 +1,206 @@
+"""Scene (what stands where) and Look (what people judge): frozen values with their ranges.
+
+World axes: right-handed, y up, the object at the origin, the cylinder's axis is y. An azimuth is
+measured about y from +z towards +x, an elevation from the horizontal plane towards +y; the default
+eye, at azimuth 0, looks along -z. Each parameter declares its range, unit and meaning once, here.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.errors import InputError
+from relgloss_view.material.material import Material
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Range:
+    """The values a parameter may take, and what it means."""
+
+    low: float
+    high: float
+    unit: str
+    meaning: str
+
+
+def parameter(default: float, low: float, high: float, unit: str, meaning: str) -> Any:
+    """A dataclass field with a declared range."""
+    return field(default=default, metadata={"range": Range(low, high, unit, meaning)})
+
+
+def choice(default: str, options: tuple[str, ...], meaning: str) -> Any:
+    """A dataclass field that takes one of a few names."""
+    return field(default=default, metadata={"options": options, "meaning": meaning})
+
+
+class _Checked:
+    """Checks every declared range when a value is made."""
+
+    def __post_init__(self) -> None:
+        for f in dataclasses.fields(self):  # type: ignore[arg-type]
+            value = getattr(self, f.name)
+            place = f"{type(self).__name__.lower()}.{f.name}"
+            allowed = f.metadata.get("range")
+            if allowed is not None and value is not None:
+                if isinstance(value, bool) or not isinstance(value, int | float):
+                    raise InputError(f"{place}: expected a number, found {value!r}")
+                if not (math.isfinite(value) and allowed.low <= value <= allowed.high):
+                    raise InputError(
+                        f"{place}: expected {allowed.low:g} to {allowed.high:g} {allowed.unit}, "
+                        f"found {value!r}"
+                    )
+            options = f.metadata.get("options")
+            if options is not None and value not in options:
+                raise InputError(f"{place}: expected one of {', '.join(options)}, found {value!r}")
+
+
+SHAPES = ("cylinder", "sphere", "plane", "box")
+
+
+@dataclass(frozen=True)
+class Shape(_Checked):
+    """The object, centred at the origin. The cylinder and the sphere have a diameter."""
+
+    kind: str = choice("cylinder", SHAPES, "the object's form")
+    diameter_m: float = parameter(0.085, 1e-3, 10.0, "m", "of the cylinder and the sphere")
+    height_m: float = parameter(0.10, 1e-3, 10.0, "m", "along y: cylinder, plane and box")
+    width_m: float = parameter(0.085, 1e-3, 10.0, "m", "along x: plane and box")
+    depth_m: float = parameter(0.085, 1e-3, 10.0, "m", "along z: box")
+
+    def half_extent_m(self) -> Array:
+        """Half the bounding box, (3,)."""
+        radius = 0.5 * self.diameter_m
+        if self.kind == "cylinder":
+            return np.array([radius, 0.5 * self.height_m, radius])
+        if self.kind == "sphere":
+            return np.array([radius, radius, radius])
+        depth = 0.5 * self.depth_m if self.kind == "box" else 0.0
+        return np.array([0.5 * self.width_m, 0.5 * self.height_m, depth])
+
+    def contains(self, point_m: Array) -> bool:
+        """Whether a point is inside the object (a plane has no inside)."""
+        x, y, z = point_m
+        radius = 0.5 * self.diameter_m
+        if self.kind == "plane":
+            return False
+        if self.kind == "sphere":
+            return bool(x * x + y * y + z * z <= radius * radius)
+        if self.kind == "cylinder":
+            return bool(x * x + z * z <= radius * radius and abs(y) <= 0.5 * self.height_m)
+        return bool(np.all(np.abs(point_m) <= self.half_extent_m()))
+
+
+def polar_point(azimuth_deg: float, elevation_deg: float, distance_m: float) -> Array:
+    """World position at an azimuth, elevation and distance from the object's centre, (3,)."""
+    azimuth, elevation = math.radians(azimuth_deg), math.radians(elevation_deg)
+    across = distance_m * math.cos(elevation)
+    return np.array(
+        [across * math.sin(azimuth), distance_m * math.sin(elevation), across * math.cos(azimuth)]
+    )
+
+
+@dataclass(frozen=True)
+class Lamp(_Checked):
+    """A point lamp. Its brightness is given by what a white standard in the object's place shows."""
+
+    azimuth_deg: float = parameter(50.0, -180.0, 180.0, "deg", "0 is the default eye, 90 its right")
+    elevation_deg: float = parameter(0.0, -90.0, 90.0, "deg", "above the horizontal plane")
+    distance_m: float = parameter(1.0, 1e-3, 1e3, "m", "from the object's centre")
+    luminance_cd_m2: float = parameter(110.0, 1e-3, 1e6, "cd/m2", "Y_n: of the perfect diffuser")
+    illuminant: str = "HP5"  #: a name that spectra.illuminant knows, or a two-column file
+
+    @property
+    def position_m(self) -> Array:
+        """World position, (3,)."""
+        return polar_point(self.azimuth_deg, self.elevation_deg, self.distance_m)
+
+
+@dataclass(frozen=True)
+class Eye(_Checked):
+    """The eye looks at the object's centre; the picture is in perspective."""
+
+    azimuth_deg: float = parameter(0.0, -180.0, 180.0, "deg", "0 looks along -z")
+    elevation_deg: float = parameter(0.0, -90.0, 90.0, "deg", "above the horizontal plane")
+    distance_m: float = parameter(0.6, 1e-3, 1e3, "m", "from the object's centre")
+    #: Angle of view across the height of the picture; None frames the object.
+    field_of_view_deg: float | None = field(
+        default=None,
+        metadata={"range": Range(1e-3, 170.0, "deg", "across the height of the picture")},
+    )
+
+    @property
+    def position_m(self) -> Array:
+        """World position, (3,)."""
+        return polar_point(self.azimuth_deg, self.elevation_deg, self.distance_m)
+
+
+@dataclass(frozen=True)
+class Display(_Checked):
+    """The monitor: its white shows L* = 100. sRGB, or primaries with gain, offset and gamma."""
+
+    transfer: str = choice("srgb", ("srgb", "gain-offset-gamma"), "how RGB becomes light")
+    white_cd_m2: float = parameter(100.0, 1.0, 1e4, "cd/m2", "luminance of the monitor's white")
+    gain: float = parameter(1.0, 0.1, 10.0, "", "light = (gain d + offset)^gamma + flare")
+    offset: float = parameter(0.0, -0.5, 0.5, "", "see gain")
+    gamma: float = parameter(2.2, 0.5, 5.0, "", "see gain")
+    flare: float = parameter(0.0, 0.0, 0.2, "", "share of the white that black shows")
+    primaries_xy: tuple[tuple[float, float], ...] = ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06))
+    white_xy: tuple[float, float] = (0.3127, 0.3290)
+    background_lstar: float = parameter(50.0, 0.0, 100.0, "L*", "neutral surround of the object")
+
+
+GRAINS = ("screen", "surface")
+NOISE_LAWS = ("paper", "tangent")
+NOISY_LOBES = ("both", "specular")
+
+
+@dataclass(frozen=True)
+class Look(_Checked):
+    """What is tuned by eye: graininess sigma_N and the scaling c of the specular L*.
+
+    c is given either as a value or as a fraction of the exact c_max; both None means c_max.
+    """
+
+    sigma_n_deg: float = parameter(0.0, 0.0, 10.0, "deg", "sd of the tilt of the normal")
+    c: float | None = field(default=None, metadata={"range": Range(0.0, 1e4, "", "scales L_s*")})
+    c_fraction: float | None = field(
+        default=None, metadata={"range": Range(0.0, 10.0, "", "c as a fraction of c_max")}
+    )
+    grain: str = choice("screen", GRAINS, "what a grain is fixed to")
+    grain_px: int = field(
+        default=1, metadata={"range": Range(1, 1024, "px", "side of a screen grain")}
+    )
+    grain_mm: float = parameter(0.2, 0.001, 100.0, "mm", "side of a surface grain")
+    noise_law: str = choice("paper", NOISE_LAWS, "distribution of the tilt")
+    noisy_lobes: str = choice("both", NOISY_LOBES, "which reflections see the tilt")
+    seed: int = field(default=0, metadata={"range": Range(0, 2**32 - 1, "", "of the grain")})
+    samples: int = field(
+        default=1, metadata={"range": Range(1, 16, "", "samples along each side of a pixel")}
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.c is not None and self.c_fraction is not None:
+            raise InputError("look: give c or c_fraction, not both")
+        for name in ("grain_px", "seed", "samples"):
+            if not isinstance(getattr(self, name), int):
+                raise InputError(f"look.{name}: expected a whole number")
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What stands where: the sample's material on a shape, lamp, eye and display."""
+
+    material: Material
+    shape: Shape = Shape()
+    lamp: Lamp = Lamp()
+    eye: Eye = Eye()
+    display: Display = Display()

@@ -1,0 +1,75 @@
+"""The only reader of shaders/: resolves includes, defines constants, tells errors by file and line."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+from relgloss_view.errors import RelglossError
+from relgloss_view.resources import data_root
+
+_INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
+#: Mesa writes 0:12(3): error; NVIDIA 0(12) : error; others ERROR: 0:12:
+_PLACE = re.compile(r"\b(\d+)(?::|\()(\d+)\)?")
+
+
+class ShaderError(RelglossError):
+    """A shader that can't be composed or compiled; the message names file and line."""
+
+
+class ShaderSource:
+    """One stage with its includes resolved.
+
+    `text` goes to the compiler; `explain` turns the compiler's log into file names and lines.
+    """
+
+    def __init__(self, name: str, defines: Mapping[str, int] | None = None) -> None:
+        self.name = name
+        self.files: list[str] = []
+        body = self._resolve(name, trail=())
+        head, _, rest = body.partition("\n")
+        if not head.startswith("#version"):
+            raise ShaderError(f"{name}: line 1: a stage begins with #version")
+        lines = [f"#define {key} {value}" for key, value in sorted((defines or {}).items())]
+        self.text = "\n".join([head, *lines, "#line 2 0", rest]) + "\n"
+
+    def _resolve(self, name: str, trail: tuple[str, ...]) -> str:
+        if name in trail:
+            raise ShaderError(f"{name}: includes itself by way of {' > '.join(trail)}")
+        path = shader_folder() / name
+        try:
+            source = path.read_text(encoding="utf-8")
+        except OSError as error:
+            wanted_by = f" (included by {trail[-1]})" if trail else ""
+            raise ShaderError(f"{name}{wanted_by}: no such shader file") from error
+        index = len(self.files)
+        self.files.append(name)
+        lines: list[str] = []
+        for number, line in enumerate(source.splitlines(), 1):
+            match = _INCLUDE.match(line)
+            if match is None:
+                lines.append(line)
+            elif match[1] in self.files and match[1] not in trail:
+                lines.append("")
+            else:
+                lines.append(f"#line 1 {len(self.files)}")
+                lines.append(self._resolve(match[1], (*trail, name)))
+                lines.append(f"#line {number + 1} {index}")
+        return "\n".join(lines)
+
+    def explain(self, log: str) -> str:
+        """The compiler's log with file names in the place of source numbers."""
+
+        def place(match: re.Match[str]) -> str:
+            index = int(match[1])
+            known = self.files[index] if index < len(self.files) else self.name
+            return f"{known}:{match[2]}"
+
+        kept = [line.strip() for line in log.splitlines() if re.search("error|warning", line, re.I)]
+        return "; ".join(_PLACE.sub(place, line, count=1) for line in kept) or log.strip()
+
+
+def shader_folder() -> Path:
+    """The folder that holds the shader files."""
+    return data_root() / "shaders"

@@ -1,0 +1,86 @@
+"""Pixels to rays. The twin of shaders/view.glsl."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.errors import InputError
+from relgloss_view.picture.scene import Scene
+
+Array = NDArray[np.float64]
+Size = tuple[int, int]  #: width, height in pixels
+
+FILL = 0.8  #: share of the picture's height or width that a framed object takes
+MAX_SIDE_PX = 16384
+MAX_PIXELS = 64 * 1024 * 1024
+
+
+def check_size(size: Size) -> Size:
+    """The size, if a picture can have it; InputError otherwise."""
+    width, height = size
+    largest = max(size)
+    if min(size) < 1 or largest > MAX_SIDE_PX or width * height > MAX_PIXELS:
+        raise InputError(
+            f"size {width}x{height}: expected 1 to {MAX_SIDE_PX} pixels a side and at most "
+            f"{MAX_PIXELS} in all; give --size WxH"
+        )
+    return size
+
+
+@dataclass(frozen=True)
+class View:
+    """The eye's frame, rounded to float32 so that every renderer starts from the same numbers."""
+
+    eye_m: Array
+    right: Array
+    up: Array
+    forward: Array
+    pixel_step: float  #: tangent of a pixel's angle at the centre of the picture
+    size: Size
+
+    @classmethod
+    def of(cls, scene: Scene, size: Size) -> View:
+        """The view of a scene: through the object's centre, upright, framing the object."""
+        eye = scene.eye.position_m
+        forward = -eye / np.linalg.norm(eye)
+        azimuth = np.radians(scene.eye.azimuth_deg)
+        right = np.array([np.cos(azimuth), 0.0, -np.sin(azimuth)])
+        up = np.cross(right, forward)
+        width, height = size
+        angle = scene.eye.field_of_view_deg
+        if angle is None:
+            across, tall = _extent(scene, eye, right, up, forward)
+            step = max(across / width, tall / height) / FILL
+        else:
+            step = 2.0 * np.tan(0.5 * np.radians(angle)) / height
+        return cls(
+            _round(eye), _round(right), _round(up), _round(forward), float(np.float32(step)), size
+        )
+
+    def rays(self, rows: slice, place: tuple[float, float] = (0.5, 0.5)) -> Array:
+        """Rays through a place inside each pixel of some rows, (R, W, 3), not of unit length."""
+        width, height = self.size
+        x = (np.arange(width) + place[0] - 0.5 * width) * self.pixel_step
+        y = (np.arange(height)[rows] + place[1] - 0.5 * height) * self.pixel_step
+        return np.asarray(self.forward + x[None, :, None] * self.right - y[:, None, None] * self.up)
+
+
+def _round(vector: Array) -> Array:
+    return vector.astype(np.float32).astype(np.float64)
+
+
+def _extent(
+    scene: Scene, eye: Array, right: Array, up: Array, forward: Array
+) -> tuple[float, float]:
+    """Tangents of the angles that the object's bounding box spans across and up."""
+    half = scene.shape.half_extent_m()
+    corners = np.array([[sx, sy, sz] for sx in (-1, 1) for sy in (-1, 1) for sz in (-1, 1)]) * half
+    depth = (corners - eye) @ forward
+    if np.min(depth) <= 1e-6:  # the eye is among the corners: any angle serves, take a wide one
+        return 2.0, 2.0
+    across = np.abs((corners - eye) @ right) / depth
+    tall = np.abs((corners - eye) @ up) / depth
+    return 2.0 * float(np.max(across)), 2.0 * float(np.max(tall))

@@ -1,0 +1,142 @@
+// Reflection models. Twin: relgloss_view/material/brdf.py, which tells more of each formula.
+
+const float PI = 3.14159265358979;
+const float AZIMUTH_EPSILON = 1e-7;  // below it cos(phi) is undefined, and its terms vanish
+const float EON_EPSILON = 1e-7;
+const float COSINE_EPSILON = 1e-4;  // only guards divisions whose product is already zero
+
+const int LAMBERT = 0;
+const int OREN_NAYAR = 1;
+const int EON = 2;
+
+struct Facing {
+    float mu_i;    // cosine of incidence
+    float mu_o;    // cosine of viewing
+    float t;       // sin_i sin_o cos(phi)
+    float sin_i;
+    float sin_o;
+    float cos_d;   // cosine between i and the half-vector
+    float delta2;  // squared angle between normal and half-vector
+};
+
+// Squared angle between two nearly parallel unit vectors from e2 = |n - h|^2 = 4 sin^2(delta/2): the
+// series of arcsin^2. acos(n.h) loses half the digits in float32; this keeps them, without trig. Six
+// terms are within 1e-6 of delta^2 up to 45 degrees and 0.1 % at 90.
+float squared_angle(float e2) {
+    return e2 * (1.0 + e2 * (1.0 / 12.0 + e2 * (1.0 / 90.0 + e2 * (1.0 / 560.0
+         + e2 * (1.0 / 3150.0 + e2 * (1.0 / 16632.0))))));
+}
+
+Facing facing(vec3 n, vec3 i, vec3 o) {
+    float mu_i = dot(n, i);
+    float mu_o = dot(n, o);
+    vec3 tangent_i = i - n * mu_i;
+    vec3 tangent_o = o - n * mu_o;
+    vec3 h = i + o;
+    float size = length(h);
+    bool defined = size > AZIMUTH_EPSILON;
+    vec3 e = n - h / (defined ? size : 1.0);
+    float delta2 = defined ? squared_angle(dot(e, e)) : 0.25 * PI * PI;
+    return Facing(mu_i, mu_o, dot(tangent_i, tangent_o), length(tangent_i), length(tangent_o),
+                  defined ? 0.5 * size : 0.0, delta2);
+}
+
+bool above(Facing f) {
+    return f.mu_i > 0.0 && f.mu_o > 0.0 && f.cos_d > 0.0;
+}
+
+// --- specular: Torrance, Sparrow 1967 -------------------------------------------------------------
+
+// Unpolarised dielectric reflectance (Cook, Torrance 1982).
+float fresnel_dielectric(float cos_d, float n) {
+    float c = abs(cos_d);
+    float q = sqrt(max(n * n - 1.0 + c * c, 0.0));
+    float ratio = (q - c) / max(q + c, 1e-12);
+    float polarised = (c * (q + c) - 1.0) / (c * (q - c) + 1.0);
+    return 0.5 * ratio * ratio * (1.0 + polarised * polarised);
+}
+
+// Gaussian in the facet's angle (Torrance, Sparrow 1967); `amplitude` makes D cos(delta) integrate
+// to one and comes from brdf.facet_amplitude.
+float facet_density(float delta2, float s, float amplitude) {
+    return amplitude * exp(-delta2 / (2.0 * s * s));
+}
+
+// G / (cos_i cos_o), V-groove G (Torrance, Sparrow 1967; Cook, Torrance 1982), divided through.
+float shadowing(Facing f) {
+    float mu_i = max(f.mu_i, 0.0);
+    float mu_o = max(f.mu_o, 0.0);
+    float unshadowed = 1.0 / max(mu_i * mu_o, COSINE_EPSILON * COSINE_EPSILON);
+    float nh_over_ih = 0.5 * (mu_i + mu_o) / max(f.cos_d * f.cos_d, COSINE_EPSILON * COSINE_EPSILON);
+    float grooves = 2.0 * nh_over_ih / max(max(mu_i, mu_o), COSINE_EPSILON);
+    return min(unshadowed, grooves);
+}
+
+float torrance_sparrow(Facing f, float s, float amplitude, float n) {
+    if (!above(f)) return 0.0;
+    return 0.25 * facet_density(f.delta2, s, amplitude) * fresnel_dielectric(f.cos_d, n) * shadowing(f);
+}
+
+// --- diffuse: shapes for the albedo (x) and for a second albedo (y) -------------------------------
+
+vec2 lambert(Facing f) {
+    return vec2(f.mu_i > 0.0 && f.mu_o > 0.0 ? 1.0 / PI : 0.0, 0.0);
+}
+
+// Full model of Oren, Nayar 1995, for rho and rho^2.
+vec2 oren_nayar(Facing f, float sigma) {
+    if (f.mu_i <= 0.0 || f.mu_o <= 0.0) return vec2(0.0);
+    float product = f.sin_i * f.sin_o;
+    float cos_phi = product > AZIMUTH_EPSILON ? clamp(f.t / product, -1.0, 1.0) : 0.0;
+    float theta_i = atan(f.sin_i, f.mu_i);
+    float theta_o = atan(f.sin_o, f.mu_o);
+    float a = max(theta_i, theta_o);
+    float b = min(theta_i, theta_o);
+    float sin_a = max(f.sin_i, f.sin_o);
+    float sin_b = min(f.sin_i, f.sin_o);
+    float s2 = sigma * sigma;
+    float c1 = 1.0 - 0.5 * s2 / (s2 + 0.33);
+    float k = s2 / (s2 + 0.09);
+    float b_unit = 2.0 * b / PI;
+    float c2 = 0.45 * k * (sin_a - (cos_phi >= 0.0 ? 0.0 : b_unit * b_unit * b_unit));
+    float ab = 4.0 * a * b / (PI * PI);
+    float c3 = 0.125 * k * ab * ab;
+    float tan_b = sin_b / max(max(f.mu_i, f.mu_o), COSINE_EPSILON);
+    float tan_mean = (sin_a + sin_b) / max(f.mu_i + f.mu_o, COSINE_EPSILON);
+    float first = c1 + cos_phi * c2 * tan_b + (1.0 - abs(cos_phi)) * c3 * tan_mean;
+    float second = 0.17 * s2 / (s2 + 0.13) * (1.0 - cos_phi * b_unit * b_unit);
+    return vec2(max(first, 0.0), second) / PI;
+}
+
+float fujii_normalisation(float r) {
+    return 1.0 / (1.0 + (0.5 - 2.0 / (3.0 * PI)) * r);
+}
+
+float fujii_albedo(float mu, float r) {
+    float m = 1.0 - mu;
+    float g = m * (0.0571085289 + m * (0.491881867 + m * (-0.332181442 + m * 0.0714429953)));
+    return (1.0 + r * g) * fujii_normalisation(r);
+}
+
+float fujii_mean_albedo(float r) {
+    return fujii_normalisation(r) * (1.0 + (2.0 / 3.0 - 28.0 / (15.0 * PI)) * r);
+}
+
+// Energy-preserving Oren-Nayar (Portsmouth, Kutz, Hill 2025), for rho and rho_ms.
+vec2 eon(Facing f, float r) {
+    if (f.mu_i <= 0.0 || f.mu_o <= 0.0) return vec2(0.0);
+    float mu_i = min(f.mu_i, 1.0);
+    float mu_o = min(f.mu_o, 1.0);
+    float s_over_t = f.t > 0.0 ? f.t / max(max(mu_i, mu_o), COSINE_EPSILON) : f.t;
+    float first = fujii_normalisation(r) * (1.0 + r * s_over_t);
+    float missing_i = max(EON_EPSILON, 1.0 - fujii_albedo(mu_i, r));
+    float missing_o = max(EON_EPSILON, 1.0 - fujii_albedo(mu_o, r));
+    float missing = max(EON_EPSILON, 1.0 - fujii_mean_albedo(r));
+    return vec2(max(first, 0.0), missing_i * missing_o / missing) / PI;
+}
+
+vec2 diffuse_shapes(int model, Facing f, float sigma) {
+    if (model == LAMBERT) return lambert(f);
+    if (model == OREN_NAYAR) return oren_nayar(f, sigma);
+    return eon(f, sigma);
+}

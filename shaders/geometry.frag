@@ -1,0 +1,26 @@
+#version 330 core
+
+// What pass 1 sees at the centre of each pixel: normal before and after the tilt, point on the object.
+// Drawn only when someone asks for it. Constants: SHAPE, NOISE, GRAIN.
+
+#include "view.glsl"
+#include "shape.glsl"
+#include "noise.glsl"
+
+uniform vec3 half_extent_m;
+
+#include "grain.glsl"
+
+layout(location = 0) out vec4 normal;
+layout(location = 1) out vec4 tilted_normal;
+layout(location = 2) out vec4 point_m;
+
+void main() {
+    ivec2 here = pixel();
+    vec3 ray = ray_through(here, vec2(0.5));
+    Hit hit = meet(SHAPE, eye_m, ray, half_extent_m);
+    float found = hit.found ? 1.0 : 0.0;
+    normal = found * vec4(hit.normal, 1.0);
+    tilted_normal = found * vec4(grain_normal(hit, -normalize(ray), here), 1.0);
+    point_m = found * vec4(hit.point_m, 1.0);
+}

@@ -1,0 +1,16 @@
+// The normal of a grain at a point of the object: which cell, which draw.
+
+const int SCREEN = 0;
+const int SURFACE = 1;
+
+uniform float sigma_n;  // radians
+uniform int grain_px;
+uniform float grain_m;
+uniform uint seed;
+
+vec3 grain_normal(Hit hit, vec3 o, ivec2 pixel) {
+    if (NOISE == NO_NOISE) return hit.normal;
+    ivec3 cell = GRAIN == SCREEN ? ivec3(pixel / grain_px, 0)
+                                 : surface_cell(SHAPE, hit, grain_m, half_extent_m);
+    return noisy_normal(NOISE, hit.normal, o, cell_hash(cell, seed), sigma_n);
+}

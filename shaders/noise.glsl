@@ -1,0 +1,78 @@
+// Hash and Gaussian tilt of the normal. Twin: relgloss_view/picture/noise.py.
+
+const int NO_NOISE = 0;
+const int PAPER = 1;
+const int TANGENT = 2;
+
+// pcg3d (Jarzynski, Olano 2020, "Hash functions for GPU rendering"). Integers: identical everywhere.
+uvec3 pcg3d(uvec3 v) {
+    v = v * 1664525u + 1013904223u;
+    v.x += v.y * v.z;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    v ^= v >> 16u;
+    v.x += v.y * v.z;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    return v;
+}
+
+// Three hashes of a grain cell (column, row, face); negative cells wrap, none repeats.
+uvec3 cell_hash(ivec3 cell, uint seed) {
+    return pcg3d(uvec3(uint(cell.x), uint(cell.y), seed + uint(cell.z) * 0x9E3779B9u));
+}
+
+// The upper 23 bits, centred: exact in float32, never 0 or 1, so the logarithm below is finite.
+vec3 uniforms(uvec3 hash) {
+    return (vec3(hash >> 9u) + 0.5) * exp2(-23.0);
+}
+
+// Two independent standard normals (Box, Muller 1958).
+vec2 gaussians(vec2 u) {
+    float radius = sqrt(-2.0 * log(u.x));
+    float angle = 6.28318530717959 * u.y;
+    return radius * vec2(cos(angle), sin(angle));
+}
+
+// Tangent frame of a unit normal (Duff et al. 2017).
+void frame(vec3 n, out vec3 tangent, out vec3 bitangent) {
+    float side = n.z >= 0.0 ? 1.0 : -1.0;
+    float a = -1.0 / (side + n.z);
+    float b = n.x * n.y * a;
+    tangent = vec3(1.0 + side * n.x * n.x * a, side * b, -side * n.x);
+    bitangent = vec3(b, side + n.y * n.y * a, -n.y);
+}
+
+// Tilt angles along the tangent and bitangent, radians. PAPER: the angle is Gaussian and its azimuth
+// uniform (Ishii et al.: "theta follows Gaussian probability distribution"). TANGENT: both components
+// are Gaussian, so the angle is Rayleigh distributed.
+vec2 tilt_angles(int law, uvec3 hash, float sigma) {
+    vec3 u = uniforms(hash);
+    vec2 g = gaussians(u.xy);
+    if (law == TANGENT) return sigma * g;
+    float azimuth = 6.28318530717959 * u.z;
+    return sigma * g.x * vec2(cos(azimuth), sin(azimuth));
+}
+
+vec3 tilted(vec3 n, vec2 angles) {
+    vec3 tangent, bitangent;
+    frame(n, tangent, bitangent);
+    float theta = length(angles);
+    // sin(theta)/theta by its series: exact to 1e-7 for the tilts in use, and finite at 0.
+    float t2 = theta * theta;
+    float sinc = theta < 0.1 ? 1.0 - t2 / 6.0 + t2 * t2 / 120.0 : sin(theta) / theta;
+    return normalize(n * cos(theta) + sinc * (angles.x * tangent + angles.y * bitangent));
+}
+
+// The normal of a grain as the eye sees it. A tilt that would turn the grain away from the eye is
+// halved up to three times, then dropped: a hidden grain can't be seen, and must not be black.
+vec3 noisy_normal(int law, vec3 n, vec3 o, uvec3 hash, float sigma) {
+    if (law == NO_NOISE || sigma <= 0.0) return n;
+    vec2 angles = tilt_angles(law, hash, sigma);
+    for (int attempt = 0; attempt < 4; ++attempt) {
+        vec3 tilted_normal = tilted(n, angles);
+        if (dot(tilted_normal, o) > 0.0) return tilted_normal;
+        angles *= 0.5;
+    }
+    return n;
+}

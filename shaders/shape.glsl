@@ -1,0 +1,108 @@
+// Where a ray meets the object. Twin: relgloss_view/picture/shape.py.
+//
+// All objects are convex and centred at the origin, so the first meeting is the only visible one and
+// a surface that faces the lamp is lit. Closest-approach forms keep the digits of the normal near the
+// silhouette (Haines et al. 2019, "Precision improvements for ray/sphere intersection").
+
+const int CYLINDER = 0;
+const int SPHERE = 1;
+const int PLANE = 2;
+const int BOX = 3;
+
+struct Hit {
+    bool found;
+    vec3 point_m;
+    vec3 normal;
+    vec2 surface_m;  // coordinates along the surface, for the grain
+    int face;
+};
+
+const Hit MISS = Hit(false, vec3(0.0), vec3(0.0, 0.0, 1.0), vec2(0.0), 0);
+
+// Round cylinder about y, closed by two caps. half_extent_m = (radius, half height, radius).
+Hit meet_cylinder(vec3 eye_m, vec3 ray, vec3 half_extent_m) {
+    float radius = half_extent_m.x;
+    vec2 along = ray.xz;
+    float length2 = dot(along, along);
+    float moment = eye_m.x * along.y - eye_m.z * along.x;  // distance to the axis, times |along|
+    float reach = radius * sqrt(length2);
+    float discriminant = (reach - abs(moment)) * (reach + abs(moment));
+    if (length2 > 0.0 && discriminant >= 0.0) {
+        float root = sqrt(discriminant);
+        float travel = (-dot(eye_m.xz, along) - root) / length2;
+        float y = eye_m.y + travel * ray.y;
+        if (travel > 0.0 && abs(y) <= half_extent_m.y) {
+            vec2 normal = (moment * vec2(along.y, -along.x) - root * along) / (length2 * radius);
+            vec3 n = vec3(normal.x, 0.0, normal.y);
+            vec2 surface = vec2(atan(n.x, n.z) * radius, y);
+            return Hit(true, vec3(n.x * radius, y, n.z * radius), n, surface, 0);
+        }
+    }
+    float cap = eye_m.y > 0.0 ? half_extent_m.y : -half_extent_m.y;
+    float to_cap = abs(ray.y) > 0.0 ? (cap - eye_m.y) / ray.y : -1.0;
+    vec3 p = eye_m + to_cap * ray;
+    bool outside = abs(eye_m.y) > half_extent_m.y;
+    if (outside && to_cap > 0.0 && dot(p.xz, p.xz) <= radius * radius) {
+        vec3 n = vec3(0.0, sign(cap), 0.0);
+        return Hit(true, vec3(p.x, cap, p.z), n, p.xz, cap > 0.0 ? 1 : 2);
+    }
+    return MISS;
+}
+
+Hit meet_sphere(vec3 eye_m, vec3 ray, vec3 half_extent_m) {
+    float radius = half_extent_m.x;
+    float length2 = dot(ray, ray);
+    vec3 moment = cross(eye_m, ray);
+    float reach = radius * sqrt(length2);
+    float distance_scaled = length(moment);
+    float discriminant = (reach - distance_scaled) * (reach + distance_scaled);
+    if (discriminant < 0.0) return MISS;
+    float root = sqrt(discriminant);
+    if (-dot(eye_m, ray) - root <= 0.0) return MISS;
+    vec3 n = normalize((cross(ray, moment) - root * ray) / (length2 * radius));
+    vec2 surface = radius * vec2(atan(n.x, n.z), asin(clamp(n.y, -1.0, 1.0)));
+    return Hit(true, n * radius, n, surface, 0);
+}
+
+// Rectangle in x-y that faces +z; nothing is seen from behind.
+Hit meet_plane(vec3 eye_m, vec3 ray, vec3 half_extent_m) {
+    if (eye_m.z <= 0.0 || ray.z >= 0.0) return MISS;
+    vec2 p = eye_m.xy - (eye_m.z / ray.z) * ray.xy;
+    if (any(greaterThan(abs(p), half_extent_m.xy))) return MISS;
+    return Hit(true, vec3(p, 0.0), vec3(0.0, 0.0, 1.0), p, 0);
+}
+
+// Slabs (Kay, Kajiya 1986). A face is met only from outside.
+Hit meet_box(vec3 eye_m, vec3 ray, vec3 half_extent_m) {
+    for (int axis = 0; axis < 3; ++axis) {
+        float side = eye_m[axis] > 0.0 ? 1.0 : -1.0;
+        float face_m = side * half_extent_m[axis];
+        bool facing = abs(eye_m[axis]) > half_extent_m[axis] && ray[axis] * side < 0.0;
+        float travel = facing ? (face_m - eye_m[axis]) / ray[axis] : -1.0;
+        vec3 p = eye_m + travel * ray;
+        p[axis] = face_m;
+        if (travel > 0.0 && all(lessThanEqual(abs(p), half_extent_m))) {
+            vec3 n = vec3(0.0);
+            n[axis] = side;
+            vec2 surface = axis == 0 ? p.zy : (axis == 1 ? p.xz : p.xy);
+            return Hit(true, p, n, surface, 2 * axis + (side > 0.0 ? 0 : 1));
+        }
+    }
+    return MISS;
+}
+
+Hit meet(int shape, vec3 eye_m, vec3 ray, vec3 half_extent_m) {
+    if (shape == CYLINDER) return meet_cylinder(eye_m, ray, half_extent_m);
+    if (shape == SPHERE) return meet_sphere(eye_m, ray, half_extent_m);
+    if (shape == PLANE) return meet_plane(eye_m, ray, half_extent_m);
+    return meet_box(eye_m, ray, half_extent_m);
+}
+
+// Grain cell on the surface: column, row, face. On a sphere each row of cells is scaled by the cosine
+// of its own latitude, so that cells keep their area towards the poles.
+ivec3 surface_cell(int shape, Hit hit, float cell_m, vec3 half_extent_m) {
+    float row = floor(hit.surface_m.y / cell_m);
+    float across = hit.surface_m.x;
+    if (shape == SPHERE) across *= cos((row + 0.5) * cell_m / half_extent_m.x);
+    return ivec3(int(floor(across / cell_m)), int(row), hit.face);
+}

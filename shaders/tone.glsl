@@ -1,0 +1,95 @@
+// CIELAB split, scaling, gamut and display (Ishii et al., eqs. 1-4). Twin: relgloss_view/picture/tone.py.
+
+// Cube root by an estimate from the exponent's bits and two steps of Halley's method, whose error is
+// cubed each time: within 2 units in the last place, and faster than pow. Zero for t <= 0.
+float cube_root(float t) {
+    if (t <= 0.0) return 0.0;
+    float x = uintBitsToFloat(floatBitsToUint(t) / 3u + 709921077u);
+    for (int step = 0; step < 2; ++step) {
+        float x3 = x * x * x;
+        x *= (x3 + 2.0 * t) / (2.0 * x3 + t);
+    }
+    return x;
+}
+
+// CIE 15:2004 with the exact constants, so that value and slope are continuous.
+const float LAB_EPSILON = 216.0 / 24389.0;
+const float LAB_KAPPA = 24389.0 / 27.0;
+
+float lab_f(float t) {
+    return t > LAB_EPSILON ? cube_root(t) : (LAB_KAPPA * t + 16.0) / 116.0;
+}
+
+float lab_f_inverse(float f) {
+    return f > 6.0 / 29.0 ? f * f * f : (116.0 * f - 16.0) / LAB_KAPPA;
+}
+
+float lightness(float y) {
+    return y > LAB_EPSILON ? 116.0 * cube_root(y) - 16.0 : LAB_KAPPA * y;
+}
+
+vec3 lab_from_xyz(vec3 xyz, vec3 white) {
+    vec3 t = xyz / white;
+    vec3 f = vec3(lab_f(t.x), lab_f(t.y), lab_f(t.z));
+    return vec3(lightness(t.y), 500.0 * (f.x - f.y), 200.0 * (f.y - f.z));
+}
+
+vec3 xyz_from_lab(vec3 lab, vec3 white) {
+    float f = (lab.x + 16.0) / 116.0;
+    return white * vec3(lab_f_inverse(f + lab.y / 500.0), lab_f_inverse(f),
+                        lab_f_inverse(f - lab.z / 200.0));
+}
+
+// L_d*, L_s*: lightness of the diffuse part, and its increase by the specular part (eq. 1).
+vec2 split_lightness(float y_diffuse, float y_specular) {
+    float diffuse = lightness(y_diffuse);
+    return vec2(diffuse, lightness(y_diffuse + y_specular) - diffuse);
+}
+
+// The largest c that this pixel can show; huge where nothing is specular.
+float largest_c(vec2 split) {
+    return split.y > 1e-6 ? (100.0 - split.x) / split.y : 1e30;
+}
+
+const float GAMUT_TOLERANCE = 1e-4;  // far below one step of 8 bits
+
+bool in_gamut(vec3 rgb) {
+    return all(greaterThanEqual(rgb, vec3(-GAMUT_TOLERANCE)))
+        && all(lessThanEqual(rgb, vec3(1.0 + GAMUT_TOLERANCE)));
+}
+
+// Linear display RGB of a Lab colour whose white is the display's. Out of gamut: L* and hue are held
+// and chroma is reduced by bisection to the gamut's edge.
+vec3 display_rgb(vec3 lab, vec3 display_white, mat3 rgb_from_xyz, out bool inside) {
+    lab.x = clamp(lab.x, 0.0, 100.0);
+    vec3 rgb = rgb_from_xyz * xyz_from_lab(lab, display_white);
+    inside = in_gamut(rgb);
+    if (!inside) {
+        float low = 0.0;
+        float high = 1.0;
+        for (int step = 0; step < 16; ++step) {
+            float middle = 0.5 * (low + high);
+            rgb = rgb_from_xyz * xyz_from_lab(vec3(lab.x, middle * lab.yz), display_white);
+            if (in_gamut(rgb)) low = middle; else high = middle;
+        }
+        rgb = rgb_from_xyz * xyz_from_lab(vec3(lab.x, low * lab.yz), display_white);
+    }
+    return clamp(rgb, 0.0, 1.0);
+}
+
+const int SRGB = 0;
+const int GAIN_OFFSET_GAMMA = 1;
+
+// IEC 61966-2-1:1999.
+float srgb_encode(float v) {
+    return v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1.0 / 2.4) - 0.055;
+}
+
+// Digital values of light relative to the display's white: sRGB, or the inverse of
+// (gain d + offset)^gamma + flare (Berns 1996) with curve = (gain, offset, gamma, flare).
+vec3 encode(int transfer, vec3 rgb, vec4 curve) {
+    if (transfer == SRGB) return vec3(srgb_encode(rgb.r), srgb_encode(rgb.g), srgb_encode(rgb.b));
+    float white = pow(curve.x + curve.y, curve.z) + curve.w;
+    vec3 light = max(rgb * white - curve.w, 0.0);
+    return clamp((pow(light, vec3(1.0 / curve.z)) - curve.y) / curve.x, 0.0, 1.0);
+}

@@ -1,0 +1,18 @@
+// Pixels to rays. The pixel's column and row count from the top left, as in the picture file.
+
+uniform vec3 eye_m;
+uniform vec3 view_right;    // unit
+uniform vec3 view_up;       // unit
+uniform vec3 view_forward;  // unit
+uniform float pixel_step;   // tangent of a pixel's angle at the centre
+uniform ivec2 size_px;
+
+ivec2 pixel() {
+    return ivec2(int(gl_FragCoord.x), size_px.y - 1 - int(gl_FragCoord.y));
+}
+
+// Ray through a place inside a pixel, (0.5, 0.5) its centre; not of unit length.
+vec3 ray_through(ivec2 pixel, vec2 place) {
+    vec2 offset = vec2(pixel) + place - 0.5 * vec2(size_px);
+    return view_forward + (offset.x * pixel_step) * view_right - (offset.y * pixel_step) * view_up;
+}
