@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import stat
+from dataclasses import replace
 from pathlib import Path
 
 from relgloss_view.errors import InputError
-from relgloss_view.measure.readers import csv_table, gcms, generic, rgl, tensor_file
+from relgloss_view.measure.quantity import BRDF, known
+from relgloss_view.measure.readers import csv_table, gcms, generic, merl, rgl, tensor_file
 from relgloss_view.measure.table import Measurement
 
 __all__ = ["read_measurement"]
@@ -41,8 +43,13 @@ def _read(path: Path, quantity: str | None, gamma_s_deg: float | None) -> Measur
     with path.open("rb") as file:
         head = file.read(4096)
 
-    if head.startswith(tensor_file.MAGIC):
+    # A file cut off inside the magic number is a damaged .bsdf too.
+    if head and tensor_file.MAGIC.startswith(head[: len(tensor_file.MAGIC)]):
         measurement = rgl.read(path)
+    elif head.startswith(merl.HEADER):
+        measurement = merl.read(path)
+    elif head.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise InputError(f"{path}: the text is UTF-16; save it as UTF-8")
     elif b"\x00" in head:
         raise InputError(
             f"{path}: neither text nor a known binary format; "
@@ -50,7 +57,19 @@ def _read(path: Path, quantity: str | None, gamma_s_deg: float | None) -> Measur
         )
     else:
         return _read_text(path, quantity, gamma_s_deg)
-    return measurement
+    return _with_unused_arguments(measurement, quantity, gamma_s_deg)
+
+
+def _with_unused_arguments(
+    measurement: Measurement, quantity: str | None, gamma_s_deg: float | None
+) -> Measurement:
+    """Warn of arguments that mean nothing for a format that holds BRDFs by definition."""
+    warnings = list(measurement.warnings)
+    if quantity is not None and known(quantity, "--quantity") != BRDF:
+        warnings.append(f"the format holds BRDFs in 1/sr; --quantity {quantity} is not used")
+    if gamma_s_deg is not None:
+        warnings.append("the format has no tilt of the sample; --gamma-s-deg is not used")
+    return replace(measurement, warnings=tuple(warnings))
 
 
 def _read_text(path: Path, quantity: str | None, gamma_s_deg: float | None) -> Measurement:

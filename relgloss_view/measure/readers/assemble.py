@@ -1,4 +1,4 @@
-"""The last steps that all readers share: duplicates, and a measurement with nothing left."""
+"""What readers share: the directions of tabulated files, duplicates, nothing left to use."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relgloss_view.errors import InputError
+from relgloss_view.measure.gonio import spherical, tabulated_grid
 from relgloss_view.measure.table import Measurement
 
 Array = NDArray[np.float64]
@@ -13,6 +14,17 @@ Array = NDArray[np.float64]
 #: Two readings of one geometry that differ by more than this contradict each other: noise of gonio
 #: instruments is a few percent.
 CONTRADICTION = 0.10
+
+
+def tabulated_directions() -> tuple[Array, Array, NDArray[np.int64]]:
+    """To lamp and to receiver, (N, 3) each, of gonio.tabulated_grid(), and the group of each.
+
+    The lamp stands at azimuth 180, so that the mirror direction is at azimuth 0; the group is the
+    incidence polar angle in degrees.
+    """
+    theta_i, theta_r, phi = tabulated_grid().T
+    to_lamp = spherical(theta_i, np.full_like(theta_i, 180.0))
+    return to_lamp, spherical(theta_r, 180.0 - phi), np.rint(theta_i).astype(np.int64)
 
 
 def require_samples(measurement: Measurement, path: object) -> Measurement:

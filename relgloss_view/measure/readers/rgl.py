@@ -17,9 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 from relgloss_view.bands import RGB
 from relgloss_view.errors import InputError
 from relgloss_view.measure import screen, table
-from relgloss_view.measure.gonio import spherical, tabulated_grid
 from relgloss_view.measure.readers import tensor_file
-from relgloss_view.measure.readers.assemble import require_samples
+from relgloss_view.measure.readers.assemble import require_samples, tabulated_directions
 from relgloss_view.measure.readers.unit_square import Warp, bilinear, find_slices
 from relgloss_view.measure.table import Measurement
 
@@ -36,9 +35,7 @@ def read(path: Path) -> Measurement:
     instrument. The channel is set to zero, with a warning, and the sample is kept.
     """
     brdf = load(path)
-    theta_i, theta_r, phi = tabulated_grid().T
-    to_lamp = spherical(theta_i, np.full_like(theta_i, 180.0))
-    to_receiver = spherical(theta_r, 180.0 - phi)
+    to_lamp, to_receiver, group = tabulated_directions()
     factor = np.pi * brdf.evaluate(to_lamp, to_receiver)
 
     luminance = factor @ LUMINANCE
@@ -63,7 +60,7 @@ def read(path: Path) -> Measurement:
             bands=RGB,
             radiance_factor=np.where(unseen[:, None], np.nan, np.maximum(factor, 0.0)),
             reasons=reasons,
-            group=np.rint(theta_i).astype(np.int64),
+            group=group,
             warnings=tuple(warnings),
         ),
         path,
@@ -102,7 +99,7 @@ def load(path: Path) -> RglBrdf:
                 f"{path}: field '{name}' is not a density: it is negative or zero throughout; "
                 "the file is damaged, download it again"
             )
-    description = fields.get("description", np.zeros(0, np.uint8)).astype(np.uint8).tobytes()
+    description = fields.get("description", np.zeros(0, np.uint8)).tobytes()
     jacobian = fields.get("jacobian", np.ones(1, np.uint8))
     return RglBrdf(
         description=" ".join(description.decode("utf-8", "replace").split())[:200],
@@ -134,13 +131,16 @@ def _floats(
             f"{path}: field '{name}' has shape {found}, expected {wanted}; "
             "only isotropic rgb files of the RGL database can be read"
         )
-    if not np.isfinite(values).all():
-        place = ", ".join(str(k) for k in np.argwhere(~np.isfinite(values))[0])
+    values = values.astype(np.float64)
+    # The database stores float32; larger numbers, from a damaged file, would overflow in sums.
+    sound = np.abs(values) <= np.finfo(np.float32).max
+    if not sound.all():
+        place = ", ".join(str(k) for k in np.argwhere(~sound)[0])
         raise InputError(
             f"{path}: field '{name}' holds a NaN or an infinity at [{place}]; "
             "the file is damaged, download it again"
         )
-    return values.astype(np.float64)
+    return values
 
 
 @dataclass(frozen=True)

@@ -39,6 +39,10 @@ def read(path: Path) -> dict[str, NDArray[Any]]:
         if count > MAX_FIELDS:
             reader.fail(f"{count} fields claimed, expected about 11")
         layout = [reader.field(f"field {k + 1} of {count}") for k in range(count)]
+        # Fields that overlap could claim the whole file a thousand times over.
+        claimed = sum(math.prod(shape) * dtype.itemsize for _, dtype, _, shape in layout)
+        if claimed > size:
+            reader.fail(f"the fields claim {claimed} bytes, the file has {size}")
         return {field[0]: reader.array(*field) for field in layout}
 
 
@@ -71,6 +75,8 @@ class _Reader:
         if dimensions > MAX_DIMENSIONS or code not in _TYPES:
             self.fail(f"{what} has {dimensions} dimensions and type {code}, which nothing has")
         shape = self.unpack(f"<{dimensions}Q", what)
+        if 0 in shape and dimensions > 1:
+            self.fail(f"field {name[:40]!r} claims shape {'x'.join(map(str, shape))}")
         dtype = np.dtype(_TYPES[code])
         if offset + math.prod(shape) * dtype.itemsize > self.size:
             self.fail(

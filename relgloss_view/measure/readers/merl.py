@@ -1,0 +1,144 @@
+"""MERL BRDF database (Matusik et al. 2003): isotropic, over half and difference angles.
+
+The bins stand at theta_h = (k / 90)^2 90 degrees, finer towards the mirror direction, and at whole
+degrees of theta_d and phi_d (Rusinkiewicz 1998). A negative bin was not measured.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from relgloss_view.bands import RGB
+from relgloss_view.errors import InputError
+from relgloss_view.measure import screen
+from relgloss_view.measure.readers.assemble import require_samples, tabulated_directions
+from relgloss_view.measure.table import Measurement
+
+Array = NDArray[np.float64]
+
+SHAPE = (90, 90, 180)  #: theta_h, theta_d, phi_d
+HEADER = np.array(SHAPE, dtype="<i4").tobytes()
+SIZE = len(HEADER) + 3 * int(np.prod(SHAPE)) * 8
+#: The factors of the authors' own reader, to 1/sr.
+SCALE = np.array([1.0, 1.15, 1.66]) / 1500.0
+
+
+def read(path: Path) -> Measurement:
+    """Read a .binary file at gonio.tabulated_grid(). Raises InputError."""
+    brdf = load(path)
+    to_lamp, to_receiver, group = tabulated_directions()
+    factor = np.pi * brdf.evaluate(to_lamp, to_receiver)
+    return require_samples(
+        Measurement(
+            name=path.stem,
+            source=f"{path.name}, MERL BRDF database format (Matusik et al. 2003), "
+            "channels taken as linear sRGB",
+            to_lamp=to_lamp,
+            to_receiver=to_receiver,
+            bands=RGB,
+            radiance_factor=factor,
+            reasons=screen.reasons(to_lamp, to_receiver, factor),
+            group=group,
+        ),
+        path,
+    )
+
+
+def load(path: Path) -> MerlBrdf:
+    """Map a .binary file into memory. Raises InputError where it is damaged."""
+    size = path.stat().st_size
+    if size != SIZE:
+        raise InputError(
+            f"{path}: {size} bytes, a MERL file of 90 x 90 x 180 bins has {SIZE}; "
+            "the file is damaged, download it again"
+        )
+    bins = np.memmap(path, dtype="<f8", mode="r", offset=len(HEADER), shape=(3, *SHAPE))
+    for channel, values in zip(RGB.labels, bins, strict=True):
+        if not np.isfinite(values).all():
+            place = ", ".join(str(k) for k in np.argwhere(~np.isfinite(values))[0])
+            raise InputError(
+                f"{path}: channel {channel} holds a NaN or an infinity in bin [{place}]; "
+                "the file is damaged, download it again"
+            )
+    return MerlBrdf(bins)
+
+
+@dataclass(frozen=True)
+class MerlBrdf:
+    """A measured BRDF over half and difference angles; call evaluate."""
+
+    bins: Array  #: (3, 90, 90, 180), as stored
+
+    def evaluate(self, i: ArrayLike, o: ArrayLike) -> Array:
+        """BRDF in 1/sr, shape (..., 3); NaN where unmeasured, zero below the horizon.
+
+        i (to the lamp) and o (to the eye) are unit vectors, (..., 3). Interpolates linearly
+        between the centres of measured bins; a direction in an unmeasured bin has no value.
+        """
+        i, o = np.broadcast_arrays(np.asarray(i, np.float64), np.asarray(o, np.float64))
+        shape = i.shape
+        i, o = i.reshape(-1, 3), o.reshape(-1, 3)
+        result = np.zeros_like(i)
+        above = (i[:, 2] > 0.0) & (o[:, 2] > 0.0)
+        if above.any():
+            result[above] = self._interpolate(_bin_coordinates(i[above], o[above]))
+        return result.reshape(shape)
+
+    def _interpolate(self, coordinates: Array) -> Array:
+        """Values at bin coordinates (M, 3), where bin k reaches from k to k + 1."""
+        counts = np.array(SHAPE)
+        own = np.minimum(coordinates.astype(np.int64), counts - 1)
+        centred = coordinates - 0.5
+        low = np.floor(centred).astype(np.int64)
+        fraction = centred - low
+        total = np.zeros((len(own), 3))
+        weight = np.zeros((len(own), 3))
+        for corner in product((0, 1), repeat=3):
+            index = low + corner
+            share = np.prod(np.where(corner, fraction, 1.0 - fraction), axis=1)[:, None]
+            index[:, :2] = np.clip(index[:, :2], 0, counts[:2] - 1)
+            index[:, 2] %= counts[2]  # phi_d has the period pi (reciprocity)
+            values = self._at(index)
+            measured = np.where(values >= 0.0, share, 0.0)
+            total += measured * values
+            weight += measured
+        missing = (self._at(own) < 0.0) | (weight <= 0.0)
+        value = total / np.where(weight > 0.0, weight, 1.0)
+        return np.asarray(np.where(missing, np.nan, value * SCALE))
+
+    def _at(self, index: NDArray[np.int64]) -> Array:
+        return np.asarray(self.bins[:, index[:, 0], index[:, 1], index[:, 2]]).T
+
+
+def _bin_coordinates(i: Array, o: Array) -> Array:
+    """Continuous bin coordinates (M, 3) of unit vectors i and o (Rusinkiewicz 1998)."""
+    half = i + o
+    half /= np.linalg.norm(half, axis=1)[:, None]
+    sin_h = np.hypot(half[:, 0], half[:, 1])
+    theta_h = np.arctan2(sin_h, half[:, 2])
+    # The azimuth of h, as a unit vector; at the pole any will do.
+    polar = sin_h > 0.0
+    cos_p = np.where(polar, half[:, 0] / np.where(polar, sin_h, 1.0), 1.0)
+    sin_p = np.where(polar, half[:, 1] / np.where(polar, sin_h, 1.0), 0.0)
+    # i in the frame whose pole is h: turned by -phi_h about z, then by -theta_h about y.
+    x = i[:, 0] * cos_p + i[:, 1] * sin_p
+    y = i[:, 1] * cos_p - i[:, 0] * sin_p
+    dx = x * half[:, 2] - i[:, 2] * sin_h
+    dz = x * sin_h + i[:, 2] * half[:, 2]
+    theta_d = np.arctan2(np.hypot(dx, y), dz)
+    phi_d = np.arctan2(y, dx) % np.pi
+    right = 0.5 * np.pi
+    coordinates = np.stack(
+        [
+            SHAPE[0] * np.sqrt(theta_h / right),
+            SHAPE[1] * theta_d / right,
+            SHAPE[2] * phi_d / np.pi,
+        ],
+        axis=1,
+    )
+    return np.asarray(np.clip(coordinates, 0.0, np.array(SHAPE, dtype=np.float64)))
