@@ -1,0 +1,203 @@
+"""Frame: one picture with every stage that led to it, and the numbers that go with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.errors import InputError
+from relgloss_view.material.spectra import illuminant
+from relgloss_view.picture import tone
+from relgloss_view.picture.scene import Look, Scene
+
+Floats = NDArray[np.floating[Any]]
+
+
+@dataclass(frozen=True)
+class Extremes:
+    """What the reduction of pass 1 finds over the object; L* unless said otherwise."""
+
+    smallest_ratio: float  #: min of (100 - L_d) / L_s over the pixels
+    l_d_max: float
+    l_s_max: float
+    brightest_l_d: float  #: of the brightest pixel
+    brightest_l_s: float
+    not_finite: int = 0  #: number of pixels
+
+    @classmethod
+    def of_nothing(cls) -> Extremes:
+        """Where no pixel shows the object."""
+        return cls(1e30, 0.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Scaling:
+    """The scaling of L_s* in a picture. c_max is None where nothing specular is seen."""
+
+    c: float
+    c_max: float | None
+    c_max_eq4: float | None  #: the paper's approximation, at the brightest pixel
+    warnings: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, look: Look, extremes: Extremes) -> Scaling:
+        """Choose c from what is asked for and what can be shown (Ishii et al., eq. 4, exactly).
+
+        Raises InputError where the diffuse part alone passes L* = 100 and c_max is asked for.
+        """
+        if extremes.not_finite:
+            raise InputError(
+                f"{extremes.not_finite} pixels are not finite: the material's lobe is too strong "
+                "for float32; lower its strength or widen s_deg"
+            )
+        if extremes.l_s_max < tone.NO_LOBE_LSTAR:
+            return cls(1.0 if look.c is None else look.c, None, None)
+        if extremes.smallest_ratio <= 0.0:
+            text = (
+                f"the diffuse part alone reaches L* = {extremes.l_d_max:.1f}, so no c keeps the "
+                "picture displayable; check the albedo or the quantity of its measurement"
+            )
+            if look.c is None:
+                raise InputError(f"c_max: {text}; --c VALUE draws it clipped")
+            return cls(look.c, None, None, (text,))
+        c_max = extremes.smallest_ratio
+        eq4 = (100.0 - extremes.brightest_l_d) / max(extremes.brightest_l_s, 1e-6)
+        if look.c is not None:
+            c = look.c
+        else:
+            c = (1.0 if look.c_fraction is None else look.c_fraction) * c_max
+        warnings = []
+        if c > 1.0 + 1e-9:
+            warnings.append(f"c = {c:.3g} is above 1: the picture exaggerates the contrast gloss")
+        if c > c_max * (1.0 + 1e-9):
+            warnings.append(f"c = {c:.3g} is above c_max = {c_max:.3g}: highlights are clipped")
+        return cls(c, c_max, eq4, tuple(warnings))
+
+
+#: Stages that a renderer delivers, by name; each with rows from the top.
+STAGES = ("diffuse", "specular", "light", "lab", "display", "normal", "tilted_normal", "point_m")
+
+
+class Frame:
+    """A picture. Stages are fetched when they are first asked for, then kept.
+
+    Arrays are (H, W, ...), row 0 the top. XYZ is relative to Y_n (Y = 1: perfect diffuser).
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        look: Look,
+        size: tuple[int, int],
+        scaling: Scaling,
+        fetch: Callable[[str], Floats],
+        device: str,
+        warnings: tuple[str, ...] = (),
+    ) -> None:
+        self.scene = scene
+        self.look = look
+        self.size = size
+        self.scaling = scaling
+        self.device = device
+        self._fetch = fetch
+        self.warnings = (*scene.material.warnings, *warnings, *scaling.warnings)
+
+    @property
+    def y_n_cd_m2(self) -> float:
+        """Luminance of the perfect diffuser in the object's place."""
+        return self.scene.lamp.luminance_cd_m2
+
+    @property
+    def c(self) -> float:
+        """The scaling of L_s* in this picture."""
+        return self.scaling.c
+
+    @property
+    def c_max(self) -> float | None:
+        """Largest c that keeps every pixel displayable; None where nothing specular is seen."""
+        return self.scaling.c_max
+
+    @cached_property
+    def white_xyz(self) -> NDArray[np.float64]:
+        """White of the scene's lamp, Y = 1."""
+        return illuminant(self.scene.lamp.illuminant).white_xyz()
+
+    @cached_property
+    def _diffuse(self) -> Floats:
+        return self._fetch("diffuse")
+
+    @cached_property
+    def _lab(self) -> Floats:
+        return self._fetch("lab")
+
+    @property
+    def diffuse(self) -> Floats:
+        """(H, W, 3), XYZ of the diffuse reflection."""
+        return self._diffuse[..., :3]
+
+    @property
+    def coverage(self) -> Floats:
+        """(H, W), share of each pixel that the object covers."""
+        return self._diffuse[..., 3]
+
+    @property
+    def on_object(self) -> NDArray[np.bool_]:
+        """(H, W), whether the object covers any of the pixel."""
+        return self.coverage > 0.0
+
+    @cached_property
+    def specular(self) -> Floats:
+        """(H, W, 3), XYZ of the specular reflection."""
+        return self._fetch("specular")[..., :3]
+
+    @property
+    def lab(self) -> Floats:
+        """(H, W, 3), L~*, a*, b* after the split and scaling, before gamut mapping; 0 off it."""
+        return self._lab[..., :3]
+
+    @property
+    def clipped(self) -> NDArray[np.bool_]:
+        """(H, W), where L~* is above 100 and is cut."""
+        return np.asarray(self._lab[..., 3].astype(np.int64) & 1, dtype=bool)
+
+    @property
+    def out_of_gamut(self) -> NDArray[np.bool_]:
+        """(H, W), where chroma is reduced because the display can't show the colour."""
+        return np.asarray(self._lab[..., 3].astype(np.int64) & 2, dtype=bool)
+
+    @cached_property
+    def light(self) -> Floats:
+        """(H, W, 3), linear display RGB over the surround, 0 to 1."""
+        return self._fetch("light")[..., :3]
+
+    @cached_property
+    def display(self) -> NDArray[np.uint8]:
+        """(H, W, 3), digital values of the display, 8 bits."""
+        return self._fetch("display")[..., :3].astype(np.uint8)
+
+    @cached_property
+    def normal(self) -> Floats:
+        """(H, W, 3), unit normal at the pixel's centre, world axes; 0 off the object."""
+        return self._fetch("normal")[..., :3]
+
+    @cached_property
+    def tilted_normal(self) -> Floats:
+        """(H, W, 3), the normal after the grain's tilt."""
+        return self._fetch("tilted_normal")[..., :3]
+
+    @cached_property
+    def point_m(self) -> Floats:
+        """(H, W, 3), point on the object, world axes."""
+        return self._fetch("point_m")[..., :3]
+
+    @cached_property
+    def split(self) -> tuple[Floats, Floats]:
+        """(H, W) each: L_d*, and L_s* before scaling; 0 off the object."""
+        return tone.split_lightness(
+            self.diffuse[..., 1].astype(np.float64), self.specular[..., 1].astype(np.float64)
+        )

@@ -1,0 +1,167 @@
+"""The truth: the same Frame in float64 numpy, band by band, with nothing folded or approximated."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.material import brdf
+from relgloss_view.material.spectra import illuminant, xyz_weights
+from relgloss_view.picture import noise, shape, tone
+from relgloss_view.picture.frame import Extremes, Frame, Scaling
+from relgloss_view.picture.scene import Look, Scene
+from relgloss_view.picture.view import Size, View, check_size
+
+Array = NDArray[np.float64]
+
+CHUNK_VALUES = 4_000_000  #: pixels times bands that are held at once
+
+
+class ReferenceRenderer:
+    """Draws the frames that the GPU is held against. Needs no OpenGL."""
+
+    def render(self, scene: Scene, look: Look, size: Size) -> Frame:
+        """Draw a scene in float64; arguments and errors as Renderer.render."""
+        view = View.of(scene, check_size(size))
+        warnings = []
+        white = self._white(scene, look, view)
+        if scene.shape.contains(scene.eye.position_m):
+            warnings.append("the eye is inside the object: nothing is seen")
+        elif white <= 0.0:
+            warnings.append("the lamp lights nothing that the eye sees: the object is black")
+        stages = self._shade(scene, look, view, white)
+        extremes = _extremes(stages)
+        scaling = Scaling.of(look, extremes)
+        stages.update(_tone(scene, stages, scaling.c))
+        return Frame(
+            scene, look, size, scaling, partial(_stage, stages), "float64 numpy", tuple(warnings)
+        )
+
+    def _white(self, scene: Scene, look: Look, view: View) -> float:
+        """Largest of what the perfect diffuser shows in a pixel, lamp power free."""
+        largest = 0.0
+        for rows in _row_chunks(view, bands=8):
+            total, covered = 0.0, 0.0
+            for place in _places(look.samples):
+                hit, _, i, _, distance2 = _meet(scene, view, rows, place)
+                mu_i = np.maximum(np.sum(hit.normal * i, axis=-1), 0.0)
+                total = total + np.where(hit.found, mu_i / distance2, 0.0)
+                covered = covered + hit.found
+            largest = max(largest, float(np.max(total / np.maximum(covered, 1.0))))
+        return largest
+
+    def _shade(self, scene: Scene, look: Look, view: View, white: float) -> dict[str, Array]:
+        material = scene.material
+        weights = xyz_weights(material.bands, illuminant(scene.lamp.illuminant))
+        width, height = view.size
+        stages = {name: np.zeros((height, width, 4)) for name in ("diffuse", "specular")}
+        stages.update(
+            {n: np.zeros((height, width, 3)) for n in ("normal", "tilted_normal", "point_m")}
+        )
+        places = _places(look.samples)
+        for rows in _row_chunks(view, material.bands.count):
+            covered = np.zeros(stages["diffuse"][rows].shape[:2])
+            for place in places:
+                hit, o, i, n, distance2 = _meet(scene, view, rows, place, look)
+                grain = brdf.facing(n, i, o)
+                smooth = grain if look.noisy_lobes == "both" else brdf.facing(hit.normal, i, o)
+                arriving = np.where(hit.found, np.pi / (white * distance2), 0.0) if white else 0.0
+                diffuse = material.evaluate_facing(smooth)[0] @ weights
+                specular = material.evaluate_facing(grain)[1] @ weights
+                lit_diffuse = arriving * np.maximum(smooth.mu_i, 0.0)
+                lit_specular = arriving * np.maximum(grain.mu_i, 0.0)
+                stages["diffuse"][rows][..., :3] += lit_diffuse[..., None] * diffuse
+                stages["specular"][rows][..., :3] += lit_specular[..., None] * specular
+                covered += hit.found
+            for name in ("diffuse", "specular"):
+                stages[name][rows][..., :3] /= np.maximum(covered, 1.0)[..., None]
+                stages[name][rows][..., 3] = covered / len(places)
+            hit, _, _, n, _ = _meet(scene, view, rows, (0.5, 0.5), look)
+            found = hit.found[..., None]
+            stages["normal"][rows] = np.where(found, hit.normal, 0.0)
+            stages["tilted_normal"][rows] = np.where(found, n, 0.0)
+            stages["point_m"][rows] = np.where(found, hit.point_m, 0.0)
+        return stages
+
+
+def _meet(
+    scene: Scene, view: View, rows: slice, place: tuple[float, float], look: Look | None = None
+) -> tuple[shape.Hit, Array, Array, Array, Array]:
+    """Hit, to eye, to lamp, the grain's normal, squared distance to the lamp."""
+    half_extent_m = scene.shape.half_extent_m().astype(np.float32).astype(np.float64)
+    ray = view.rays(rows, place)
+    hit = shape.meet(scene.shape.kind, view.eye_m, ray, half_extent_m)
+    to_lamp = scene.lamp.position_m.astype(np.float32).astype(np.float64) - hit.point_m
+    distance2 = np.maximum(np.sum(to_lamp * to_lamp, axis=-1), 1e-30)
+    i = to_lamp / np.sqrt(distance2)[..., None]
+    o = -ray / np.linalg.norm(ray, axis=-1, keepdims=True)
+    n = hit.normal
+    if look is not None and look.sigma_n_deg > 0.0:
+        if look.grain == "screen":
+            y, x = np.mgrid[rows, 0 : view.size[0]]
+            cell = np.stack([x, y, np.zeros_like(x)], axis=-1)
+            cell[..., :2] //= look.grain_px
+        else:
+            cell = shape.surface_cell(scene.shape.kind, hit, look.grain_mm * 1e-3, half_extent_m)
+        hashes = noise.cell_hash(cell, look.seed)
+        n = noise.noisy_normal(look.noise_law, n, o, hashes, np.radians(look.sigma_n_deg))
+    return hit, o, i, n, distance2
+
+
+def _extremes(stages: dict[str, Array]) -> Extremes:
+    seen = stages["diffuse"][..., 3] > 0.0
+    if not np.any(seen):
+        return Extremes.of_nothing()
+    l_d, l_s = tone.split_lightness(
+        stages["diffuse"][..., 1][seen], stages["specular"][..., 1][seen]
+    )
+    brightest = int(np.argmax(l_d + l_s))
+    return Extremes(
+        float(np.min(tone.largest_c(l_d, l_s))),
+        float(np.max(l_d)),
+        float(np.max(l_s)),
+        float(l_d[brightest]),
+        float(l_s[brightest]),
+        int(np.sum(~np.isfinite(l_d + l_s))),
+    )
+
+
+def _tone(scene: Scene, stages: dict[str, Array], c: float) -> dict[str, Array]:
+    display = tone.DisplayModel.of(scene.display)
+    diffuse, specular = stages["diffuse"], stages["specular"]
+    coverage = diffuse[..., 3:]
+    seen = coverage > 0.0
+    l_d, l_s = tone.split_lightness(diffuse[..., 1], specular[..., 1])
+    white = illuminant(scene.lamp.illuminant).white_xyz()
+    lab = tone.lab_from_xyz(diffuse[..., :3] + specular[..., :3], white)
+    lab[..., 0] = l_d + c * l_s
+    shown, inside = tone.display_rgb(lab, display)
+    light = np.where(
+        seen,
+        coverage * shown + (1.0 - coverage) * display.background_light,
+        display.background_light,
+    )
+    flags = (lab[..., 0] > 100.0 + tone.CLIP_TOLERANCE) + 2.0 * ~inside
+    return {
+        "lab": np.where(seen, np.concatenate([lab, flags[..., None]], axis=-1), 0.0),
+        "light": np.concatenate([light, coverage], axis=-1),
+        "display": np.floor(255.0 * tone.encode(light, display) + 0.5),
+    }
+
+
+def _stage(stages: dict[str, Array], name: str) -> Array:
+    return stages[name]
+
+
+def _places(samples: int) -> list[tuple[float, float]]:
+    """Sample places inside a pixel, in the shader's order."""
+    steps = [(k + 0.5) / samples for k in range(samples)]
+    return [(x, y) for y in steps for x in steps]
+
+
+def _row_chunks(view: View, bands: int) -> list[slice]:
+    width, height = view.size
+    rows = max(1, CHUNK_VALUES // (width * bands))
+    return [slice(first, min(first + rows, height)) for first in range(0, height, rows)]
