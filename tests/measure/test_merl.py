@@ -1,0 +1,110 @@
+"""MERL files, made here from known functions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from files import merl_file
+from scipy.spatial.transform import Rotation
+
+from relgloss_view.bands import RGB
+from relgloss_view.measure import table
+from relgloss_view.measure.readers import merl, read_measurement
+
+SCALE = np.array([1 / 1500, 1.15 / 1500, 1.66 / 1500])
+
+
+def bin_centres():
+    """theta_h, theta_d, phi_d bin coordinates of the centres, broadcastable to (90, 90, 180)."""
+    return np.ogrid[0.5:90, 0.5:90, 0.5:180]
+
+
+def rusinkiewicz(i, o):
+    """Angles theta_h, theta_d, phi_d, one direction pair at a time, by rotations."""
+    angles = []
+    for a, b in zip(i, o, strict=True):
+        h = (a + b) / np.linalg.norm(a + b)
+        theta, phi = np.arccos(np.clip(h[2], -1, 1)), np.arctan2(h[1], h[0])
+        d = Rotation.from_euler("zy", [-phi, -theta]).apply(a)
+        angles.append((theta, np.arccos(np.clip(d[2], -1, 1)), np.arctan2(d[1], d[0]) % np.pi))
+    return np.array(angles).T
+
+
+@pytest.fixture(scope="module")
+def directions():
+    rng = np.random.default_rng(5)
+    v = rng.normal(size=(2, 400, 3))
+    v /= np.linalg.norm(v, axis=2)[..., None]
+    v[..., 2] = np.abs(v[..., 2])
+    return v
+
+
+@pytest.fixture(scope="module")
+def linear(tmp_path_factory):
+    """A file whose channels are linear in the bin coordinates, and its BRDF."""
+    h, d, p = bin_centres()
+    bins = np.stack([1.0 + h + 0 * d + 0 * p, 2.0 + d + 0 * h + 0 * p, 3.0 + p + 0 * h + 0 * d])
+    return merl_file(tmp_path_factory.mktemp("merl") / "linear.binary", bins)
+
+
+def test_indexing_and_scale(linear, directions):
+    i, o = directions
+    theta_h, theta_d, phi_d = rusinkiewicz(i, o)
+    right = np.pi / 2
+    h, d, p = 90 * np.sqrt(theta_h / right), 90 * theta_d / right, 180 * phi_d / np.pi
+    expected = np.stack([1 + h, 2 + d, 3 + p], axis=1) * SCALE
+    # Linear functions are reproduced between centres; outside the first and last centre they are
+    # held, and phi_d wraps.
+    middle = (h > 0.5) & (h < 89.5) & (d > 0.5) & (d < 89.5) & (p > 0.5) & (p < 179.5)
+    assert middle.sum() > 350
+    found = merl.load(linear).evaluate(i, o)
+    # arccos in the reference loses half the digits near the pole.
+    np.testing.assert_allclose(found[middle], expected[middle], rtol=1e-6)
+
+
+def test_difference_azimuth_has_the_period_pi(tmp_path, directions):
+    i, o = directions
+    p = bin_centres()[2] * np.pi / 180
+    bins = np.broadcast_to(2 + np.cos(2 * p), (3, 90, 90, 180))
+    found = merl.load(merl_file(tmp_path / "t", bins)).evaluate(i, o)
+    expected = 2 + np.cos(2 * rusinkiewicz(i, o)[2])
+    # Linear interpolation: step^2 / 8 times the second derivative 4, over values of at least 1.
+    np.testing.assert_allclose(found[:, 0] / SCALE[0], expected, rtol=(np.pi / 180) ** 2 / 2)
+    swapped = merl.load(tmp_path / "t").evaluate(o, i)
+    np.testing.assert_allclose(swapped, found, rtol=1e-9)
+
+
+def test_measurement_on_the_grid(linear):
+    m = read_measurement(linear)
+    assert m.name == "linear"
+    assert m.bands == RGB
+    assert m.kept.all()
+    # In the mirror plane at 40 degrees, theta_h = 0 and theta_d = 40: held at the first centre of
+    # theta_h, between the centres 39.5 and 40.5 of theta_d.
+    h = m.to_lamp + m.to_receiver
+    mirror = np.hypot(h[:, 0], h[:, 1]) < 1e-12
+    at_40 = mirror & (np.abs(m.to_lamp[:, 2] - np.cos(np.radians(40))) < 1e-12)
+    assert at_40.sum() == 1
+    expected = np.pi * np.array([1.5, 42.0]) * SCALE[:2]
+    np.testing.assert_allclose(m.radiance_factor[at_40][0, :2], expected, rtol=1e-9)
+
+
+def test_unmeasured_bins_are_masked(tmp_path):
+    bins = np.ones((3, 90, 90, 180))
+    bins[:, :, 60:] = -1.0  # beyond theta_d = 60
+    m = read_measurement(merl_file(tmp_path / "t", bins))
+    cos_d = np.linalg.norm(m.to_lamp + m.to_receiver, axis=1) / 2
+    theta_d = np.degrees(np.arccos(cos_d))
+    missing = m.reasons == table.MISSING
+    clear = np.abs(theta_d - 60) > 1e-6  # at the edge of the bin rounding decides
+    np.testing.assert_array_equal(missing[clear], theta_d[clear] > 60)
+    assert 0 < missing.sum() < len(missing)
+    # Unmeasured neighbours do not darken measured ones.
+    kept = m.radiance_factor[m.kept]
+    np.testing.assert_allclose(kept, np.tile(np.pi * SCALE, (len(kept), 1)), rtol=1e-12)
+
+
+def test_below_the_horizon_is_dark(linear):
+    brdf = merl.load(linear)
+    np.testing.assert_array_equal(brdf.evaluate([0, 0, 1.0], [0, 0.6, -0.8]), 0.0)
+    np.testing.assert_array_equal(brdf.evaluate([0, 0.6, -0.8], [0, 0, 1.0]), 0.0)
