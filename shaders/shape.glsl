@@ -19,6 +19,25 @@ struct Hit {
 
 const Hit MISS = Hit(false, vec3(0.0), vec3(0.0, 0.0, 1.0), vec2(0.0), 0);
 
+// Angle of the point (x, y), -pi to pi, to 3e-7: the range reduction and polynomial of Moshier's Cephes
+// library (atanf). The language leaves the precision of its own atan open, and a grain's cell must not
+// depend on the driver.
+float arc_tangent(float y, float x) {
+    float ax = abs(x);
+    float ay = abs(y);
+    float large = max(ax, ay);
+    float t = large > 0.0 ? min(ax, ay) / large : 0.0;
+    bool upper = t > 0.4142135623730950;
+    float u = upper ? (t - 1.0) / (t + 1.0) : t;
+    float z = u * u;
+    float angle = (((8.05374449538e-2 * z - 1.38776856032e-1) * z + 1.99777106478e-1) * z
+                   - 3.33329491539e-1) * z * u + u;
+    if (upper) angle += 0.785398163397448;
+    if (ay > ax) angle = 1.57079632679490 - angle;
+    if (x < 0.0) angle = 3.14159265358979 - angle;
+    return y < 0.0 ? -angle : angle;
+}
+
 // Round cylinder about y, closed by two caps. half_extent_m = (radius, half height, radius).
 Hit meet_cylinder(vec3 eye_m, vec3 ray, vec3 half_extent_m) {
     float radius = half_extent_m.x;
@@ -34,7 +53,7 @@ Hit meet_cylinder(vec3 eye_m, vec3 ray, vec3 half_extent_m) {
         if (travel > 0.0 && abs(y) <= half_extent_m.y) {
             vec2 normal = (moment * vec2(along.y, -along.x) - root * along) / (length2 * radius);
             vec3 n = vec3(normal.x, 0.0, normal.y);
-            vec2 surface = vec2(atan(n.x, n.z) * radius, y);
+            vec2 surface = vec2(arc_tangent(n.x, n.z) * radius, y);
             return Hit(true, vec3(n.x * radius, y, n.z * radius), n, surface, 0);
         }
     }
@@ -60,7 +79,7 @@ Hit meet_sphere(vec3 eye_m, vec3 ray, vec3 half_extent_m) {
     float root = sqrt(discriminant);
     if (-dot(eye_m, ray) - root <= 0.0) return MISS;
     vec3 n = normalize((cross(ray, moment) - root * ray) / (length2 * radius));
-    vec2 surface = radius * vec2(atan(n.x, n.z), asin(clamp(n.y, -1.0, 1.0)));
+    vec2 surface = radius * vec2(arc_tangent(n.x, n.z), arc_tangent(n.y, length(n.xz)));
     return Hit(true, n * radius, n, surface, 0);
 }
 

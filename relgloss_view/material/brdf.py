@@ -69,7 +69,7 @@ def fresnel_dielectric(cos_d: ArrayLike, n: ArrayLike) -> Array:
 
 @lru_cache(maxsize=256)
 def facet_amplitude(s: float) -> float:
-    """Peak A of the facet density D = A exp(-delta^2 / 2 s^2), so that D cos(delta) integrates to 1.
+    """Peak A of the density D = A exp(-delta^2 / 2 s^2), so that D cos(delta) integrates to 1.
 
     The integral runs over the hemisphere, by Gauss-Legendre quadrature; for narrow lobes it is
     (1 + 4 s^2/3) / (2 pi s^2), and 1 / (pi sqrt(2) s Dawson(sqrt(2) s)) where the tail beyond 90

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import json
 import math
 import os
+import re
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -129,13 +131,13 @@ class _Reader:
             self.fault(place, "a text", value)
         return value
 
-    def object(self, value: object, place: str) -> dict[str, Any]:
+    def table(self, value: object, place: str) -> dict[str, Any]:
         if not isinstance(value, dict):
             self.fault(place, "an object", value)
         return value
 
     def material(self, content: object) -> Material:
-        top = self.object(content, "the file")
+        top = self.table(content, "the file")
         if top.get("format") != FORMAT:
             self.fault("format", f'"{FORMAT}"', top.get("format"))
         if top.get("version") != VERSION:
@@ -143,12 +145,12 @@ class _Reader:
                 "version", f"{VERSION} (a newer file needs a newer relgloss)", top.get("version")
             )
         bands = self.bands(top)
-        diffuse = self.diffuse(self.object(top.get("diffuse"), "diffuse"), bands)
+        diffuse = self.diffuse(self.table(top.get("diffuse"), "diffuse"), bands)
         lobes = top.get("specular", [])
         if not isinstance(lobes, list) or len(lobes) > MAX_LOBES:
             self.fault("specular", f"a list of at most {MAX_LOBES} lobes", lobes)
         specular = tuple(
-            self.lobe(self.object(v, f"specular[{k}]"), f"specular[{k}]", bands)
+            self.lobe(self.table(v, f"specular[{k}]"), f"specular[{k}]", bands)
             for k, v in enumerate(lobes)
         )
         fit = self.fit(top.get("fit"))
@@ -166,7 +168,7 @@ class _Reader:
             self.fault("basis", '"spectral" or "rgb"', top.get("basis"))
         place = "wavelengths_nm"
         centres = self.numbers(top.get(place), place, "a wavelength in nm, 100 to 3000", 100, 3000)
-        if len(centres) < 2 or any(b <= a for a, b in zip(centres, centres[1:], strict=False)):
+        if len(centres) < 2 or any(b <= a for a, b in itertools.pairwise(centres)):
             self.fault(place, "two or more wavelengths, increasing", list(centres))
         return Bands(centres)
 
@@ -212,8 +214,8 @@ class _Reader:
         )
         if s_deg < low:
             self.notes.append(
-                f"{place}.s_deg = {s_deg:g} is narrower than {low:g} degrees, where a point lamp has "
-                f"no limit image; drawn as {low:g}"
+                f"{place}.s_deg = {s_deg:g} is narrower than {low:g} degrees, where a point "
+                f"lamp has no limit image; drawn as {low:g}"
             )
             s_deg = low
         return Lobe(strengths, s_deg, index)
@@ -221,7 +223,7 @@ class _Reader:
     def fit(self, value: object) -> FitRecord | None:
         if value is None:
             return None
-        part = self.object(value, "fit")
+        part = self.table(value, "fit")
         known = {f.name for f in dataclasses.fields(FitRecord)}
         record = {k: v for k, v in part.items() if k in known}
         if record.get("quality", "good") not in QUALITIES:
@@ -250,20 +252,7 @@ def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 def _one_line_arrays(text: str) -> str:
     """Join the lines of arrays that hold only numbers, so that spectra stay readable."""
-    lines: list[str] = []
-    gather: list[str] | None = None
-    for line in text.split("\n"):
-        bare = line.strip()
-        if gather is not None:
-            gather.append(bare)
-            if bare.startswith("]"):
-                lines.append(gather[0] + " ".join(gather[1:-1]) + gather[-1])
-                gather = None
-            elif not (bare[:1].isdigit() or bare[:1] == "-"):
-                lines.extend(gather)
-                gather = None
-        elif bare.endswith("["):
-            gather = [line]
-        else:
-            lines.append(line)
-    return "\n".join(lines)
+    return _NUMBERS.sub(lambda match: f"[{' '.join(match[1].split())}]", text)
+
+
+_NUMBERS = re.compile(r"\[\s+([-+.\deE,\s]+?)\s+\]")

@@ -1,4 +1,4 @@
-"""Material: what the sample is. A diffuse part and up to two specular lobes, with the fit's evidence."""
+"""Material: what the sample is. A diffuse part, up to two specular lobes, the fit's evidence."""
 
 from __future__ import annotations
 

@@ -8,6 +8,7 @@ discharge lamp sampled at 10 nm moves its white by several dE (science of CIE 15
 from __future__ import annotations
 
 import csv
+import itertools
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -148,7 +149,7 @@ def _illuminant_file(path: Path, name: str) -> Illuminant:
         except ValueError:
             if rows:
                 raise InputError(
-                    f"{path}: line {number}: expected a wavelength in nm and a power, found {line!r}"
+                    f"{path}: line {number}: expected wavelength (nm) and power, found {line!r}"
                 ) from None
             continue  # the header
         if not (np.isfinite(wavelength) and np.isfinite(power) and wavelength > 0 and power >= 0):
@@ -159,7 +160,7 @@ def _illuminant_file(path: Path, name: str) -> Illuminant:
             raise InputError(f"{path}: line {number}: wavelengths must increase")
         rows.append((wavelength, power))
     inside = [(w, p) for w, p in rows if 380 <= w <= 780]
-    widest = max((b[0] - a[0] for a, b in zip(rows, rows[1:], strict=False)), default=np.inf)
+    widest = max((b[0] - a[0] for a, b in itertools.pairwise(rows)), default=np.inf)
     if (
         not inside
         or inside[0][0] > 400

@@ -43,7 +43,7 @@ def open_context(backend: str = "auto") -> moderngl.Context:
 
 def attach(load: Callable[[str], int]) -> moderngl.Context:
     """A moderngl context on the OpenGL context that is current; `load` finds a function by name."""
-    return _checked(moderngl.create_context(context=_Loader(load)))
+    return _checked(_create(context=_Loader(load)))
 
 
 def describe(ctx: moderngl.Context) -> dict[str, Any]:
@@ -88,6 +88,11 @@ class _Loader:
         pass
 
 
+def _create(**options: Any) -> moderngl.Context:
+    """moderngl.create_context; its annotation admits only dictionaries, its code these options."""
+    return moderngl.create_context(**options)
+
+
 def _checked(ctx: moderngl.Context) -> moderngl.Context:
     if ctx.version_code < REQUIRED_GL:
         raise GLUnavailableError(
@@ -98,11 +103,11 @@ def _checked(ctx: moderngl.Context) -> moderngl.Context:
 
 
 def _egl() -> moderngl.Context:
-    return moderngl.create_context(standalone=True, backend="egl", require=REQUIRED_GL)
+    return _create(standalone=True, backend="egl", require=REQUIRED_GL)
 
 
 def _standalone() -> moderngl.Context:
-    return moderngl.create_context(standalone=True, require=REQUIRED_GL)
+    return _create(standalone=True, require=REQUIRED_GL)
 
 
 def _osmesa() -> moderngl.Context:
@@ -133,4 +138,4 @@ def _osmesa() -> moderngl.Context:
         return ctypes.cast(glfw.get_proc_address(name), ctypes.c_void_p).value or 0
 
     loader = _Loader(load, lambda: glfw.destroy_window(window))
-    return moderngl.create_context(context=loader, require=REQUIRED_GL)
+    return _create(context=loader, require=REQUIRED_GL)

@@ -71,7 +71,8 @@ def tilt_angles(law: str, hashes: UInts, sigma: float) -> Array:
     if law == "tangent":
         return sigma * g
     azimuth = 2.0 * np.pi * u[..., 2]
-    return sigma * g[..., :1] * np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
+    along = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
+    return np.asarray(sigma * g[..., :1] * along)
 
 
 def tilted(n: Array, angles: Array) -> Array:
@@ -103,7 +104,7 @@ def noisy_normal(law: str, n: Array, o: Array, hashes: UInts, sigma: float) -> A
 
 
 def mean_lobe(delta: Array, s: float, sigma: float, law: str = "paper") -> Array:
-    """Expectation of exp(-delta'^2 / 2 s^2) over the tilt, delta' the tilted angle to the half-vector.
+    """Expectation of exp(-delta'^2 / 2 s^2), delta' the tilted normal's angle to the half-vector.
 
     Gaussian tilt of uniform azimuth ('paper'): (1 + q^2)^-1/2 exp(-delta^2 / 2(s^2 + sigma^2))
     I0e(z), q = sigma/s, z = delta^2 sigma^2 / (4 s^2 (s^2 + sigma^2)). Small angles, with Fresnel,

@@ -43,7 +43,7 @@ class ReferenceRenderer:
         """Largest of what the perfect diffuser shows in a pixel, lamp power free."""
         largest = 0.0
         for rows in _row_chunks(view, bands=8):
-            total, covered = 0.0, 0.0
+            total, covered = np.zeros(1), np.zeros(1)
             for place in _places(look.samples):
                 hit, _, i, _, distance2 = _meet(scene, view, rows, place)
                 mu_i = np.maximum(np.sum(hit.normal * i, axis=-1), 0.0)

@@ -1,4 +1,4 @@
-"""Renderer: a scene and a look become a Frame on the GPU. The window, files and tests all use it."""
+"""Renderer: a scene and a look become a Frame on the GPU, for window, files and tests alike."""
 
 from __future__ import annotations
 

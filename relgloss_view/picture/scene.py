@@ -109,7 +109,7 @@ def polar_point(azimuth_deg: float, elevation_deg: float, distance_m: float) -> 
 
 @dataclass(frozen=True)
 class Lamp(_Checked):
-    """A point lamp. Its brightness is given by what a white standard in the object's place shows."""
+    """A point lamp, as bright as makes a white standard in the object's place show Y_n."""
 
     azimuth_deg: float = parameter(50.0, -180.0, 180.0, "deg", "0 is the default eye, 90 its right")
     elevation_deg: float = parameter(0.0, -90.0, 90.0, "deg", "above the horizontal plane")
@@ -181,7 +181,7 @@ class Look(_Checked):
     grain_mm: float = parameter(0.2, 0.001, 100.0, "mm", "side of a surface grain")
     noise_law: str = choice("paper", NOISE_LAWS, "distribution of the tilt")
     noisy_lobes: str = choice("both", NOISY_LOBES, "which reflections see the tilt")
-    seed: int = field(default=0, metadata={"range": Range(0, 2**32 - 1, "", "of the grain")})
+    seed: int = field(default=0, metadata={"range": Range(0, 2**31 - 1, "", "of the grain")})
     samples: int = field(
         default=1, metadata={"range": Range(1, 16, "", "samples along each side of a pixel")}
     )

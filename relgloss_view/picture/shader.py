@@ -1,4 +1,4 @@
-"""The only reader of shaders/: resolves includes, defines constants, tells errors by file and line."""
+"""The only reader of shaders/: includes, constants, and errors told by file and line."""
 
 from __future__ import annotations
 

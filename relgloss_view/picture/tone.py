@@ -66,7 +66,7 @@ def xyz_from_lab(lab: Array, white: Array) -> Array:
 
 
 def split_lightness(y_diffuse: Array, y_specular: Array) -> tuple[Array, Array]:
-    """L_d* and L_s*: lightness of the diffuse part, and its increase by the specular part (eq. 1)."""
+    """L_d* and L_s*: the diffuse part's lightness, and its increase by the specular one (eq. 1)."""
     diffuse = lightness(y_diffuse)
     return diffuse, lightness(y_diffuse + y_specular) - diffuse
 
@@ -97,7 +97,10 @@ class DisplayModel:
         """Derive the numbers from the declared display."""
         return cls(
             white_from_xy(display.white_xy),
-            np.linalg.inv(rgb_to_xyz_matrix(display.primaries_xy, display.white_xy)),
+            np.asarray(
+                np.linalg.inv(rgb_to_xyz_matrix(display.primaries_xy, display.white_xy)),
+                dtype=np.float64,
+            ),
             display.transfer,
             (display.gain, display.offset, display.gamma, display.flare),
             float(lab_f_inverse(np.array((display.background_lstar + 16.0) / 116.0))),
@@ -144,4 +147,4 @@ def encode(rgb: Array, display: DisplayModel) -> Array:
     gain, offset, gamma, flare = display.curve
     white = (gain + offset) ** gamma + flare
     light = np.maximum(rgb * white - flare, 0.0)
-    return np.clip((np.power(light, 1.0 / gamma) - offset) / gain, 0.0, 1.0)
+    return np.asarray(np.clip((np.power(light, 1.0 / gamma) - offset) / gain, 0.0, 1.0))

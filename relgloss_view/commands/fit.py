@@ -1,0 +1,92 @@
+"""`relgloss fit`: a table of measured reflectance becomes a material."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from typing import Any
+
+from relgloss_view.atomic import check_writable
+from relgloss_view.commands.progress import Progress
+from relgloss_view.errors import InputError
+
+MODELS = ("auto", "lambert", "rough", "lobe", "spectral-lobe", "two-lobes")
+QUANTITIES = ("radiance-factor", "brdf", "brdf-cos")
+
+
+def add(commands: Any) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "fit",
+        help="fit a reflection model to a measured table",
+        description="Fit Torrance-Sparrow and Oren-Nayar to a goniophotometer table (CSV), an RGL "
+        ".bsdf or a MERL .binary file. The smallest model that is enough is chosen by "
+        "cross-validation over incidence planes, and the evidence goes into the material.",
+        epilog="example: relgloss fit paper.csv -o paper.json --report paper.png",
+    )
+    parser.add_argument("table", metavar="TABLE", help="the measurement; its format is recognised")
+    parser.add_argument("-o", "--output", metavar="MATERIAL.json", required=True)
+    parser.add_argument("--report", metavar="OUT.png", help="plots of data, fit and candidates")
+    parser.add_argument("--model", choices=MODELS, default="auto", help="default auto")
+    parser.add_argument("--seed", metavar="N", type=int, default=0, help="of the resampling")
+    parser.add_argument(
+        "--quantity", choices=QUANTITIES, help="what the table holds, where it does not say so"
+    )
+    parser.add_argument(
+        "--gamma-s-deg", metavar="DEG", type=float, help="tilt that sees the mirror direction"
+    )
+    parser.add_argument(
+        "--refractive-index", metavar="N", type=float, default=1.5, help="held at this (1.5)"
+    )
+    parser.add_argument(
+        "--aperture-sd-deg",
+        metavar="DEG",
+        type=float,
+        nargs=2,
+        help="per-axis angular sd of lamp and receiver apertures",
+    )
+    parser.add_argument("--json", action="store_true", help="print the outcome as JSON")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Read, fit, write, and print the evidence."""
+    from relgloss_view.material.files import INDEX_RANGE, material_to_dict, save_material
+    from relgloss_view.material.fitting import describe_fit, fit_material, write_fit_report
+    from relgloss_view.measure.readers import read_measurement
+
+    if not INDEX_RANGE[0] < args.refractive_index <= INDEX_RANGE[1]:
+        raise InputError(
+            f"--refractive-index {args.refractive_index:g}: expected above {INDEX_RANGE[0]:g}, at "
+            f"most {INDEX_RANGE[1]:g}"
+        )
+    if args.aperture_sd_deg and not all(0.0 <= a <= 10.0 for a in args.aperture_sd_deg):
+        raise InputError("--aperture-sd-deg: expected two angles of 0 to 10 degrees")
+    if args.seed < 0:
+        raise InputError(f"--seed {args.seed}: expected a whole number of at least 0")
+    if args.report and not args.report.lower().endswith(".png"):
+        raise InputError(f"{args.report}: expected a name that ends in .png")
+    for path in filter(None, (args.output, args.report)):
+        check_writable(path)
+    measurement = read_measurement(args.table, quantity=args.quantity, gamma_s_deg=args.gamma_s_deg)
+    with Progress("fit") as progress:
+        material = fit_material(
+            measurement,
+            model=args.model,
+            refractive_index=args.refractive_index,
+            aperture_sd_deg=tuple(args.aperture_sd_deg) if args.aperture_sd_deg else None,
+            seed=args.seed,
+            progress=progress,
+        )
+    if args.report:
+        write_fit_report(material, measurement, args.report)
+    save_material(material, args.output)
+    if args.json:
+        print(json.dumps({"output": args.output, **material_to_dict(material)}))
+        return 0
+    print(describe_fit(material))
+    for warning in material.warnings:
+        print(f"warning: {warning}", file=sys.stderr)
+    print(f"{args.output}: written")
+    return 0

@@ -1,0 +1,50 @@
+"""`relgloss snapshot`: draw one picture without a window."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shlex
+import sys
+from typing import Any
+
+from relgloss_view.atomic import check_writable
+from relgloss_view.commands.scene_options import add_scene_options, scene_from
+
+
+def add(commands: Any) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "snapshot",
+        help="draw one picture without a window",
+        description="Draw one picture of a sample, as PNG for eyes or OpenEXR for numbers.",
+        epilog="example: relgloss snapshot --sample art-coated --sigma-n 0.5 --c-fraction 0.8 "
+        "-o art.png",
+    )
+    parser.add_argument("-o", "--output", metavar="OUT.png|OUT.exr", required=True)
+    add_scene_options(parser)
+    parser.add_argument("--json", action="store_true", help="print the picture's numbers as JSON")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Draw, write, and say what was drawn."""
+    from relgloss_view.picture.backends import open_renderer
+    from relgloss_view.picture.export import check_suffix, parameters, save_frame
+
+    output = check_suffix(args.output)
+    scene, look, size = scene_from(args)
+    check_writable(output)
+    with open_renderer(args.backend) as renderer:
+        frame = renderer.render(scene, look, size)
+        save_frame(frame, output, shlex.join(["relgloss", *args.argv]))
+        numbers = parameters(frame)
+    if args.json:
+        print(json.dumps({"output": str(output), **numbers}))
+        return 0
+    for warning in frame.warnings:
+        print(f"warning: {warning}", file=sys.stderr)
+    c_max = "no highlight" if frame.c_max is None else f"c_max {frame.c_max:.4g}"
+    settings = f"sigma_N {look.sigma_n_deg:g} deg, c {frame.c:.4g} ({c_max})"
+    print(f"{output}: {numbers['sample']}, {settings}")
+    return 0

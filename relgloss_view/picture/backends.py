@@ -1,0 +1,43 @@
+"""One way to a renderer, whatever draws: EGL, OSMesa, or the float64 reference."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from typing import Protocol
+
+from relgloss_view.picture.frame import Frame
+from relgloss_view.picture.scene import Look, Scene
+
+BACKENDS = ("auto", "egl", "osmesa", "reference")
+
+
+class FrameRenderer(Protocol):
+    """What draws frames: Renderer on a GPU, ReferenceRenderer in float64."""
+
+    def render(self, scene: Scene, look: Look, size: tuple[int, int]) -> Frame:
+        """Draw a scene; `size` is width and height in pixels."""
+        ...
+
+
+@contextlib.contextmanager
+def open_renderer(backend: str = "auto") -> Iterator[FrameRenderer]:
+    """A renderer for the length of a block; fetch a frame's stages inside it.
+
+    Raises GLUnavailableError where no context can be made.
+    """
+    if backend == "reference":
+        from relgloss_view.picture.reference import ReferenceRenderer
+
+        yield ReferenceRenderer()
+        return
+    from relgloss_view.picture.context import open_context
+    from relgloss_view.picture.renderer import Renderer
+
+    ctx = open_context(backend)
+    try:
+        renderer = Renderer(ctx)
+        yield renderer
+        renderer.release()
+    finally:
+        ctx.release()

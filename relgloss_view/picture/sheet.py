@@ -1,0 +1,54 @@
+"""Contact sheets: pictures in rows and columns on the neutral surround, each with its caption."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+Pixels = NDArray[np.uint8]
+
+PAPER_GRAY = 119  #: sRGB of L* 50
+INK_GRAY = 245
+
+
+def contact_sheet(
+    rows: Sequence[Sequence[Pixels]],
+    captions: Sequence[Sequence[str]],
+    title: str = "",
+    note: str = "",
+) -> Pixels:
+    """Equal-sized 8-bit pictures (H, W, 3) on one sheet; returns its pixels (H, W, 3).
+
+    Pictures are not resampled; text is gray, so that nothing coloured stands near a picture.
+    """
+    from PIL import Image, ImageDraw, ImageFont
+
+    height, width = rows[0][0].shape[:2]
+    text_px = max(11, min(18, width // 14))
+    font = ImageFont.load_default(text_px)
+    heading = ImageFont.load_default(round(1.4 * text_px))
+    gap, caption_px = max(8, width // 24), round(1.9 * text_px)
+    top = round(3.2 * text_px) if title else gap
+    bottom = round(2.6 * text_px) if note else gap
+    columns = max(len(row) for row in rows)
+    sheet = Image.new(
+        "RGB",
+        (
+            gap + columns * (width + gap),
+            top + len(rows) * (height + caption_px + gap) - gap + bottom,
+        ),
+        (PAPER_GRAY,) * 3,
+    )
+    pen = ImageDraw.Draw(sheet)
+    ink = (INK_GRAY,) * 3
+    pen.text((gap, (top - 1.4 * text_px) / 2), title, fill=ink, font=heading)
+    for r, (row, texts) in enumerate(zip(rows, captions, strict=True)):
+        for k, (picture, text) in enumerate(zip(row, texts, strict=True)):
+            x, y = gap + k * (width + gap), top + r * (height + caption_px + gap)
+            sheet.paste(Image.fromarray(np.ascontiguousarray(picture)), (x, y))
+            place = (x + width / 2, y + height + caption_px / 2)
+            pen.text(place, text, fill=ink, font=font, anchor="mm")
+    pen.text((gap, sheet.height - bottom / 2), note, fill=ink, font=font, anchor="lm")
+    return np.asarray(sheet)
