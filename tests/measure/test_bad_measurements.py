@@ -116,6 +116,8 @@ BAD = {
     "bsdf spectral": (
         bsdf(rgb=None, spectra=np.ones((1, 3, 5, 8, 8), np.float32)), "spectra only", "_rgb"),
     "bsdf nan": (poked("rgb", np.nan), "field 'rgb' holds a NaN", "download it again"),
+    "bsdf signalling nan": (
+        bsdf(ndf=np.full((2, 4), 0x7F810000, np.uint32).view(np.float32)), "field 'ndf'", "NaN"),
     "bsdf inf": (poked("ndf", np.inf), "field 'ndf' holds a NaN or an inf", "download it again"),
     "bsdf negative": (poked("vndf", -1), "field 'vndf' is not a density", "download it again"),
     "bsdf incidences": (poked("theta_i", 3), "field 'theta_i'", "download it again"),

@@ -120,7 +120,7 @@ def test_an_undeclared_quantity_is_asked_for(read):
 def test_gamma_s_argument_over_file_over_default(read):
     assert read(GCMS.replace("gamma_s_deg: 15", "gamma_s_deg: 5")).gamma_s_deg == 5.0
     assert read(GCMS.replace("gamma_s_deg: 15", "gamma_s_deg: 5"), gamma_s_deg=2).gamma_s_deg == 2.0
-    assert read(GCMS.replace("# gamma_s_deg: 15\n", "")).gamma_s_deg == gonio.GAMMA_S_DEG
+    assert read(GCMS.replace("# gamma_s_deg: 15\n", "")).gamma_s_deg == 15.0
 
 
 def test_a_table_that_cannot_show_an_undeclared_gamma_s_warns(read):

@@ -131,7 +131,8 @@ def _floats(
             f"{path}: field '{name}' has shape {found}, expected {wanted}; "
             "only isotropic rgb files of the RGL database can be read"
         )
-    values = values.astype(np.float64)
+    with np.errstate(invalid="ignore"):  # a signalling NaN, reported below
+        values = values.astype(np.float64)
     # The database stores float32; larger numbers, from a damaged file, would overflow in sums.
     sound = np.abs(values) <= np.finfo(np.float32).max
     if not sound.all():
