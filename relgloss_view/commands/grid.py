@@ -43,7 +43,7 @@ def run(args: argparse.Namespace) -> int:
     """Draw all stimuli into the folder."""
     from relgloss_view.picture.backends import open_renderer
     from relgloss_view.picture.export import parameters, save_frame, save_rgb
-    from relgloss_view.picture.sheet import contact_sheet
+    from relgloss_view.picture.sheet import contact_sheet, thumbnail
 
     folder = Path(args.output)
     if folder.exists() and not folder.is_dir():
@@ -55,7 +55,6 @@ def run(args: argparse.Namespace) -> int:
     captions: list[list[str]] = []
     with open_renderer(args.backend) as renderer, Progress("grid") as progress:
         folder = make_folder(folder)
-        step = max(1, -(-max(size) // THUMBNAIL_PX))
         for sigma_n_deg in SIGMA_N_DEG:
             rows.append([])
             captions.append([])
@@ -69,7 +68,7 @@ def run(args: argparse.Namespace) -> int:
                 save_frame(frame, folder / name, _command(args, sigma_n_deg, sixths, name))
                 numbers = parameters(frame)
                 stimuli.append({"file": name, "c_sixths": sixths, **_varying(numbers)})
-                rows[-1].append(frame.display[::step, ::step])
+                rows[-1].append(thumbnail(frame, THUMBNAIL_PX))
                 captions[-1].append(f"{sigma_n_deg:.1f} deg, {sixths}/6")
     title = f"{scene.material.name}: sigma_N down, c / c_max across"
     note = "synthetic sample" if scene.material.synthetic else ""

@@ -79,6 +79,10 @@ class Material:
     specular: tuple[Lobe, ...] = ()
     fit: FitRecord | None = None
 
+    def visible_lobes(self) -> tuple[Lobe, ...]:
+        """The lobes that reflect anything."""
+        return tuple(lobe for lobe in self.specular if any(lobe.strength))
+
     @property
     def synthetic(self) -> bool:
         """Whether the source says that nothing was measured."""

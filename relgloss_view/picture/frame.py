@@ -79,6 +79,13 @@ class Scaling:
         return cls(c, c_max, eq4, tuple(warnings))
 
 
+def scene_warnings(scene: Scene, *, lit: bool) -> tuple[str, ...]:
+    """What makes a picture empty or black, told."""
+    if scene.shape.contains(scene.eye.position_m):
+        return ("the eye is inside the object: nothing is seen",)
+    return () if lit else ("the lamp lights nothing that the eye sees: the object is black",)
+
+
 #: Stages that a renderer delivers, by name; each with rows from the top.
 STAGES = ("diffuse", "specular", "light", "lab", "display", "normal", "tilted_normal", "point_m")
 

@@ -34,7 +34,7 @@ class Plan:
         smooth = cls(
             shape=scene.shape.kind,
             diffuse="lambert" if diffuse.sigma_deg == 0.0 else diffuse.model,
-            lobes=len([lobe for lobe in scene.material.specular if any(lobe.strength)]),
+            lobes=len(scene.material.visible_lobes()),
             samples=look.samples,
         )
         if look.sigma_n_deg == 0.0:

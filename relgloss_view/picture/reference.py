@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 from numpy.typing import NDArray
 
 from relgloss_view.material import brdf
 from relgloss_view.material.spectra import illuminant, xyz_weights
 from relgloss_view.picture import noise, shape, tone
-from relgloss_view.picture.frame import Extremes, Frame, Scaling
+from relgloss_view.picture.frame import Extremes, Frame, Scaling, scene_warnings
 from relgloss_view.picture.scene import Look, Scene
 from relgloss_view.picture.view import Size, View, check_size
 
@@ -25,18 +23,19 @@ class ReferenceRenderer:
     def render(self, scene: Scene, look: Look, size: Size) -> Frame:
         """Draw a scene in float64; arguments and errors as Renderer.render."""
         view = View.of(scene, check_size(size))
-        warnings = []
         white = self._white(scene, look, view)
-        if scene.shape.contains(scene.eye.position_m):
-            warnings.append("the eye is inside the object: nothing is seen")
-        elif white <= 0.0:
-            warnings.append("the lamp lights nothing that the eye sees: the object is black")
         stages = self._shade(scene, look, view, white)
         extremes = _extremes(stages)
         scaling = Scaling.of(look, extremes)
         stages.update(_tone(scene, stages, scaling.c))
         return Frame(
-            scene, look, size, scaling, partial(_stage, stages), "float64 numpy", tuple(warnings)
+            scene,
+            look,
+            size,
+            scaling,
+            stages.__getitem__,
+            "float64 numpy",
+            scene_warnings(scene, lit=white > 0.0),
         )
 
     def _white(self, scene: Scene, look: Look, view: View) -> float:
@@ -149,10 +148,6 @@ def _tone(scene: Scene, stages: dict[str, Array], c: float) -> dict[str, Array]:
         "light": np.concatenate([light, coverage], axis=-1),
         "display": np.floor(255.0 * tone.encode(light, display) + 0.5),
     }
-
-
-def _stage(stages: dict[str, Array], name: str) -> Array:
-    return stages[name]
 
 
 def _places(samples: int) -> list[tuple[float, float]]:

@@ -7,10 +7,25 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from relgloss_view.picture.frame import Frame
+from relgloss_view.picture.tone import DisplayModel, encode
+
 Pixels = NDArray[np.uint8]
 
 PAPER_GRAY = 119  #: sRGB of L* 50
 INK_GRAY = 245
+
+
+def thumbnail(frame: Frame, longest_px: int) -> Pixels:
+    """The frame's picture shrunk by whole steps, averaged in light, where grain keeps its mean."""
+    step = max(1, -(-max(frame.size) // longest_px))
+    if step == 1:
+        return frame.display
+    width, height = (n // step * step for n in frame.size)
+    light = frame.light[:height, :width].astype(np.float64)
+    mean = light.reshape(height // step, step, width // step, step, 3).mean(axis=(1, 3))
+    digital = encode(mean, DisplayModel.of(frame.scene.display))
+    return np.asarray(np.floor(255.0 * digital + 0.5).astype(np.uint8))
 
 
 def contact_sheet(
@@ -21,7 +36,7 @@ def contact_sheet(
 ) -> Pixels:
     """Equal-sized 8-bit pictures (H, W, 3) on one sheet; returns its pixels (H, W, 3).
 
-    Pictures are not resampled; text is gray, so that nothing coloured stands near a picture.
+    Text is gray, so that nothing coloured stands near a picture.
     """
     from PIL import Image, ImageDraw, ImageFont
 

@@ -1,0 +1,9 @@
+"""A scene and a look become a Frame on the GPU, for window, files and tests alike.
+
+With picture/context.py the only place that knows moderngl.
+"""
+
+from relgloss_view.picture.renderer.passes import Renderer
+from relgloss_view.picture.renderer.programs import Programs
+
+__all__ = ["Programs", "Renderer"]
