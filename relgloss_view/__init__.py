@@ -1,3 +1,64 @@
-"""relgloss: pictures of printed packaging that keep the ratio of gloss between samples."""
+"""relgloss: pictures of printed packaging that keep the ratio of gloss between samples.
+
+The public names below are imported when first used: importing the package loads no OpenGL and no
+window library.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from relgloss_view.bands import Bands as Bands
+    from relgloss_view.errors import GLUnavailableError as GLUnavailableError
+    from relgloss_view.errors import InputError as InputError
+    from relgloss_view.errors import RelglossError as RelglossError
+    from relgloss_view.material.files import load_material as load_material
+    from relgloss_view.material.files import save_material as save_material
+    from relgloss_view.material.fitting import fit_material as fit_material
+    from relgloss_view.material.material import Material as Material
+    from relgloss_view.measure.readers import read_measurement as read_measurement
+    from relgloss_view.measure.table import Measurement as Measurement
+    from relgloss_view.picture.backends import open_renderer as open_renderer
+    from relgloss_view.picture.export import save_frame as save_frame
+    from relgloss_view.picture.frame import Frame as Frame
+    from relgloss_view.picture.samples import SAMPLES as SAMPLES
+    from relgloss_view.picture.samples import load_sample as load_sample
+    from relgloss_view.picture.scene import Display as Display
+    from relgloss_view.picture.scene import Eye as Eye
+    from relgloss_view.picture.scene import Lamp as Lamp
+    from relgloss_view.picture.scene import Look as Look
+    from relgloss_view.picture.scene import Scene as Scene
+    from relgloss_view.picture.scene import Shape as Shape
+    from relgloss_view.picture.scene_file import load_scene as load_scene
+
+_HOMES = {
+    "bands": ("Bands",),
+    "errors": ("GLUnavailableError", "InputError", "RelglossError"),
+    "material.files": ("load_material", "save_material"),
+    "material.fitting": ("fit_material",),
+    "material.material": ("Material",),
+    "measure.readers": ("read_measurement",),
+    "measure.table": ("Measurement",),
+    "picture.backends": ("open_renderer",),
+    "picture.export": ("save_frame",),
+    "picture.frame": ("Frame",),
+    "picture.samples": ("SAMPLES", "load_sample"),
+    "picture.scene": ("Display", "Eye", "Lamp", "Look", "Scene", "Shape"),
+    "picture.scene_file": ("load_scene",),
+}
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
+__all__ = ["__version__", *sorted(_HOME_OF)]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME_OF:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f"{__name__}.{_HOME_OF[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

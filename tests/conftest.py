@@ -1,1 +1,46 @@
-"""Makes the helper modules of this folder importable from every test below it."""
+"""Fixtures that every room's tests share. OpenGL errors and stray numpy warnings fail a test."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import moderngl
+import numpy as np
+import pytest
+
+from relgloss_view.picture.context import open_context
+from relgloss_view.picture.reference import ReferenceRenderer
+from relgloss_view.picture.renderer import Renderer
+
+
+@pytest.fixture(autouse=True)
+def _numpy_faults() -> Iterator[None]:
+    with np.errstate(divide="raise", over="raise", invalid="raise", under="ignore"):
+        yield
+
+
+@pytest.fixture(scope="session")
+def _session_ctx() -> Iterator[moderngl.Context]:
+    ctx = open_context("egl")
+    yield ctx
+    ctx.release()
+
+
+@pytest.fixture
+def ctx(_session_ctx: moderngl.Context) -> Iterator[moderngl.Context]:
+    """The session's EGL context, held against GL errors before and after each test."""
+    assert _session_ctx.error == "GL_NO_ERROR", "a test before this one left a GL error"
+    yield _session_ctx
+    assert _session_ctx.error == "GL_NO_ERROR", "this test left a GL error"
+
+
+@pytest.fixture
+def renderer(ctx: moderngl.Context) -> Iterator[Renderer]:
+    made = Renderer(ctx)
+    yield made
+    made.release()
+
+
+@pytest.fixture(scope="session")
+def reference() -> ReferenceRenderer:
+    return ReferenceRenderer()

@@ -19,30 +19,28 @@ class ShaderError(RelglossError):
 
 
 class ShaderSource:
-    """One stage with its includes resolved.
+    """One stage with its includes resolved: the file `name`, or `source` under that name.
 
     `text` goes to the compiler; `explain` turns the compiler's log into file names and lines.
     """
 
-    def __init__(self, name: str, defines: Mapping[str, int] | None = None) -> None:
+    def __init__(
+        self, name: str, defines: Mapping[str, int] | None = None, source: str | None = None
+    ) -> None:
         self.name = name
         self.files: list[str] = []
-        body = self._resolve(name, trail=())
+        body = self._resolve(name, trail=(), source=source)
         head, _, rest = body.partition("\n")
         if not head.startswith("#version"):
             raise ShaderError(f"{name}: line 1: a stage begins with #version")
         lines = [f"#define {key} {value}" for key, value in sorted((defines or {}).items())]
         self.text = "\n".join([head, *lines, "#line 2 0", rest]) + "\n"
 
-    def _resolve(self, name: str, trail: tuple[str, ...]) -> str:
+    def _resolve(self, name: str, trail: tuple[str, ...], source: str | None = None) -> str:
         if name in trail:
             raise ShaderError(f"{name}: includes itself by way of {' > '.join(trail)}")
-        path = shader_folder() / name
-        try:
-            source = path.read_text(encoding="utf-8")
-        except OSError as error:
-            wanted_by = f" (included by {trail[-1]})" if trail else ""
-            raise ShaderError(f"{name}{wanted_by}: no such shader file") from error
+        if source is None:
+            source = _read(name, trail)
         index = len(self.files)
         self.files.append(name)
         lines: list[str] = []
@@ -68,6 +66,14 @@ class ShaderSource:
 
         kept = [line.strip() for line in log.splitlines() if re.search("error|warning", line, re.I)]
         return "; ".join(_PLACE.sub(place, line, count=1) for line in kept) or log.strip()
+
+
+def _read(name: str, trail: tuple[str, ...]) -> str:
+    try:
+        return (shader_folder() / name).read_text(encoding="utf-8")
+    except OSError as error:
+        wanted_by = f" (included by {trail[-1]})" if trail else ""
+        raise ShaderError(f"{name}{wanted_by}: no such shader file") from error
 
 
 def shader_folder() -> Path:

@@ -1,0 +1,44 @@
+# make demo   the four sample papers at their matched settings, into out/
+# make test   the tests (make test-all: with the slow ones)
+# make lint   ruff, mypy, shader compilers
+
+VENV ?= .venv
+PYTHON ?= python3
+BIN := $(VENV)/bin
+# Worker processes of the tests; each has its own OpenGL context.
+WORKERS ?= 2
+
+.PHONY: demo test test-all lint format clean
+
+demo: $(VENV)/.runtime
+	$(BIN)/python scripts/demo.py out
+
+test: $(VENV)/.development
+	$(BIN)/python -m pytest -n $(WORKERS) -m "not slow"
+
+test-all: $(VENV)/.development
+	$(BIN)/python -m pytest -n $(WORKERS)
+
+lint: $(VENV)/.development
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+
+format: $(VENV)/.development
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+# The runtime environment is enough to draw; the development one adds what tests and lint need.
+$(VENV)/.runtime: pyproject.toml constraints.txt
+	scripts/system-packages demo
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install -q -c constraints.txt -e .
+	touch $@
+
+$(VENV)/.development: $(VENV)/.runtime
+	scripts/system-packages test
+	$(BIN)/python -m pip install -q -c constraints.txt -e ".[dev]"
+	touch $@
+
+clean:
+	rm -rf $(VENV) out build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
