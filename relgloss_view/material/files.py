@@ -94,6 +94,20 @@ def load_material(path: str | os.PathLike[str]) -> Material:
     return _Reader(file).material(content)
 
 
+_FIT_FIELDS: dict[str, tuple[Any, str]] = {
+    "candidates": (list, "a list of objects"),
+    "chosen": (str, "a text"),
+    "residuals": (dict, "an object"),
+    "quality": (str, "a text"),
+    "warnings": (list, "a list of texts"),
+    "seed": (int, "a whole number"),
+    "seconds": (int | float, "a number"),
+    "standard_errors": (dict, "an object"),
+    "bounds": (dict, "an object"),
+    "convention": (str, "a text"),
+}
+
+
 class _Reader:
     """Checks each field and says where a fault is."""
 
@@ -224,16 +238,17 @@ class _Reader:
         if value is None:
             return None
         part = self.table(value, "fit")
-        known = {f.name for f in dataclasses.fields(FitRecord)}
-        record = {k: v for k, v in part.items() if k in known}
+        record = {}
+        for name, (kind, expected) in _FIT_FIELDS.items():
+            if name in part:
+                if not isinstance(part[name], kind) or isinstance(part[name], bool):
+                    self.fault(f"fit.{name}", expected, part[name])
+                record[name] = tuple(part[name]) if kind is list else part[name]
         if record.get("quality", "good") not in QUALITIES:
             self.fault("fit.quality", f"one of {', '.join(QUALITIES)}", record["quality"])
-        for key in ("candidates", "warnings"):
-            if not isinstance(record.get(key, []), list):
-                self.fault(f"fit.{key}", "a list", record[key])
-            record[key] = tuple(record.get(key, ()))
-        if not all(isinstance(w, str) for w in record["warnings"]):
-            self.fault("fit.warnings", "a list of texts", part["warnings"])
+        for name, kind in (("candidates", dict), ("warnings", str)):
+            if not all(isinstance(entry, kind) for entry in record.get(name, ())):
+                self.fault(f"fit.{name}", _FIT_FIELDS[name][1], part[name])
         return FitRecord(**record)
 
 

@@ -1,0 +1,162 @@
+"""Material JSON: what is written is read back; what is broken is refused in one line."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import materials
+from relgloss_view.bands import RGB
+from relgloss_view.errors import InputError
+from relgloss_view.material.files import load_material, material_to_dict, save_material
+from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material
+
+
+def test_round_trip(tmp_path):
+    record = FitRecord(
+        candidates=({"name": "lambert", "cv": [0.1, 0.2]},), chosen="lambert", warnings=("w",)
+    )
+    for material in (
+        materials.paper("art"),
+        Material("rgb", "made up", RGB, Diffuse("eon", (0.1, 0.2, 0.3), 10.0), (), record),
+        Material(
+            "lobes",
+            "made up",
+            RGB,
+            Diffuse("lambert", (0.0, 0.0, 1.0)),
+            (Lobe((0.1, 0.2, 0.3), 0.05, 1.0), Lobe((2.0,), 40.0, 1.7)),
+        ),
+    ):
+        save_material(material, tmp_path / "m.json")
+        assert load_material(tmp_path / "m.json") == material
+
+
+def test_file_follows_the_published_format(tmp_path):
+    save_material(materials.paper("art"), tmp_path / "m.json")
+    content = json.loads((tmp_path / "m.json").read_text())
+    assert content["format"] == "relgloss-material"
+    assert content["version"] == 1
+    assert content["basis"] == "spectral"
+    assert set(content["diffuse"]) == {"model", "albedo", "sigma_deg"}
+    assert set(content["specular"][0]) == {"model", "strength", "refractive_index", "s_deg"}
+    assert content["specular"][0]["strength"] == 1.0
+    assert len(content["wavelengths_nm"]) == len(content["diffuse"]["albedo"]) == 35
+
+
+def changed(path, value):
+    content = material_to_dict(materials.paper("art"))
+    target = content
+    for key in path[:-1]:
+        target = target[key]
+    if value is None:
+        target.pop(path[-1], None) if isinstance(target, dict) else target.pop(path[-1])
+    else:
+        target[path[-1]] = value
+    return json.dumps(content)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "place"),
+    [
+        (("format",), "other", "format"),
+        (("version",), 2, "version"),
+        (("version",), None, "version"),
+        (("basis",), "xyz", "basis"),
+        (("name",), 7, "name"),
+        (("wavelengths_nm",), [400, 400], "wavelengths_nm"),
+        (("wavelengths_nm", 3), -400, "wavelengths_nm[3]"),
+        (("diffuse",), None, "diffuse"),
+        (("diffuse", "model"), "phong", "diffuse.model"),
+        (("diffuse", "albedo"), [0.1], "diffuse.albedo"),
+        (("diffuse", "albedo", 2), -0.1, "diffuse.albedo[2]"),
+        (("diffuse", "albedo", 2), True, "diffuse.albedo[2]"),
+        (("diffuse", "sigma_deg"), 90, "diffuse.sigma_deg"),
+        (("specular",), {}, "specular"),
+        (("specular", 0, "model"), "ggx", "specular[0].model"),
+        (("specular", 0, "s_deg"), 0, "specular[0].s_deg"),
+        (("specular", 0, "s_deg"), -1, "specular[0].s_deg"),
+        (("specular", 0, "s_deg"), 41, "specular[0].s_deg"),
+        (("specular", 0, "refractive_index"), 0.9, "specular[0].refractive_index"),
+        (("specular", 0, "strength"), [1, 2], "specular[0].strength"),
+        (("specular", 0, "strength"), "1", "specular[0].strength"),
+        (("specular", 0, "strength"), 10**400, "specular[0].strength"),
+    ],
+)
+def test_faults_name_file_and_field(tmp_path, path, value, place):
+    file = tmp_path / "broken.json"
+    file.write_text(changed(path, value))
+    with pytest.raises(InputError) as caught:
+        load_material(file)
+    message = str(caught.value)
+    assert "broken.json" in message
+    assert place in message
+    assert "expected" in message
+    assert "\n" not in message
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "{", "[]", "null", '{"format": NaN}', '{"a": 1, "a": 2}', "[" * 100_000, '"\\ud800"'],
+)
+def test_not_a_material(tmp_path, text):
+    file = tmp_path / "broken.json"
+    file.write_text(text)
+    with pytest.raises(InputError, match=r"broken\.json"):
+        load_material(file)
+
+
+def test_not_text_not_there_not_a_file(tmp_path):
+    (tmp_path / "bytes.json").write_bytes(b"\xff\xfe\x00")
+    for name in ("bytes.json", "absent.json", "."):
+        with pytest.raises(InputError):
+            load_material(tmp_path / name)
+
+
+def test_very_narrow_lobe_is_clamped_and_told(tmp_path):
+    file = tmp_path / "narrow.json"
+    file.write_text(changed(("specular", 0, "s_deg"), 0.01))
+    material = load_material(file)
+    assert material.specular[0].s_deg == 0.05
+    assert any("narrower than 0.05" in warning for warning in material.warnings)
+
+
+def test_failed_write_leaves_nothing(tmp_path):
+    save_material(materials.paper("art"), tmp_path / "kept.json")
+    before = (tmp_path / "kept.json").read_bytes()
+    bad = Material("nan", "x", RGB, Diffuse("lambert", (float("nan"),) * 3))
+    with pytest.raises(ValueError, match="JSON"):
+        save_material(bad, tmp_path / "kept.json")
+    assert (tmp_path / "kept.json").read_bytes() == before
+    with pytest.raises(InputError, match="can't be written"):
+        save_material(materials.paper("art"), tmp_path / "no" / "folder.json")
+    assert [p.name for p in tmp_path.iterdir()] == ["kept.json"]
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3)
+    ),
+    max_leaves=8,
+)
+PLACES = [
+    ("format",), ("version",), ("name",), ("source",), ("basis",), ("wavelengths_nm",), ("fit",),
+    ("diffuse",), ("diffuse", "albedo"), ("diffuse", "sigma_deg"), ("specular",), ("specular", 0),
+    ("specular", 0, "strength"), ("specular", 0, "s_deg"), ("specular", 0, "refractive_index"),
+]  # fmt: skip
+
+
+@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(path=st.sampled_from(PLACES), value=JSON)
+def test_any_value_anywhere_is_read_or_refused(tmp_path, path, value):
+    file = tmp_path / "fuzz.json"
+    file.write_text(changed(path, value))
+    try:
+        material = load_material(file)
+    except InputError as error:
+        assert "\n" not in str(error)
+    else:
+        assert material.bands.count == len(material.diffuse.albedo)

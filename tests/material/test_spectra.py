@@ -1,0 +1,140 @@
+"""Bands x illuminant -> XYZ against colour-science."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from relgloss_view.bands import RGB, Bands
+from relgloss_view.errors import InputError
+from relgloss_view.material import spectra
+
+colour = pytest.importorskip("colour")
+
+OBSERVER = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
+BANDS = Bands(tuple(float(w) for w in range(390, 731, 10)))
+
+
+def as_illuminant(distribution):
+    return spectra.Illuminant(
+        "test",
+        tuple(float(w) for w in distribution.wavelengths),
+        tuple(float(p) for p in distribution.values),
+    )
+
+
+def iso_17321_patch(name):
+    patch = colour.SDS_COLOURCHECKERS["ISO 17321-1"][name]
+    return patch.copy().align(colour.SpectralShape(380, 780, 5))
+
+
+@pytest.mark.parametrize("interval", [5, 10])
+def test_weights_are_astm_e2022(interval):
+    lamp = colour.sd_CIE_standard_illuminant_A(OBSERVER.shape)
+    shape = colour.SpectralShape(360, 830, interval)
+    expected = colour.colorimetry.tristimulus_weighting_factors_ASTME2022(OBSERVER, lamp, shape)
+    bands = Bands(tuple(float(w) for w in shape.wavelengths))
+    weights = 100 * spectra.xyz_weights(bands, as_illuminant(lamp))
+    np.testing.assert_allclose(weights, expected, atol=1e-10)
+
+
+def test_weights_sum_to_white():
+    lamp = spectra.illuminant("HP5")
+    white = lamp.white_xyz()
+    assert white[1] == pytest.approx(1.0, abs=1e-14)
+    np.testing.assert_allclose(spectra.xyz_weights(BANDS, lamp).sum(axis=0), white, atol=1e-12)
+    np.testing.assert_allclose(spectra.xyz_weights(RGB, lamp).sum(axis=0), white, atol=1e-12)
+
+
+def test_shipped_lamp_is_colour_sciences():
+    ours, theirs = spectra.illuminant("HP5"), colour.SDS_ILLUMINANTS["HP5"]
+    np.testing.assert_allclose(ours.wavelengths_nm, theirs.wavelengths)
+    np.testing.assert_allclose(ours.power, theirs.values)
+
+
+@pytest.mark.parametrize("lamp_name", ["HP3", "HP4", "HP5", "D50"])
+@pytest.mark.parametrize("patch_name", ["green", "blue flower", "neutral 8 (.23 D)"])
+def test_ten_nanometre_bands_under_a_discharge_lamp(lamp_name, patch_name):
+    """Patches known at 5 nm, seen through 10 nm bands: within 0.05 dE2000 of the 5 nm sum.
+
+    The lamps' lines are summed at 5 nm in both; what is left is the interpolation of a smooth
+    reflectance. Sampling the lamp at the bands instead fails by far (next test).
+    """
+    reference, ours = _both(lamp_name, patch_name, sample_lamp_at_bands=False)
+    assert colour.delta_E(reference, ours, method="CIE 2000") < 0.05
+
+
+def test_point_sampled_lamp_fails():
+    reference, wrong = _both("HP4", "green", sample_lamp_at_bands=True)
+    assert colour.delta_E(reference, wrong, method="CIE 2000") > 1.0
+
+
+def _both(lamp_name, patch_name, sample_lamp_at_bands):
+    names = list(colour.SDS_COLOURCHECKERS["ISO 17321-1"])
+    assert patch_name in names, names
+    patch = iso_17321_patch(patch_name)
+    table = colour.SDS_ILLUMINANTS[lamp_name].copy().align(colour.SpectralShape(380, 780, 5))
+    observer = OBSERVER.copy().align(colour.SpectralShape(380, 780, 5))
+    xyz = colour.sd_to_XYZ(patch, observer, table, method="Integration") / 100
+    white = colour.sd_to_XYZ(colour.sd_ones(table.shape), observer, table, method="Integration")
+    lab = colour.XYZ_to_Lab(xyz, colour.XYZ_to_xy(white / 100))
+    lamp = as_illuminant(table)
+    if sample_lamp_at_bands:
+        keep = np.isin(table.wavelengths, BANDS.centres_nm())
+        lamp = spectra.Illuminant(
+            "sampled",
+            tuple(float(w) for w in table.wavelengths[keep]),
+            tuple(float(p) for p in table.values[keep]),
+        )
+    values = np.array([patch[w] for w in BANDS.centres_nm()])
+    ours = values @ spectra.xyz_weights(BANDS, lamp)
+    return lab, colour.XYZ_to_Lab(ours, colour.XYZ_to_xy(lamp.white_xyz()))
+
+
+def test_lagrange_reproduces_cubics_on_irregular_bands():
+    centres = np.array([400.0, 415.0, 440.0, 480.0, 500.0, 560.0, 610.0, 700.0])
+    grid = np.arange(415.0, 610.0)
+    cubic = np.polynomial.Polynomial([3.0, -2e-2, 5e-5, -4e-8])
+    matrix = spectra.lagrange_matrix(centres, grid)
+    np.testing.assert_allclose(matrix @ cubic(centres), cubic(grid), rtol=1e-10)
+
+
+def test_srgb_matrix_and_primaries():
+    matrix = spectra.rgb_to_xyz_matrix(spectra.SRGB_PRIMARIES_XY, spectra.D65_XY)
+    # IEC 61966-2-1 prints four digits of the matrix.
+    np.testing.assert_allclose(
+        matrix, colour.models.RGB_COLOURSPACE_sRGB.matrix_RGB_to_XYZ, atol=2e-4
+    )
+
+
+def test_other_lamps_by_name_and_by_file(tmp_path):
+    a = spectra.illuminant("A").white_xyz()
+    xy = a[:2] / a.sum()
+    np.testing.assert_allclose(xy, (0.44758, 0.40745), atol=2e-4)  # CIE 15
+    file = tmp_path / "lamp.txt"
+    file.write_text("nm\tpower\n" + "".join(f"{w}\t1\n" for w in range(380, 781, 5)))
+    white = spectra.illuminant(str(file)).white_xyz()
+    np.testing.assert_allclose(white[:2] / white.sum(), (1 / 3, 1 / 3), atol=2e-4)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "",
+        "380 1\n390 nan\n",
+        "380 1\n370 1\n",
+        "500 1\n510 1\n",
+        "380 1\n480 1\n780 1\n",
+        "1 2 3\n",
+    ],
+)
+def test_bad_lamp_files(tmp_path, content):
+    file = tmp_path / "lamp.csv"
+    file.write_text(content)
+    with pytest.raises(InputError, match=r"lamp\.csv"):
+        spectra.illuminant(str(file))
+
+
+def test_unknown_lamp_is_one_line():
+    with pytest.raises(InputError, match="neither a file nor a name"):
+        spectra.illuminant("no such lamp")
