@@ -144,7 +144,8 @@ def blurred_shapes(
 def radiance_factor(paper: Paper, *, noise: bool = True) -> tuple[Array, Array]:
     """Angles (N, 3) in degrees and the radiance factors (N, B) of a paper."""
     angles = gonio.gcms4_grid()
-    to_lamp, to_receiver = gonio.gcms_directions(*angles.T, gonio.GAMMA_S_DEG)
+    alpha, beta, gamma = angles.T
+    to_lamp, to_receiver = gonio.gcms_directions(alpha, beta, gamma, gonio.GAMMA_S_DEG)
     first, second, lobe, broad = blurred_shapes(paper, to_lamp, to_receiver)
     rho = green_reflectance(paper, WAVELENGTHS_NM)
     specular = paper.strength * lobe + paper.ggx_strength * broad
@@ -188,7 +189,7 @@ def write_truth(path: Path) -> None:
 def fit_papers(folder: Path, output: Path) -> None:
     """Fit the four tables in `folder` and write the materials to `output`."""
     from relgloss_view.material.files import save_material
-    from relgloss_view.material.fit import describe_fit, fit_material
+    from relgloss_view.material.fitting import describe_fit, fit_material
     from relgloss_view.measure.readers import read_measurement
 
     output.mkdir(parents=True, exist_ok=True)

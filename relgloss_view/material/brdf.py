@@ -24,6 +24,8 @@ AZIMUTH_EPSILON = 1e-7
 EON_EPSILON = 1e-7
 #: Cosines this small only guard a division: the product with the guarded term is already zero.
 COSINE_EPSILON = 1e-4
+#: exp(-200) = 1e-87 is nothing in a picture, and products of it do not underflow.
+LARGEST_EXPONENT = 200.0
 
 
 class Facing(NamedTuple):
@@ -67,6 +69,11 @@ def fresnel_dielectric(cos_d: ArrayLike, n: ArrayLike) -> Array:
     return np.asarray(0.5 * ratio * ratio * (1.0 + polarised * polarised))
 
 
+@lru_cache(maxsize=1)
+def _facet_quadrature() -> tuple[Array, Array]:
+    return np.polynomial.legendre.leggauss(96)
+
+
 @lru_cache(maxsize=256)
 def facet_amplitude(s: float) -> float:
     """Peak A of the density D = A exp(-delta^2 / 2 s^2), so that D cos(delta) integrates to 1.
@@ -76,7 +83,7 @@ def facet_amplitude(s: float) -> float:
     degrees is negligible.
     """
     upper = min(0.5 * np.pi, 9.0 * s)
-    x, weight = np.polynomial.legendre.leggauss(96)
+    x, weight = _facet_quadrature()
     delta = 0.5 * upper * (x + 1.0)
     integrand = np.exp(-0.5 * (delta / s) ** 2) * np.cos(delta) * np.sin(delta)
     return float(1.0 / (2.0 * np.pi * 0.5 * upper * np.sum(weight * integrand)))
@@ -89,7 +96,7 @@ def facet_density(delta2: Array, s: float, amplitude: float | None = None) -> Ar
     is m = sqrt(2) s.
     """
     peak = facet_amplitude(s) if amplitude is None else amplitude
-    return np.asarray(peak * np.exp(-delta2 / (2.0 * s * s)))
+    return np.asarray(peak * np.exp(-np.minimum(delta2 / (2.0 * s * s), LARGEST_EXPONENT)))
 
 
 def shadowing(f: Facing) -> Array:

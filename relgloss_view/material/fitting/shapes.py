@@ -1,0 +1,121 @@
+"""The functions of geometry that a model is a combination of, and their derivatives.
+
+A rung of the ladder predicts, in band b,
+
+    m_b = kd_b D1(t) + kd_b^2 D2(t) + sum_j ks_jb L_j(ln s_j, n),
+
+with t = sigma^2. Every derivative is again a combination of a few columns that do not depend on
+the band: D1, D2, L_j, dD1/dt, dD2/dt, dL_j/dln s_j (and dL_j/dn). All in radiance factors.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.material import brdf
+from relgloss_view.material.fitting.samples import Samples
+
+Array = NDArray[np.float64]
+
+#: exp(-100) is far below any floor, and its square and fourth power are still normal numbers.
+LARGEST_EXPONENT = 100.0
+_REFERENCE_SIGMA = 0.3
+_STEP = 1e-3
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """What the shapes need of N geometries; made once per set of samples."""
+
+    facing: brdf.Facing
+    along: Array  #: (N,), squared tilt of the half-vector in the plane of lamp and receiver, rad^2
+    across: Array  #: (N,), and across it; the two sum to delta^2
+    blur_along: float  #: variance that the apertures add in that plane, rad^2
+    blur_across: Array  #: (N,), and across it
+    grooves: Array  #: (N,), pi G / (4 cos_i cos_o)
+    flat: Array  #: (N,), the parts of Oren-Nayar: constant,
+    directed: Array  #: (N,), single scattering
+    interreflected: Array  #: (N,), and its rho^2 term
+
+    def subset(self, rows: NDArray[np.bool_]) -> Geometry:
+        """The geometries marked in `rows`."""
+        return Geometry(
+            brdf.Facing(*(part[rows] for part in self.facing)),
+            self.along[rows],
+            self.across[rows],
+            self.blur_along,
+            self.blur_across[rows],
+            self.grooves[rows],
+            self.flat[rows],
+            self.directed[rows],
+            self.interreflected[rows],
+        )
+
+
+def geometry(samples: Samples, aperture_sd_deg: tuple[float, float]) -> Geometry:
+    """Prepare the shapes of `samples` seen through apertures of the given per-axis sd (degrees).
+
+    With E = hypot(lamp, receiver) the half-vector is blurred by E/2 in the plane of the two
+    directions and by E / (2 cos theta_d) across it, since |i + o| = 2 cos theta_d.
+    """
+    i, o = samples.to_lamp, samples.to_receiver
+    normal = np.broadcast_to(np.array([0.0, 0.0, 1.0]), i.shape)
+    f = brdf.facing(normal, i, o)
+    split = i - o
+    length = np.linalg.norm(split, axis=-1)
+    # Where lamp and receiver coincide there is no plane, and the blur is round.
+    in_plane = np.where(length > 1e-9, split[:, 2] / np.maximum(length, 1e-9), np.sqrt(0.5))
+    tilt2 = np.sin(np.sqrt(f.delta2)) ** 2
+    share = np.where(length > 1e-9, np.minimum(in_plane**2 / np.maximum(tilt2, 1e-18), 1.0), 0.5)
+    e = np.radians(np.hypot(*aperture_sd_deg))
+    first, second = brdf.oren_nayar(f, _REFERENCE_SIGMA)
+    flat, _ = brdf.lambert(f)
+    t = _REFERENCE_SIGMA**2
+    return Geometry(
+        f,
+        f.delta2 * share,
+        f.delta2 * (1.0 - share),
+        float((e / 2.0) ** 2),
+        (e / (2.0 * np.maximum(f.cos_d, 0.05))) ** 2,
+        0.25 * np.pi * brdf.shadowing(f),
+        np.pi * flat,
+        np.pi * (first - (1.0 - 0.5 * t / (t + 0.33)) * flat) / (t / (t + 0.09)),
+        np.pi * second / (0.17 * t / (t + 0.13)),
+    )
+
+
+def diffuse_columns(g: Geometry, t: float) -> tuple[Array, Array, Array, Array]:
+    """D1, D2 and their derivatives to t = sigma^2; brdf.oren_nayar in its separable form."""
+    raw = (1.0 - 0.5 * t / (t + 0.33)) * g.flat + t / (t + 0.09) * g.directed
+    positive = raw > 0.0
+    slope = -0.5 * 0.33 / (t + 0.33) ** 2 * g.flat + 0.09 / (t + 0.09) ** 2 * g.directed
+    second = 0.17 * t / (t + 0.13) * g.interreflected
+    second_slope = 0.17 * 0.13 / (t + 0.13) ** 2 * g.interreflected
+    return np.where(positive, raw, 0.0), second, np.where(positive, slope, 0.0), second_slope
+
+
+def lobe_columns(g: Geometry, log_s: float, n: float) -> tuple[Array, Array]:
+    """L and dL/dln s of a Torrance-Sparrow lobe of unit strength, seen through the apertures."""
+    s = float(np.exp(log_s))
+    s2 = s * s
+    wide, tall = s2 + g.blur_along, s2 + g.blur_across
+    exponent = 0.5 * (g.along / wide + g.across / tall)
+    peak = brdf.facet_amplitude(s) * s2 / np.sqrt(wide * tall)
+    density = peak * np.exp(-np.minimum(exponent, LARGEST_EXPONENT))
+    lobe = density * g.grooves * brdf.fresnel_dielectric(g.facing.cos_d, n)
+    ahead, behind = s * np.exp(_STEP), s * np.exp(-_STEP)
+    amplitude_slope = np.log(brdf.facet_amplitude(ahead) / brdf.facet_amplitude(behind))
+    slope = amplitude_slope / (2.0 * _STEP) + 2.0 - s2 / wide - s2 / tall
+    slope = slope + s2 * (g.along / wide**2 + g.across / tall**2)
+    return lobe, lobe * slope
+
+
+def index_slope(g: Geometry, n: float) -> Array:
+    """(N,), d ln F / dn."""
+    ahead = brdf.fresnel_dielectric(g.facing.cos_d, n + _STEP)
+    behind = brdf.fresnel_dielectric(g.facing.cos_d, max(n - _STEP, 1.0))
+    middle = np.maximum(brdf.fresnel_dielectric(g.facing.cos_d, n), 1e-12)
+    return np.asarray((ahead - behind) / ((n + _STEP - max(n - _STEP, 1.0)) * middle))
