@@ -35,8 +35,8 @@ def evaluate(
 ) -> NDArray:
     """Run `body`, which sets `result`, for each row of the inputs; returns (N, 4).
 
-    Each input (N,) or (N, k <= 4) is a vec4 of its name; uint32 inputs are uvec4. `result` is a vec4,
-    or a uvec4 with `integers`.
+    Each input (N,) or (N, k <= 4) is a vec4 of its name; uint32 inputs are uvec4. `result` is a
+    vec4, or a uvec4 with `integers`.
     """
     count = len(next(iter(inputs.values())))
     height = -(-count // WIDTH)

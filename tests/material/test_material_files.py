@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 
+import materials
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-import materials
 from relgloss_view.bands import RGB
 from relgloss_view.errors import InputError
 from relgloss_view.material.files import load_material, material_to_dict, save_material
