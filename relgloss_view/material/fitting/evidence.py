@@ -35,7 +35,7 @@ def record_fit(
     state: State,
     seed: int,
 ) -> FitRecord:
-    """The record of a fit: `state` on all bands, `best` and the candidates on the search's bands."""
+    """The record of a fit: `state` on all bands, the candidates on the few of the search."""
     metrics = verdict.residuals(measurement, rows, g, full, predict(g, state))
     bounds: dict[str, Any] = {}
     warnings = list(measurement.warnings)
@@ -124,7 +124,7 @@ def _evidence(
 def _why_not(c: Candidate, best: Candidate) -> str:
     if c.rung.parameters(1000) < best.rung.parameters(1000):
         mean, se = ladder.gain(c, best)
-        return f"too small: {mean:.2g} (se {se:.1g}) worse than the chosen one"
+        return f"too small: {mean:.2g} worse (se {se:.1g})"
     mean, se = ladder.gain(best, c)
     if mean <= 0.0:
         return "larger, and no better held out"

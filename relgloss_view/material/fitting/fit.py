@@ -62,7 +62,7 @@ def fit_material(
     rows = usable_rows(measurement)
     full = prepare(measurement, seed)
     few = compress(full)
-    g = geometry(full, measurement.aperture_sd_deg)
+    g = geometry(full.to_lamp, full.to_receiver, measurement.aperture_sd_deg)
 
     rungs = ladder.LADDER if model == "auto" else _forced(model)
     candidates, folds = ladder.climb(g, few, rungs, refractive_index, progress, start_s_deg)

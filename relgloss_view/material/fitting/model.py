@@ -12,7 +12,7 @@ from relgloss_view.material.fitting.shapes import Geometry, diffuse_columns, lob
 
 Array = NDArray[np.float64]
 
-TAU = 0.04  #: logarithmic residual where the loss turns from squares to magnitudes: 2 sd of 2 %
+TAU = 0.03  #: logarithmic residual where the loss leaves the square: a good instrument's worst
 LOG_S_RANGE = (float(np.log(np.radians(0.05))), float(np.log(np.radians(40.0))))
 T_MAX = 0.49  #: sigma = 0.7 rad, the end of Oren and Nayar's own range
 INDEX_RANGE = (1.05, 10.0)
@@ -81,13 +81,17 @@ def mean_error(samples: Samples, model: Array) -> float:
 
 
 def robust(residual: Array) -> Array:
-    """The loss that a refinement descends: Cauchy's, in units of TAU^2."""
-    return 0.5 * np.log1p((residual / TAU) ** 2)
+    """The loss that a refinement descends, in units of TAU^2: Barron 2019, alpha = 1/4.
+
+    Far out it grows like the fourth root of the residual: between soft-L1, which lets the samples that no
+    model reaches bend the fit of the rest, and Cauchy's loss, which gives up whole highlights.
+    """
+    return np.asarray(7.0 * ((1.0 + (residual / TAU) ** 2 / 1.75) ** 0.125 - 1.0))
 
 
 def influence(residual: Array) -> Array:
     """Weight of a residual in the normal equations: slope of `robust` over residual, x TAU^2."""
-    return np.asarray(1.0 / (1.0 + (residual / TAU) ** 2))
+    return np.asarray((1.0 + (residual / TAU) ** 2 / 1.75) ** -0.875)
 
 
 def mean_loss(samples: Samples, model: Array) -> float:

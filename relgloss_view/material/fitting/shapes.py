@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relgloss_view.material import brdf
-from relgloss_view.material.fitting.samples import Samples
 
 Array = NDArray[np.float64]
 
@@ -55,13 +54,13 @@ class Geometry:
         )
 
 
-def geometry(samples: Samples, aperture_sd_deg: tuple[float, float]) -> Geometry:
-    """Prepare the shapes of `samples` seen through apertures of the given per-axis sd (degrees).
+def geometry(to_lamp: Array, to_receiver: Array, aperture_sd_deg: tuple[float, float]) -> Geometry:
+    """Prepare the shapes at unit directions (N, 3); the apertures' per-axis sd is in degrees.
 
     With E = hypot(lamp, receiver) the half-vector is blurred by E/2 in the plane of the two
     directions and by E / (2 cos theta_d) across it, since |i + o| = 2 cos theta_d.
     """
-    i, o = samples.to_lamp, samples.to_receiver
+    i, o = to_lamp, to_receiver
     normal = np.broadcast_to(np.array([0.0, 0.0, 1.0]), i.shape)
     f = brdf.facing(normal, i, o)
     split = i - o

@@ -5,9 +5,9 @@ with the floor e: sum_nb w_nb rho(r). Its stationary points over the linear unkn
 least-squares problem with the weights w (rho'(r)/r) / (Lambda(m+e, f+e) (m+e)), Lambda being the
 logarithmic mean, because r = (m - f) / Lambda; so the inner problem is solved by reweighting.
 
-The scan ranks its starts by soft-L1, which is nearly convex; the refinement descends Cauchy's
-loss, under which samples that no model of the ladder reaches (the foot of a film's lobe, grazing
-backscatter) do not bend the part that it does reach.
+The scan ranks its starts by soft-L1, which is nearly convex; the refinement descends Barron's loss
+between soft-L1 and Cauchy's, under which samples that no model of the ladder reaches (the foot of
+a film's lobe, grazing backscatter) bend the part that it does reach less.
 """
 
 from __future__ import annotations

@@ -22,6 +22,7 @@ NEAR_MIRROR_DEG = 5.0  #: half-vector within this of the normal
 POOR_MEDIAN = 0.12
 POOR_MEDIAN_NEAR = 0.45
 PROFILE_STEPS = 25
+_BISECTIONS = 5
 #: Rise of the logarithmic error that a profile may have and still be called flat.
 FLAT = 1e-4
 NULL_WIDTHS_DEG = (0.1, 0.3, 1.0, 3.0, 10.0)
@@ -136,24 +137,35 @@ def width_interval(g: Geometry, samples: Samples, candidate: Candidate, lobe: in
     base = group_errors(samples, predict(g, state))
     fitted = float(state.log_s[lobe])
     peak = float(np.max(lobe_columns(g, fitted, float(state.n[lobe]))[0]))
+
+    def as_good(log_s: float) -> bool:
+        moved = state.log_s.copy()
+        moved[lobe] = log_s
+        columns, _ = problem.columns(state.t, moved, state.n)
+        now = float(np.max(columns[:, 2 + lobe]))
+        ks = state.ks.copy()
+        ks[lobe] *= peak / max(now, 1e-30)
+        kd, ks = problem.inner(columns, state.kd, ks, 3)
+        rise = group_errors(samples, problem.model(columns, kd, ks)) - base
+        se = float(np.std(rise, ddof=1) / np.sqrt(len(rise))) if len(rise) > 1 else 0.0
+        return float(np.mean(rise)) <= max(se, FLAT)
+
     grid = np.linspace(*LOG_S_RANGE, PROFILE_STEPS)
     ends = []
     for side in (grid[grid < fitted][::-1], grid[grid > fitted]):
-        end = fitted
+        good: float = fitted
+        bad: float | None = None
         for log_s in side:
-            moved = state.log_s.copy()
-            moved[lobe] = log_s
-            columns, _ = problem.columns(state.t, moved, state.n)
-            now = float(np.max(columns[:, 2 + lobe]))
-            ks = state.ks.copy()
-            ks[lobe] *= peak / max(now, 1e-30)
-            kd, ks = problem.inner(columns, state.kd, ks, 3)
-            rise = group_errors(samples, problem.model(columns, kd, ks)) - base
-            se = float(np.std(rise, ddof=1) / np.sqrt(len(rise))) if len(rise) > 1 else 0.0
-            if float(np.mean(rise)) > max(se, FLAT):
+            if not as_good(float(log_s)):
+                bad = float(log_s)
                 break
-            end = float(log_s)
-        ends.append(end)
+            good = float(log_s)
+        for _ in range(_BISECTIONS):
+            if bad is None:
+                break
+            middle = 0.5 * (good + bad)
+            good, bad = (middle, bad) if as_good(middle) else (good, middle)
+        ends.append(good)
     return np.asarray(np.exp(np.array(ends)))
 
 
