@@ -1,10 +1,11 @@
-"""Draw the four sample papers at the settings that the paper's observers chose, and a contact sheet.
+"""Draw the four sample papers at the settings that the paper's observers chose, and a sheet.
 
 Run: python scripts/demo.py [FOLDER]
 """
 
 from __future__ import annotations
 
+import dataclasses
 import sys
 
 import relgloss_view as rg
@@ -14,6 +15,7 @@ from relgloss_view.picture.export import save_rgb
 from relgloss_view.picture.sheet import contact_sheet
 
 SIZE = (512, 512)
+SAMPLES_A_SIDE = 3
 
 
 def main(folder_name: str) -> int:
@@ -21,8 +23,10 @@ def main(folder_name: str) -> int:
     pictures, captions = [], []
     with rg.open_renderer() as renderer:
         for name, matched in rg.SAMPLES.items():
-            frame = renderer.render(rg.Scene(rg.load_sample(name)), matched.look(), SIZE)
-            command = f"relgloss snapshot --sample {name} --matched -o {name}.png"
+            look = dataclasses.replace(matched.look(), samples=SAMPLES_A_SIDE)
+            frame = renderer.render(rg.Scene(rg.load_sample(name)), look, SIZE)
+            options = f"--sample {name} --matched --samples {SAMPLES_A_SIDE}"
+            command = f"relgloss snapshot {options} -o {name}.png"
             rg.save_frame(frame, folder / f"{name}.png", command)
             rg.save_frame(frame, folder / f"{name}.exr", command)
             pictures.append(frame.display)

@@ -1,4 +1,4 @@
-"""Write the standard observer and the default lamp into assets/spectra, from colour-science's tables.
+"""Write the standard observer and the default lamp into assets/spectra, from colour-science.
 
 They are shipped as files because importing colour-science takes longer than drawing a picture.
 Run: python scripts/export_spectra.py

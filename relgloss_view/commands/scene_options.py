@@ -79,12 +79,12 @@ def scene_from(args: argparse.Namespace) -> tuple[Scene, Look, tuple[int, int]]:
         scene, look = Scene(material), Look()
     scene, look = _with_settings(scene, look, args.set)
     if getattr(args, "matched", False):
-        if scene.material.name not in SAMPLES:
+        if args.material is not None or (args.scene is not None and args.sample is None):
             raise InputError(
-                f"--matched: no published setting for {scene.material.name!r}; it is there for "
-                f"{', '.join(SAMPLES)}; give --sigma-n and --c-fraction"
+                f"--matched: there are published settings for --sample {', '.join(SAMPLES)} only; "
+                "give --sigma-n and --c-fraction"
             )
-        matched = SAMPLES[scene.material.name]
+        matched = SAMPLES[args.sample or DEFAULT_SAMPLE]
         look = _changed(look, matched.sigma_n_deg, None, matched.c_fraction)
     look = _changed(
         look,

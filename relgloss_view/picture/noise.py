@@ -17,7 +17,8 @@ ATTEMPTS = 4
 
 def pcg3d(v: UInts) -> UInts:
     """Hash of three 32-bit integers, (..., 3) (Jarzynski, Olano 2020)."""
-    x, y, z = (v[..., k].astype(np.uint32) * _U(1664525) + _U(1013904223) for k in range(3))
+    # Slices keep an axis: numpy warns of wrap-around on scalars, not on arrays.
+    x, y, z = (v[..., k : k + 1] * _U(1664525) + _U(1013904223) for k in range(3))
     x += y * z
     y += z * x
     z += x * y
@@ -27,7 +28,7 @@ def pcg3d(v: UInts) -> UInts:
     x += y * z
     y += z * x
     z += x * y
-    return np.stack([x, y, z], axis=-1)
+    return np.concatenate([x, y, z], axis=-1)
 
 
 def cell_hash(cell: NDArray[np.int64], seed: int) -> UInts:

@@ -227,8 +227,8 @@ class TestShape:
         ray = float32(targets - eye_m)
         hit = shape.meet(kind, eye_m, ray.astype(np.float64), half)
         inputs = {"ray": ray}
-        triple = "vec3({!r}, {!r}, {!r})".format
-        prelude = f"Hit hit = meet({kind.upper()}, {triple(*eye_m.tolist())}, ray.xyz, {triple(*half.tolist())});"
+        eye_text, half_text = (f"vec3{tuple(v.tolist())}" for v in (eye_m, half))
+        prelude = f"Hit hit = meet({kind.upper()}, {eye_text}, ray.xyz, {half_text});"
         point = glsl.evaluate(
             ctx, ["shape.glsl"], prelude + "result = vec4(hit.point_m, hit.found ? 1 : 0);", inputs
         )

@@ -57,7 +57,9 @@ class Programs:
                 member.value = unit
                 unit += 1
             elif isinstance(value, np.ndarray):
-                member.write(np.ascontiguousarray(value, dtype=np.float32).tobytes())
+                # Drivers cut an array to the elements that the variant reads.
+                data = np.ascontiguousarray(value, dtype=np.float32).tobytes()
+                member.write(data[: member.array_length * member.element_size])
             else:
                 member.value = value
         target.use()

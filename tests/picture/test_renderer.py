@@ -1,0 +1,451 @@
+"""The GPU's frames against the float64 reference; what the renderer itself promises."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import subprocess
+import sys
+
+import materials
+import numpy as np
+import pytest
+
+from relgloss_view.errors import InputError
+from relgloss_view.material.material import Diffuse, Lobe
+from relgloss_view.picture import tone
+from relgloss_view.picture.backends import open_renderer
+from relgloss_view.picture.renderer import Renderer
+from relgloss_view.picture.samples import SAMPLES, load_sample
+from relgloss_view.picture.scene import Display, Eye, Lamp, Look, Scene, Shape
+
+colour = pytest.importorskip("colour")
+
+SIZE = (512, 512)
+SMALL = (160, 120)
+
+
+def delta_e(frame, truth):
+    """dE2000 over the object between two frames' Lab before gamut mapping."""
+    seen = frame.on_object & truth.on_object
+    return colour.delta_E(
+        frame.lab[seen].astype(np.float64), truth.lab[seen].astype(np.float64), method="CIE 2000"
+    )
+
+
+def displayed_delta_e(frame, truth):
+    """dE2000 of the displayed light, before quantisation."""
+    model = tone.DisplayModel.of(frame.scene.display)
+    back = np.linalg.inv(model.rgb_from_xyz).T
+    a, b = (
+        tone.lab_from_xyz(f.light.astype(np.float64) @ back, model.white) for f in (frame, truth)
+    )
+    return colour.delta_E(a.reshape(-1, 3), b.reshape(-1, 3), method="CIE 2000")
+
+
+def assert_same_picture(frame, truth):
+    np.testing.assert_array_equal(frame.coverage, truth.coverage)
+    assert np.max(delta_e(frame, truth)) <= 0.02
+    assert np.max(displayed_delta_e(frame, truth)) <= 0.02
+    off = frame.display.astype(int) - truth.display.astype(int)
+    assert np.max(np.abs(off)) <= 1
+    if truth.c_max is not None:
+        assert frame.c_max == pytest.approx(truth.c_max, rel=1e-5)
+        assert frame.scaling.c_max_eq4 == pytest.approx(truth.scaling.c_max_eq4, rel=1e-4)
+
+
+class TestAgainstReference:
+    @pytest.mark.parametrize("azimuth_deg", [20.0, 80.0, 140.0])
+    @pytest.mark.parametrize("sample", list(SAMPLES))
+    def test_sample_papers(self, renderer, reference, sample, azimuth_deg):
+        scene = Scene(load_sample(sample), lamp=Lamp(azimuth_deg=azimuth_deg))
+        frame = renderer.render(scene, Look(), SIZE)
+        assert_same_picture(frame, reference.render(scene, Look(), SIZE))
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("azimuth_deg", range(30, 140, 10))
+    @pytest.mark.parametrize("sample", list(SAMPLES))
+    def test_sample_papers_at_every_lamp(self, renderer, reference, sample, azimuth_deg):
+        self.test_sample_papers(renderer, reference, sample, float(azimuth_deg))
+
+    def test_a_perceptible_change_fails(self, renderer, reference):
+        # Negative control: a lobe 2 % wider is another picture.
+        material = materials.paper("art")
+        lobe = dataclasses.replace(material.specular[0], s_deg=2.55)
+        wider = dataclasses.replace(material, specular=(lobe, material.specular[1]))
+        frame = renderer.render(Scene(wider), Look(c=0.4), SIZE)
+        truth = reference.render(Scene(material), Look(c=0.4), SIZE)
+        assert np.max(delta_e(frame, truth)) > 0.1
+
+    @pytest.mark.parametrize("model", ["lambert", "oren-nayar", "eon"])
+    def test_diffuse_models(self, renderer, reference, model):
+        scene = Scene(materials.paper("uncoated", model), lamp=Lamp(azimuth_deg=110.0))
+        frame = renderer.render(scene, Look(), SMALL)
+        assert_same_picture(frame, reference.render(scene, Look(), SMALL))
+
+    def test_spectral_lobe_and_rgb_material(self, renderer, reference):
+        spectrum = tuple(np.linspace(0.2, 1.0, 35))
+        material = dataclasses.replace(
+            materials.paper("matte"), specular=(Lobe(spectrum, 5.0, 1.7),)
+        )
+        rgb = dataclasses.replace(
+            material,
+            bands=type(material.bands)(),
+            diffuse=Diffuse("oren-nayar", (0.5, 0.05, 0.02), 8.0),
+            specular=(Lobe((1.0, 0.8, 0.4), 5.0), Lobe((0.0,), 1.0)),
+        )
+        for scene in (Scene(material), Scene(rgb, lamp=Lamp(illuminant="HP5"))):
+            frame = renderer.render(scene, Look(c=0.5), SMALL)
+            assert_same_picture(frame, reference.render(scene, Look(c=0.5), SMALL))
+
+    @pytest.mark.parametrize("kind", ["cylinder", "sphere", "plane", "box"])
+    def test_shapes_from_above(self, renderer, reference, kind):
+        scene = Scene(
+            materials.paper("matte"),
+            shape=Shape(kind=kind, width_m=0.07, depth_m=0.05),
+            eye=Eye(azimuth_deg=25.0, elevation_deg=30.0),
+            lamp=Lamp(azimuth_deg=40.0, elevation_deg=20.0, distance_m=0.3),
+        )
+        frame = renderer.render(scene, Look(), SMALL)
+        truth = reference.render(scene, Look(), SMALL)
+        assert 0.1 < np.mean(frame.on_object) < 0.9
+        assert_same_picture(frame, truth)
+        np.testing.assert_allclose(frame.normal, truth.normal, atol=1e-4)
+        np.testing.assert_allclose(frame.point_m, truth.point_m, atol=1e-5)
+
+    def test_supersampling(self, renderer, reference):
+        look = Look(samples=4, c_fraction=0.8)
+        scene = Scene(materials.paper("cast"))
+        frame = renderer.render(scene, look, SMALL)
+        assert len(np.unique(frame.coverage)) > 4
+        assert_same_picture(frame, reference.render(scene, look, SMALL))
+
+    def test_other_display(self, renderer, reference):
+        display = Display(
+            transfer="gain-offset-gamma",
+            gain=0.97,
+            offset=0.03,
+            gamma=2.4,
+            flare=0.003,
+            primaries_xy=((0.625, 0.34), (0.28, 0.595), (0.155, 0.07)),
+            white_xy=(0.2831, 0.2971),
+            background_lstar=20.0,
+        )
+        scene = Scene(materials.paper("art"), display=display)
+        frame = renderer.render(scene, Look(), SMALL)
+        assert_same_picture(frame, reference.render(scene, Look(), SMALL))
+
+
+class TestNoise:
+    @pytest.mark.parametrize(
+        "look",
+        [
+            Look(sigma_n_deg=0.5),
+            Look(sigma_n_deg=3.0, seed=9),
+            Look(sigma_n_deg=2.0, noise_law="tangent", noisy_lobes="specular", grain_px=3),
+            Look(sigma_n_deg=2.0, grain="surface", grain_mm=0.4),
+            Look(sigma_n_deg=2.0, grain="surface", samples=3),
+        ],
+        ids=["mild", "strong", "tangent", "surface", "surface-3x3"],
+    )
+    @pytest.mark.parametrize("name", ["cast", "matte"])
+    def test_against_reference(self, renderer, reference, name, look):
+        scene = Scene(materials.paper(name))
+        frame, truth = (r.render(scene, look, (256, 256)) for r in (renderer, reference))
+        # A surface cell's border may fall to the other side: hence the percentile.
+        assert np.percentile(delta_e(frame, truth), 99.9) <= 0.1
+        assert np.max(np.abs(frame.tilted_normal - frame.normal)) > 0.02
+
+    def test_another_seed_is_another_picture(self, renderer, reference):
+        scene = Scene(materials.paper("matte"))
+        frame = renderer.render(scene, Look(sigma_n_deg=2.0, seed=1), SMALL)
+        truth = reference.render(scene, Look(sigma_n_deg=2.0, seed=2), SMALL)
+        assert np.percentile(delta_e(frame, truth), 99.9) > 1.0
+
+    def test_sphere_grain_keeps_its_area_towards_the_poles(self, renderer):
+        look = Look(sigma_n_deg=1.0, grain="surface", grain_mm=2.0)
+        scene = Scene(
+            materials.paper("matte"), shape=Shape(kind="sphere"), eye=Eye(elevation_deg=80.0)
+        )
+        frame = renderer.render(scene, look, (256, 256))
+        # Pixels of one cell share one tilt; a pole of converging meridians would hold dozens of
+        # cells a pixel wide.
+        tilt = np.sum(frame.normal * frame.tilted_normal, axis=-1)[118:138, 118:138]
+        assert len(np.unique(np.round(tilt, 6))) < 60
+
+    def test_zero_sigma_is_the_noise_free_picture_bit_for_bit(self, renderer, monkeypatch):
+        from relgloss_view.picture import plan
+
+        scene = Scene(materials.paper("matte"))
+        smooth = renderer.render(scene, Look(), SMALL)
+        wanted = {name: getattr(smooth, name).copy() for name in ("diffuse", "specular", "display")}
+        # The noisy variant itself, given a sigma of zero.
+        original = plan.Plan.of.__func__
+        monkeypatch.setattr(
+            plan.Plan,
+            "of",
+            classmethod(lambda cls, s, k: dataclasses.replace(original(cls, s, k), noise="paper")),
+        )
+        noisy = Renderer(renderer.ctx).render(scene, Look(), SMALL)
+        for name, values in wanted.items():
+            np.testing.assert_array_equal(getattr(noisy, name), values)
+
+    def test_screen_grain_is_keyed_on_the_pixel(self, renderer):
+        # A plane under one lamp direction for both sizes: the same pixel draws the same tilt.
+        scene = Scene(materials.paper("matte"), shape=Shape(kind="plane"))
+        look = Look(sigma_n_deg=2.0)
+        small = renderer.render(scene, look, (200, 200)).tilted_normal.copy()
+        large = renderer.render(scene, look, (260, 260)).tilted_normal
+        both = (np.abs(small).sum(-1) > 0) & (np.abs(large[:200, :200]).sum(-1) > 0)
+        assert np.sum(both) > 3000
+        np.testing.assert_allclose(small[both], large[:200, :200][both], atol=1e-6)
+
+    def test_surface_grain_is_keyed_on_the_object(self, renderer):
+        # Seen from two places, a point keeps its grain.
+        scene = Scene(materials.paper("matte"), shape=Shape(kind="plane"))
+        look = Look(sigma_n_deg=2.0, grain="surface", grain_mm=8.0)
+        tilts = []
+        for size in ((200, 200), (331, 257)):
+            frame = renderer.render(scene, look, size)
+            on = frame.on_object
+            cell = np.floor(frame.point_m[on][:, :2] / 8e-3).astype(int)
+            tilts.append(
+                {
+                    tuple(c): tuple(np.round(n, 5))
+                    for c, n in zip(cell, frame.tilted_normal[on], strict=True)
+                }
+            )
+        shared = set(tilts[0]) & set(tilts[1])
+        assert len(shared) > 80
+        assert all(tilts[0][c] == tilts[1][c] for c in shared)
+        assert len({tilts[0][c] for c in shared}) > 70
+
+    def test_no_specks_at_the_silhouette(self, renderer):
+        scene = Scene(materials.flat(0.5), lamp=Lamp(azimuth_deg=20.0))
+        frame = renderer.render(scene, Look(sigma_n_deg=3.0), (400, 400))
+        lit = np.sum(frame.normal * scene.lamp.position_m, axis=-1) > 0.3
+        assert np.all(np.isfinite(frame.diffuse))
+        assert np.min(frame.diffuse[..., 1][lit & frame.on_object]) > 0.02
+
+    def test_zooming_out_keeps_the_highlights_energy(self, renderer):
+        """One screenful of the object against 16 x smaller pixels: within 2 %.
+
+        Surface grain, 8 x 8 samples a pixel in the small picture, so both see every region.
+        """
+        scene = Scene(materials.paper("matte"))
+        look = Look(sigma_n_deg=1.0, grain="surface", grain_mm=1.0, c=0.3)
+        large = renderer.render(scene, look, (1024, 1024))
+        energy = np.mean(large.specular[..., 1] * large.coverage)
+        small = renderer.render(scene, dataclasses.replace(look, samples=8), (64, 64))
+        assert np.mean(small.specular[..., 1] * small.coverage) == pytest.approx(energy, rel=0.02)
+
+
+class TestPasses:
+    def test_c_alone_runs_the_tone_pass_alone(self, renderer):
+        scene = Scene(materials.paper("art"))
+        renderer.render(scene, Look(sigma_n_deg=1.0, c=0.2), SMALL)
+        before = dict(renderer.draws)
+        renderer.render(scene, Look(sigma_n_deg=1.0, c=0.3), SMALL)
+        changed = {k: v - before[k] for k, v in renderer.draws.items() if v != before[k]}
+        assert changed == {"tone": 1}
+        renderer.render(scene, Look(sigma_n_deg=1.0, c=0.3), SMALL)
+        assert renderer.draws["tone"] == before["tone"] + 1
+
+    def test_sigma_n_leaves_y_n_alone(self, renderer):
+        scene = Scene(materials.paper("art"))
+        renderer.render(scene, Look(sigma_n_deg=1.0), SMALL)
+        white = renderer.draws["white"]
+        renderer.render(scene, Look(sigma_n_deg=1.5), SMALL)
+        assert renderer.draws["white"] == white
+
+    def test_no_slider_compiles_a_shader(self, renderer):
+        scene = Scene(materials.paper("art"))
+        renderer.prepare(scene, Look())
+        compiled = renderer.programs.compiled
+        for sigma_n_deg in (0.0, 0.1, 3.0):
+            for c_fraction in (0.2, 1.0):
+                look = Look(sigma_n_deg=sigma_n_deg, c_fraction=c_fraction, seed=5)
+                frame = renderer.render(scene, look, SMALL)
+                assert frame.tilted_normal.shape == (120, 160, 3)
+        for azimuth_deg in (10.0, 100.0):
+            renderer.render(
+                Scene(materials.paper("cast"), lamp=Lamp(azimuth_deg=azimuth_deg)), look, SMALL
+            )
+        assert renderer.programs.compiled == compiled
+
+    def test_frames_outlive_the_next_picture(self, renderer):
+        scenes = [Scene(materials.paper(name)) for name in ("cast", "uncoated")]
+        alone = [renderer.render(s, Look(), SMALL).lab.copy() for s in scenes]
+        frames = [renderer.render(s, Look(), SMALL) for s in scenes]
+        np.testing.assert_array_equal(frames[0].lab, alone[0])
+        np.testing.assert_array_equal(frames[1].lab, alone[1])
+
+    def test_resizing_and_releasing(self, renderer):
+        scene = Scene(materials.paper("cast"))
+        first = renderer.render(scene, Look(), SMALL)
+        wanted = first.display.copy()
+        for size in ((1, 1), (3, 2), (700, 33), (17, 256)):
+            assert renderer.render(scene, Look(c=0.1), size).display.shape == (*size[::-1], 3)
+        renderer.release()
+        again = renderer.render(scene, Look(), SMALL)
+        np.testing.assert_array_equal(again.display, wanted)
+
+    def test_missing_uniform_and_broken_shader_are_told(self, renderer):
+        from relgloss_view.picture.renderer.targets import SHADE
+        from relgloss_view.picture.shader import ShaderError
+
+        renderer.render(Scene(materials.paper("cast")), Look(), SMALL)
+        target = renderer._targets.framebuffer(SHADE)
+        with pytest.raises(ShaderError, match=r"uniform '\w+' has no value"):
+            renderer.programs.draw("tone.frag", {"TRANSFER": 0}, {}, target)
+        with pytest.raises(ShaderError, match=r"measure\.frag:\d+.*BLOCK"):
+            renderer.programs.get("measure.frag", {})
+
+
+class TestScenes:
+    def test_c_max_keeps_every_pixel_displayable(self, renderer):
+        for name in materials.PAPERS:
+            for azimuth_deg in (20.0, 110.0):
+                scene = Scene(materials.paper(name), lamp=Lamp(azimuth_deg=azimuth_deg))
+                frame = renderer.render(scene, Look(sigma_n_deg=1.0), SMALL)
+                assert np.max(frame.lab[..., 0]) <= 100 + 1e-4
+                assert np.max(frame.lab[..., 0]) > 99.9
+                assert np.sum(frame.clipped) == 0
+                above = renderer.render(scene, Look(sigma_n_deg=1.0, c=1.02 * frame.c_max), SMALL)
+                assert np.sum(above.clipped) > 0
+
+    def test_equation_4_overestimates_on_broad_lobes(self, renderer):
+        scene = Scene(materials.paper("uncoated"))
+        scaling = renderer.render(scene, Look(), SIZE).scaling
+        assert 1.0 < scaling.c_max_eq4 / scaling.c_max < 1.07
+
+    def test_white_lambert_shows_l_100_at_most(self, renderer):
+        frame = renderer.render(Scene(materials.flat(1.0)), Look(), SMALL)
+        assert frame.c == 1.0
+        assert frame.c_max is None
+        assert np.max(frame.lab[..., 0]) == pytest.approx(100.0, abs=1e-3)
+        assert frame.y_n_cd_m2 == 110.0
+
+    def test_more_than_white_is_refused(self, renderer):
+        material = materials.flat(1.3, (Lobe((1.0,), 5.0),))
+        with pytest.raises(InputError, match="diffuse part alone"):
+            renderer.render(Scene(material), Look(), SMALL)
+        frame = renderer.render(Scene(material), Look(c=0.5), SMALL)
+        assert np.sum(frame.clipped) > 0
+
+    @pytest.mark.parametrize("backend", ["gpu", "reference"])
+    def test_unlit_and_unseen_are_defined(self, renderer, reference, backend):
+        draw = renderer if backend == "gpu" else reference
+        material = materials.paper("cast")
+        for lamp in (Lamp(azimuth_deg=180.0), Lamp(distance_m=0.01), Lamp(elevation_deg=90.0)):
+            frame = draw.render(Scene(material, lamp=lamp), Look(sigma_n_deg=1.0), SMALL)
+            assert np.any(frame.on_object)
+            assert np.max(frame.specular) == 0.0
+            assert "lights nothing" in frame.warnings[-1]
+        frame = draw.render(Scene(material, eye=Eye(distance_m=0.02)), Look(), SMALL)
+        assert not np.any(frame.on_object)
+        assert "inside the object" in frame.warnings[-1]
+        plane = Scene(material, shape=Shape(kind="plane"), eye=Eye(azimuth_deg=180.0))
+        assert not np.any(draw.render(plane, Look(), SMALL).on_object)
+
+    @pytest.mark.parametrize("s_deg", [0.05, 40.0])
+    def test_extreme_lobes_are_finite(self, renderer, s_deg):
+        material = materials.flat(0.3, (Lobe((1.0,), s_deg, 1.5),))
+        for azimuth_deg in (0.0, 90.0, 170.0, 179.0):
+            scene = Scene(material, lamp=Lamp(azimuth_deg=azimuth_deg))
+            frame = renderer.render(scene, Look(sigma_n_deg=3.0, c=0.1), SMALL)
+            for stage in (frame.diffuse, frame.specular, frame.lab, frame.light):
+                assert np.all(np.isfinite(stage))
+            assert np.min(frame.specular) >= 0.0
+            assert np.min(frame.diffuse) >= 0.0
+
+    def test_unit_index_has_no_highlight(self, renderer):
+        material = materials.flat(0.3, (Lobe((1.0,), 2.0, 1.0),))
+        frame = renderer.render(Scene(material), Look(), SMALL)
+        assert np.max(frame.specular) == 0.0
+        assert frame.c == 1.0
+
+    @pytest.mark.parametrize(
+        "size", [(0, 10), (10, 0), (100_000, 100_000), (16_385, 1), (9000, 9000)]
+    )
+    def test_impossible_sizes(self, renderer, size):
+        with pytest.raises(InputError, match="size"):
+            renderer.render(Scene(materials.flat()), Look(), size)
+
+
+DRIVER_SCRIPT = """
+import sys, numpy as np
+sys.path.insert(0, sys.argv[1])
+import materials
+from relgloss_view.picture.backends import open_renderer
+from relgloss_view.picture.scene import Look, Scene
+with open_renderer(sys.argv[2]) as renderer:
+    out = {"device": np.array(str(renderer.ctx.info["GL_RENDERER"]))}
+    for name in ("cast", "uncoated"):
+        for sigma in (0.0, 2.0):
+            scene, look = Scene(materials.paper(name)), Look(sigma_n_deg=sigma)
+            frame = renderer.render(scene, look, (256, 256))
+            for stage in ("diffuse", "specular", "lab", "display"):
+                out[f"{name} {sigma} {stage}"] = getattr(frame, stage)
+np.savez(sys.argv[3], **out)
+"""
+
+
+@pytest.fixture(scope="module")
+def pictures(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("drivers")
+
+    def draw(backend, **environment):
+        path = folder / f"{backend}-{len(environment)}.npz"
+        here = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+        done = subprocess.run(
+            [sys.executable, "-c", DRIVER_SCRIPT, here, backend, str(path)],
+            env={**os.environ, **environment},
+            capture_output=True,
+            text=True,
+            timeout=300,
+        )
+        assert done.returncode == 0, done.stderr
+        return np.load(path)
+
+    return {
+        "egl": draw("egl"),
+        "osmesa": draw("osmesa"),
+        "softpipe": draw("egl", GALLIUM_DRIVER="softpipe"),
+    }
+
+
+class TestDrivers:
+    """Each driver in a process of its own, as its environment is read once a process."""
+
+    def stages(self, pictures):
+        return [name for name in pictures["egl"].files if name != "device"]
+
+    def test_osmesa_is_bit_identical(self, pictures):
+        if "llvmpipe" not in str(pictures["egl"]["device"]):
+            pytest.skip("EGL is not on the software driver that OSMesa uses")
+        for name in self.stages(pictures):
+            np.testing.assert_array_equal(pictures["osmesa"][name], pictures["egl"][name])
+
+    def test_softpipe_is_close(self, pictures):
+        """An independent driver of floats: 1e-4 of each stage's largest value."""
+        assert "softpipe" in str(pictures["softpipe"]["device"])
+        differs = False
+        for name in self.stages(pictures):
+            a, b = (pictures[d][name].astype(np.float64) for d in ("softpipe", "egl"))
+            differs |= bool(np.any(a != b))
+            if name.endswith("display"):
+                assert np.max(np.abs(a - b)) <= 1
+            else:
+                assert np.max(np.abs(a - b)) <= 1e-4 * np.max(np.abs(b)), name
+        assert differs, "two drivers that never differ are one driver: this test shows nothing"
+
+
+def test_backends_open_and_close():
+    for backend in ("egl", "reference"):
+        with open_renderer(backend) as renderer:
+            assert renderer.render(Scene(materials.flat()), Look(), (8, 8)).display.shape == (
+                8,
+                8,
+                3,
+            )
