@@ -117,6 +117,11 @@ class Lamp(_Checked):
     luminance_cd_m2: float = parameter(110.0, 1e-3, 1e6, "cd/m2", "Y_n: of the perfect diffuser")
     illuminant: str = "HP5"  #: a name that spectra.illuminant knows, or a two-column file
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not isinstance(self.illuminant, str):
+            raise InputError(f"lamp.illuminant: expected a name, found {self.illuminant!r}")
+
     @property
     def position_m(self) -> Array:
         """World position, (3,)."""
@@ -142,6 +147,23 @@ class Eye(_Checked):
         return polar_point(self.azimuth_deg, self.elevation_deg, self.distance_m)
 
 
+MIN_GAMUT_AREA = 1e-3  #: twice the triangle's area in the xy diagram; sRGB has 0.22
+
+
+def _is_table(value: object, rows: int) -> bool:
+    return isinstance(value, tuple) and len(value) == rows
+
+
+def _is_xy(value: object) -> bool:
+    """Whether a value is a chromaticity that a light can have."""
+    if not (isinstance(value, tuple) and len(value) == 2):
+        return False
+    if any(isinstance(v, bool) or not isinstance(v, int | float) for v in value):
+        return False
+    x, y = value
+    return bool(x >= 0.0 and y > 0.0 and x + y <= 1.0)
+
+
 @dataclass(frozen=True)
 class Display(_Checked):
     """The monitor: its white shows L* = 100. sRGB, or primaries with gain, offset and gamma."""
@@ -155,6 +177,19 @@ class Display(_Checked):
     primaries_xy: tuple[tuple[float, float], ...] = ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06))
     white_xy: tuple[float, float] = (0.3127, 0.3290)
     background_lstar: float = parameter(50.0, 0.0, 100.0, "L*", "neutral surround of the object")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not (_is_table(self.primaries_xy, 3) and all(_is_xy(xy) for xy in self.primaries_xy)):
+            raise InputError(
+                "display.primaries_xy: expected three chromaticities, as [[x, y], ...]"
+            )
+        if not _is_xy(self.white_xy):
+            raise InputError("display.white_xy: expected a chromaticity, as [x, y]")
+        (rx, ry), (gx, gy), (bx, by) = self.primaries_xy
+        area = (gx - rx) * (by - ry) - (bx - rx) * (gy - ry)
+        if abs(area) < MIN_GAMUT_AREA:
+            raise InputError("display.primaries_xy: the three primaries lie on a line")
 
 
 GRAINS = ("screen", "surface")

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import materials
 import numpy as np
 import pytest
 
-import materials
 from relgloss_view.picture.scene import Eye, Lamp, Look, Scene, Shape
 from relgloss_view.picture.view import View
 
