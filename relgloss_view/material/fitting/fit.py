@@ -16,7 +16,14 @@ from relgloss_view.errors import InputError
 from relgloss_view.material.fitting import ladder, verdict
 from relgloss_view.material.fitting.evidence import main_lobe, record_fit
 from relgloss_view.material.fitting.ladder import Candidate, Progress
-from relgloss_view.material.fitting.model import INDEX_RANGE, Rung, State
+from relgloss_view.material.fitting.model import (
+    INDEX_RANGE,
+    REDESCENDING,
+    Rung,
+    State,
+    mean_error,
+    predict,
+)
 from relgloss_view.material.fitting.samples import Samples, compress, prepare, usable_rows
 from relgloss_view.material.fitting.shapes import Geometry, geometry
 from relgloss_view.material.fitting.solver import Problem
@@ -25,6 +32,7 @@ from relgloss_view.measure.table import Measurement
 
 MODELS = ladder.MODELS
 _FINAL_ROUNDS = 40
+_HIGHLIGHT_COST = 1.05
 _FLAT_SIGMA = 0.005  #: rad; Oren-Nayar below this differs from Lambert by less than 0.02 %
 
 
@@ -100,11 +108,27 @@ def _all_bands(g: Geometry, full: Samples, best: Candidate) -> State:
         mean = np.mean(few.ks, axis=1, keepdims=True)
         ks = np.where(np.mean(ks, axis=1, keepdims=True) > 0.0, ks, mean)
     start = replace(few, kd=kd, ks=ks)
-    state = problem.refine(start, _FINAL_ROUNDS).state
+    state = _settle(g, full, best.rung, problem.refine(start, _FINAL_ROUNDS).state)
     # A channel that is outside the gamut nearly everywhere has no diffuse part to speak of; what
     # the fit leaves there stands for the foot of the lobe.
     outside = verdict.mostly_outside(full)
     return replace(state, kd=np.where(outside, 0.0, state.kd))
+
+
+def _settle(g: Geometry, full: Samples, rung: Rung, state: State) -> State:
+    """Descend on from the optimum of soft-L1 with a loss that lets go of what no model reaches.
+
+    The diffuse part then follows most of the surface. Letting go must not cost the highlight, which
+    is what the fit is for: otherwise the optimum of soft-L1 stands.
+    """
+    settled = Problem(g, full, rung, REDESCENDING).refine(state, _FINAL_ROUNDS).state
+    near = np.sqrt(g.facing.delta2) < np.radians(verdict.NEAR_MIRROR_DEG)
+    if not np.any(near):
+        return settled
+    before, after = (
+        mean_error(full.subset(near), predict(g.subset(near), s)) for s in (state, settled)
+    )
+    return settled if after <= before * _HIGHLIGHT_COST else state
 
 
 def _settle_width(

@@ -13,6 +13,7 @@ from relgloss_view.material.fitting.shapes import Geometry, diffuse_columns, lob
 Array = NDArray[np.float64]
 
 TAU = 0.03  #: logarithmic residual where the loss leaves the square: a good instrument's worst
+SOFT_L1, REDESCENDING = 1.0, 0.25  #: shapes of the loss: of the search, of the last refinement
 LOG_S_RANGE = (float(np.log(np.radians(0.05))), float(np.log(np.radians(40.0))))
 T_MAX = 0.49  #: sigma = 0.7 rad, the end of Oren and Nayar's own range
 INDEX_RANGE = (1.05, 10.0)
@@ -80,21 +81,23 @@ def mean_error(samples: Samples, model: Array) -> float:
     return float(np.sum(samples.weight * size) / np.sum(samples.weight))
 
 
-def robust(residual: Array) -> Array:
-    """The loss that a refinement descends, in units of TAU^2: Barron 2019, alpha = 1/4.
+def robust(residual: Array, alpha: float = SOFT_L1) -> Array:
+    """The loss that a refinement descends, in units of TAU^2: Barron 2019 of shape `alpha` > 0.
 
-    Far out it grows like the fourth root of the residual: between soft-L1, which lets the samples that no
-    model reaches bend the fit of the rest, and Cauchy's loss, which gives up whole highlights.
+    alpha = 1 is soft-L1. With less, samples that no model reaches (the foot of a film's lobe,
+    grazing backscatter) bend the part that it does reach less.
     """
-    return np.asarray(7.0 * ((1.0 + (residual / TAU) ** 2 / 1.75) ** 0.125 - 1.0))
+    z = (residual / TAU) ** 2 / abs(alpha - 2.0)
+    return np.asarray(abs(alpha - 2.0) / alpha * ((1.0 + z) ** (0.5 * alpha) - 1.0))
 
 
-def influence(residual: Array) -> Array:
+def influence(residual: Array, alpha: float = SOFT_L1) -> Array:
     """Weight of a residual in the normal equations: slope of `robust` over residual, x TAU^2."""
-    return np.asarray((1.0 + (residual / TAU) ** 2 / 1.75) ** -0.875)
+    z = (residual / TAU) ** 2 / abs(alpha - 2.0)
+    return np.asarray((1.0 + z) ** (0.5 * alpha - 1.0))
 
 
-def mean_loss(samples: Samples, model: Array) -> float:
+def mean_loss(samples: Samples, model: Array, alpha: float = SOFT_L1) -> float:
     """Weighted mean of `robust` over all values."""
     residual = log_residual(samples, model)
-    return float(np.sum(samples.weight * robust(residual)) / np.sum(samples.weight))
+    return float(np.sum(samples.weight * robust(residual, alpha)) / np.sum(samples.weight))

@@ -1,13 +1,9 @@
 """The robust separable solver: reweighted NNLS inside, damped Gauss-Newton outside, a scan before.
 
-The loss is robust in the logarithmic residual r = log((m + e) / (f + e)), which is relative error
+The loss is soft-L1 in the logarithmic residual r = log((m + e) / (f + e)), which is relative error
 with the floor e: sum_nb w_nb rho(r). Its stationary points over the linear unknowns are those of a
 least-squares problem with the weights w (rho'(r)/r) / (Lambda(m+e, f+e) (m+e)), Lambda being the
 logarithmic mean, because r = (m - f) / Lambda; so the inner problem is solved by reweighting.
-
-The scan ranks its starts by soft-L1, which is nearly convex; the refinement descends Barron's loss
-between soft-L1 and Cauchy's, under which samples that no model of the ladder reaches (the foot of
-a film's lobe, grazing backscatter) bend the part that it does reach less.
 """
 
 from __future__ import annotations
@@ -21,6 +17,7 @@ from relgloss_view.material.fitting import linear
 from relgloss_view.material.fitting.model import (
     INDEX_RANGE,
     LOG_S_RANGE,
+    SOFT_L1,
     T_MAX,
     Rung,
     Solution,
@@ -44,8 +41,8 @@ STEP_LIMIT = {"l": 0.7, "n": 0.5}  #: of one step, by the first letter of the un
 class Problem:
     """One rung on one set of samples at a running set of nonlinear unknowns."""
 
-    def __init__(self, g: Geometry, samples: Samples, rung: Rung) -> None:
-        self.g, self.samples, self.rung = g, samples, rung
+    def __init__(self, g: Geometry, samples: Samples, rung: Rung, alpha: float = SOFT_L1) -> None:
+        self.g, self.samples, self.rung, self.alpha = g, samples, rung, alpha
 
     def columns(self, t: float, log_s: Array, n: Array) -> tuple[Array, Array]:
         """The band-free columns (N, C), values then derivatives, and their products (N, C*C)."""
@@ -90,7 +87,7 @@ class Problem:
         residual = np.log(above / seen)
         near = np.abs(residual) < 1e-6
         mean = np.where(near, above, (above - seen) / np.where(near, 1.0, residual))
-        slope = influence(residual)
+        slope = influence(residual, self.alpha)
         return np.asarray(samples.weight * slope / (mean * above))
 
     def _linear(self, v: Array, products: Array, weight: Array, kd: Array) -> tuple[Array, Array]:
@@ -157,7 +154,7 @@ class Problem:
         model = self.model(columns, state.kd, state.ks)
         above = model + samples.floor
         residual = np.log(above / (samples.value + samples.floor))
-        slope = samples.weight * influence(residual)
+        slope = samples.weight * influence(residual, self.alpha)
         own, shared, names = self.jacobian_map(state)
         c = columns.shape[1]
         gram = ((slope / above**2).T @ products).reshape(samples.bands, c, c)
@@ -175,7 +172,7 @@ class Problem:
         columns, products = self.columns(start.t, start.log_s, start.n)
         kd, ks = self.inner(columns, start.kd, start.ks, 1)
         state = replace(start, kd=kd, ks=ks)
-        loss = mean_loss(self.samples, self.model(columns, kd, ks))
+        loss = mean_loss(self.samples, self.model(columns, kd, ks), self.alpha)
         damping, converged = 1e-4, False
         for _ in range(rounds):
             equations = self.normal_equations(columns, products, state)
@@ -185,7 +182,7 @@ class Problem:
                 new_columns, new_products = self.columns(trial.t, trial.log_s, trial.n)
                 kd, ks = self.inner(new_columns, trial.kd, trial.ks, 1)
                 trial = replace(trial, kd=kd, ks=ks)
-                new_loss = mean_loss(self.samples, self.model(new_columns, kd, ks))
+                new_loss = mean_loss(self.samples, self.model(new_columns, kd, ks), self.alpha)
                 if new_loss <= loss:
                     accepted = True
                     break
