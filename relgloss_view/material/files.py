@@ -238,7 +238,7 @@ class _Reader:
         if value is None:
             return None
         part = self.table(value, "fit")
-        record = {}
+        record: dict[str, Any] = {}
         for name, (kind, expected) in _FIT_FIELDS.items():
             if name in part:
                 if not isinstance(part[name], kind) or isinstance(part[name], bool):

@@ -151,7 +151,7 @@ def _save_exr(frame: Frame, file: Path, command: str) -> None:
         "seed": frame.look.seed,
         "clip_count": numbers["clip_count"],
         "out_of_gamut_count": numbers["out_of_gamut_count"],
-        "version": __version__,
+        "relgloss_version": __version__,  # EXR keeps "version" to itself
         "parameters": json.dumps(numbers),
         **({"command": command} if command else {}),
     }

@@ -93,7 +93,7 @@ class TestSnapshot:
         assert header["sigma_n_deg"] == pytest.approx(2.0)
         np.testing.assert_allclose(header["eye_m"], [0, 0, 0.6], atol=1e-6)
         np.testing.assert_allclose(np.linalg.norm(header["lamp_m"]), 1.0, rtol=1e-6)
-        assert {"seed", "clip_count", "version"} <= set(header)
+        assert {"seed", "clip_count", "relgloss_version"} <= set(header)
         on = layers["A"] > 0
         lit = layers["Ld.Y"] + 0.3 * layers["Ls.Y"]
         np.testing.assert_allclose(layers["Lab.L"][on], lit[on], atol=2e-3)
