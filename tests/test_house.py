@@ -1,0 +1,209 @@
+"""The rules of the house: imports point one way, rooms keep their libraries, the wheel is whole."""
+
+from __future__ import annotations
+
+import ast
+import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from relgloss_view.picture.shader import ShaderError, ShaderSource
+from relgloss_view.resources import data_root
+
+ROOT = Path(__file__).resolve().parent.parent
+PACKAGE = ROOT / "relgloss_view"
+#: From the ground up; a room may import itself and those before it.
+ROOMS = [
+    "errors",
+    "resources",
+    "atomic",
+    "bands",
+    "measure",
+    "material",
+    "picture",
+    "commands",
+    "cli",
+]
+LONGEST_MODULE = 300
+
+
+def modules():
+    return sorted(PACKAGE.rglob("*.py"))
+
+
+def room_of(path):
+    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imported(path):
+    """Every module that a file imports, anywhere in it."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            yield node.module
+
+
+@pytest.mark.parametrize("path", modules(), ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_imports_point_down(path):
+    room = room_of(path)
+    if room == "__init__":
+        return  # the public names come from everywhere, when first used
+    for name in imported(path):
+        parts = name.split(".")
+        if parts[0] != "relgloss_view" or len(parts) == 1:
+            continue
+        assert ROOMS.index(parts[1]) <= ROOMS.index(room), f"{path} imports {name}"
+
+
+@pytest.mark.parametrize(
+    ("library", "homes"),
+    [
+        ("moderngl", ("picture/context.py", "picture/renderer/")),
+        ("imgui_bundle", ("viewer/",)),
+        ("glfw", ("viewer/", "picture/context.py")),
+        ("OpenEXR", ("picture/export.py",)),
+        ("matplotlib", ("material/fitting/",)),
+        ("colour", ("material/spectra.py",)),
+    ],
+)
+def test_libraries_keep_to_their_rooms(library, homes):
+    for path in modules():
+        place = str(path.relative_to(PACKAGE))
+        if any(name.split(".")[0] == library for name in imported(path)):
+            assert place.startswith(homes), f"{place} imports {library}"
+
+
+def test_modules_stay_small():
+    long = {
+        str(p.relative_to(ROOT)): n
+        for p in [*modules(), *(ROOT / "shaders").iterdir()]
+        if (n := len(p.read_text(encoding="utf-8").splitlines())) > LONGEST_MODULE
+    }
+    assert not long
+
+
+def loaded_by(statement):
+    code = f"import sys; {statement}; print(chr(10).join(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return {name.split(".")[0] for name in done.stdout.splitlines()}
+
+
+def test_importing_the_package_is_light():
+    heavy = {"moderngl", "glfw", "imgui_bundle", "colour", "scipy", "matplotlib", "OpenEXR", "PIL"}
+    assert not loaded_by("import relgloss_view") & heavy
+    assert not loaded_by("import relgloss_view.cli") & heavy
+    # A picture needs neither the fit's libraries nor colour-science: they cost more than it does.
+    assert not loaded_by("import relgloss_view as r; r.load_sample('uncoated'); r.Look()") & heavy
+    assert "moderngl" in loaded_by("from relgloss_view.picture.renderer import Renderer")
+
+
+def test_public_names_are_there():
+    import relgloss_view
+
+    for name in relgloss_view.__all__:
+        assert getattr(relgloss_view, name) is not None
+    with pytest.raises(AttributeError):
+        _ = relgloss_view.no_such_name
+
+
+class TestShaders:
+    def test_no_shader_text_in_python(self):
+        for path in modules():
+            assert "gl_FragCoord" not in path.read_text(encoding="utf-8")
+
+    @pytest.mark.parametrize("stage", ["fill.vert", "shade.frag", "geometry.frag", "tone.frag"])
+    def test_independent_compiler_accepts_them(self, stage, tmp_path):
+        """Khronos's glslang reads the language more strictly than Mesa does."""
+        names = ("SHAPE", "DIFFUSE_MODEL", "NOISE", "GRAIN", "TRANSFER", "NOISY_DIFFUSE")
+        defines = dict.fromkeys(names, 1) | {"LOBES": 2, "SAMPLES": 2, "BLOCK": 16}
+        file = tmp_path / stage
+        file.write_text(ShaderSource(stage, defines).text, encoding="utf-8")
+        done = subprocess.run(["glslangValidator", str(file)], capture_output=True, text=True)
+        assert done.returncode == 0, done.stdout
+
+    def test_faults_name_their_place(self, tmp_path, monkeypatch):
+        from relgloss_view.picture import shader
+
+        monkeypatch.setattr(shader, "shader_folder", lambda: tmp_path)
+        (tmp_path / "a.frag").write_text('#version 330 core\n#include "gone.glsl"\n')
+        with pytest.raises(ShaderError, match=r"gone\.glsl \(included by a\.frag\)"):
+            ShaderSource("a.frag")
+        (tmp_path / "b.glsl").write_text('#include "c.glsl"\n')
+        (tmp_path / "c.glsl").write_text('#include "b.glsl"\n')
+        (tmp_path / "b.frag").write_text('#version 330 core\n#include "b.glsl"\n')
+        with pytest.raises(ShaderError, match="includes itself"):
+            ShaderSource("b.frag")
+        (tmp_path / "d.frag").write_text("void main() {}\n")
+        with pytest.raises(ShaderError, match="#version"):
+            ShaderSource("d.frag")
+
+    def test_compiler_logs_get_file_names(self, ctx, tmp_path, monkeypatch):
+        import moderngl
+
+        from relgloss_view.picture import shader
+
+        monkeypatch.setattr(shader, "shader_folder", lambda: tmp_path)
+        (tmp_path / "lib.glsl").write_text(
+            "float good() { return 1.0; }\nfloat bad() { return x; }\n"
+        )
+        (tmp_path / "e.frag").write_text(
+            '#version 330 core\n\n#include "lib.glsl"\nvoid main() {}\n'
+        )
+        source = ShaderSource("e.frag")
+        vertex = "#version 330 core\nvoid main() { gl_Position = vec4(0); }\n"
+        with pytest.raises(moderngl.Error) as caught:
+            ctx.program(vertex_shader=vertex, fragment_shader=source.text)
+        assert "lib.glsl:2" in source.explain(str(caught.value))
+
+
+class TestWheel:
+    @pytest.fixture(scope="class")
+    @classmethod
+    def wheel(cls, tmp_path_factory):
+        folder = tmp_path_factory.mktemp("wheel")
+        code = f"import hatchling.build as b; print(b.build_wheel({str(folder)!r}))"
+        done = subprocess.run(
+            [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True
+        )
+        return folder / done.stdout.split()[-1]
+
+    def test_it_carries_shaders_and_assets(self, wheel):
+        with zipfile.ZipFile(wheel) as archive:
+            names = set(archive.namelist())
+        for folder in ("shaders", "assets"):
+            for path in (data_root() / folder).rglob("*"):
+                if path.is_file():
+                    place = f"relgloss_view/_data/{path.relative_to(data_root()).as_posix()}"
+                    assert place in names, place
+        for path in modules():
+            assert path.relative_to(ROOT).as_posix() in names
+        assert not any(name.startswith(("tests/", "scripts/", "shaders/")) for name in names)
+        assert not any(name.endswith((".bsdf", ".pyc")) for name in names)
+
+    def test_it_works_from_an_empty_folder(self, wheel, tmp_path):
+        """Unpacked away from the source tree, with nothing of it on the path."""
+        site, empty = tmp_path / "site", tmp_path / "empty"
+        empty.mkdir()
+        with zipfile.ZipFile(wheel) as archive:
+            archive.extractall(site)
+        code = (
+            "import sys; sys.path.insert(0, sys.argv.pop(1)); "
+            "import relgloss_view; assert sys.path[0] in relgloss_view.__file__; "
+            "from relgloss_view.cli import main; sys.exit(main(sys.argv[1:]))"
+        )
+        words = ["snapshot", "--sample", "cast-coated", "--size", "32x32", "-o", "cast.png"]
+        done = subprocess.run(
+            [sys.executable, "-P", "-c", code, str(site), *words],
+            cwd=empty,
+            env={k: v for k, v in os.environ.items() if k != "PYTHONPATH"},
+            capture_output=True,
+            text=True,
+        )
+        assert done.returncode == 0, done.stderr
+        assert [p.name for p in empty.iterdir()] == ["cast.png"]
