@@ -29,6 +29,7 @@ ROOMS = [
     "cli",
 ]
 LONGEST_MODULE = 300
+STAGES = sorted(p.name for p in (ROOT / "shaders").iterdir() if p.suffix in (".vert", ".frag"))
 
 
 def modules():
@@ -117,7 +118,7 @@ class TestShaders:
         for path in modules():
             assert "gl_FragCoord" not in path.read_text(encoding="utf-8")
 
-    @pytest.mark.parametrize("stage", ["fill.vert", "shade.frag", "geometry.frag", "tone.frag"])
+    @pytest.mark.parametrize("stage", STAGES)
     def test_independent_compiler_accepts_them(self, stage, tmp_path):
         """Khronos's glslang reads the language more strictly than Mesa does."""
         names = ("SHAPE", "DIFFUSE_MODEL", "NOISE", "GRAIN", "TRANSFER", "NOISY_DIFFUSE")
