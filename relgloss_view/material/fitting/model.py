@@ -16,7 +16,8 @@ TAU = 0.03  #: logarithmic residual where the loss leaves the square: a good ins
 SOFT_L1, REDESCENDING = 1.0, 0.25  #: shapes of the loss: of the search, of the last refinement
 LOG_S_RANGE = (float(np.log(np.radians(0.05))), float(np.log(np.radians(40.0))))
 T_MAX = 0.49  #: sigma = 0.7 rad, the end of Oren and Nayar's own range
-INDEX_RANGE = (1.05, 10.0)
+#: A freed index below 1.3 would reflect 60 times more at grazing than head on.
+INDEX_RANGE = (1.3, 10.0)
 
 
 @dataclass(frozen=True)
