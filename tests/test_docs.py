@@ -1,0 +1,82 @@
+"""What the documents say is so: the functions they name exist, their examples run."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from relgloss_view import cli
+
+ROOT = Path(__file__).resolve().parent.parent
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+METHOD = (ROOT / "docs" / "method.md").read_text(encoding="utf-8")
+DOCUMENTS = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+
+def block(language):
+    return re.findall(rf"```{language}\n(.*?)```", README, re.S)
+
+
+def test_method_names_code_that_exists():
+    named = re.findall(r"`((?:relgloss_view|shaders)/[\w/.]+)`((?:[\s,]+`\w+`)*)", METHOD)
+    assert len(named) > 15
+    checked = 0
+    for place, names in named:
+        text = (ROOT / place).read_text(encoding="utf-8")
+        for name in re.findall(r"`(\w+)`", names):
+            assert re.search(rf"\b(def|class|vec\d|float|bool) {name}\b", text), f"{place} {name}"
+            checked += 1
+    assert checked > 15
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda p: p.name)
+def test_links_lead_somewhere(document):
+    for target in re.findall(r"\]\(([^)#]+)(?:#[\w-]*)?\)", document.read_text(encoding="utf-8")):
+        assert (document.parent / target).exists(), target
+
+
+def test_architecture_names_every_module():
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    for path in (ROOT / "relgloss_view").iterdir():
+        if path.name not in ("__pycache__", "_data"):
+            assert path.name in text, path.name
+    for room in ("measure", "material", "picture"):
+        for path in (ROOT / "relgloss_view" / room).glob("[a-z]*.py"):
+            assert path.name in text, path.name
+
+
+def test_readme_python_runs(tmp_path):
+    (code,) = block("python")
+    assert len(code.strip().splitlines()) <= 11
+    (tmp_path / "assets").symlink_to(ROOT / "assets")
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "matte.png").is_file()
+
+
+def test_readme_commands_run(tmp_path, monkeypatch, capsys):
+    (tmp_path / "assets").symlink_to(ROOT / "assets")
+    monkeypatch.chdir(tmp_path)
+    lines = [line for text in block("sh") for line in text.splitlines()]
+    commands = [shlex.split(line) for line in lines if line.startswith("relgloss ")]
+    assert {words[1] for words in commands} == set(cli.COMMANDS)
+    for words in commands:
+        assert cli.main(words[1:]) == 0, words
+    assert "written" in capsys.readouterr().out
+    assert len(list((tmp_path / "stimuli").glob("*.png"))) == 43
+
+
+def test_readme_names_the_make_targets():
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    named = set(re.findall(r"(?:^|`)make ([\w-]+)", "\n".join(block("sh")), re.M))
+    assert {"demo", "test"} <= named
+    for target in named:
+        assert re.search(rf"^{target}:", makefile, re.M), target
+    assert "make test" in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
