@@ -9,6 +9,7 @@ import sys
 from typing import Any
 
 from relgloss_view.atomic import check_writable
+from relgloss_view.commands.progress import Progress
 from relgloss_view.commands.scene_options import add_scene_options, scene_from
 
 
@@ -35,7 +36,7 @@ def run(args: argparse.Namespace) -> int:
     output = check_suffix(args.output)
     scene, look, size = scene_from(args)
     check_writable(output)
-    with open_renderer(args.backend) as renderer:
+    with Progress("snapshot") as progress, open_renderer(args.backend, progress) as renderer:
         frame = renderer.render(scene, look, size)
         save_frame(frame, output, shlex.join(["relgloss", *args.argv]))
         numbers = parameters(frame)

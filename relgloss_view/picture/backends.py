@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Protocol
 
 from relgloss_view.picture.frame import Frame
@@ -21,15 +21,17 @@ class FrameRenderer(Protocol):
 
 
 @contextlib.contextmanager
-def open_renderer(backend: str = "auto") -> Iterator[FrameRenderer]:
+def open_renderer(
+    backend: str = "auto", progress: Callable[[float, str], object] | None = None
+) -> Iterator[FrameRenderer]:
     """A renderer for the length of a block; fetch a frame's stages inside it.
 
-    Raises GLUnavailableError where no context can be made.
+    `progress(fraction, text)` is called while the reference draws; a GPU is done too soon. Raises GLUnavailableError where no context can be made.
     """
     if backend == "reference":
         from relgloss_view.picture.reference import ReferenceRenderer
 
-        yield ReferenceRenderer()
+        yield ReferenceRenderer(progress)
         return
     from relgloss_view.picture.context import open_context
     from relgloss_view.picture.renderer import Renderer

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,7 +20,13 @@ CHUNK_VALUES = 4_000_000  #: pixels times bands that are held at once
 
 
 class ReferenceRenderer:
-    """Draws the frames that the GPU is held against. Needs no OpenGL."""
+    """Draws the frames that the GPU is held against. Needs no OpenGL.
+
+    `progress(fraction, text)` is called as rows are finished; large pictures take a while.
+    """
+
+    def __init__(self, progress: Callable[[float, str], object] | None = None) -> None:
+        self._progress = progress or (lambda fraction, text: None)
 
     def render(self, scene: Scene, look: Look, size: Size) -> Frame:
         """Draw a scene in float64; arguments and errors as Renderer.render."""
@@ -61,6 +69,7 @@ class ReferenceRenderer:
         )
         places = _places(look.samples)
         for rows in _row_chunks(view, material.bands.count):
+            self._progress(rows.start / height, f"row {rows.start} of {height}")
             covered = np.zeros(stages["diffuse"][rows].shape[:2])
             for place in places:
                 hit, o, i, n, distance2 = _meet(scene, view, rows, place, look)

@@ -15,7 +15,7 @@ Size = tuple[int, int]  #: width, height in pixels
 
 FILL = 0.8  #: share of the picture's height or width that a framed object takes
 MAX_SIDE_PX = 16384
-MAX_PIXELS = 64 * 1024 * 1024
+MAX_PIXELS = 36 * 1024 * 1024  #: above 8K UHD; an EXR of it takes 4 GB of memory while written
 
 
 def check_size(size: Size) -> Size:

@@ -366,7 +366,7 @@ class TestScenes:
         assert frame.c == 1.0
 
     @pytest.mark.parametrize(
-        "size", [(0, 10), (10, 0), (100_000, 100_000), (16_385, 1), (9000, 9000)]
+        "size", [(0, 10), (10, 0), (100_000, 100_000), (16_385, 1), (6200, 6200)]
     )
     def test_impossible_sizes(self, renderer, size):
         with pytest.raises(InputError, match="size"):
