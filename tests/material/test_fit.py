@@ -85,6 +85,17 @@ def test_a_lobe_narrower_than_the_grid_is_unidentifiable() -> None:
     assert material.specular[0].s_deg <= bounds["s_deg_upper"]
 
 
+def test_a_width_read_off_the_foot_of_a_lobe_is_not_trusted() -> None:
+    """Beyond three standard deviations no real lobe is Gaussian: its width is not known there."""
+    value = fit_cases.truth(((0.7, 1.0),), grid=fit_cases.COARSE)
+    f = fit_cases.facing(fit_cases.COARSE)
+    foot = np.exp(-np.degrees(np.sqrt(f.delta2)) / 1.5)  # an exponential tail, invented
+    value = value + 2.0 * foot[:, None]
+    material = fit_material(fit_cases.measured(value, grid=fit_cases.COARSE), model="lobe")
+    assert material.fit is not None
+    assert material.fit.quality != "good"
+
+
 def test_the_one_degree_scan_identifies_it() -> None:
     material = fitted(((0.3, 1.0),))
     assert material.fit is not None

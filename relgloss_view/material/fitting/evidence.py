@@ -52,11 +52,14 @@ def record_fit(
     if has_lobe:
         main = main_lobe(best.solution.state)
         low, high = verdict.width_interval(g, few, best, main)
+        unseen = low < NO_LOWER_BOUND or not verdict.width_is_seen(
+            g, few, best.solution.state, main
+        )
         bounds["main_lobe"] = {
-            "s_deg_lower": None if low < NO_LOWER_BOUND else _round(np.degrees(low)),
+            "s_deg_lower": None if unseen else _round(np.degrees(low)),
             "s_deg_upper": _round(np.degrees(high)),
         }
-        if low < NO_LOWER_BOUND:
+        if unseen:
             quality = "unidentifiable" if quality == "good" else quality
             warnings.append(
                 "the lobe is narrower than the grid sees: s is unidentifiable, at most "

@@ -25,6 +25,8 @@ PROFILE_STEPS = 25
 _BISECTIONS = 5
 #: Rise of the logarithmic error that a profile may have and still be called flat.
 FLAT = 1e-4
+FLANK_SD = (0.5, 3.0)  #: standard deviations from a lobe's peak between which its width shows
+FEWEST_ON_FLANK = 3
 NULL_WIDTHS_DEG = (0.1, 0.3, 1.0, 3.0, 10.0)
 _LARGEST_STRENGTH = 1e4
 
@@ -167,6 +169,20 @@ def width_interval(g: Geometry, samples: Samples, candidate: Candidate, lobe: in
             good, bad = (middle, bad) if as_good(middle) else (good, middle)
         ends.append(good)
     return np.asarray(np.exp(np.array(ends)))
+
+
+def width_is_seen(g: Geometry, samples: Samples, state: State, lobe: int) -> bool:
+    """Whether samples stand on the flank of a lobe, where its width shows.
+
+    A peak sample alone tells strength over width squared; samples far down the foot tell a width
+    only if the lobe is Gaussian there, which no real one is.
+    """
+    s2 = float(np.exp(2.0 * state.log_s[lobe]))
+    sd2 = g.along / (s2 + g.blur_along) + g.across / (s2 + g.blur_across)
+    column, _ = lobe_columns(g, float(state.log_s[lobe]), float(state.n[lobe]))
+    share = np.multiply.outer(column, state.ks[lobe]) / np.maximum(predict(g, state), 1e-12)
+    flank = (sd2 >= FLANK_SD[0] ** 2) & (sd2 <= FLANK_SD[1] ** 2) & (np.max(share, axis=1) > 0.1)
+    return int(np.sum(flank & np.any(samples.weight > 0.0, axis=1))) >= FEWEST_ON_FLANK
 
 
 def null_bounds(g: Geometry, samples: Samples, state: State, n: float) -> dict[str, Any]:
