@@ -12,6 +12,9 @@ import pytest
 from relgloss_view.errors import FitCancelled, InputError
 from relgloss_view.material import brdf
 from relgloss_view.material.fitting import MODELS, describe_fit, fit_material
+from relgloss_view.material.fitting.ladder import Candidate
+from relgloss_view.material.fitting.model import Rung, Solution, State
+from relgloss_view.material.fitting.verdict import standard_errors
 from relgloss_view.material.material import Material
 from relgloss_view.measure import table
 
@@ -234,3 +237,19 @@ def test_bad_requests_are_named() -> None:
     nothing = replace(measurement, reasons=np.full(len(measurement.reasons), table.MISSING))
     with pytest.raises(InputError, match="0 usable samples"):
         fit_material(nothing)
+
+
+def test_the_jackknife_of_a_mean_is_its_standard_error() -> None:
+    """Where leaving out moves an unknown as it moves a mean, the jackknife is sd/sqrt(n)."""
+    groups = np.array([1.0, 2.0, 4.0, 7.0, 3.0])
+    without = (np.sum(groups) - groups) / (len(groups) - 1)
+    states = tuple(
+        State(0.0, np.empty(0), np.empty(0), np.array([m]), np.empty((0, 1))) for m in without
+    )
+    solution = Solution(states[0], 0.0)
+    candidate = Candidate(
+        Rung("lambert", rough=False), solution, np.zeros(5), states, 0.0, 0.0, 0.0
+    )
+    found = standard_errors(candidate)["albedo_relative"]
+    expected = np.std(groups, ddof=1) / np.sqrt(len(groups)) / np.mean(groups)
+    assert found == pytest.approx(expected, rel=1e-3)  # kept to four digits

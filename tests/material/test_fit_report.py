@@ -26,7 +26,7 @@ def test_a_page_is_written(lobes: tuple[tuple[float, object], ...], rgb: bool, t
     measurement = fit_cases.measured(value, grid=GRID)
     if rgb:
         measurement = replace(measurement, bands=RGB, gamma_s_deg=None)
-    material = fit_material(measurement)
+    material = fit_material(measurement, model="lobe" if rgb else "auto")
     write_fit_report(material, measurement, tmp_path / "page.png")
     assert [p.name for p in tmp_path.iterdir()] == ["page.png"]
     with Image.open(tmp_path / "page.png") as page:
