@@ -78,7 +78,7 @@ def green_reflectance(paper: Paper, wavelengths_nm: Array) -> Array:
     w = wavelengths_nm
     yellow = 1.25 * sigmoid((492.0 - w) / 9.0) * (0.75 + 0.25 * np.exp(-(((w - 440) / 45) ** 2)))
     cyan = (
-        1.05 * sigmoid((w - 571.0) / 15.0) * (1.0 - 0.35 * sigmoid((w - 722.0) / 9.0))
+        0.88 * sigmoid((w - 571.0) / 15.0) * (1.0 - 0.35 * sigmoid((w - 722.0) / 9.0))
         + 0.16 * np.exp(-(((w - 385.0) / 40.0) ** 2))
         + 0.20
     )

@@ -11,12 +11,13 @@ from relgloss_view.atomic import check_writable
 from relgloss_view.commands.progress import Progress
 from relgloss_view.errors import InputError
 
-MODELS = ("auto", "lambert", "rough", "lobe", "spectral-lobe", "two-lobes")
 QUANTITIES = ("radiance-factor", "brdf", "brdf-cos")
 
 
 def add(commands: Any) -> None:
     """Declare the command."""
+    from relgloss_view.material.fitting.ladder import MODELS
+
     parser = commands.add_parser(
         "fit",
         help="fit a reflection model to a measured table",

@@ -26,7 +26,8 @@ def open_renderer(
 ) -> Iterator[FrameRenderer]:
     """A renderer for the length of a block; fetch a frame's stages inside it.
 
-    `progress(fraction, text)` is called while the reference draws; a GPU is done too soon. Raises GLUnavailableError where no context can be made.
+    `progress(fraction, text)` is called while the reference draws; a GPU is done too soon.
+    Raises GLUnavailableError where no context can be made.
     """
     if backend == "reference":
         from relgloss_view.picture.reference import ReferenceRenderer

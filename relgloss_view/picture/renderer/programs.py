@@ -58,8 +58,8 @@ class Programs:
                 unit += 1
             elif isinstance(value, np.ndarray):
                 # Drivers cut an array to the elements that the variant reads.
-                data = np.ascontiguousarray(value, dtype=np.float32).tobytes()
-                member.write(data[: member.array_length * member.element_size])
+                data = np.ravel(value).astype(np.float32)
+                member.write(data[: member.array_length * member.dimension].tobytes())
             else:
                 member.value = value
         target.use()
