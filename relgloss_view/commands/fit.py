@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from typing import Any
 
 from relgloss_view.atomic import check_writable
@@ -87,7 +86,5 @@ def run(args: argparse.Namespace) -> int:
         print(json.dumps({"output": args.output, **material_to_dict(material)}))
         return 0
     print(describe_fit(material))
-    for warning in material.warnings:
-        print(f"warning: {warning}", file=sys.stderr)
     print(f"{args.output}: written")
     return 0

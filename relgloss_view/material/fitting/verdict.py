@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 NEAR_MIRROR_DEG = 5.0  #: half-vector within this of the normal
 #: A picture shows errors of this size: beyond them no model of the ladder describes the sample.
 POOR_MEDIAN = 0.12
-POOR_MEDIAN_NEAR = 0.45
+POOR_MEDIAN_NEAR = 0.30
 PROFILE_STEPS = 25
 _BISECTIONS = 5
 #: Rise of the logarithmic error that a profile may have and still be called flat.
