@@ -24,12 +24,13 @@ uvec3 cell_hash(ivec3 cell, uint seed) {
 
 // The upper 23 bits, centred: exact in float32, never 0 or 1, so the logarithm below is finite.
 vec3 uniforms(uvec3 hash) {
-    return (vec3(hash >> 9u) + 0.5) * exp2(-23.0);
+    return (vec3(hash >> 9u) + 0.5) * 1.1920928955078125e-7;  // 2^-23
 }
 
 // Two independent standard normals (Box, Muller 1958).
 vec2 gaussians(vec2 u) {
-    float radius = sqrt(-2.0 * log(u.x));
+    // The language grants log an error of 2^-21 near 1, so it may come out above 0 there.
+    float radius = sqrt(max(-2.0 * log(u.x), 0.0));
     float angle = 6.28318530717959 * u.y;
     return radius * vec2(cos(angle), sin(angle));
 }

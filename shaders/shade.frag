@@ -4,7 +4,7 @@
 // place. Diffuse and specular go to separate targets, as XYZ relative to Y_n; alpha is the share of
 // the pixel that the object covers, and XYZ is the mean over that share.
 //
-// Constants: SHAPE, DIFFUSE_MODEL, LOBES, NOISE, NOISY_DIFFUSE, GRAIN, SAMPLES.
+// Constants: SHAPE, DIFFUSE_MODEL, LOBES, NOISE, NOISY_DIFFUSE, GRAIN.
 
 #include "view.glsl"
 #include "shape.glsl"
@@ -13,6 +13,7 @@
 
 uniform vec3 half_extent_m;
 uniform vec3 lamp_m;
+uniform int samples;  // along each side of a pixel
 // pi / (what the perfect diffuser shows at most), so that radiance comes out relative to Y_n.
 uniform float irradiance;
 
@@ -32,8 +33,8 @@ void main() {
     vec3 diffuse_sum = vec3(0.0);
     vec3 specular_sum = vec3(0.0);
     float covered = 0.0;
-    for (int k = 0; k < SAMPLES * SAMPLES; ++k) {
-        vec2 place = (vec2(float(k % SAMPLES), float(k / SAMPLES)) + 0.5) / float(SAMPLES);
+    for (int k = 0; k < samples * samples; ++k) {
+        vec2 place = (vec2(float(k % samples), float(k / samples)) + 0.5) / float(samples);
         vec3 ray = ray_through(here, place);
         Hit hit = meet(SHAPE, eye_m, ray, half_extent_m);
         if (!hit.found) continue;
@@ -56,7 +57,7 @@ void main() {
             specular_sum += arriving * max(grain.mu_i, 0.0) * reflected * lobe_strength_xyz[lobe];
         }
     }
-    float share = covered / float(SAMPLES * SAMPLES);
+    float share = covered / float(samples * samples);
     diffuse = vec4(diffuse_sum / max(covered, 1.0), share);
     specular = vec4(specular_sum / max(covered, 1.0), share);
 }

@@ -91,21 +91,33 @@ Hit meet_plane(vec3 eye_m, vec3 ray, vec3 half_extent_m) {
     return Hit(true, vec3(p, 0.0), vec3(0.0, 0.0, 1.0), p, 0);
 }
 
-// Slabs (Kay, Kajiya 1986). A face is met only from outside.
+// One face of the box, square to `axis` (a unit vector), met only from outside (Kay, Kajiya 1986).
+bool meet_face(vec3 eye_m, vec3 ray, vec3 half_extent_m, vec3 axis, out vec3 point_m, out float side) {
+    float from = dot(eye_m, axis);
+    float half_m = dot(half_extent_m, axis);
+    float along = dot(ray, axis);
+    side = from > 0.0 ? 1.0 : -1.0;
+    bool facing = abs(from) > half_m && along * side < 0.0;
+    float travel = facing ? (side * half_m - from) / along : -1.0;
+    vec3 p = eye_m + travel * ray;
+    point_m = mix(p, vec3(side * half_m), axis);  // exactly on the face
+    return travel > 0.0 && all(lessThanEqual(abs(point_m), half_extent_m));
+}
+
 Hit meet_box(vec3 eye_m, vec3 ray, vec3 half_extent_m) {
-    for (int axis = 0; axis < 3; ++axis) {
-        float side = eye_m[axis] > 0.0 ? 1.0 : -1.0;
-        float face_m = side * half_extent_m[axis];
-        bool facing = abs(eye_m[axis]) > half_extent_m[axis] && ray[axis] * side < 0.0;
-        float travel = facing ? (face_m - eye_m[axis]) / ray[axis] : -1.0;
-        vec3 p = eye_m + travel * ray;
-        p[axis] = face_m;
-        if (travel > 0.0 && all(lessThanEqual(abs(p), half_extent_m))) {
-            vec3 n = vec3(0.0);
-            n[axis] = side;
-            vec2 surface = axis == 0 ? p.zy : (axis == 1 ? p.xz : p.xy);
-            return Hit(true, p, n, surface, 2 * axis + (side > 0.0 ? 0 : 1));
-        }
+    const vec3 X = vec3(1.0, 0.0, 0.0);
+    const vec3 Y = vec3(0.0, 1.0, 0.0);
+    const vec3 Z = vec3(0.0, 0.0, 1.0);
+    vec3 p;
+    float side;
+    if (meet_face(eye_m, ray, half_extent_m, X, p, side)) {
+        return Hit(true, p, side * X, p.zy, side > 0.0 ? 0 : 1);
+    }
+    if (meet_face(eye_m, ray, half_extent_m, Y, p, side)) {
+        return Hit(true, p, side * Y, p.xz, side > 0.0 ? 2 : 3);
+    }
+    if (meet_face(eye_m, ray, half_extent_m, Z, p, side)) {
+        return Hit(true, p, side * Z, p.xy, side > 0.0 ? 4 : 5);
     }
     return MISS;
 }
@@ -117,11 +129,15 @@ Hit meet(int shape, vec3 eye_m, vec3 ray, vec3 half_extent_m) {
     return meet_box(eye_m, ray, half_extent_m);
 }
 
-// Grain cell on the surface: column, row, face. On a sphere each row of cells is scaled by the cosine
-// of its own latitude, so that cells keep their area towards the poles.
+// Grain cell on the surface: column, row, face. Around a cylinder or a row of a sphere stands a whole
+// number of cells, so that no seam shows; a sphere's rows hold fewer towards the poles.
 ivec3 surface_cell(int shape, Hit hit, float cell_m, vec3 half_extent_m) {
     float row = floor(hit.surface_m.y / cell_m);
-    float across = hit.surface_m.x;
-    if (shape == SPHERE) across *= cos((row + 0.5) * cell_m / half_extent_m.x);
-    return ivec3(int(floor(across / cell_m)), int(row), hit.face);
+    bool around = shape == SPHERE || (shape == CYLINDER && hit.face == 0);
+    if (!around) return ivec3(int(floor(hit.surface_m.x / cell_m)), int(row), hit.face);
+    float turn = 6.28318530717959 * half_extent_m.x;
+    float girth = shape == SPHERE ? turn * cos((row + 0.5) * cell_m / half_extent_m.x) : turn;
+    float columns = max(1.0, floor(girth / cell_m + 0.5));
+    float column = min(floor((hit.surface_m.x / turn + 0.5) * columns), columns - 1.0);
+    return ivec3(int(column), int(row), hit.face);
 }

@@ -33,7 +33,7 @@ void main() {
         vec3 ordinary = lab_from_xyz(diffuse.rgb + specular.rgb, white);
         lab.xyz = vec3(split.x + c * split.y, ordinary.yz);
         bool inside;
-        vec3 shown = display_rgb(lab.xyz, display_white, rgb_from_xyz, inside);
+        vec3 shown = display_rgb(GAMUT, lab.xyz, display_white, rgb_from_xyz, inside);
         lab.w = (lab.x > 100.0 + CLIP_TOLERANCE ? 1.0 : 0.0) + (inside ? 0.0 : 2.0);
         rgb = mix(rgb, shown, diffuse.a);
     }

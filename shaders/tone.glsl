@@ -58,13 +58,16 @@ bool in_gamut(vec3 rgb) {
         && all(lessThanEqual(rgb, vec3(1.0 + GAMUT_TOLERANCE)));
 }
 
-// Linear display RGB of a Lab colour whose white is the display's. Out of gamut: L* and hue are held
-// and chroma is reduced by bisection to the gamut's edge.
-vec3 display_rgb(vec3 lab, vec3 display_white, mat3 rgb_from_xyz, out bool inside) {
+const int CHROMA = 0;
+const int CLIP = 1;
+
+// Linear display RGB of a Lab colour whose white is the display's. Out of gamut, CHROMA holds L* and
+// hue and reduces chroma by bisection to the gamut's edge; CLIP cuts each channel.
+vec3 display_rgb(int gamut, vec3 lab, vec3 display_white, mat3 rgb_from_xyz, out bool inside) {
     lab.x = clamp(lab.x, 0.0, 100.0);
     vec3 rgb = rgb_from_xyz * xyz_from_lab(lab, display_white);
     inside = in_gamut(rgb);
-    if (!inside) {
+    if (!inside && gamut == CHROMA) {
         float low = 0.0;
         float high = 1.0;
         for (int step = 0; step < 16; ++step) {

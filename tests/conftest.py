@@ -8,7 +8,7 @@ import moderngl
 import numpy as np
 import pytest
 
-from relgloss_view.picture.context import open_context
+from relgloss_view.picture.context import make_current, open_context
 from relgloss_view.picture.reference import ReferenceRenderer
 from relgloss_view.picture.renderer import Renderer
 
@@ -29,8 +29,10 @@ def _session_ctx() -> Iterator[moderngl.Context]:
 @pytest.fixture
 def ctx(_session_ctx: moderngl.Context) -> Iterator[moderngl.Context]:
     """The session's EGL context, held against GL errors before and after each test."""
+    make_current(_session_ctx)
     assert _session_ctx.error == "GL_NO_ERROR", "a test before this one left a GL error"
     yield _session_ctx
+    make_current(_session_ctx)  # whatever context the test itself used
     assert _session_ctx.error == "GL_NO_ERROR", "this test left a GL error"
 
 

@@ -40,7 +40,9 @@ def open_renderer(
     ctx = open_context(backend)
     try:
         renderer = Renderer(ctx)
-        yield renderer
-        renderer.release()
+        try:
+            yield renderer
+        finally:
+            renderer.release()
     finally:
         ctx.release()

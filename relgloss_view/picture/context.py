@@ -11,7 +11,7 @@ from typing import Any
 
 import moderngl
 
-from relgloss_view.errors import GLUnavailableError
+from relgloss_view.errors import GLUnavailableError, RelglossError
 
 BACKENDS = ("egl", "osmesa")
 REQUIRED_GL = 330
@@ -58,6 +58,30 @@ def describe(ctx: moderngl.Context) -> dict[str, Any]:
     }
 
 
+def make_current(ctx: moderngl.Context) -> None:
+    """Direct what follows to this context; a window's own is current whenever it draws.
+
+    It stays current: leaving moderngl's with-block would leave none, or the wrong one.
+    """
+    if isinstance(ctx.mglo, moderngl.InvalidObject):
+        raise RelglossError(
+            "the renderer is closed; fetch a frame's stages inside the block that opened it"
+        )
+    untyped: Any = ctx
+    untyped.__enter__()
+
+
+def collect(ctx: moderngl.Context) -> None:
+    """Free what was dropped without being released; call it while the context is current.
+
+    moderngl's own gc() fails on objects that were released before they were dropped.
+    """
+    while ctx.objects:
+        release = getattr(ctx.objects.popleft(), "release", None)
+        if release is not None:
+            release()
+
+
 def max_texture_size(ctx: moderngl.Context) -> int:
     """Largest side of a picture on this device, pixels."""
     return int(ctx.info["GL_MAX_TEXTURE_SIZE"])
@@ -66,9 +90,15 @@ def max_texture_size(ctx: moderngl.Context) -> int:
 class _Loader:
     """What moderngl asks of a context that it did not make (glcontext's four methods)."""
 
-    def __init__(self, load: Callable[[str], int], close: Callable[[], None] | None = None) -> None:
+    def __init__(
+        self,
+        load: Callable[[str], int],
+        close: Callable[[], None] | None = None,
+        current: Callable[[], object] = lambda: None,
+    ) -> None:
         self._load = load
         self._close = close
+        self._current = current
 
     def load_opengl_function(self, name: str) -> int:
         return self._load(name) or 0
@@ -82,6 +112,7 @@ class _Loader:
             self._close = None
 
     def __enter__(self) -> _Loader:
+        self._current()
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -98,7 +129,7 @@ def _checked(ctx: moderngl.Context) -> moderngl.Context:
         raise GLUnavailableError(
             f"{ctx.info['GL_RENDERER']} offers OpenGL {ctx.version_code / 100:.1f}, 3.3 is needed"
         )
-    ctx.gc_mode = "context_gc"  # dropped textures are freed at ctx.gc(), on the context's thread
+    ctx.gc_mode = "context_gc"  # what is dropped is freed by `collect`, on the context's thread
     return ctx
 
 
@@ -137,5 +168,8 @@ def _osmesa() -> moderngl.Context:
     def load(name: str) -> int:
         return ctypes.cast(glfw.get_proc_address(name), ctypes.c_void_p).value or 0
 
-    loader = _Loader(load, lambda: glfw.destroy_window(window))
+    def use() -> None:
+        glfw.make_context_current(window)
+
+    loader = _Loader(load, lambda: glfw.destroy_window(window), use)
     return _create(context=loader, require=REQUIRED_GL)

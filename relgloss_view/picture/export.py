@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import math
 import os
+from dataclasses import asdict
 from functools import lru_cache
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +18,8 @@ from relgloss_view import __version__
 from relgloss_view.atomic import whole_file
 from relgloss_view.errors import InputError
 from relgloss_view.picture.frame import Frame
+from relgloss_view.picture.plan import sample_count
+from relgloss_view.picture.scene import Display
 
 SUFFIXES = (".png", ".exr")
 #: Layer name, attribute of Frame, channel names.
@@ -27,7 +31,6 @@ LAYERS = (
     ("P", "point_m", "XYZ"),
     ("Lab", "lab", "LAB"),
 )
-SRGB_CHROMATICITIES = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 
 
 def check_suffix(path: str | os.PathLike[str]) -> Path:
@@ -51,7 +54,7 @@ def save_frame(frame: Frame, path: str | os.PathLike[str], command: str = "") ->
 
 
 def parameters(frame: Frame) -> dict[str, Any]:
-    """The numbers of a frame, ready for JSON."""
+    """Everything that goes into a frame, but for the material's spectra, and what came out."""
     scene, look, scaling = frame.scene, frame.look, frame.scaling
     return {
         "sample": scene.material.name,
@@ -63,16 +66,14 @@ def parameters(frame: Frame) -> dict[str, Any]:
         "c_max_eq4": scaling.c_max_eq4,
         "y_n_cd_m2": frame.y_n_cd_m2,
         "seed": look.seed,
-        "samples": look.samples,
-        "grain": look.grain,
-        "noise_law": look.noise_law,
+        "samples": sample_count(scene, look, frame.size),
         "clip_count": int(np.sum(frame.clipped)),
         "out_of_gamut_count": int(np.sum(frame.out_of_gamut)),
         "object_pixels": int(np.sum(frame.on_object)),
-        "shape": scene.shape.kind,
         "lamp_m": [round(float(v), 9) for v in scene.lamp.position_m],
         "eye_m": [round(float(v), 9) for v in scene.eye.position_m],
-        "illuminant": scene.lamp.illuminant,
+        **{name: asdict(getattr(scene, name)) for name in ("shape", "lamp", "eye", "display")},
+        "look": asdict(look),
         "fit_quality": scene.material.fit.quality if scene.material.fit else None,
         "warnings": list(frame.warnings),
         "device": frame.device,
@@ -113,8 +114,12 @@ def _save_png(frame: Frame, file: Path, command: str) -> None:
         "Parameters": json.dumps(parameters(frame)),
         **({"Command": command} if command else {}),
     }
-    display = frame.scene.display
-    is_srgb = display.transfer == "srgb" and display.primaries_xy == type(display)().primaries_xy
+    display, standard = frame.scene.display, Display()
+    is_srgb = (display.transfer, display.primaries_xy, display.white_xy) == (
+        standard.transfer,
+        standard.primaries_xy,
+        standard.white_xy,
+    )
     save_rgb(frame.display, file, text, srgb=is_srgb)
 
 
@@ -137,10 +142,11 @@ def _save_exr(frame: Frame, file: Path, command: str) -> None:
     put("Ld.Y", l_d)
     put("Ls.Y", l_s)
     numbers = parameters(frame)
+    display = frame.scene.display
     header = {
         "compression": OpenEXR.ZIP_COMPRESSION,
         "type": OpenEXR.scanlineimage,
-        "chromaticities": SRGB_CHROMATICITIES,
+        "chromaticities": tuple(chain(*display.primaries_xy, display.white_xy)),
         "whiteLuminance": float(frame.y_n_cd_m2),
         "lamp_m": frame.scene.lamp.position_m.astype(np.float32),
         "eye_m": frame.scene.eye.position_m.astype(np.float32),
@@ -156,7 +162,10 @@ def _save_exr(frame: Frame, file: Path, command: str) -> None:
         **({"command": command} if command else {}),
     }
     with whole_file(file) as temporary, OpenEXR.File(header, channels) as picture:
-        picture.write(str(temporary))
+        try:
+            picture.write(str(temporary))
+        except RuntimeError as error:  # what OpenEXR raises where the disk is full
+            raise InputError(f"{file}: can't be written ({error}); choose another place") from error
 
 
 def _number(value: float | None) -> float:

@@ -55,17 +55,20 @@ class Scaling:
                 f"{extremes.not_finite} pixels are not finite: the material's lobe is too strong "
                 "for float32; lower its strength or widen s_deg"
             )
-        if extremes.l_s_max < tone.NO_LOBE_LSTAR:
-            return cls(1.0 if look.c is None else look.c, None, None)
-        if extremes.smallest_ratio <= 0.0:
+        if extremes.l_d_max > 100.0 + tone.CLIP_TOLERANCE:
             text = (
                 f"the diffuse part alone reaches L* = {extremes.l_d_max:.1f}, so no c keeps the "
-                "picture displayable; check the albedo or the quantity of its measurement"
+                "picture displayable; check the albedo and the quantity of its measurement, and "
+                "whether the lamp only grazes the object"
             )
             if look.c is None:
                 raise InputError(f"c_max: {text}; --c VALUE draws it clipped")
             return cls(look.c, None, None, (text,))
-        c_max = extremes.smallest_ratio
+        if extremes.l_s_max < tone.NO_LOBE_LSTAR:
+            ignored = look.c_fraction not in (None, 1.0)
+            told = ("no pixel shows a highlight: c_max has no value, and c is 1",)
+            return cls(1.0 if look.c is None else look.c, None, None, told if ignored else ())
+        c_max = max(extremes.smallest_ratio, 0.0)
         eq4 = (100.0 - extremes.brightest_l_d) / max(extremes.brightest_l_s, 1e-6)
         if look.c is not None:
             c = look.c
@@ -79,10 +82,12 @@ class Scaling:
         return cls(c, c_max, eq4, tuple(warnings))
 
 
-def scene_warnings(scene: Scene, *, lit: bool) -> tuple[str, ...]:
+def scene_warnings(scene: Scene, *, seen: bool, lit: bool) -> tuple[str, ...]:
     """What makes a picture empty or black, told."""
     if scene.shape.contains(scene.eye.position_m):
         return ("the eye is inside the object: nothing is seen",)
+    if not seen:
+        return ("nothing of the object falls on a pixel's sample: the picture is empty",)
     return () if lit else ("the lamp lights nothing that the eye sees: the object is black",)
 
 

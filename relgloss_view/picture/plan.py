@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass
 
 from relgloss_view.picture.scene import Look, Scene
+from relgloss_view.picture.view import Size, View
 
 # The numbers that the shaders know these names by.
 SHAPE_CODES = {"cylinder": 0, "sphere": 1, "plane": 2, "box": 3}
@@ -13,6 +15,12 @@ DIFFUSE_CODES = {"lambert": 0, "oren-nayar": 1, "eon": 2}
 NOISE_CODES = {"none": 0, "paper": 1, "tangent": 2}
 GRAIN_CODES = {"screen": 0, "surface": 1}
 TRANSFER_CODES = {"srgb": 0, "gain-offset-gamma": 1}
+GAMUT_CODES = {"chroma": 0, "clip": 1}
+
+MAX_SAMPLES = 16
+#: Samples of a Gaussian lobe this many standard deviations apart sum to its energy within
+#: 2 exp(-2 pi^2 / 1.5^2) = 0.03 %, and half of it beside the peak still sees 75 % of it.
+STEP_SD = 1.5
 
 
 @dataclass(frozen=True)
@@ -25,7 +33,6 @@ class Plan:
     noise: str = "none"
     noisy_diffuse: bool = True
     grain: str = "screen"
-    samples: int = 1
 
     @classmethod
     def of(cls, scene: Scene, look: Look) -> Plan:
@@ -35,7 +42,6 @@ class Plan:
             shape=scene.shape.kind,
             diffuse="lambert" if diffuse.sigma_deg == 0.0 else diffuse.model,
             lobes=len(scene.material.visible_lobes()),
-            samples=look.samples,
         )
         if look.sigma_n_deg == 0.0:
             return smooth
@@ -47,9 +53,9 @@ class Plan:
         )
 
     @classmethod
-    def of_perfect_diffuser(cls, scene: Scene, look: Look) -> Plan:
+    def of_perfect_diffuser(cls, scene: Scene) -> Plan:
         """The variant that draws the perfect diffuser in place of the object, for Y_n."""
-        return cls(shape=scene.shape.kind, diffuse="lambert", lobes=0, samples=look.samples)
+        return cls(shape=scene.shape.kind, diffuse="lambert", lobes=0)
 
     def defines(self) -> dict[str, int]:
         """The constants of the shader variant."""
@@ -60,5 +66,30 @@ class Plan:
             "NOISE": NOISE_CODES[self.noise],
             "NOISY_DIFFUSE": int(self.noisy_diffuse),
             "GRAIN": GRAIN_CODES[self.grain],
-            "SAMPLES": self.samples,
         }
+
+
+def sample_count(scene: Scene, look: Look, size: Size) -> int:
+    """Samples along each side of a pixel: those asked for, or what the narrowest lobe needs.
+
+    From one pixel to the next the half-vector turns against the normal by the surface's curvature
+    and by the change of both directions. Taken at the highlight, where the normal stands halfway
+    between eye and lamp.
+    """
+    if look.samples is not None:
+        return look.samples
+    lobes = scene.material.visible_lobes()
+    if not lobes:
+        return 1
+    eye, lamp = scene.eye.distance_m, scene.lamp.distance_m
+    half = scene.shape.half_extent_m()
+    curved = scene.shape.kind in ("cylinder", "sphere")
+    depth = max(eye - float(half[0] if curved else half[2]), 1e-3 * eye)
+    footprint_m = View.of(scene, size).pixel_step * depth
+    turn = 0.5 * footprint_m * (1.0 / depth + 1.0 / lamp)
+    if curved:
+        cosine = float(scene.eye.position_m @ scene.lamp.position_m) / (eye * lamp)
+        cos_half = math.sqrt(max(0.5 * (1.0 + cosine), 0.01))
+        turn += footprint_m / (float(half[0]) * cos_half)
+    needed = turn / (STEP_SD * min(lobe.s for lobe in lobes))
+    return max(1, min(MAX_SAMPLES, math.ceil(needed)))

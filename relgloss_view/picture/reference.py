@@ -11,6 +11,8 @@ from relgloss_view.material import brdf
 from relgloss_view.material.spectra import illuminant, xyz_weights
 from relgloss_view.picture import noise, shape, tone
 from relgloss_view.picture.frame import Extremes, Frame, Scaling, scene_warnings
+from relgloss_view.picture.light import front_white, lit_white
+from relgloss_view.picture.plan import sample_count
 from relgloss_view.picture.scene import Look, Scene
 from relgloss_view.picture.view import Size, View, check_size
 
@@ -31,8 +33,12 @@ class ReferenceRenderer:
     def render(self, scene: Scene, look: Look, size: Size) -> Frame:
         """Draw a scene in float64; arguments and errors as Renderer.render."""
         view = View.of(scene, check_size(size))
-        white = self._white(scene, look, view)
-        stages = self._shade(scene, look, view, white)
+        samples = sample_count(scene, look, size)
+        white, seen = self._white(scene, view, samples)
+        if scene.lamp.y_n == "front":
+            white = front_white(scene, view)
+        white = lit_white(white, scene)
+        stages = self._shade(scene, look, view, white, samples)
         extremes = _extremes(stages)
         scaling = Scaling.of(look, extremes)
         stages.update(_tone(scene, stages, scaling.c))
@@ -43,23 +49,26 @@ class ReferenceRenderer:
             scaling,
             stages.__getitem__,
             "float64 numpy",
-            scene_warnings(scene, lit=white > 0.0),
+            scene_warnings(scene, seen=seen, lit=white > 0.0),
         )
 
-    def _white(self, scene: Scene, look: Look, view: View) -> float:
-        """Largest of what the perfect diffuser shows in a pixel, lamp power free."""
-        largest = 0.0
+    def _white(self, scene: Scene, view: View, samples: int) -> tuple[float, bool]:
+        """Largest of what the perfect diffuser shows in a pixel, and whether any shows it."""
+        largest, seen = 0.0, False
         for rows in _row_chunks(view, bands=8):
             total, covered = np.zeros(1), np.zeros(1)
-            for place in _places(look.samples):
+            for place in _places(samples):
                 hit, _, i, _, distance2 = _meet(scene, view, rows, place)
                 mu_i = np.maximum(np.sum(hit.normal * i, axis=-1), 0.0)
                 total = total + np.where(hit.found, mu_i / distance2, 0.0)
                 covered = covered + hit.found
             largest = max(largest, float(np.max(total / np.maximum(covered, 1.0))))
-        return largest
+            seen = seen or bool(np.any(covered > 0.0))
+        return largest, seen
 
-    def _shade(self, scene: Scene, look: Look, view: View, white: float) -> dict[str, Array]:
+    def _shade(
+        self, scene: Scene, look: Look, view: View, white: float, samples: int
+    ) -> dict[str, Array]:
         material = scene.material
         weights = xyz_weights(material.bands, illuminant(scene.lamp.illuminant))
         width, height = view.size
@@ -67,7 +76,7 @@ class ReferenceRenderer:
         stages.update(
             {n: np.zeros((height, width, 3)) for n in ("normal", "tilted_normal", "point_m")}
         )
-        places = _places(look.samples)
+        places = _places(samples)
         for rows in _row_chunks(view, material.bands.count):
             self._progress(rows.start / height, f"row {rows.start} of {height}")
             covered = np.zeros(stages["diffuse"][rows].shape[:2])
@@ -98,10 +107,10 @@ def _meet(
     scene: Scene, view: View, rows: slice, place: tuple[float, float], look: Look | None = None
 ) -> tuple[shape.Hit, Array, Array, Array, Array]:
     """Hit, to eye, to lamp, the grain's normal, squared distance to the lamp."""
-    half_extent_m = scene.shape.half_extent_m().astype(np.float32).astype(np.float64)
+    half_extent_m = _float32(scene.shape.half_extent_m())
     ray = view.rays(rows, place)
     hit = shape.meet(scene.shape.kind, view.eye_m, ray, half_extent_m)
-    to_lamp = scene.lamp.position_m.astype(np.float32).astype(np.float64) - hit.point_m
+    to_lamp = _float32(scene.lamp.position_m) - hit.point_m
     distance2 = np.maximum(np.sum(to_lamp * to_lamp, axis=-1), 1e-30)
     i = to_lamp / np.sqrt(distance2)[..., None]
     o = -ray / np.linalg.norm(ray, axis=-1, keepdims=True)
@@ -112,10 +121,16 @@ def _meet(
             cell = np.stack([x, y, np.zeros_like(x)], axis=-1)
             cell[..., :2] //= look.grain_px
         else:
-            cell = shape.surface_cell(scene.shape.kind, hit, look.grain_mm * 1e-3, half_extent_m)
+            grain_m = float(np.float32(look.grain_mm * 1e-3))
+            cell = shape.surface_cell(scene.shape.kind, hit, grain_m, half_extent_m)
         hashes = noise.cell_hash(cell, look.seed)
         n = noise.noisy_normal(look.noise_law, n, o, hashes, np.radians(look.sigma_n_deg))
     return hit, o, i, n, distance2
+
+
+def _float32(vector: Array) -> Array:
+    """The numbers that the GPU starts from, so that both draw the same scene."""
+    return vector.astype(np.float32).astype(np.float64)
 
 
 def _extremes(stages: dict[str, Array]) -> Extremes:

@@ -36,6 +36,12 @@ def parameter(default: float, low: float, high: float, unit: str, meaning: str) 
     return field(default=default, metadata={"range": Range(low, high, unit, meaning)})
 
 
+def whole_number(default: int | None, low: int, high: int, unit: str, meaning: str) -> Any:
+    """A dataclass field that takes whole numbers of a declared range."""
+    limits = Range(low, high, unit, meaning)
+    return field(default=default, metadata={"range": limits, "whole": True})
+
+
 def choice(default: str, options: tuple[str, ...], meaning: str) -> Any:
     """A dataclass field that takes one of a few names."""
     return field(default=default, metadata={"options": options, "meaning": meaning})
@@ -49,17 +55,25 @@ class _Checked:
             value = getattr(self, f.name)
             place = f"{type(self).__name__.lower()}.{f.name}"
             allowed = f.metadata.get("range")
-            if allowed is not None and value is not None:
-                if isinstance(value, bool) or not isinstance(value, int | float):
-                    raise InputError(f"{place}: expected a number, found {value!r}")
-                if not (math.isfinite(value) and allowed.low <= value <= allowed.high):
-                    raise InputError(
-                        f"{place}: expected {allowed.low:g} to {allowed.high:g} {allowed.unit}, "
-                        f"found {value!r}"
-                    )
+            if allowed is not None and not (value is None and f.default is None):
+                _check_range(place, value, allowed, whole=f.metadata.get("whole", False))
             options = f.metadata.get("options")
             if options is not None and value not in options:
                 raise InputError(f"{place}: expected one of {', '.join(options)}, found {value!r}")
+
+
+def _check_range(place: str, value: object, allowed: Range, *, whole: bool) -> None:
+    kind = "a whole number" if whole else "a number"
+    numbers = int if whole else int | float
+    found = f"found {value!r}"[:60]
+    if isinstance(value, bool) or not isinstance(value, numbers):
+        raise InputError(f"{place}: expected {kind}, {found}")
+    # A comparison, unlike a conversion, takes integers of any size; a NaN fails it.
+    if not allowed.low <= value <= allowed.high:
+        unit = f" {allowed.unit}" if allowed.unit else ""
+        raise InputError(
+            f"{place}: expected {allowed.low:.10g} to {allowed.high:.10g}{unit}, {found}"
+        )
 
 
 SHAPES = ("cylinder", "sphere", "plane", "box")
@@ -107,6 +121,9 @@ def polar_point(azimuth_deg: float, elevation_deg: float, distance_m: float) -> 
     )
 
 
+Y_N_PLACES = ("maximum", "front")  #: its brightest pixel, or the point that faces the eye
+
+
 @dataclass(frozen=True)
 class Lamp(_Checked):
     """A point lamp, as bright as makes a white standard in the object's place show Y_n."""
@@ -115,6 +132,7 @@ class Lamp(_Checked):
     elevation_deg: float = parameter(0.0, -90.0, 90.0, "deg", "above the horizontal plane")
     distance_m: float = parameter(1.0, 1e-3, 1e3, "m", "from the object's centre")
     luminance_cd_m2: float = parameter(110.0, 1e-3, 1e6, "cd/m2", "Y_n: of the perfect diffuser")
+    y_n: str = choice("maximum", Y_N_PLACES, "where the perfect diffuser shows Y_n")
     illuminant: str = "HP5"  #: a name that spectra.illuminant knows, or a two-column file
 
     def __post_init__(self) -> None:
@@ -147,6 +165,7 @@ class Eye(_Checked):
         return polar_point(self.azimuth_deg, self.elevation_deg, self.distance_m)
 
 
+GAMUTS = ("chroma", "clip")  #: reduce chroma at held L* and hue, or cut RGB
 MIN_GAMUT_AREA = 1e-3  #: twice the triangle's area in the xy diagram; sRGB has 0.22
 
 
@@ -169,17 +188,22 @@ class Display(_Checked):
     """The monitor: its white shows L* = 100. sRGB, or primaries with gain, offset and gamma."""
 
     transfer: str = choice("srgb", ("srgb", "gain-offset-gamma"), "how RGB becomes light")
-    white_cd_m2: float = parameter(100.0, 1.0, 1e4, "cd/m2", "luminance of the monitor's white")
+    gamut: str = choice("chroma", GAMUTS, "what is done with colours it can't show")
     gain: float = parameter(1.0, 0.1, 10.0, "", "light = (gain d + offset)^gamma + flare")
     offset: float = parameter(0.0, -0.5, 0.5, "", "see gain")
     gamma: float = parameter(2.2, 0.5, 5.0, "", "see gain")
-    flare: float = parameter(0.0, 0.0, 0.2, "", "share of the white that black shows")
+    flare: float = parameter(0.0, 0.0, 0.2, "", "see gain")
     primaries_xy: tuple[tuple[float, float], ...] = ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06))
     white_xy: tuple[float, float] = (0.3127, 0.3290)
     background_lstar: float = parameter(50.0, 0.0, 100.0, "L*", "neutral surround of the object")
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.gain + self.offset <= 0.0 or max(self.offset, 0.0) >= self.gain + self.offset:
+            raise InputError(
+                f"display.gain {self.gain:g} with display.offset {self.offset:g}: white is no "
+                "brighter than black; expected gain + offset above 0 and above offset"
+            )
         if not (_is_table(self.primaries_xy, 3) and all(_is_xy(xy) for xy in self.primaries_xy)):
             raise InputError(
                 "display.primaries_xy: expected three chromaticities, as [[x, y], ...]"
@@ -210,24 +234,18 @@ class Look(_Checked):
         default=None, metadata={"range": Range(0.0, 10.0, "", "c as a fraction of c_max")}
     )
     grain: str = choice("screen", GRAINS, "what a grain is fixed to")
-    grain_px: int = field(
-        default=1, metadata={"range": Range(1, 1024, "px", "side of a screen grain")}
-    )
+    grain_px: int = whole_number(1, 1, 1024, "px", "side of a screen grain")
     grain_mm: float = parameter(0.2, 0.001, 100.0, "mm", "side of a surface grain")
     noise_law: str = choice("paper", NOISE_LAWS, "distribution of the tilt")
     noisy_lobes: str = choice("both", NOISY_LOBES, "which reflections see the tilt")
-    seed: int = field(default=0, metadata={"range": Range(0, 2**31 - 1, "", "of the grain")})
-    samples: int = field(
-        default=1, metadata={"range": Range(1, 16, "", "samples along each side of a pixel")}
-    )
+    seed: int = whole_number(0, 0, 2**31 - 1, "", "of the grain")
+    #: Samples along each side of a pixel; None takes as many as the narrowest lobe needs.
+    samples: int | None = whole_number(None, 1, 16, "", "samples along each side of a pixel")
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.c is not None and self.c_fraction is not None:
             raise InputError("look: give c or c_fraction, not both")
-        for name in ("grain_px", "seed", "samples"):
-            if not isinstance(getattr(self, name), int):
-                raise InputError(f"look.{name}: expected a whole number")
 
 
 @dataclass(frozen=True)

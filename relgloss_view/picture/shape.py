@@ -132,11 +132,14 @@ def meet(kind: str, eye_m: Array, ray: Array, half_extent_m: Array) -> Hit:
 def surface_cell(kind: str, hit: Hit, cell_m: float, half_extent_m: Array) -> NDArray[np.int64]:
     """Grain cell on the surface (column, row, face), (..., 3).
 
-    On a sphere each row is scaled by the cosine of its latitude, so that cells keep their area.
+    Around a cylinder or a row of a sphere stands a whole number of cells, so that no seam shows.
     """
     row = np.floor(hit.surface_m[..., 1] / cell_m)
-    across = hit.surface_m[..., 0]
-    if kind == "sphere":
-        across = across * np.cos((row + 0.5) * cell_m / half_extent_m[0])
-    column = np.floor(across / cell_m)
+    column = np.floor(hit.surface_m[..., 0] / cell_m)
+    if kind in ("cylinder", "sphere"):
+        turn = 2.0 * np.pi * half_extent_m[0]
+        latitude = (row + 0.5) * cell_m / half_extent_m[0] if kind == "sphere" else 0.0 * row
+        columns = np.maximum(1.0, np.floor(turn * np.cos(latitude) / cell_m + 0.5))
+        place = np.floor((hit.surface_m[..., 0] / turn + 0.5) * columns)
+        column = np.where(hit.face == 0, np.minimum(place, columns - 1.0), column)
     return np.stack([column.astype(np.int64), row.astype(np.int64), hit.face], axis=-1)

@@ -89,6 +89,7 @@ class DisplayModel:
     white: Array  #: XYZ, Y = 1
     rgb_from_xyz: Array  #: (3, 3)
     transfer: str
+    gamut: str
     curve: tuple[float, float, float, float]  #: gain, offset, gamma, flare
     background_light: float  #: linear, relative to white
 
@@ -102,6 +103,7 @@ class DisplayModel:
                 dtype=np.float64,
             ),
             display.transfer,
+            display.gamut,
             (display.gain, display.offset, display.gamma, display.flare),
             float(lab_f_inverse(np.array((display.background_lstar + 16.0) / 116.0))),
         )
@@ -110,7 +112,8 @@ class DisplayModel:
 def display_rgb(lab: Array, display: DisplayModel) -> tuple[Array, NDArray[np.bool_]]:
     """Linear display RGB (..., 3) of Lab colours relative to the display's white, and which fit.
 
-    Out of gamut: L* and hue are held and chroma is reduced by bisection to the gamut's edge.
+    Out of gamut, 'chroma' holds L* and hue and reduces chroma by bisection to the gamut's edge;
+    'clip' cuts each channel.
     """
 
     def rgb_of(lightness_: Array, chromatic: Array) -> Array:
@@ -120,7 +123,7 @@ def display_rgb(lab: Array, display: DisplayModel) -> tuple[Array, NDArray[np.bo
     bounded = np.clip(lab[..., :1], 0.0, 100.0)
     rgb = rgb_of(bounded, lab[..., 1:])
     inside = in_gamut(rgb)
-    if not np.all(inside):
+    if not np.all(inside) and display.gamut == "chroma":
         held, chroma = bounded[~inside], lab[..., 1:][~inside]
         low, high = np.zeros(len(held)), np.ones(len(held))
         for _ in range(BISECTIONS):

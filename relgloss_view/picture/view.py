@@ -13,6 +13,7 @@ from relgloss_view.picture.scene import Scene
 Array = NDArray[np.float64]
 Size = tuple[int, int]  #: width, height in pixels
 
+WIDE = (2.0, 2.0)  #: tangents of a wide angle, where the eye stands among the object's points
 FILL = 0.8  #: share of the picture's height or width that a framed object takes
 MAX_SIDE_PX = 16384
 MAX_PIXELS = 36 * 1024 * 1024  #: above 8K UHD; an EXR of it takes 4 GB of memory while written
@@ -75,12 +76,29 @@ def _round(vector: Array) -> Array:
 def _extent(
     scene: Scene, eye: Array, right: Array, up: Array, forward: Array
 ) -> tuple[float, float]:
-    """Tangents of the angles that the object's bounding box spans across and up."""
-    half = scene.shape.half_extent_m()
-    corners = np.array([[sx, sy, sz] for sx in (-1, 1) for sy in (-1, 1) for sz in (-1, 1)]) * half
-    depth = (corners - eye) @ forward
-    if np.min(depth) <= 1e-6:  # the eye is among the corners: any angle serves, take a wide one
-        return 2.0, 2.0
-    across = np.abs((corners - eye) @ right) / depth
-    tall = np.abs((corners - eye) @ up) / depth
+    """Tangents of the angles that the object spans across and up."""
+    shape, distance = scene.shape, float(np.linalg.norm(eye))
+    if shape.kind == "sphere":
+        radius = 0.5 * shape.diameter_m
+        if distance <= radius:
+            return WIDE
+        angle = 2.0 * radius / np.sqrt(distance**2 - radius**2)
+        return angle, angle
+    outline = _outline(scene)
+    depth = (outline - eye) @ forward
+    if np.min(depth) <= 1e-6:  # the eye is among the points: any angle serves
+        return WIDE
+    across = np.abs((outline - eye) @ right) / depth
+    tall = np.abs((outline - eye) @ up) / depth
     return 2.0 * float(np.max(across)), 2.0 * float(np.max(tall))
+
+
+def _outline(scene: Scene) -> Array:
+    """Points whose hull is the object: a box's corners, a cylinder's rims."""
+    half = scene.shape.half_extent_m()
+    if scene.shape.kind == "cylinder":
+        turn = np.linspace(0.0, 2.0 * np.pi, 180, endpoint=False)
+        rim = np.stack([np.sin(turn), np.ones_like(turn), np.cos(turn)], axis=-1)
+        return np.concatenate([rim * half, rim * half * (1.0, -1.0, 1.0)])
+    signs = (-1.0, 1.0)
+    return np.array([[sx, sy, sz] for sx in signs for sy in signs for sz in signs]) * half

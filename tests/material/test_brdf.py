@@ -219,6 +219,24 @@ class TestDiffuse:
         assert np.pi * first == pytest.approx(1 - 0.125 / 0.58 + 0.45 * 0.25 / 0.34 * 1.5)
         assert np.pi * second == pytest.approx(0.17 * 0.25 / 0.38 * (1 - 4 / 9))
 
+    def test_oren_nayar_sideways(self):
+        # The same by hand at both angles 60 degrees, azimuth 90: what is left of L1 is
+        # C1 + C3 tan 60 with C3 = 0.125 (0.25/0.34) (4 (pi/3)^2 / pi^2)^2, and all of L2. Two known
+        # shader libraries have 0.17 for 0.125 here, and tests that repeat it.
+        i, o = direction(np.radians(60.0)), direction(np.radians(60.0), np.pi / 2)
+        first, second = brdf.oren_nayar(facing(i, o), 0.5)
+        c3 = 0.125 * 0.25 / 0.34 * (4.0 / 9.0) ** 2
+        assert np.pi * first == pytest.approx(1 - 0.125 / 0.58 + c3 * np.sqrt(3.0))
+        assert np.pi * second == pytest.approx(0.17 * 0.25 / 0.38)
+
+    @pytest.mark.parametrize("rho", [0.2, 0.5, 0.9])
+    def test_eon_multiple_scattering_is_its_series(self, rho):
+        # Light that misses the eye after k bounces inside meets the albedo again: the sum of
+        # rho (rho (1 - E))^k E rho over k >= 0 is what multiplies the second shape.
+        mean = brdf.fujii_mean_albedo(0.7)
+        series = sum(rho * mean * rho * (rho * (1.0 - mean)) ** k for k in range(400))
+        assert brdf.second_albedo("eon", rho, 0.7) == pytest.approx(series, rel=1e-12)
+
     @pytest.mark.parametrize("sigma", [0.05, 0.2, 0.3, 0.5, 0.7])
     @pytest.mark.parametrize("theta_deg", [0.0, 45.0, 75.0, 88.0])
     def test_oren_nayar_furnace_in_its_range(self, sigma, theta_deg):

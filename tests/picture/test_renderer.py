@@ -11,7 +11,7 @@ import materials
 import numpy as np
 import pytest
 
-from relgloss_view.errors import InputError
+from relgloss_view.errors import InputError, RelglossError
 from relgloss_view.material.material import Diffuse, Lobe
 from relgloss_view.picture import tone
 from relgloss_view.picture.backends import open_renderer
@@ -45,6 +45,11 @@ def displayed_delta_e(frame, truth):
 
 def assert_same_picture(frame, truth):
     np.testing.assert_array_equal(frame.coverage, truth.coverage)
+    for mask in ("clipped", "out_of_gamut"):
+        # Pixels on the very edge of the gamut may fall to either side.
+        assert (
+            np.sum(getattr(frame, mask) != getattr(truth, mask)) <= 2 + 1e-3 * frame.coverage.size
+        )
     assert np.max(delta_e(frame, truth)) <= 0.02
     assert np.max(displayed_delta_e(frame, truth)) <= 0.02
     off = frame.display.astype(int) - truth.display.astype(int)
@@ -119,6 +124,30 @@ class TestAgainstReference:
         frame = renderer.render(scene, look, SMALL)
         assert len(np.unique(frame.coverage)) > 4
         assert_same_picture(frame, reference.render(scene, look, SMALL))
+
+    @pytest.mark.parametrize("gamut", ["chroma", "clip"])
+    def test_clipped_and_out_of_gamut_pixels(self, renderer, reference, gamut):
+        # A saturated blue under strong gloss: both masks hold something, and neither everything.
+        material = dataclasses.replace(
+            materials.flat(0.3, (Lobe((1.0,), 4.0),)),
+            bands=type(materials.flat().bands)(),
+            diffuse=Diffuse("lambert", (0.0, 0.02, 0.9)),
+        )
+        scene = Scene(material, display=Display(gamut=gamut))
+        frame = renderer.render(scene, Look(c=2.0), SMALL)
+        assert_same_picture(frame, reference.render(scene, Look(c=2.0), SMALL))
+        for mask in (frame.clipped, frame.out_of_gamut):
+            assert 20 < np.sum(mask) < 0.9 * np.sum(frame.on_object)
+
+    def test_y_n_at_the_front_point(self, renderer, reference):
+        # Odd sizes have a pixel at the centre, which sees the front point.
+        scene, size = Scene(materials.flat(0.3), lamp=Lamp(y_n="front")), (161, 121)
+        frame = renderer.render(scene, Look(), size)
+        assert_same_picture(frame, reference.render(scene, Look(), size))
+        assert frame.diffuse[60, 80, 1] == pytest.approx(0.3, rel=1e-5)
+        assert np.max(frame.diffuse[..., 1]) > 0.35
+        with pytest.raises(InputError, match="diffuse part alone"):
+            renderer.render(Scene(materials.flat(0.9), lamp=scene.lamp), Look(), SMALL)
 
     def test_other_display(self, renderer, reference):
         display = Display(
@@ -240,7 +269,114 @@ class TestNoise:
         assert np.mean(small.specular[..., 1] * small.coverage) == pytest.approx(energy, rel=0.02)
 
 
+#: A change of every field that a picture can depend on.
+CHANGES = {
+    "material": [materials.paper("cast"), materials.paper("art", "eon")],
+    "shape": [
+        {"kind": "sphere"}, {"diameter_m": 0.07}, {"height_m": 0.08},
+        {"kind": "box", "width_m": 0.06}, {"kind": "box", "depth_m": 0.06},
+    ],
+    "lamp": [
+        {"azimuth_deg": 70.0}, {"elevation_deg": 30.0}, {"distance_m": 0.3}, {"y_n": "front"},
+        {"illuminant": "D65"}, {"luminance_cd_m2": 50.0},
+    ],
+    "eye": [
+        {"azimuth_deg": 20.0}, {"elevation_deg": 10.0}, {"distance_m": 0.3},
+        {"field_of_view_deg": 20.0},
+    ],
+    "display": [
+        {"transfer": "gain-offset-gamma"}, {"gamut": "clip"}, {"background_lstar": 20.0},
+        {"white_xy": (0.3457, 0.3585)}, {"primaries_xy": ((0.6, 0.3), (0.2, 0.7), (0.1, 0.1))},
+        {"transfer": "gain-offset-gamma", "gamma": 2.0},
+        {"transfer": "gain-offset-gamma", "gain": 0.9},
+        {"transfer": "gain-offset-gamma", "offset": 0.1},
+        {"transfer": "gain-offset-gamma", "flare": 0.01},
+    ],
+    "look": [
+        {"sigma_n_deg": 1.0}, {"c": 0.2}, {"c_fraction": 0.5}, {"seed": 3}, {"samples": 3},
+        {"grain": "surface"}, {"grain_px": 2}, {"grain": "surface", "grain_mm": 1.0},
+        {"noise_law": "tangent"}, {"noisy_lobes": "specular"},
+    ],
+}  # fmt: skip
+
+
 class TestPasses:
+    @pytest.mark.parametrize("part", list(CHANGES))
+    def test_nothing_stale_is_kept(self, renderer, part):
+        """Picture after picture on one renderer is what a new renderer draws, bit for bit."""
+        scene, look = Scene(materials.paper("art")), Look(sigma_n_deg=2.0)
+        stages = ("diffuse", "specular", "lab", "display", "tilted_normal")
+        first = renderer.render(scene, look, (48, 40))
+        before = {stage: getattr(first, stage) for stage in stages}
+        for change in CHANGES[part]:
+            if part == "look":
+                request = (scene, dataclasses.replace(look, **change))
+            elif part == "material":
+                request = (dataclasses.replace(scene, material=change), look)
+            else:
+                value = dataclasses.replace(getattr(scene, part), **change)
+                request = (dataclasses.replace(scene, **{part: value}), look)
+            renderer.render(scene, look, (48, 40))
+            frame = renderer.render(*request, (48, 40))
+            fresh = Renderer(renderer.ctx)
+            wanted = fresh.render(*request, (48, 40))
+            for stage in stages:
+                np.testing.assert_array_equal(getattr(frame, stage), getattr(wanted, stage))
+            fresh.release()
+            seen = any(np.any(getattr(frame, stage) != before[stage]) for stage in stages)
+            unseen = ({"luminance_cd_m2": 50.0}, {"grain_px": 1}, {"samples": 1})
+            assert seen or change in unseen, f"{change} changes nothing"
+
+    def test_two_devices_do_not_mix(self):
+        """Stages fetched late come from the renderer that drew them, whatever was used since."""
+        scenes = [Scene(materials.paper(name)) for name in ("cast", "uncoated")]
+        alone = []
+        for scene in scenes:
+            with open_renderer("egl") as one:
+                alone.append(one.render(scene, Look(), SMALL).lab.copy())
+        with open_renderer("egl") as first:
+            kept = first.render(scenes[0], Look(), SMALL)
+            with open_renderer("egl") as second:
+                other = second.render(scenes[1], Look(), SMALL)
+                np.testing.assert_array_equal(kept.lab, alone[0])
+                np.testing.assert_array_equal(other.lab, alone[1])
+            assert kept.display.shape == (120, 160, 3)
+        with pytest.raises(RelglossError, match="closed"):
+            _ = kept.normal
+
+    def test_refused_memory_leaves_a_usable_renderer(self, renderer, monkeypatch):
+        from relgloss_view.picture.renderer.targets import Targets
+
+        original = Targets._texture
+
+        def refuse(self, size, dtype):
+            if size == (30, 30):
+                raise InputError("size 30x30: the device has no memory for it")
+            return original(self, size, dtype)
+
+        scene = Scene(materials.paper("cast"))
+        monkeypatch.setattr(Targets, "_texture", refuse)
+        for _ in range(2):
+            with pytest.raises(InputError, match="no memory"):
+                renderer.render(scene, Look(), (30, 30))
+        assert renderer.render(scene, Look(), (32, 32)).display.shape == (32, 32, 3)
+
+    def test_nothing_is_left_on_the_device(self, ctx):
+        made = Renderer(ctx)
+        for size in ((64, 64), (100, 30), (64, 64)):
+            made.render(Scene(materials.paper("cast")), Look(), size)
+        made.release()
+        assert not ctx.objects
+
+    def test_numbers_that_change_nothing_draw_nothing(self, renderer):
+        scene = Scene(materials.paper("art"))
+        renderer.render(scene, Look(c=0.3), SMALL)
+        before = dict(renderer.draws)
+        brighter = dataclasses.replace(scene, lamp=Lamp(luminance_cd_m2=500.0))
+        renderer.render(brighter, Look(c=0.3), SMALL)
+        renderer.render(scene, Look(c=0.3, seed=9, grain_mm=3.0, noise_law="tangent"), SMALL)
+        assert renderer.draws == before
+
     def test_c_alone_runs_the_tone_pass_alone(self, renderer):
         scene = Scene(materials.paper("art"))
         renderer.render(scene, Look(sigma_n_deg=1.0, c=0.2), SMALL)
@@ -297,7 +433,7 @@ class TestPasses:
         renderer.render(Scene(materials.paper("cast")), Look(), SMALL)
         target = renderer._targets.framebuffer(SHADE)
         with pytest.raises(ShaderError, match=r"uniform '\w+' has no value"):
-            renderer.programs.draw("tone.frag", {"TRANSFER": 0}, {}, target)
+            renderer.programs.draw("tone.frag", {"TRANSFER": 0, "GAMUT": 0}, {}, target)
         with pytest.raises(ShaderError, match=r"measure\.frag:\d+.*BLOCK"):
             renderer.programs.get("measure.frag", {})
 
@@ -347,6 +483,43 @@ class TestScenes:
         assert "inside the object" in frame.warnings[-1]
         plane = Scene(material, shape=Shape(kind="plane"), eye=Eye(azimuth_deg=180.0))
         assert not np.any(draw.render(plane, Look(), SMALL).on_object)
+
+    def test_lamp_in_the_plane_of_a_sheet_lights_nothing(self, renderer, reference):
+        scene = Scene(
+            materials.paper("cast"), shape=Shape(kind="plane"), lamp=Lamp(azimuth_deg=90.0)
+        )
+        for draw in (renderer, reference):
+            frame = draw.render(scene, Look(sigma_n_deg=1.0), SMALL)
+            assert np.max(frame.diffuse) == 0.0
+            assert "lights nothing" in frame.warnings[-1]
+
+    def test_an_object_out_of_the_picture_is_told(self, renderer, reference):
+        scene = Scene(materials.paper("cast"), eye=Eye(field_of_view_deg=170.0))
+        for draw in (renderer, reference):
+            frame = draw.render(scene, Look(samples=1), (2, 2))
+            assert not np.any(frame.on_object)
+            assert "nothing of the object" in frame.warnings[-1]
+
+    @pytest.mark.parametrize("s_deg", [0.05, 0.1, 0.3])
+    @pytest.mark.parametrize("kind", ["cylinder", "sphere", "plane"])
+    def test_a_lobe_under_a_pixel_keeps_its_energy(self, renderer, s_deg, kind):
+        """The samples chosen against four times as many a side: within 2 %."""
+        lamp = Lamp(azimuth_deg=0.0 if kind == "plane" else 50.0, distance_m=1.0)
+        material = materials.flat(0.3, (Lobe((1.0,), s_deg),))
+        scene = Scene(material, shape=Shape(kind=kind), lamp=lamp)
+        size = (128, 128)
+        chosen = renderer.render(scene, Look(c=0.1), size).specular[..., 1].sum()
+        best = renderer.render(scene, Look(c=0.1, samples=16), size).specular[..., 1].sum()
+        large = renderer.render(scene, Look(c=0.1, samples=12), (640, 640))
+        truth = large.specular[..., 1].sum() / 25
+        assert best == pytest.approx(truth, rel=0.02)
+        assert chosen == pytest.approx(truth, rel=0.02)
+
+    def test_a_strength_beyond_float32_is_refused(self, renderer):
+        lobe = Lobe((1e6,), 0.05)
+        object.__setattr__(lobe, "strength", (1e38,))  # past the material's own check
+        with pytest.raises(InputError, match="not finite"):
+            renderer.render(Scene(materials.flat(0.3, (lobe,))), Look(), SMALL)
 
     @pytest.mark.parametrize("s_deg", [0.05, 40.0])
     def test_extreme_lobes_are_finite(self, renderer, s_deg):
@@ -412,6 +585,8 @@ def pictures(tmp_path_factory):
         "egl": draw("egl"),
         "osmesa": draw("osmesa"),
         "softpipe": draw("egl", GALLIUM_DRIVER="softpipe"),
+        # As far as macOS goes.
+        "gl41": draw("egl", MESA_GL_VERSION_OVERRIDE="4.1", MESA_GLSL_VERSION_OVERRIDE="410"),
     }
 
 
@@ -426,6 +601,10 @@ class TestDrivers:
             pytest.skip("EGL is not on the software driver that OSMesa uses")
         for name in self.stages(pictures):
             np.testing.assert_array_equal(pictures["osmesa"][name], pictures["egl"][name])
+
+    def test_opengl_41_is_bit_identical(self, pictures):
+        for name in self.stages(pictures):
+            np.testing.assert_array_equal(pictures["gl41"][name], pictures["egl"][name])
 
     def test_softpipe_is_close(self, pictures):
         """An independent driver of floats: 1e-4 of each stage's largest value."""

@@ -132,6 +132,20 @@ class TestScaling:
         scaling = Scaling.of(Look(c_fraction=0.3), Extremes(1e30, 60.0, 0.4, 60.0, 0.4))
         assert (scaling.c, scaling.c_max) == (1.0, None)
 
+    def test_a_highlight_begins_at_half_a_unit(self):
+        assert Scaling.of(Look(), Extremes(80.0, 60.0, 0.49, 60.0, 0.49)).c_max is None
+        assert Scaling.of(Look(), Extremes(80.0, 60.0, 0.51, 60.0, 0.51)).c_max == 80.0
+
+    def test_a_share_of_no_c_max_is_told(self):
+        flat = Extremes(1e30, 60.0, 0.1, 60.0, 0.1)
+        assert "c_max has no value" in Scaling.of(Look(c_fraction=0.3), flat).warnings[0]
+        assert not Scaling.of(Look(), flat).warnings
+
+    @pytest.mark.parametrize("l_s_max", [0.0, 50.0])
+    def test_too_bright_without_a_highlight_is_no_less_an_error(self, l_s_max):
+        with pytest.raises(InputError, match="diffuse part alone"):
+            Scaling.of(Look(), Extremes(1e30, 110.0, l_s_max, 110.0, l_s_max))
+
     def test_too_bright_diffuse_is_an_error_and_absolute_c_draws_it(self):
         extremes = Extremes(-0.1, 103.0, 50.0, 103.0, 50.0)
         with pytest.raises(InputError, match="L\\* = 103"):

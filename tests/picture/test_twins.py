@@ -118,8 +118,8 @@ class TestBrdf:
         assert np.all(np.isfinite(result))
         assert np.all(result >= 0)
 
-    def test_a_wrong_coefficient_is_seen(self, ctx, directions):
-        # Negative control: 0.125 -> 0.17 in C3, as two known shader libraries have it.
+    def test_a_slightly_wrong_roughness_is_seen(self, ctx, directions):
+        # Negative control: a roughness 3 % off.
         result = call(ctx, directions, "vec4(diffuse_shapes(OREN_NAYAR, f, 0.7), 0, 0)")[:, 0]
         f = twin(directions)
         wrong = brdf.oren_nayar(f, 0.68)[0]
@@ -153,10 +153,11 @@ class TestTone:
         # f is good to 3e-7 where its neighbour is 5, and the slope below 216/24389 is 0.13.
         np.testing.assert_allclose(back[:, :3], xyz, rtol=1e-5, atol=2e-7)
 
+    @pytest.mark.parametrize("gamut", ["chroma", "clip"])
     @pytest.mark.parametrize("transfer", ["srgb", "gain-offset-gamma"])
-    def test_display(self, ctx, transfer):
+    def test_display(self, ctx, transfer, gamut):
         display = tone.DisplayModel.of(
-            Display(transfer=transfer, gain=0.98, offset=0.02, gamma=2.3, flare=0.003)
+            Display(transfer=transfer, gamut=gamut, gain=0.98, offset=0.02, gamma=2.3, flare=0.003)
         )
         rng = np.random.default_rng(3)
         lab = float32(rng.uniform([0, -120, -120], [110, 120, 120], (40_000, 3)))
@@ -167,7 +168,8 @@ class TestTone:
         result = glsl.evaluate(
             ctx,
             ["tone.glsl"],
-            f"bool inside; vec3 rgb = display_rgb(v.xyz, vec3({white}), mat3({rows}), inside);"
+            f"bool inside; vec3 rgb = display_rgb({gamut.upper()}, v.xyz, vec3({white}),"
+            f" mat3({rows}), inside);"
             f"result = vec4(encode({code}, rgb, vec4({curve})), inside ? 1 : 0);",
             {"v": lab},
         )

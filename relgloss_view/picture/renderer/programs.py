@@ -35,6 +35,14 @@ class Programs:
             self._known[key] = self.ctx.vertex_array(program, [])
         return self._known[key]
 
+    def release(self) -> None:
+        """Free every program; they are compiled again when next drawn."""
+        for array in self._known.values():
+            program = array.program
+            array.release()
+            program.release()
+        self._known.clear()
+
     def draw(
         self,
         stage: str,

@@ -48,15 +48,9 @@ class Targets:
                 "give a smaller --size or --backend reference"
             )
         self.release()
-        self.size = size
         try:
-            self.framebuffer(SHADE)
-            step = size
-            while not self.reduction or step != (1, 1):
-                step = (-(-step[0] // BLOCK), -(-step[1] // BLOCK))
-                textures = {name: self._texture(step, "f4") for name in REDUCED}
-                self.reduction.append((textures, self.ctx.framebuffer([*textures.values()])))
-        except InputError:
+            self._allocate(size)
+        except BaseException:  # whatever went wrong, nothing half made is kept
             self.release()
             raise
         return True
@@ -64,6 +58,15 @@ class Targets:
     def texture(self, name: str) -> moderngl.Texture:
         """The texture of a target that has been drawn."""
         return self._textures[name]
+
+    def _allocate(self, size: Size) -> None:
+        self.size = size
+        self.framebuffer(SHADE)
+        step = size
+        while not self.reduction or step != (1, 1):
+            step = (-(-step[0] // BLOCK), -(-step[1] // BLOCK))
+            textures = {name: self._texture(step, "f4") for name in REDUCED}
+            self.reduction.append((textures, self.ctx.framebuffer([*textures.values()])))
 
     def framebuffer(self, names: tuple[str, ...]) -> moderngl.Framebuffer:
         """What a pass that writes these targets draws into; made when first asked for."""
@@ -100,11 +103,15 @@ class Targets:
         self.size = None
 
     def _texture(self, size: Size, dtype: str) -> moderngl.Texture:
-        texture = self.ctx.texture(size, 4, dtype=dtype)
-        if self.ctx.error != "GL_NO_ERROR":  # moderngl itself never raises on these
+        refused = InputError(
+            f"size {size[0]}x{size[1]}: the device has no memory for it; give a smaller --size"
+        )
+        try:
+            texture = self.ctx.texture(size, 4, dtype=dtype)
+        except moderngl.Error as error:
+            raise refused from error
+        if self.ctx.error != "GL_NO_ERROR":  # moderngl itself raises on few of these
             texture.release()
-            raise InputError(
-                f"size {size[0]}x{size[1]}: the device has no memory for it; give a smaller --size"
-            )
+            raise refused
         texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
         return texture
