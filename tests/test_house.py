@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import os
+import re
 import subprocess
 import sys
 import zipfile
@@ -90,7 +91,7 @@ def test_modules_stay_small():
 
 
 def loaded_by(statement):
-    code = f"import sys; {statement}; print(chr(10).join(sys.modules))"
+    code = f"{statement}\nimport sys; print(chr(10).join(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     return {name.split(".")[0] for name in done.stdout.splitlines()}
 
@@ -99,8 +100,14 @@ def test_importing_the_package_is_light():
     heavy = {"moderngl", "glfw", "imgui_bundle", "colour", "scipy", "matplotlib", "OpenEXR", "PIL"}
     assert not loaded_by("import relgloss_view") & heavy
     assert not loaded_by("import relgloss_view.cli") & heavy
-    # A picture needs neither the fit's libraries nor colour-science: they cost more than it does.
-    assert not loaded_by("import relgloss_view as r; r.load_sample('uncoated'); r.Look()") & heavy
+    # A picture, drawn and written, needs neither the fit's libraries nor colour-science: they cost
+    # more than it does.
+    drawing = (
+        "import relgloss_view as r, tempfile, os; f = tempfile.mkdtemp()\n"
+        "with r.open_renderer() as d: r.save_frame(d.render(r.Scene(r.load_sample('uncoated')),"
+        " r.Look(sigma_n_deg=1), (8, 8)), os.path.join(f, 'a.png'))"
+    )
+    assert not loaded_by(drawing) & {"scipy", "colour", "matplotlib", "imgui_bundle", "OpenEXR"}
     assert "moderngl" in loaded_by("from relgloss_view.picture.renderer import Renderer")
 
 
@@ -113,7 +120,26 @@ def test_public_names_are_there():
         _ = relgloss_view.no_such_name
 
 
+#: GLSL library -> its numpy twin, and the functions that only float32 or a pixel needs.
+TWINS = {
+    "brdf.glsl": ("material/brdf.py", {"squared_angle", "above"}),
+    "noise.glsl": ("picture/noise.py", set()),
+    "shape.glsl": ("picture/shape.py", {"arc_tangent", "meet_face"}),
+    "tone.glsl": ("picture/tone.py", {"cube_root"}),
+}
+
+
 class TestShaders:
+    @pytest.mark.parametrize("library", list(TWINS))
+    def test_twins_share_their_names(self, library):
+        twin, alone = TWINS[library]
+        text = (ROOT / "shaders" / library).read_text(encoding="utf-8")
+        names = set(re.findall(r"^\w+ (\w+)\(", text, re.M)) - {"Facing", "Hit"}
+        assert len(names) > 4
+        module = ast.parse((PACKAGE / twin).read_text(encoding="utf-8"))
+        twins = {node.name for node in module.body if isinstance(node, ast.FunctionDef)}
+        assert names - twins == alone
+
     def test_no_shader_text_in_python(self):
         for path in modules():
             assert "gl_FragCoord" not in path.read_text(encoding="utf-8")
@@ -121,8 +147,8 @@ class TestShaders:
     @pytest.mark.parametrize("stage", STAGES)
     def test_independent_compiler_accepts_them(self, stage, tmp_path):
         """Khronos's glslang reads the language more strictly than Mesa does."""
-        names = ("SHAPE", "DIFFUSE_MODEL", "NOISE", "GRAIN", "TRANSFER", "NOISY_DIFFUSE")
-        defines = dict.fromkeys(names, 1) | {"LOBES": 2, "SAMPLES": 2, "BLOCK": 16}
+        names = ("SHAPE", "DIFFUSE_MODEL", "NOISE", "GRAIN", "TRANSFER", "NOISY_DIFFUSE", "GAMUT")
+        defines = dict.fromkeys(names, 1) | {"LOBES": 2, "BLOCK": 16}
         file = tmp_path / stage
         file.write_text(ShaderSource(stage, defines).text, encoding="utf-8")
         done = subprocess.run(["glslangValidator", str(file)], capture_output=True, text=True)

@@ -1,0 +1,153 @@
+"""Files against the frame they hold, channel by channel; sheets and thumbnails."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import materials
+import numpy as np
+import pytest
+from PIL import Image
+
+from relgloss_view.errors import InputError
+from relgloss_view.picture.export import LAYERS, parameters, save_frame
+from relgloss_view.picture.scene import Display, Look, Scene
+from relgloss_view.picture.sheet import contact_sheet, thumbnail
+from relgloss_view.picture.tone import DisplayModel, encode
+
+OpenEXR = pytest.importorskip("OpenEXR")
+
+SIZE = (60, 44)
+OTHER = Display(primaries_xy=((0.68, 0.32), (0.265, 0.69), (0.15, 0.06)), white_xy=(0.3457, 0.3585))
+
+
+@pytest.fixture
+def frame(renderer):
+    look = Look(sigma_n_deg=2.0, samples=3, c=0.4, seed=7)
+    return renderer.render(Scene(materials.paper("art")), look, SIZE)
+
+
+def read(path):
+    with OpenEXR.File(str(path), separate_channels=True) as file:
+        header = dict(file.header())
+        return header, {name: channel.pixels for name, channel in file.channels().items()}
+
+
+def test_exr_holds_the_frame(frame, tmp_path):
+    save_frame(frame, tmp_path / "a.exr", "a command")
+    header, channels = read(tmp_path / "a.exr")
+    expected = {"A": frame.coverage, "Ld.Y": frame.split[0], "Ls.Y": frame.split[1]}
+    for k, name in enumerate("RGB"):
+        expected[name] = frame.light[..., k]
+    for layer, attribute, names in LAYERS:
+        for k, name in enumerate(names):
+            expected[f"{layer}.{name}"] = getattr(frame, attribute)[..., k]
+    assert set(channels) == set(expected)
+    for name, values in expected.items():
+        np.testing.assert_array_equal(channels[name], np.asarray(values, dtype=np.float32))
+    # The layers that could be mistaken for one another are not the same picture.
+    assert not np.array_equal(channels["diffuse.Y"], channels["specular.Y"])
+    assert not np.array_equal(channels["N.X"], channels["Np.X"])
+    assert len(np.unique(channels["A"])) > 3
+    # R, G, B are light: encoding them gives the digital picture.
+    light = np.stack([channels[n] for n in "RGB"], axis=-1).astype(np.float64)
+    digital = np.floor(255 * encode(light, DisplayModel.of(Display())) + 0.5)
+    assert np.max(np.abs(digital - frame.display)) <= 1
+    assert header["command"] == "a command"
+    assert json.loads(header["parameters"])["look"]["seed"] == header["seed"] == 7
+    assert header["clip_count"] == np.sum(frame.clipped)
+
+
+def test_exr_without_a_highlight(renderer, tmp_path):
+    flat = renderer.render(Scene(materials.flat()), Look(), SIZE)
+    save_frame(flat, tmp_path / "a.exr")
+    header, _ = read(tmp_path / "a.exr")
+    assert np.isnan(header["c_max"])
+    assert header["c"] == 1.0
+
+
+def test_files_name_their_own_colours(renderer, tmp_path):
+    frame = renderer.render(Scene(materials.paper("art"), display=OTHER), Look(), SIZE)
+    save_frame(frame, tmp_path / "a.exr")
+    save_frame(frame, tmp_path / "a.png")
+    header, _ = read(tmp_path / "a.exr")
+    expected = [*np.ravel(OTHER.primaries_xy), *OTHER.white_xy]
+    np.testing.assert_allclose(header["chromaticities"], expected, rtol=1e-6)
+    with Image.open(tmp_path / "a.png") as picture:
+        assert "icc_profile" not in picture.info
+
+
+def test_parameters_tell_every_entry(frame):
+    numbers = json.loads(json.dumps(parameters(frame)))
+    assert numbers["look"]["sigma_n_deg"] == 2.0
+    assert numbers["shape"]["diameter_m"] == 0.085
+    assert numbers["display"]["transfer"] == "srgb"
+    assert numbers["lamp"]["illuminant"] == "HP5"
+    assert numbers["samples"] == 3
+
+
+def test_warnings_travel_with_the_picture(renderer, tmp_path):
+    frame = renderer.render(Scene(materials.paper("uncoated")), Look(c=2.0), SIZE)
+    assert any("above 1" in warning for warning in frame.warnings)
+    save_frame(frame, tmp_path / "a.png")
+    with Image.open(tmp_path / "a.png") as picture:
+        assert json.loads(picture.info["Parameters"])["warnings"] == list(frame.warnings)
+
+
+def test_profile_is_the_same_bytes_each_time(frame, tmp_path):
+    for name in ("a.png", "b.png"):
+        save_frame(frame, tmp_path / name)
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
+@pytest.mark.parametrize("name", ["a.png", "a.exr"])
+def test_full_disk_leaves_nothing(tmp_path, name):
+    """A limit on file sizes stands in for a full disk, in a process of its own."""
+    code = (
+        "import resource, signal, sys; signal.signal(signal.SIGXFSZ, signal.SIG_IGN);"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (2048, 2048));"
+        "from relgloss_view.cli import main; sys.exit(main(sys.argv[1:]))"
+    )
+    words = ["snapshot", "--size", "64x64", "-o", name]
+    done = subprocess.run(
+        [sys.executable, "-c", code, *words], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert done.returncode == 1, done.stderr
+    assert "can't be written" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["a.jpg", "a", "a.exr.gz"])
+def test_unknown_endings(frame, tmp_path, name):
+    with pytest.raises(InputError, match="expected a name that ends in"):
+        save_frame(frame, tmp_path / name)
+
+
+def test_thumbnails_average_light(renderer):
+    look = Look(sigma_n_deg=3.0)
+    frame = renderer.render(Scene(materials.paper("matte")), look, (300, 240))
+    small = thumbnail(frame, 100)
+    assert small.shape == (80, 100, 3)
+    model = DisplayModel.of(Display())
+    mean = frame.light.astype(np.float64).reshape(80, 3, 100, 3, 3).mean(axis=(1, 3))
+    assert np.max(np.abs(small - 255 * encode(mean, model))) <= 0.51
+    np.testing.assert_array_equal(thumbnail(frame, 300), frame.display)
+
+
+def test_sheet_holds_the_pictures_unchanged():
+    rng = np.random.default_rng(0)
+    rows = [
+        [rng.integers(0, 256, (90, 120, 3), dtype=np.uint8) for _ in range(3)] for _ in range(2)
+    ]
+    sheet = contact_sheet(rows, [["a", "b", "c"], ["d", "e", "f"]], "title", "note")
+    windows = np.lib.stride_tricks.sliding_window_view(sheet[..., 0], (90, 120))
+    for row in rows:
+        for picture in row:
+            first = np.argwhere(windows[:, :, 0, 0] == picture[0, 0, 0])
+            assert any(np.array_equal(sheet[y : y + 90, x : x + 120], picture) for y, x in first)
+    # Everything around the pictures is neutral.
+    gray = sheet[-20:]
+    assert np.array_equal(gray[..., 0], gray[..., 1])
