@@ -1,13 +1,15 @@
 #version 330 core
 
-// What pass 1 sees at the centre of each pixel: normal before and after the tilt, point on the object.
-// Drawn only when someone asks for it. Constants: SHAPE, NOISE, GRAIN.
+// What pass 1 sees at the centre of each pixel, or at the first of its samples that meets the object:
+// normal before and after the tilt, point on the object. Drawn only when someone asks for it.
+// Constants: SHAPE, NOISE, GRAIN.
 
 #include "view.glsl"
 #include "shape.glsl"
 #include "noise.glsl"
 
 uniform vec3 half_extent_m;
+uniform int samples;  // along each side of a pixel
 
 #include "grain.glsl"
 
@@ -19,6 +21,10 @@ void main() {
     ivec2 here = pixel();
     vec3 ray = ray_through(here, vec2(0.5));
     Hit hit = meet(SHAPE, eye_m, ray, half_extent_m);
+    for (int k = 0; k < samples * samples && !hit.found; ++k) {
+        ray = ray_through(here, (vec2(float(k % samples), float(k / samples)) + 0.5) / float(samples));
+        hit = meet(SHAPE, eye_m, ray, half_extent_m);
+    }
     float found = hit.found ? 1.0 : 0.0;
     normal = found * vec4(hit.normal, 1.0);
     tilted_normal = found * vec4(grain_normal(hit, -normalize(ray), here), 1.0);

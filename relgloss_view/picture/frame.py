@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from relgloss_view.errors import InputError
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture import tone
+from relgloss_view.picture.plan import sample_count, samples_needed
 from relgloss_view.picture.scene import Look, Scene
 
 Floats = NDArray[np.floating[Any]]
@@ -82,13 +83,23 @@ class Scaling:
         return cls(c, c_max, eq4, tuple(warnings))
 
 
-def scene_warnings(scene: Scene, *, seen: bool, lit: bool) -> tuple[str, ...]:
-    """What makes a picture empty or black, told."""
+def scene_warnings(
+    scene: Scene, look: Look, size: tuple[int, int], *, seen: bool, lit: bool
+) -> tuple[str, ...]:
+    """What makes a picture empty, black or wrong, told."""
     if scene.shape.contains(scene.eye.position_m):
         return ("the eye is inside the object: nothing is seen",)
     if not seen:
         return ("nothing of the object falls on a pixel's sample: the picture is empty",)
-    return () if lit else ("the lamp lights nothing that the eye sees: the object is black",)
+    if not lit:
+        return ("the lamp lights nothing that the eye sees: the object is black",)
+    needed = samples_needed(scene, size)
+    if sample_count(scene, look, size) < needed:
+        return (
+            "the highlight is about as narrow as a pixel or narrower, so its brightness depends on "
+            f"where pixels fall: --samples {needed} keeps its energy",
+        )
+    return ()
 
 
 #: Stages that a renderer delivers, by name; each with rows from the top.

@@ -70,14 +70,17 @@ class Plan:
 
 
 def sample_count(scene: Scene, look: Look, size: Size) -> int:
-    """Samples along each side of a pixel: those asked for, or what the narrowest lobe needs.
+    """Samples along each side of a pixel: those asked for, or what the narrowest lobe needs."""
+    return samples_needed(scene, size) if look.samples is None else look.samples
+
+
+def samples_needed(scene: Scene, size: Size) -> int:
+    """Samples along each side of a pixel that keep the energy of the narrowest lobe.
 
     From one pixel to the next the half-vector turns against the normal by the surface's curvature
     and by the change of both directions. Taken at the highlight, where the normal stands halfway
     between eye and lamp.
     """
-    if look.samples is not None:
-        return look.samples
     lobes = scene.material.visible_lobes()
     if not lobes:
         return 1

@@ -49,7 +49,7 @@ class ReferenceRenderer:
             scaling,
             stages.__getitem__,
             "float64 numpy",
-            scene_warnings(scene, seen=seen, lit=white > 0.0),
+            scene_warnings(scene, look, size, seen=seen, lit=white > 0.0),
         )
 
     def _white(self, scene: Scene, view: View, samples: int) -> tuple[float, bool]:
@@ -95,11 +95,16 @@ class ReferenceRenderer:
             for name in ("diffuse", "specular"):
                 stages[name][rows][..., :3] /= np.maximum(covered, 1.0)[..., None]
                 stages[name][rows][..., 3] = covered / len(places)
-            hit, _, _, n, _ = _meet(scene, view, rows, (0.5, 0.5), look)
-            found = hit.found[..., None]
-            stages["normal"][rows] = np.where(found, hit.normal, 0.0)
-            stages["tilted_normal"][rows] = np.where(found, n, 0.0)
-            stages["point_m"][rows] = np.where(found, hit.point_m, 0.0)
+            open_ = np.ones(covered.shape, dtype=bool)
+            for place in [(0.5, 0.5), *places]:
+                hit, _, _, n, _ = _meet(scene, view, rows, place, look)
+                new = open_ & hit.found
+                stages["normal"][rows][new] = hit.normal[new]
+                stages["tilted_normal"][rows][new] = n[new]
+                stages["point_m"][rows][new] = hit.point_m[new]
+                open_ &= ~hit.found
+                if not np.any(open_ & (covered > 0.0)):
+                    break
         return stages
 
 

@@ -55,11 +55,15 @@ class _Checked:
             value = getattr(self, f.name)
             place = f"{type(self).__name__.lower()}.{f.name}"
             allowed = f.metadata.get("range")
-            if allowed is not None and not (value is None and f.default is None):
+            if allowed is not None and not (value is None and _may_be_none(f)):
                 _check_range(place, value, allowed, whole=f.metadata.get("whole", False))
             options = f.metadata.get("options")
             if options is not None and value not in options:
                 raise InputError(f"{place}: expected one of {', '.join(options)}, found {value!r}")
+
+
+def _may_be_none(f: dataclasses.Field[Any]) -> bool:
+    return "None" in str(f.type)
 
 
 def _check_range(place: str, value: object, allowed: Range, *, whole: bool) -> None:
@@ -239,8 +243,9 @@ class Look(_Checked):
     noise_law: str = choice("paper", NOISE_LAWS, "distribution of the tilt")
     noisy_lobes: str = choice("both", NOISY_LOBES, "which reflections see the tilt")
     seed: int = whole_number(0, 0, 2**31 - 1, "", "of the grain")
-    #: Samples along each side of a pixel; None takes as many as the narrowest lobe needs.
-    samples: int | None = whole_number(None, 1, 16, "", "samples along each side of a pixel")
+    #: None takes as many as the narrowest lobe needs. One samples the pixel's centre, so that
+    #: each number of a picture can be computed again from the point and normal that go with it.
+    samples: int | None = whole_number(1, 1, 16, "", "samples along each side of a pixel")
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -135,7 +135,7 @@ class TestSnapshot:
         assert status == 0, err
         numbers = json.loads(out)
         assert numbers["sample"] == "cast"
-        assert numbers["shape"] == "sphere"
+        assert numbers["shape"]["kind"] == "sphere"
         assert numbers["sigma_n_deg"] == 1.5
         assert np.linalg.norm(numbers["lamp_m"]) == pytest.approx(2.0)
         assert numbers["lamp_m"][0] > 1.9
@@ -156,7 +156,7 @@ class TestSnapshot:
         with Image.open(tmp_path / "a.png") as picture:
             numbers = json.loads(picture.info["Parameters"])
         assert numbers["fit_quality"] == "poor"
-        assert numbers["warnings"] == ["no model describes this sample"]
+        assert numbers["warnings"][0] == "no model describes this sample"
 
 
 BAD_SNAPSHOTS = [

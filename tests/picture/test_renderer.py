@@ -123,6 +123,9 @@ class TestAgainstReference:
         scene = Scene(materials.paper("cast"))
         frame = renderer.render(scene, look, SMALL)
         assert len(np.unique(frame.coverage)) > 4
+        # Wherever there is coverage there is a normal.
+        length = np.linalg.norm(frame.normal, axis=-1)
+        np.testing.assert_allclose(length, frame.on_object, atol=1e-5)
         assert_same_picture(frame, reference.render(scene, look, SMALL))
 
     @pytest.mark.parametrize("gamut", ["chroma", "clip"])
@@ -508,18 +511,24 @@ class TestScenes:
         material = materials.flat(0.3, (Lobe((1.0,), s_deg),))
         scene = Scene(material, shape=Shape(kind=kind), lamp=lamp)
         size = (128, 128)
-        chosen = renderer.render(scene, Look(c=0.1), size).specular[..., 1].sum()
+        frame = renderer.render(scene, Look(c=0.1, samples=None), size)
+        chosen = frame.specular[..., 1].sum()
+        assert not any("narrow" in w for w in frame.warnings)
         best = renderer.render(scene, Look(c=0.1, samples=16), size).specular[..., 1].sum()
         large = renderer.render(scene, Look(c=0.1, samples=12), (640, 640))
         truth = large.specular[..., 1].sum() / 25
         assert best == pytest.approx(truth, rel=0.02)
         assert chosen == pytest.approx(truth, rel=0.02)
+        # One sample a pixel is told to be too few, where it is.
+        one = renderer.render(scene, Look(c=0.1, samples=1), size)
+        if one.specular[..., 1].sum() != pytest.approx(truth, rel=0.02):
+            assert "narrow" in one.warnings[0]
 
     def test_a_strength_beyond_float32_is_refused(self, renderer):
         lobe = Lobe((1e6,), 0.05)
         object.__setattr__(lobe, "strength", (1e38,))  # past the material's own check
         with pytest.raises(InputError, match="not finite"):
-            renderer.render(Scene(materials.flat(0.3, (lobe,))), Look(), SMALL)
+            renderer.render(Scene(materials.flat(0.3, (lobe,))), Look(samples=None), SMALL)
 
     @pytest.mark.parametrize("s_deg", [0.05, 40.0])
     def test_extreme_lobes_are_finite(self, renderer, s_deg):

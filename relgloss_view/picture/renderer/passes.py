@@ -83,7 +83,7 @@ class Renderer:
             scaling,
             partial(self._fetch, request),
             self._device,
-            scene_warnings(scene, seen=self._seen, lit=white > 0.0),
+            scene_warnings(scene, look, size, seen=self._seen, lit=white > 0.0),
         )
 
     def release(self) -> None:
@@ -143,7 +143,11 @@ class Renderer:
     def _draw_geometry(self, request: _Request) -> None:
         plan = Plan.of(request.scene, request.look)
         view = View.of(request.scene, request.size)
-        uniforms = {**view_uniforms(request.scene, view), **grain_uniforms(request.look)}
+        uniforms = {
+            **view_uniforms(request.scene, view),
+            **grain_uniforms(request.look),
+            "samples": sample_count(request.scene, request.look, request.size),
+        }
         self._draw("geometry", "geometry.frag", _geometry_defines(plan), uniforms, GEOMETRY)
 
     def _measure(self) -> tuple[Extremes, float]:
