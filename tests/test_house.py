@@ -21,6 +21,7 @@ PACKAGE = ROOT / "relgloss_view"
 ROOMS = [
     "errors",
     "resources",
+    "text_input",
     "atomic",
     "bands",
     "measure",
