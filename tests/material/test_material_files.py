@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 import materials
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -49,6 +50,8 @@ def test_file_follows_the_published_format(tmp_path):
 def changed(path, value):
     content = material_to_dict(materials.paper("art"))
     target = content
+    if not path:
+        return json.dumps(content)
     for key in path[:-1]:
         target = target[key]
     if value is None:
@@ -68,7 +71,10 @@ def changed(path, value):
         (("name",), 7, "name"),
         (("wavelengths_nm",), [400, 400], "wavelengths_nm"),
         (("wavelengths_nm", 3), -400, "wavelengths_nm[3]"),
+        (("wavelengths_nm", 3), 410.4, "wavelengths_nm[3]"),
+        (("wavelengths_nm", 34), 3001, "wavelengths_nm[34]"),
         (("diffuse",), None, "diffuse"),
+        (("diffuse", "model"), None, "diffuse.model"),
         (("diffuse", "model"), "phong", "diffuse.model"),
         (("diffuse", "albedo"), [0.1], "diffuse.albedo"),
         (("diffuse", "albedo", 2), -0.1, "diffuse.albedo[2]"),
@@ -115,24 +121,73 @@ def test_not_text_not_there_not_a_file(tmp_path):
             load_material(tmp_path / name)
 
 
-def test_very_narrow_lobe_is_clamped_and_told(tmp_path):
+def test_very_narrow_lobe_is_kept_drawn_wider_and_told(tmp_path):
     file = tmp_path / "narrow.json"
     file.write_text(changed(("specular", 0, "s_deg"), 0.01))
     material = load_material(file)
-    assert material.specular[0].s_deg == 0.05
+    lobe = material.specular[0]
+    assert lobe.s_deg == 0.01
+    assert np.degrees(lobe.s) == pytest.approx(0.05)
     assert any("narrower than 0.05" in warning for warning in material.warnings)
+    save_material(material, file)
+    assert load_material(file) == material
+    assert Lobe((1.0,), 0.05 * (1 - 1e-12)).too_narrow is False
 
 
 def test_failed_write_leaves_nothing(tmp_path):
     save_material(materials.paper("art"), tmp_path / "kept.json")
     before = (tmp_path / "kept.json").read_bytes()
-    bad = Material("nan", "x", RGB, Diffuse("lambert", (float("nan"),) * 3))
-    with pytest.raises(ValueError, match="JSON"):
-        save_material(bad, tmp_path / "kept.json")
+    for record in (FitRecord(residuals={"rms": float("nan")}), FitRecord(chosen="lone \ud800")):
+        bad = Material("x", "x", RGB, Diffuse("lambert", (0.1,) * 3), (), record)
+        with pytest.raises(InputError, match=r"kept\.json"):
+            save_material(bad, tmp_path / "kept.json")
     assert (tmp_path / "kept.json").read_bytes() == before
     with pytest.raises(InputError, match="can't be written"):
         save_material(materials.paper("art"), tmp_path / "no" / "folder.json")
     assert [p.name for p in tmp_path.iterdir()] == ["kept.json"]
+
+
+def test_a_byte_order_mark_is_no_fault(tmp_path):
+    (tmp_path / "m.json").write_text(changed((), None), encoding="utf-8-sig")
+    assert load_material(tmp_path / "m.json") == materials.paper("art")
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("[" * 100_000, "nested too deeply"),
+        ('{"format": ' + "[" * 700 + "]" * 700 + "}", "format"),
+        ('{"seed": ' + "9" * 5000 + "}", "a number of 5000 digits"),
+        ('{"name": "\\ud800"}', "lone surrogate"),
+        ('{"format": "relgloss-material", "version": 1, "fit": 1e999}', "basis"),
+    ],
+)
+def test_python_does_not_speak_to_the_user(tmp_path, text, says):
+    file = tmp_path / "broken.json"
+    file.write_text(text)
+    with pytest.raises(InputError) as caught:
+        load_material(file)
+    message = str(caught.value)
+    assert says in message
+    assert "recursion" not in message
+    assert "set_int" not in message
+    assert len(message) < 250
+
+
+def test_a_pair_of_surrogates_is_a_character(tmp_path):
+    file = tmp_path / "m.json"
+    file.write_text(changed(("name",), "\U0001f58c"))
+    assert "\\ud83d" in file.read_text()
+    assert load_material(file).name == "\U0001f58c"
+
+
+def test_infinity_in_the_evidence_is_refused(tmp_path):
+    content = json.loads(changed((), None))
+    content["fit"] = {"seconds": 0}
+    file = tmp_path / "m.json"
+    file.write_text(json.dumps(content).replace('"seconds": 0', '"seconds": 1e999'))
+    with pytest.raises(InputError, match=r"m\.json: fit: expected finite numbers"):
+        load_material(file)
 
 
 JSON = st.recursive(

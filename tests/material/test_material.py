@@ -1,0 +1,91 @@
+"""Material: its parts refuse what a file would be refused for, and say what a picture must say."""
+
+from __future__ import annotations
+
+import materials
+import numpy as np
+import pytest
+
+from relgloss_view.bands import RGB, Bands
+from relgloss_view.errors import InputError
+from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material
+
+GRAY = (0.5, 0.5, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (lambda: Diffuse("phong", GRAY), "model: expected one of lambert"),
+        (lambda: Diffuse("lambert", (0.5, -0.1, 0.5)), "albedo[1]: expected an albedo"),
+        (lambda: Diffuse("lambert", (0.5, 4.1, 0.5)), "albedo[1]"),
+        (lambda: Diffuse("lambert", (float("nan"),) * 3), "albedo[0]"),
+        (lambda: Diffuse("lambert", 0.5), "albedo: expected a list"),
+        (lambda: Diffuse("eon", GRAY, 57.4), "sigma_deg"),
+        (lambda: Lobe((1.0,), 0.0), "s_deg: expected a lobe width above 0"),
+        (lambda: Lobe((1.0,), 40.1), "s_deg"),
+        (lambda: Lobe((1.0,), float("nan")), "s_deg"),
+        (lambda: Lobe((1.0,), 1.0, 0.99), "refractive_index"),
+        (lambda: Lobe((1.0,), 1.0, 10.1), "refractive_index"),
+        (lambda: Lobe((-0.1,), 1.0), "strength[0]"),
+        (lambda: Lobe((1.1e6,), 1.0), "strength[0]"),
+        (lambda: FitRecord(quality="fine"), "quality"),
+        (lambda: Bands((500.0,)), "wavelengths_nm: expected two or more"),
+        (lambda: Bands((500.0, 400.0)), "wavelengths_nm"),
+        (lambda: Bands((500.0, 500.4)), "wavelengths_nm[1]: expected wavelengths at least 0.5"),
+        (lambda: Bands((99.0, 500.0)), "wavelengths_nm[0]"),
+        (lambda: material(RGB, GRAY[:2]), "diffuse.albedo: expected 3 values"),
+        (lambda: material(RGB, GRAY, (Lobe((1.0, 1.0), 1.0),)), "specular[0].strength"),
+        (lambda: material(RGB, GRAY, (Lobe((1.0,), 1.0),) * 3), "specular: expected a list"),
+        (lambda: Material("\ud800", "x", RGB, Diffuse("lambert", GRAY)), "name: expected a text"),
+        (lambda: Material("x", 3, RGB, Diffuse("lambert", GRAY)), "source: expected a text"),
+    ],
+)
+def test_parts_check_themselves(make, says):
+    with pytest.raises(InputError) as caught:
+        make()
+    assert str(caught.value).startswith(says)
+    assert "found" in str(caught.value)
+
+
+def material(bands, albedo, specular=(), fit=None, source="measured"):
+    return Material("x", source, bands, Diffuse("lambert", albedo), specular, fit)
+
+
+def test_numbers_of_numpy_become_plain_ones():
+    lobe = Lobe(np.float32([1, 2, 0.5]), np.float64(3.0), 2)
+    assert lobe.strength == (1.0, 2.0, 0.5)
+    assert {type(v) for v in (*lobe.strength, lobe.s_deg, lobe.refractive_index)} == {float}
+
+
+@pytest.mark.parametrize(
+    ("quality", "told", "count"),
+    [
+        ("good", (), 0),
+        ("poor", (), 1),
+        ("poor", ("dark",), 2),
+        ("poor", ("no model describes this sample",), 1),
+        ("unidentifiable", (), 1),
+        ("unidentifiable", ("s is unidentifiable, at most 1 deg",), 1),
+    ],
+)
+def test_a_doubtful_fit_is_always_told(quality, told, count):
+    warnings = material(RGB, GRAY, (), FitRecord(quality=quality, warnings=told)).warnings
+    assert len(warnings) == count
+    assert quality == "good" or any(
+        word in " ".join(warnings) for word in (quality, "no model describes")
+    )
+
+
+@pytest.mark.parametrize(
+    ("source", "synthetic"),
+    [
+        ("synthetic", True),
+        ("Synthetic (made up)", True),
+        ("card on synthetic leather, GCMS-4", False),
+        ("", False),
+    ],
+)
+def test_synthetic_is_what_the_source_begins_with(source, synthetic):
+    assert material(RGB, GRAY, source=source).synthetic is synthetic
+    assert materials.flat().synthetic
