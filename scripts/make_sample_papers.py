@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from relgloss_view.material import brdf
 from relgloss_view.measure import gonio
+from relgloss_view.measure.readers.gcms import write_gcms_csv
 
 Array = NDArray[np.float64]
 
@@ -162,18 +163,18 @@ def radiance_factor(paper: Paper, *, noise: bool = True) -> tuple[Array, Array]:
 def write_csv(paper: Paper, path: Path) -> None:
     """Write the GCMS-style table of one paper, four significant digits."""
     angles, value = radiance_factor(paper)
-    lines = [
-        f"# name: {paper.name}, green ink",
-        f"# source: {SOURCE}",
-        "# quantity: radiance-factor",
-        f"# gamma_s_deg: {gonio.GAMMA_S_DEG:g}",
-        "# aperture_sd_deg: {:g},{:g}".format(*paper.aperture_sd_deg),
-        "alpha_deg,beta_deg,gamma_deg," + ",".join(f"{w:g}" for w in WAVELENGTHS_NM),
-    ]
-    for angle, row in zip(angles, value, strict=True):
-        numbers = [f"{a:g}" for a in angle] + [f"{v:.4g}" for v in row]
-        lines.append(",".join(numbers))
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_gcms_csv(
+        path,
+        name=f"{paper.name}, green ink",
+        source=SOURCE,
+        quantity="radiance-factor",
+        gamma_s_deg=gonio.GAMMA_S_DEG,
+        angles_deg=angles,
+        wavelengths_nm=[float(w) for w in WAVELENGTHS_NM],
+        values=value,
+        comments={"aperture_sd_deg": "{:g},{:g}".format(*paper.aperture_sd_deg)},
+        digits=4,
+    )
 
 
 def write_truth(path: Path) -> None:

@@ -42,6 +42,12 @@ class Measurement:
     aperture_sd_deg: tuple[float, float] = (0.0, 0.0)
     gamma_s_deg: float | None = None  #: tilt at which a GCMS table sees the mirror direction
     warnings: tuple[str, ...] = ()
+    file: str = ""  #: where it was read from
+
+    @property
+    def place(self) -> str:
+        """The file, or the name where there is none: what a message about it begins with."""
+        return self.file or self.name
 
     @property
     def kept(self) -> NDArray[np.bool_]:

@@ -92,9 +92,9 @@ def test_columns_may_stand_in_another_order(read):
 
 def test_the_three_quantities_agree(read):
     # One sample of BRDF 0.2/sr seen at 60 degrees: pi f = 0.6283, f cos = 0.1.
-    head = "theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,550\n10,0,60,0,"
+    head = "theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,550,560\n10,0,60,0,"
     for quantity, value in [("radiance-factor", 0.2 * np.pi), ("brdf", 0.2), ("brdf-cos", 0.1)]:
-        m = read(f"# quantity: {quantity}\n{head}{value!r}")
+        m = read(f"# quantity: {quantity}\n{head}{value!r},{value!r}")
         assert m.radiance_factor[0, 0] == pytest.approx(0.2 * np.pi, rel=1e-12)
 
 
@@ -124,7 +124,7 @@ def test_gamma_s_argument_over_file_over_default(read):
 
 
 def test_a_table_that_cannot_show_an_undeclared_gamma_s_warns(read):
-    flat = "# quantity: brdf\nalpha_deg,beta_deg,gamma_deg,550\n-45,45,0,9\n-45,30,0,1\n"
+    flat = "# quantity: brdf\nalpha_deg,beta_deg,gamma_deg,550,560\n-45,45,0,9,9\n-45,30,0,1,1\n"
     assert "gamma_s is not declared" in read(flat).warnings[0]
     assert read("# gamma_s_deg: 0\n" + flat).warnings == ()
 
@@ -181,7 +181,7 @@ alpha_deg,beta_deg,gamma_deg,500,600
 
 
 def test_generic_arms_do_not_occlude(read):
-    text = "# quantity: brdf\ntheta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,550\n30,0,32,0,1"
+    text = "# quantity: brdf\ntheta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,550,560\n30,0,32,0,1,1"
     assert read(text).kept.all()
 
 
@@ -192,7 +192,7 @@ def test_saturation_is_in_the_unit_of_the_file(read):
 
 
 def test_nothing_left_is_refused(read):
-    text = "# quantity: brdf\nalpha_deg,beta_deg,gamma_deg,550\n30,30,15,1\n-45,45,15,-1\n"
+    text = "# quantity: brdf\nalpha_deg,beta_deg,gamma_deg,550,560\n30,30,15,1,1\n-45,45,15,-1,1\n"
     with pytest.raises(InputError, match=r"none of the 2 samples.*1 negative"):
         read(text)
 
@@ -216,20 +216,21 @@ def test_what_is_written_is_read_back(tmp_path):
     write_gcms_csv(
         path,
         name="made up",
+        source="synthetic,\nof course",
         quantity="radiance-factor",
         gamma_s_deg=15,
         angles_deg=grid,
         wavelengths_nm=nm,
         values=values,
-        comments={"source": "synthetic,\nof course", "aperture_sd_deg": "0.1 0.2"},
-        decimals=4,
+        comments={"aperture_sd_deg": "0.1 0.2"},
+        digits=4,
     )
     m = read_measurement(path)
     assert (m.name, m.source) == ("made up", "synthetic, of course")
     assert m.aperture_sd_deg == (0.1, 0.2)
     assert m.bands.wavelengths_nm == tuple(float(x) for x in nm)
-    # Half a unit of the last decimal.
-    np.testing.assert_allclose(m.radiance_factor, values, atol=0.5e-4 + 1e-12, equal_nan=True)
+    # Half a unit of the last of four digits.
+    np.testing.assert_allclose(m.radiance_factor, values, rtol=0.5e-3 + 1e-12, equal_nan=True)
     assert m.reasons[3] == table.MISSING
     i, o = gonio.gcms_directions(*grid.T, 15.0)
     np.testing.assert_array_equal(m.to_lamp, i)
@@ -252,6 +253,7 @@ def test_the_writer_refuses_shapes_that_do_not_agree(tmp_path):
         write_gcms_csv(
             tmp_path / "t.csv",
             name="x",
+            source="x",
             quantity="brdf",
             gamma_s_deg=0,
             angles_deg=np.zeros((4, 3)),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import stat
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,8 +9,12 @@ from relgloss_view.errors import InputError
 from relgloss_view.measure.quantity import BRDF, known
 from relgloss_view.measure.readers import csv_table, gcms, generic, merl, rgl, tensor_file
 from relgloss_view.measure.table import Measurement
+from relgloss_view.text_input import check_regular, unreadable
 
 __all__ = ["read_measurement"]
+
+EXPECTED = "a measurement file"
+MATERIAL = b"relgloss-material"  #: what a file that `fit` wrote says of itself
 
 
 def read_measurement(
@@ -23,24 +26,15 @@ def read_measurement(
     a text table that declares no quantity needs it. Raises InputError, one line that names file,
     place and remedy, for everything that is wrong with the file.
     """
-    path = Path(path)
     try:
-        return _read(path, quantity, gamma_s_deg)
+        measurement = _read(Path(path), quantity, gamma_s_deg)
     except OSError as error:
-        raise InputError(
-            f"{path}: {error.strerror or error}; give a file that can be read"
-        ) from None
+        raise unreadable(path, error, EXPECTED) from None
+    return replace(measurement, file=str(path))
 
 
 def _read(path: Path, quantity: str | None, gamma_s_deg: float | None) -> Measurement:
-    try:
-        mode = path.stat().st_mode
-    except ValueError as error:  # a NUL in the name
-        raise InputError(f"{str(path)!a}: {error}; give the name of a file") from None
-    if not stat.S_ISREG(mode):
-        kind = "a folder" if stat.S_ISDIR(mode) else "not a regular file"
-        raise InputError(f"{path}: this is {kind}; give a measurement file")
-    with path.open("rb") as file:
+    with check_regular(path, EXPECTED).open("rb") as file:
         head = file.read(4096)
 
     # A file cut off inside the magic number is a damaged .bsdf too.
@@ -54,6 +48,11 @@ def _read(path: Path, quantity: str | None, gamma_s_deg: float | None) -> Measur
         raise InputError(
             f"{path}: neither text nor a known binary format; "
             "give a CSV table, an RGL .bsdf or a MERL .binary"
+        )
+    elif head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{") and MATERIAL in head:
+        raise InputError(
+            f"{path}: this is a material, not a measurement; "
+            f"draw it with `relgloss snapshot --material`"
         )
     else:
         return _read_text(path, quantity, gamma_s_deg)

@@ -7,14 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view.bands import RGB, Bands
+from relgloss_view.bands import FINEST_STEP_NM, RGB, WAVELENGTH_RANGE_NM, Bands
 from relgloss_view.errors import InputError
 from relgloss_view.measure.readers.csv_table import TextTable
 
 Array = NDArray[np.float64]
-
-#: No instrument reads reflectance outside; a header in micrometres or picometres falls outside too.
-WAVELENGTH_RANGE_NM = (100.0, 10_000.0)
 
 
 def split_columns(
@@ -84,5 +81,15 @@ def _bands(where: str, columns: Sequence[tuple[int, str]]) -> Bands:
                 f"{place}: {nm:g} nm follows {wavelengths[-1]:g} nm; "
                 "put the wavelengths in increasing order, each once"
             )
+        if wavelengths and nm - wavelengths[-1] < FINEST_STEP_NM:
+            raise InputError(
+                f"{place}: {nm:g} nm follows {wavelengths[-1]:g} nm; "
+                f"leave at least {FINEST_STEP_NM:g} nm between wavelengths"
+            )
         wavelengths.append(nm)
+    if len(wavelengths) < 2:
+        raise InputError(
+            f"{where}, column {columns[0][0] + 1}: {columns[0][1]} is the only wavelength; "
+            "a spectral table needs two or more (or R,G,B)"
+        )
     return Bands(tuple(wavelengths))

@@ -67,18 +67,20 @@ def write_gcms_csv(
     path: str | Path,
     *,
     name: str,
+    source: str,
     quantity: str,
     gamma_s_deg: float,
     angles_deg: ArrayLike,
     wavelengths_nm: Sequence[float],
     values: ArrayLike,
     comments: Mapping[str, object] | None = None,
-    decimals: int = 5,
+    digits: int = 6,
 ) -> None:
     """Write a table that `read` takes back.
 
     angles_deg is (N, 3) of alpha, beta, gamma; values (N, B), in the given quantity, NaN for a
-    missing reading. comments adds `# key: value` lines, such as source and aperture_sd_deg.
+    missing reading, to so many significant digits. comments adds `# key: value` lines, such as
+    aperture_sd_deg.
     Raises ValueError where the shapes do not agree and OSError where the file cannot be written.
     """
     angles = np.asarray(angles_deg, dtype=np.float64)
@@ -90,6 +92,7 @@ def write_gcms_csv(
         )
     facts = {
         "name": name,
+        "source": source,
         "quantity": known(quantity, "quantity"),
         "gamma_s_deg": f"{gamma_s_deg:g}",
         **(comments or {}),
@@ -98,6 +101,6 @@ def write_gcms_csv(
     lines.append(",".join([*COLUMNS, *(f"{nm:g}" for nm in wavelengths_nm)]))
     for direction, row in zip(angles, readings, strict=True):
         fields = [f"{x:.10g}" for x in direction]
-        fields += ["" if np.isnan(x) else f"{x:.{decimals}f}" for x in row]
+        fields += ["" if np.isnan(x) else f"{x:.{digits}g}" for x in row]
         lines.append(",".join(fields))
     Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
