@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import asdict, replace
 
 import fit_cases
@@ -237,6 +238,37 @@ def test_bad_requests_are_named() -> None:
     nothing = replace(measurement, reasons=np.full(len(measurement.reasons), table.MISSING))
     with pytest.raises(InputError, match="0 usable samples"):
         fit_material(nothing)
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (lambda v: np.full_like(v, 1e11), "albedo[0]: expected an albedo, 0 to 4"),
+        (lambda v: np.full_like(v, 1e-300), "darker than any surface"),
+        (lambda v: 0.0 * v, "0 usable samples of"),
+    ],
+)
+def test_values_that_no_surface_has_are_refused_by_file(change, says) -> None:
+    value = change(fit_cases.truth(LOBE, grid=SMALL))
+    measurement = fit_cases.measured(value, grid=SMALL)
+    with pytest.raises(InputError) as caught:
+        fit_material(replace(measurement, file="folder/table.csv"), model="lobe")
+    message = str(caught.value)
+    assert message.startswith("folder/table.csv: ")
+    assert says in message
+    if "usable" in says:  # each sample is accounted for, in words
+        inside = message[message.index("(") : message.index(")")]
+        assert "{" not in message
+        assert sum(int(n) for n in re.findall(r"[(,] ?(\d+) ", inside)) == len(value)
+    else:
+        assert "check the quantity" in message
+
+
+def test_a_dead_band_does_not_spoil_the_others() -> None:
+    value = fit_cases.truth(LOBE, grid=SMALL)
+    value[:, 1] = 1e-300
+    material = fit_material(fit_cases.measured(value, grid=SMALL), model="spectral-lobe")
+    assert material.specular[0].s_deg == pytest.approx(2.5, rel=0.02)
 
 
 def test_the_jackknife_of_a_mean_is_its_standard_error() -> None:

@@ -47,6 +47,19 @@ def test_the_text_holds_the_evidence() -> None:
     assert all(len(line) < 130 for line in text.splitlines())
 
 
+def test_names_are_not_formulas_nor_commands(tmp_path) -> None:
+    """A dollar sign is not mathematics, a control character no command, a script no fault."""
+    measurement = fit_cases.measured(fit_cases.truth(grid=GRID), grid=GRID)
+    name = "5 $ a$_^{ \x1b[31m red\n紙 " + 300 * "x"
+    measurement = replace(measurement, name=name, source=name, warnings=(name,))
+    material = fit_material(measurement, model="lambert")
+    write_fit_report(material, measurement, tmp_path / "page.png")
+    text = describe_fit(material)
+    assert "\x1b" not in text
+    assert all(len(line) < 320 for line in text.splitlines())
+    assert text.splitlines()[1].startswith("  source")
+
+
 def test_a_given_material_has_no_evidence(tmp_path) -> None:
     material = Material("card", "given", RGB, Diffuse("lambert", (0.5, 0.5, 0.5)))
     assert "not fitted" in describe_fit(material)

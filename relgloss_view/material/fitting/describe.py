@@ -5,15 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from relgloss_view.material.material import Material
+from relgloss_view.text_input import printable
 
 
 def describe_fit(material: Material) -> str:
     """The candidates, the chosen model, its unknowns with standard errors, and the warnings."""
     fit = material.fit
     if fit is None:
-        return f"{material.name}: not fitted, its parameters were given"
-    source = material.source + (" [synthetic]" if material.synthetic else "")
-    lines = [f"{material.name}", f"  source     {source}", ""]
+        return f"{printable(material.name)}: not fitted, its parameters were given"
+    source = printable(material.source) + (" [synthetic]" if material.synthetic else "")
+    lines = [printable(material.name), f"  source     {source}", ""]
     lines.append(f"  {'model':26}{'unknowns':>9}{'held-out error':>22}{'median':>9}  ")
     for c in fit.candidates:
         mark = "*" if c["name"] == fit.chosen else " "
@@ -53,5 +54,5 @@ def describe_fit(material: Material) -> str:
         + "".join(f", {count} left out ({why})" for why, count in r["left_out"].items())
     )
     lines.append(f"  quality    {fit.quality} ({fit.seconds:.2f} s)")
-    lines += [f"  warning    {text}" for text in material.warnings]
+    lines += [f"  warning    {printable(text, 300)}" for text in material.warnings]
     return "\n".join(lines)

@@ -89,7 +89,12 @@ def fit_material(
     state, record = _settle_width(g, full, few, best, state, record)
     ladder.report(progress, 1.0, "done")
     record = replace(record, seconds=round(time.perf_counter() - began, 3))
-    return _material(measurement, best, state, record)
+    try:
+        return _material(measurement, best, state, record)
+    except InputError as error:
+        raise InputError(
+            f"{measurement.place}: the fit is no material: {error}; check the quantity and its unit"
+        ) from error
 
 
 def _forced(model: str) -> tuple[Rung, ...]:

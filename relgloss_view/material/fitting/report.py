@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import textwrap
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from relgloss_view.material.fitting import curves, slices
 from relgloss_view.material.fitting.samples import usable_rows
 from relgloss_view.material.material import Material
 from relgloss_view.measure.table import Measurement
+from relgloss_view.text_input import printable
 
 Array = NDArray[np.float64]
 
@@ -76,15 +77,19 @@ def write_fit_report(material: Material, measurement: Measurement, path: str | P
         _residuals(figure.add_subplot(grid[1, 4:]), table)
         _candidates(figure.add_subplot(grid[2, 1:4]), fit.candidates, fit.chosen)
         _facts(figure.add_subplot(grid[2, 4:]), material)
-        with whole_file(path) as temporary:
+        with whole_file(path) as temporary, warnings.catch_warnings():
+            # A name in a script that DejaVu lacks shows boxes; that is no fault.
+            warnings.filterwarnings("ignore", message="Glyph", category=UserWarning)
             figure.savefig(temporary, format="png")
 
 
 def _heading(figure: Any, material: Material) -> None:
     fit = material.fit
     assert fit is not None
-    figure.text(0.055, 0.955, material.name, fontsize=16, weight="bold", color=INK)
-    figure.text(0.055, 0.93, textwrap.shorten(material.source, 150), fontsize=8, color=MUTED)
+    # Names hold dollar signs too: nothing from outside is mathematics.
+    name, source = printable(material.name, 60), printable(material.source, 150)
+    figure.text(0.055, 0.955, name, fontsize=16, weight="bold", color=INK, parse_math=False)
+    figure.text(0.055, 0.93, source, fontsize=8, color=MUTED, parse_math=False)
     badges = [(fit.quality.upper(), BADGE[fit.quality])]
     if material.synthetic:
         badges.append(("SYNTHETIC, NOT MEASURED", "#5b4b9a"))
@@ -102,8 +107,9 @@ def _heading(figure: Any, material: Material) -> None:
         )
         x -= 0.0075 * len(str(drawn.get_text())) + 0.02
     for k, text in enumerate(material.warnings[:2]):
-        shown = textwrap.shorten(text, 170)
-        figure.text(0.055, 0.908 - 0.016 * k, f"! {shown}", fontsize=8, color=ACCENT)
+        place = 0.908 - 0.016 * k
+        shown = f"! {printable(text, 170)}"
+        figure.text(0.055, place, shown, fontsize=8, color=ACCENT, parse_math=False)
 
 
 def _colours(count: int) -> list[Any]:

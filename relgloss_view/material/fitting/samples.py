@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,6 +16,10 @@ Array = NDArray[np.float64]
 #: Radiance factor below which an instrument's reading is its own floor. Dark samples lower it.
 FLOOR = 1e-3
 FLOOR_OF_MEDIAN = 0.02
+#: Squares of its inverse are formed: a band of 1e-300 beside ordinary ones must not overflow.
+LEAST_FLOOR = 1e-9
+#: No surface's brightest direction is darker: light traps reach 1e-5.
+DARKEST = 1e-6
 #: A channel of linear sRGB at or below zero says "outside the gamut", not "nothing": it is held
 #: against the brightness of the same sample.
 OUT_OF_GAMUT_SLACK = 0.1
@@ -88,9 +93,13 @@ def prepare(measurement: Measurement, seed: int = 0) -> Samples:
     enough = np.sum(np.any(positive, axis=1))
     if enough < FEWEST_SAMPLES:
         raise InputError(
-            f"{measurement.name}: {enough} usable samples of {len(measurement.reasons)} "
-            f"(reasons: {measurement.left_out() or 'none given'}); a fit needs at least "
-            f"{FEWEST_SAMPLES}"
+            f"{measurement.place}: {enough} usable samples of {len(rows)} "
+            f"({_unusable(measurement, rows, positive)}); a fit needs at least {FEWEST_SAMPLES}"
+        )
+    if float(np.max(value)) < DARKEST:
+        raise InputError(
+            f"{measurement.place}: the largest radiance factor is {np.max(value):.2g}, darker than "
+            "any surface; check the quantity and its unit"
         )
     floor = _floors(value, positive)
     group, groups = _groups(measurement.group[rows], seed)
@@ -105,6 +114,16 @@ def prepare(measurement: Measurement, seed: int = 0) -> Samples:
         group,
         groups,
     )
+
+
+def _unusable(
+    measurement: Measurement, rows: NDArray[np.bool_], positive: NDArray[np.bool_]
+) -> str:
+    """Why samples are not usable, with counts that account for each of them."""
+    usable = np.zeros(len(rows), dtype=bool)
+    usable[rows] = np.any(positive, axis=1)
+    reasons = Counter(str(r) or "zero or no number" for r in measurement.reasons[~usable])
+    return ", ".join(f"{count} {reason}" for reason, count in reasons.items())
 
 
 def foreshortening(measurement: Measurement, rows: NDArray[np.bool_]) -> Array:
@@ -123,7 +142,7 @@ def _floors(value: Array, positive: NDArray[np.bool_]) -> Array:
     for band in range(value.shape[1]):
         if np.any(positive[:, band]):
             typical = float(np.median(value[positive[:, band], band]))
-            floor[:, band] = min(FLOOR, FLOOR_OF_MEDIAN * typical)
+            floor[:, band] = np.clip(FLOOR_OF_MEDIAN * typical, LEAST_FLOOR, FLOOR)
     brightness = np.mean(np.maximum(value, 0.0), axis=1, keepdims=True)
     slack = np.maximum(-value, OUT_OF_GAMUT_SLACK * brightness)
     return np.where(positive, floor, np.maximum(floor, slack))
