@@ -1,4 +1,4 @@
-"""Write the standard observer and the default lamp into assets/spectra, from colour-science.
+"""Write the standard observer and the usual lamps into assets/spectra, from colour-science.
 
 They are shipped as files because importing colour-science takes longer than drawing a picture.
 Run: python scripts/export_spectra.py
@@ -10,6 +10,12 @@ from pathlib import Path
 
 import colour
 
+LAMPS = {
+    "HP5": "CIE high-pressure lamp HP5, a metal halide",
+    "D65": "CIE standard illuminant D65, daylight",
+    "D50": "CIE illuminant D50, daylight",
+    "A": "CIE standard illuminant A, tungsten",
+}
 FOLDER = Path(__file__).resolve().parent.parent / "assets" / "spectra"
 
 
@@ -22,7 +28,7 @@ def main() -> None:
     for wavelength, (x, y, z) in zip(observer.wavelengths, observer.values, strict=True):
         lines.append(f"{wavelength:g},{x:.12g},{y:.12g},{z:.12g}")
     (FOLDER / "cie1931_2deg.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    for name, note in (("HP5", "CIE high-pressure lamp HP5, a metal halide"),):
+    for name, note in LAMPS.items():
         lamp = colour.SDS_ILLUMINANTS[name]
         lines = [f"# {note}, 5 nm (CIE 15), {origin}"]
         lines.append("wavelength_nm,relative_power")

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import csv
 import itertools
+import os
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 from relgloss_view.bands import Bands
 from relgloss_view.errors import InputError
 from relgloss_view.resources import asset
+from relgloss_view.text_input import printable, read_text, unreadable
 
 Array = NDArray[np.float64]
 
@@ -26,7 +28,12 @@ Array = NDArray[np.float64]
 #: full precision, so that white is exactly Y = 1.
 SRGB_PRIMARIES_XY = ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06))
 D65_XY = (0.3127, 0.3290)
-SHIPPED_ILLUMINANTS = ("HP5",)
+SHIPPED_ILLUMINANTS = ("HP5", "D65", "D50", "A")
+#: Endings that no named lamp has: such a name is a file, and colour-science need not be asked.
+LAMP_SUFFIXES = (".csv", ".txt", ".tsv", ".dat")
+MAX_LAMP_BYTES = 16 * 1024 * 1024
+LAMP_FILE = "a lamp file of wavelength (nm) and power"
+POWER_MAX = 1e100  # relative, and its sums must stay finite
 
 
 def rgb_to_xyz_matrix(
@@ -67,31 +74,66 @@ class Illuminant:
         return np.asarray(np.sum(self.weighted_observer()[1], axis=1))
 
 
-@lru_cache(maxsize=32)
 def illuminant(name: str) -> Illuminant:
     """A lamp by name (shipped, or any of colour-science's), or from a two-column file.
 
-    Raises InputError where neither exists or the file is not a table of wavelength and power.
+    A name wins over a file of that name; an edited file is read again. Raises InputError where
+    neither exists or the file is not a table of wavelength and power.
     """
+    if is_lamp_name(name):
+        return _named(name)
+    try:
+        state = os.stat(name)
+    except FileNotFoundError as error:
+        if Path(name).suffix.lower() in LAMP_SUFFIXES:
+            raise unreadable(name, error, LAMP_FILE) from None
+        raise InputError(
+            f"illuminant {printable(name, 150)!r}: neither a name that colour-science knows, such "
+            "as D65, A, FL2 or HP5, nor a file of wavelength (nm) and power"
+        ) from None
+    except (OSError, ValueError) as error:
+        raise unreadable(name, error, LAMP_FILE) from None
+    return _from_file(name, state.st_mtime_ns, state.st_size)
+
+
+def is_lamp_name(name: str) -> bool:
+    """Whether a name is that of a lamp, not of a file."""
     if name in SHIPPED_ILLUMINANTS:
-        return _illuminant_file(asset("spectra", f"{name}.csv"), name)
-    if Path(name).is_file():
-        return _illuminant_file(Path(name), Path(name).stem)
+        return True
+    if Path(name).suffix.lower() in LAMP_SUFFIXES:
+        return False
     import colour
 
-    for table in (colour.SDS_ILLUMINANTS, colour.SDS_LIGHT_SOURCES):
-        if name in table:
-            distribution = table[name]
-            return Illuminant(
-                name,
-                tuple(float(w) for w in distribution.wavelengths),
-                tuple(float(p) for p in distribution.values),
-            )
-    known = ", ".join(sorted(colour.SDS_ILLUMINANTS))
-    raise InputError(
-        f"illuminant {name!r}: neither a file nor a name that colour-science knows; "
-        f"give a two-column file (nm, power) or one of {known}"
-    )
+    return name in colour.SDS_ILLUMINANTS or name in colour.SDS_LIGHT_SOURCES
+
+
+@lru_cache(maxsize=32)
+def _named(name: str) -> Illuminant:
+    if name in SHIPPED_ILLUMINANTS:
+        return _illuminant_file(asset("spectra", f"{name}.csv"), name)
+    import colour
+
+    table = colour.SDS_ILLUMINANTS if name in colour.SDS_ILLUMINANTS else colour.SDS_LIGHT_SOURCES
+    wavelengths = tuple(float(w) for w in table[name].wavelengths)
+    return _white(Illuminant(name, wavelengths, tuple(float(p) for p in table[name].values)), name)
+
+
+@lru_cache(maxsize=32)
+def _from_file(name: str, mtime_ns: int, size: int) -> Illuminant:
+    """The lamp in a file; its time and size are there to tell one state of it from another."""
+    return _illuminant_file(Path(name), Path(name).stem)
+
+
+def _white(lamp: Illuminant, place: str) -> Illuminant:
+    """The lamp, if a perfect diffuser under it has a colour; InputError otherwise."""
+    with np.errstate(all="ignore"):
+        white = lamp.white_xyz()
+    if not (np.all(np.isfinite(white)) and np.all(white > 0.0)):
+        raise InputError(
+            f"{place}: X, Y and Z of its white must be above 0; it needs power from the blue to "
+            "the red"
+        )
+    return lamp
 
 
 @lru_cache(maxsize=64)
@@ -134,12 +176,7 @@ def _observer() -> Array:
 
 def _illuminant_file(path: Path, name: str) -> Illuminant:
     rows: list[tuple[float, float]] = []
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(
-            f"{path}: can't be read as text ({error}); expected two columns"
-        ) from error
+    lines = read_text(path, MAX_LAMP_BYTES, LAMP_FILE).splitlines()
     for number, line in enumerate(lines, 1):
         fields = line.replace(",", " ").replace(";", " ").split()
         if not fields or fields[0].startswith("#"):
@@ -149,12 +186,14 @@ def _illuminant_file(path: Path, name: str) -> Illuminant:
         except ValueError:
             if rows:
                 raise InputError(
-                    f"{path}: line {number}: expected wavelength (nm) and power, found {line!r}"
+                    f"{path}: line {number}: expected wavelength (nm) and power, found "
+                    f"{printable(line, 40)!r}"
                 ) from None
             continue  # the header
-        if not (np.isfinite(wavelength) and np.isfinite(power) and wavelength > 0 and power >= 0):
+        if not (0.0 < wavelength < np.inf and 0.0 <= power <= POWER_MAX):
             raise InputError(
-                f"{path}: line {number}: a wavelength above 0 and a power of at least 0"
+                f"{path}: line {number}: expected a wavelength above 0 and a power from 0 to "
+                f"{POWER_MAX:g}, found {wavelength:g} and {power:g}"
             )
         if rows and wavelength <= rows[-1][0]:
             raise InputError(f"{path}: line {number}: wavelengths must increase")
@@ -171,4 +210,5 @@ def _illuminant_file(path: Path, name: str) -> Illuminant:
         raise InputError(
             f"{path}: a lamp needs power from 400 to 700 nm or wider, in steps of at most 10 nm"
         )
-    return Illuminant(name, tuple(w for w, _ in rows), tuple(p for _, p in rows))
+    lamp = Illuminant(name, tuple(w for w, _ in rows), tuple(p for _, p in rows))
+    return _white(lamp, str(path))

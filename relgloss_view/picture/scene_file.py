@@ -11,8 +11,10 @@ from typing import Any
 
 from relgloss_view.errors import InputError
 from relgloss_view.material.files import load_material
+from relgloss_view.material.spectra import illuminant, is_lamp_name
 from relgloss_view.picture.samples import DEFAULT_SAMPLE, load_sample
 from relgloss_view.picture.scene import Display, Eye, Lamp, Look, Scene, Shape
+from relgloss_view.text_input import read_text
 
 TABLES: dict[str, type[Any]] = {
     "shape": Shape,
@@ -30,21 +32,17 @@ def load_scene(path: str | os.PathLike[str]) -> tuple[Scene, Look]:
     Tables: [sample] with `name` (built in) or `material` (a file, relative to the scene file), and
     [shape], [lamp], [eye], [display], [look] with the fields of the classes in scene.py.
     """
-    file = Path(path)
+    text = read_text(path, MAX_BYTES, "a scene file (TOML)")
     try:
-        if file.stat().st_size > MAX_BYTES:
-            raise InputError(f"{file}: larger than {MAX_BYTES} bytes; not a scene file")
-        content = tomllib.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{file}: can't be read ({error.strerror}); check the name") from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"{file}: byte {error.start}: not UTF-8 text; expected TOML") from error
+        return _scene(tomllib.loads(text), Path(path).parent)
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{file}: not TOML: {error}") from error
-    try:
-        return _scene(content, file.parent)
+        raise InputError(f"{path}: not TOML: {error}") from error
+    except RecursionError as error:
+        raise InputError(f"{path}: lists or tables are nested too deeply") from error
+    except ValueError as error:  # a whole number longer than Python reads
+        raise InputError(f"{path}: a number has too many digits") from error
     except InputError as error:
-        raise InputError(f"{file}: {error}") from error
+        raise InputError(f"{path}: {error}") from error
 
 
 def _scene(content: Mapping[str, Any], folder: Path) -> tuple[Scene, Look]:
@@ -60,8 +58,18 @@ def _scene(content: Mapping[str, Any], folder: Path) -> tuple[Scene, Look]:
     else:
         material = load_sample(str(sample.get("name", DEFAULT_SAMPLE)))
     parts = {name: build(name, content.get(name, {})) for name in TABLES}
+    parts["lamp"] = _beside(parts["lamp"], folder)
     look = parts.pop("look")
     return Scene(material, **parts), look
+
+
+def _beside(lamp: Lamp, folder: Path) -> Lamp:
+    """The lamp with its file, if it has one, taken from the scene's folder."""
+    if is_lamp_name(lamp.illuminant):
+        return lamp
+    file = str(folder / lamp.illuminant)
+    illuminant(file)  # a fault is told with the place of the scene
+    return dataclasses.replace(lamp, illuminant=file)
 
 
 def build(name: str, values: object) -> Any:
@@ -73,7 +81,10 @@ def build(name: str, values: object) -> Any:
         if key not in {f.name for f in dataclasses.fields(kind)}:
             known = ", ".join(f.name for f in dataclasses.fields(kind))
             raise InputError(f"{name}.{key}: no such entry; expected one of {known}")
-    return kind(**{key: _frozen(value) for key, value in values.items()})
+    try:
+        return kind(**{key: _frozen(value) for key, value in values.items()})
+    except (OverflowError, ValueError) as error:  # a whole number beyond every float
+        raise InputError(f"[{name}]: a number is too large") from error
 
 
 def _frozen(value: object) -> object:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
 from relgloss_view.bands import RGB, Bands
 from relgloss_view.errors import InputError
 from relgloss_view.material import spectra
+from relgloss_view.picture.scene_file import load_scene
 
 colour = pytest.importorskip("colour")
 
@@ -28,6 +32,14 @@ def iso_17321_patch(name):
     return patch.copy().align(colour.SpectralShape(380, 780, 5))
 
 
+def lamp_table(power):
+    return "".join(f"{w} {power(w)!r}\n" for w in range(370, 791, 5))
+
+
+def write_lamp(path, power=lambda w: 1.0):
+    path.write_text(lamp_table(power))
+
+
 @pytest.mark.parametrize("interval", [5, 10])
 def test_weights_are_astm_e2022(interval):
     lamp = colour.sd_CIE_standard_illuminant_A(OBSERVER.shape)
@@ -46,10 +58,29 @@ def test_weights_sum_to_white():
     np.testing.assert_allclose(spectra.xyz_weights(RGB, lamp).sum(axis=0), white, atol=1e-12)
 
 
-def test_shipped_lamp_is_colour_sciences():
-    ours, theirs = spectra.illuminant("HP5"), colour.SDS_ILLUMINANTS["HP5"]
-    np.testing.assert_allclose(ours.wavelengths_nm, theirs.wavelengths)
-    np.testing.assert_allclose(ours.power, theirs.values)
+@pytest.mark.parametrize("name", spectra.SHIPPED_ILLUMINANTS)
+def test_shipped_lamp_is_colour_sciences(name):
+    ours, theirs = spectra.illuminant(name), colour.SDS_ILLUMINANTS[name]
+    np.testing.assert_array_equal(ours.wavelengths_nm, theirs.wavelengths)
+    np.testing.assert_array_equal(ours.power, theirs.values)
+
+
+def test_the_usual_lamps_do_not_import_colour_science(tmp_path):
+    """It takes longer than a picture does."""
+    write_lamp(tmp_path / "lamp.csv")
+    code = (
+        "import sys; from relgloss_view.material.spectra import illuminant as i; "
+        "[i(n).white_xyz() for n in sys.argv[1:]]; assert 'colour' not in sys.modules"
+    )
+    names = [*spectra.SHIPPED_ILLUMINANTS, str(tmp_path / "lamp.csv")]
+    subprocess.run([sys.executable, "-c", code, *names], check=True)
+
+
+def test_no_ending_of_a_lamp_file_is_in_a_lamps_name():
+    for name in [*colour.SDS_ILLUMINANTS, *colour.SDS_LIGHT_SOURCES]:
+        assert not name.lower().endswith(spectra.LAMP_SUFFIXES)
+        assert spectra.is_lamp_name(name)
+        assert np.all(spectra.illuminant(name).white_xyz() > 0.0)
 
 
 @pytest.mark.parametrize("lamp_name", ["HP3", "HP4", "HP5", "D50"])
@@ -126,6 +157,9 @@ def test_other_lamps_by_name_and_by_file(tmp_path):
         "500 1\n510 1\n",
         "380 1\n480 1\n780 1\n",
         "1 2 3\n",
+        lamp_table(lambda w: 1e308),
+        lamp_table(lambda w: float(w > 660)),
+        lamp_table(lambda w: -1.0),
     ],
 )
 def test_bad_lamp_files(tmp_path, content):
@@ -135,6 +169,43 @@ def test_bad_lamp_files(tmp_path, content):
         spectra.illuminant(str(file))
 
 
-def test_unknown_lamp_is_one_line():
-    with pytest.raises(InputError, match="neither a file nor a name"):
-        spectra.illuminant("no such lamp")
+def test_unknown_lamp_is_one_short_line():
+    for name in ("no such lamp", "x" * 200):
+        with pytest.raises(InputError, match=r"neither a name .* such as D65") as caught:
+            spectra.illuminant(name)
+        assert len(str(caught.value)) < 300
+
+
+def test_a_name_wins_over_a_file_and_an_edited_file_is_read_again(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("D50", "FL2"):
+        expected = spectra.illuminant(name)
+        write_lamp(tmp_path / name)
+        assert spectra.illuminant(name) == expected
+    path = tmp_path / "lamp"
+    write_lamp(path)
+    first = spectra.illuminant("lamp").white_xyz()
+    write_lamp(path, lambda w: float(w))
+    assert np.abs(spectra.illuminant("lamp").white_xyz() - first).max() > 0.01
+
+
+def test_a_lamp_beside_its_scene_file(tmp_path, monkeypatch):
+    folder = tmp_path / "project"
+    folder.mkdir()
+    write_lamp(folder / "lamp.csv")
+    scene = folder / "scene.toml"
+    scene.write_text('[lamp]\nilluminant = "lamp.csv"\n')
+    monkeypatch.chdir(tmp_path)
+    lamp = load_scene(scene)[0].lamp
+    np.testing.assert_allclose(
+        spectra.illuminant(lamp.illuminant).white_xyz(),
+        spectra.illuminant(str(folder / "lamp.csv")).white_xyz(),
+    )
+    for name in ("D50", "FL2"):
+        scene.write_text(f'[lamp]\nilluminant = "{name}"\n')
+        assert load_scene(scene)[0].lamp.illuminant == name
+    for name in ("gone.csv", "no such lamp"):
+        scene.write_text(f'[lamp]\nilluminant = "{name}"\n')
+        with pytest.raises(InputError, match=r"scene\.toml: .*") as caught:
+            load_scene(scene)
+        assert name in str(caught.value)
