@@ -30,13 +30,13 @@ format: $(VENV)/.development
 
 # The runtime environment is enough to draw; the development one adds what tests and lint need.
 $(VENV)/.runtime: pyproject.toml constraints.txt
-	scripts/system-packages demo
+	PYTHON="$(PYTHON)" scripts/system-packages demo
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install -q -c constraints.txt -e .
 	touch $@
 
 $(VENV)/.development: $(VENV)/.runtime
-	scripts/system-packages test
+	PYTHON="$(PYTHON)" scripts/system-packages test
 	$(BIN)/python -m pip install -q -c constraints.txt -e ".[dev]"
 	touch $@
 
