@@ -3,41 +3,99 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import importlib
+import io
 import os
 import sys
 from collections.abc import Sequence
 
 from relgloss_view import __version__
-from relgloss_view.errors import RelglossError
+from relgloss_view.errors import GLUnavailableError, InputError, RelglossError
+from relgloss_view.text_input import printable
 
 COMMANDS = ("fit", "snapshot", "grid", "doctor")
 INTERRUPTED = 130
+LONGEST_FAULT = 1000  #: characters
+
+
+#: What helps where the memory is not enough.
+LESS_MEMORY = {
+    "fit": "thin out the table",
+    "snapshot": "give a smaller --size",
+    "grid": "give a smaller --size",
+}
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command line; returns the exit status (0 done, 1 input, 2 usage, 3 no OpenGL)."""
     words = list(sys.argv[1:] if argv is None else argv)
-    parser = _parser(words)
-    args = parser.parse_args(words)
-    args.argv = words
     try:
-        status = int(args.run(args))
+        _prepare_streams()
+        try:
+            status = _run(words)
+        except SystemExit as end:  # usage or --help: argparse has spoken
+            status = end.code if isinstance(end.code, int) else 0
         sys.stdout.flush()
         return status
     except RelglossError as error:
-        print(f"relgloss: {error}", file=sys.stderr)
-        return error.exit_status
+        return _fault(str(error), error.exit_status)
     except KeyboardInterrupt:
-        print("relgloss: interrupted; nothing was written", file=sys.stderr)
-        return INTERRUPTED
+        return _fault("interrupted; no file is left half written", INTERRUPTED)
     except BrokenPipeError:
-        # Whoever read the output has gone; the files are written.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()  # whoever read it has gone; the files are written
         return 0
     except MemoryError:
-        print("relgloss: out of memory; give a smaller --size", file=sys.stderr)
-        return 1
+        remedy = LESS_MEMORY.get(words[0] if words else "", "close other programs")
+        return _fault(f"out of memory; {remedy}", 1)
+    except OSError as error:
+        # Commands name the files that they can't read or write; what is left is a stream.
+        _drop_output()
+        reason = f"standard output: {error.strerror}" if error.strerror else str(error)
+        return _fault(f"{reason}; choose another place", 1)
+    except Exception as error:
+        if not _is_opengl(error):
+            raise
+        text = f"OpenGL failed: {error}; see `relgloss doctor`, or draw with --backend reference"
+        return _fault(text, GLUnavailableError.exit_status)
+
+
+def _run(words: list[str]) -> int:
+    args = _parser(words).parse_args(words)
+    args.argv = words
+    return int(args.run(args))
+
+
+def _prepare_streams() -> None:
+    """Every name can be printed, whatever the terminal's encoding; closed streams are told."""
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w")  # noqa: SIM115 - as long as the program
+    if sys.stdout is None:
+        # The next file that is opened would become the standard output of every library.
+        raise InputError("standard output is closed; send it to /dev/null")
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def _fault(text: str, status: int) -> int:
+    with contextlib.suppress(OSError):
+        print(f"relgloss: {printable(text, LONGEST_FAULT)}", file=sys.stderr)
+    return status
+
+
+def _drop_output() -> None:
+    """Let what is still buffered go nowhere, so that leaving does not fail on it again."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _is_opengl(error: Exception) -> bool:
+    """Whether an exception is moderngl's, told without importing it."""
+    return any(
+        kind.__module__.split(".")[0] in ("moderngl", "_moderngl", "glcontext")
+        for kind in type(error).__mro__
+    )
 
 
 def _parser(words: Sequence[str]) -> argparse.ArgumentParser:

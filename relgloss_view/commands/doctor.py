@@ -10,6 +10,7 @@ from typing import Any
 
 from relgloss_view import __version__
 from relgloss_view.errors import GLUnavailableError, RelglossError
+from relgloss_view.text_input import printable
 
 LIBRARIES = (
     "moderngl",
@@ -63,6 +64,16 @@ def _version(name: str) -> str | None:
 
 
 def _try_backend(name: str) -> dict[str, Any]:
+    """What a backend can do, or why it can't: whatever it raises, the report goes on."""
+    try:
+        return _draw_on(name)
+    except RelglossError as error:
+        return {"usable": False, "fault": str(error)}
+    except Exception as error:
+        return {"usable": False, "fault": f"{name}: {type(error).__name__}: {error}"}
+
+
+def _draw_on(name: str) -> dict[str, Any]:
     """Make a context, draw the default sample small, and hold it against the reference."""
     import numpy as np
 
@@ -74,13 +85,10 @@ def _try_backend(name: str) -> dict[str, Any]:
     from relgloss_view.picture.scene import Look, Scene
 
     scene, look, size = Scene(load_sample(DEFAULT_SAMPLE)), Look(sigma_n_deg=1.0), (96, 96)
-    try:
-        with open_renderer(name) as renderer:
-            assert isinstance(renderer, Renderer)
-            found = describe(renderer.ctx)
-            lab = renderer.render(scene, look, size).lab.astype(np.float64)
-    except RelglossError as error:
-        return {"usable": False, "fault": str(error)}
+    with open_renderer(name) as renderer:
+        assert isinstance(renderer, Renderer)
+        found = describe(renderer.ctx)
+        lab = renderer.render(scene, look, size).lab.astype(np.float64)
     truth = ReferenceRenderer().render(scene, look, size).lab
     worst = float(np.max(np.linalg.norm(lab - truth, axis=-1)))
     # A grain may fall into the neighbouring cell on other arithmetic; a wrong picture is far off.
@@ -99,7 +107,7 @@ def _print(findings: dict[str, Any]) -> None:
                 f"{found['largest_error_lab']:.2g} in CIELAB"
             )
         else:
-            print(f"{name}: {found['fault']}")
+            print(f"{name}: {printable(found['fault'], 500)}")
     if findings["chosen"]:
         print(f"pictures are drawn with {findings['chosen']}")
     else:

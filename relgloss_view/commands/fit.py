@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 from typing import Any
 
 from relgloss_view.atomic import check_writable
 from relgloss_view.commands.progress import Progress
 from relgloss_view.errors import InputError
+from relgloss_view.text_input import printable
 
 QUANTITIES = ("radiance-factor", "brdf", "brdf-cos")
 
@@ -52,8 +54,9 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read, fit, write, and print the evidence."""
-    from relgloss_view.material.files import INDEX_RANGE, material_to_dict, save_material
+    from relgloss_view.material.files import material_to_dict, save_material
     from relgloss_view.material.fitting import describe_fit, fit_material, write_fit_report
+    from relgloss_view.material.material import INDEX_RANGE
     from relgloss_view.measure.readers import read_measurement
 
     if not INDEX_RANGE[0] < args.refractive_index <= INDEX_RANGE[1]:
@@ -65,10 +68,7 @@ def run(args: argparse.Namespace) -> int:
         raise InputError("--aperture-sd-deg: expected two angles of 0 to 10 degrees")
     if args.seed < 0:
         raise InputError(f"--seed {args.seed}: expected a whole number of at least 0")
-    if args.report and not args.report.lower().endswith(".png"):
-        raise InputError(f"{args.report}: expected a name that ends in .png")
-    for path in filter(None, (args.output, args.report)):
-        check_writable(path)
+    _check_places(args)
     measurement = read_measurement(args.table, quantity=args.quantity, gamma_s_deg=args.gamma_s_deg)
     with Progress("fit") as progress:
         material = fit_material(
@@ -86,5 +86,27 @@ def run(args: argparse.Namespace) -> int:
         print(json.dumps({"output": args.output, **material_to_dict(material)}))
         return 0
     print(describe_fit(material))
-    print(f"{args.output}: written")
+    print(f"{printable(args.output)}: written")
     return 0
+
+
+def _check_places(args: argparse.Namespace) -> None:
+    """Refuse, before long work, names that are wrong, the same or not to be written."""
+    places = {"TABLE": args.table, "-o": args.output}
+    if args.report is not None:
+        places["--report"] = args.report
+    seen: dict[str, str] = {}
+    for option, path in places.items():
+        suffix = {"-o": ".json", "--report": ".png"}.get(option, "")
+        if not path or not path.lower().endswith(suffix):
+            expected = f"a name that ends in {suffix}" if suffix else "the name of a table"
+            raise InputError(f"{option} {path or repr(path)}: expected {expected}")
+        if option != "TABLE":
+            check_writable(path)
+        real = os.path.realpath(path.replace("\0", ""))  # whoever opens it refuses a NUL
+        other = seen.setdefault(real, option)
+        if other != option:
+            raise InputError(
+                f"{option} {path}: is the same file as {other} {places[other]}; "
+                "choose another place"
+            )

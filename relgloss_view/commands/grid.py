@@ -5,23 +5,32 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import json
-import shlex
+import os
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from relgloss_view import __version__
-from relgloss_view.atomic import make_folder, whole_file
+from relgloss_view.atomic import whole_folder
 from relgloss_view.commands.progress import Progress
-from relgloss_view.commands.scene_options import add_scene_options, scene_from
+from relgloss_view.commands.scene_options import add_scene_options, printable_command, scene_from
 from relgloss_view.errors import InputError
+from relgloss_view.text_input import printable, read_text
+
+if TYPE_CHECKING:
+    from relgloss_view.picture.backends import FrameRenderer
+    from relgloss_view.picture.scene import Look, Scene
 
 #: Ishii et al.: sigma_N from 0 to 3 degrees by 0.5, c from c_max/6 to c_max by c_max/6.
 SIGMA_N_DEG = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
 C_SIXTHS = (1, 2, 3, 4, 5, 6)
 THUMBNAIL_PX = 200
+CAPTION_PX = 150  #: width of a picture that has room for c in its caption
+FORMAT, VERSION = "relgloss-grid", 1
+MANIFEST, SHEET = "manifest.json", "contact-sheet.png"
+MAX_MANIFEST_BYTES = 1024 * 1024
 
 
 def add(commands: Any) -> None:
@@ -40,53 +49,102 @@ def add(commands: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Draw all stimuli into the folder."""
+    """Draw all stimuli beside the folder, and move them in when the last is done."""
     from relgloss_view.picture.backends import open_renderer
+
+    folder = _checked_folder(args.output)
+    scene, look, size = scene_from(args)
+    with (
+        open_renderer(args.backend) as renderer,
+        Progress("grid") as progress,
+        whole_folder(folder, last=MANIFEST) as temporary,
+    ):
+        manifest = _draw(args, temporary, renderer, scene, look, size, progress)
+    count = len(manifest["stimuli"])
+    shown = f"{printable(folder)}: {count} stimuli, {SHEET} and {MANIFEST}"
+    print(json.dumps(manifest) if args.json else shown)
+    return 0
+
+
+def _checked_folder(name: str) -> Path:
+    """The folder, if nothing of somebody else's stands in the way; InputError otherwise."""
+    folder = Path(name)
+    if not name or (os.path.lexists(folder) and not folder.is_dir()):
+        found = "is a file" if name else "an empty name"
+        raise InputError(f"{name or '-o'}: {found}; give the name of a folder with -o")
+    manifest = folder / MANIFEST
+    if os.path.lexists(manifest):
+        try:
+            ours = json.loads(read_text(manifest, MAX_MANIFEST_BYTES, "a manifest"))["format"]
+        except (InputError, ValueError, LookupError, TypeError, RecursionError):
+            ours = None
+        if ours != FORMAT:
+            raise InputError(f"{manifest}: is not of a relgloss grid; choose another folder")
+    return folder
+
+
+def _draw(
+    args: argparse.Namespace,
+    folder: Path,
+    renderer: FrameRenderer,
+    scene: Scene,
+    look: Look,
+    size: tuple[int, int],
+    progress: Progress,
+) -> dict[str, Any]:
+    """Draw pictures, contact sheet and manifest into a folder; returns the manifest."""
     from relgloss_view.picture.export import parameters, save_frame, save_rgb
     from relgloss_view.picture.sheet import contact_sheet, thumbnail
 
-    folder = Path(args.output)
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder}: is a file; give the name of a folder with -o")
-    scene, look, size = scene_from(args)
     total = len(SIGMA_N_DEG) * len(C_SIXTHS)
     stimuli: list[dict[str, Any]] = []
     rows: list[list[NDArray[np.uint8]]] = []
     captions: list[list[str]] = []
-    with open_renderer(args.backend) as renderer, Progress("grid") as progress:
-        folder = make_folder(folder)
-        for sigma_n_deg in SIGMA_N_DEG:
-            rows.append([])
-            captions.append([])
-            for sixths in C_SIXTHS:
-                name = f"sigma_{sigma_n_deg:.1f}_c_{sixths}of6.png"
-                progress(len(stimuli) / total, name)
-                variant = dataclasses.replace(
-                    look, sigma_n_deg=sigma_n_deg, c=None, c_fraction=sixths / 6
-                )
-                frame = renderer.render(scene, variant, size)
-                save_frame(frame, folder / name, _command(args, sigma_n_deg, sixths, name))
-                numbers = parameters(frame)
-                stimuli.append({"file": name, "c_sixths": sixths, **_varying(numbers)})
-                rows[-1].append(thumbnail(frame, THUMBNAIL_PX))
-                captions[-1].append(f"{sigma_n_deg:.1f} deg, {sixths}/6")
-    title = f"{scene.material.name}: sigma_N down, c / c_max across"
+    for sigma_n_deg in SIGMA_N_DEG:
+        rows.append([])
+        captions.append([])
+        for sixths in C_SIXTHS:
+            name = f"sigma_{sigma_n_deg:.1f}_c_{sixths}of6.png"
+            progress(len(stimuli) / total, name)
+            variant = dataclasses.replace(
+                look, sigma_n_deg=sigma_n_deg, c=None, c_fraction=sixths / 6
+            )
+            frame = renderer.render(scene, variant, size)
+            save_frame(frame, folder / name, _command(args, sigma_n_deg, sixths, name))
+            numbers = parameters(frame)
+            stimuli.append({"file": name, "c_sixths": sixths, **_varying(numbers)})
+            rows[-1].append(thumbnail(frame, THUMBNAIL_PX))
+            # A narrow picture has no room for more.
+            room = rows[0][0].shape[1] >= CAPTION_PX
+            absolute = f", c {frame.c:.3g}" if room else ""
+            captions[-1].append(f"{sigma_n_deg:.1f} deg, {sixths}/6{absolute}")
+    title = f"{printable(scene.material.name, 60)}: sigma_N down, c / c_max across{_c_max(stimuli)}"
     note = "synthetic sample" if scene.material.synthetic else ""
     save_rgb(
         contact_sheet(rows, captions, title, note),
-        folder / "contact-sheet.png",
+        folder / SHEET,
         {"Software": f"relgloss {__version__}", "Title": title},
     )
+    same = {k: v for k, v in numbers.items() if k not in (*stimuli[0], "warnings", "version")}
     manifest = {
-        "format": "relgloss-grid",
-        "version": 1,
-        **{k: v for k, v in numbers.items() if k not in stimuli[0] and k != "warnings"},
+        "format": FORMAT,
+        "version": VERSION,
+        "relgloss_version": __version__,
+        **same,
         "stimuli": stimuli,
     }
-    with whole_file(folder / "manifest.json") as temporary:
-        temporary.write_text(json.dumps(manifest, indent=1) + "\n", encoding="utf-8")
-    print(json.dumps(manifest) if args.json else f"{folder}: {total} stimuli and contact-sheet.png")
-    return 0
+    text = json.dumps(manifest, indent=1) + "\n"
+    (folder / MANIFEST).write_text(text, encoding="utf-8")
+    return manifest
+
+
+def _c_max(stimuli: list[dict[str, Any]]) -> str:
+    """The largest c of the sheet, in words: grain moves it from row to row."""
+    found = [s["c_max"] for s in stimuli if s["c_max"] is not None]
+    if not found:
+        return ""
+    low, high = f"{min(found):.3g}", f"{max(found):.3g}"
+    return f", c_max {low}" + ("" if low == high else f" to {high}")
 
 
 def _varying(numbers: dict[str, Any]) -> dict[str, Any]:
@@ -104,7 +162,7 @@ def _varying(numbers: dict[str, Any]) -> dict[str, Any]:
 
 def _command(args: argparse.Namespace, sigma_n_deg: float, sixths: int, name: str) -> str:
     """The snapshot that draws the same stimulus."""
-    words = ["relgloss", "snapshot"]
+    words = ["snapshot"]
     for option in ("sample", "material", "scene", "seed", "samples"):
         value = getattr(args, option)
         words += [f"--{option}", str(value)] if value is not None else []
@@ -113,4 +171,4 @@ def _command(args: argparse.Namespace, sigma_n_deg: float, sixths: int, name: st
     width, height = args.size
     words += ["--size", f"{width}x{height}", "--backend", args.backend]
     words += ["--sigma-n", f"{sigma_n_deg:g}", "--c-fraction", repr(sixths / 6), "-o", name]
-    return shlex.join(words)
+    return printable_command(words)

@@ -6,6 +6,8 @@ import argparse
 import ast
 import dataclasses
 import re
+import shlex
+from collections.abc import Sequence
 from typing import Any
 
 from relgloss_view.errors import InputError
@@ -29,7 +31,9 @@ def add_scene_options(parser: argparse.ArgumentParser, *, tuned: bool = True) ->
         help=f"a built-in synthetic paper: {', '.join(SAMPLES)} (default {DEFAULT_SAMPLE})",
     )
     source.add_argument("--material", metavar="FILE.json", help="a material that `fit` wrote")
-    what.add_argument("--scene", metavar="FILE.toml", help="a scene file; options go before it")
+    what.add_argument(
+        "--scene", metavar="FILE.toml", help="a scene file; options override its entries"
+    )
     what.add_argument(
         "--set",
         metavar="NAME=VALUE",
@@ -98,6 +102,12 @@ def scene_from(args: argparse.Namespace) -> tuple[Scene, Look, tuple[int, int]]:
     return scene, look, size
 
 
+def printable_command(words: Sequence[str]) -> str:
+    """The command line that goes into a picture; a name that is not UTF-8 is shown escaped."""
+    line = shlex.join(["relgloss", *words])
+    return line.encode("utf-8", "backslashreplace").decode("utf-8")
+
+
 def _changed(
     look: Look, sigma_n_deg: float | None, c: float | None, c_fraction: float | None
 ) -> Look:
@@ -128,12 +138,12 @@ def _value(text: str) -> object:
     """A number, a list or a bare word."""
     try:
         return ast.literal_eval(text)
-    except (ValueError, SyntaxError, MemoryError, RecursionError):
+    except (ValueError, TypeError, SyntaxError, MemoryError, RecursionError):
         return text
 
 
 def _size(text: str) -> tuple[int, int]:
-    match = re.fullmatch(r"(\d{1,9})[xX](\d{1,9})", text)
+    match = re.fullmatch(r"([0-9]{1,9})[xX]([0-9]{1,9})", text)
     if match is None:
         raise argparse.ArgumentTypeError(f"expected WIDTHxHEIGHT such as 512x512, found {text!r}")
     return int(match[1]), int(match[2])

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import shlex
 import sys
 from typing import Any
 
 from relgloss_view.atomic import check_writable
 from relgloss_view.commands.progress import Progress
-from relgloss_view.commands.scene_options import add_scene_options, scene_from
+from relgloss_view.commands.scene_options import add_scene_options, printable_command, scene_from
+from relgloss_view.text_input import printable
 
 
 def add(commands: Any) -> None:
@@ -38,14 +38,16 @@ def run(args: argparse.Namespace) -> int:
     check_writable(output)
     with Progress("snapshot") as progress, open_renderer(args.backend, progress) as renderer:
         frame = renderer.render(scene, look, size)
-        save_frame(frame, output, shlex.join(["relgloss", *args.argv]))
+        save_frame(frame, output, printable_command(args.argv))
         numbers = parameters(frame)
     if args.json:
         print(json.dumps({"output": str(output), **numbers}))
         return 0
     for warning in frame.warnings:
-        print(f"warning: {warning}", file=sys.stderr)
+        print(f"warning: {printable(warning, 300)}", file=sys.stderr)
     c_max = "no highlight" if frame.c_max is None else f"c_max {frame.c_max:.4g}"
     settings = f"sigma_N {look.sigma_n_deg:g} deg, c {frame.c:.4g} ({c_max})"
-    print(f"{output}: {numbers['sample']}, {settings}")
+    sample = printable(scene.material.name, 80)
+    sample += " (synthetic)" if scene.material.synthetic else ""
+    print(f"{printable(output)}: {sample}, {settings}")
     return 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -15,7 +16,7 @@ import numpy as np
 import pytest
 from PIL import Image, ImageCms
 
-from relgloss_view import cli
+from relgloss_view import __version__, cli
 from relgloss_view.material.files import load_material, material_to_dict, save_material
 from relgloss_view.resources import asset
 
@@ -297,6 +298,11 @@ class TestGrid:
         for stimulus in manifest["stimuli"]:
             assert stimulus["c"] == pytest.approx(stimulus["c_sixths"] / 6 * stimulus["c_max"])
         assert len(list(folder.glob("sigma_*.png"))) == 42
+        assert len(list(folder.iterdir())) == 44
+        assert (manifest["format"], manifest["version"]) == ("relgloss-grid", 1)
+        assert manifest["relgloss_version"] == __version__
+        with Image.open(folder / "contact-sheet.png") as sheet:
+            assert re.search(r"c_max [0-9.]+", sheet.info["Title"])
         assert (folder / "contact-sheet.png").is_file()
         # A stimulus is what its command draws.
         one = folder / manifest["stimuli"][20]["file"]
@@ -307,6 +313,51 @@ class TestGrid:
         assert run(capsys, *words)[0] == 0
         with Image.open(tmp_path / "again.png") as again:
             np.testing.assert_array_equal(np.asarray(again), pixels)
+
+    def test_again_into_the_same_folder(self, capsys, tmp_path):
+        folder = tmp_path / "stimuli"
+        words = ("grid", "--size", "16x16", "-o", folder)
+        assert run(capsys, *words)[0] == 0
+        (folder / "notes.txt").write_text("mine")
+        first = (folder / "manifest.json").read_text()
+        assert run(capsys, *words, "--sample", "uncoated")[0] == 0
+        assert (folder / "manifest.json").read_text() != first
+        assert (folder / "notes.txt").read_text() == "mine"
+        assert len(list(folder.iterdir())) == 45
+
+    @pytest.mark.parametrize("exists", [False, True])
+    @pytest.mark.parametrize("frames", [0, 7])
+    def test_what_is_not_finished_leaves_nothing(
+        self, capsys, tmp_path, monkeypatch, exists, frames
+    ):
+        from relgloss_view.picture import export
+
+        folder = tmp_path / "deep" / "stimuli"
+        if exists:
+            folder.mkdir(parents=True)
+            (folder / "manifest.json").write_text('{"format": "relgloss-grid"}')
+        before = sorted(tmp_path.rglob("*"))
+        real, drawn = export.save_frame, []
+
+        def interrupt(*args):
+            if len(drawn) == frames:
+                raise KeyboardInterrupt
+            drawn.append(args)
+            real(*args)
+
+        monkeypatch.setattr(export, "save_frame", interrupt)
+        status, _, err = run(capsys, "grid", "--size", "16x16", "-o", folder)
+        assert status == 130
+        assert err == "relgloss: interrupted; no file is left half written\n"
+        assert sorted(tmp_path.rglob("*")) == before
+
+    @pytest.mark.parametrize("text", ['{"name": "a web app"}', "[]", "x", "[" * 9999])
+    def test_somebody_elses_manifest(self, capsys, tmp_path, text):
+        (tmp_path / "manifest.json").write_text(text)
+        err = refused(capsys, tmp_path, "grid", "--size", "16x16", "-o", tmp_path)
+        assert "choose another folder" in err
+        assert (tmp_path / "manifest.json").read_text() == text
+        assert "empty name" in refused(capsys, tmp_path, "grid", "--size", "16x16", "-o", "")
 
     def test_file_in_the_way(self, capsys, tmp_path):
         (tmp_path / "taken").write_text("mine")

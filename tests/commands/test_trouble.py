@@ -1,0 +1,214 @@
+"""When the machine, the terminal or the user's names get in the way: one line, the right status."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import shlex
+import subprocess
+import sys
+
+import materials
+import pytest
+
+from relgloss_view import cli
+from relgloss_view.material.files import material_to_dict, save_material
+from relgloss_view.material.material import Material
+from relgloss_view.resources import asset
+
+PAPER = str(asset("papers", "art-coated.csv"))
+RELGLOSS = [sys.executable, "-m", "relgloss_view.cli"]
+ROOT = os.path.dirname(os.path.dirname(cli.__file__))
+
+
+def run(capsys, *words):
+    status = cli.main([str(w) for w in words])
+    captured = capsys.readouterr()
+    return status, captured.out, captured.err
+
+
+def one_line(err):
+    assert err.count("\n") == 1, err
+    assert err.startswith("relgloss: ")
+    assert "Traceback" not in err
+    return err
+
+
+def shell(line, cwd, **env):
+    """A command line in a shell of its own: status, standard output, standard error."""
+    done = subprocess.run(
+        ["sh", "-c", line.replace("relgloss", shlex.join(RELGLOSS), 1)],
+        cwd=cwd,
+        env={**os.environ, "PYTHONPATH": ROOT, "PYTHONUNBUFFERED": "", **env},
+        capture_output=True,
+    )
+    return done.returncode, done.stdout, done.stderr.decode("utf-8", "replace")
+
+
+class TestStreams:
+    @pytest.mark.parametrize(
+        "words", ["doctor --help", "snapshot --sample uncoated --c 0.5 --size 64x64 -o a.png"]
+    )
+    @pytest.mark.parametrize("redirection", [">&-", ">/dev/full"])
+    def test_standard_output_that_takes_nothing(self, tmp_path, words, redirection):
+        status, _, err = shell(f"relgloss {words} {redirection}", tmp_path)
+        assert status == 1
+        assert "standard output" in one_line(err)
+
+    def test_closed_standard_error_is_no_fault(self, tmp_path):
+        status, out, _ = shell("relgloss snapshot --size 16x16 -o a.png 2>&-", tmp_path)
+        assert status == 0
+        assert b"a.png" in out
+
+    def test_names_on_a_terminal_of_ascii(self, tmp_path):
+        """A name that is not UTF-8, one that ASCII lacks, one with control characters."""
+        material = Material(
+            "Büttenpapier 紙\x1b[31m\nred " + 300 * "x",
+            *(getattr(materials.flat(), n) for n in ("source", "bands", "diffuse", "specular")),
+        )
+        save_material(material, tmp_path / "m.json")
+        line = "relgloss snapshot --material m.json --size 16x16 -o \"$(printf 'a\\377.png')\""
+        status, out, err = shell(line, tmp_path, PYTHONIOENCODING="ascii")
+        assert status == 0, err
+        assert out.count(b"\n") == 1
+        assert b"\x1b" not in out
+        assert b"(synthetic)" in out
+        assert len(out) < 400
+        assert len(list(tmp_path.iterdir())) == 2
+
+
+@pytest.mark.parametrize("command", cli.COMMANDS)
+def test_interrupted_while_importing(capsys, monkeypatch, command):
+    def interrupt(name):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(importlib, "import_module", interrupt)
+    status, _, err = run(capsys, command)
+    assert status == 130
+    assert "interrupted" in one_line(err)
+
+
+@pytest.mark.parametrize(
+    ("words", "remedy"),
+    [
+        (["fit", PAPER, "-o", "a.json"], "thin out the table"),
+        (["snapshot", "-o", "a.png"], "--size"),
+        (["doctor"], "close other programs"),
+    ],
+)
+def test_out_of_memory(capsys, monkeypatch, tmp_path, words, remedy):
+    def exhaust(args):
+        raise MemoryError
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(
+        importlib.import_module(f"relgloss_view.commands.{words[0]}"), "run", exhaust
+    )
+    status, _, err = run(capsys, *words)
+    assert status == 1
+    assert remedy in one_line(err)
+
+
+class TestOpenGL:
+    def test_its_errors_are_status_3(self, capsys, monkeypatch, tmp_path):
+        import moderngl
+
+        def fail(*_):
+            raise moderngl.Error("GLSL Compiler failed\n\nfragment_shader\n===\nbad")
+
+        monkeypatch.setattr("relgloss_view.picture.backends.open_renderer", fail)
+        status, _, err = run(capsys, "snapshot", "--size", "16x16", "-o", tmp_path / "a.png")
+        assert status == 3
+        assert "GLSL Compiler failed" in one_line(err)
+        assert "relgloss doctor" in err
+        assert list(tmp_path.iterdir()) == []
+
+    def test_other_errors_stay_errors(self, monkeypatch, tmp_path):
+        def fail(*_):
+            raise ZeroDivisionError
+
+        monkeypatch.setattr("relgloss_view.picture.backends.open_renderer", fail)
+        with pytest.raises(ZeroDivisionError):
+            cli.main(["snapshot", "-o", str(tmp_path / "a.png")])
+
+    def test_doctor_survives_what_a_backend_raises(self, capsys, monkeypatch):
+        from relgloss_view.picture import backends
+
+        real = backends.open_renderer
+
+        def fail(name, *rest):
+            if name == "osmesa":
+                raise SystemError("driver\nfell over")
+            return real(name, *rest)
+
+        monkeypatch.setattr(backends, "open_renderer", fail)
+        status, out, _ = run(capsys, "doctor", "--json")
+        found = json.loads(out)["opengl"]
+        assert status == 0
+        assert found["egl"]["usable"]
+        assert found["osmesa"] == {
+            "usable": False,
+            "fault": "osmesa: SystemError: driver\nfell over",
+        }
+        assert "osmesa: osmesa: SystemError: driver fell over" in run(capsys, "doctor")[1]
+
+
+class TestFit:
+    @pytest.mark.parametrize(
+        ("words", "says"),
+        [
+            (["t.csv", "-o", "a.txt"], "-o a.txt: expected a name that ends in .json"),
+            (["t.csv", "-o", ""], "-o '': expected a name"),
+            (["t.csv", "-o", "a.json", "--report", ""], "--report '': expected a name"),
+            (["", "-o", "a.json"], "TABLE '': expected the name of a table"),
+            (["t.json", "-o", "./t.json"], "the same file as TABLE"),
+            (["link.json", "-o", "t.json"], "the same file as TABLE"),
+            (["t.csv", "-o", "alias.json", "--report", "r.png"], "the same file as -o"),
+            (["m.json", "-o", "a.json"], "a material, not a measurement"),
+            (["nul\0.csv", "-o", "a.json"], "null"),
+        ],
+    )
+    def test_places(self, capsys, monkeypatch, tmp_path, words, says):
+        monkeypatch.chdir(tmp_path)
+        for name in ("t.csv", "t.json"):
+            (tmp_path / name).write_text("kept")
+        (tmp_path / "link.json").symlink_to("t.json")
+        (tmp_path / "alias.json").symlink_to("r.png")
+        save_material(materials.flat(), tmp_path / "m.json")
+        before = {p.name: p.read_bytes() for p in tmp_path.iterdir() if p.exists()}
+        status, out, err = run(capsys, "fit", *words)
+        assert (status, out) == (1, "")
+        assert says in one_line(err)
+        assert {p.name: p.read_bytes() for p in tmp_path.iterdir() if p.exists()} == before
+
+    def test_device_as_an_output(self, capsys, monkeypatch, tmp_path):
+        monkeypatch.chdir(tmp_path)
+        os.mkfifo("pipe.png")
+        words = ("fit", PAPER, "-o", "a.json", "--report", "pipe.png")
+        status, _, err = run(capsys, *words)
+        assert status == 1
+        assert "pipe.png: is not a regular file; choose another place" in one_line(err)
+        assert os.listdir() == ["pipe.png"]
+
+
+class TestSnapshot:
+    def test_digits_of_a_size_are_plain(self, capsys, tmp_path):
+        words = ("snapshot", "--size", "٣٢x32", "-o", tmp_path / "a.png")
+        status, _, err = run(capsys, *words)
+        assert status == 2
+        assert "512x512" in err
+
+    def test_measured_samples_are_not_called_synthetic(self, capsys, tmp_path):
+        content = material_to_dict(materials.flat()) | {"source": "measured on synthetic leather"}
+        (tmp_path / "m.json").write_text(json.dumps(content))
+        words = ("snapshot", "--size", "16x16", "-o", tmp_path / "a.png")
+        assert "(synthetic)" in run(capsys, *words)[1]
+        assert "(synthetic)" not in run(capsys, *words, "--material", tmp_path / "m.json")[1]
+
+    @pytest.mark.parametrize("setting", ["lamp.azimuth_deg=0x" + "f" * 400, "shape.kind={[]: 1}"])
+    def test_strange_settings(self, capsys, tmp_path, setting):
+        words = ("snapshot", "--set", setting, "-o", tmp_path / "a.png")
+        status, _, err = run(capsys, *words)
+        assert status == 1
+        assert len(one_line(err)) < 1100
