@@ -19,6 +19,7 @@ from relgloss_view.picture.scene_file import TABLES, build, load_scene
 from relgloss_view.picture.view import check_size
 
 DEFAULT_SIZE = (512, 512)
+AUTO = "auto"
 
 
 def add_scene_options(parser: argparse.ArgumentParser, *, tuned: bool = True) -> None:
@@ -56,7 +57,10 @@ def add_scene_options(parser: argparse.ArgumentParser, *, tuned: bool = True) ->
         )
     how.add_argument("--seed", metavar="N", type=int, help="of the grain")
     how.add_argument(
-        "--samples", metavar="N", type=int, help="samples along each side of a pixel, 1 to 16"
+        "--samples",
+        metavar="N",
+        type=_samples,
+        help="samples along each side of a pixel, 1 to 16, or auto: what the highlight needs",
     )
     how.add_argument(
         "--operator", choices=["split"], default="split", help="tone mapping (default split)"
@@ -96,9 +100,10 @@ def scene_from(args: argparse.Namespace) -> tuple[Scene, Look, tuple[int, int]]:
         getattr(args, "c", None),
         getattr(args, "c_fraction", None),
     )
-    for name in ("seed", "samples"):
-        if getattr(args, name) is not None:
-            look = dataclasses.replace(look, **{name: getattr(args, name)})
+    if args.seed is not None:
+        look = dataclasses.replace(look, seed=args.seed)
+    if args.samples is not None:
+        look = dataclasses.replace(look, samples=None if args.samples == AUTO else args.samples)
     return scene, look, size
 
 
@@ -140,6 +145,10 @@ def _value(text: str) -> object:
         return ast.literal_eval(text)
     except (ValueError, TypeError, SyntaxError, MemoryError, RecursionError):
         return text
+
+
+def _samples(text: str) -> int | str:
+    return AUTO if text == AUTO else int(text)
 
 
 def _size(text: str) -> tuple[int, int]:

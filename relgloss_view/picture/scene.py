@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import numbers
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 
 from relgloss_view.errors import InputError
 from relgloss_view.material.material import Material
+from relgloss_view.text_input import fault, number
 
 Array = NDArray[np.float64]
 
@@ -59,7 +61,7 @@ class _Checked:
                 _check_range(place, value, allowed, whole=f.metadata.get("whole", False))
             options = f.metadata.get("options")
             if options is not None and value not in options:
-                raise InputError(f"{place}: expected one of {', '.join(options)}, found {value!r}")
+                fault(place, f"one of {', '.join(options)}", value)
 
 
 def _may_be_none(f: dataclasses.Field[Any]) -> bool:
@@ -67,17 +69,11 @@ def _may_be_none(f: dataclasses.Field[Any]) -> bool:
 
 
 def _check_range(place: str, value: object, allowed: Range, *, whole: bool) -> None:
-    kind = "a whole number" if whole else "a number"
-    numbers = int if whole else int | float
-    found = f"found {value!r}"[:60]
-    if isinstance(value, bool) or not isinstance(value, numbers):
-        raise InputError(f"{place}: expected {kind}, {found}")
-    # A comparison, unlike a conversion, takes integers of any size; a NaN fails it.
-    if not allowed.low <= value <= allowed.high:
-        unit = f" {allowed.unit}" if allowed.unit else ""
-        raise InputError(
-            f"{place}: expected {allowed.low:.10g} to {allowed.high:.10g}{unit}, {found}"
-        )
+    unit = f" {allowed.unit}" if allowed.unit else ""
+    expected = f"{allowed.low:.10g} to {allowed.high:.10g}{unit}"
+    if whole and not isinstance(value, numbers.Integral):
+        fault(place, f"a whole number, {expected}", value)
+    number(value, place, expected, allowed.low, allowed.high)
 
 
 SHAPES = ("cylinder", "sphere", "plane", "box")
@@ -142,7 +138,7 @@ class Lamp(_Checked):
     def __post_init__(self) -> None:
         super().__post_init__()
         if not isinstance(self.illuminant, str):
-            raise InputError(f"lamp.illuminant: expected a name, found {self.illuminant!r}")
+            fault("lamp.illuminant", "a name", self.illuminant)
 
     @property
     def position_m(self) -> Array:

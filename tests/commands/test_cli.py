@@ -141,6 +141,16 @@ class TestSnapshot:
         assert np.linalg.norm(numbers["lamp_m"]) == pytest.approx(2.0)
         assert numbers["lamp_m"][0] > 1.9
 
+    def test_samples_of_a_narrow_highlight(self, capsys, tmp_path):
+        words = ("snapshot", "--sample", "cast-coated", "--size", "48x48", "--json")
+        numbers = {}
+        for samples in ("1", "auto"):
+            _, out, _ = run(capsys, *words, "--samples", samples, "-o", tmp_path / "a.png")
+            numbers[samples] = json.loads(out)
+        assert "narrow" in numbers["1"]["warnings"][0]
+        assert not numbers["auto"]["warnings"]
+        assert numbers["auto"]["samples"] > 1
+
     def test_matched_settings(self, capsys, tmp_path):
         words = ("snapshot", "--sample", "uncoated", "--matched", "--size", "32x32", "--json")
         numbers = json.loads(run(capsys, *words, "-o", tmp_path / "a.png")[1])

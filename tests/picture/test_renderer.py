@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes.util
 import dataclasses
 import os
 import subprocess
@@ -578,6 +579,8 @@ def pictures(tmp_path_factory):
     folder = tmp_path_factory.mktemp("drivers")
 
     def draw(backend, **environment):
+        if backend == "osmesa" and ctypes.util.find_library("OSMesa") is None:
+            return None
         path = folder / f"{backend}-{len(environment)}.npz"
         here = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
         done = subprocess.run(
@@ -606,6 +609,8 @@ class TestDrivers:
         return [name for name in pictures["egl"].files if name != "device"]
 
     def test_osmesa_is_bit_identical(self, pictures):
+        if pictures["osmesa"] is None:
+            pytest.skip("this system has no libOSMesa; Mesa 25.1 dropped it")
         if "llvmpipe" not in str(pictures["egl"]["device"]):
             pytest.skip("EGL is not on the software driver that OSMesa uses")
         for name in self.stages(pictures):
