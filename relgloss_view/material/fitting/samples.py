@@ -92,9 +92,10 @@ def prepare(measurement: Measurement, seed: int = 0) -> Samples:
     usable = positive if not measurement.bands.is_rgb else finite
     enough = np.sum(np.any(positive, axis=1))
     if enough < FEWEST_SAMPLES:
+        left_out = _unusable(measurement, rows, positive)
         raise InputError(
-            f"{measurement.place}: {enough} usable samples of {len(rows)} "
-            f"({_unusable(measurement, rows, positive)}); a fit needs at least {FEWEST_SAMPLES}"
+            f"{measurement.place}: {enough} usable samples of {len(rows)}"
+            f"{f' ({left_out})' if left_out else ''}; a fit needs at least {FEWEST_SAMPLES}"
         )
     if float(np.max(value)) < DARKEST:
         raise InputError(
