@@ -83,6 +83,11 @@ class Lobe:
         """Whether the lobe is drawn wider than it is."""
         return self.s_deg < S_DEG_DRAWN * (1.0 - 1e-9)
 
+    @property
+    def at_the_limit(self) -> bool:
+        """Whether the width is the widest there is, so that a fit has stopped there."""
+        return self.s_deg > S_DEG_MAX * (1.0 - 1e-6)
+
     def per_band(self, count: int) -> Array:
         """The strength in each of `count` bands."""
         return np.broadcast_to(np.asarray(self.strength, dtype=np.float64), (count,)).copy()

@@ -74,3 +74,14 @@ def test_plotting_is_imported_only_for_the_report() -> None:
         "assert 'matplotlib' not in sys.modules and 'scipy' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True, cwd=Path(__file__).parent)
+
+
+def test_a_width_at_its_limit_claims_no_error() -> None:
+    """A fit that stopped at the widest lobe has no spread there; "+- 0" would promise exactness."""
+    from relgloss_view.material.fitting.describe import width_error
+    from relgloss_view.picture.samples import load_sample
+
+    material = load_sample("uncoated")
+    assert material.specular[1].s_deg == 40.0
+    assert width_error(material, 1, "se ") == "at the limit"
+    assert width_error(material, 0, "se ").startswith("se 0.")

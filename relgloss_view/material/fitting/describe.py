@@ -41,10 +41,10 @@ def describe_fit(material: Material) -> str:
             if len(strength) == 1
             else (f"{strength.min():.4g}-{strength.max():.4g} over the bands")
         )
-        spread = se["s_deg"][k] if k < len(se.get("s_deg", [])) else None
+        error = width_error(material, k, "se ")
         lines.append(
             f"  lobe {k + 1}     s {lobe.s_deg:.3g} deg"
-            + (f" (se {spread:.2g})" if spread is not None else "")
+            + (f" ({error})" if error else "")
             + f", strength {shown}, n {lobe.refractive_index:.3g}"
         )
     r = fit.residuals
@@ -56,3 +56,11 @@ def describe_fit(material: Material) -> str:
     lines.append(f"  quality    {fit.quality} ({fit.seconds:.2f} s)")
     lines += [f"  warning    {printable(text, 300)}" for text in material.warnings]
     return "\n".join(lines)
+
+
+def width_error(material: Material, lobe: int, sign: str) -> str:
+    """The standard error of a lobe's width after `sign`; a width at its limit has none."""
+    if material.specular[lobe].at_the_limit:
+        return "at the limit"
+    errors = material.fit.standard_errors.get("s_deg", []) if material.fit else []
+    return f"{sign}{errors[lobe]:.2g}" if lobe < len(errors) else ""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from relgloss_view.atomic import whole_file
 from relgloss_view.material.fitting import curves, slices
+from relgloss_view.material.fitting.describe import width_error
 from relgloss_view.material.fitting.samples import usable_rows
 from relgloss_view.material.material import Material
 from relgloss_view.measure.table import Measurement
@@ -19,6 +20,8 @@ from relgloss_view.text_input import printable
 Array = NDArray[np.float64]
 
 INK, MUTED, FAINT, ACCENT = "#1b1f24", "#66707a", "#d9dee3", "#b3261e"
+#: Words of the warning that says the quality.
+VERDICT = ("no model describes", "unidentifiable", "poor")
 BADGE = {"good": "#2e7d4f", "poor": ACCENT, "unidentifiable": "#b26a00"}
 STYLE: Any = {
     "font.size": 8.0,
@@ -106,10 +109,24 @@ def _heading(figure: Any, material: Material) -> None:
             bbox={"boxstyle": "round,pad=0.4", "facecolor": colour, "edgecolor": "none"},
         )
         x -= 0.0075 * len(str(drawn.get_text())) + 0.02
-    for k, text in enumerate(material.warnings[:2]):
+    # The verdict first; there is room for two lines.
+    told = sorted(material.warnings, key=lambda text: not any(sign in text for sign in VERDICT))
+    if len(told) > 2:
+        told = [told[0], f"and {len(told) - 1} more, listed in the material file"]
+    for k, text in enumerate(told):
         place = 0.908 - 0.016 * k
         shown = f"! {printable(text, 170)}"
         figure.text(0.055, place, shown, fontsize=8, color=ACCENT, parse_math=False)
+
+
+def _logarithmic(axis: Any) -> None:
+    """A logarithmic radiance factor, its ticks at 1, 2 and 5 in plain numbers."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axis.set_yscale("log")
+    axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=9))
+    axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.yaxis.set_minor_formatter(NullFormatter())
 
 
 def _colours(count: int) -> list[Any]:
@@ -128,7 +145,7 @@ def _plane(axis: Any, material: Material, table: slices.Table) -> None:
         lamp, receiver = curves.in_plane(incidence, angle)
         fitted = curves.seen(material, lamp, receiver, table.aperture_sd_deg)[:, table.band]
         axis.plot(angle, fitted, lw=1.0, color=colour, label=f"{incidence:g}°")
-    axis.set_yscale("log")
+    _logarithmic(axis)
     axis.set_xlabel("receiver angle, mirror side positive (deg)")
     axis.set_ylabel("radiance factor")
     axis.legend(title="incidence; points measured, lines fitted", ncols=5, loc="upper left")
@@ -145,7 +162,7 @@ def _ridge(axis: Any, material: Material, table: slices.Table) -> None:
         lamp, receiver = curves.in_plane(incidence, np.minimum(incidence + offset, 88.0))
         fitted = curves.seen(material, lamp, receiver, table.aperture_sd_deg)[:, table.band]
         axis.plot(offset, fitted, lw=1.0, color=colour)
-    axis.set_yscale("log")
+    _logarithmic(axis)
     axis.set_xlabel("receiver off the mirror direction (deg)")
     axis.set_ylabel("radiance factor")
 
@@ -160,7 +177,7 @@ def _tilt(axis: Any, material: Material, table: slices.Table) -> None:
         fitted = curves.seen(material, lamp, receiver, table.aperture_sd_deg)[:, table.band]
         half = np.degrees(np.sqrt(curves.facing(lamp, receiver).delta2))
         axis.plot(half, fitted, lw=1.0, color=colour, label=f"{theta:g}°")
-    axis.set_yscale("log")
+    _logarithmic(axis)
     axis.set_xlabel("half-vector from the normal (deg)")
     axis.legend(title=table.tilt_label, ncols=2, loc="upper right")
 
@@ -240,11 +257,10 @@ def _facts(axis: Any, material: Material) -> None:
     if material.diffuse.sigma_deg:
         lines[-1] += f", sigma {material.diffuse.sigma:.3f} rad"
     for k, lobe in enumerate(material.specular):
-        spread = se.get("s_deg", [])
-        error = f" ± {spread[k]:.2g}" if k < len(spread) else ""
+        error = width_error(material, k, "± ")
         strength = float(np.mean(lobe.strength))
         index = f"n {lobe.refractive_index:.3g}"
-        lines.append(f"lobe {k + 1}: s {lobe.s_deg:.3g}°{error}, k {strength:.3g}, {index}")
+        lines.append(f"lobe {k + 1}: s {lobe.s_deg:.3g}° {error}, k {strength:.3g}, {index}")
     if not material.specular and "no_lobe" in fit.bounds:
         upper = fit.bounds["no_lobe"]["largest_strength_upper"]
         lines.append("no lobe" + (f"; strength at most {upper:.2g}" if upper else ""))
