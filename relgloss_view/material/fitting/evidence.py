@@ -2,21 +2,47 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from relgloss_view.material.albedo import directional_albedo
 from relgloss_view.material.fitting import ladder, verdict
 from relgloss_view.material.fitting.ladder import Candidate
 from relgloss_view.material.fitting.model import State, predict
 from relgloss_view.material.fitting.samples import Samples
 from relgloss_view.material.fitting.shapes import Geometry
-from relgloss_view.material.material import FitRecord
+from relgloss_view.material.material import FitRecord, Material
 from relgloss_view.measure.table import Measurement
 
 #: Widths below this (radians) reach the end of the search: the samples set no lower bound.
 NO_LOWER_BOUND = float(np.radians(0.06))
+
+
+#: Incidences at which the energy of a fit is looked at; grazing light beyond is little.
+ENERGY_INCIDENCES_DEG = np.arange(0.0, 81.0, 10.0)
+ENERGY_EXCESS = 1.02  #: noise of a white sample is not an excess
+
+
+def with_energy_warning(material: Material) -> Material:
+    """The material, warned of where it reflects more than it receives.
+
+    The samples end at some incidence; beyond it only the model speaks, and strengths above one
+    then meet a Fresnel reflectance that goes to one.
+    """
+    diffuse, specular = directional_albedo(material, ENERGY_INCIDENCES_DEG)
+    largest = np.max(diffuse + specular, axis=1)
+    if material.fit is None or not np.any(largest > ENERGY_EXCESS):
+        return material
+    first = ENERGY_INCIDENCES_DEG[np.argmax(largest > ENERGY_EXCESS)]
+    last = ENERGY_INCIDENCES_DEG[-1]
+    text = (
+        f"the model reflects more light than it receives at {first:g} deg of incidence and more "
+        f"({largest[-1]:.2g} times at {last:g} deg): pictures are too bright there"
+    )
+    return replace(material, fit=replace(material.fit, warnings=(*material.fit.warnings, text)))
 
 
 def main_lobe(state: State) -> int:

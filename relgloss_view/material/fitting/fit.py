@@ -14,7 +14,7 @@ import numpy as np
 
 from relgloss_view.errors import InputError
 from relgloss_view.material.fitting import ladder, verdict
-from relgloss_view.material.fitting.evidence import main_lobe, record_fit
+from relgloss_view.material.fitting.evidence import main_lobe, record_fit, with_energy_warning
 from relgloss_view.material.fitting.ladder import Candidate, Progress
 from relgloss_view.material.fitting.model import (
     INDEX_RANGE,
@@ -90,7 +90,7 @@ def fit_material(
     ladder.report(progress, 1.0, "done")
     record = replace(record, seconds=round(time.perf_counter() - began, 3))
     try:
-        return _material(measurement, best, state, record)
+        return with_energy_warning(_material(measurement, best, state, record))
     except InputError as error:
         raise InputError(
             f"{measurement.place}: the fit is no material: {error}; check the quantity and its unit"

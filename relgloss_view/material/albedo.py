@@ -1,0 +1,62 @@
+"""How much of the light that arrives a material reflects, over all directions."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from relgloss_view.material import brdf
+from relgloss_view.material.material import Material
+
+Array = NDArray[np.float64]
+
+POLAR_NODES = 48  #: Gauss-Legendre nodes of the polar angle
+AZIMUTHS = 48  #: half a turn, by symmetry
+LOBE_REACH_SD = 7.0  #: a Gaussian beyond this many standard deviations holds 1e-11 of its volume
+
+
+def directional_albedo(material: Material, incidence_deg: ArrayLike) -> tuple[Array, Array]:
+    """Diffuse and specular share of the light from some incidences, each (A, B).
+
+    By quadrature: the diffuse part over viewing directions, each lobe over its half-vectors, where
+    it is smooth however narrow (dw_o = 4 (i.h) dw_h). Good to 1e-3 up to 85 degrees.
+    """
+    angles = np.atleast_1d(np.asarray(incidence_deg, dtype=np.float64))
+    parts = [_albedo(material, float(np.radians(angle))) for angle in angles]
+    return np.array([diffuse for diffuse, _ in parts]), np.array([shine for _, shine in parts])
+
+
+def _albedo(material: Material, theta: float) -> tuple[Array, Array]:
+    i = np.array([np.sin(theta), 0.0, np.cos(theta)])
+    normal = np.array([0.0, 0.0, 1.0])
+    x, weight = np.polynomial.legendre.leggauss(POLAR_NODES)
+    phi = (np.arange(AZIMUTHS) + 0.5) * np.pi / AZIMUTHS
+    mu = 0.5 * (x + 1.0)
+    o = _directions(np.arccos(mu), phi)
+    first, second = brdf.diffuse_shapes(
+        material.diffuse.model, brdf.facing(normal, i, o), material.diffuse.sigma
+    )
+    area = np.pi * weight * mu  # 2 pi in azimuth, 1/2 from the interval of mu
+    share = [np.sum(area * shape.mean(axis=1)) for shape in (first, second)]
+    diffuse = share[0] * np.asarray(material.diffuse.albedo) + share[1] * material.second_albedo()
+    specular = np.zeros_like(diffuse)
+    for lobe in material.visible_lobes():
+        reach = min(LOBE_REACH_SD * lobe.s, 0.5 * np.pi)
+        delta = 0.5 * reach * (x + 1.0)
+        h = _directions(delta, phi)
+        ih = h @ i
+        o = 2.0 * ih[..., None] * h - i
+        f = brdf.facing(normal, i, o)
+        value = brdf.torrance_sparrow(f, lobe.s, lobe.refractive_index) * np.maximum(f.mu_o, 0.0)
+        value = np.where(ih > 0.0, value * 4.0 * ih, 0.0)
+        total = np.sum(np.pi * reach * weight * np.sin(delta) * value.mean(axis=1))
+        specular = specular + total * lobe.per_band(material.bands.count)
+    return diffuse, specular
+
+
+def _directions(theta: Array, phi: Array) -> Array:
+    """Unit vectors over a grid of polar angles and azimuths, (T, P, 3)."""
+    sin = np.sin(theta)[:, None]
+    return np.stack(
+        [sin * np.cos(phi), sin * np.sin(phi), np.cos(theta)[:, None] + 0.0 * phi], axis=-1
+    )
