@@ -2,7 +2,7 @@
 
 A BRDF that is a sum of spectra times shapes folds into one XYZ triple a spectrum, so a picture
 needs three channels only. The lamp is summed on its own fine grid and never at the band centres: a
-discharge lamp sampled at 10 nm moves its white by several dE (science of CIE 15; ASTM E308).
+discharge lamp sampled at 10 nm moves its white by several dE.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import csv
 import itertools
 import os
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -59,6 +59,7 @@ class Illuminant:
     wavelengths_nm: tuple[float, ...]
     power: tuple[float, ...]
 
+    @cached_property
     def weighted_observer(self) -> tuple[Array, Array]:
         """The lamp's grid and S(l) times the CIE 1931 observer times the step, Y summing to 1."""
         grid = np.asarray(self.wavelengths_nm)
@@ -69,9 +70,15 @@ class Illuminant:
         product = matching * power * np.gradient(grid)
         return grid, np.asarray(product / np.sum(product[1]))
 
+    @cached_property
+    def _white(self) -> Array:
+        white = np.asarray(np.sum(self.weighted_observer[1], axis=1))
+        white.setflags(write=False)
+        return white
+
     def white_xyz(self) -> Array:
-        """XYZ of the perfect diffuser under this lamp, Y = 1."""
-        return np.asarray(np.sum(self.weighted_observer()[1], axis=1))
+        """XYZ of the perfect diffuser under this lamp, Y = 1; not to be written to."""
+        return self._white
 
 
 def illuminant(name: str) -> Illuminant:
@@ -147,7 +154,7 @@ def xyz_weights(bands: Bands, lamp: Illuminant) -> Array:
     if bands.is_rgb:
         matrix = rgb_to_xyz_matrix(SRGB_PRIMARIES_XY, D65_XY)
         return np.asarray((matrix * (lamp.white_xyz() / white_from_xy(D65_XY))[:, None]).T)
-    grid, observer = lamp.weighted_observer()
+    grid, observer = lamp.weighted_observer
     return np.asarray((observer @ lagrange_matrix(bands.centres_nm(), grid)).T)
 
 

@@ -102,10 +102,6 @@ def scene_warnings(
     return ()
 
 
-#: Stages that a renderer delivers, by name; each with rows from the top.
-STAGES = ("diffuse", "specular", "light", "lab", "display", "normal", "tilted_normal", "point_m")
-
-
 class Frame:
     """A picture. Stages are fetched when they are first asked for, then kept.
 

@@ -33,15 +33,20 @@ class Range:
     meaning: str
 
 
-def parameter(default: float, low: float, high: float, unit: str, meaning: str) -> Any:
-    """A dataclass field with a declared range."""
-    return field(default=default, metadata={"range": Range(low, high, unit, meaning)})
+def parameter(default: float | None, low: float, high: float, unit: str, meaning: str) -> Any:
+    """A dataclass field with a declared range; one whose default is None may be left out."""
+    return _ranged(default, Range(low, high, unit, meaning), optional=default is None)
 
 
-def whole_number(default: int | None, low: int, high: int, unit: str, meaning: str) -> Any:
-    """A dataclass field that takes whole numbers of a declared range."""
-    limits = Range(low, high, unit, meaning)
-    return field(default=default, metadata={"range": limits, "whole": True})
+def whole_number(
+    default: int, low: int, high: int, unit: str, meaning: str, *, optional: bool = False
+) -> Any:
+    """A dataclass field that takes whole numbers of a declared range; None too, if optional."""
+    return _ranged(default, Range(low, high, unit, meaning), whole=True, optional=optional)
+
+
+def _ranged(default: float | None, limits: Range, **flags: bool) -> Any:
+    return field(default=default, metadata={"range": limits, **flags})
 
 
 def choice(default: str, options: tuple[str, ...], meaning: str) -> Any:
@@ -57,15 +62,11 @@ class _Checked:
             value = getattr(self, f.name)
             place = f"{type(self).__name__.lower()}.{f.name}"
             allowed = f.metadata.get("range")
-            if allowed is not None and not (value is None and _may_be_none(f)):
+            if allowed is not None and not (value is None and f.metadata.get("optional", False)):
                 _check_range(place, value, allowed, whole=f.metadata.get("whole", False))
             options = f.metadata.get("options")
             if options is not None and value not in options:
                 fault(place, f"one of {', '.join(options)}", value)
-
-
-def _may_be_none(f: dataclasses.Field[Any]) -> bool:
-    return "None" in str(f.type)
 
 
 def _check_range(place: str, value: object, allowed: Range, *, whole: bool) -> None:
@@ -154,9 +155,8 @@ class Eye(_Checked):
     elevation_deg: float = parameter(0.0, -90.0, 90.0, "deg", "above the horizontal plane")
     distance_m: float = parameter(0.6, 1e-3, 1e3, "m", "from the object's centre")
     #: Angle of view across the height of the picture; None frames the object.
-    field_of_view_deg: float | None = field(
-        default=None,
-        metadata={"range": Range(1e-3, 170.0, "deg", "across the height of the picture")},
+    field_of_view_deg: float | None = parameter(
+        None, 1e-3, 170.0, "deg", "across the height of the picture"
     )
 
     @property
@@ -229,10 +229,8 @@ class Look(_Checked):
     """
 
     sigma_n_deg: float = parameter(0.0, 0.0, 10.0, "deg", "sd of the tilt of the normal")
-    c: float | None = field(default=None, metadata={"range": Range(0.0, 1e4, "", "scales L_s*")})
-    c_fraction: float | None = field(
-        default=None, metadata={"range": Range(0.0, 10.0, "", "c as a fraction of c_max")}
-    )
+    c: float | None = parameter(None, 0.0, 1e4, "", "scales L_s*")
+    c_fraction: float | None = parameter(None, 0.0, 10.0, "", "c as a fraction of c_max")
     grain: str = choice("screen", GRAINS, "what a grain is fixed to")
     grain_px: int = whole_number(1, 1, 1024, "px", "side of a screen grain")
     grain_mm: float = parameter(0.2, 0.001, 100.0, "mm", "side of a surface grain")
@@ -241,7 +239,9 @@ class Look(_Checked):
     seed: int = whole_number(0, 0, 2**31 - 1, "", "of the grain")
     #: None takes as many as the narrowest lobe needs. One samples the pixel's centre, so that
     #: each number of a picture can be computed again from the point and normal that go with it.
-    samples: int | None = whole_number(1, 1, 16, "", "samples along each side of a pixel")
+    samples: int | None = whole_number(
+        1, 1, 16, "", "samples along each side of a pixel", optional=True
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from relgloss_view.errors import InputError
-from relgloss_view.picture.scene import Scene
+from relgloss_view.picture.scene import Eye, Scene, Shape
 
 Array = NDArray[np.float64]
 Size = tuple[int, int]  #: width, height in pixels
@@ -45,21 +46,7 @@ class View:
     @classmethod
     def of(cls, scene: Scene, size: Size) -> View:
         """The view of a scene: through the object's centre, upright, framing the object."""
-        eye = scene.eye.position_m
-        forward = -eye / np.linalg.norm(eye)
-        azimuth = np.radians(scene.eye.azimuth_deg)
-        right = np.array([np.cos(azimuth), 0.0, -np.sin(azimuth)])
-        up = np.cross(right, forward)
-        width, height = size
-        angle = scene.eye.field_of_view_deg
-        if angle is None:
-            across, tall = _extent(scene, eye, right, up, forward)
-            step = max(across / width, tall / height) / FILL
-        else:
-            step = 2.0 * np.tan(0.5 * np.radians(angle)) / height
-        return cls(
-            _round(eye), _round(right), _round(up), _round(forward), float(np.float32(step)), size
-        )
+        return _view(scene.shape, scene.eye, size)
 
     def rays(self, rows: slice, place: tuple[float, float] = (0.5, 0.5)) -> Array:
         """Rays through a place inside each pixel of some rows, (R, W, 3), not of unit length."""
@@ -69,22 +56,48 @@ class View:
         return np.asarray(self.forward + x[None, :, None] * self.right - y[:, None, None] * self.up)
 
 
+@lru_cache(maxsize=64)
+def _view(shape: Shape, eye: Eye, size: Size) -> View:
+    place = eye.position_m
+    forward = -place / np.linalg.norm(place)
+    azimuth = np.radians(eye.azimuth_deg)
+    right = np.array([np.cos(azimuth), 0.0, -np.sin(azimuth)])
+    up = np.cross(right, forward)
+    width, height = size
+    if eye.field_of_view_deg is None:
+        across, tall = _extent(shape, place, right, up, forward)
+        step = max(across / width, tall / height) / FILL
+    else:
+        step = 2.0 * np.tan(0.5 * np.radians(eye.field_of_view_deg)) / height
+    return View(
+        eye_m=_round(place),
+        right=_round(right),
+        up=_round(up),
+        forward=_round(forward),
+        pixel_step=float(np.float32(step)),
+        size=size,
+    )
+
+
 def _round(vector: Array) -> Array:
-    return vector.astype(np.float32).astype(np.float64)
+    """In float32's numbers; not to be written to, since views are shared."""
+    rounded = vector.astype(np.float32).astype(np.float64)
+    rounded.setflags(write=False)
+    return rounded
 
 
 def _extent(
-    scene: Scene, eye: Array, right: Array, up: Array, forward: Array
+    shape: Shape, eye: Array, right: Array, up: Array, forward: Array
 ) -> tuple[float, float]:
     """Tangents of the angles that the object spans across and up."""
-    shape, distance = scene.shape, float(np.linalg.norm(eye))
+    distance = float(np.linalg.norm(eye))
     if shape.kind == "sphere":
         radius = 0.5 * shape.diameter_m
         if distance <= radius:
             return WIDE
         angle = 2.0 * radius / np.sqrt(distance**2 - radius**2)
         return angle, angle
-    outline = _outline(scene)
+    outline = _outline(shape)
     depth = (outline - eye) @ forward
     if np.min(depth) <= 1e-6:  # the eye is among the points: any angle serves
         return WIDE
@@ -93,10 +106,10 @@ def _extent(
     return 2.0 * float(np.max(across)), 2.0 * float(np.max(tall))
 
 
-def _outline(scene: Scene) -> Array:
+def _outline(shape: Shape) -> Array:
     """Points whose hull is the object: a box's corners, a cylinder's rims."""
-    half = scene.shape.half_extent_m()
-    if scene.shape.kind == "cylinder":
+    half = shape.half_extent_m()
+    if shape.kind == "cylinder":
         turn = np.linspace(0.0, 2.0 * np.pi, 180, endpoint=False)
         rim = np.stack([np.sin(turn), np.ones_like(turn), np.cos(turn)], axis=-1)
         return np.concatenate([rim * half, rim * half * (1.0, -1.0, 1.0)])
