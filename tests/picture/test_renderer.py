@@ -639,6 +639,41 @@ class TestDrivers:
         assert differs, "two drivers that never differ are one driver: this test shows nothing"
 
 
+ATTACH_SCRIPT = """
+import ctypes, sys, numpy as np
+import imgui_bundle, glfw  # in this order both use the bundle's own GLFW
+sys.path.insert(0, sys.argv[1])
+import materials
+from relgloss_view.picture.backends import open_renderer
+from relgloss_view.picture.context import attach
+from relgloss_view.picture.renderer import Renderer
+from relgloss_view.picture.scene import Look, Scene
+glfw.init_hint(glfw.PLATFORM, glfw.PLATFORM_NULL)
+assert glfw.init()
+for hint, value in ((glfw.CONTEXT_CREATION_API, glfw.EGL_CONTEXT_API),
+                    (glfw.CONTEXT_VERSION_MAJOR, 3), (glfw.CONTEXT_VERSION_MINOR, 3),
+                    (glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)):
+    glfw.window_hint(hint, value)
+window = glfw.create_window(64, 64, "window", None, None)
+glfw.make_context_current(window)
+load = lambda name: ctypes.cast(glfw.get_proc_address(name), ctypes.c_void_p).value or 0
+request = Scene(materials.paper("matte")), Look(sigma_n_deg=1.0), (64, 48)
+ctx = attach(load)
+in_window = Renderer(ctx).render(*request).lab.copy()
+assert ctx.error == "GL_NO_ERROR"
+with open_renderer("egl") as headless:
+    np.testing.assert_array_equal(in_window, headless.render(*request).lab)
+"""
+
+
+def test_a_windows_own_context_draws_the_same():
+    """GLFW's null platform: a window and its context, without a display."""
+    here = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+    words = [sys.executable, "-c", ATTACH_SCRIPT, here]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+
+
 def test_backends_open_and_close():
     for backend in ("egl", "reference"):
         with open_renderer(backend) as renderer:

@@ -1,13 +1,20 @@
-"""What readers share: the directions of tabulated files, duplicates, nothing left to use."""
+"""What readers share: from angles and readings to a Measurement, and BRDFs above the horizon."""
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Callable
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from relgloss_view.bands import Bands
 from relgloss_view.errors import InputError
+from relgloss_view.measure import screen
 from relgloss_view.measure.gonio import spherical, tabulated_grid
-from relgloss_view.measure.table import Measurement
+from relgloss_view.measure.quantity import to_radiance_factor
+from relgloss_view.measure.readers.csv_table import TextTable
+from relgloss_view.measure.readers.declared import Declared
+from relgloss_view.measure.table import KEPT, Measurement
 
 Array = NDArray[np.float64]
 
@@ -25,6 +32,54 @@ def tabulated_directions() -> tuple[Array, Array, NDArray[np.int64]]:
     theta_i, theta_r, phi = tabulated_grid().T
     to_lamp = spherical(theta_i, np.full_like(theta_i, 180.0))
     return to_lamp, spherical(theta_r, 180.0 - phi), np.rint(theta_i).astype(np.int64)
+
+
+def evaluate_above(i: ArrayLike, o: ArrayLike, brdf: Callable[[Array, Array], Array]) -> Array:
+    """`brdf`, of directions (M, 3) each, where both are above z = 0; zero elsewhere, (..., 3)."""
+    i, o = np.broadcast_arrays(np.asarray(i, np.float64), np.asarray(o, np.float64))
+    flat_i, flat_o = i.reshape(-1, 3), o.reshape(-1, 3)
+    result = np.zeros_like(flat_i)
+    above = (flat_i[:, 2] > 0.0) & (flat_o[:, 2] > 0.0)
+    if above.any():
+        result[above] = brdf(flat_i[above], flat_o[above])
+    return result.reshape(i.shape)
+
+
+def from_table(
+    table: TextTable,
+    facts: Declared,
+    angles: Array,
+    bands: Bands,
+    readings: Array,
+    directions: tuple[Array, Array],
+    group: Array,
+    *,
+    arms_occlude: bool = False,
+) -> Measurement:
+    """The measurement of a parsed table: screened, in radiance factors, repeated rows compared.
+
+    angles (N, A) are the instrument's; directions are to lamp and to receiver, (N, 3) each; group
+    (N,) is rounded to whole numbers. Raises InputError where no sample is left.
+    """
+    to_lamp, to_receiver = directions
+    reasons = screen.reasons(
+        to_lamp, to_receiver, readings, saturation=facts.saturation, arms_occlude=arms_occlude
+    )
+    factor = to_radiance_factor(readings, facts.quantity, to_receiver[:, 2])
+    contradiction = contradictions(angles, factor, reasons == KEPT)
+    measurement = Measurement(
+        name=facts.name,
+        source=facts.source,
+        to_lamp=to_lamp,
+        to_receiver=to_receiver,
+        bands=bands,
+        radiance_factor=factor,
+        reasons=reasons,
+        group=np.rint(group).astype(np.int64),
+        aperture_sd_deg=facts.aperture_sd_deg,
+        warnings=(*facts.warnings, *([contradiction] if contradiction else [])),
+    )
+    return require_samples(measurement, table.path)
 
 
 def require_samples(measurement: Measurement, path: object) -> Measurement:

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from relgloss_view.measure import ridge, screen
+from relgloss_view.measure import ridge
 from relgloss_view.measure.gonio import gcms_directions
-from relgloss_view.measure.quantity import known, to_radiance_factor
-from relgloss_view.measure.readers.assemble import contradictions, require_samples
+from relgloss_view.measure.quantity import known
+from relgloss_view.measure.readers.assemble import from_table
 from relgloss_view.measure.readers.columns import split_columns
 from relgloss_view.measure.readers.csv_table import TextTable
 from relgloss_view.measure.readers.declared import declared
-from relgloss_view.measure.table import KEPT, Measurement
+from relgloss_view.measure.table import Measurement
 
 #: Column names and the largest magnitude of each angle, degrees.
 COLUMNS = {"alpha_deg": 90.0, "beta_deg": 90.0, "gamma_deg": 90.0}
@@ -30,37 +31,19 @@ def read(
     """
     facts = declared(table, quantity, gamma_s_deg)
     angles, bands, readings = split_columns(table, COLUMNS)
-    to_lamp, to_receiver = gcms_directions(
-        angles[:, 0], angles[:, 1], angles[:, 2], facts.gamma_s_deg
+    alpha, beta, gamma = angles.T
+    directions = gcms_directions(alpha, beta, gamma, facts.gamma_s_deg)
+    measurement = from_table(
+        table, facts, angles, bands, readings, directions, alpha, arms_occlude=True
     )
-    reasons = screen.reasons(
-        to_lamp, to_receiver, readings, saturation=facts.saturation, arms_occlude=True
-    )
-    factor = to_radiance_factor(readings, facts.quantity, to_receiver[:, 2])
-    kept = reasons == KEPT
-    found = [
-        contradictions(angles, factor, kept),
-        ridge.check(
-            angles[kept],
-            factor[kept].mean(axis=1),
-            facts.gamma_s_deg,
-            declared=facts.gamma_s_given,
-        ),
-    ]
-    measurement = Measurement(
-        name=facts.name,
-        source=facts.source,
-        to_lamp=to_lamp,
-        to_receiver=to_receiver,
-        bands=bands,
-        radiance_factor=factor,
-        reasons=reasons,
-        group=np.rint(angles[:, 0]).astype(np.int64),
-        aperture_sd_deg=facts.aperture_sd_deg,
+    kept = measurement.kept
+    level = measurement.radiance_factor[kept].mean(axis=1)
+    elsewhere = ridge.check(angles[kept], level, facts.gamma_s_deg, declared=facts.gamma_s_given)
+    return replace(
+        measurement,
         gamma_s_deg=facts.gamma_s_deg,
-        warnings=(*facts.warnings, *(warning for warning in found if warning)),
+        warnings=(*measurement.warnings, *([elsewhere] if elsewhere else [])),
     )
-    return require_samples(measurement, table.path)
 
 
 def write_gcms_csv(

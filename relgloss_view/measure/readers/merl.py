@@ -16,7 +16,11 @@ from numpy.typing import ArrayLike, NDArray
 from relgloss_view.bands import RGB
 from relgloss_view.errors import InputError
 from relgloss_view.measure import screen
-from relgloss_view.measure.readers.assemble import require_samples, tabulated_directions
+from relgloss_view.measure.readers.assemble import (
+    evaluate_above,
+    require_samples,
+    tabulated_directions,
+)
 from relgloss_view.measure.table import Measurement
 
 Array = NDArray[np.float64]
@@ -80,14 +84,7 @@ class MerlBrdf:
         i (to the lamp) and o (to the eye) are unit vectors, (..., 3). Interpolates linearly
         between the centres of measured bins; a direction in an unmeasured bin has no value.
         """
-        i, o = np.broadcast_arrays(np.asarray(i, np.float64), np.asarray(o, np.float64))
-        shape = i.shape
-        i, o = i.reshape(-1, 3), o.reshape(-1, 3)
-        result = np.zeros_like(i)
-        above = (i[:, 2] > 0.0) & (o[:, 2] > 0.0)
-        if above.any():
-            result[above] = self._interpolate(_bin_coordinates(i[above], o[above]))
-        return result.reshape(shape)
+        return evaluate_above(i, o, lambda i, o: self._interpolate(_bin_coordinates(i, o)))
 
     def _interpolate(self, coordinates: Array) -> Array:
         """Values at bin coordinates (M, 3), where bin k reaches from k to k + 1."""

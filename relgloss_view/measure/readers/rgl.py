@@ -18,7 +18,11 @@ from relgloss_view.bands import RGB
 from relgloss_view.errors import InputError
 from relgloss_view.measure import screen, table
 from relgloss_view.measure.readers import tensor_file
-from relgloss_view.measure.readers.assemble import require_samples, tabulated_directions
+from relgloss_view.measure.readers.assemble import (
+    evaluate_above,
+    require_samples,
+    tabulated_directions,
+)
 from relgloss_view.measure.readers.unit_square import Warp, bilinear, find_slices
 from relgloss_view.measure.table import Measurement
 
@@ -162,14 +166,7 @@ class RglBrdf:
         i (to the lamp) and o (to the eye) are unit vectors, (..., 3). Beyond the tabulated
         incidences the nearest slice holds.
         """
-        i, o = np.broadcast_arrays(np.asarray(i, np.float64), np.asarray(o, np.float64))
-        shape = i.shape
-        i, o = i.reshape(-1, 3), o.reshape(-1, 3)
-        result = np.zeros_like(i)
-        above = (i[:, 2] > 0.0) & (o[:, 2] > 0.0)
-        if above.any():
-            result[above] = self._above(i[above], o[above])
-        return result.reshape(shape)
+        return evaluate_above(i, o, self._above)
 
     def _above(self, i: Array, o: Array) -> Array:
         half = i + o
