@@ -27,6 +27,7 @@ ROOMS = [
     "measure",
     "material",
     "picture",
+    "viewer",
     "commands",
     "cli",
 ]

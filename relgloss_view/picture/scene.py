@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relgloss_view.errors import InputError
-from relgloss_view.material.material import Material
+from relgloss_view.material.material import DIFFUSE_MODELS, Material
 from relgloss_view.text_input import fault, number
 
 Array = NDArray[np.float64]
@@ -54,7 +54,12 @@ def choice(default: str, options: tuple[str, ...], meaning: str) -> Any:
     return field(default=default, metadata={"options": options, "meaning": meaning})
 
 
-class _Checked:
+def switch(default: bool, meaning: str) -> Any:
+    """A dataclass field that is on or off."""
+    return field(default=default, metadata={"switch": True, "meaning": meaning})
+
+
+class Checked:
     """Checks every declared range when a value is made."""
 
     def __post_init__(self) -> None:
@@ -67,6 +72,8 @@ class _Checked:
             options = f.metadata.get("options")
             if options is not None and value not in options:
                 fault(place, f"one of {', '.join(options)}", value)
+            if f.metadata.get("switch") and not isinstance(value, bool):
+                fault(place, "true or false", value)
 
 
 def _check_range(place: str, value: object, allowed: Range, *, whole: bool) -> None:
@@ -81,7 +88,7 @@ SHAPES = ("cylinder", "sphere", "plane", "box")
 
 
 @dataclass(frozen=True)
-class Shape(_Checked):
+class Shape(Checked):
     """The object, centred at the origin. The cylinder and the sphere have a diameter."""
 
     kind: str = choice("cylinder", SHAPES, "the object's form")
@@ -126,7 +133,7 @@ Y_N_PLACES = ("maximum", "front")  #: its brightest pixel, or the point that fac
 
 
 @dataclass(frozen=True)
-class Lamp(_Checked):
+class Lamp(Checked):
     """A point lamp, as bright as makes a white standard in the object's place show Y_n."""
 
     azimuth_deg: float = parameter(50.0, -180.0, 180.0, "deg", "0 is the default eye, 90 its right")
@@ -148,16 +155,24 @@ class Lamp(_Checked):
 
 
 @dataclass(frozen=True)
-class Eye(_Checked):
-    """The eye looks at the object's centre; the picture is in perspective."""
+class Eye(Checked):
+    """The eye looks at the object's centre; the picture is in perspective.
+
+    A shift slides the picture's frame sideways, as a view camera's lens does: it moves what is
+    shown without turning anything.
+    """
 
     azimuth_deg: float = parameter(0.0, -180.0, 180.0, "deg", "0 looks along -z")
     elevation_deg: float = parameter(0.0, -90.0, 90.0, "deg", "above the horizontal plane")
     distance_m: float = parameter(0.6, 1e-3, 1e3, "m", "from the object's centre")
     #: Angle of view across the height of the picture; None frames the object.
     field_of_view_deg: float | None = parameter(
-        None, 1e-3, 170.0, "deg", "across the height of the picture"
+        None, 1e-3, 170.0, "deg", "across the height of the picture; none frames the object"
     )
+    shift_right: float = parameter(
+        0.0, -100.0, 100.0, "", "of the picture's centre, as the tangent of an angle"
+    )
+    shift_up: float = parameter(0.0, -100.0, 100.0, "", "see shift_right")
 
     @property
     def position_m(self) -> Array:
@@ -184,7 +199,7 @@ def _is_xy(value: object) -> bool:
 
 
 @dataclass(frozen=True)
-class Display(_Checked):
+class Display(Checked):
     """The monitor: its white shows L* = 100. sRGB, or primaries with gain, offset and gamma."""
 
     transfer: str = choice("srgb", ("srgb", "gain-offset-gamma"), "how RGB becomes light")
@@ -222,7 +237,7 @@ NOISY_LOBES = ("both", "specular")
 
 
 @dataclass(frozen=True)
-class Look(_Checked):
+class Look(Checked):
     """What is tuned by eye: graininess sigma_N and the scaling c of the specular L*.
 
     c is given either as a value or as a fraction of the exact c_max; both None means c_max.
@@ -242,6 +257,7 @@ class Look(_Checked):
     samples: int | None = whole_number(
         1, 1, 16, "", "samples along each side of a pixel", optional=True
     )
+    diffuse_model: str = choice("fitted", ("fitted", *DIFFUSE_MODELS), "draws the diffuse part")
 
     def __post_init__(self) -> None:
         super().__post_init__()

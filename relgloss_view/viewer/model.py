@@ -1,0 +1,79 @@
+"""Model: what the panels read and change. No OpenGL, no window library."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from relgloss_view.errors import RelglossError
+from relgloss_view.measure.table import Measurement
+from relgloss_view.picture.frame import Frame
+from relgloss_view.text_input import printable
+from relgloss_view.viewer.history import History
+from relgloss_view.viewer.state import Sample, State
+
+LONGEST_NOTE = 400  #: characters
+NOTES_KEPT = 50
+
+
+@dataclass(frozen=True)
+class Note:
+    """Something the window says in its status line."""
+
+    text: str
+    fault: bool = False
+    at_s: float = field(default_factory=time.monotonic)
+
+
+class Model:
+    """The state with its history, the pictures last drawn, and what was said.
+
+    Panels change the state with `change`; the next frame draws what that asks for.
+    """
+
+    def __init__(self, state: State) -> None:
+        self.history = History(state)
+        #: The pictures as last drawn, by side; empty before the first.
+        self.frames: dict[str, Frame] = {}
+        self.notes: list[Note] = []
+        #: Tables read in this window, by file, so that plots can show their points.
+        self.measurements: dict[str, Measurement] = {}
+        self.active_side = "test"  #: the one that panels show where they show one
+        self.dragging = False  #: whether the hand holds something that changes pictures
+
+    @property
+    def state(self) -> State:
+        """The present state."""
+        return self.history.state
+
+    def change(self, state: State, gesture: object = None) -> None:
+        """Make a state the present one; see History.change."""
+        self.history.change(state, gesture)
+
+    def set_part(self, part: str, gesture: object = None, **changes: Any) -> None:
+        """Change entries of shape, lamp, eye, display or presentation."""
+        self.change(self.state.with_part(part, **changes), gesture)
+
+    def set_look(self, side: str, gesture: object = None, **changes: Any) -> None:
+        """Change entries of a side's look."""
+        self.change(self.state.with_look(side, **changes), gesture)
+
+    def set_sample(self, side: str, sample: Sample) -> None:
+        """Put another sample on a side."""
+        self.change(self.state.with_sample(side, sample))
+
+    def say(self, text: str, *, fault: bool = False) -> None:
+        """Show a line in the status line and keep it in the list of messages."""
+        self.notes.append(Note(printable(text, LONGEST_NOTE), fault))
+        del self.notes[:-NOTES_KEPT]
+
+    def attempt(self, action: Callable[[], object]) -> bool:
+        """Do something that may fail for a reason the user can mend; a failure is said."""
+        try:
+            action()
+        except RelglossError as error:
+            self.say(str(error), fault=True)
+            return False
+        return True
