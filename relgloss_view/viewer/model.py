@@ -42,6 +42,9 @@ class Model:
         self.measurements: dict[str, Measurement] = {}
         self.active_side = "test"  #: the one that panels show where they show one
         self.dragging = False  #: whether the hand holds something that changes pictures
+        #: The pixel under the mouse, and the one that is held: side, column, row from the top.
+        self.pointer: tuple[str, int, int] | None = None
+        self.pinned: tuple[str, int, int] | None = None
 
     @property
     def state(self) -> State:
