@@ -4,14 +4,14 @@
 
 uniform sampler2D extremes_image;
 uniform sampler2D brightest_image;
+uniform ivec4 region;  // left, bottom, right, top: pixels
 
 layout(location = 0) out vec4 extremes;
 layout(location = 1) out vec4 brightest;
 
 void main() {
-    ivec2 size = textureSize(extremes_image, 0);
-    ivec2 first = BLOCK * ivec2(gl_FragCoord.xy);
-    ivec2 last = min(first + BLOCK, size);
+    ivec2 first = region.xy + BLOCK * ivec2(gl_FragCoord.xy);
+    ivec2 last = min(first + BLOCK, region.zw);
     extremes = vec4(1e30, -1e30, -1e30, 0.0);
     brightest = vec4(-1e30, 0.0, 0.0, 0.0);
     for (int y = first.y; y < last.y; ++y) {

@@ -51,6 +51,13 @@ float largest_c(vec2 split) {
     return split.y > 1e-6 ? (100.0 - split.x) / split.y : 1e30;
 }
 
+const float CLIP_TOLERANCE = 1e-3;  // L*: far below what an eye can tell
+
+// L~*, a*, b* of a pixel's (L_d*, L_s*, a*, b*), its specular part scaled by c (eqs. 2-3).
+vec3 scaled_lab(vec4 split, float c) {
+    return vec3(split.x + c * split.y, split.zw);
+}
+
 const float GAMUT_TOLERANCE = 1e-4;  // far below one step of 8 bits
 
 bool in_gamut(vec3 rgb) {
@@ -67,15 +74,16 @@ vec3 display_rgb(int gamut, vec3 lab, vec3 display_white, mat3 rgb_from_xyz, out
     lab.x = clamp(lab.x, 0.0, 100.0);
     vec3 rgb = rgb_from_xyz * xyz_from_lab(lab, display_white);
     inside = in_gamut(rgb);
-    if (!inside && gamut == CHROMA) {
+    if (gamut == CHROMA) {
         float low = 0.0;
         float high = 1.0;
-        for (int step = 0; step < 16; ++step) {
-            float middle = 0.5 * (low + high);
-            rgb = rgb_from_xyz * xyz_from_lab(vec3(lab.x, middle * lab.yz), display_white);
-            if (in_gamut(rgb)) low = middle; else high = middle;
+        // A software driver computes both sides of a branch, but leaves a loop that no pixel needs.
+        int steps = inside ? 0 : 17;
+        for (int step = 0; step < steps; ++step) {
+            float kept = step < 16 ? 0.5 * (low + high) : low;
+            rgb = rgb_from_xyz * xyz_from_lab(vec3(lab.x, kept * lab.yz), display_white);
+            if (in_gamut(rgb)) low = kept; else high = kept;
         }
-        rgb = rgb_from_xyz * xyz_from_lab(vec3(lab.x, low * lab.yz), display_white);
     }
     return clamp(rgb, 0.0, 1.0);
 }

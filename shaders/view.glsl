@@ -5,6 +5,7 @@ uniform vec3 view_right;    // unit
 uniform vec3 view_up;       // unit
 uniform vec3 view_forward;  // unit
 uniform float pixel_step;   // tangent of a pixel's angle at the centre
+uniform vec2 view_shift;    // of the picture's centre to the right and up, tangents
 uniform ivec2 size_px;
 
 ivec2 pixel() {
@@ -13,6 +14,6 @@ ivec2 pixel() {
 
 // Ray through a place inside a pixel, (0.5, 0.5) its centre; not of unit length.
 vec3 ray_through(ivec2 pixel, vec2 place) {
-    vec2 offset = vec2(pixel) + place - 0.5 * vec2(size_px);
-    return view_forward + (offset.x * pixel_step) * view_right - (offset.y * pixel_step) * view_up;
+    vec2 offset = (vec2(pixel) + place - 0.5 * vec2(size_px)) * pixel_step;
+    return view_forward + (offset.x + view_shift.x) * view_right - (offset.y - view_shift.y) * view_up;
 }

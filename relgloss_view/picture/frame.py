@@ -151,8 +151,12 @@ class Frame:
         return self._fetch("diffuse")
 
     @cached_property
-    def _lab(self) -> Floats:
-        return self._fetch("lab")
+    def _flags(self) -> NDArray[np.uint8]:
+        return self._fetch("flags")[..., 0].astype(np.uint8)
+
+    @cached_property
+    def _counts(self) -> Floats:
+        return self._fetch("counts")
 
     @property
     def diffuse(self) -> Floats:
@@ -174,20 +178,30 @@ class Frame:
         """(H, W, 3), XYZ of the specular reflection."""
         return self._fetch("specular")[..., :3]
 
-    @property
+    @cached_property
     def lab(self) -> Floats:
         """(H, W, 3), L~*, a*, b* after the split and scaling, before gamut mapping; 0 off it."""
-        return self._lab[..., :3]
+        return self._fetch("lab")[..., :3]
 
     @property
     def clipped(self) -> NDArray[np.bool_]:
         """(H, W), where L~* is above 100 and is cut."""
-        return np.asarray(self._lab[..., 3].astype(np.int64) & 1, dtype=bool)
+        return np.asarray(self._flags & 1, dtype=bool)
 
     @property
     def out_of_gamut(self) -> NDArray[np.bool_]:
         """(H, W), where chroma is reduced because the display can't show the colour."""
-        return np.asarray(self._lab[..., 3].astype(np.int64) & 2, dtype=bool)
+        return np.asarray(self._flags & 2, dtype=bool)
+
+    @property
+    def clip_count(self) -> int:
+        """How many pixels are clipped."""
+        return int(self._counts[0])
+
+    @property
+    def out_of_gamut_count(self) -> int:
+        """How many pixels are out of gamut."""
+        return int(self._counts[1])
 
     @cached_property
     def light(self) -> Floats:

@@ -69,6 +69,17 @@ class Plan:
         }
 
 
+def as_drawn(scene: Scene, look: Look) -> Scene:
+    """The scene with the diffuse model that the look forces, if it forces one."""
+    diffuse = scene.material.diffuse
+    if look.diffuse_model in ("fitted", diffuse.model):
+        return scene
+    material = dataclasses.replace(
+        scene.material, diffuse=dataclasses.replace(diffuse, model=look.diffuse_model)
+    )
+    return dataclasses.replace(scene, material=material)
+
+
 def sample_count(scene: Scene, look: Look, size: Size) -> int:
     """Samples along each side of a pixel: those asked for, or what the narrowest lobe needs."""
     return samples_needed(scene, size) if look.samples is None else look.samples

@@ -12,7 +12,7 @@ from relgloss_view.material.spectra import illuminant, xyz_weights
 from relgloss_view.picture import noise, shape, tone
 from relgloss_view.picture.frame import Extremes, Frame, Scaling, scene_warnings
 from relgloss_view.picture.light import front_white, lit_white
-from relgloss_view.picture.plan import sample_count
+from relgloss_view.picture.plan import as_drawn, sample_count
 from relgloss_view.picture.scene import Look, Scene
 from relgloss_view.picture.view import Size, View, check_size
 
@@ -38,7 +38,7 @@ class ReferenceRenderer:
         if scene.lamp.y_n == "front":
             white = front_white(scene, view)
         white = lit_white(white, scene)
-        stages = self._shade(scene, look, view, white, samples)
+        stages = self._shade(as_drawn(scene, look), look, view, white, samples)
         extremes = _extremes(stages)
         scaling = Scaling.of(look, extremes)
         stages.update(_tone(scene, stages, scaling.c))
@@ -171,9 +171,13 @@ def _tone(scene: Scene, stages: dict[str, Array], c: float) -> dict[str, Array]:
         coverage * shown + (1.0 - coverage) * display.background_light,
         display.background_light,
     )
-    flags = (lab[..., 0] > 100.0 + tone.CLIP_TOLERANCE) + 2.0 * ~inside
+    flags = np.where(
+        seen[..., 0], (lab[..., 0] > 100.0 + tone.CLIP_TOLERANCE) + 2 * ~inside, 0
+    ).astype(np.uint8)
     return {
-        "lab": np.where(seen, np.concatenate([lab, flags[..., None]], axis=-1), 0.0),
+        "lab": np.where(seen, lab, 0.0),
+        "flags": flags[..., None],
+        "counts": np.array([np.sum(flags & 1), np.sum(flags >> 1)]),
         "light": np.concatenate([light, coverage], axis=-1),
         "display": np.floor(255.0 * tone.encode(light, display) + 0.5),
     }

@@ -1,4 +1,4 @@
-"""Scene files (TOML): which sample stands where, and how it is to look."""
+"""Scene files (TOML): which sample stands where, and how it is to look. Read here."""
 
 from __future__ import annotations
 
@@ -6,15 +6,17 @@ import dataclasses
 import os
 import tomllib
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from relgloss_view.errors import InputError
 from relgloss_view.material.files import load_material
+from relgloss_view.material.material import Material
 from relgloss_view.material.spectra import illuminant, is_lamp_name
 from relgloss_view.picture.samples import DEFAULT_SAMPLE, load_sample
 from relgloss_view.picture.scene import Display, Eye, Lamp, Look, Scene, Shape
-from relgloss_view.text_input import read_text
+from relgloss_view.text_input import fault, printable, read_text, text
 
 TABLES: dict[str, type[Any]] = {
     "shape": Shape,
@@ -23,68 +25,181 @@ TABLES: dict[str, type[Any]] = {
     "display": Display,
     "look": Look,
 }
+#: Of a pair of pictures. What [presentation] holds is the window's own business.
+PAIR_TABLES = ("reference", "presentation")
+SAMPLE_ENTRIES = ("name", "material", "table")
+AUTO = "auto"  #: what an optional entry says where its value is None
 MAX_BYTES = 1024 * 1024
+EXPECTED = "a scene file (TOML)"
+
+
+@dataclass(frozen=True)
+class SceneSample:
+    """A sample as a scene file gives it: built in, by name, or in a file."""
+
+    material: Material
+    name: str | None = None  #: of a built-in sample
+    file: str | None = None  #: the material file
+    table: str | None = None  #: the measurement that it was fitted to; not opened here
+
+
+@dataclass(frozen=True)
+class SceneFile:
+    """What a scene file says. Without a reference, or without its look, those are None."""
+
+    sample: SceneSample
+    look: Look
+    shape: Shape = Shape()
+    lamp: Lamp = Lamp()
+    eye: Eye = Eye()
+    display: Display = Display()
+    reference: SceneSample | None = None
+    reference_look: Look | None = None
+    presentation: Mapping[str, Any] = field(default_factory=dict)  #: as it stands there
+
+    def scene(self) -> Scene:
+        """What the sample's picture shows."""
+        return Scene(self.sample.material, self.shape, self.lamp, self.eye, self.display)
 
 
 def load_scene(path: str | os.PathLike[str]) -> tuple[Scene, Look]:
+    """Scene and look of a scene file's [sample]; InputError as read_scene_file."""
+    content = read_scene_file(path)
+    return content.scene(), content.look
+
+
+def read_scene_file(path: str | os.PathLike[str], stood_in: list[str] | None = None) -> SceneFile:
     """Read a scene file; InputError names the file, the entry and what was expected.
 
     Tables: [sample] with `name` (built in) or `material` (a file, relative to the scene file), and
-    [shape], [lamp], [eye], [display], [look] with the fields of the classes in scene.py.
+    [shape], [lamp], [eye], [display], [look] with the fields of the classes in scene.py; for a pair
+    of pictures [reference] with the entries of [sample], [reference.look] and [presentation].
+
+    With a list `stood_in`, a material or a lamp that can't be had is replaced by the built-in one
+    (the reference by None), and the list is told; everything else is kept.
     """
-    text = read_text(path, MAX_BYTES, "a scene file (TOML)")
+    content = read_toml(path, MAX_BYTES, EXPECTED)
     try:
-        return _scene(tomllib.loads(text), Path(path).parent)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: not TOML: {error}") from error
-    except RecursionError as error:
-        raise InputError(f"{path}: lists or tables are nested too deeply") from error
-    except ValueError as error:  # a whole number longer than Python reads
-        raise InputError(f"{path}: a number has too many digits") from error
+        return _scene_file(content, Path(path).parent, stood_in)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
 
 
-def _scene(content: Mapping[str, Any], folder: Path) -> tuple[Scene, Look]:
-    unknown = set(content) - set(TABLES) - {"sample"}
+def read_toml(path: str | os.PathLike[str], most_bytes: int, expected: str) -> dict[str, Any]:
+    """The tables of a TOML file; `expected` says what it should be. Raises InputError."""
+    written = read_text(path, most_bytes, expected)
+    try:
+        return tomllib.loads(written)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: not TOML: {printable(error)}") from error
+    except RecursionError as error:
+        raise InputError(f"{path}: lists or tables are nested too deeply") from error
+    except ValueError as error:  # a whole number longer than Python reads
+        raise InputError(f"{path}: a number has too many digits") from error
+
+
+def _scene_file(content: Mapping[str, Any], folder: Path, stood_in: list[str] | None) -> SceneFile:
+    unknown = set(content) - set(TABLES) - set(PAIR_TABLES) - {"sample"}
     if unknown:
-        known = ", ".join(["sample", *TABLES])
-        raise InputError(f"[{sorted(unknown)[0]}]: no such table; expected {known}")
-    sample = content.get("sample", {})
-    if not isinstance(sample, dict) or set(sample) - {"name", "material"} or len(sample) > 1:
-        raise InputError("[sample]: expected either name or material")
-    if "material" in sample:
-        material = load_material(folder / str(sample["material"]))
-    else:
-        material = load_sample(str(sample.get("name", DEFAULT_SAMPLE)))
+        known = ", ".join(["sample", *TABLES, *PAIR_TABLES])
+        raise InputError(f"[{printable(min(unknown), 60)}]: no such table; expected {known}")
     parts = {name: build(name, content.get(name, {})) for name in TABLES}
-    parts["lamp"] = _beside(parts["lamp"], folder)
-    look = parts.pop("look")
-    return Scene(material, **parts), look
+    presentation = _table("presentation", content.get("presentation", {}))
+    of_reference = dict(_table("reference", content.get("reference", {})))
+    reference_look = None
+    if "look" in of_reference:
+        reference_look = build("look", of_reference.pop("look"), "reference.")
+    elif of_reference:
+        reference_look = Look()
+    parts["lamp"] = _beside(parts["lamp"], folder, stood_in)
+    sample = _sample("sample", content.get("sample", {}), folder, stood_in)
+    if sample is None:
+        sample = SceneSample(load_sample(DEFAULT_SAMPLE), name=DEFAULT_SAMPLE)
+    return SceneFile(
+        sample,
+        **parts,
+        reference=_sample("reference", of_reference, folder, stood_in),
+        reference_look=reference_look,
+        presentation=presentation,
+    )
 
 
-def _beside(lamp: Lamp, folder: Path) -> Lamp:
+def _sample(
+    place: str, entries: object, folder: Path, stood_in: list[str] | None
+) -> SceneSample | None:
+    """The sample of a table, None where that names none or, forgivingly, one that is not there."""
+    if not isinstance(entries, dict) or {"name", "material"} <= set(entries):
+        raise InputError(f"[{place}]: expected either name or material")
+    for key, value in entries.items():
+        if key not in SAMPLE_ENTRIES:
+            known = ", ".join(SAMPLE_ENTRIES)
+            raise InputError(
+                f"{place}.{printable(key, 60)}: no such entry; expected one of {known}"
+            )
+        text(value, f"{place}.{key}")
+    if not {"name", "material"} & set(entries):
+        return None
+    table = str(folder / entries["table"]) if "table" in entries else None
+    try:
+        if "material" in entries:
+            file = str(folder / entries["material"])
+            return SceneSample(load_material(file), file=file, table=table)
+        return SceneSample(load_sample(entries["name"]), name=entries["name"], table=table)
+    except InputError as error:
+        if stood_in is None:
+            raise
+        stood_in.append(f"{error} (a built-in sample stands in as the {place})")
+        return None
+
+
+def _beside(lamp: Lamp, folder: Path, stood_in: list[str] | None) -> Lamp:
     """The lamp with its file, if it has one, taken from the scene's folder."""
     if is_lamp_name(lamp.illuminant):
         return lamp
     file = str(folder / lamp.illuminant)
-    illuminant(file)  # a fault is told with the place of the scene
+    try:
+        illuminant(file)  # a fault is told with the place of the scene
+    except InputError as error:
+        if stood_in is None:
+            raise
+        stood_in.append(f"{error} ({Lamp().illuminant} stands in as the lamp)")
+        file = Lamp().illuminant
     return dataclasses.replace(lamp, illuminant=file)
 
 
-def build(name: str, values: object) -> Any:
-    """One part of a scene from a table of values; InputError names the entry."""
-    kind = TABLES[name]
-    if not isinstance(values, dict):
-        raise InputError(f"[{name}]: expected a table")
-    for key in values:
-        if key not in {f.name for f in dataclasses.fields(kind)}:
-            known = ", ".join(f.name for f in dataclasses.fields(kind))
-            raise InputError(f"{name}.{key}: no such entry; expected one of {known}")
+def build(name: str, values: object, within: str = "") -> Any:
+    """One part of a scene from a table of values; InputError names the entry.
+
+    `within` goes before the name in messages, as in "reference.".
+    """
+    return build_part(TABLES[name], name, values, within)
+
+
+def build_part(kind: type[Any], name: str, values: object, within: str = "") -> Any:
+    """A frozen dataclass from a table of values, "auto" being None; InputError names the entry."""
+    fields = {f.name: f for f in dataclasses.fields(kind)}
+    made = {}
+    for key, value in _table(within + name, values).items():
+        if key not in fields:
+            known = ", ".join(fields)
+            shown = printable(key, 60)
+            raise InputError(f"{within}{name}.{shown}: no such entry; expected one of {known}")
+        left_open = value == AUTO and fields[key].metadata.get("optional", False)
+        made[key] = None if left_open else _frozen(value)
     try:
-        return kind(**{key: _frozen(value) for key, value in values.items()})
+        return kind(**made)
     except (OverflowError, ValueError) as error:  # a whole number beyond every float
-        raise InputError(f"[{name}]: a number is too large") from error
+        raise InputError(f"[{within}{name}]: a number is too large") from error
+    except InputError as error:
+        if not within:
+            raise
+        raise InputError(f"{within}{error}") from error
+
+
+def _table(name: str, values: object) -> dict[str, Any]:
+    if not isinstance(values, dict):
+        fault(f"[{name}]", "a table", values)
+    return values
 
 
 def _frozen(value: object) -> object:

@@ -13,9 +13,14 @@ from relgloss_view.picture.scene import Eye, Scene, Shape
 
 Array = NDArray[np.float64]
 Size = tuple[int, int]  #: width, height in pixels
+#: left, bottom, right, top in pixels, counted from the bottom left as OpenGL does
+Box = tuple[int, int, int, int]
 
 WIDE = (2.0, 2.0)  #: tangents of a wide angle, where the eye stands among the object's points
 FILL = 0.8  #: share of the picture's height or width that a framed object takes
+BOUNDS_MARGIN_PX = 2.0
+#: A circle of 180 points spans 0.015 % less than the circle that it stands for.
+BOUNDS_EXCESS = 1e-3
 MAX_SIDE_PX = 16384
 MAX_PIXELS = 36 * 1024 * 1024  #: above 8K UHD; an EXR of it takes 4 GB of memory while written
 
@@ -41,7 +46,9 @@ class View:
     up: Array
     forward: Array
     pixel_step: float  #: tangent of a pixel's angle at the centre of the picture
+    shift: tuple[float, float]  #: of the picture's centre to the right and up, tangents
     size: Size
+    bounds: Box  #: no pixel outside shows the object
 
     @classmethod
     def of(cls, scene: Scene, size: Size) -> View:
@@ -51,8 +58,8 @@ class View:
     def rays(self, rows: slice, place: tuple[float, float] = (0.5, 0.5)) -> Array:
         """Rays through a place inside each pixel of some rows, (R, W, 3), not of unit length."""
         width, height = self.size
-        x = (np.arange(width) + place[0] - 0.5 * width) * self.pixel_step
-        y = (np.arange(height)[rows] + place[1] - 0.5 * height) * self.pixel_step
+        x = (np.arange(width) + place[0] - 0.5 * width) * self.pixel_step + self.shift[0]
+        y = (np.arange(height)[rows] + place[1] - 0.5 * height) * self.pixel_step - self.shift[1]
         return np.asarray(self.forward + x[None, :, None] * self.right - y[:, None, None] * self.up)
 
 
@@ -64,19 +71,37 @@ def _view(shape: Shape, eye: Eye, size: Size) -> View:
     right = np.array([np.cos(azimuth), 0.0, -np.sin(azimuth)])
     up = np.cross(right, forward)
     width, height = size
+    extent = _extent(shape, place, right, up, forward)
     if eye.field_of_view_deg is None:
-        across, tall = _extent(shape, place, right, up, forward)
+        across, tall = extent or WIDE
         step = max(across / width, tall / height) / FILL
     else:
         step = 2.0 * np.tan(0.5 * np.radians(eye.field_of_view_deg)) / height
+    shift = (float(np.float32(eye.shift_right)), float(np.float32(eye.shift_up)))
     return View(
         eye_m=_round(place),
         right=_round(right),
         up=_round(up),
         forward=_round(forward),
         pixel_step=float(np.float32(step)),
+        shift=shift,
         size=size,
+        bounds=(0, 0, width, height) if extent is None else _bounds(extent, step, shift, size),
     )
+
+
+def _bounds(
+    extent: tuple[float, float], step: float, shift: tuple[float, float], size: Size
+) -> Box:
+    """The pixels that an object around the axis can reach; the margin covers all rounding."""
+    box = []
+    for tangents, moved, count in zip(extent, shift, size, strict=True):
+        centre, half = 0.5 * count - moved / step, 0.5 * tangents / step
+        reach = half * (1.0 + BOUNDS_EXCESS) + BOUNDS_MARGIN_PX
+        low, high = np.clip([centre - reach, centre + reach], 0, count)
+        box.append((int(np.floor(low)), int(np.ceil(high))))
+    (left, right), (bottom, top) = box
+    return left, bottom, right, top
 
 
 def _round(vector: Array) -> Array:
@@ -88,19 +113,22 @@ def _round(vector: Array) -> Array:
 
 def _extent(
     shape: Shape, eye: Array, right: Array, up: Array, forward: Array
-) -> tuple[float, float]:
-    """Tangents of the angles that the object spans across and up."""
+) -> tuple[float, float] | None:
+    """Tangents of the angles that the object spans across and up, symmetrically about the axis.
+
+    None where the eye is among the object's points, so that any angle serves.
+    """
     distance = float(np.linalg.norm(eye))
     if shape.kind == "sphere":
         radius = 0.5 * shape.diameter_m
         if distance <= radius:
-            return WIDE
+            return None
         angle = 2.0 * radius / np.sqrt(distance**2 - radius**2)
         return angle, angle
     outline = _outline(shape)
     depth = (outline - eye) @ forward
-    if np.min(depth) <= 1e-6:  # the eye is among the points: any angle serves
-        return WIDE
+    if np.min(depth) <= 1e-6:
+        return None
     across = np.abs((outline - eye) @ right) / depth
     tall = np.abs((outline - eye) @ up) / depth
     return 2.0 * float(np.max(across)), 2.0 * float(np.max(tall))

@@ -15,24 +15,34 @@ from numpy.typing import NDArray
 from relgloss_view.picture.context import collect, make_current
 from relgloss_view.picture.frame import Extremes, Frame, Scaling, scene_warnings
 from relgloss_view.picture.light import front_white, lit_white
-from relgloss_view.picture.plan import GAMUT_CODES, TRANSFER_CODES, Plan, sample_count
+from relgloss_view.picture.plan import GAMUT_CODES, TRANSFER_CODES, Plan, as_drawn, sample_count
 from relgloss_view.picture.renderer.programs import Programs, Uniforms
-from relgloss_view.picture.renderer.targets import BLOCK, GEOMETRY, SHADE, TONE, Targets
+from relgloss_view.picture.renderer.reduction import Reduction
+from relgloss_view.picture.renderer.targets import GEOMETRY, LIGHT, SHADE, SPLIT, TONE, Targets
 from relgloss_view.picture.renderer.uniforms import (
     PERFECT_DIFFUSER,
     display_uniforms,
     grain_uniforms,
     material_uniforms,
     view_uniforms,
+    white_uniform,
 )
 from relgloss_view.picture.scene import Look, Scene
-from relgloss_view.picture.view import Size, View, check_size
+from relgloss_view.picture.view import Box, Size, View, check_size
 
 Key = tuple[Any, ...]
+PASSES = ("white", "shade", "split", "tone", "light", "geometry", "counts")
+#: What a pass is drawn from: where one is drawn again, those that follow from it fall.
+FOLLOWING = {
+    "white": ("shade",),  # they share the targets
+    "shade": ("split", "geometry"),
+    "split": ("tone", "light"),
+    "tone": ("counts",),
+}
 
 
 @dataclass(frozen=True)
-class _Request:
+class Request:
     """What a frame was asked to be."""
 
     scene: Scene
@@ -44,38 +54,45 @@ class Renderer:
     """Draws frames on one OpenGL context; keeps programs, targets and the passes still valid.
 
     A pass holds as long as its program and every number that goes into it are the same. `draws`
-    counts the passes drawn so far by name, for those who check what is drawn again.
+    counts the passes drawn so far by name, for those who check what is drawn again. Renderers of
+    one context may share their programs.
     """
 
-    def __init__(self, ctx: moderngl.Context) -> None:
+    def __init__(self, ctx: moderngl.Context, programs: Programs | None = None) -> None:
         self.ctx = ctx
         make_current(ctx)
-        self.programs = Programs(ctx)
-        self.draws = dict.fromkeys(("white", "shade", "measure", "tone", "geometry"), 0)
+        self.programs = programs or Programs(ctx)
+        self.draws = dict.fromkeys(PASSES, 0)
         self._device = str(ctx.info["GL_RENDERER"])
         self._targets = Targets(ctx)
+        self._reduction = Reduction(ctx, self.programs)
         self._done: dict[str, Key] = {}
+        self._around: dict[str, object] = {}  #: what stands outside the object's bounds, by pass
         self._white = 0.0  #: of the perfect diffuser's picture
         self._seen = False  #: whether that picture shows the object
         self._extremes = Extremes.of_nothing()
+        self._counts = (0, 0)
 
     def prepare(self, scene: Scene, look: Look) -> None:
         """Compile every variant that sliders of this scene and look can reach without a pause."""
         make_current(self.ctx)
+        scene = as_drawn(scene, look)
         for sigma_n_deg in (0.0, max(look.sigma_n_deg, 1.0)):
             plan = Plan.of(scene, dataclasses.replace(look, sigma_n_deg=sigma_n_deg))
             self.programs.get("shade.frag", plan.defines())
             self.programs.get("geometry.frag", _geometry_defines(plan))
         self.programs.get("shade.frag", Plan.of_perfect_diffuser(scene).defines())
-        for name in ("measure.frag", "reduce.frag"):
-            self.programs.get(name, {"BLOCK": BLOCK})
-        self.programs.get("tone.frag", _tone_defines(scene))
+        self.programs.get("split.frag", {})
+        for stage, defines in self._reduction.stages():
+            self.programs.get(stage, defines)
+        for stage in ("tone.frag", "light.frag"):
+            self.programs.get(stage, _tone_defines(scene, stage))
 
     def render(self, scene: Scene, look: Look, size: Size) -> Frame:
         """Draw a scene. Raises InputError for a size or a material that can't be drawn."""
-        request = _Request(scene, look, check_size(size))
+        request = Request(as_drawn(scene, look), look, check_size(size))
         make_current(self.ctx)
-        scaling, white = self._bring_up_to_date(request)
+        scaling, white = self.bring_up_to_date(request)
         return Frame(
             scene,
             look,
@@ -86,22 +103,26 @@ class Renderer:
             scene_warnings(scene, look, size, seen=self._seen, lit=white > 0.0),
         )
 
+    def texture(self, name: str) -> moderngl.Texture:
+        """A target as it was last drawn, for passes that go on from it."""
+        return self._targets.texture(name)
+
     def release(self) -> None:
         """Free everything on the device; frames already made are drawn again when asked."""
         make_current(self.ctx)
-        self._targets.release()
+        self._free_targets()
         self.programs.release()
-        self._done.clear()
         collect(self.ctx)
 
-    def _bring_up_to_date(self, request: _Request) -> tuple[Scaling, float]:
+    def bring_up_to_date(self, request: Request) -> tuple[Scaling, float]:
         """Draw what no longer holds; returns the scaling and Y_n before the lamp's power."""
-        if self._targets.resize(request.size):
-            self._done.clear()
+        self._make_room(request.size)
         scene, look, size = request.scene, request.look, request.size
         view = View.of(scene, size)
-        samples = sample_count(scene, look, size)
-        seen_from: dict[str, Any] = {**view_uniforms(scene, view), "samples": samples}
+        seen_from: dict[str, Any] = {
+            **view_uniforms(scene, view),
+            "samples": sample_count(scene, look, size),
+        }
         white = self._white_of(scene, view, seen_from)
         plan = Plan.of(scene, look)
         uniforms: Uniforms = {
@@ -110,37 +131,25 @@ class Renderer:
             **material_uniforms(scene),
             "irradiance": np.pi / white if white > 0.0 else 0.0,
         }
-        key = _key(plan, size, uniforms)
-        if self._done.get("shade") != key:
-            self._forget("shade", "tone", "geometry")
-            self._draw("shade", "shade.frag", plan.defines(), uniforms, SHADE)
-            self._extremes = self._measure()[0]
-            self._done["shade"] = key
+        if self._stale("shade", plan, size, uniforms):
+            self._draw("shade", "shade.frag", plan.defines(), uniforms, SHADE, view.bounds)
+        uniforms = {**white_uniform(scene), **self._images(SHADE)}
+        if self._stale("split", white_uniform(scene)):
+            self._draw("split", "split.frag", {}, uniforms, SPLIT, view.bounds)
+            self._extremes = self._reduction.extremes(self.texture("split"), view.bounds)
         scaling = Scaling.of(look, self._extremes)
-        tone: Uniforms = {**display_uniforms(scene), "c": scaling.c}
-        defines = _tone_defines(scene)
-        key = _key(tuple(defines.items()), tone)
-        if self._done.get("tone") != key:
-            self._forget("tone")
-            self._draw("tone", "tone.frag", defines, {**tone, **self._images(SHADE)}, TONE)
-            self._done["tone"] = key
+        self._draw_tone("tone", request, scaling, TONE, view.bounds)
         return scaling, white
 
-    def _white_of(self, scene: Scene, view: View, seen_from: Uniforms) -> float:
-        """What the perfect diffuser shows in the object's place, the lamp's power taken as one."""
-        plan = Plan.of_perfect_diffuser(scene)
-        uniforms = {**seen_from, **PERFECT_DIFFUSER, "irradiance": np.pi}
-        key = _key(plan, view.size, uniforms)
-        if self._done.get("white") != key:
-            self._forget("white", "shade", "tone", "geometry")  # they share the targets
-            self._draw("white", "shade.frag", plan.defines(), uniforms, SHADE)
-            extremes, self._white = self._measure()
-            self._seen = extremes != Extremes.of_nothing()
-            self._done["white"] = key
-        white = self._white if scene.lamp.y_n == "maximum" else front_white(scene, view)
-        return lit_white(white, scene)
+    def bring_light_up_to_date(self, request: Request) -> None:
+        """Draw the tone pass's float numbers too; the rest is up to date."""
+        scaling = Scaling.of(request.look, self._extremes)
+        self._draw_tone("light", request, scaling, LIGHT, None)
 
-    def _draw_geometry(self, request: _Request) -> None:
+    def bring_geometry_up_to_date(self, request: Request) -> None:
+        """Draw normals and points too; the rest is up to date."""
+        if not self._stale("geometry"):
+            return
         plan = Plan.of(request.scene, request.look)
         view = View.of(request.scene, request.size)
         uniforms = {
@@ -148,25 +157,56 @@ class Renderer:
             **grain_uniforms(request.look),
             "samples": sample_count(request.scene, request.look, request.size),
         }
-        self._draw("geometry", "geometry.frag", _geometry_defines(plan), uniforms, GEOMETRY)
+        self._draw("geometry", "geometry.frag", _geometry_defines(plan), uniforms, GEOMETRY, None)
 
-    def _measure(self) -> tuple[Extremes, float]:
-        """Reduce pass 1 to its extremes and the largest Y of its diffuse target."""
-        self.draws["measure"] += 1
-        uniforms = self._images(SHADE)
-        stage = "measure.frag"
-        for textures, framebuffer in self._targets.reduction:
-            self.programs.draw(stage, {"BLOCK": BLOCK}, uniforms, framebuffer)
-            uniforms = {f"{name}_image": texture for name, texture in textures.items()}
-            stage = "reduce.frag"
-        ratio, l_d_max, l_s_max, y_max = _values(uniforms["extremes_image"])
-        total, l_d, l_s, not_finite = _values(uniforms["brightest_image"])
-        if total < -1e29 and not not_finite:
-            return Extremes.of_nothing(), 0.0
-        return Extremes(ratio, l_d_max, l_s_max, l_d, l_s, int(not_finite)), y_max
+    def _make_room(self, size: Size) -> None:
+        if size != self._targets.size:
+            self._free_targets()
+            try:
+                self._targets.resize(size)
+                self._reduction.resize(size)
+            except BaseException:  # half of it is of no use
+                self._free_targets()
+                raise
+
+    def _free_targets(self) -> None:
+        self._targets.release()  # leaves a framebuffer bound that stays
+        self._reduction.release()
+        self._done.clear()
+        self._around.clear()
+
+    def _white_of(self, scene: Scene, view: View, seen_from: Uniforms) -> float:
+        """What the perfect diffuser shows in the object's place, the lamp's power taken as one."""
+        plan = Plan.of_perfect_diffuser(scene)
+        uniforms = {**seen_from, **PERFECT_DIFFUSER, "irradiance": np.pi}
+        if self._stale("white", plan, view.size, uniforms):
+            self._draw("white", "shade.frag", plan.defines(), uniforms, SHADE, view.bounds)
+            diffuse = self.texture("diffuse")
+            self._white, self._seen = self._reduction.peak(diffuse, view.bounds)
+        white = self._white if scene.lamp.y_n == "maximum" else front_white(scene, view)
+        return lit_white(white, scene)
+
+    def _draw_tone(
+        self,
+        name: str,
+        request: Request,
+        scaling: Scaling,
+        targets: tuple[str, ...],
+        bounds: Box | None,
+    ) -> None:
+        """Scale and show; outside the bounds stands the surround, which c does not change."""
+        around: Uniforms = display_uniforms(request.scene)
+        defines = _tone_defines(request.scene, f"{name}.frag")
+        if self._stale(name, tuple(defines.items()), around, scaling.c):
+            key = _key(tuple(defines.items()), around, bounds)
+            uniforms = {**around, "c": scaling.c, **self._images(("diffuse", *SPLIT))}
+            if self._around.get(name) != key:
+                bounds = None
+            self._draw(name, f"{name}.frag", defines, uniforms, targets, bounds)
+            self._around[name] = key
 
     def _images(self, names: tuple[str, ...]) -> dict[str, Any]:
-        return {f"{name}_image": self._targets.texture(name) for name in names}
+        return {f"{name}_image": self.texture(name) for name in names}
 
     def _draw(
         self,
@@ -175,22 +215,54 @@ class Renderer:
         defines: Mapping[str, int],
         uniforms: Uniforms,
         targets: tuple[str, ...],
+        bounds: Box | None,
     ) -> None:
-        self.programs.draw(stage, defines, uniforms, self._targets.framebuffer(targets))
+        """Draw a pass inside the bounds of the object; None draws the whole picture."""
+        framebuffer: Any = self._targets.framebuffer(targets)  # its annotation admits no None
+        if targets == SHADE and self._around.get("shade") != bounds:
+            framebuffer.scissor = None
+            framebuffer.clear()  # nothing of the object stands outside
+            self._around["shade"] = bounds
+        if bounds is None:
+            framebuffer.scissor = None
+        else:
+            left, bottom, right, top = bounds
+            framebuffer.scissor = (left, bottom, right - left, top - bottom)
+        self.programs.draw(stage, defines, uniforms, framebuffer)
         self.draws[name] += 1
 
-    def _forget(self, *passes: str) -> None:
-        for name in passes:
-            self._done.pop(name, None)
+    def _stale(self, name: str, *parts: object) -> bool:
+        """Whether a pass has to be drawn again; it, and what follows from it, is then noted."""
+        key = _key(*parts)
+        if self._done.get(name) == key:
+            return False
+        self._forget(name)
+        self._done[name] = key
+        return True
 
-    def _fetch(self, request: _Request, stage: str) -> NDArray[Any]:
+    def _forget(self, name: str) -> None:
+        self._done.pop(name, None)
+        for following in FOLLOWING.get(name, ()):
+            self._forget(following)
+
+    def _fetch(self, request: Request, stage: str) -> NDArray[Any]:
         """One stage of a frame; draws again what has been drawn over since."""
         make_current(self.ctx)
-        self._bring_up_to_date(request)
-        if stage in GEOMETRY and "geometry" not in self._done:
-            self._draw_geometry(request)
-            self._done["geometry"] = ()
+        self.bring_up_to_date(request)
+        if stage == "counts":
+            return np.array(self._count(request))
+        if stage in LIGHT:
+            self.bring_light_up_to_date(request)
+        if stage in GEOMETRY:
+            self.bring_geometry_up_to_date(request)
         return self._targets.read(stage)
+
+    def _count(self, request: Request) -> tuple[int, int]:
+        if self._stale("counts"):
+            bounds = View.of(request.scene, request.size).bounds
+            self._counts = self._reduction.counts(self.texture("flags"), bounds)
+            self.draws["counts"] += 1
+        return self._counts
 
 
 def _key(*parts: object) -> Key:
@@ -210,11 +282,9 @@ def _geometry_defines(plan: Plan) -> dict[str, int]:
     return {name: plan.defines()[name] for name in ("SHAPE", "NOISE", "GRAIN")}
 
 
-def _tone_defines(scene: Scene) -> dict[str, int]:
+def _tone_defines(scene: Scene, stage: str) -> dict[str, int]:
     display = scene.display
-    return {"TRANSFER": TRANSFER_CODES[display.transfer], "GAMUT": GAMUT_CODES[display.gamut]}
-
-
-def _values(texture: moderngl.Texture) -> list[float]:
-    """The four numbers of a 1 x 1 float texture."""
-    return [float(v) for v in np.frombuffer(texture.read(), dtype=np.float32)]
+    defines = {"GAMUT": GAMUT_CODES[display.gamut]}
+    if stage == "tone.frag":
+        defines["TRANSFER"] = TRANSFER_CODES[display.transfer]
+    return defines

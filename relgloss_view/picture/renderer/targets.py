@@ -1,4 +1,4 @@
-"""Float targets of the passes and the pyramid of the reduction: made once a size, checked."""
+"""The targets of the passes: made once a size, checked, cleared where a pass does not reach."""
 
 from __future__ import annotations
 
@@ -12,13 +12,14 @@ from relgloss_view.errors import InputError, RelglossError
 from relgloss_view.picture.context import max_texture_size
 from relgloss_view.picture.view import Size
 
-BLOCK = 16  #: side of the tiles of the reduction
-
 SHADE = ("diffuse", "specular")
-TONE = ("display", "light", "lab")
+SPLIT = ("split",)
+TONE = ("display", "flags")
+LIGHT = ("light", "lab")
 GEOMETRY = ("normal", "tilted_normal", "point_m")
-REDUCED = ("extremes", "brightest")
-EIGHT_BIT = frozenset({"display"})
+OVERLAY = ("overlay",)
+#: Components of the targets that hold 8-bit numbers; the others hold four floats.
+EIGHT_BIT = {"display": 4, "flags": 1, "overlay": 4}
 
 
 class Targets:
@@ -27,8 +28,6 @@ class Targets:
     def __init__(self, ctx: moderngl.Context) -> None:
         self.ctx = ctx
         self.size: Size | None = None
-        #: Textures by name, and what writes them, from the largest step of the reduction down.
-        self.reduction: list[tuple[dict[str, moderngl.Texture], moderngl.Framebuffer]] = []
         self._textures: dict[str, moderngl.Texture] = {}
         self._framebuffers: dict[tuple[str, ...], moderngl.Framebuffer] = {}
         # Bound while others are freed: a bound framebuffer can't be freed where no screen exists.
@@ -48,8 +47,9 @@ class Targets:
                 "give a smaller --size or --backend reference"
             )
         self.release()
+        self.size = size
         try:
-            self._allocate(size)
+            self.framebuffer(SHADE)
         except BaseException:  # whatever went wrong, nothing half made is kept
             self.release()
             raise
@@ -59,55 +59,43 @@ class Targets:
         """The texture of a target that has been drawn."""
         return self._textures[name]
 
-    def _allocate(self, size: Size) -> None:
-        self.size = size
-        self.framebuffer(SHADE)
-        step = size
-        while not self.reduction or step != (1, 1):
-            step = (-(-step[0] // BLOCK), -(-step[1] // BLOCK))
-            textures = {name: self._texture(step, "f4") for name in REDUCED}
-            self.reduction.append((textures, self.ctx.framebuffer([*textures.values()])))
-
     def framebuffer(self, names: tuple[str, ...]) -> moderngl.Framebuffer:
         """What a pass that writes these targets draws into; made when first asked for."""
         if names not in self._framebuffers:
             assert self.size is not None
             for name in names:
-                dtype = "f1" if name in EIGHT_BIT else "f4"
-                self._textures[name] = self._texture(self.size, dtype)
+                self._textures[name] = self._texture(self.size, name)
             self._framebuffers[names] = self.ctx.framebuffer([self._textures[n] for n in names])
         return self._framebuffers[names]
 
     def read(self, name: str) -> NDArray[Any]:
-        """A target's contents, (H, W, 4), rows from the top."""
+        """A target's contents, (H, W, components), rows from the top."""
         texture = self._textures[name]
         data = texture.read(alignment=1)
         if self.ctx.error != "GL_NO_ERROR":
             raise RelglossError(f"{name}: the device failed while the picture was read back")
         kind = np.uint8 if name in EIGHT_BIT else np.float32
-        return np.frombuffer(data, dtype=kind).reshape(texture.height, texture.width, 4)[::-1]
+        shape = (texture.height, texture.width, texture.components)
+        return np.frombuffer(data, dtype=kind).reshape(shape)[::-1]
 
     def release(self) -> None:
         """Free everything that a size needs."""
         self._parking.use()
-        for framebuffer in [*self._framebuffers.values(), *(f for _, f in self.reduction)]:
+        for framebuffer in self._framebuffers.values():
             framebuffer.release()
         for texture in self._textures.values():
             texture.release()
-        for textures, _ in self.reduction:
-            for texture in textures.values():
-                texture.release()
         self._framebuffers.clear()
         self._textures.clear()
-        self.reduction.clear()
         self.size = None
 
-    def _texture(self, size: Size, dtype: str) -> moderngl.Texture:
+    def _texture(self, size: Size, name: str) -> moderngl.Texture:
         refused = InputError(
             f"size {size[0]}x{size[1]}: the device has no memory for it; give a smaller --size"
         )
+        dtype = "f1" if name in EIGHT_BIT else "f4"
         try:
-            texture = self.ctx.texture(size, 4, dtype=dtype)
+            texture = self.ctx.texture(size, EIGHT_BIT.get(name, 4), dtype=dtype)
         except moderngl.Error as error:
             raise refused from error
         if self.ctx.error != "GL_NO_ERROR":  # moderngl itself raises on few of these

@@ -20,6 +20,7 @@ def view_uniforms(scene: Scene, view: View) -> Uniforms:
         "view_up": view.up,
         "view_forward": view.forward,
         "pixel_step": view.pixel_step,
+        "view_shift": view.shift,
         "size_px": view.size,
         "half_extent_m": scene.shape.half_extent_m(),
         "lamp_m": scene.lamp.position_m,
@@ -60,11 +61,15 @@ PERFECT_DIFFUSER: Uniforms = {
 }
 
 
+def white_uniform(scene: Scene) -> Uniforms:
+    """The white of the scene's lamp."""
+    return {"white": illuminant(scene.lamp.illuminant).white_xyz()}
+
+
 def display_uniforms(scene: Scene) -> Uniforms:
-    """The scene's white and the display."""
+    """The display."""
     display = DisplayModel.of(scene.display)
     return {
-        "white": illuminant(scene.lamp.illuminant).white_xyz(),
         "display_white": display.white,
         "rgb_from_xyz": display.rgb_from_xyz.T,  # columns first
         "display_curve": display.curve,

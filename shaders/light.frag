@@ -1,0 +1,27 @@
+#version 330 core
+
+// The float numbers of pass 3, drawn only when someone asks for them.
+//   light = linear display RGB over the surround, alpha = the object's share of the pixel
+//   lab   = L~*, a*, b* before gamut mapping; 0 off the object
+
+#include "tone.glsl"
+
+uniform sampler2D diffuse_image;
+uniform sampler2D split_image;
+uniform float c;
+uniform vec3 display_white;
+uniform mat3 rgb_from_xyz;
+uniform float background_light;
+
+layout(location = 0) out vec4 light;
+layout(location = 1) out vec4 lab;
+
+void main() {
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    float share = texelFetch(diffuse_image, at, 0).a;
+    bool inside;
+    vec3 scaled = scaled_lab(texelFetch(split_image, at, 0), c);
+    vec3 shown = display_rgb(GAMUT, scaled, display_white, rgb_from_xyz, inside);
+    light = vec4(share > 0.0 ? mix(vec3(background_light), shown, share) : vec3(background_light), share);
+    lab = share > 0.0 ? vec4(scaled, 1.0) : vec4(0.0);
+}
