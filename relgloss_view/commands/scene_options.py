@@ -126,15 +126,19 @@ def _changed(
 def _with_settings(scene: Scene, look: Look, settings: list[str]) -> tuple[Scene, Look]:
     parts: dict[str, Any] = {name: getattr(scene, name) for name in TABLES if name != "look"}
     parts["look"] = look
+    # All entries of a table are set together: on the way from one display to another, gain and
+    # offset may not agree.
+    changed: dict[str, dict[str, Any]] = {}
     for setting in settings:
-        match = re.fullmatch(r"(\w+)\.(\w+)=(.*)", setting)
+        match = re.fullmatch(r"(\w+)\.(\w+)=(.*)", setting, re.DOTALL)
         if match is None or match[1] not in TABLES:
             raise InputError(
                 f"--set {setting}: expected TABLE.ENTRY=VALUE with a table of {', '.join(TABLES)}"
             )
         table, entry, text = match.groups()
-        values = {f.name: getattr(parts[table], f.name) for f in dataclasses.fields(parts[table])}
-        parts[table] = build(table, {**values, entry: _value(text)})
+        present = {f.name: getattr(parts[table], f.name) for f in dataclasses.fields(parts[table])}
+        changed.setdefault(table, present)[entry] = _value(text)
+    parts |= {table: build(table, values) for table, values in changed.items()}
     look = parts.pop("look")
     return dataclasses.replace(scene, **parts), look
 
