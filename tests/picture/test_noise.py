@@ -10,7 +10,7 @@ from scipy import stats
 from relgloss_view.picture import noise
 
 SIDE = 1024
-SIGMA = np.radians(2.0)
+SIGMA = float(np.radians(2.0))
 #: Tests of this file that compare a p-value; the bound is a family-wise 1 % (Sidak).
 COMPARISONS = 8
 P_BOUND = 1.0 - (1.0 - 0.01) ** (1.0 / COMPARISONS)
@@ -172,7 +172,7 @@ def test_silhouette_grains_stay_visible(ctx):
     mu = 10 ** rng.uniform(-7, -1, len(n))
     o = np.stack([np.sqrt(1 - mu**2), 0 * mu, mu], axis=-1)
     hashes = noise.cell_hash(rng.integers(0, 9999, (len(n), 3)), 0)
-    sigma = np.radians(3.0)
+    sigma = float(np.radians(3.0))
     turned = noise.noisy_normal("paper", n, o, hashes, sigma)
     assert np.min(np.sum(turned * o, axis=-1)) > 0.0
     gpu = glsl.evaluate(
