@@ -58,6 +58,14 @@ vec3 scaled_lab(vec4 split, float c) {
     return vec3(split.x + c * split.y, split.zw);
 }
 
+// A Lab colour that shows a lightness at its own lightness, its hue turning from violet (0) by blue and
+// green to yellow (100): equal steps look equal, and the order shows without the hue too.
+vec3 false_colour(float lightness) {
+    float share = clamp(lightness / 100.0, 0.0, 1.0);
+    float angle = 5.4 - 3.8 * share;
+    return vec3(100.0 * share, 45.0 * cos(angle), 45.0 * sin(angle));
+}
+
 const float GAMUT_TOLERANCE = 1e-4;  // far below one step of 8 bits
 
 bool in_gamut(vec3 rgb) {

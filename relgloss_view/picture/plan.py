@@ -6,7 +6,7 @@ import dataclasses
 import math
 from dataclasses import dataclass
 
-from relgloss_view.picture.scene import Look, Scene
+from relgloss_view.picture.scene import Display, Look, Scene
 from relgloss_view.picture.view import Size, View
 
 # The numbers that the shaders know these names by.
@@ -67,6 +67,18 @@ class Plan:
             "NOISY_DIFFUSE": int(self.noisy_diffuse),
             "GRAIN": GRAIN_CODES[self.grain],
         }
+
+    def geometry_defines(self) -> dict[str, int]:
+        """The constants of the pass that draws normals and points."""
+        return {name: self.defines()[name] for name in ("SHAPE", "NOISE", "GRAIN")}
+
+
+def tone_defines(display: Display, stage: str) -> dict[str, int]:
+    """The constants of a stage that shows colours."""
+    defines = {"GAMUT": GAMUT_CODES[display.gamut], "TRANSFER": TRANSFER_CODES[display.transfer]}
+    if stage == "light.frag":  # linear: no transfer
+        del defines["TRANSFER"]
+    return defines
 
 
 def as_drawn(scene: Scene, look: Look) -> Scene:

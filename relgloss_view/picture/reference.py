@@ -163,8 +163,8 @@ def _tone(scene: Scene, stages: dict[str, Array], c: float) -> dict[str, Array]:
     seen = coverage > 0.0
     l_d, l_s = tone.split_lightness(diffuse[..., 1], specular[..., 1])
     white = illuminant(scene.lamp.illuminant).white_xyz()
-    lab = tone.lab_from_xyz(diffuse[..., :3] + specular[..., :3], white)
-    lab[..., 0] = l_d + c * l_s
+    chromatic = tone.lab_from_xyz(diffuse[..., :3] + specular[..., :3], white)[..., 1:]
+    lab = tone.scaled_lab(np.concatenate([l_d[..., None], l_s[..., None], chromatic], axis=-1), c)
     shown, inside = tone.display_rgb(lab, display)
     light = np.where(
         seen,

@@ -71,6 +71,18 @@ def split_lightness(y_diffuse: Array, y_specular: Array) -> tuple[Array, Array]:
     return diffuse, lightness(y_diffuse + y_specular) - diffuse
 
 
+def scaled_lab(split: Array, c: float) -> Array:
+    """L~*, a*, b* (..., 3) of (L_d*, L_s*, a*, b*), the specular part scaled by c (eqs. 2-3)."""
+    return np.concatenate([split[..., :1] + c * split[..., 1:2], split[..., 2:]], axis=-1)
+
+
+def false_colour(lightness_: Array) -> Array:
+    """(..., 3), a Lab colour for each lightness, its hue turning from violet to yellow."""
+    share = np.clip(lightness_ / 100.0, 0.0, 1.0)
+    angle = 5.4 - 3.8 * share
+    return np.stack([100.0 * share, 45.0 * np.cos(angle), 45.0 * np.sin(angle)], axis=-1)
+
+
 def largest_c(l_diffuse: Array, l_specular: Array) -> Array:
     """The largest c that each pixel can show; 1e30 where nothing is specular."""
     seen = l_specular > 1e-6
@@ -87,6 +99,7 @@ class DisplayModel:
     """The numbers of a display that both renderers use."""
 
     white: Array  #: XYZ, Y = 1
+    xyz_from_rgb: Array  #: (3, 3)
     rgb_from_xyz: Array  #: (3, 3)
     transfer: str
     gamut: str
@@ -96,12 +109,11 @@ class DisplayModel:
     @classmethod
     def of(cls, display: Display) -> DisplayModel:
         """Derive the numbers from the declared display."""
+        xyz_from_rgb = rgb_to_xyz_matrix(display.primaries_xy, display.white_xy)
         return cls(
             white_from_xy(display.white_xy),
-            np.asarray(
-                np.linalg.inv(rgb_to_xyz_matrix(display.primaries_xy, display.white_xy)),
-                dtype=np.float64,
-            ),
+            xyz_from_rgb,
+            np.asarray(np.linalg.inv(xyz_from_rgb), dtype=np.float64),
             display.transfer,
             display.gamut,
             (display.gain, display.offset, display.gamma, display.flare),

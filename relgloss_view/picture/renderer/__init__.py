@@ -3,7 +3,8 @@
 With picture/context.py the only place that knows moderngl.
 """
 
-from relgloss_view.picture.renderer.passes import Renderer
+from relgloss_view.picture.renderer.overlays import draw_difference, draw_overlay
+from relgloss_view.picture.renderer.passes import Renderer, Request
 from relgloss_view.picture.renderer.programs import Programs
 
-__all__ = ["Programs", "Renderer"]
+__all__ = ["Programs", "Renderer", "Request", "draw_difference", "draw_overlay"]

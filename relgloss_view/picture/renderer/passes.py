@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from relgloss_view.picture.context import collect, make_current
 from relgloss_view.picture.frame import Extremes, Frame, Scaling, scene_warnings
 from relgloss_view.picture.light import front_white, lit_white
-from relgloss_view.picture.plan import GAMUT_CODES, TRANSFER_CODES, Plan, as_drawn, sample_count
+from relgloss_view.picture.plan import Plan, as_drawn, sample_count, tone_defines
+from relgloss_view.picture.renderer.held import Held, key_of
 from relgloss_view.picture.renderer.programs import Programs, Uniforms
 from relgloss_view.picture.renderer.reduction import Reduction
 from relgloss_view.picture.renderer.targets import GEOMETRY, LIGHT, SHADE, SPLIT, TONE, Targets
@@ -30,15 +31,7 @@ from relgloss_view.picture.renderer.uniforms import (
 from relgloss_view.picture.scene import Look, Scene
 from relgloss_view.picture.view import Box, Size, View, check_size
 
-Key = tuple[Any, ...]
-PASSES = ("white", "shade", "split", "tone", "light", "geometry", "counts")
-#: What a pass is drawn from: where one is drawn again, those that follow from it fall.
-FOLLOWING = {
-    "white": ("shade",),  # they share the targets
-    "shade": ("split", "geometry"),
-    "split": ("tone", "light"),
-    "tone": ("counts",),
-}
+PASSES = ("white", "shade", "split", "tone", "light", "geometry", "counts", "overlay")
 
 
 @dataclass(frozen=True)
@@ -62,11 +55,12 @@ class Renderer:
         self.ctx = ctx
         make_current(ctx)
         self.programs = programs or Programs(ctx)
+        self._shares_programs = programs is not None
         self.draws = dict.fromkeys(PASSES, 0)
         self._device = str(ctx.info["GL_RENDERER"])
         self._targets = Targets(ctx)
         self._reduction = Reduction(ctx, self.programs)
-        self._done: dict[str, Key] = {}
+        self.held = Held()
         self._around: dict[str, object] = {}  #: what stands outside the object's bounds, by pass
         self._white = 0.0  #: of the perfect diffuser's picture
         self._seen = False  #: whether that picture shows the object
@@ -80,13 +74,13 @@ class Renderer:
         for sigma_n_deg in (0.0, max(look.sigma_n_deg, 1.0)):
             plan = Plan.of(scene, dataclasses.replace(look, sigma_n_deg=sigma_n_deg))
             self.programs.get("shade.frag", plan.defines())
-            self.programs.get("geometry.frag", _geometry_defines(plan))
+            self.programs.get("geometry.frag", plan.geometry_defines())
         self.programs.get("shade.frag", Plan.of_perfect_diffuser(scene).defines())
         self.programs.get("split.frag", {})
         for stage, defines in self._reduction.stages():
             self.programs.get(stage, defines)
         for stage in ("tone.frag", "light.frag"):
-            self.programs.get(stage, _tone_defines(scene, stage))
+            self.programs.get(stage, tone_defines(scene.display, stage))
 
     def render(self, scene: Scene, look: Look, size: Size) -> Frame:
         """Draw a scene. Raises InputError for a size or a material that can't be drawn."""
@@ -111,7 +105,8 @@ class Renderer:
         """Free everything on the device; frames already made are drawn again when asked."""
         make_current(self.ctx)
         self._free_targets()
-        self.programs.release()
+        if not self._shares_programs:
+            self.programs.release()
         collect(self.ctx)
 
     def bring_up_to_date(self, request: Request) -> tuple[Scaling, float]:
@@ -131,11 +126,11 @@ class Renderer:
             **material_uniforms(scene),
             "irradiance": np.pi / white if white > 0.0 else 0.0,
         }
-        if self._stale("shade", plan, size, uniforms):
-            self._draw("shade", "shade.frag", plan.defines(), uniforms, SHADE, view.bounds)
-        uniforms = {**white_uniform(scene), **self._images(SHADE)}
-        if self._stale("split", white_uniform(scene)):
-            self._draw("split", "split.frag", {}, uniforms, SPLIT, view.bounds)
+        if self.held.stale("shade", plan, size, uniforms):
+            self.draw("shade", "shade.frag", plan.defines(), uniforms, SHADE, view.bounds)
+        uniforms = {**white_uniform(scene), **self.images(SHADE)}
+        if self.held.stale("split", white_uniform(scene)):
+            self.draw("split", "split.frag", {}, uniforms, SPLIT, view.bounds)
             self._extremes = self._reduction.extremes(self.texture("split"), view.bounds)
         scaling = Scaling.of(look, self._extremes)
         self._draw_tone("tone", request, scaling, TONE, view.bounds)
@@ -148,7 +143,7 @@ class Renderer:
 
     def bring_geometry_up_to_date(self, request: Request) -> None:
         """Draw normals and points too; the rest is up to date."""
-        if not self._stale("geometry"):
+        if not self.held.stale("geometry"):
             return
         plan = Plan.of(request.scene, request.look)
         view = View.of(request.scene, request.size)
@@ -157,7 +152,7 @@ class Renderer:
             **grain_uniforms(request.look),
             "samples": sample_count(request.scene, request.look, request.size),
         }
-        self._draw("geometry", "geometry.frag", _geometry_defines(plan), uniforms, GEOMETRY, None)
+        self.draw("geometry", "geometry.frag", plan.geometry_defines(), uniforms, GEOMETRY, None)
 
     def _make_room(self, size: Size) -> None:
         if size != self._targets.size:
@@ -172,15 +167,15 @@ class Renderer:
     def _free_targets(self) -> None:
         self._targets.release()  # leaves a framebuffer bound that stays
         self._reduction.release()
-        self._done.clear()
+        self.held.clear()
         self._around.clear()
 
     def _white_of(self, scene: Scene, view: View, seen_from: Uniforms) -> float:
         """What the perfect diffuser shows in the object's place, the lamp's power taken as one."""
         plan = Plan.of_perfect_diffuser(scene)
         uniforms = {**seen_from, **PERFECT_DIFFUSER, "irradiance": np.pi}
-        if self._stale("white", plan, view.size, uniforms):
-            self._draw("white", "shade.frag", plan.defines(), uniforms, SHADE, view.bounds)
+        if self.held.stale("white", plan, view.size, uniforms):
+            self.draw("white", "shade.frag", plan.defines(), uniforms, SHADE, view.bounds)
             diffuse = self.texture("diffuse")
             self._white, self._seen = self._reduction.peak(diffuse, view.bounds)
         white = self._white if scene.lamp.y_n == "maximum" else front_white(scene, view)
@@ -196,19 +191,20 @@ class Renderer:
     ) -> None:
         """Scale and show; outside the bounds stands the surround, which c does not change."""
         around: Uniforms = display_uniforms(request.scene)
-        defines = _tone_defines(request.scene, f"{name}.frag")
-        if self._stale(name, tuple(defines.items()), around, scaling.c):
-            key = _key(tuple(defines.items()), around, bounds)
-            uniforms = {**around, "c": scaling.c, **self._images(("diffuse", *SPLIT))}
+        defines = tone_defines(request.scene.display, f"{name}.frag")
+        if self.held.stale(name, tuple(defines.items()), around, scaling.c):
+            key = key_of(tuple(defines.items()), around, bounds)
+            uniforms = {**around, "c": scaling.c, **self.images(("diffuse", *SPLIT))}
             if self._around.get(name) != key:
                 bounds = None
-            self._draw(name, f"{name}.frag", defines, uniforms, targets, bounds)
+            self.draw(name, f"{name}.frag", defines, uniforms, targets, bounds)
             self._around[name] = key
 
-    def _images(self, names: tuple[str, ...]) -> dict[str, Any]:
+    def images(self, names: tuple[str, ...]) -> dict[str, Any]:
+        """Targets as they were last drawn, by the names that shaders know them by."""
         return {f"{name}_image": self.texture(name) for name in names}
 
-    def _draw(
+    def draw(
         self,
         name: str,
         stage: str,
@@ -231,20 +227,6 @@ class Renderer:
         self.programs.draw(stage, defines, uniforms, framebuffer)
         self.draws[name] += 1
 
-    def _stale(self, name: str, *parts: object) -> bool:
-        """Whether a pass has to be drawn again; it, and what follows from it, is then noted."""
-        key = _key(*parts)
-        if self._done.get(name) == key:
-            return False
-        self._forget(name)
-        self._done[name] = key
-        return True
-
-    def _forget(self, name: str) -> None:
-        self._done.pop(name, None)
-        for following in FOLLOWING.get(name, ()):
-            self._forget(following)
-
     def _fetch(self, request: Request, stage: str) -> NDArray[Any]:
         """One stage of a frame; draws again what has been drawn over since."""
         make_current(self.ctx)
@@ -258,33 +240,8 @@ class Renderer:
         return self._targets.read(stage)
 
     def _count(self, request: Request) -> tuple[int, int]:
-        if self._stale("counts"):
+        if self.held.stale("counts"):
             bounds = View.of(request.scene, request.size).bounds
             self._counts = self._reduction.counts(self.texture("flags"), bounds)
             self.draws["counts"] += 1
         return self._counts
-
-
-def _key(*parts: object) -> Key:
-    """A value that is equal exactly where everything that goes into a pass is."""
-    return tuple(_plain(part) for part in parts)
-
-
-def _plain(part: object) -> object:
-    if isinstance(part, Mapping):
-        return tuple((name, _plain(part[name])) for name in sorted(part))
-    if isinstance(part, np.ndarray):
-        return part.tobytes()
-    return part
-
-
-def _geometry_defines(plan: Plan) -> dict[str, int]:
-    return {name: plan.defines()[name] for name in ("SHAPE", "NOISE", "GRAIN")}
-
-
-def _tone_defines(scene: Scene, stage: str) -> dict[str, int]:
-    display = scene.display
-    defines = {"GAMUT": GAMUT_CODES[display.gamut]}
-    if stage == "tone.frag":
-        defines["TRANSFER"] = TRANSFER_CODES[display.transfer]
-    return defines

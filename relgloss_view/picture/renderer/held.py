@@ -1,0 +1,58 @@
+"""Which passes still hold: each is noted with everything that went into it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+Key = tuple[object, ...]
+
+#: What goes on from a pass: where it is drawn again, these fall.
+FOLLOWING = {
+    "white": ("shade",),  # they share the targets
+    "shade": ("split", "geometry"),
+    "geometry": ("overlay",),
+    "split": ("tone", "light"),
+    "light": ("overlay",),
+    "tone": ("counts", "overlay"),
+}
+
+
+class Held:
+    """The passes that hold, by name, with the numbers they were drawn from."""
+
+    def __init__(self) -> None:
+        self._keys: dict[str, Key] = {}
+
+    def stale(self, name: str, *parts: object) -> bool:
+        """Whether a pass has to be drawn again; if so, it is noted, and what follows falls."""
+        key = key_of(*parts)
+        if self._keys.get(name) == key:
+            return False
+        self.forget(name)
+        self._keys[name] = key
+        return True
+
+    def forget(self, name: str) -> None:
+        """A pass and what follows from it no longer hold."""
+        self._keys.pop(name, None)
+        for following in FOLLOWING.get(name, ()):
+            self.forget(following)
+
+    def clear(self) -> None:
+        """Nothing holds."""
+        self._keys.clear()
+
+
+def key_of(*parts: object) -> Key:
+    """A value that is equal exactly where everything that goes into a pass is."""
+    return tuple(_plain(part) for part in parts)
+
+
+def _plain(part: object) -> object:
+    if isinstance(part, Mapping):
+        return tuple((name, _plain(part[name])) for name in sorted(part))
+    if isinstance(part, np.ndarray):
+        return part.tobytes()
+    return part

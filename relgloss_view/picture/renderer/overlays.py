@@ -1,0 +1,71 @@
+"""What is shown over or instead of a picture, and the difference of two pictures."""
+
+from __future__ import annotations
+
+import moderngl
+
+from relgloss_view.errors import RelglossError
+from relgloss_view.picture.context import make_current
+from relgloss_view.picture.plan import as_drawn, tone_defines
+from relgloss_view.picture.renderer.passes import Renderer, Request
+from relgloss_view.picture.renderer.targets import GEOMETRY, LIGHT, OVERLAY, SHADE, SPLIT, TONE
+from relgloss_view.picture.renderer.uniforms import display_uniforms, white_uniform
+from relgloss_view.picture.scene import Look, Scene
+from relgloss_view.picture.tone import DisplayModel
+from relgloss_view.picture.view import Size
+
+OVERLAY_CODES = {
+    "clipped": 1,
+    "out of gamut": 2,
+    "lightness": 3,
+    "diffuse only": 4,
+    "specular only": 5,
+    "normals": 6,
+}
+
+
+def draw_overlay(
+    renderer: Renderer, scene: Scene, look: Look, size: Size, overlay: str
+) -> moderngl.Texture:
+    """Draw one of OVERLAY_CODES for a picture; the texture holds 8-bit display values."""
+    make_current(renderer.ctx)
+    request = Request(as_drawn(scene, look), look, size)
+    scaling, _ = renderer.bring_up_to_date(request)
+    names: tuple[str, ...] = (*SHADE, *SPLIT, *TONE)
+    if overlay == "normals":
+        renderer.bring_geometry_up_to_date(request)
+        names = (*names, *GEOMETRY)
+    if renderer.held.stale("overlay", overlay):
+        defines = {**tone_defines(scene.display, "overlay.frag"), "OVERLAY": OVERLAY_CODES[overlay]}
+        uniforms = {
+            **display_uniforms(scene),
+            **white_uniform(scene),
+            **renderer.images(names),
+            "c": scaling.c,
+        }
+        renderer.draw("overlay", "overlay.frag", defines, uniforms, OVERLAY, None)
+    return renderer.texture("overlay")
+
+
+def draw_difference(
+    first: Renderer, second: Renderer, requests: tuple[Request, Request], top: float
+) -> moderngl.Texture:
+    """Draw CIEDE2000 between two pictures of one size into the second's overlay; white is `top`."""
+    make_current(second.ctx)
+    if requests[0].size != requests[1].size:
+        raise RelglossError("a difference needs two pictures of one size")
+    for renderer, request in zip((first, second), requests, strict=True):
+        renderer.bring_up_to_date(request)
+        renderer.bring_light_up_to_date(request)
+    display = DisplayModel.of(requests[1].scene.display)
+    # Pictures of the first renderer count by how often it has drawn them.
+    if second.held.stale("overlay", "difference", id(first), first.draws["light"], top):
+        uniforms = {
+            "first_image": first.texture(LIGHT[0]),
+            "second_image": second.texture(LIGHT[0]),
+            "xyz_from_rgb": display.xyz_from_rgb.T,  # columns first
+            "display_white": display.white,
+            "top": top,
+        }
+        second.draw("overlay", "difference.frag", {}, uniforms, OVERLAY, None)
+    return second.texture("overlay")

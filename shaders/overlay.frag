@@ -1,0 +1,62 @@
+#version 330 core
+
+// What is shown over a picture, or instead of it, to look into it. Constants: OVERLAY, GAMUT, TRANSFER.
+// Only LIGHTNESS and NORMALS use colour: the others stay neutral beside the pictures.
+
+#include "tone.glsl"
+
+const int CLIPPED = 1;
+const int OUT_OF_GAMUT = 2;
+const int LIGHTNESS = 3;
+const int DIFFUSE_ONLY = 4;
+const int SPECULAR_ONLY = 5;
+const int NORMALS = 6;
+
+uniform sampler2D diffuse_image;
+uniform sampler2D split_image;
+uniform sampler2D display_image;
+uniform sampler2D flags_image;
+uniform sampler2D tilted_normal_image;
+uniform vec3 white;
+uniform float c;
+uniform vec3 display_white;
+uniform mat3 rgb_from_xyz;
+uniform vec4 display_curve;
+uniform float background_light;
+
+layout(location = 0) out vec4 overlay;
+
+const int STRIPE_PX = 4;
+
+vec3 shown(vec3 lab, float share) {
+    bool inside;
+    vec3 rgb = display_rgb(GAMUT, lab, display_white, rgb_from_xyz, inside);
+    rgb = share > 0.0 ? mix(vec3(background_light), rgb, share) : vec3(background_light);
+    return encode(TRANSFER, rgb, display_curve);
+}
+
+// Stripes of black and white where a flag is set, over a gray and pale copy of the picture.
+vec3 striped(ivec2 at, int flag) {
+    int flags = int(floor(255.0 * texelFetch(flags_image, at, 0).r + 0.5));
+    float gray = dot(texelFetch(display_image, at, 0).rgb, vec3(0.299, 0.587, 0.114));
+    bool light = ((at.x + at.y) / STRIPE_PX) % 2 == 0;
+    return (flags & flag) != 0 ? vec3(light ? 1.0 : 0.0) : vec3(0.25 + 0.4 * gray);
+}
+
+void main() {
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    vec4 diffuse = texelFetch(diffuse_image, at, 0);
+    vec4 split = texelFetch(split_image, at, 0);
+    vec3 colour = vec3(0.0);
+    if (OVERLAY == CLIPPED) colour = striped(at, 1);
+    if (OVERLAY == OUT_OF_GAMUT) colour = striped(at, 2);
+    if (OVERLAY == LIGHTNESS) colour = shown(false_colour(scaled_lab(split, c).x), diffuse.a);
+    if (OVERLAY == DIFFUSE_ONLY) colour = shown(lab_from_xyz(diffuse.rgb, white), diffuse.a);
+    if (OVERLAY == SPECULAR_ONLY) colour = shown(vec3(c * split.y, 0.0, 0.0), diffuse.a);
+    if (OVERLAY == NORMALS) {
+        vec4 normal = texelFetch(tilted_normal_image, at, 0);
+        colour = normal.a > 0.0 ? 0.5 + 0.5 * normal.xyz
+                                : encode(TRANSFER, vec3(background_light), display_curve);
+    }
+    overlay = vec4(colour, 1.0);
+}
