@@ -10,6 +10,7 @@ import pytest
 
 from relgloss_view.errors import InputError
 from relgloss_view.picture.scene import Display, Eye, Lamp, Look, Scene, Shape, polar_point
+from relgloss_view.picture.scene_file import load_scene, read_scene_file
 from relgloss_view.picture.view import FILL, View
 
 PARTS = (Shape, Lamp, Eye, Display, Look)
@@ -102,3 +103,32 @@ def test_views_start_from_float32():
     view = View.of(Scene(materials.flat(), eye=Eye(azimuth_deg=33.0, elevation_deg=7.0)), (64, 64))
     for vector in (view.eye_m, view.right, view.up, view.forward, np.array([view.pixel_step])):
         np.testing.assert_array_equal(vector, vector.astype(np.float32).astype(np.float64))
+
+
+class TestSceneFile:
+    def test_entries_that_are_left_open(self, tmp_path):
+        file = tmp_path / "s.toml"
+        file.write_text('[look]\nsamples = "auto"\nc = "auto"\n[eye]\nfield_of_view_deg = "auto"\n')
+        scene, look = load_scene(file)
+        assert look == Look(samples=None)
+        assert scene.eye == Eye()
+        file.write_text('[lamp]\ndistance_m = "auto"\n')
+        with pytest.raises(InputError, match=r"lamp\.distance_m: expected"):
+            load_scene(file)
+
+    def test_a_pair_is_a_scene_of_its_sample(self, tmp_path):
+        file = tmp_path / "s.toml"
+        file.write_text(
+            '[sample]\nname = "uncoated"\ntable = "measured/at home.csv"\n[look]\nseed = 1\n'
+            '[reference]\nname = "art-coated"\n[reference.look]\nseed = 2\n'
+            "[presentation]\nwhatever = [1, 2]\n"
+        )
+        scene, look = load_scene(file)
+        assert scene.material.name.startswith("uncoated")
+        assert look == Look(seed=1)
+        content = read_scene_file(file)
+        assert content.sample.table == str(tmp_path / "measured" / "at home.csv")
+        assert content.reference.name == "art-coated"
+        assert content.reference_look == Look(seed=2)
+        assert content.presentation == {"whatever": [1, 2]}
+        assert content.scene() == scene
