@@ -73,11 +73,18 @@ class Recent(Generic[T]):
 
     def get(self, source: object, key: Hashable, make: Callable[[], T]) -> T:
         """The result for an object, by identity, and a key, by value; made if it is not there."""
-        for k, (kept, kept_key, value) in enumerate(self._kept):
-            if kept is source and kept_key == key:
-                self._kept.append(self._kept.pop(k))
-                return value
+        found = self.peek(source, key)
+        if found is not None:
+            return found
         value = make()
         self._kept.append((source, key, value))
         del self._kept[: -self._longest]
         return value
+
+    def peek(self, source: object, key: Hashable) -> T | None:
+        """The result, if it is there."""
+        for k, (kept, kept_key, value) in enumerate(self._kept):
+            if kept is source and kept_key == key:
+                self._kept.append(self._kept.pop(k))
+                return value
+        return None

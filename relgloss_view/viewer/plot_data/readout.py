@@ -104,13 +104,14 @@ class Stages:
             float(l_d),
             float(l_s),
             _triple(self.lab[at]),
-            *(
-                half_vector_deg(normal[at], self.point_m[at], self.lamp_m, self.eye_m)
-                for normal in (self.normal, self.tilted_normal)
-            ),
+            self._half_deg(self.normal, at),
+            self._half_deg(self.tilted_normal, at),
             clipped=bool(self.clipped[at]),
             out_of_gamut=bool(self.out_of_gamut[at]),
         )
+
+    def _half_deg(self, normal: Floats, at: tuple[int, int]) -> float | None:
+        return half_vector_deg(normal[at], self.point_m[at], self.lamp_m, self.eye_m)
 
     def patch(self, column: int, row: int, radius: int = 4) -> Patch:
         """The pixels within `radius` of one, to each side."""

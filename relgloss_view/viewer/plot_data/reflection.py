@@ -123,14 +123,21 @@ def seen_through_apertures(
     return _blurred.get(material, (light, incidence_deg, aperture_sd_deg), make)
 
 
-def albedo_curve(material: Material, lamp: str) -> Albedo:
-    """Directional albedo at ALBEDO_INCIDENCES_DEG; InputError for a lamp that is none."""
+def albedo_curve(material: Material, lamp: str, *, wait: bool = True) -> Albedo | None:
+    """Directional albedo at ALBEDO_INCIDENCES_DEG; InputError for a lamp that is none.
+
+    It takes 30 ms the first time: without `wait` it is None until it has been worked out.
+    """
     light = illuminant(lamp)
-    diffuse, specular = _albedos.get(
-        material, (), lambda: directional_albedo(material, ALBEDO_INCIDENCES_DEG)
-    )
+    parts = _albedos.peek(material, ())
+    if parts is None:
+        if not wait:
+            return None
+        parts = _albedos.get(
+            material, (), lambda: directional_albedo(material, ALBEDO_INCIDENCES_DEG)
+        )
     weights = _luminance(material.bands, light)
-    return Albedo(ALBEDO_INCIDENCES_DEG, diffuse @ weights, specular @ weights)
+    return Albedo(ALBEDO_INCIDENCES_DEG, parts[0] @ weights, parts[1] @ weights)
 
 
 def measured_incidences(measurement: Measurement) -> Array:
@@ -144,7 +151,7 @@ def measured_points(measurement: Measurement, lamp: str, incidence_deg: float) -
     """What was measured at an incidence, ordered by receiver; None where nothing was nearby."""
     light = illuminant(lamp)
 
-    def make() -> Points | None:
+    def make() -> tuple[Points | None]:
         plane = _planes.get(measurement, (), lambda: _Plane.of(measurement))
         near = np.abs(plane.incidence_deg - incidence_deg) < SAME_ANGLE_DEG
         rows = plane.rows & near
@@ -152,11 +159,11 @@ def measured_points(measurement: Measurement, lamp: str, incidence_deg: float) -
         receiver = plane.receiver_deg[rows]
         above = np.isfinite(value) & (value > 0.0)
         if not np.any(above):
-            return None
+            return (None,)
         order = np.argsort(receiver[above])
-        return Points(incidence_deg, receiver[above][order], value[above][order])
+        return (Points(incidence_deg, receiver[above][order], value[above][order]),)
 
-    return _points.get(measurement, (light, incidence_deg), make)
+    return _points.get(measurement, (light, incidence_deg), make)[0]
 
 
 @dataclass(frozen=True)
@@ -190,5 +197,5 @@ def _luminance(bands: Bands, light: Illuminant) -> Array:
 _slices: Recent[Slice] = Recent()
 _blurred: Recent[Points] = Recent()
 _albedos: Recent[tuple[Array, Array]] = Recent()
-_points: Recent[Points | None] = Recent()
+_points: Recent[tuple[Points | None]] = Recent()
 _planes: Recent[_Plane] = Recent(4)

@@ -1,0 +1,234 @@
+"""The pixel under the mouse, or the pinned one: its numbers on both sides, and its surroundings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from imgui_bundle import ImVec2, imgui
+
+from relgloss_view.viewer import widgets
+from relgloss_view.viewer.model import Model
+from relgloss_view.viewer.panels import plots
+from relgloss_view.viewer.plot_data.memory import PerFrame
+from relgloss_view.viewer.plot_data.readout import Patch, Readout, Stages
+from relgloss_view.viewer.state import SIDES
+from relgloss_view.viewer.theme import em, gray
+
+RADIUS = 4  #: pixels to each side of the one that is looked at
+NARROW_EM = 42.0  #: below this width the pixels lie under the numbers
+NUMBER_EM = 4.2  #: room for a number, at most
+TABLE_EM = 44.0  #: a wider table would tear its columns apart
+TEXT_FITS_EM = 1.75  #: a cell this wide holds a number
+LIGHT_LSTAR = 55.0  #: cells lighter than this carry dark text
+
+
+@dataclass
+class _Memory:
+    stages: dict[str, PerFrame[Stages]] = field(
+        default_factory=lambda: {name: PerFrame(Stages.of) for name in SIDES}
+    )
+    last: tuple[str, int, int] | None = None  #: where the mouse was over a picture
+
+
+@dataclass(frozen=True)
+class _Row:
+    name: str
+    meaning: str
+    texts: Callable[[Readout], list[str]]
+
+
+def _degrees(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2f}"
+
+
+def _state(pixel: Readout) -> list[str]:
+    told = [
+        word
+        for word, holds in (("clipped", pixel.clipped), ("out of gamut", pixel.out_of_gamut))
+        if holds
+    ]
+    return [", ".join(told) or "shown as it is"]
+
+
+ROWS = (
+    _Row(
+        "Y diffuse, specular (cd/m2)",
+        "Luminance of the two reflections, where the perfect diffuser has Y_n.",
+        lambda p: [f"{p.diffuse_cd_m2:.4g}", f"{p.specular_cd_m2:.4g}"],
+    ),
+    _Row(
+        "X, Y, Z (of Y_n)",
+        "Both reflections together; Y is 1 for the perfect diffuser.",
+        lambda p: [f"{v:.4g}" for v in p.xyz],
+    ),
+    _Row(
+        "L_d*, L_s*",
+        "Lightness of the diffuse reflection, and what the specular one adds before it is scaled.",
+        lambda p: [f"{p.l_d:.2f}", f"{p.l_s:.2f}"],
+    ),
+    _Row(
+        "scaled L*, a*, b*",
+        "The colour that is asked of the display: L_d* + c L_s*, before it is cut at 100 and "
+        "brought into the gamut.",
+        lambda p: [f"{v:.2f}" for v in p.lab],
+    ),
+    _Row(
+        "half-vector (deg)",
+        "Angle between the half-vector of lamp and eye and the normal: first the smooth surface's, "
+        "then the one that the grain has tilted.",
+        lambda p: [_degrees(p.half_deg), _degrees(p.half_tilted_deg)],
+    ),
+    _Row("shown", "Clipped: L* is above 100. Out of gamut: its chroma is reduced.", _state),
+)
+
+_memory = plots.Kept(_Memory)
+
+
+def show(model: Model) -> None:
+    """Draw the panel into the present window."""
+    imgui.push_id("inspector")
+    try:
+        _show(model)
+    finally:
+        imgui.pop_id()
+
+
+def _show(model: Model) -> None:
+    memory = _memory.of(model)
+    if model.pointer is not None:
+        memory.last = model.pointer
+    place = model.pinned or memory.last
+    _controls(model, place)
+    if place is None or not model.frames:
+        return
+    _, column, row = place
+    stages = {
+        name: memory.stages[name].get(model.frames.get(name), dragging=model.dragging)
+        for name in SIDES
+    }
+    plots.state_of_drag(all(current for _, current in stages.values()))
+    pixels = {name: None if s is None else s.read(column, row) for name, (s, _) in stages.items()}
+    patches = {name: s.patch(column, row, RADIUS) for name, (s, _) in stages.items() if s}
+    room = imgui.get_content_region_avail()
+    if room.x < em(NARROW_EM):
+        _table(pixels, room.x)
+        height = imgui.get_content_region_avail().y
+        _patches(patches, min(0.5 * (room.x - em(1)), max(height - em(1.4), em(6))))
+        return
+    side = min(room.y - em(1.4), 0.22 * room.x)
+    width = min(room.x - 2.0 * side - em(2.2), em(TABLE_EM))
+    imgui.begin_group()
+    _table(pixels, width)
+    imgui.end_group()
+    imgui.same_line(0.0, em(1.1))
+    _patches(patches, side)
+
+
+def _controls(model: Model, place: tuple[str, int, int] | None) -> None:
+    pinned = model.pinned is not None
+    if widgets.button(
+        "release" if pinned else "pin",
+        "let the numbers follow the mouse again"
+        if pinned
+        else "hold this pixel while the mouse goes elsewhere; Alt-click on a picture does so too",
+        width=plots.button_width("release"),
+        enabled=place is not None,
+    ):
+        model.pinned = None if pinned else place
+    imgui.same_line(0.0, em(1.1))
+    imgui.align_text_to_frame_padding()
+    if place is None:
+        widgets.quiet("Point at a picture; Alt-click pins a pixel.")
+        return
+    side, column, row = place
+    imgui.text_unformatted(f"column {column}, row {row}")
+    widgets.tooltip(f"Pixels from the left and from the top, pointed at in the {side} picture.")
+
+
+def _table(pixels: dict[str, Readout | None], width: float) -> None:
+    flags = imgui.TableFlags_.row_bg | imgui.TableFlags_.no_host_extend_x
+    if not imgui.begin_table("pixel", 3, flags, ImVec2(width, 0.0)):
+        return
+    names = max(imgui.calc_text_size(row.name).x for row in ROWS)
+    imgui.table_setup_column("pixel", imgui.TableColumnFlags_.width_fixed, names)
+    for name in SIDES:
+        imgui.table_setup_column(name, imgui.TableColumnFlags_.width_stretch)
+    imgui.table_headers_row()
+    for k, row in enumerate(ROWS):
+        imgui.table_next_row()
+        imgui.table_next_column()
+        widgets.quiet(row.name)
+        widgets.tooltip(row.meaning)
+        for name in SIDES:
+            imgui.table_next_column()
+            pixel = pixels[name]
+            if pixel is not None and pixel.on_object:
+                _in_columns(row.texts(pixel))
+            elif k == 0:
+                widgets.quiet("no such pixel" if pixel is None else "off the object")
+            else:
+                widgets.quiet("-")
+    imgui.table_next_row()
+    imgui.table_next_column()
+    widgets.quiet("display R, G, B")
+    widgets.tooltip("Digital values, 8 bits.")
+    for name in SIDES:
+        imgui.table_next_column()
+        pixel = pixels[name]
+        _in_columns(["-"] if pixel is None else [str(v) for v in pixel.display_rgb])
+    imgui.end_table()
+
+
+def _in_columns(texts: list[str]) -> None:
+    """Numbers below one another from row to row."""
+    start = imgui.get_cursor_pos_x()
+    step = min(imgui.get_content_region_avail().x / 3.0, em(NUMBER_EM))
+    for k, text in enumerate(texts):
+        if k:
+            imgui.same_line()
+            imgui.set_cursor_pos_x(start + k * step)
+        imgui.text_unformatted(text)
+
+
+def _patches(patches: dict[str, Patch], side: float) -> None:
+    for k, name in enumerate(SIDES):
+        if name not in patches:
+            continue
+        if k:
+            imgui.same_line(0.0, em(1.1))
+        imgui.begin_group()
+        widgets.quiet(name)
+        _patch(patches[name], side)
+        imgui.end_group()
+        widgets.tooltip(
+            f"The {name} picture's pixels around this one, as displayed, and their L* where there "
+            "is room."
+        )
+
+
+def _patch(patch: Patch, side: float) -> None:
+    count = len(patch.lstar)
+    cell = max(np.floor(side / count), 2.0)
+    at = imgui.get_cursor_screen_pos()
+    draw = imgui.get_window_draw_list()
+    rgb = patch.rgb.astype(np.int64)
+    packed = rgb[..., 0] | rgb[..., 1] << 8 | rgb[..., 2] << 16 | 0xFF << 24
+    with_text = cell >= em(TEXT_FITS_EM)
+    dark, light = (imgui.get_color_u32(gray(v)) for v in (0.0, 1.0))
+    for r, c in np.argwhere(patch.inside):
+        low = ImVec2(at.x + c * cell, at.y + r * cell)
+        draw.add_rect_filled(low, ImVec2(low.x + cell, low.y + cell), int(packed[r, c]))
+        if with_text:
+            text = f"{patch.lstar[r, c]:.0f}"
+            size = imgui.calc_text_size(text)
+            place = ImVec2(low.x + 0.5 * (cell - size.x), low.y + 0.5 * (cell - size.y))
+            ink = dark if patch.lstar[r, c] > LIGHT_LSTAR else light
+            draw.add_text(place, ink, text)
+    middle = count // 2
+    low = ImVec2(at.x + middle * cell, at.y + middle * cell)
+    ink = dark if patch.lstar[middle, middle] > LIGHT_LSTAR else light
+    high = ImVec2(low.x + cell, low.y + cell)
+    draw.add_rect(low, high, ink, 0.0, thickness=max(0.1 * em(1.0), 1.0))
+    imgui.dummy(ImVec2(count * cell, count * cell))

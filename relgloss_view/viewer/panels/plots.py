@@ -1,0 +1,237 @@
+"""What the panels with plots share: curves in the theme's colours, a legend, which side."""
+
+from __future__ import annotations
+
+import math
+import weakref
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+import numpy as np
+from imgui_bundle import ImVec2, ImVec4, imgui, implot
+from numpy.typing import NDArray
+
+from relgloss_view.viewer import widgets
+from relgloss_view.viewer.model import Model
+from relgloss_view.viewer.state import SIDES
+from relgloss_view.viewer.theme import CURVES, PANEL, QUIET, em, gray
+
+Array = NDArray[np.float64]
+T = TypeVar("T")
+
+TOTAL, DIFFUSE, SPECULAR, PLAIN = CURVES[0], CURVES[1], CURVES[2], CURVES[4]
+OTHER = gray(0.45)  #: the other side's curves
+LIMIT = gray(QUIET)
+SMALLEST_PLOT_EM = (8.0, 4.5)
+LOW_EM = 8.0  #: in a lower plot the labels of the axes stand inside
+MORE = "..."
+Entry = tuple[str, ImVec4]
+_low = False  #: whether the plot that was begun is low
+POINTS = gray(1.0, 0.85)
+
+
+class Kept(Generic[T]):
+    """A panel's own memory for each model, gone with it."""
+
+    def __init__(self, make: Callable[[], T]) -> None:
+        self._make = make
+        self._of: weakref.WeakKeyDictionary[Model, T] = weakref.WeakKeyDictionary()
+
+    def of(self, model: Model) -> T:
+        """The memory for a model."""
+        if model not in self._of:
+            self._of[model] = self._make()
+        return self._of[model]
+
+
+def other(side: str) -> str:
+    """The side that is not this one."""
+    return SIDES[1 - SIDES.index(side)]
+
+
+def side_switch(model: Model) -> str:
+    """Two buttons that choose the active side; returns it."""
+    for k, side in enumerate(SIDES):
+        if k:
+            imgui.same_line(0.0, em(0.6))
+        if imgui.radio_button(side, model.active_side == side):
+            model.active_side = side
+        widgets.tooltip(f"Show the {side} picture's curves; the other's are drawn faint.")
+    return model.active_side
+
+
+def button_width(text: str) -> float:
+    """Width of a button or a radio button's text with its padding, pixels."""
+    return float(imgui.calc_text_size(text).x + 2.0 * imgui.get_style().frame_padding.x)
+
+
+def legend(entries: list[Entry]) -> None:
+    """What the curves' colours mean, beside the controls; what finds no room is in a tooltip."""
+    right = imgui.get_cursor_screen_pos().x + imgui.get_content_region_avail().x
+    more = imgui.calc_text_size(MORE).x + em(1.1)
+    for k, (text, _) in enumerate(entries):
+        imgui.same_line(0.0, em(1.1))
+        width = em(1.45) + imgui.calc_text_size(text).x
+        last = k == len(entries) - 1
+        if imgui.get_cursor_screen_pos().x + width + (0.0 if last else more) > right:
+            imgui.align_text_to_frame_padding()
+            widgets.quiet(MORE)
+            if imgui.begin_item_tooltip():
+                for entry in entries[k:]:
+                    _entry(entry)
+                imgui.end_tooltip()
+            return
+        _entry(entries[k])
+
+
+def _entry(entry: Entry) -> None:
+    text, colour = entry
+    font = imgui.get_font_size()
+    sample = 1.1 * font
+    imgui.align_text_to_frame_padding()
+    at = imgui.get_cursor_screen_pos()
+    middle = at.y + 0.5 * imgui.get_frame_height()
+    draw, ink = imgui.get_window_draw_list(), imgui.get_color_u32(colour)
+    if colour is POINTS:
+        draw.add_circle(ImVec2(at.x + 0.5 * sample, middle), 0.2 * font, ink)
+    else:
+        draw.add_line(ImVec2(at.x, middle), ImVec2(at.x + sample, middle), ink, 0.14 * font)
+    imgui.dummy(ImVec2(sample, 0.0))
+    imgui.same_line(0.0, 0.35 * font)
+    imgui.text_unformatted(text)
+
+
+def state_of_drag(current: bool) -> None:
+    """Say that curves wait for the end of a drag."""
+    if not current:
+        imgui.same_line(0.0, em(1.1))
+        imgui.align_text_to_frame_padding()
+        widgets.quiet("follows when you let go")
+
+
+def begin(title: str, width: float, height: float, *, decorated: bool = True) -> bool:
+    """Begin a plot of a size in pixels; `end` must follow where this is true."""
+    global _low
+    _low = height < em(LOW_EM)
+    small = ImVec2(em(SMALLEST_PLOT_EM[0]), em(SMALLEST_PLOT_EM[1]))
+    implot.push_style_var(implot.StyleVar_.plot_min_size, ImVec2(0.5 * small.x, 0.5 * small.y))
+    unit = em(1.0) / 15.0
+    implot.push_style_var(implot.StyleVar_.label_padding, ImVec2(4.0 * unit, 2.0 * unit))
+    implot.push_style_var(implot.StyleVar_.plot_padding, ImVec2(6.0 * unit, 4.0 * unit))
+    flags = implot.Flags_.no_title | implot.Flags_.no_legend | implot.Flags_.no_menus
+    flags |= implot.Flags_.no_frame
+    if not decorated:
+        flags |= implot.Flags_.canvas_only | implot.Flags_.no_inputs
+    shown: bool = implot.begin_plot(
+        f"##{title}", (max(width, small.x), max(height, small.y)), flags
+    )
+    if not shown:
+        implot.pop_style_var(3)
+    return shown
+
+
+def end() -> None:
+    """End a plot that `begin` began."""
+    implot.end_plot()
+    implot.pop_style_var(3)
+
+
+def axes(
+    x: tuple[str, float, float],
+    y: tuple[str, float, float],
+    *,
+    follow: bool = False,
+    decorated: bool = True,
+) -> tuple[str, str] | None:
+    """Labels with units and limits; `follow` sets limits that change with the data.
+
+    Returns what is left for `label_inside`, once everything else of the plot is set up.
+    """
+    cond = implot.Cond_.always if follow else implot.Cond_.once
+    flags = implot.AxisFlags_.no_highlight | implot.AxisFlags_.no_side_switch
+    flags |= implot.AxisFlags_.no_initial_fit
+    if not decorated:
+        flags |= implot.AxisFlags_.no_decorations
+    inside = decorated and _low
+    for axis, (text, low, high) in ((implot.ImAxis_.x1, x), (implot.ImAxis_.y1, y)):
+        implot.setup_axis(axis, None if inside else text, flags)
+        implot.setup_axis_limits(axis, low, high, cond)
+    return (x[0], y[0]) if inside else None
+
+
+def label_inside(labels: tuple[str, str] | None) -> None:
+    """What the axes of a low plot show, where `axes` has left it out."""
+    if labels is None:
+        return
+    text = f"{labels[1]} by {labels[0]}"
+    at, gap = implot.get_plot_pos(), em(0.2)
+    size = imgui.calc_text_size(text)
+    low = ImVec2(at.x + gap, at.y + gap)
+    draw = implot.get_plot_draw_list()
+    high = ImVec2(low.x + size.x + 2.0 * gap, low.y + size.y)
+    draw.add_rect_filled(low, high, imgui.get_color_u32(gray(PANEL, 0.8)))
+    draw.add_text(ImVec2(low.x + gap, low.y), imgui.get_color_u32(gray(QUIET)), text)
+
+
+def lightness_ticks(axis: int) -> None:
+    """Ticks of an L* axis: up to 100, as many as have room."""
+    values = [0.0, 50.0, 100.0] if _low else [0.0, 20.0, 40.0, 60.0, 80.0, 100.0]
+    implot.setup_axis_ticks(axis, values, [f"{v:g}" for v in values])
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A curve to draw: see `line`."""
+
+    title: str
+    x: Array
+    y: Array
+    colour: ImVec4
+    weight: float = 1.6
+    faint: bool = False
+
+    def draw(self) -> None:
+        """Draw it into the plot that was begun."""
+        line(self.title, self.x, self.y, self.colour, weight=self.weight, faint=self.faint)
+
+
+def line(
+    title: str, x: Array, y: Array, colour: ImVec4, *, weight: float = 1.6, faint: bool = False
+) -> None:
+    """A curve; NaN leaves a gap. `weight` in pixels at the ordinary size of the font."""
+    chosen = OTHER if faint else colour
+    width = (1.0 if faint else weight) * em(1.0) / 15.0
+    spec = implot.Spec(line_color=chosen, line_weight=width)
+    implot.plot_line(f"{title}##{'faint' if faint else 'bold'}", _floats(x), _floats(y), spec)
+
+
+def points(title: str, x: Array, y: Array) -> None:
+    """Measured points: hollow circles that let the curve be seen."""
+    spec = implot.Spec(
+        marker=implot.Marker_.circle,
+        marker_size=(0.12 if _low else 0.2) * em(1.0),
+        marker_line_color=POINTS,
+        marker_fill_color=gray(0.0, 0.0),
+        line_weight=em(1.0) / 15.0,
+    )
+    implot.plot_scatter(title, _floats(x), _floats(y), spec)
+
+
+def level(title: str, value: float, *, across: bool = True) -> None:
+    """A thin line across the plot at a value of y, or up at a value of x."""
+    flags = implot.InfLinesFlags_.horizontal if across else implot.InfLinesFlags_.none
+    spec = implot.Spec(line_color=LIMIT, line_weight=em(1.0) / 15.0, flags=flags)
+    implot.plot_inf_lines(f"##{title}", np.array([value]), spec)
+
+
+def nice_ceiling(value: float) -> float:
+    """The next of 1, 2, 5 times a power of ten, with a little room above the value."""
+    if not value > 0.0:
+        return 1.0
+    power = 10.0 ** math.floor(math.log10(1.05 * value))
+    return next(f * power for f in (1.0, 2.0, 5.0, 10.0) if f * power >= 1.05 * value * 0.999999)
+
+
+def _floats(values: Array) -> Array:
+    return np.ascontiguousarray(values, dtype=np.float64)

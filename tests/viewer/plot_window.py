@@ -1,0 +1,187 @@
+"""Draws panels in a window without a display, one after another, and keeps their pictures.
+
+Run as a program, in a process of its own: ImGui's state is global. `draw` is its other side.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+STRIP = (940, 230)
+PANELS = ("lightness", "reflection", "fit", "inspector")
+PICTURE = (160, 120)
+
+
+def draw(cases: list[dict], folder: Path) -> dict[str, dict]:
+    """Draw cases in another process: by name, the picture (H, W, 3) and what was found."""
+    (folder / "cases.json").write_text(json.dumps(cases), encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, __file__, str(folder)], capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 0, done.stderr[-4000:]
+    found = json.loads((folder / "found.json").read_text(encoding="utf-8"))
+    for name, entry in found.items():
+        entry["picture"] = np.load(folder / f"{name}.npy")
+    return found
+
+
+# --- in the process of its own -------------------------------------------------------------------
+
+
+def models(names: set[str]) -> dict:
+    """Models by name, their frames drawn and fetched before there is a window."""
+    sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+    import materials
+
+    from relgloss_view.material.material import Lobe
+    from relgloss_view.measure.readers import read_measurement
+    from relgloss_view.picture.context import open_context
+    from relgloss_view.picture.renderer import Renderer
+    from relgloss_view.picture.samples import load_sample
+    from relgloss_view.picture.scene import Eye
+    from relgloss_view.resources import asset
+    from relgloss_view.viewer.model import Model
+    from relgloss_view.viewer.plot_data.lightness import Lightness
+    from relgloss_view.viewer.plot_data.readout import Stages
+    from relgloss_view.viewer.state import Sample, Side, State
+
+    start = State.initial()
+
+    def made(name: str) -> Model:
+        size = PICTURE
+        state = start
+        if name == "large":
+            size = (640, 640)
+        elif name == "no fit":
+            state = start.with_sample("test", Sample(materials.paper("matte")))
+        elif name == "no lobes":
+            state = start.with_sample("test", Sample(materials.flat(0.4)))
+        elif name == "nothing seen":
+            state = replace(start, eye=Eye(distance_m=0.01))
+        elif name == "one pixel":
+            size = (1, 1)
+        elif name == "poor fit":
+            material = load_sample("uncoated")
+            told = ("the fit is poor: " + 12 * "words and more words ",)
+            record = replace(material.fit, quality="poor", warnings=told)
+            state = start.with_sample("test", Sample(replace(material, fit=record)))
+        elif name == "odd fit":  # a file may hold anything in a fit's tables
+            odd = replace(
+                load_sample("uncoated").fit,
+                candidates=({"name": 3, "cv_mean": "x", "verdict": ["y"]}, {}),
+                residuals={"left_out": [1], "near_mirror": None},
+                standard_errors={"s_deg": "wide", "sigma_deg": None},
+                bounds={"main_lobe": 7, "no_lobe": {"largest_strength_upper": "?"}},
+            )
+            state = start.with_sample("test", Sample(replace(load_sample("uncoated"), fit=odd)))
+        elif name == "light":
+            white = materials.flat(0.9, (Lobe((1.0,), 2.0),))
+            state = start.with_sample("test", Sample(white))
+        elif name == "measured":
+            state = start.with_sample(
+                "test", Sample(load_sample("cast-coated"), name="cast-coated", table="cast.csv")
+            )
+        model = Model(state)
+        if name == "measured":
+            table = read_measurement(asset("papers", "cast-coated.csv"))
+            model.measurements["cast.csv"] = table
+        if name == "no frames":
+            return model
+        for side in ("reference", "test"):
+            own: Side = state.side(side)
+            frame = renderer.render(state.scene(side), own.look, size)
+            Stages.of(frame), Lightness.of(frame)  # the frame keeps what it has fetched
+            model.frames[side] = frame
+        return model
+
+    ctx = open_context("egl")
+    renderer = Renderer(ctx)
+    drawn = {name: made(name) for name in names}
+    renderer.release()
+    ctx.release()
+    return drawn
+
+
+def main(folder: Path) -> None:
+    cases = json.loads((folder / "cases.json").read_text(encoding="utf-8"))
+    drawn = models({case["model"] for case in cases})
+    found = {}
+    for case in cases:
+        picture, entry = _window(case, drawn[case["model"]])
+        np.save(folder / f"{case['name']}.npy", picture)
+        found[case["name"]] = entry
+    (folder / "found.json").write_text(json.dumps(found), encoding="utf-8")
+
+
+def _window(case: dict, model) -> tuple[np.ndarray, dict]:
+    """Show panels, one below the other, for a few frames."""
+    import importlib
+    import time
+
+    from imgui_bundle import hello_imgui, imgui, immapp
+
+    import glfw  # isort: skip  (the bundle's own library has to be the first)
+
+    from relgloss_view.viewer import theme
+    from relgloss_view.viewer.panels import plots, reflection
+
+    shows = [
+        importlib.import_module(f"relgloss_view.viewer.panels.{name}").show
+        for name in case["panels"]
+    ]
+    width, height = case.get("size", STRIP)
+    for name, value in case.get("reflection", {}).items():
+        setattr(reflection._memory.of(model), name, value)
+    model.pointer = tuple(case["pointer"]) if "pointer" in case else None
+    model.active_side = case.get("side", "test")
+    entry: dict = {"vertices": 0, "width": 0.0, "ms": []}
+
+    def gui() -> None:
+        imgui.get_style().font_scale_main = case.get("font", 1.0)
+        each = height / len(shows)
+        model.dragging = case.get("dragging", False) and imgui.get_frame_count() > 3
+        for k, show in enumerate(shows):
+            imgui.set_next_window_pos((0, k * each))
+            imgui.set_next_window_size((width, each))
+            flags = imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_resize
+            imgui.begin(f"panel {k}", None, flags)
+            start = time.perf_counter()
+            show(model)
+            entry["ms"].append(1e3 * (time.perf_counter() - start))
+            entry["width"] = max(entry["width"], imgui.get_scroll_max_x())
+            entry["scroll"] = max(entry.get("scroll", 0.0), imgui.get_scroll_max_y())
+            imgui.end()
+
+    def after() -> None:
+        entry["vertices"] = imgui.get_draw_data().total_vtx_count
+
+    glfw.init_hint(glfw.PLATFORM, glfw.PLATFORM_NULL)
+    assert glfw.init()
+    glfw.default_window_hints()
+    glfw.window_hint(glfw.CONTEXT_CREATION_API, glfw.EGL_CONTEXT_API)
+    params = hello_imgui.RunnerParams()
+    params.callbacks.show_gui = gui
+    params.callbacks.setup_imgui_style = theme.apply
+    params.callbacks.after_swap = after
+    params.app_window_params.window_geometry.size = (width, height)
+    params.ini_disable = True
+    kinds = hello_imgui.DefaultImGuiWindowType
+    params.imgui_window_params.default_imgui_window_type = kinds.no_default_window
+    params.fps_idling.enable_idling = False
+    params.renderer_backend_options.open_gl_options.anti_aliasing_samples = 0
+    immapp.manual_render.setup_from_runner_params(params, immapp.AddOnsParams(with_implot=True))
+    for _ in range(case.get("frames", 6)):
+        immapp.manual_render.render()
+    immapp.manual_render.tear_down()
+    assert plots is not None
+    return np.asarray(hello_imgui.final_app_window_screenshot())[..., :3], entry
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
