@@ -1,10 +1,7 @@
 """Opening a file in the background: a scene, a material, or a measurement, which is fitted first.
 
-The fit runs in a thread of this process. NumPy and SciPy let go of the interpreter often enough: a
-main thread that wakes every 5 ms is never kept waiting for longer than 42 ms (measured on two
-cores, at the import of SciPy; 99 of 100 waits are below 14 ms, and a table of 20 000 rows is no
-different), so a process of its own, slower to start and harder to end, gains nothing. What is
-cancelled is done with at once; its thread notices at the fit's next report and leaves no file.
+A thread does it and leaves the fit itself to a process (see fit_process.py). What is cancelled is
+done with at once and leaves no file.
 """
 
 from __future__ import annotations
@@ -19,7 +16,8 @@ from pathlib import Path
 from relgloss_view.errors import FitCancelled, InputError, RelglossError
 from relgloss_view.material.files import load_material
 from relgloss_view.measure.table import Measurement
-from relgloss_view.viewer.kinds import MATERIAL, SCENE, read_kind
+from relgloss_view.viewer.fit_process import FitProcess
+from relgloss_view.viewer.kinds import MATERIAL, SCENE, likely_kind
 from relgloss_view.viewer.own_materials import keep_material
 from relgloss_view.viewer.places import data_folder
 from relgloss_view.viewer.state import Sample, State
@@ -58,6 +56,7 @@ class OpenJob:
         self.result: Opened | None = None
         self.fault: str | None = None  #: one line
         self._wake = wake
+        self._fit: FitProcess | None = None
         self._done = threading.Event()
         self._cancelled = threading.Event()
         self._ending = threading.Lock()  # a job ends once: finished, failed or cancelled
@@ -81,6 +80,8 @@ class OpenJob:
                 return
             self._cancelled.set()
             self._done.set()
+            if self._fit is not None:
+                self._fit.stop()
         self._wake()
 
     def wait(self, limit_s: float) -> bool:
@@ -116,21 +117,20 @@ class OpenJob:
         self._wake()
 
     def _open(self) -> Opened:
-        kind, measurement = read_kind(self.path)
+        kind = likely_kind(self.path)
         if kind == SCENE:
             return Opened(self.path, state=load_state(self.path))
         if kind == MATERIAL:
             return Opened(self.path, sample=Sample(load_material(self.path), file=self.path))
-        assert measurement is not None
-        return self._fitted(measurement)
+        return self._fitted()
 
-    def _fitted(self, measurement: Measurement) -> Opened:
+    def _fitted(self) -> Opened:
         """Fit, and keep the material in a file, so that scenes and commands can name it."""
-        self._report(0.0, "fitting")
-        # Loads SciPy, which costs more than a picture does.
-        from relgloss_view.material.fitting import fit_material
-
-        material = fit_material(measurement, progress=self._report)
+        with self._ending:
+            if self.cancelled:
+                raise FitCancelled("the fit was cancelled")
+            self._fit = FitProcess(self.path)
+        material, measurement = self._fit.run(self._report)
         self._report(1.0, "saving")
         try:
             file = keep_material(material, data_folder() / "materials")
@@ -143,12 +143,11 @@ class OpenJob:
         sample = Sample(load_material(file), file=str(file), table=self.path)
         return Opened(self.path, None, sample, measurement)
 
-    def _report(self, fraction: float, text: str) -> bool:
+    def _report(self, fraction: float, text: str) -> None:
         if self.cancelled:
             raise FitCancelled("the fit was cancelled")
         self.progress = (fraction, text)
         self._wake()
-        return True
 
     def _drop(self, result: Opened | None) -> None:
         """Remove the material that was saved while the job was being cancelled."""

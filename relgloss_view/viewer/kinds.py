@@ -12,7 +12,6 @@ from relgloss_view.errors import InputError
 from relgloss_view.material.files import FORMAT
 from relgloss_view.material.files import MAX_BYTES as MAX_MATERIAL_BYTES
 from relgloss_view.measure.readers import read_measurement
-from relgloss_view.measure.table import Measurement
 from relgloss_view.picture.scene_file import MAX_BYTES as MAX_SCENE_BYTES
 from relgloss_view.picture.scene_file import PAIR_TABLES, TABLES
 from relgloss_view.text_input import check_regular, printable, unreadable
@@ -31,25 +30,30 @@ def kind_of(path: str | os.PathLike[str]) -> str:
 
     A measurement is read to the end, for nothing less tells that it can be.
     """
-    return read_kind(path)[0]
+    kind = likely_kind(path)
+    if kind == MEASUREMENT:
+        read_measurement(Path(path))
+    return kind
 
 
-def read_kind(path: str | os.PathLike[str]) -> tuple[str, Measurement | None]:
-    """The kind of a file, and the measurement if it is one. Raises as kind_of."""
+def likely_kind(path: str | os.PathLike[str]) -> str:
+    """The kind of a file from its beginning; what is left over is a measurement or its reader says
+    why it is none. Raises InputError for what is nothing at all.
+    """
     file = check_regular(path, EXPECTED)
     head = _beginning(file, HEAD_BYTES)
     if not head:
         raise InputError(f"{file}: the file is empty; give {EXPECTED}")
     if b"\x00" in head:  # a binary format, or UTF-16: its reader knows them
-        return MEASUREMENT, read_measurement(file)
+        return MEASUREMENT
     text = head.lstrip(b"\xef\xbb\xbf \t\r\n")
     if text.startswith((b"{", b"[{")):
         _check_material(file)
-        return MATERIAL, None
+        return MATERIAL
     if _is_scene(file):
-        return SCENE, None
+        return SCENE
     _check_table(file)
-    return MEASUREMENT, read_measurement(file)
+    return MEASUREMENT
 
 
 def _check_material(file: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import signal
 import subprocess
 import sys
 import threading
@@ -14,11 +15,12 @@ import materials
 import pytest
 
 from relgloss_view.errors import InputError
-from relgloss_view.material import fitting
 from relgloss_view.material.files import load_material, save_material
+from relgloss_view.material.fitting import fit_material
 from relgloss_view.measure.readers import read_measurement
 from relgloss_view.resources import asset
 from relgloss_view.viewer import jobs
+from relgloss_view.viewer.fit_process import FitProcess
 from relgloss_view.viewer.jobs import OpenJob
 from relgloss_view.viewer.kinds import MATERIAL, MEASUREMENT, SCENE, kind_of
 from relgloss_view.viewer.own_materials import keep_material, safe_name
@@ -27,6 +29,8 @@ from relgloss_view.viewer.state_file import load_state, save_state
 
 TABLE = asset("papers", "matte-coated.csv")
 LIMIT_S = 60.0
+#: A table that only its reader finds out to be none.
+BROKEN = "# quantity: brdf\ntheta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,R,G,B\n1,2,3,4,x,0,0\n"
 
 
 @pytest.fixture(autouse=True)
@@ -127,7 +131,7 @@ class TestKinds:
             (b"a,b,c,d\n1,2,3,4\n", "the header"),
             (b"\xfe\xed\xfa\xce" * 300_000, "byte 0: neither"),
             (b"a,b\n" * 200_000 + b"\xff" * 400_000, "byte 800000: neither"),
-            (b"theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,R,G,B\n1,2,3,4,x,0,0\n", "line 2"),
+            (BROKEN.encode(), "line 3"),
         ],
     )
     def test_anything_else_is_one_line(self, tmp_path, content, says):
@@ -184,10 +188,9 @@ class TestOpening:
         assert len(set(fractions)) > 5
         assert fractions == sorted(fractions)
         assert fractions[-1] == 1.0
-        # A second time it goes to another file.
-        again = opened(TABLE)
-        assert len(kept(home)) == 2
-        assert again.result.sample.file != sample.file
+        # The process gives what a fit here gives.
+        here = fit_material(read_measurement(TABLE))
+        assert (sample.material.diffuse, sample.material.specular) == (here.diffuse, here.specular)
 
     def test_a_fit_that_can_not_be_kept_is_shown(self, tmp_path, home):
         write(home, "a file where the folder should be")
@@ -202,7 +205,7 @@ class TestOpening:
         def fail(path):
             raise error
 
-        monkeypatch.setattr(jobs, "read_kind", fail)
+        monkeypatch.setattr(jobs, "likely_kind", fail)
         job = opened(TABLE)
         assert job.result is None
         assert "matte-coated.csv" in job.fault
@@ -214,16 +217,25 @@ class TestCancelling:
     def slow(self, monkeypatch):
         """A fit that reports until it is cancelled, or finishes when it is let."""
         began, finish = threading.Event(), threading.Event()
-        real = load_material(asset("materials", "uncoated.json"))
+        outcome = (load_material(asset("materials", "uncoated.json")), read_measurement(TABLE))
 
-        def fit_material(measurement, *, progress):
-            while not finish.is_set():
-                progress(0.5, "turning")
-                began.set()
-                time.sleep(0.002)
-            return real
+        class Slow:
+            def __init__(self, path):
+                assert path == str(TABLE)
+                self.stopped = threading.Event()
 
-        monkeypatch.setattr(fitting, "fit_material", fit_material)
+            def run(self, progress):
+                while not finish.is_set():
+                    progress(0.5, "turning")
+                    began.set()
+                    if self.stopped.wait(0.002):
+                        raise InputError("the fit ended before it was done")
+                return outcome
+
+            def stop(self):
+                self.stopped.set()
+
+        monkeypatch.setattr(jobs, "FitProcess", Slow)
         return began, finish
 
     def test_it_is_over_at_once_and_leaves_nothing(self, slow, home):
@@ -285,21 +297,86 @@ class TestCancelling:
             "began = threading.Event(); job = OpenJob(sys.argv[1], began.set)\n"
             "began.wait(60); assert not job.done; print('left')"
         )
-        done = subprocess.run(
-            [sys.executable, "-c", code, str(TABLE)],
-            capture_output=True,
-            text=True,
-            timeout=LIMIT_S,
-        )
+        done = run_python(code)
         assert (done.returncode, done.stdout, done.stderr) == (0, "left\n", "")
         assert kept(home) == []
 
 
-def test_the_fit_is_loaded_by_the_job_alone():
-    """SciPy costs more than a picture does; a window that opens no table never loads it."""
-    code = "import relgloss_view.viewer.jobs, sys; print('scipy' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout == "False\n"
+class TestFitProcess:
+    def test_this_process_loads_no_scipy(self):
+        """It costs more than a picture does."""
+        code = (
+            "import sys; from relgloss_view.viewer.jobs import OpenJob\n"
+            "job = OpenJob(sys.argv[1], lambda: None); job.wait(60); assert job.result, job.fault\n"
+            "print('scipy' in sys.modules)"
+        )
+        done = run_python(code)
+        assert (done.returncode, done.stdout, done.stderr) == (0, "False\n", "")
+
+    def test_its_end_is_told(self):
+        began = threading.Event()
+        process = FitProcess(str(TABLE))
+        caught = []
+
+        def run():
+            try:
+                process.run(lambda *_: began.set())
+            except InputError as error:
+                caught.append(str(error))
+
+        thread = threading.Thread(target=run)
+        thread.start()
+        assert began.wait(LIMIT_S)
+        os.kill(process._process.pid, signal.SIGKILL)  # as a system does that is out of memory
+        thread.join(LIMIT_S)
+        assert "before it was done" in caught[0]
+        process.stop()  # what has ended may be stopped
+
+    def test_it_ends_with_the_window(self, tmp_path):
+        """A window that was killed leaves no fit running."""
+        code = (
+            "import sys, threading; from relgloss_view.viewer.jobs import OpenJob\n"
+            "began = threading.Event(); job = OpenJob(sys.argv[1], began.set); began.wait(60)\n"
+            "print(job._fit._process.pid, flush=True); threading.Event().wait()"
+        )
+        window = subprocess.Popen([sys.executable, "-c", code, TABLE], stdout=subprocess.PIPE)
+        child = int(window.stdout.readline())
+        os.kill(child, 0)
+        window.kill()
+        window.wait(LIMIT_S)
+        window.stdout.close()
+        end = time.monotonic() + LIMIT_S
+        while running(child):
+            assert time.monotonic() < end
+            time.sleep(0.01)
+
+    def test_any_name_of_a_file(self, tmp_path):
+        table = write(tmp_path / os.fsdecode(b"-two words\n\xff.csv"), BROKEN)
+        assert "words \udcff.csv: line 3" in opened(table).fault
+
+    def test_no_process(self, monkeypatch):
+        monkeypatch.setattr(sys, "executable", "/no/python")
+        assert "no process can be made" in opened(TABLE).fault
+
+    def test_modules_of_the_present_folder_do_not_matter(self, tmp_path, monkeypatch):
+        """A dropped table's folder may hold anything; the fit imports what this program does."""
+        write(tmp_path / "json.py", "raise SystemExit('wrong module')")
+        write(tmp_path / "numpy.py", "raise SystemExit('wrong module')")
+        monkeypatch.chdir(tmp_path)
+        assert "line 3" in opened(write(tmp_path / "table.csv", BROKEN)).fault
+
+
+def run_python(code):
+    words = [sys.executable, "-c", code, str(TABLE)]
+    return subprocess.run(words, capture_output=True, text=True, timeout=LIMIT_S)
+
+
+def running(pid):
+    """Whether a process runs; one that has ended and waits to be asked about does not."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
 
 
 class TestOwnMaterials:
