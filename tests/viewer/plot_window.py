@@ -5,6 +5,7 @@ Run as a program, in a process of its own: ImGui's state is global. `draw` is it
 
 from __future__ import annotations
 
+import contextlib
 import json
 import subprocess
 import sys
@@ -16,6 +17,7 @@ import numpy as np
 STRIP = (940, 230)
 PANELS = ("lightness", "reflection", "fit", "inspector")
 PICTURE = (160, 120)
+PANEL_GRAY = 40  #: theme.PANEL in 8 bits
 
 
 def draw(cases: list[dict], folder: Path) -> dict[str, dict]:
@@ -119,6 +121,30 @@ def main(folder: Path) -> None:
     (folder / "found.json").write_text(json.dumps(found), encoding="utf-8")
 
 
+@contextlib.contextmanager
+def _counting(entry: dict):
+    """Count the plots and the labelled curves and points that reach ImPlot in a redraw."""
+    from imgui_bundle import implot
+
+    names = ("begin_plot", "plot_line", "plot_stairs", "plot_scatter")
+    real = {name: getattr(implot, name) for name in names}
+
+    def counted(name):
+        def call(*arguments):
+            entry["plots" if name == "begin_plot" else "items"] += 1
+            return real[name](*arguments)
+
+        return call
+
+    for name in names:
+        setattr(implot, name, counted(name))
+    try:
+        yield
+    finally:
+        for name in names:
+            setattr(implot, name, real[name])
+
+
 def _window(case: dict, model) -> tuple[np.ndarray, dict]:
     """Show panels, one below the other, for a few frames."""
     import importlib
@@ -129,22 +155,35 @@ def _window(case: dict, model) -> tuple[np.ndarray, dict]:
     import glfw  # isort: skip  (the bundle's own library has to be the first)
 
     from relgloss_view.viewer import theme
-    from relgloss_view.viewer.panels import plots, reflection
+    from relgloss_view.viewer.panels import reflection
 
     shows = [
         importlib.import_module(f"relgloss_view.viewer.panels.{name}").show
         for name in case["panels"]
     ]
     width, height = case.get("size", STRIP)
+    for name in case["panels"]:  # models are shared between cases, what panels remember is not
+        kept = getattr(sys.modules[f"relgloss_view.viewer.panels.{name}"], "_memory", None)
+        if kept is not None:
+            kept._of.clear()
     for name, value in case.get("reflection", {}).items():
         setattr(reflection._memory.of(model), name, value)
-    model.pointer = tuple(case["pointer"]) if "pointer" in case else None
+    model.pointer = tuple(case["pointer"]) if case.get("pointer") else None
+    model.pinned = tuple(case["pinned"]) if case.get("pinned") else None
     model.active_side = case.get("side", "test")
-    entry: dict = {"vertices": 0, "width": 0.0, "ms": []}
+    model.history.undo()
+    tables = model.measurements
+    model.measurements = tables if case.get("table", True) else {}
+    if "lamp" in case:
+        model.set_part("lamp", illuminant=case["lamp"])
+    entry: dict = {"vertices": 0, "plots": 0, "items": 0, "scroll_x": 0.0, "scroll_y": 0.0}
+    entry["ms"] = []
+    count = _counting(entry)
 
     def gui() -> None:
         imgui.get_style().font_scale_main = case.get("font", 1.0)
         each = height / len(shows)
+        entry["plots"] = entry["items"] = 0
         model.dragging = case.get("dragging", False) and imgui.get_frame_count() > 3
         for k, show in enumerate(shows):
             imgui.set_next_window_pos((0, k * each))
@@ -154,8 +193,9 @@ def _window(case: dict, model) -> tuple[np.ndarray, dict]:
             start = time.perf_counter()
             show(model)
             entry["ms"].append(1e3 * (time.perf_counter() - start))
-            entry["width"] = max(entry["width"], imgui.get_scroll_max_x())
-            entry["scroll"] = max(entry.get("scroll", 0.0), imgui.get_scroll_max_y())
+            if imgui.get_frame_count() > 3:  # the first frames find the layout
+                entry["scroll_x"] = max(entry["scroll_x"], imgui.get_scroll_max_x())
+                entry["scroll_y"] = max(entry["scroll_y"], imgui.get_scroll_max_y())
             imgui.end()
 
     def after() -> None:
@@ -176,10 +216,11 @@ def _window(case: dict, model) -> tuple[np.ndarray, dict]:
     params.fps_idling.enable_idling = False
     params.renderer_backend_options.open_gl_options.anti_aliasing_samples = 0
     immapp.manual_render.setup_from_runner_params(params, immapp.AddOnsParams(with_implot=True))
-    for _ in range(case.get("frames", 6)):
-        immapp.manual_render.render()
+    with count:
+        for _ in range(case.get("frames", 6)):
+            immapp.manual_render.render()
     immapp.manual_render.tear_down()
-    assert plots is not None
+    model.measurements = tables
     return np.asarray(hello_imgui.final_app_window_screenshot())[..., :3], entry
 
 

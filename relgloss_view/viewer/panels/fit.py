@@ -14,6 +14,7 @@ from relgloss_view.viewer.panels import plots
 from relgloss_view.viewer.theme import em
 
 NARROW_EM = 52.0  #: below this width the facts lie under the table
+WHOLE_TABLE_EM = 28.0  #: a narrower table tells the verdicts in tooltips
 QUALITY = {
     "good": "the model describes this sample",
     "poor": "the model does not describe this sample well",
@@ -38,10 +39,11 @@ def show(model: Model) -> None:
     try:
         side = plots.side_switch(model)
         material = model.state.side(side).sample.material
-        imgui.same_line(0.0, em(1.1))
+        plots.beside(em(9))
         imgui.align_text_to_frame_padding()
         if material.fit is None:
-            widgets.quiet(f"{printable(material.name, 60)}: not fitted, its parameters were given.")
+            text = f"{printable(material.name, 60)}: not fitted, its parameters were given."
+            widgets.wrapped(text, dim=True)
         else:
             _heading(material, material.fit)
             _body(material, material.fit)
@@ -51,8 +53,8 @@ def show(model: Model) -> None:
 
 def _heading(material: Material, fit: FitRecord) -> None:
     imgui.text_unformatted(printable(material.name, 60))
-    imgui.same_line(0.0, em(1.1))
     told = f"quality {fit.quality}"
+    plots.beside(imgui.calc_text_size(f"! {told}").x)
     if fit.quality == "good":
         imgui.text_unformatted(told)
         widgets.tooltip(widgets.sentence(QUALITY[fit.quality]))
@@ -89,13 +91,16 @@ def _candidates(fit: FitRecord) -> None:
         widgets.wrapped(f"chosen: {printable(fit.chosen, LONGEST) or 'no candidates are kept'}")
         return
     flags = imgui.TableFlags_.row_bg | imgui.TableFlags_.sizing_fixed_fit
-    if not imgui.begin_table("candidates", len(COLUMNS), flags):
+    whole = imgui.get_content_region_avail().x >= em(WHOLE_TABLE_EM)
+    columns = COLUMNS if whole else COLUMNS[:-1]
+    if not imgui.begin_table("candidates", len(columns), flags):
         return
-    for name, _ in COLUMNS[:-1]:
-        imgui.table_setup_column(name)
-    imgui.table_setup_column(COLUMNS[-1][0], imgui.TableColumnFlags_.width_stretch)
+    for name, _ in columns:
+        last = whole and name == COLUMNS[-1][0]
+        stretch = imgui.TableColumnFlags_.width_stretch
+        imgui.table_setup_column(name, stretch if last else imgui.TableColumnFlags_.none)
     imgui.table_next_row(imgui.TableRowFlags_.headers)
-    for k, (name, meaning) in enumerate(COLUMNS):
+    for k, (name, meaning) in enumerate(columns):
         imgui.table_set_column_index(k)
         imgui.table_header(name)
         widgets.tooltip(meaning)
@@ -113,8 +118,11 @@ def _candidates(fit: FitRecord) -> None:
         for text in cells[:-1]:
             imgui.table_next_column()
             say(text)
-        imgui.table_next_column()
-        widgets.wrapped(cells[-1], dim=not chosen)
+            if not whole:
+                widgets.tooltip(widgets.sentence(cells[-1]))
+        if whole:
+            imgui.table_next_column()
+            widgets.wrapped(cells[-1], dim=not chosen)
     imgui.end_table()
 
 

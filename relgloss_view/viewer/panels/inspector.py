@@ -17,10 +17,13 @@ from relgloss_view.viewer.state import SIDES
 from relgloss_view.viewer.theme import em, gray
 
 RADIUS = 4  #: pixels to each side of the one that is looked at
-NARROW_EM = 42.0  #: below this width the pixels lie under the numbers
+NARROW_EM = 46.0  #: below this width the pixels lie under the numbers
 NUMBER_EM = 4.2  #: room for a number, at most
+NUMBER_LEAST_EM = 2.8  #: with less, numbers stand below one another
+LEAST_TABLE_EM = 29.0
 TABLE_EM = 44.0  #: a wider table would tear its columns apart
-TEXT_FITS_EM = 1.75  #: a cell this wide holds a number
+CELL_FONT = 0.8  #: of the ordinary size
+TEXT_FITS_EM = 1.45  #: a cell this wide holds a number
 LIGHT_LSTAR = 55.0  #: cells lighter than this carry dark text
 
 
@@ -37,6 +40,11 @@ class _Row:
     name: str
     meaning: str
     texts: Callable[[Readout], list[str]]
+
+
+def _number(value: float) -> str:
+    """Four digits; what is too dark to be seen is 0."""
+    return f"{value:.4g}" if value >= 5e-5 else "0"
 
 
 def _degrees(value: float | None) -> str:
@@ -56,12 +64,12 @@ ROWS = (
     _Row(
         "Y diffuse, specular (cd/m2)",
         "Luminance of the two reflections, where the perfect diffuser has Y_n.",
-        lambda p: [f"{p.diffuse_cd_m2:.4g}", f"{p.specular_cd_m2:.4g}"],
+        lambda p: [_number(p.diffuse_cd_m2), _number(p.specular_cd_m2)],
     ),
     _Row(
         "X, Y, Z (of Y_n)",
         "Both reflections together; Y is 1 for the perfect diffuser.",
-        lambda p: [f"{v:.4g}" for v in p.xyz],
+        lambda p: [_number(v) for v in p.xyz],
     ),
     _Row(
         "L_d*, L_s*",
@@ -117,7 +125,7 @@ def _show(model: Model) -> None:
         height = imgui.get_content_region_avail().y
         _patches(patches, min(0.5 * (room.x - em(1)), max(height - em(1.4), em(6))))
         return
-    side = min(room.y - em(1.4), 0.22 * room.x)
+    side = min(room.y - em(1.4), 0.5 * (room.x - em(LEAST_TABLE_EM + 2.2)))
     width = min(room.x - 2.0 * side - em(2.2), em(TABLE_EM))
     imgui.begin_group()
     _table(pixels, width)
@@ -185,8 +193,9 @@ def _in_columns(texts: list[str]) -> None:
     """Numbers below one another from row to row."""
     start = imgui.get_cursor_pos_x()
     step = min(imgui.get_content_region_avail().x / 3.0, em(NUMBER_EM))
+    stacked = step < em(NUMBER_LEAST_EM)
     for k, text in enumerate(texts):
-        if k:
+        if k and not stacked:
             imgui.same_line()
             imgui.set_cursor_pos_x(start + k * step)
         imgui.text_unformatted(text)
@@ -212,7 +221,7 @@ def _patch(patch: Patch, side: float) -> None:
     count = len(patch.lstar)
     cell = max(np.floor(side / count), 2.0)
     at = imgui.get_cursor_screen_pos()
-    draw = imgui.get_window_draw_list()
+    draw, font = imgui.get_window_draw_list(), imgui.get_font()
     rgb = patch.rgb.astype(np.int64)
     packed = rgb[..., 0] | rgb[..., 1] << 8 | rgb[..., 2] << 16 | 0xFF << 24
     with_text = cell >= em(TEXT_FITS_EM)
@@ -223,9 +232,9 @@ def _patch(patch: Patch, side: float) -> None:
         if with_text:
             text = f"{patch.lstar[r, c]:.0f}"
             size = imgui.calc_text_size(text)
-            place = ImVec2(low.x + 0.5 * (cell - size.x), low.y + 0.5 * (cell - size.y))
+            x, y = 0.5 * (cell - CELL_FONT * size.x), 0.5 * (cell - CELL_FONT * size.y)
             ink = dark if patch.lstar[r, c] > LIGHT_LSTAR else light
-            draw.add_text(place, ink, text)
+            draw.add_text(font, CELL_FONT * em(1.0), ImVec2(low.x + x, low.y + y), ink, text)
     middle = count // 2
     low = ImVec2(at.x + middle * cell, at.y + middle * cell)
     ink = dark if patch.lstar[middle, middle] > LIGHT_LSTAR else light

@@ -115,7 +115,7 @@ def _row_slider(memory: _Memory, light: Lightness) -> None:
     height = light.y_diffuse.shape[0]
     following = memory.row is None
     row = min(light.default_row if memory.row is None else memory.row, height - 1)
-    imgui.same_line(0.0, em(1.1))
+    plots.beside(em(10))
     imgui.set_next_item_width(em(10))
     where = ", highlight" if following and light.highlight_row is not None else ""
     changed, moved = imgui.slider_int("##row", row, 0, max(height - 1, 0), f"row %d{where}")
@@ -165,13 +165,14 @@ def _line_plot(
         follow = count != memory.width
         memory.width = count
         across = "pixel column", 0.0, float(max(count, 2))
-        labels = plots.axes(across, ("L*", 0.0, TOP_LSTAR), follow=follow)
+        low = plots.axes(across, ("L*", 0.0, TOP_LSTAR), follow=follow)
         plots.lightness_ticks(implot.ImAxis_.y1)
         plots.level("limit", 100.0)
         for name in (plots.other(side), side):
             if name in shown:
                 _draw_line(shown[name], faint=name != side)
-        plots.label_inside(labels)
+        if low:
+            plots.label_inside("L*, columns")
         plots.end()
 
 
@@ -195,7 +196,7 @@ def _histogram_plot(side: str, shown: dict[str, _Curves], width: float, height: 
     if plots.begin("histogram", width, height):
         clipped = shown[side].histogram.clipped
         label = f"scaled L*; {100.0 * clipped:.2g} % above 100" if clipped else "scaled L*"
-        labels = plots.axes((label, 0.0, TOP_LSTAR), ("% of object", LEAST_SHARE, 100.0))
+        low = plots.axes((label, 0.0, TOP_LSTAR), ("% of object", LEAST_SHARE, 100.0))
         implot.setup_axis_scale(implot.ImAxis_.y1, implot.Scale_.log10)
         ticks = [0.01, 0.1, 1.0, 10.0, 100.0]
         words = [f"{v:g}" for v in ticks]
@@ -205,7 +206,8 @@ def _histogram_plot(side: str, shown: dict[str, _Curves], width: float, height: 
         for name in (plots.other(side), side):
             if name in shown:
                 _draw_histogram(shown[name].histogram, faint=name != side)
-        plots.label_inside(labels)
+        if low:
+            plots.label_inside("% of object, L*")
         plots.end()
 
 

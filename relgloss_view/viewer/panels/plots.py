@@ -25,6 +25,7 @@ OTHER = gray(0.45)  #: the other side's curves
 LIMIT = gray(QUIET)
 SMALLEST_PLOT_EM = (8.0, 4.5)
 LOW_EM = 8.0  #: in a lower plot the labels of the axes stand inside
+ROOMY_EM = 15.0  #: with this height left, the legend may take a line of its own
 MORE = "..."
 Entry = tuple[str, ImVec4]
 _low = False  #: whether the plot that was begun is low
@@ -61,6 +62,20 @@ def side_switch(model: Model) -> str:
     return model.active_side
 
 
+def beside(width: float, gap_em: float = 1.1) -> None:
+    """Put what comes next, so wide in pixels, on the same line if it fits, else on a new one."""
+    right = imgui.get_cursor_screen_pos().x + imgui.get_content_region_avail().x
+    imgui.same_line(0.0, em(gap_em))
+    if imgui.get_cursor_screen_pos().x + width > right:
+        imgui.new_line()
+
+
+def checkbox_width(text: str) -> float:
+    """Width of a box to tick with its text, pixels."""
+    gap = imgui.get_style().item_inner_spacing.x
+    return float(imgui.get_frame_height() + gap + imgui.calc_text_size(text).x)
+
+
 def button_width(text: str) -> float:
     """Width of a button or a radio button's text with its padding, pixels."""
     return float(imgui.calc_text_size(text).x + 2.0 * imgui.get_style().frame_padding.x)
@@ -69,12 +84,19 @@ def button_width(text: str) -> float:
 def legend(entries: list[Entry]) -> None:
     """What the curves' colours mean, beside the controls; what finds no room is in a tooltip."""
     right = imgui.get_cursor_screen_pos().x + imgui.get_content_region_avail().x
-    more = imgui.calc_text_size(MORE).x + em(1.1)
+    dots = imgui.calc_text_size(MORE).x
+    more = em(1.1) + dots
+    tall = imgui.get_content_region_avail().y > em(ROOMY_EM)
+    if tall and entries:
+        beside(em(1.45) + imgui.calc_text_size(entries[0][0]).x + more)
+        imgui.dummy(ImVec2(0.0, 0.0))
     for k, (text, _) in enumerate(entries):
-        imgui.same_line(0.0, em(1.1))
+        imgui.same_line(0.0, 0.0 if tall and k == 0 else em(1.1))
         width = em(1.45) + imgui.calc_text_size(text).x
         last = k == len(entries) - 1
         if imgui.get_cursor_screen_pos().x + width + (0.0 if last else more) > right:
+            if imgui.get_cursor_screen_pos().x + dots > right:
+                imgui.new_line()
             imgui.align_text_to_frame_padding()
             widgets.quiet(MORE)
             if imgui.begin_item_tooltip():
@@ -105,9 +127,10 @@ def _entry(entry: Entry) -> None:
 def state_of_drag(current: bool) -> None:
     """Say that curves wait for the end of a drag."""
     if not current:
-        imgui.same_line(0.0, em(1.1))
+        text = "follows when you let go"
+        beside(imgui.calc_text_size(text).x)
         imgui.align_text_to_frame_padding()
-        widgets.quiet("follows when you let go")
+        widgets.quiet(text)
 
 
 def begin(title: str, width: float, height: float, *, decorated: bool = True) -> bool:
@@ -143,10 +166,10 @@ def axes(
     *,
     follow: bool = False,
     decorated: bool = True,
-) -> tuple[str, str] | None:
+) -> bool:
     """Labels with units and limits; `follow` sets limits that change with the data.
 
-    Returns what is left for `label_inside`, once everything else of the plot is set up.
+    Returns whether there is no room for the labels, so that `label_inside` has to say it shorter.
     """
     cond = implot.Cond_.always if follow else implot.Cond_.once
     flags = implot.AxisFlags_.no_highlight | implot.AxisFlags_.no_side_switch
@@ -157,14 +180,11 @@ def axes(
     for axis, (text, low, high) in ((implot.ImAxis_.x1, x), (implot.ImAxis_.y1, y)):
         implot.setup_axis(axis, None if inside else text, flags)
         implot.setup_axis_limits(axis, low, high, cond)
-    return (x[0], y[0]) if inside else None
+    return inside
 
 
-def label_inside(labels: tuple[str, str] | None) -> None:
-    """What the axes of a low plot show, where `axes` has left it out."""
-    if labels is None:
-        return
-    text = f"{labels[1]} by {labels[0]}"
+def label_inside(text: str) -> None:
+    """What a low plot shows, in its corner."""
     at, gap = implot.get_plot_pos(), em(0.2)
     size = imgui.calc_text_size(text)
     low = ImVec2(at.x + gap, at.y + gap)

@@ -119,7 +119,7 @@ def _controls(memory: _Memory, measurement: Measurement | None) -> None:
         memory.measurement = measurement
         if measured is not None and len(measured):
             memory.incidence_deg = _nearest(measured, memory.incidence_deg)
-    imgui.same_line(0.0, em(1.1))
+    plots.beside(em(9))
     imgui.set_next_item_width(em(9))
     changed, angle = imgui.slider_float(
         "##incidence", memory.incidence_deg, 0.0, reflection.STEEPEST_DEG, "incidence %.0f deg"
@@ -138,10 +138,10 @@ def _controls(memory: _Memory, measurement: Measurement | None) -> None:
         angles = ", ".join(f"{a:g}" for a in measured)
         told += f" Measured at {angles} deg, where it holds on."
     widgets.tooltip(told)
-    imgui.same_line()
+    plots.beside(plots.checkbox_width("polar"), 0.5)
     _, memory.polar = imgui.checkbox("polar", memory.polar)
     widgets.tooltip("Draw the BRDF around the point of incidence instead of against the angle.")
-    imgui.same_line()
+    plots.beside(plots.checkbox_width("log"), 0.5)
     _, memory.logarithmic = imgui.checkbox("log", memory.logarithmic)
     widgets.tooltip("A logarithmic scale, which shows the diffuse part beside a narrow lobe.")
 
@@ -165,8 +165,11 @@ def _legend(side: str, shown: _Curves) -> None:
 
 
 def _top(memory: _Memory, shown: _Curves, beside: _Curves) -> float:
-    """The end of the scale; while the hand drags the incidence it only grows."""
-    parts = [shown.cut.total, beside.cut.total]
+    """The end of the scale; while the hand drags the incidence it only grows.
+
+    A linear scale is this side's: a glossier other side would leave nothing of it to see.
+    """
+    parts = [shown.cut.total, *([beside.cut.total] if memory.logarithmic else [])]
     if shown.points is not None:
         parts.append(shown.points.value)
     peak = max(float(np.max(p)) for p in parts)
@@ -191,7 +194,7 @@ def _slice_plot(
         return
     if plots.begin("brdf", width, height):
         foot = FAINTEST if memory.logarithmic else 0.0
-        labels = plots.axes(
+        low = plots.axes(
             ("receiver (deg), mirror side positive", -90.0, 90.0),
             ("BRDF (1/sr)", foot, top),
             follow=True,
@@ -204,7 +207,8 @@ def _slice_plot(
             curve.draw()
         if shown.points is not None:
             plots.points("measured", shown.points.receiver_deg, shown.points.value)
-        plots.label_inside(labels)
+        if low:
+            plots.label_inside("1/sr, deg")
         plots.end()
 
 
@@ -231,7 +235,7 @@ def _albedo_plot(
         known = [c.albedo for c in (shown, beside) if c.albedo is not None]
         peak = max([float(np.max(albedo.total)) for albedo in known], default=0.0)
         top = 1.05 if peak <= 1.05 else plots.nice_ceiling(peak)
-        labels = plots.axes(("incidence (deg)", 0.0, 90.0), ("albedo", 0.0, top), follow=True)
+        low = plots.axes(("incidence (deg)", 0.0, 90.0), ("albedo", 0.0, top), follow=True)
         implot.setup_axis_ticks(implot.ImAxis_.x1, [0.0, 30.0, 60.0, 90.0])
         plots.level("incidence", memory.incidence_deg, across=False)
         if beside.albedo is not None:
@@ -239,7 +243,8 @@ def _albedo_plot(
             plots.line("other side", far.incidence_deg, far.total, plots.OTHER, faint=True)
         if shown.albedo is not None:
             _draw_albedo(shown.albedo)
-        plots.label_inside(labels)
+        if low:
+            plots.label_inside("albedo, deg")
         plots.end()
 
 
