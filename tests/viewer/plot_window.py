@@ -98,8 +98,16 @@ def models(names: set[str]) -> dict:
         for side in ("reference", "test"):
             own: Side = state.side(side)
             frame = renderer.render(state.scene(side), own.look, size)
-            Stages.of(frame), Lightness.of(frame)  # the frame keeps what it has fetched
+            if name != "gone":
+                Stages.of(frame), Lightness.of(frame)  # the frame keeps what it has fetched
             model.frames[side] = frame
+        if name == "dragged":  # frames of another c, of which nothing is fetched, nor ever can be
+            model.later = {
+                side: renderer.render(
+                    state.scene(side), replace(state.side(side).look, c=0.05, c_fraction=None), size
+                )
+                for side in model.frames
+            }
         return model
 
     ctx = open_context("egl")
@@ -172,7 +180,7 @@ def _window(case: dict, model) -> tuple[np.ndarray, dict]:
     model.pinned = tuple(case["pinned"]) if case.get("pinned") else None
     model.active_side = case.get("side", "test")
     model.history.undo()
-    tables = model.measurements
+    tables, frames = model.measurements, model.frames
     model.measurements = tables if case.get("table", True) else {}
     if "lamp" in case:
         model.set_part("lamp", illuminant=case["lamp"])
@@ -184,7 +192,8 @@ def _window(case: dict, model) -> tuple[np.ndarray, dict]:
         imgui.get_style().font_scale_main = case.get("font", 1.0)
         each = height / len(shows)
         entry["plots"] = entry["items"] = 0
-        model.dragging = case.get("dragging", False) and imgui.get_frame_count() > 3
+        if case.get("dragging") and imgui.get_frame_count() > 3:
+            model.dragging, model.frames = True, model.later
         for k, show in enumerate(shows):
             imgui.set_next_window_pos((0, k * each))
             imgui.set_next_window_size((width, each))
@@ -220,7 +229,7 @@ def _window(case: dict, model) -> tuple[np.ndarray, dict]:
         for _ in range(case.get("frames", 6)):
             immapp.manual_render.render()
     immapp.manual_render.tear_down()
-    model.measurements = tables
+    model.measurements, model.frames, model.dragging = tables, frames, False
     return np.asarray(hello_imgui.final_app_window_screenshot())[..., :3], entry
 
 

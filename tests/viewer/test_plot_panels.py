@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import plot_window
 import pytest
 from plot_window import PANELS, STRIP
+
+from relgloss_view.picture.samples import load_sample
+from relgloss_view.resources import asset
+from relgloss_view.viewer.panels import plots, polar
+from relgloss_view.viewer.panels.fit import facts
 
 MODELS = (
     "no frames",
@@ -38,6 +45,8 @@ CASES = [
     case("polar", ["reflection"], "measured", reflection={"polar": True}),
     case("linear", ["reflection"], "measured", reflection={"logarithmic": False}),
     case("no table", ["reflection"], "measured", table=False),
+    *(case(f"{panel} dragged", [panel], "dragged", dragging=True) for panel in PANELS),
+    case("gone", ["lightness"], "gone"),
     case("bad lamp", ["reflection"], "built-in", lamp="gone.csv"),
 ]
 
@@ -154,3 +163,51 @@ def test_a_lamp_that_has_gone_is_told(found):
     entry = found["bad lamp"]
     assert entry["plots"] == 0
     assert 0.005 < ink(entry) < ink(found["reflection built-in"])
+
+
+def test_a_drag_fetches_nothing_and_still_scales(found):
+    """Nothing can be fetched from the frames of the drag; c shows all the same."""
+    for panel in ("lightness", "inspector"):
+        assert found[f"{panel} dragged"]["plots"] == found[f"{panel} built-in"]["plots"]
+    assert found["lightness dragged"]["items"] == 7
+    assert differ(found["lightness dragged"], found["lightness built-in"]) > 0.005
+    # The inspector's numbers hang on c itself: they are the old ones, and it says so.
+    waits = differ(found["inspector dragged"], found["inspector built-in"])
+    assert 0.001 < waits < 0.02
+
+
+def test_what_can_no_longer_be_fetched_is_told(found):
+    assert found["gone"]["plots"] == 0
+    assert ink(found["gone"]) > 0.005
+
+
+@pytest.mark.parametrize(
+    ("peak", "top"), [(0.9, 1.0), (1.0, 2.0), (1.9, 2.0), (2.1, 5.0), (4.9, 10.0), (0.031, 0.05)]
+)
+def test_ends_of_scales_are_round(peak, top):
+    assert plots.nice_ceiling(peak) == pytest.approx(top)
+    assert plots.nice_ceiling(1e3 * peak) == pytest.approx(1e3 * top)
+
+
+def test_polar_distance_counts_decades():
+    scale = polar.Scale(100.0, 0.001)
+    radius = scale.radius(np.array([1e-9, 0.001, 0.1, 100.0]))
+    np.testing.assert_allclose(radius, [0.0, 0.0, 0.4, 1.0], atol=1e-12)
+    np.testing.assert_allclose(polar.Scale(4.0).radius(np.array([1.0, 4.0])), [0.25, 1.0])
+    assert all(0.0 < r <= 100.0 for r in scale.rings())
+
+
+def test_facts_are_the_files():
+    """The evidence in words holds the numbers of the material's JSON."""
+    record = json.loads(asset("materials", "matte-coated.json").read_text(encoding="utf-8"))
+    fit = record["fit"]
+    material = load_sample("matte-coated")
+    told = dict(facts(material, material.fit))
+    assert told["chosen"] == fit["chosen"]
+    for k in range(2):
+        lobe, errors = record["specular"][k], fit["standard_errors"]
+        assert f"s {lobe['s_deg']:.3g} deg ± {errors['s_deg'][k]:.2g}" in told[f"lobe {k + 1}"]
+    assert f"median {100 * fit['residuals']['median_relative_error']:.3g} %" in told["residuals"]
+    assert told["samples"].startswith(f"{fit['residuals']['samples']} used, 66 left out")
+    assert fit["standard_errors"]["method"] in told["errors"]
+    assert told["quality"].startswith("good")

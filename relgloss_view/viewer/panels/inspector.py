@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from imgui_bundle import ImVec2, imgui
 
+from relgloss_view.errors import RelglossError
 from relgloss_view.viewer import widgets
 from relgloss_view.viewer.model import Model
 from relgloss_view.viewer.panels import plots
@@ -44,7 +45,7 @@ class _Row:
 
 def _number(value: float) -> str:
     """Four digits; what is too dark to be seen is 0."""
-    return f"{value:.4g}" if value >= 5e-5 else "0"
+    return f"{value:.4g}" if abs(value) >= 5e-5 else "0"
 
 
 def _degrees(value: float | None) -> str:
@@ -99,6 +100,8 @@ def show(model: Model) -> None:
     imgui.push_id("inspector")
     try:
         _show(model)
+    except RelglossError as error:  # a lamp's file may have gone since the picture was drawn
+        widgets.wrapped(str(error), dim=True)
     finally:
         imgui.pop_id()
 

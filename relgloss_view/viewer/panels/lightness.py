@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from imgui_bundle import imgui, implot
 
+from relgloss_view.errors import RelglossError
 from relgloss_view.picture.frame import Frame
 from relgloss_view.viewer import widgets
 from relgloss_view.viewer.model import Model
@@ -64,6 +65,8 @@ def show(model: Model) -> None:
     imgui.push_id("lightness")
     try:
         _show(model)
+    except RelglossError as error:  # a lamp's file may have gone since the picture was drawn
+        widgets.wrapped(str(error), dim=True)
     finally:
         imgui.pop_id()
 
