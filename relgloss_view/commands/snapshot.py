@@ -12,6 +12,8 @@ from relgloss_view.commands.progress import Progress
 from relgloss_view.commands.scene_options import add_scene_options, printable_command, scene_from
 from relgloss_view.text_input import printable
 
+BITS = (8, 16)
+
 
 def add(commands: Any) -> None:
     """Declare the command."""
@@ -24,8 +26,11 @@ def add(commands: Any) -> None:
     )
     parser.add_argument("-o", "--output", metavar="OUT.png|OUT.exr", required=True)
     add_scene_options(parser)
+    parser.add_argument(
+        "--bits", type=int, choices=BITS, help="of each channel of a PNG, 8 or 16 (default 8)"
+    )
     parser.add_argument("--json", action="store_true", help="print the picture's numbers as JSON")
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, wrong_usage=parser.error)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -34,11 +39,13 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.picture.export import check_suffix, parameters, save_frame
 
     output = check_suffix(args.output)
+    if args.bits is not None and output.suffix.lower() != ".png":
+        args.wrong_usage(f"argument --bits: {output} is OpenEXR, which holds floats; leave it out")
     scene, look, size = scene_from(args)
     check_writable(output)
     with Progress("snapshot") as progress, open_renderer(args.backend, progress) as renderer:
         frame = renderer.render(scene, look, size)
-        save_frame(frame, output, printable_command(args.argv))
+        save_frame(frame, output, printable_command(args.argv), bits=args.bits or 8)
         numbers = parameters(frame)
     if args.json:
         print(json.dumps({"output": str(output), **numbers}))

@@ -17,9 +17,13 @@ from numpy.typing import NDArray
 from relgloss_view import __version__
 from relgloss_view.atomic import whole_file
 from relgloss_view.errors import InputError
+from relgloss_view.picture import tone
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.plan import sample_count
+from relgloss_view.picture.png16 import write_png16
 from relgloss_view.picture.scene import Display
+
+Digital = NDArray[np.uint8] | NDArray[np.uint16]
 
 SUFFIXES = (".png", ".exr")
 #: Layer name, attribute of Frame, channel names.
@@ -41,16 +45,61 @@ def check_suffix(path: str | os.PathLike[str]) -> Path:
     return file
 
 
-def save_frame(frame: Frame, path: str | os.PathLike[str], command: str = "") -> None:
+def save_frame(
+    frame: Frame, path: str | os.PathLike[str], command: str = "", *, bits: int = 8
+) -> None:
     """Write a frame as PNG or OpenEXR, by the ending of its name.
 
-    `command` is the command line that reproduces it; it goes into the file.
+    `command` is the command line that reproduces it; it goes into the file. `bits`, 8 or 16,
+    are those of a channel of a PNG.
     """
     file = check_suffix(path)
     if file.suffix.lower() == ".png":
-        _save_png(frame, file, command)
+        _save_png(frame, file, command, bits)
     else:
         _save_exr(frame, file, command)
+
+
+def save_pair(
+    frames: tuple[Frame, Frame],
+    path: str | os.PathLike[str],
+    commands: tuple[str, str],
+    *,
+    gap_px: int = 0,
+    mirrored: bool = False,
+    bits: int = 8,
+) -> None:
+    """Write the reference and the test picture side by side as one PNG, as the window shows them.
+
+    Both are of one size, for one display, with the surround between them. When mirrored they are
+    swapped, and each is mirrored.
+    """
+    file = Path(path)
+    if file.suffix.lower() != ".png":
+        raise InputError(f"{file}: expected a name that ends in .png, which holds both pictures")
+    told = {
+        "reference": parameters(frames[0]),
+        "test": parameters(frames[1]),
+        "gap_px": gap_px,
+        "mirrored": mirrored,
+    }
+    display = frames[0].scene.display
+    left, right = (digital(frame, bits) for frame in frames)
+    if mirrored:
+        left, right = right[:, ::-1], left[:, ::-1]
+    model = tone.DisplayModel.of(display)
+    surround = _quantised(np.array(tone.encode(np.array(model.background_light), model)), bits)
+    gap = np.full((left.shape[0], gap_px, 3), surround, dtype=surround.dtype)
+    text = _text(json.dumps(told), "\n".join(commands))
+    save_rgb(np.concatenate([left, gap, right], axis=1), file, text, srgb=_is_srgb(display))
+
+
+def digital(frame: Frame, bits: int) -> Digital:
+    """(H, W, 3), digital values of the display: the frame's own 8 bits, or its light in 16."""
+    if bits == 8:
+        return frame.display
+    display = tone.DisplayModel.of(frame.scene.display)
+    return _quantised(tone.encode(frame.light.astype(np.float64), display), bits)
 
 
 def parameters(frame: Frame) -> dict[str, Any]:
@@ -82,20 +131,15 @@ def parameters(frame: Frame) -> dict[str, Any]:
 
 
 def save_rgb(
-    rgb: NDArray[np.uint8], path: str | os.PathLike[str], text: dict[str, str], *, srgb: bool = True
+    rgb: Digital, path: str | os.PathLike[str], text: dict[str, str], *, srgb: bool = True
 ) -> None:
-    """Write 8-bit RGB (H, W, 3) as PNG with text chunks and, for sRGB, the profile."""
-    from PIL import Image
-    from PIL.PngImagePlugin import PngInfo
-
-    info = PngInfo()
-    for key, value in text.items():
-        info.add_itxt(key, value)
-    profile = {"icc_profile": srgb_profile()} if srgb else {}
+    """Write RGB (H, W, 3) of 8 or 16 bits as PNG with text chunks and, for sRGB, the profile."""
+    profile = srgb_profile() if srgb else None
     with whole_file(path) as temporary:
-        Image.fromarray(np.ascontiguousarray(rgb)).save(
-            temporary, format="PNG", pnginfo=info, compress_level=4, **profile
-        )
+        if rgb.dtype == np.uint16:
+            write_png16(temporary, rgb.astype(np.uint16, copy=False), text, profile)
+        else:
+            _write_png8(temporary, rgb, text, profile)
 
 
 @lru_cache(maxsize=1)
@@ -108,19 +152,43 @@ def srgb_profile() -> bytes:
     return bytes(data)
 
 
-def _save_png(frame: Frame, file: Path, command: str) -> None:
-    text = {
-        "Software": f"relgloss {__version__}",
-        "Parameters": json.dumps(parameters(frame)),
-        **({"Command": command} if command else {}),
-    }
-    display, standard = frame.scene.display, Display()
-    is_srgb = (display.transfer, display.primaries_xy, display.white_xy) == (
+def _save_png(frame: Frame, file: Path, command: str, bits: int) -> None:
+    text = _text(json.dumps(parameters(frame)), command)
+    save_rgb(digital(frame, bits), file, text, srgb=_is_srgb(frame.scene.display))
+
+
+def _write_png8(file: Path, rgb: Digital, text: dict[str, str], profile: bytes | None) -> None:
+    from PIL import Image
+    from PIL.PngImagePlugin import PngInfo
+
+    info = PngInfo()
+    for key, value in text.items():
+        info.add_itxt(key, value)
+    extra = {"icc_profile": profile} if profile else {}
+    Image.fromarray(np.ascontiguousarray(rgb)).save(
+        file, format="PNG", pnginfo=info, compress_level=4, **extra
+    )
+
+
+def _text(told: str, command: str) -> dict[str, str]:
+    """The text chunks of a PNG."""
+    texts = {"Software": f"relgloss {__version__}", "Parameters": told}
+    return texts | ({"Command": command} if command else {})
+
+
+def _quantised(values: NDArray[np.float64], bits: int) -> Digital:
+    """Digital values 0..1 as whole numbers, rounded as the display's 8 bits are."""
+    whole = np.floor((2**bits - 1) * values + 0.5)
+    return np.asarray(whole, dtype=np.uint8 if bits == 8 else np.uint16)
+
+
+def _is_srgb(display: Display) -> bool:
+    standard = Display()
+    return (display.transfer, display.primaries_xy, display.white_xy) == (
         standard.transfer,
         standard.primaries_xy,
         standard.white_xy,
     )
-    save_rgb(frame.display, file, text, srgb=is_srgb)
 
 
 def _save_exr(frame: Frame, file: Path, command: str) -> None:
