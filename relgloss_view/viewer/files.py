@@ -16,11 +16,12 @@ from relgloss_view.viewer.command_line import snapshot_command
 from relgloss_view.viewer.jobs import Opened, OpenJob
 from relgloss_view.viewer.model import Model
 from relgloss_view.viewer.own_materials import safe_name
-from relgloss_view.viewer.panels.dialog import FileDialogs, Question
+from relgloss_view.viewer.panels import floating
+from relgloss_view.viewer.panels.dialog import FileDialogs
 from relgloss_view.viewer.panels.export import Export
+from relgloss_view.viewer.panels.own_dialog import Question
 from relgloss_view.viewer.session import Autosave
 from relgloss_view.viewer.state_file import save_state
-from relgloss_view.viewer.theme import em
 
 TICK_S = 0.1  #: between looks at a running job
 QUICK_S = 0.3  #: a job that ends sooner shows no window
@@ -177,26 +178,13 @@ class FileDesk:
 
     def _show_progress(self, job: OpenJob) -> None:
         fraction, text = job.progress
-        viewport = imgui.get_main_viewport()
-        place = ImVec2(viewport.get_center().x, viewport.pos.y + em(4.0))
-        width = min(em(24.0), 0.94 * viewport.size.x)
-        imgui.set_next_window_pos(place, imgui.Cond_.appearing, ImVec2(0.5, 0.0))
-        imgui.set_next_window_size(ImVec2(width, 0.0))
-        flags = imgui.WindowFlags_
-        imgui.begin(
-            PROGRESS,
-            None,
-            flags.no_docking
-            | flags.no_collapse
-            | flags.no_saved_settings
-            | flags.no_resize
-            | flags.no_focus_on_appearing,
-        )
+        flags = imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_focus_on_appearing
+        _, stays = floating.begin(PROGRESS, 26.0, flags=flags, top_em=4.0)
         imgui.text_unformatted(printable(Path(job.path).name, 40))
         imgui.progress_bar(fraction, ImVec2(-1.0, 0.0), f"{100.0 * fraction:.0f} %")
         imgui.text_disabled(printable(text, 60))
         if self._waiting:
             imgui.text_disabled(f"{len(self._waiting)} more wait")
-        if widgets.button("Cancel", "stop; nothing changes and no file is left"):
+        if widgets.button("Cancel", "stop; nothing changes and no file is left") or not stays:
             job.cancel()
         imgui.end()

@@ -1,0 +1,262 @@
+"""The program's own file dialog: a window with a folder's files, a name, one line for a fault."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from imgui_bundle import ImVec2, imgui
+
+from relgloss_view.errors import InputError
+from relgloss_view.text_input import printable
+from relgloss_view.viewer import widgets
+from relgloss_view.viewer.folders import (
+    Entry,
+    Listing,
+    check_file,
+    check_place,
+    listing,
+    meant,
+    with_suffix,
+)
+from relgloss_view.viewer.panels import floating
+from relgloss_view.viewer.theme import em
+
+LONGEST_SHOWN = 120  #: characters of a name in the list
+
+Key = imgui.Key
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked: the dialog's title, which files, and what happens with the answer."""
+
+    title: str
+    chosen: Callable[[str], object]
+    suffixes: tuple[str, ...] = ()  #: those listed at first; the first is added to a name without
+    saving: bool = False
+    name: str = ""  #: suggested
+
+
+class OwnDialog:
+    """A window with a folder's files, a field for a name, and one line for what is wrong."""
+
+    def __init__(self, question: Question, folder: str, name: str = "") -> None:
+        self.question = question
+        self.folder = folder
+        self.name = name or question.name
+        self.answer: str | None = None
+        self._fault = ""
+        self._replacing: str | None = None  #: a file that is there and may be replaced
+        self._all = False  #: files of every kind
+        self._hidden = False
+        self._listed: tuple[object, Listing] | None = None
+        self._selected = -1
+        self._scroll = False
+        self._focus = 2  # frames in which the field takes the keyboard
+        self._ended = False
+
+    def show(self) -> bool:
+        """Draw it; returns whether it stays open."""
+        opened, stays = floating.begin(self.question.title, 38.0, 28.0)
+        if opened:
+            self._where()
+            self._files()
+            self._field()
+            self._buttons()
+            self._keys()
+        imgui.end()
+        return stays and not self._ended
+
+    def submit(self) -> None:
+        """Take what stands in the field as the answer, if it can be one."""
+        self._fault, self._replacing = "", None
+        try:
+            path = self._checked()
+        except InputError as error:
+            self._fault = printable(str(error), 300)
+            return
+        if path is not None:
+            self._end(path)
+
+    def _checked(self) -> str | None:
+        typed = self.name.strip()
+        if not typed:
+            raise InputError("type a name, or choose a file from the list")
+        path = meant(self.folder, typed)
+        if os.path.isdir(path):
+            self._enter(path)
+            return None
+        if not self.question.saving:
+            check_file(path)
+            self.folder = os.path.dirname(path)
+            return path
+        path = with_suffix(path, self.question.suffixes)
+        if check_place(path):
+            self._replacing = path
+            return None
+        self.folder = os.path.dirname(path)
+        return path
+
+    def _end(self, path: str | None) -> None:
+        self.answer = path
+        self._ended = True
+
+    def _enter(self, folder: str) -> None:
+        """Go into a folder, unless it can't be read."""
+        try:
+            listing(folder, self._suffixes(), hidden=self._hidden)
+        except InputError as error:
+            self._fault = printable(str(error), 300)
+            return
+        self.folder, self._fault, self._replacing = folder, "", None
+        self._selected = -1
+        self._put(self.question.name if self.question.saving else "")
+
+    def _put(self, name: str) -> None:
+        """Put a name into the field, even while it is being typed in."""
+        self.name = name
+        imgui.internal.clear_active_id()
+        self._focus = 2
+
+    def _suffixes(self) -> tuple[str, ...]:
+        return () if self._all else self.question.suffixes
+
+    def _list(self) -> Listing:
+        """The folder's entries, read again when anything about them is new."""
+        try:
+            changed = os.stat(self.folder).st_mtime_ns
+        except OSError:
+            changed = 0
+        key = (self.folder, self._all, self._hidden, changed)
+        if self._listed is None or self._listed[0] != key:
+            try:
+                found = listing(self.folder, self._suffixes(), hidden=self._hidden)
+            except InputError as error:
+                found = Listing(())
+                self._fault = printable(str(error), 300)
+            self._listed = (key, found)
+            self._selected = -1
+        return self._listed[1]
+
+    def _where(self) -> None:
+        if widgets.button("Up", "to the folder that holds this one"):
+            self._enter(os.path.dirname(self.folder))
+        imgui.same_line()
+        if widgets.button("Home", "to your home folder"):
+            self._enter(os.path.expanduser("~"))
+        imgui.same_line()
+        imgui.align_text_to_frame_padding()
+        widgets.quiet(_fitting(printable(self.folder, 1000)))
+        widgets.tooltip(printable(self.folder, 1000))
+
+    def _files(self) -> None:
+        found = self._list()
+        below = 3.0 * imgui.get_frame_height_with_spacing() + floating.text_height(self._message())
+        height = imgui.get_content_region_avail().y - below
+        imgui.begin_child("files", ImVec2(0.0, max(height, em(3.0))), imgui.ChildFlags_.borders)
+        clipper = imgui.ListClipper()
+        clipper.begin(len(found.entries))
+        if self._scroll and self._selected >= 0:
+            clipper.include_item_by_index(self._selected)
+        while clipper.step():
+            for k in range(clipper.display_start, clipper.display_end):
+                self._entry(k, found.entries[k])
+        if not found.entries:
+            imgui.text_disabled("nothing to show here")
+        if found.cut:
+            imgui.text_disabled(f"and more: only {len(found.entries)} are listed")
+        self._scroll = False
+        imgui.end_child()
+
+    def _entry(self, k: int, entry: Entry) -> None:
+        shown = printable(entry.name, LONGEST_SHOWN) + ("/" if entry.is_folder else "")
+        flags = imgui.SelectableFlags_.allow_double_click
+        imgui.push_id(k)
+        # What is shown may hold ##, which would end a label.
+        clicked, _ = imgui.selectable(f"##{shown}", k == self._selected, flags)
+        low = imgui.get_item_rect_min()
+        colour = imgui.get_color_u32(imgui.Col_.text)
+        imgui.get_window_draw_list().add_text(low, colour, shown)
+        imgui.pop_id()
+        if self._scroll and k == self._selected:
+            imgui.set_scroll_here_y()
+        if clicked:
+            self._select(k, entry)
+            if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
+                self.submit()
+
+    def _select(self, k: int, entry: Entry) -> None:
+        self._selected, self._fault, self._replacing = k, "", None
+        self._put(entry.name)
+
+    def _field(self) -> None:
+        if self._focus:
+            imgui.set_keyboard_focus_here()
+            self._focus -= 1
+        imgui.set_next_item_width(-1.0)
+        flags = imgui.InputTextFlags_
+        entered, self.name = imgui.input_text_with_hint(
+            "##name",
+            "name of the file, or a whole path",
+            self.name,
+            flags.enter_returns_true | flags.auto_select_all | flags.elide_left,
+        )
+        if entered:
+            self.submit()
+
+    def _message(self) -> str:
+        if self._replacing is not None:
+            name = printable(os.path.basename(self._replacing), 80)
+            return f"{name} is there already. Replace it?"
+        return f"! {self._fault}" if self._fault else ""
+
+    def _buttons(self) -> None:
+        if self.question.suffixes:
+            words = ", ".join(suffix.lstrip(".") for suffix in self.question.suffixes)
+            if widgets.checkbox("All files", self._all, f"not only {words}"):
+                self._all = not self._all
+            imgui.same_line()
+        if widgets.checkbox("Hidden", self._hidden, "names that begin with a dot, too"):
+            self._hidden = not self._hidden
+        message = self._message()
+        if message:
+            widgets.wrapped(message)
+        width = em(7.0)
+        if self._replacing is not None:
+            if imgui.button("Replace", (width, 0.0)):
+                self.folder = os.path.dirname(self._replacing)
+                self._end(self._replacing)
+            imgui.same_line()
+            if imgui.button("Keep it", (width, 0.0)):
+                self._replacing = None
+                self._focus = 2
+            return
+        if imgui.button("Save" if self.question.saving else "Open", (width, 0.0)):
+            self.submit()
+        imgui.same_line()
+        if imgui.button("Cancel", (width, 0.0)):
+            self._end(None)
+
+    def _keys(self) -> None:
+        if not imgui.is_window_focused(imgui.FocusedFlags_.root_and_child_windows):
+            return
+        if floating.escaped():
+            self._end(None)
+        step = int(imgui.is_key_pressed(Key.down_arrow)) - int(imgui.is_key_pressed(Key.up_arrow))
+        entries = self._list().entries
+        if step and entries:
+            k = min(max(self._selected + step, 0), len(entries) - 1)
+            self._select(k, entries[k])
+            self._scroll = True
+
+
+def _fitting(text: str) -> str:
+    """The end of a path, as much of it as the line holds."""
+    room = imgui.get_content_region_avail().x
+    if imgui.calc_text_size(text).x <= room:
+        return text
+    while text and imgui.calc_text_size("…" + text).x > room:
+        text = text[max(1, len(text) // 12) :]
+    return "…" + text
