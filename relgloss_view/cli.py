@@ -14,7 +14,8 @@ from relgloss_view import __version__
 from relgloss_view.errors import GLUnavailableError, InputError, RelglossError
 from relgloss_view.text_input import printable
 
-COMMANDS = ("fit", "snapshot", "grid", "doctor")
+COMMANDS = ("view", "fit", "snapshot", "grid", "doctor")
+DEFAULT_COMMAND = "view"
 INTERRUPTED = 130
 LONGEST_FAULT = 1000  #: characters
 
@@ -61,6 +62,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(words: list[str]) -> int:
+    words = words or [DEFAULT_COMMAND]
     args = _parser(words).parse_args(words)
     args.argv = words
     return int(args.run(args))
@@ -102,7 +104,8 @@ def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="relgloss",
         description="Pictures of printed packaging that keep the ratio of gloss between samples.",
-        epilog="`relgloss COMMAND --help` explains each command with an example.",
+        epilog="`relgloss` alone opens the window; `relgloss COMMAND --help` explains each command "
+        "with an example.",
     )
     parser.add_argument("--version", action="version", version=f"relgloss {__version__}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)

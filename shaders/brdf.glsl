@@ -83,15 +83,26 @@ vec2 lambert(Facing f) {
     return vec2(f.mu_i > 0.0 && f.mu_o > 0.0 ? 1.0 / PI : 0.0, 0.0);
 }
 
+// Angle of a cosine from 0 to 1, within 2e-8 (Abramowitz, Stegun 1964, 4.4.46).
+float polar_angle(float mu) {
+    float p = -0.0012624911;
+    p = p * mu + 0.0066700901;
+    p = p * mu - 0.0170881256;
+    p = p * mu + 0.0308918810;
+    p = p * mu - 0.0501743046;
+    p = p * mu + 0.0889789874;
+    p = p * mu - 0.2145988016;
+    p = p * mu + 1.5707963050;
+    return sqrt(max(1.0 - mu, 0.0)) * p;
+}
+
 // Full model of Oren, Nayar 1995, for rho and rho^2.
 vec2 oren_nayar(Facing f, float sigma) {
     if (f.mu_i <= 0.0 || f.mu_o <= 0.0) return vec2(0.0);
     float product = f.sin_i * f.sin_o;
     float cos_phi = product > AZIMUTH_EPSILON ? clamp(f.t / product, -1.0, 1.0) : 0.0;
-    float theta_i = atan(f.sin_i, f.mu_i);
-    float theta_o = atan(f.sin_o, f.mu_o);
-    float a = max(theta_i, theta_o);
-    float b = min(theta_i, theta_o);
+    float a = polar_angle(min(f.mu_i, f.mu_o));
+    float b = polar_angle(max(f.mu_i, f.mu_o));
     float sin_a = max(f.sin_i, f.sin_o);
     float sin_b = min(f.sin_i, f.sin_o);
     float s2 = sigma * sigma;

@@ -10,7 +10,12 @@ uniform uint seed;
 
 vec3 grain_normal(Hit hit, vec3 o, ivec2 pixel) {
     if (NOISE == NO_NOISE) return hit.normal;
-    ivec3 cell = GRAIN == SCREEN ? ivec3(pixel / grain_px, 0)
-                                 : surface_cell(SHAPE, hit, grain_m, half_extent_m);
+    ivec3 cell;
+    if (GRAIN == SCREEN) {
+        // Exact below 2^23 pixels; software drivers divide whole numbers one pixel at a time.
+        cell = ivec3(ivec2(floor((vec2(pixel) + 0.5) / float(grain_px))), 0);
+    } else {
+        cell = surface_cell(SHAPE, hit, grain_m, half_extent_m);
+    }
     return noisy_normal(NOISE, hit.normal, o, cell_hash(cell, seed), sigma_n);
 }

@@ -65,7 +65,9 @@ def add_scene_options(parser: argparse.ArgumentParser, *, tuned: bool = True) ->
     how.add_argument(
         "--operator", choices=["split"], default="split", help="tone mapping (default split)"
     )
-    how.add_argument("--size", metavar="WxH", type=_size, default=DEFAULT_SIZE, help="in pixels")
+    how.add_argument(
+        "--size", metavar="WxH", type=size_of_text, default=DEFAULT_SIZE, help="in pixels"
+    )
     how.add_argument(
         "--backend", choices=BACKENDS, default="auto", help="what draws (default auto: EGL, OSMesa)"
     )
@@ -155,7 +157,8 @@ def _samples(text: str) -> int | str:
     return AUTO if text == AUTO else int(text)
 
 
-def _size(text: str) -> tuple[int, int]:
+def size_of_text(text: str) -> tuple[int, int]:
+    """Width and height of words such as 512x512."""
     match = re.fullmatch(r"([0-9]{1,9})[xX]([0-9]{1,9})", text)
     if match is None:
         raise argparse.ArgumentTypeError(f"expected WIDTHxHEIGHT such as 512x512, found {text!r}")

@@ -33,15 +33,17 @@ class Plan:
     noise: str = "none"
     noisy_diffuse: bool = True
     grain: str = "screen"
+    sampled: bool = False  #: more than one sample a pixel
 
     @classmethod
-    def of(cls, scene: Scene, look: Look) -> Plan:
-        """The smallest variant that draws this exactly."""
+    def of(cls, scene: Scene, look: Look, samples: int = 1) -> Plan:
+        """The smallest variant that draws this exactly, at so many samples along a pixel's side."""
         diffuse = scene.material.diffuse
         smooth = cls(
             shape=scene.shape.kind,
             diffuse="lambert" if diffuse.sigma_deg == 0.0 else diffuse.model,
             lobes=len(scene.material.visible_lobes()),
+            sampled=samples > 1,
         )
         if look.sigma_n_deg == 0.0:
             return smooth
@@ -53,9 +55,9 @@ class Plan:
         )
 
     @classmethod
-    def of_perfect_diffuser(cls, scene: Scene) -> Plan:
+    def of_perfect_diffuser(cls, scene: Scene, samples: int = 1) -> Plan:
         """The variant that draws the perfect diffuser in place of the object, for Y_n."""
-        return cls(shape=scene.shape.kind, diffuse="lambert", lobes=0)
+        return cls(shape=scene.shape.kind, diffuse="lambert", lobes=0, sampled=samples > 1)
 
     def defines(self) -> dict[str, int]:
         """The constants of the shader variant."""
@@ -66,6 +68,7 @@ class Plan:
             "NOISE": NOISE_CODES[self.noise],
             "NOISY_DIFFUSE": int(self.noisy_diffuse),
             "GRAIN": GRAIN_CODES[self.grain],
+            "SAMPLED": int(self.sampled),
         }
 
     def geometry_defines(self) -> dict[str, int]:

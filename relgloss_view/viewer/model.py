@@ -10,12 +10,14 @@ from typing import Any
 from relgloss_view.errors import RelglossError
 from relgloss_view.measure.table import Measurement
 from relgloss_view.picture.frame import Frame
+from relgloss_view.picture.view import Size
 from relgloss_view.text_input import printable
 from relgloss_view.viewer.history import History
 from relgloss_view.viewer.state import Sample, State
 
 LONGEST_NOTE = 400  #: characters
 NOTES_KEPT = 50
+HOLD_S = 0.4  #: between turns of the wheel that belong together
 
 
 @dataclass(frozen=True)
@@ -46,10 +48,29 @@ class Model:
         self.pointer: tuple[str, int, int] | None = None
         self.pinned: tuple[str, int, int] | None = None
 
+        #: What the last frame was like.
+        self.frame_s = 0.0
+        self.redrawn: list[str] = []  #: passes drawn again, as 'side pass'
+        self.draft = False  #: whether pictures are drawn smaller, while something is dragged
+        self.picture_size: Size = (1, 1)
+        self.pixel_pitch_m: float | None = None  #: of the monitor; None where it does not say
+        #: Draws a side's picture at another size, in pixels; may raise RelglossError.
+        self.render_at: Callable[[str, Size], Frame] | None = None
+        self._held_until_s = 0.0
+
     @property
     def state(self) -> State:
         """The present state."""
         return self.history.state
+
+    def hold(self) -> None:
+        """Let a gesture without a held button, such as turns of the wheel, go on for a moment."""
+        self._held_until_s = time.monotonic() + HOLD_S
+
+    @property
+    def held(self) -> bool:
+        """Whether such a gesture goes on."""
+        return time.monotonic() < self._held_until_s
 
     def change(self, state: State, gesture: object = None) -> None:
         """Make a state the present one; see History.change."""
@@ -71,6 +92,11 @@ class Model:
         """Show a line in the status line and keep it in the list of messages."""
         self.notes.append(Note(printable(text, LONGEST_NOTE), fault))
         del self.notes[:-NOTES_KEPT]
+
+    def say_once(self, text: str, *, fault: bool = False) -> None:
+        """Say something, unless it was the last thing said."""
+        if not self.notes or self.notes[-1].text != printable(text, LONGEST_NOTE):
+            self.say(text, fault=fault)
 
     def attempt(self, action: Callable[[], object]) -> bool:
         """Do something that may fail for a reason the user can mend; a failure is said."""

@@ -42,13 +42,13 @@ def em(count: float) -> float:
     return count * imgui.get_font_size()
 
 
-def apply() -> None:
-    """Set colours and spacing of ImGui and ImPlot; call when the context is new."""
+def apply(scale: float = 1.0) -> None:
+    """Set colours and spacing of ImGui and ImPlot, for text of so many times FONT_PX."""
     style = imgui.get_style()
     c = imgui.Col_
     for name, value in _COLOURS.items():
         style.set_color_(getattr(c, name), value)
-    unit = FONT_PX / 15.0
+    unit = scale * FONT_PX / 15.0
     style.window_padding = ImVec2(10 * unit, 8 * unit)
     style.frame_padding = ImVec2(6 * unit, 3 * unit)
     style.item_spacing = ImVec2(8 * unit, 5 * unit)

@@ -217,7 +217,7 @@ class TestNoise:
         monkeypatch.setattr(
             plan.Plan,
             "of",
-            classmethod(lambda cls, s, k: dataclasses.replace(original(cls, s, k), noise="paper")),
+            classmethod(lambda cls, *a: dataclasses.replace(original(cls, *a), noise="paper")),
         )
         noisy = Renderer(renderer.ctx).render(scene, Look(), SMALL)
         for name, values in wanted.items():

@@ -72,10 +72,14 @@ class Renderer:
         make_current(self.ctx)
         scene = as_drawn(scene, look)
         for sigma_n_deg in (0.0, max(look.sigma_n_deg, 1.0)):
-            plan = Plan.of(scene, dataclasses.replace(look, sigma_n_deg=sigma_n_deg))
-            self.programs.get("shade.frag", plan.defines())
+            tilted = dataclasses.replace(look, sigma_n_deg=sigma_n_deg)
+            for samples in (1, 2):
+                plan = Plan.of(scene, tilted, samples)
+                self.programs.get("shade.frag", plan.defines())
             self.programs.get("geometry.frag", plan.geometry_defines())
-        self.programs.get("shade.frag", Plan.of_perfect_diffuser(scene).defines())
+        for samples in (1, 2):
+            plan = Plan.of_perfect_diffuser(scene, samples)
+            self.programs.get("shade.frag", plan.defines())
         self.programs.get("split.frag", {})
         for stage, defines in self._reduction.stages():
             self.programs.get(stage, defines)
@@ -119,7 +123,7 @@ class Renderer:
             "samples": sample_count(scene, look, size),
         }
         white = self._white_of(scene, view, seen_from)
-        plan = Plan.of(scene, look)
+        plan = Plan.of(scene, look, seen_from["samples"])
         uniforms: Uniforms = {
             **seen_from,
             **(grain_uniforms(look) if plan.noise != "none" else {}),
@@ -170,9 +174,9 @@ class Renderer:
         self.held.clear()
         self._around.clear()
 
-    def _white_of(self, scene: Scene, view: View, seen_from: Uniforms) -> float:
+    def _white_of(self, scene: Scene, view: View, seen_from: dict[str, Any]) -> float:
         """What the perfect diffuser shows in the object's place, the lamp's power taken as one."""
-        plan = Plan.of_perfect_diffuser(scene)
+        plan = Plan.of_perfect_diffuser(scene, seen_from["samples"])
         uniforms = {**seen_from, **PERFECT_DIFFUSER, "irradiance": np.pi}
         if self.held.stale("white", plan, view.size, uniforms):
             self.draw("white", "shade.frag", plan.defines(), uniforms, SHADE, view.bounds)

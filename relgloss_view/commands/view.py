@@ -1,0 +1,161 @@
+"""`relgloss view`: the window."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from relgloss_view.atomic import check_writable
+from relgloss_view.commands.scene_options import size_of_text
+from relgloss_view.errors import InputError, RelglossError
+from relgloss_view.text_input import printable
+
+if TYPE_CHECKING:
+    from relgloss_view.viewer.state import State
+
+DEFAULT_FRAMES = 3  #: the first settles the layout
+MOST_FRAMES = 100_000
+STEP_S = 0.05
+
+
+def add(commands: Any) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "view",
+        help="the window: a reference picture beside the one that is tuned",
+        description="Open the window, on the built-in papers or on given scenes, materials and "
+        "measurements (which are fitted first). The first sample given is the test picture's; "
+        "where two are given, the first is the reference's. The last session comes back.",
+        epilog="example: relgloss view paper.csv",
+    )
+    parser.add_argument("files", metavar="FILE", nargs="*", help="scene, material or measurement")
+    parser.add_argument("--fresh", action="store_true", help="start without the last session")
+    parser.add_argument(
+        "--screenshot",
+        metavar="OUT.png",
+        help="draw without a display, save the window as a picture and leave",
+    )
+    parser.add_argument(
+        "--frames",
+        metavar="N",
+        type=int,
+        default=DEFAULT_FRAMES,
+        help=f"that are drawn before the screenshot (default {DEFAULT_FRAMES})",
+    )
+    parser.add_argument(
+        "--window", metavar="WxH", type=size_of_text, help="size in pixels (default 1280x800)"
+    )
+    parser.add_argument(
+        "--font-scale", metavar="F", type=float, help="size of the text, 0.5 to 4 (default 1)"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Open the window, or draw it without a display for a screenshot."""
+    if args.font_scale is not None and not 0.5 <= args.font_scale <= 4.0:
+        raise InputError(f"--font-scale {args.font_scale:g}: expected 0.5 to 4")
+    if args.screenshot is not None:
+        return _screenshot(args)
+    return _interactive(args)
+
+
+def _screenshot(args: argparse.Namespace) -> int:
+    if not 1 <= args.frames <= MOST_FRAMES:
+        raise InputError(f"--frames {args.frames}: expected 1 to {MOST_FRAMES}")
+    if not args.screenshot.lower().endswith(".png"):
+        raise InputError(f"--screenshot {args.screenshot}: expected a name that ends in .png")
+    check_writable(args.screenshot)
+    from relgloss_view.viewer.app import App
+    from relgloss_view.viewer.layout_file import DEFAULT_SIZE
+    from relgloss_view.viewer.state import State
+    from relgloss_view.viewer.window import Window
+
+    app = App(State.initial())
+    _open_all(app, args.files)
+    window = Window(
+        app, args.window or DEFAULT_SIZE, headless=True, font_scale=args.font_scale or 1.0
+    )
+    _tell_clamped(args, window.size)
+    pixels = window.run(args.frames)
+    from relgloss_view.picture.export import save_rgb
+
+    save_rgb(pixels, args.screenshot, {})
+    print(f"{printable(args.screenshot)}: the window after {args.frames} frames")
+    return 0
+
+
+def _interactive(args: argparse.Namespace) -> int:
+    from relgloss_view.viewer.app import App
+    from relgloss_view.viewer.layout_file import load_layout
+    from relgloss_view.viewer.places import config_folder
+    from relgloss_view.viewer.session import Autosave, Restored, restore, session_file
+    from relgloss_view.viewer.state import State
+    from relgloss_view.viewer.window import Window, check_display
+
+    check_display()
+    layout_path, session_path, faults = None, None, []
+    try:
+        layout_path, session_path = config_folder() / "window.toml", session_file()
+    except RelglossError as error:
+        faults.append(str(error))
+    restored = Restored() if args.fresh or session_path is None else restore(session_path)
+    app = App(restored.state or State.initial())
+    for told in (*faults, *restored.messages):
+        app.model.say(told, fault=True)
+    if session_path is not None:
+        app.files.session = Autosave(session_path, restored.state)
+    _open_all(app, args.files)
+    if layout_path is not None:
+        app.keep_layout(layout_path, load_layout(layout_path))
+    size = args.window or app.kept_layout.size
+    scale = args.font_scale or app.kept_layout.font_scale
+    window = Window(app, size, font_scale=scale)
+    _tell_clamped(args, window.size)
+    window.run()
+    return 0
+
+
+def _tell_clamped(args: argparse.Namespace, size: tuple[int, int]) -> None:
+    if args.window is not None and args.window != size:
+        asked = f"{args.window[0]}x{args.window[1]}"
+        print(f"warning: --window {asked}: clamped to {size[0]}x{size[1]}", file=sys.stderr)
+
+
+def _open_all(app: Any, files: list[str]) -> None:
+    """Open files before the window is there, so that a fault ends the command."""
+    from relgloss_view.commands.progress import Progress
+    from relgloss_view.viewer.jobs import OpenJob
+
+    state: State = app.model.state
+    samples = []
+    for file in files:
+        job = OpenJob(file, lambda: None)
+        try:
+            with Progress(f"open {Path(file).name}") as progress:
+                while not job.done:
+                    progress(*job.progress)
+                    time.sleep(STEP_S)
+        finally:
+            job.close()
+        if job.fault is not None:
+            raise InputError(job.fault)
+        assert job.result is not None
+        if job.result.sample is None:
+            state = job.result.applied(state, "test")
+        else:
+            samples.append(job.result)
+        if job.result.warning:
+            app.model.say(job.result.warning, fault=True)
+    if len(samples) > 2:
+        raise InputError(f"{len(samples)} samples given: expected at most 2, reference and test")
+    sides = ("reference", "test") if len(samples) == 2 else ("test",)
+    for side, opened in zip(sides, samples, strict=False):
+        state = opened.applied(state, side)
+        table = opened.sample.table if opened.sample else None
+        if opened.measurement is not None and table is not None:
+            app.model.measurements[table] = opened.measurement
+    app.model.change(state)

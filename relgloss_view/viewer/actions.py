@@ -1,0 +1,210 @@
+"""What can be done by menu or key: one table, from which menus, keys and the overview come."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from imgui_bundle import imgui
+
+from relgloss_view.viewer import camera
+from relgloss_view.viewer.state import (
+    COMPARE_MODES,
+    DIFFERENCE,
+    FLIP,
+    OVERLAYS,
+    SIDE_BY_SIDE,
+    SIDES,
+    WIPE,
+    State,
+)
+
+if TYPE_CHECKING:
+    from relgloss_view.viewer.app import App
+
+Key = imgui.Key
+CTRL, SHIFT = int(Key.mod_ctrl), int(Key.mod_shift)
+
+
+@dataclass(frozen=True)
+class Action:
+    """One thing to do: its words, its key, what it does, and whether it is on or possible."""
+
+    menu: str
+    text: str
+    key: str  #: as people read it; empty for none
+    chord: int
+    run: Callable[[App], object]
+    help: str
+    on: Callable[[App], bool] | None = None
+    possible: Callable[[App], bool] = lambda app: True
+
+
+def take_keys(app: App) -> None:
+    """Do what the keys ask for, unless a text is being typed."""
+    app.flip_held = False
+    if imgui.get_io().want_text_input:
+        return
+    if app.model.state.presentation.compare == FLIP:
+        app.flip_held = imgui.is_key_down(Key.space)
+    for action in ACTIONS:
+        if action.chord and imgui.is_key_chord_pressed(action.chord) and action.possible(app):
+            action.run(app)
+
+
+def _present(**changes: object) -> Callable[[App], object]:
+    return lambda app: app.model.set_part("presentation", **changes)
+
+
+def _toggle(name: str) -> Callable[[App], object]:
+    def run(app: App) -> None:
+        value = getattr(app.model.state.presentation, name)
+        app.model.set_part("presentation", **{name: not value})
+
+    return run
+
+
+def _is_on(name: str) -> Callable[[App], bool]:
+    return lambda app: bool(getattr(app.model.state.presentation, name))
+
+
+def _comparing(mode: str) -> Callable[[App], bool]:
+    return lambda app: app.model.state.presentation.compare == mode
+
+
+def _next_overlay(app: App) -> None:
+    present = app.model.state.presentation.overlay
+    following = OVERLAYS[(OVERLAYS.index(present) + 1) % len(OVERLAYS)]
+    app.model.set_part("presentation", overlay=following)
+
+
+def _swap(app: App) -> None:
+    state = app.model.state
+    app.model.change(dataclasses.replace(state, reference=state.test, test=state.reference))
+
+
+def _at_c_max(app: App) -> None:
+    app.model.set_look(app.model.active_side, c=None, c_fraction=1.0)
+
+
+def _reset_view(app: App) -> None:
+    state = app.model.state.with_part("presentation", life_size=False)
+    app.model.change(dataclasses.replace(state, eye=camera.framed(state.eye)))
+
+
+def _reset_all(app: App) -> None:
+    app.model.change(State.initial())
+
+
+def _other_side(app: App) -> None:
+    app.model.active_side = next(side for side in SIDES if side != app.model.active_side)
+
+
+def _hide(app: App) -> None:
+    app.layout.hidden = not app.layout.hidden
+
+
+def _leave(app: App) -> None:
+    app.helping = False
+    app.model.set_part("presentation", haploscopic=False)
+
+
+def _help(app: App) -> None:
+    app.helping = not app.helping
+
+
+_MODE_KEYS = dict(zip(COMPARE_MODES, (Key._1, Key._2, Key._3, Key._4), strict=True))
+_MODE_HELP = {
+    SIDE_BY_SIDE: "reference left, test right",
+    WIPE: "one over the other, with an edge to drag",
+    FLIP: "one at a time; hold Space to see the other",
+    DIFFERENCE: "map of the colour difference between both",
+}
+
+ACTIONS: tuple[Action, ...] = (
+    Action(
+        "File", "Open...", "Ctrl+O", CTRL | Key.o, lambda app: app.files.open(),
+        "a measurement, a material or a scene",
+    ),
+    Action(
+        "File", "Save scene", "Ctrl+S", CTRL | Key.s, lambda app: app.files.save(),
+        "everything set in the window, as TOML",
+    ),
+    Action(
+        "File", "Save scene as...", "Ctrl+Shift+S", CTRL | SHIFT | Key.s,
+        lambda app: app.files.save_as(), "under another name",
+    ),
+    Action(
+        "File", "Export...", "Ctrl+E", CTRL | Key.e, lambda app: app.files.export(),
+        "pictures as PNG or OpenEXR",
+    ),
+    Action(
+        "File", "Copy as command", "Ctrl+C", CTRL | Key.c, lambda app: app.files.copy_command(),
+        "the line that draws the active side's picture without a window",
+    ),
+    Action("File", "Quit", "Ctrl+Q", CTRL | Key.q, lambda app: app.quit(), "leave; all is kept"),
+    Action(
+        "Edit", "Undo", "Ctrl+Z", CTRL | Key.z, lambda app: app.model.history.undo(),
+        "take back the last step", None, lambda app: app.model.history.can_undo,
+    ),
+    Action(
+        "Edit", "Redo", "Ctrl+Y", CTRL | Key.y, lambda app: app.model.history.redo(),
+        "do it again", None, lambda app: app.model.history.can_redo,
+    ),
+    Action("Edit", "Swap sides", "X", Key.x, _swap, "reference becomes test, test reference"),
+    Action("Edit", "c to c_max", "L", Key.l, _at_c_max, "on the active side"),
+    Action("Edit", "Start afresh", "", 0, _reset_all, "the built-in papers, every default"),
+    *(
+        Action(
+            "View", mode[:1].upper() + mode[1:], str(k + 1), _MODE_KEYS[mode],
+            _present(compare=mode), _MODE_HELP[mode], _comparing(mode),
+        )
+        for k, mode in enumerate(COMPARE_MODES)
+    ),
+    Action("View", "Next overlay", "O", Key.o, _next_overlay, "clipped, gamut, L*, parts, normals"),
+    Action(
+        "View", "Other side active", "S", Key.s, _other_side,
+        "the side that panels show and keys act on",
+    ),
+    Action(
+        "View", "Reset camera", "F", Key.f, _reset_view,
+        "frame the object from the front; so does a double click in a picture",
+    ),
+    Action(
+        "View", "Life size", "0", Key._0, _toggle("life_size"),
+        "as large as the object is, by what the monitor says of itself", _is_on("life_size"),
+        lambda app: app.model.pixel_pitch_m is not None,
+    ),
+    Action(
+        "View", "Mirror", "M", Key.m, _toggle("mirror"),
+        "swap left and right, for a mirror before the monitor", _is_on("mirror"),
+    ),
+    Action(
+        "View", "Haploscopic", "P", Key.p, _toggle("haploscopic"),
+        "only the two pictures, no text; Esc leaves", _is_on("haploscopic"),
+    ),
+    Action(
+        "View", "Hide panels", "Tab", Key.tab, _hide, "all of them; they come back as they were",
+        lambda app: app.layout.hidden,
+    ),
+    Action(
+        "View", "Reset panels", "", 0, lambda app: app.layout.reset(), "as at the first start"
+    ),
+    Action("Help", "Keys", "H", Key.h, _help, "this overview"),
+    Action("", "Leave haploscopic mode", "Esc", Key.escape, _leave, "back to the panels"),
+)  # fmt: skip
+
+#: What the mouse does in the pictures, for the overview.
+MOUSE = (
+    ("drag", "turn the object"),
+    ("Shift+drag, right drag", "move the picture"),
+    ("wheel", "zoom towards the pointer"),
+    ("double click", "reset the camera"),
+    ("Ctrl+drag", "move the lamp"),
+    ("Space (held), in flip mode", "show the other picture"),
+    ("Ctrl+click on a slider", "type a value"),
+    ("double click on a slider", "reset it"),
+    ("drop a file", "open it"),
+)

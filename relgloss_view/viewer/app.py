@@ -1,0 +1,243 @@
+"""The program of the window: state, panels and pictures brought together, frame by frame."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from imgui_bundle import imgui
+
+from relgloss_view.atomic import make_folder
+from relgloss_view.picture import tone
+from relgloss_view.picture.frame import Frame
+from relgloss_view.picture.scene import Display
+from relgloss_view.picture.tone import DisplayModel
+from relgloss_view.picture.view import Size
+from relgloss_view.viewer import actions
+from relgloss_view.viewer.arrangement import arranged
+from relgloss_view.viewer.files import FileDesk
+from relgloss_view.viewer.layout import BELOW, BELOW_RIGHT, RIGHT, Layout, Panel
+from relgloss_view.viewer.layout_file import WindowLayout, save_layout
+from relgloss_view.viewer.model import Model
+from relgloss_view.viewer.pace import Pace
+from relgloss_view.viewer.panels import (
+    fit,
+    help,
+    inspector,
+    lightness,
+    look,
+    menu,
+    reflection,
+    sample,
+    setting,
+    stage,
+    status,
+)
+from relgloss_view.viewer.pictures import Pictures
+from relgloss_view.viewer.state import State
+from relgloss_view.viewer.window import Window
+
+
+class App:
+    """One window with its model. See window.Program for what is called when."""
+
+    def __init__(self, state: State) -> None:
+        self.model: Model = Model(state)
+        self.files: FileDesk = FileDesk(self.model, self.wake)
+        self.pace = Pace()
+        self.layout: Layout = Layout(
+            [
+                Panel("Look", RIGHT, lambda: look.show(self.model)),
+                Panel("Scene", RIGHT, lambda: setting.show(self.model)),
+                Panel("Sample", RIGHT, lambda: sample.show(self.model, self.files)),
+                Panel("Lightness", BELOW, lambda: lightness.show(self.model)),
+                Panel("Reflection", BELOW, lambda: reflection.show(self.model)),
+                Panel("Fit", BELOW, lambda: fit.show(self.model)),
+                Panel("Pixel", BELOW_RIGHT, lambda: inspector.show(self.model)),
+            ]
+        )
+        self.pictures: Pictures | None = None
+        self.flip_held = False  #: a key or a button shows the other picture
+        self.kept_layout = WindowLayout()
+        self._layout_path: Path | None = None
+        self.helping = False  #: whether the overview of keys shows
+        self._window: Window | None = None
+
+    # --- the life of the window ---------------------------------------------------------------
+
+    def start(self, ctx: Any, window: Window) -> None:
+        """The context is there."""
+        self.pictures = Pictures(ctx)
+        self._window = window
+        self.model.render_at = self._render_at
+        if self.kept_layout.docking:
+            imgui.load_ini_settings_from_memory(self.kept_layout.docking)
+
+    def frame(self) -> None:
+        """Build the interface and draw the pictures."""
+        actions.take_keys(self)
+        self.files.each_frame()
+        self._note_hand()
+        presentation = self.model.state.presentation
+        if presentation.haploscopic:
+            self.layout.show_alone(self._show_stage)
+        else:
+            top = menu.show(self)
+            bottom = status.height()
+            self.layout.show(self._show_stage, top, bottom)
+            status.show(self)
+            self.files.show()
+            help.show(self)
+        assert self._window is not None
+        self._window.to_screen()  # pictures were drawn, and panels fetched numbers
+
+    def after_frame(self, frame_s: float) -> bool:
+        """Learn from the frame; whether another is needed at once."""
+        assert self.pictures is not None
+        self.model.frame_s = frame_s
+        if self.pictures.lost():
+            self.rebuild()
+            return True
+        io = imgui.get_io()
+        if io.want_save_ini_settings:
+            io.want_save_ini_settings = False
+            self.model.attempt(self.save_layout)
+        if self.model.dragging:
+            self.pictures.ctx.finish()
+            self.pace.measured(frame_s)
+            return True
+        warmed = self.pictures.warm(self.model.state)
+        assert self._window is not None
+        self._window.to_screen()
+        return warmed
+
+    def wait_s(self) -> float | None:
+        """How long nothing needs to be drawn."""
+        return 0.05 if self.model.held else self.files.due_s()
+
+    def dropped(self, paths: list[str]) -> None:
+        """Files were dropped on the window."""
+        for path in paths:
+            self.files.open_path(path)
+
+    def finish(self) -> None:
+        """The context is about to go."""
+        self.files.close()
+        self.model.attempt(self.save_layout)
+        if self.pictures is not None:
+            self.pictures.release()
+
+    def wake(self) -> None:
+        """Have a frame drawn soon; from any thread."""
+        if self._window is not None:
+            self._window.wake()
+
+    def quit(self) -> None:
+        """Leave after this frame."""
+        if self._window is not None:
+            self._window.close()
+
+    def keep_layout(self, path: Path, kept: WindowLayout) -> None:
+        """Take over the layout of the last run, and write this one's to a file when it changes."""
+        self._layout_path, self.kept_layout = path, kept
+        self.layout.hidden = kept.hidden
+        for panel in self.layout.panels:
+            panel.visible = panel.title not in kept.closed
+
+    def save_layout(self) -> None:
+        """Write the layout, if it is kept and has changed. Raises InputError."""
+        if self._layout_path is None or self._window is None:
+            return
+        layout = WindowLayout(
+            size=self._window.size_now(),
+            font_scale=self._window.font_scale,
+            closed=tuple(p.title for p in self.layout.panels if not p.visible),
+            hidden=self.layout.hidden,
+            docking=imgui.save_ini_settings_to_memory(),
+        )
+        if layout != self.kept_layout:
+            make_folder(self._layout_path.parent)
+            save_layout(self._layout_path, layout)
+            self.kept_layout = layout
+
+    def set_font_scale(self, scale: float) -> None:
+        """Show the interface's text at another size."""
+        if self._window is not None:
+            self._window.set_font_scale(scale)
+
+    @property
+    def font_scale(self) -> float:
+        """Size of the interface's text, times its normal size."""
+        return 1.0 if self._window is None else self._window.font_scale
+
+    def rebuild(self) -> None:
+        """The device lost what was on it: make everything again; the next frame is the same."""
+        assert self.pictures is not None
+        ctx = self.pictures.ctx
+        self.pictures.abandon()
+        self.pictures = Pictures(ctx)
+        self.model.say("the graphics device lost its objects; everything was made again")
+
+    # --- one frame ----------------------------------------------------------------------------
+
+    def _note_hand(self) -> None:
+        """What the hand holds now: gestures end when it lets go."""
+        model = self.model
+        held = imgui.is_any_item_active() and any(imgui.is_mouse_down(b) for b in range(3))
+        model.dragging = held or model.held
+        if model.dragging:
+            self.pace.drag()
+        else:
+            self.pace.rest()
+            if not imgui.is_any_item_active():
+                model.history.end_gesture()
+
+    def _show_stage(self) -> None:
+        bare = stage.show(self.model, self._draw_pictures)
+        assert self._window is not None
+        self._window.filled = (_surround(self.model.state.display), bare)
+
+    def _draw_pictures(self, pane: Size) -> stage.Staged | None:
+        assert self.pictures is not None
+        assert self._window is not None
+        model = self.model
+        state = model.state
+        if self.flip_held:
+            state = state.with_part("presentation", flipped=not state.presentation.flipped)
+        arrangement = arranged(pane, state.presentation, largest=self.pictures.largest)
+        if arrangement is None:
+            return None
+        model.picture_size = arrangement.size
+        pitch = self._window.pixel_pitch_m()
+        model.pixel_pitch_m = pitch
+        before = self.pictures.drawn
+        shown, faults = self.pictures.draw(state, arrangement, self.pace.scale, pitch)
+        model.redrawn = _increase(before, self.pictures.drawn)
+        model.draft = self.pace.scale < 1.0
+        model.frames = {side: s.frame for side, s in shown.items()}
+        for fault in faults.values():
+            model.say_once(fault, fault=True)
+        return stage.Staged(arrangement, shown, faults)
+
+    def _render_at(self, side: str, size: Size) -> Frame:
+        """A side's picture at another size than the screen's. Raises RelglossError."""
+        assert self.pictures is not None
+        return self.pictures.render_at(self.model.state, side, size)
+
+
+def _surround(display: Display) -> float:
+    """Gray of the pictures' surround as the window shows it, 0 to 1, to the last of 8 bits."""
+    model = DisplayModel.of(display)
+    encoded = tone.encode(np.array(model.background_light), model)
+    return float(np.round(255.0 * encoded)) / 255.0
+
+
+def _increase(before: dict[str, dict[str, int]], after: dict[str, dict[str, int]]) -> list[str]:
+    """The passes that were drawn, as 'side pass'."""
+    return [
+        f"{side} {name}"
+        for side, counts in after.items()
+        for name, count in counts.items()
+        if count > before[side][name]
+    ]

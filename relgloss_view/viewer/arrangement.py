@@ -1,0 +1,108 @@
+"""Where the pictures stand in their pane, how large they are drawn, and which eye that takes."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+from relgloss_view.picture.scene import Eye
+from relgloss_view.picture.view import MAX_PIXELS, MAX_SIDE_PX, Size
+from relgloss_view.viewer.camera import life_sized
+from relgloss_view.viewer.state import DIFFERENCE, FLIP, SIDE_BY_SIDE, WIPE, Presentation, State
+
+Rect = tuple[int, int, int, int]  #: left, top, width, height in pixels of the pane
+
+
+@dataclass(frozen=True)
+class Arrangement:
+    """Rectangles of the pictures in a pane, and the size that both are drawn at.
+
+    A rectangle larger than `size` shows a picture that was too large to be drawn in full.
+    """
+
+    size: Size
+    rects: dict[str, Rect]  #: by side, in the order in which they are shown
+
+    @property
+    def complete(self) -> bool:
+        """Whether each pixel of a picture is a pixel of the screen."""
+        return all(rect[2:] == self.size for rect in self.rects.values())
+
+
+def arranged(
+    pane: Size, presentation: Presentation, *, largest: Size | None = None
+) -> Arrangement | None:
+    """Arrange the pictures in a pane; None where there is no room for a pixel.
+
+    largest: what the device can draw, width and height.
+    """
+    width, height = pane
+    mode = SIDE_BY_SIDE if presentation.haploscopic else presentation.compare
+    sides = ["reference", "test"]
+    if presentation.mirror:
+        sides.reverse()
+    if mode == SIDE_BY_SIDE:
+        gap = int(min(presentation.gap_px, max(width - 2, 0)))
+        each = (width - gap) // 2
+        rects = {sides[0]: (0, 0, each, height), sides[1]: (each + gap, 0, each, height)}
+    elif mode == WIPE:
+        each = width
+        rects = dict.fromkeys(sides, (0, 0, width, height))
+    else:
+        each = width
+        shown = "test" if mode == DIFFERENCE or presentation.flipped else "reference"
+        rects = {shown: (0, 0, width, height)}
+    if each < 1 or height < 1:
+        return None
+    return Arrangement(drawable((each, height), largest), rects)
+
+
+def drawable(size: Size, largest: Size | None = None) -> Size:
+    """The largest picture of the same proportions that can be drawn, at most `size`."""
+    side_limit = min(MAX_SIDE_PX, *(largest or (MAX_SIDE_PX,)))
+    scale = min(1.0, side_limit / max(size), math.sqrt(MAX_PIXELS / (size[0] * size[1])))
+    if scale == 1.0:
+        return size
+    return max(1, int(size[0] * scale)), max(1, int(size[1] * scale))
+
+
+def needed_sides(presentation: Presentation) -> tuple[str, ...]:
+    """Sides whose pictures have to be drawn."""
+    if presentation.compare == FLIP and not presentation.haploscopic:
+        return ("test",) if presentation.flipped else ("reference",)
+    return ("reference", "test")
+
+
+def bare(pane: Size, covered: list[Rect]) -> list[Rect]:
+    """The parts of a pane that no picture covers.
+
+    covered: rectangles that stand side by side, or one over the other.
+    """
+    parts: list[Rect] = []
+    width, height = pane
+    reached = 0
+    for left, top, wide, tall in sorted(covered):
+        left, right = max(left, reached), min(left + wide, width)
+        if right <= left:
+            continue
+        bottom = min(top + tall, height)
+        parts.append((reached, 0, left - reached, height))
+        parts.append((left, 0, right - left, max(top, 0)))
+        parts.append((left, bottom, right - left, height - bottom))
+        reached = right
+    parts.append((reached, 0, width - reached, height))
+    return [part for part in parts if part[2] > 0 and part[3] > 0]
+
+
+def seen_by(state: State, size: Size, pixel_pitch_m: float | None) -> Eye:
+    """The eye that a picture is drawn with: at life size the monitor decides its angle."""
+    if state.presentation.life_size and pixel_pitch_m:
+        return life_sized(state.eye, pixel_pitch_m, size)
+    return state.eye
+
+
+def as_shown(state: State, size: Size, pixel_pitch_m: float | None) -> State:
+    """The state with the eye that pictures of this size are drawn with."""
+    eye = seen_by(state, size, pixel_pitch_m)
+    return state if eye == state.eye else dataclasses.replace(state, eye=eye)

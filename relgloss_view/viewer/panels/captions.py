@@ -1,0 +1,120 @@
+"""What stands beside the pictures: whose they are, their settings, what to doubt, the legends."""
+
+from __future__ import annotations
+
+import numpy as np
+from imgui_bundle import ImVec2, imgui
+
+from relgloss_view.picture import tone
+from relgloss_view.picture.scene import Display
+from relgloss_view.picture.tone import DisplayModel
+from relgloss_view.text_input import printable
+from relgloss_view.viewer.arrangement import Arrangement
+from relgloss_view.viewer.model import Model
+from relgloss_view.viewer.state import DIFFERENCE, WIPE
+from relgloss_view.viewer.theme import em, gray
+
+LONGEST_NAME = 40  #: characters
+LEGEND_EM = (14.0, 0.8)
+LEGEND_STEPS = 50
+
+
+def show(
+    model: Model,
+    painter: imgui.ImDrawList,
+    origin: ImVec2,
+    arrangement: Arrangement,
+    faults: dict[str, str],
+) -> None:
+    """Write over the surround of each picture; what would not fit is left out."""
+    presentation = model.state.presentation
+    ink = _ink(model.state.display)
+    for side, rect in arrangement.rects.items():
+        left, top, width, height = rect
+        lines = _lines(model, side, faults)
+        right = presentation.compare == WIPE and (side == "test") != presentation.mirror
+        if height < 8 * em(1.0):
+            continue
+        for k, line in enumerate(lines):
+            shown = _shortened(line, width * (0.5 if presentation.compare == WIPE else 1.0) - em(1))
+            x = origin.x + left + em(0.6)
+            if right:
+                x = origin.x + left + width - em(0.6) - imgui.calc_text_size(shown).x
+            place = ImVec2(x, origin.y + top + em(0.4) + k * imgui.get_text_line_height())
+            painter.add_text(place, ink, shown)
+    corner = ImVec2(origin.x + em(0.6), origin.y + max(r[3] for r in arrangement.rects.values()))
+    if presentation.compare == DIFFERENCE:
+        _legend(painter, corner, ink, ("0", f"{presentation.difference_max:g} dE2000"), None)
+    elif presentation.overlay == "lightness":
+        _legend(painter, corner, ink, ("0", "100 L*"), _lightness_colours(model.state.display))
+
+
+def _lines(model: Model, side: str, faults: dict[str, str]) -> list[str]:
+    state = model.state
+    sample = state.side(side).sample
+    if side in faults:
+        return [f"{side}: not drawn", faults[side]]
+    if state.presentation.compare == DIFFERENCE:
+        return ["difference of what is shown, reference against test"]
+    material = sample.material
+    lines = [f"{side}: {printable(material.name, LONGEST_NAME)}"]
+    frame = model.frames.get(side)
+    if frame is not None:
+        c_max = "no highlight" if frame.c_max is None else f"c_max {frame.c_max:.3g}"
+        lines.append(f"σN {frame.look.sigma_n_deg:.2f}°   c {frame.c:.3g}   {c_max}")
+    quality = f"fit {material.fit.quality}" if material.fit else "not fitted"
+    lines.append(f"{quality}, synthetic" if material.synthetic else quality)
+    if state.presentation.overlay != "none":
+        lines.append(f"shown: {state.presentation.overlay}")
+    return lines
+
+
+def _shortened(text: str, width: float) -> str:
+    if imgui.calc_text_size(text).x <= width:
+        return text
+    while text and imgui.calc_text_size(text + "…").x > width:
+        text = text[: int(0.9 * len(text))]
+    return text + "…" if text else ""
+
+
+def _ink(display: Display) -> int:
+    """A gray that reads on the surround without standing out."""
+    dark = display.background_lstar >= 45.0
+    return int(imgui.color_convert_float4_to_u32(gray(0.08 if dark else 0.75)))
+
+
+def _legend(
+    painter: imgui.ImDrawList,
+    corner: ImVec2,
+    ink: int,
+    ends: tuple[str, str],
+    colours: list[int] | None,
+) -> None:
+    """A bar from the lower left corner: its scale and the words at its ends."""
+    width, height = (em(v) for v in LEGEND_EM)
+    line = imgui.get_text_line_height()
+    low = ImVec2(corner.x, corner.y - height - line - em(0.8))
+    for k in range(LEGEND_STEPS):
+        share = k / (LEGEND_STEPS - 1)
+        colour = imgui.color_convert_float4_to_u32(_gray_of_lightness(100.0 * share))
+        if colours is not None:
+            colour = colours[k]
+        x = low.x + width * k / LEGEND_STEPS
+        high = ImVec2(x + width / LEGEND_STEPS + 1.0, low.y + height)
+        painter.add_rect_filled(ImVec2(x, low.y), high, colour)
+    below = low.y + height + em(0.1)
+    painter.add_text(ImVec2(low.x, below), ink, ends[0])
+    right = low.x + width - imgui.calc_text_size(ends[1]).x
+    painter.add_text(ImVec2(right, below), ink, ends[1])
+
+
+def _gray_of_lightness(lightness: float) -> imgui.ImVec4:
+    light = tone.lab_f_inverse(np.array((lightness + 16.0) / 116.0))
+    return gray(float(tone.srgb_encode(light)))
+
+
+def _lightness_colours(display: Display) -> list[int]:
+    model = DisplayModel.of(display)
+    steps = np.linspace(0.0, 100.0, LEGEND_STEPS)
+    rgb = tone.encode(tone.display_rgb(tone.false_colour(steps), model)[0], model)
+    return [int(imgui.color_convert_float4_to_u32(imgui.ImVec4(*row.tolist(), 1.0))) for row in rgb]

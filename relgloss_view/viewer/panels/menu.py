@@ -1,0 +1,70 @@
+"""The menu bar: every action of the table, the overlays and the panels."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from imgui_bundle import imgui
+
+from relgloss_view.viewer.actions import ACTIONS, Action
+from relgloss_view.viewer.layout_file import FONT_SCALES
+from relgloss_view.viewer.state import OVERLAYS
+from relgloss_view.viewer.widgets import sentence, tooltip
+
+if TYPE_CHECKING:
+    from relgloss_view.viewer.app import App
+
+MENUS = ("File", "Edit", "View", "Help")
+
+
+def show(app: App) -> float:
+    """Draw the bar; returns its height in pixels."""
+    if not imgui.begin_main_menu_bar():
+        return 0.0
+    height = float(imgui.get_window_size().y)
+    for name in MENUS:
+        if imgui.begin_menu(name):
+            for action in ACTIONS:
+                if action.menu == name:
+                    _item(app, action)
+            if name == "View":
+                imgui.separator()
+                _overlays(app)
+                _panels(app)
+                _text_sizes(app)
+            imgui.end_menu()
+    imgui.end_main_menu_bar()
+    return height
+
+
+def _item(app: App, action: Action) -> None:
+    on = action.on(app) if action.on is not None else False
+    clicked, _ = imgui.menu_item(action.text, action.key, on, action.possible(app))
+    tooltip(sentence(action.help))
+    if clicked:
+        action.run(app)
+
+
+def _overlays(app: App) -> None:
+    if imgui.begin_menu("Overlay"):
+        present = app.model.state.presentation.overlay
+        for name in OVERLAYS:
+            if imgui.menu_item(name, "", name == present, True)[0]:
+                app.model.set_part("presentation", overlay=name)
+        imgui.end_menu()
+
+
+def _text_sizes(app: App) -> None:
+    if imgui.begin_menu("Text size"):
+        for scale in FONT_SCALES:
+            if imgui.menu_item(f"{100 * scale:.0f} %", "", scale == app.font_scale, True)[0]:
+                app.set_font_scale(scale)
+        imgui.end_menu()
+
+
+def _panels(app: App) -> None:
+    if imgui.begin_menu("Panels"):
+        for panel in app.layout.panels:
+            if imgui.menu_item(panel.title, "", panel.visible, True)[0]:
+                panel.visible = not panel.visible
+        imgui.end_menu()

@@ -1,0 +1,151 @@
+"""The setting that both pictures share: lamp, object, eye and display."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+from imgui_bundle import ImVec2, imgui
+
+from relgloss_view.material.spectra import SHIPPED_ILLUMINANTS
+from relgloss_view.picture.scene import Display, Eye, Lamp, Shape
+from relgloss_view.viewer import camera, widgets
+from relgloss_view.viewer.model import Model
+from relgloss_view.viewer.state import Presentation
+from relgloss_view.viewer.theme import em, gray
+
+DIAL_EM = 7.0
+
+#: Rows of sliders: label, entry, and what the hand reaches.
+Row = tuple[str, str, dict[str, Any]]
+_LAMP: tuple[Row, ...] = (
+    ("azimuth", "azimuth_deg", {"digits": "%.1f"}),
+    ("elevation", "elevation_deg", {"digits": "%.1f"}),
+    ("distance", "distance_m", {"low": 0.1, "high": 10.0, "logarithmic": True}),
+    ("white Yn", "luminance_cd_m2", {"low": 1.0, "high": 1000.0, "logarithmic": True}),
+)
+_EYE: tuple[Row, ...] = (
+    ("azimuth ", "azimuth_deg", {"digits": "%.1f"}),
+    ("elevation ", "elevation_deg", {"digits": "%.1f"}),
+    ("distance ", "distance_m", {"low": 0.1, "high": 10.0, "logarithmic": True}),
+)
+_SIZES: dict[str, tuple[Row, ...]] = {
+    "cylinder": (("diameter", "diameter_m", {}), ("height", "height_m", {})),
+    "sphere": (("diameter", "diameter_m", {}),),
+    "plane": (("width", "width_m", {}), ("height", "height_m", {})),
+    "box": (("width", "width_m", {}), ("height", "height_m", {}), ("depth", "depth_m", {})),
+}
+_SIZE_REACH = {"low": 0.01, "high": 1.0, "logarithmic": True}
+
+
+def show(model: Model) -> None:
+    """Controls of the setting."""
+    imgui.separator_text("Lamp")
+    _dial(model)
+    _sliders(model, "lamp", Lamp, _LAMP)
+    _illuminant(model)
+    changed, place = widgets.choice("Yn at", Lamp, "y_n", model.state.lamp.y_n)
+    if changed:
+        model.set_part("lamp", y_n=place)
+    imgui.separator_text("Object")
+    changed, kind = widgets.choice("shape", Shape, "kind", model.state.shape.kind)
+    if changed:
+        model.set_part("shape", kind=kind)
+    rows = tuple((t, n, {**_SIZE_REACH, **o}) for t, n, o in _SIZES[model.state.shape.kind])
+    _sliders(model, "shape", Shape, rows)
+    imgui.separator_text("Eye")
+    _sliders(model, "eye", Eye, _EYE)
+    if widgets.button("Reset camera", "frame the object from the front"):
+        model.change(dataclasses.replace(model.state, eye=camera.framed(model.state.eye)))
+    imgui.separator_text("Display and surround")
+    surround: tuple[Row, ...] = (("surround", "background_lstar", {"digits": "%.0f"}),)
+    _sliders(model, "display", Display, surround)
+    rows = (("gap", "gap_px", {"high": 200.0, "digits": "%.0f"}),)
+    _sliders(model, "presentation", Presentation, rows)
+    rows = (("dE2000 top", "difference_max", {"digits": "%.1f", "high": 50.0}),)
+    _sliders(model, "presentation", Presentation, rows)
+    changed, gamut = widgets.choice("gamut", Display, "gamut", model.state.display.gamut)
+    if changed:
+        model.set_part("display", gamut=gamut)
+
+
+def _sliders(model: Model, part: str, owner: type, rows: tuple[Row, ...]) -> None:
+    for text, name, options in rows:
+        value = getattr(getattr(model.state, part), name)
+        changed, number = widgets.slider(text, owner, name, value, **options)
+        if changed:
+            model.attempt(
+                lambda name=name, number=number: model.set_part(  # type: ignore[misc]
+                    part, gesture=f"{part} {name}", **{name: number}
+                )
+            )
+
+
+def _illuminant(model: Model) -> None:
+    present = model.state.lamp.illuminant
+    options = (*SHIPPED_ILLUMINANTS, *(() if present in SHIPPED_ILLUMINANTS else (present,)))
+    told = "Spectrum of the lamp: CIE illuminants; a scene file may name a two-column table."
+    changed, name = widgets.combo("illuminant", options, present, told)
+    if changed:
+        model.attempt(lambda: model.set_part("lamp", illuminant=name))
+
+
+def _dial(model: Model) -> None:
+    """The lamp from above: drag it around; up and down with Shift is its elevation."""
+    size = em(DIAL_EM)
+    indent = 0.5 * (imgui.get_content_region_avail().x - size)
+    imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(indent, 0.0))
+    origin = imgui.get_cursor_screen_pos()
+    imgui.invisible_button("lamp dial", ImVec2(size, size))
+    resetting = widgets.reset_by_double_click()
+    active = imgui.is_item_active()
+    widgets.tooltip(
+        "The lamp seen from above; the eye stands below. Drag it around the object; "
+        "Shift+drag up and down sets its elevation; a double click resets it."
+    )
+    lamp = model.state.lamp
+    centre = ImVec2(origin.x + 0.5 * size, origin.y + 0.5 * size)
+    if resetting:
+        lamp = camera.placed(lamp, Lamp().azimuth_deg, Lamp().elevation_deg)
+        model.change(dataclasses.replace(model.state, lamp=lamp), gesture="lamp dial")
+    elif active:
+        io = imgui.get_io()
+        mouse = imgui.get_mouse_pos()
+        if io.key_shift:
+            turned = lamp.elevation_deg - io.mouse_delta.y * 180.0 / size
+            lamp = camera.placed(lamp, lamp.azimuth_deg, turned)
+        elif math.hypot(mouse.x - centre.x, mouse.y - centre.y) > 0.1 * size:
+            azimuth = math.degrees(math.atan2(mouse.x - centre.x, mouse.y - centre.y))
+            lamp = camera.placed(lamp, azimuth, lamp.elevation_deg)
+        model.change(dataclasses.replace(model.state, lamp=lamp), gesture="lamp dial")
+    _draw_dial(model, centre, 0.5 * size)
+
+
+def _draw_dial(model: Model, centre: ImVec2, radius: float) -> None:
+    """Circles every 30 degrees of elevation, the object, the eye, the lamp."""
+    painter = imgui.get_window_draw_list()
+
+    def ink(value: float, alpha: float = 1.0) -> int:
+        return int(imgui.color_convert_float4_to_u32(gray(value, alpha)))
+
+    outer = 0.86 * radius
+    for share in (1.0, 2.0 / 3.0, 1.0 / 3.0):
+        painter.add_circle(centre, outer * share, ink(0.30), 48, 1.0)
+    painter.add_circle_filled(centre, 0.10 * radius, ink(0.45), 24)
+
+    def place(azimuth_deg: float, elevation_deg: float) -> ImVec2:
+        away = outer * (1.0 - abs(elevation_deg) / 90.0)
+        turn = math.radians(azimuth_deg)
+        return ImVec2(centre.x + away * math.sin(turn), centre.y + away * math.cos(turn))
+
+    eye, lamp = model.state.eye, model.state.lamp
+    at = place(eye.azimuth_deg, eye.elevation_deg)
+    painter.add_circle(at, 0.075 * radius, ink(0.62), 24, 1.5)
+    painter.add_circle_filled(at, 0.03 * radius, ink(0.62), 12)
+    at = place(lamp.azimuth_deg, lamp.elevation_deg)
+    painter.add_line(centre, at, ink(0.62, 0.5), 1.0)
+    if lamp.elevation_deg >= 0.0:
+        painter.add_circle_filled(at, 0.085 * radius, ink(0.93), 24)
+    else:  # from below: a ring
+        painter.add_circle(at, 0.075 * radius, ink(0.93), 24, 2.0)

@@ -1,0 +1,215 @@
+"""The stage: the two pictures, and the hand on them. Textures come from outside as names."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from imgui_bundle import ImVec2, imgui
+
+from relgloss_view.picture.view import Size, View
+from relgloss_view.viewer import camera
+from relgloss_view.viewer.arrangement import Arrangement, Rect, bare
+from relgloss_view.viewer.model import Model
+from relgloss_view.viewer.panels import captions
+from relgloss_view.viewer.pictures import Shown
+from relgloss_view.viewer.state import DIFFERENCE, WIPE
+from relgloss_view.viewer.theme import em, gray
+
+HANDLE_EM = 0.8  #: width of what takes hold of the wipe's edge
+
+
+@dataclass(frozen=True)
+class Staged:
+    """What the device has drawn for a pane of some size."""
+
+    arrangement: Arrangement
+    shown: dict[str, Shown]
+    faults: dict[str, str]
+
+
+def show(model: Model, draw: Callable[[Size], Staged | None]) -> list[Rect]:
+    """Fill the window with the pictures; `draw` makes them for a size in pixels.
+
+    Returns what they leave of it, rectangles in pixels of the screen, for the surround.
+    """
+    origin = imgui.get_cursor_screen_pos()
+    room = imgui.get_content_region_avail()
+    pane = (int(room.x), int(room.y))
+    model.pointer = None
+    staged = draw(pane)
+    if staged is None:
+        return []
+    painter = imgui.get_window_draw_list()
+    presentation = model.state.presentation
+    wiping = presentation.compare == WIPE and not presentation.haploscopic
+    edge = int(presentation.wipe * pane[0])
+    covered = []
+    for side, rect in staged.arrangement.rects.items():
+        if side not in staged.shown:
+            continue
+        clip = _wiped(rect, edge, side, mirrored=presentation.mirror) if wiping else rect
+        box = _box(model, rect, staged.shown[side])
+        covered.append(_common(box, clip))
+        _paint(painter, model, origin, rect, clip, box, staged.shown[side])
+    if wiping:
+        _line(painter, origin, edge, pane[1])
+    _take_hand(model, origin, pane, staged, edge if wiping else None)
+    if not presentation.haploscopic:
+        captions.show(model, painter, origin, staged.arrangement, staged.faults)
+    left, top = int(origin.x), int(origin.y)
+    return [(left + x, top + y, w, h) for x, y, w, h in bare(pane, covered)]
+
+
+def _wiped(rect: Rect, edge: int, side: str, *, mirrored: bool) -> Rect:
+    """The part of a picture on its side of the wipe's edge."""
+    left, top, width, height = rect
+    if (side == "reference") != mirrored:
+        return left, top, edge, height
+    return left + edge, top, width - edge, height
+
+
+def _box(model: Model, rect: Rect, shown: Shown) -> Rect:
+    """The part of a picture's rectangle that can show the object; the rest is surround."""
+    presentation = model.state.presentation
+    plain = presentation.overlay == "none" and presentation.compare != DIFFERENCE
+    if not (plain or presentation.haploscopic):
+        return rect
+    left, bottom, right, top = View.of(shown.frame.scene, shown.size).bounds
+    scale_x, scale_y = rect[2] / shown.size[0], rect[3] / shown.size[1]
+    if presentation.mirror:
+        left, right = shown.size[0] - right, shown.size[0] - left
+    # Whole pixels of the screen, so that what is beside them is filled to the edge.
+    x = (math.floor(left * scale_x), math.ceil(right * scale_x))
+    y = (math.floor((shown.size[1] - top) * scale_y), math.ceil((shown.size[1] - bottom) * scale_y))
+    return rect[0] + x[0], rect[1] + y[0], max(x[1] - x[0], 0), max(y[1] - y[0], 0)
+
+
+def _common(a: Rect, b: Rect) -> Rect:
+    """What two rectangles share."""
+    left, top = max(a[0], b[0]), max(a[1], b[1])
+    right, bottom = min(a[0] + a[2], b[0] + b[2]), min(a[1] + a[3], b[1] + b[3])
+    return left, top, max(right - left, 0), max(bottom - top, 0)
+
+
+def _paint(
+    painter: imgui.ImDrawList,
+    model: Model,
+    origin: ImVec2,
+    rect: Rect,
+    clip: Rect,
+    box: Rect,
+    shown: Shown,
+) -> None:
+    """Draw the box of a picture's texture, inside the clip, pixel upon pixel."""
+    if box[2] == 0 or box[3] == 0:
+        return
+    u = [(box[0] - rect[0]) / rect[2], (box[0] + box[2] - rect[0]) / rect[2]]
+    v = [(box[1] - rect[1]) / rect[3], (box[1] + box[3] - rect[1]) / rect[3]]
+    if model.state.presentation.mirror:
+        u = [1.0 - u[0], 1.0 - u[1]]
+    low = ImVec2(origin.x + box[0], origin.y + box[1])
+    high = ImVec2(low.x + box[2], low.y + box[3])
+    corner = ImVec2(origin.x + clip[0], origin.y + clip[1])
+    painter.push_clip_rect(corner, ImVec2(corner.x + clip[2], corner.y + clip[3]), True)
+    # Row 0 of a texture is its lowest.
+    texture = imgui.ImTextureRef(shown.texture)
+    painter.add_image(texture, low, high, (u[0], 1.0 - v[0]), (u[1], 1.0 - v[1]))
+    painter.pop_clip_rect()
+
+
+def _line(painter: imgui.ImDrawList, origin: ImVec2, x: int, height: int) -> None:
+    colour = imgui.color_convert_float4_to_u32(gray(0.8))
+    place = origin.x + x
+    painter.add_line(ImVec2(place, origin.y), ImVec2(place, origin.y + height), colour, 1.0)
+
+
+def _take_hand(model: Model, origin: ImVec2, pane: Size, staged: Staged, edge: int | None) -> None:
+    """Let the mouse turn, move and zoom the pictures, and place the lamp and the wipe."""
+    if edge is not None:
+        _wipe_handle(model, origin, pane, edge)
+    imgui.set_cursor_screen_pos(origin)
+    buttons = imgui.ButtonFlags_
+    imgui.set_next_item_allow_overlap()
+    imgui.invisible_button(
+        "stage",
+        ImVec2(max(pane[0], 1), max(pane[1], 1)),
+        buttons.mouse_button_left | buttons.mouse_button_right | buttons.mouse_button_middle,
+    )
+    hovered, active = imgui.is_item_hovered(), imgui.is_item_active()
+    mouse = imgui.get_mouse_pos()
+    here = (mouse.x - origin.x, mouse.y - origin.y)
+    found = _under(staged, here, mirrored=model.state.presentation.mirror, edge=edge)
+    if hovered and found is not None:
+        side, at, rect = found
+        drawn = staged.shown[side].size
+        column, row = int(at[0] * drawn[0] / rect[2]), int(at[1] * drawn[1] / rect[3])
+        if not model.dragging:
+            model.pointer = (side, column, row)
+        if imgui.is_mouse_clicked(imgui.MouseButton_.left):
+            model.active_side = side
+        _wheel(model, at, rect[2:])
+        if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
+            state = model.state.with_part("presentation", life_size=False)
+            model.change(dataclasses.replace(state, eye=camera.framed(state.eye)))
+            return
+    if active:
+        size = next(iter(staged.arrangement.rects.values()))[2:]
+        _drag(model, size)
+
+
+def _wheel(model: Model, at: tuple[float, float], size: Size) -> None:
+    notches = imgui.get_io().mouse_wheel
+    if notches == 0.0:
+        return
+    eye = camera.zoomed(model.state.scene(model.active_side), notches, at, size)
+    state = model.state.with_part("presentation", life_size=False)
+    model.change(dataclasses.replace(state, eye=eye), gesture="zoom")
+    model.hold()
+
+
+def _drag(model: Model, size: Size) -> None:
+    io = imgui.get_io()
+    delta = io.mouse_delta
+    if delta.x == 0.0 and delta.y == 0.0:
+        return
+    if model.state.presentation.mirror:
+        delta = ImVec2(-delta.x, delta.y)
+    moved = (delta.x, delta.y)
+    state = model.state
+    left = imgui.is_mouse_down(imgui.MouseButton_.left)
+    if left and io.key_ctrl:
+        lamp = camera.turned(state.lamp, moved, size)
+        model.change(dataclasses.replace(state, lamp=lamp), gesture="lamp in the picture")
+    elif left and not io.key_shift:
+        eye = camera.orbited(state.eye, moved, size)
+        model.change(dataclasses.replace(state, eye=eye), gesture="orbit")
+    elif not (left and io.key_alt):
+        eye = camera.panned(state.scene(model.active_side), moved, size)
+        model.change(dataclasses.replace(state, eye=eye), gesture="pan")
+
+
+def _wipe_handle(model: Model, origin: ImVec2, pane: Size, edge: int) -> None:
+    half = 0.5 * em(HANDLE_EM)
+    imgui.set_cursor_screen_pos(ImVec2(origin.x + edge - half, origin.y))
+    imgui.invisible_button("wipe", ImVec2(2.0 * half, max(pane[1], 1)))
+    if imgui.is_item_hovered() or imgui.is_item_active():
+        imgui.set_mouse_cursor(imgui.MouseCursor_.resize_ew)
+    if imgui.is_item_active() and pane[0] > 0:
+        share = (imgui.get_mouse_pos().x - origin.x) / pane[0]
+        model.set_part("presentation", gesture="wipe", wipe=min(max(share, 0.0), 1.0))
+
+
+def _under(
+    staged: Staged, here: tuple[float, float], *, mirrored: bool, edge: int | None
+) -> tuple[str, tuple[float, float], Rect] | None:
+    """Side, place in its picture and rectangle of the picture under the mouse."""
+    for side, rect in staged.arrangement.rects.items():
+        if edge is not None and ((here[0] < edge) == (side == "reference")) == mirrored:
+            continue
+        x, y = here[0] - rect[0], here[1] - rect[1]
+        if side in staged.shown and 0 <= x < rect[2] and 0 <= y < rect[3]:
+            return side, (rect[2] - 1 - x if mirrored else x, y), rect
+    return None

@@ -1,0 +1,98 @@
+"""The status line: what was drawn, on what, how fast, and what was said last."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+from imgui_bundle import ImVec2, imgui
+
+from relgloss_view.viewer.theme import POPUP, em, gray
+from relgloss_view.viewer.widgets import tooltip
+
+if TYPE_CHECKING:
+    from relgloss_view.viewer.app import App
+
+NOTE_S = 12.0  #: that a message stays in the line; it stays in the list behind it
+LINE_EM = 1.75
+
+
+def height() -> float:
+    """Of the line, in pixels."""
+    return em(LINE_EM)
+
+
+def show(app: App) -> None:
+    """Draw the line along the lower edge of the window."""
+    viewport = imgui.get_main_viewport()
+    imgui.set_next_window_pos(ImVec2(viewport.pos.x, viewport.pos.y + viewport.size.y - height()))
+    imgui.set_next_window_size(ImVec2(viewport.size.x, height()))
+    imgui.push_style_var(imgui.StyleVar_.window_padding, ImVec2(em(0.6), em(0.3)))
+    imgui.push_style_var(imgui.StyleVar_.window_min_size, ImVec2(1.0, 1.0))
+    imgui.push_style_color(imgui.Col_.window_bg, gray(POPUP))
+    flags = imgui.WindowFlags_
+    imgui.begin(
+        "##status",
+        None,
+        flags.no_decoration | flags.no_docking | flags.no_move | flags.no_saved_settings
+        | flags.no_bring_to_front_on_focus | flags.no_nav,
+    )  # fmt: skip
+    imgui.pop_style_color()
+    imgui.pop_style_var(2)
+    numbers = _numbers(app)
+    _message(app, imgui.get_content_region_avail().x - imgui.calc_text_size(numbers).x - em(1.5))
+    imgui.same_line(max(imgui.get_window_width() - imgui.calc_text_size(numbers).x - em(0.6), 0.0))
+    imgui.text_disabled(numbers)
+    tooltip(_details(app))
+    imgui.end()
+
+
+def _message(app: App, width: float) -> None:
+    model = app.model
+    note = model.notes[-1] if model.notes else None
+    if note is not None and time.monotonic() - note.at_s < NOTE_S:
+        text = f"! {note.text}" if note.fault else note.text
+    else:
+        text = _warning(app) or "h: keys   drag: turn   wheel: zoom   Ctrl+drag: lamp"
+    while text and imgui.calc_text_size(text).x > width:
+        text = text[: int(0.92 * len(text)) - 1].rstrip() + "…" if len(text) > 4 else ""
+    imgui.text_unformatted(text)
+    said = "\n".join(n.text for n in model.notes[-8:])
+    tooltip(f"{_warning(app)}\n{said}".strip() or "Nothing was said yet.")
+
+
+def _warning(app: App) -> str:
+    """The first warning of the active picture."""
+    frame = app.model.frames.get(app.model.active_side)
+    if frame is None or not frame.warnings:
+        return ""
+    more = len(frame.warnings) - 1
+    return frame.warnings[0] + (f" (and {more} more)" if more else "")
+
+
+def _numbers(app: App) -> str:
+    model = app.model
+    frame = model.frames.get(model.active_side)
+    parts = [f"{1e3 * model.frame_s:.0f} ms"]
+    if frame is not None:
+        width, height_px = frame.size
+        parts.append(f"{width}x{height_px}" + (" draft" if model.draft else ""))
+        parts.append("c_max none" if frame.c_max is None else f"c_max {frame.c_max:.3g}")
+        parts.append(f"{frame.clip_count} clipped")
+    return "   ".join(reversed(parts))
+
+
+def _details(app: App) -> str:
+    model = app.model
+    frame = model.frames.get(model.active_side)
+    lines = ["Last frame drew: " + (", ".join(model.redrawn) or "nothing new") + "."]
+    if frame is not None:
+        eq4 = frame.scaling.c_max_eq4
+        lines += [
+            f"Device: {frame.device}.",
+            f"Active side: {model.active_side}, {frame.size[0]} x {frame.size[1]} px.",
+            f"c {frame.c:.6g}, c_max {frame.c_max}, by eq. 4 {eq4}.",
+            f"{frame.clip_count} pixels above L* 100, {frame.out_of_gamut_count} out of gamut.",
+            *frame.warnings,
+        ]
+    return "\n".join(lines)

@@ -1,0 +1,288 @@
+"""The window: one OpenGL context, one loop that draws only when something happened.
+
+With a display it is a real window; without one it is the same program on GLFW's null platform,
+where nothing is seen but everything is drawn: for screenshots and tests.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import sys
+import time
+from collections.abc import Callable
+from typing import Any, Protocol
+
+# imgui_bundle first: it brings the GLFW that the glfw module then finds, so that both use one.
+from imgui_bundle import hello_imgui, imgui, immapp  # isort: skip
+import glfw
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.errors import GLUnavailableError
+from relgloss_view.picture.context import attach
+from relgloss_view.viewer import theme
+
+TITLE = "relgloss"
+SMALLEST_PX, LARGEST_PX = 1, 8192
+#: After an event: frames at once, for the interface to settle, then some for tooltips, then none.
+SETTLING_FRAMES = 4
+TOOLTIP_S, TOOLTIP_STEP_S = 1.2, 0.1
+CURSOR_STEP_S = 0.4  #: while a text is being typed
+LONGEST_WAIT_S = 30.0
+NULL_STEP_S = 0.01  #: the null platform has no events to wait for
+
+REMEDY = (
+    "start it on a desktop or over `ssh -X`, or draw without a display: "
+    "`relgloss view --screenshot OUT.png`, `relgloss snapshot -o OUT.png`"
+)
+
+
+class Program(Protocol):
+    """What a window runs."""
+
+    def start(self, ctx: Any, window: Window) -> None:
+        """The context is there; called once, before the first frame."""
+
+    def frame(self) -> None:
+        """Build the interface and draw the pictures."""
+
+    def after_frame(self, frame_s: float) -> bool:
+        """Called after each frame with the time it took; whether another is needed at once."""
+
+    def wait_s(self) -> float | None:
+        """How long nothing needs to be drawn if no event comes; None for as long as it likes."""
+
+    def dropped(self, paths: list[str]) -> None:
+        """Files were dropped on the window."""
+
+    def finish(self) -> None:
+        """The context is about to go."""
+
+
+class Window:
+    """Runs a program until it or its user ends it."""
+
+    def __init__(
+        self,
+        program: Program,
+        size: tuple[int, int] = (1280, 800),
+        *,
+        headless: bool = False,
+        font_scale: float = 1.0,
+        tune: Callable[[hello_imgui.RunnerParams], None] | None = None,
+    ) -> None:
+        """size: in pixels, held to what can be drawn. tune: a last word on the parameters."""
+        self.program = program
+        width, height = (int(np.clip(side, SMALLEST_PX, LARGEST_PX)) for side in size)
+        self.size = (width, height)
+        self.headless = headless
+        self.font_scale = font_scale
+        self._tune = tune
+        #: Directs drawing to the window again after pictures were drawn.
+        self.to_screen: Callable[[], None] = lambda: None
+        #: A gray, and the rectangles of the window (left, top, width, height in pixels) that it
+        #: fills. They are cleared: blending them takes a software driver longer than the pictures.
+        self.filled: tuple[float, list[tuple[int, int, int, int]]] = (0.0, [])
+        self._clear: Callable[..., None] = lambda *args, **options: None
+        self._drawn = 0
+        self._awake_until = 0.0
+        self._settling = SETTLING_FRAMES
+        self._started = False
+        self._error: BaseException | None = None
+
+    def run(self, frames: int | None = None) -> NDArray[np.uint8]:
+        """Draw so many frames, or until the window is closed; returns the last one, (H, W, 3).
+
+        Raises GLUnavailableError where no window can be opened.
+        """
+        _open_platform(self.headless)
+        params = self._params()
+        try:
+            immapp.manual_render.setup_from_runner_params(
+                params, immapp.AddOnsParams(with_implot=True)
+            )
+        except (RuntimeError, SystemError) as error:
+            raise GLUnavailableError(f"no window with OpenGL 3.3: {error}; {REMEDY}") from error
+        try:
+            self._loop(params, frames)
+        finally:
+            if self._started:
+                self.program.finish()
+                self.to_screen()  # the last picture of the window is read from it
+            immapp.manual_render.tear_down()
+        if self._error is not None:
+            raise self._error
+        return np.asarray(hello_imgui.final_app_window_screenshot())
+
+    def close(self) -> None:
+        """End the loop after this frame."""
+        hello_imgui.get_runner_params().app_shall_exit = True
+
+    def wake(self) -> None:
+        """Have a frame drawn soon; may be called from any thread."""
+        self._settling = max(self._settling, 1)
+        if not self.headless:
+            glfw.post_empty_event()
+
+    def size_now(self) -> tuple[int, int]:
+        """Width and height of the window, pixels."""
+        size = imgui.get_io().display_size
+        return int(size.x), int(size.y)
+
+    def set_font_scale(self, scale: float) -> None:
+        """Show text, and all that is measured by it, at another size."""
+        style = imgui.get_style()
+        style.font_scale_main = scale
+        theme.apply(scale)
+        self.font_scale = scale
+
+    def pixel_pitch_m(self) -> float | None:
+        """Size of a pixel of the monitor that the window is on, as the monitor reports it."""
+        if self.headless:
+            return None
+        monitor = glfw.get_primary_monitor()
+        if not monitor:
+            return None
+        mode = glfw.get_video_mode(monitor)
+        width_mm, _ = glfw.get_monitor_physical_size(monitor)
+        if mode is None or width_mm <= 0:
+            return None
+        return 1e-3 * width_mm / float(mode.size.width)
+
+    def _loop(self, params: hello_imgui.RunnerParams, frames: int | None) -> None:
+        while not params.app_shall_exit and self._error is None:
+            if frames is not None and self._drawn >= frames:
+                break
+            if frames is None:
+                self._wait()
+            began = time.perf_counter()
+            immapp.manual_render.render()
+            if self._started and self._error is None:
+                again = self.program.after_frame(time.perf_counter() - began)
+                self._settling = max(self._settling - 1, int(again))
+            self._drawn += 1
+
+    def _wait(self) -> None:
+        """Sleep until something happens or something has to be drawn."""
+        if self._settling > 0:
+            return
+        now = time.monotonic()
+        limit = LONGEST_WAIT_S
+        if now < self._awake_until:
+            limit = TOOLTIP_STEP_S
+        elif imgui.get_io().want_text_input:
+            limit = CURSOR_STEP_S
+        due = self.program.wait_s()
+        limit = limit if due is None else min(limit, max(due, 0.0))
+        if self.headless:
+            time.sleep(min(limit, NULL_STEP_S))
+            self._settling = 1
+            return
+        glfw.wait_events_timeout(max(limit, 1e-3))
+        if time.monotonic() - now < 0.98 * limit:  # an event ended the wait
+            self._settling = SETTLING_FRAMES
+            self._awake_until = time.monotonic() + TOOLTIP_S
+
+    def _params(self) -> hello_imgui.RunnerParams:
+        params = hello_imgui.RunnerParams()
+        params.app_window_params.window_title = TITLE
+        geometry = params.app_window_params.window_geometry
+        geometry.size = self.size
+        geometry.window_size_measure_mode = hello_imgui.WindowSizeMeasureMode.screen_coords
+        params.imgui_window_params.default_imgui_window_type = (
+            hello_imgui.DefaultImGuiWindowType.no_default_window
+        )
+        params.imgui_window_params.background_color = theme.gray(theme.PANEL)
+        params.ini_disable = True  # the program keeps its own, never in the working directory
+        params.fps_idling.enable_idling = False
+        params.fps_idling.vsync_to_monitor = not self.headless
+        options = params.renderer_backend_options.open_gl_options
+        options.major_version, options.minor_version = 3, 3
+        options.glsl_version = "330"
+        options.use_core_profile = True
+        options.use_forward_compat = sys.platform == "darwin"
+        options.anti_aliasing_samples = 0  # the interface smooths its own lines
+        callbacks = params.callbacks
+        callbacks.load_additional_fonts = self._load_font
+        callbacks.setup_imgui_style = theme.apply
+        callbacks.post_init = self._start
+        callbacks.show_gui = self._frame
+        callbacks.before_imgui_render = self._fill
+        if self._tune is not None:
+            self._tune(params)
+        return params
+
+    def _load_font(self) -> None:
+        hello_imgui.load_font("fonts/Roboto/Roboto-Regular.ttf", theme.FONT_PX)
+
+    def _start(self) -> None:
+        self._guarded(self._attach)
+
+    def _attach(self) -> None:
+        self.set_font_scale(self.font_scale)
+        library: Any = hello_imgui  # its annotations leave the address out
+        address = library.get_glfw_window_address()
+        handle = ctypes.cast(address, ctypes.POINTER(glfw._GLFWwindow))
+        on_drop: Any = lambda _, paths: self._dropped(list(paths))  # noqa: E731 - annotated wrongly
+        glfw.set_drop_callback(handle, on_drop)
+        ctx = attach(_load)
+        self.to_screen, self._clear = ctx.screen.use, ctx.screen.clear
+        self.program.start(ctx, self)
+        self._started = True
+
+    def _dropped(self, paths: list[str]) -> None:
+        self._guarded(lambda: self.program.dropped(paths))
+
+    def _frame(self) -> None:
+        if self._started and self._error is None:
+            self._guarded(self.program.frame)
+
+    def _fill(self) -> None:
+        gray, rectangles = self.filled
+        height = self.size_now()[1]
+        for left, top, width, tall in rectangles:
+            if width > 0 and tall > 0:
+                self._clear(
+                    gray, gray, gray, 1.0, viewport=(left, height - top - tall, width, tall)
+                )
+        self.filled = (gray, [])
+
+    def _guarded(self, action: Callable[[], None]) -> None:
+        """An exception must not pass through the window library; the loop raises it instead."""
+        try:
+            action()
+        except BaseException as error:
+            self._error = error
+
+
+def check_display() -> None:
+    """Raises GLUnavailableError where no window can show, before anything long is done."""
+    named = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    if sys.platform.startswith("linux") and not named:
+        raise GLUnavailableError(f"there is no display; {REMEDY}")
+
+
+def _open_platform(headless: bool) -> None:
+    """Start GLFW on a display, or on its null platform, with the hints of the next window."""
+    if not headless:
+        check_display()
+    faults: list[str] = []
+    on_error: Any = lambda code, text: faults.append(_text(text))  # noqa: E731
+    glfw.set_error_callback(on_error)
+    platform = glfw.PLATFORM_NULL if headless else glfw.ANY_PLATFORM
+    glfw.init_hint(glfw.PLATFORM, platform)
+    if not glfw.init():
+        raise GLUnavailableError(f"no window can be opened: {'; '.join(faults)}; {REMEDY}")
+    glfw.default_window_hints()
+    if headless:
+        glfw.window_hint(glfw.CONTEXT_CREATION_API, glfw.EGL_CONTEXT_API)
+
+
+def _text(words: bytes | str) -> str:
+    return words.decode("utf-8", "replace") if isinstance(words, bytes) else words
+
+
+def _load(name: str) -> int:
+    """Address of an OpenGL function."""
+    return ctypes.cast(glfw.get_proc_address(name), ctypes.c_void_p).value or 0
