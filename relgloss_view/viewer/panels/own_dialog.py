@@ -21,6 +21,7 @@ from relgloss_view.viewer.folders import (
     with_suffix,
 )
 from relgloss_view.viewer.panels import floating
+from relgloss_view.viewer.panels.rows import fitting, row
 from relgloss_view.viewer.theme import em
 
 LONGEST_SHOWN = 120  #: characters of a name in the list
@@ -148,7 +149,8 @@ class OwnDialog:
             self._enter(os.path.expanduser("~"))
         imgui.same_line()
         imgui.align_text_to_frame_padding()
-        widgets.quiet(_fitting(printable(self.folder, 1000)))
+        room = imgui.get_content_region_avail().x
+        widgets.quiet(fitting(printable(self.folder, 1000), room, end=True))
         widgets.tooltip(printable(self.folder, 1000))
 
     def _files(self) -> None:
@@ -174,11 +176,7 @@ class OwnDialog:
         shown = printable(entry.name, LONGEST_SHOWN) + ("/" if entry.is_folder else "")
         flags = imgui.SelectableFlags_.allow_double_click
         imgui.push_id(k)
-        # What is shown may hold ##, which would end a label.
-        clicked, _ = imgui.selectable(f"##{shown}", k == self._selected, flags)
-        low = imgui.get_item_rect_min()
-        colour = imgui.get_color_u32(imgui.Col_.text)
-        imgui.get_window_draw_list().add_text(low, colour, shown)
+        clicked = row(shown, shown, k == self._selected, flags=flags)
         imgui.pop_id()
         if self._scroll and k == self._selected:
             imgui.set_scroll_here_y()
@@ -250,13 +248,3 @@ class OwnDialog:
             k = min(max(self._selected + step, 0), len(entries) - 1)
             self._select(k, entries[k])
             self._scroll = True
-
-
-def _fitting(text: str) -> str:
-    """The end of a path, as much of it as the line holds."""
-    room = imgui.get_content_region_avail().x
-    if imgui.calc_text_size(text).x <= room:
-        return text
-    while text and imgui.calc_text_size("…" + text).x > room:
-        text = text[max(1, len(text) // 12) :]
-    return "…" + text

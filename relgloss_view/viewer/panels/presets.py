@@ -1,50 +1,176 @@
-"""Presets of a look: the paper's published optima, and the user's own."""
+"""Presets of a look: the paper's published optima, and the user's own, kept in a file."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
 
 from imgui_bundle import imgui
 
 from relgloss_view.errors import InputError
+from relgloss_view.picture.scene import Look
+from relgloss_view.text_input import printable
 from relgloss_view.viewer import presets, widgets
 from relgloss_view.viewer.model import Model
-from relgloss_view.viewer.presets import Presets
+from relgloss_view.viewer.panels.rows import fitting, row, small_width
+from relgloss_view.viewer.presets import Preset, Presets
+from relgloss_view.viewer.theme import em
+
+NEW = ""  #: the name of what is being named for the first time; no preset is called so
 
 
-class _Panel:
+@dataclass
+class Memory:
     """What the panel remembers between frames."""
 
-    def __init__(self) -> None:
-        self.own: Presets | None = None  #: None until they are first shown
-        self.fault = ""
-        self.name = ""
-        self.editing: str | None = None  #: the preset being renamed; empty: a new one
-        self.removing: str | None = None
+    own: Presets | None = None  #: None until they are first shown
+    fault: str = ""
+    naming: str | None = None  #: the preset that gets a name, or NEW
+    name: str = ""
+    removing: str | None = None  #: the preset that may be deleted
+    focus: bool = False  #: whether the field takes the keyboard
 
 
-_panel = _Panel()
+memory = Memory()
 
 
 def show(model: Model) -> None:
     """The presets of the active side's look: click one to apply it."""
-    if _panel.own is None:
-        _load()
+    if memory.own is None:
+        _attempt(lambda: presets.load(presets.presets_file()))
     for preset in presets.built_in():
-        look = preset.look
-        fraction = look.c_fraction if look.c_fraction is not None else 1.0
-        told = f"Published optimum: σN {look.sigma_n_deg:g} deg, c {round(6 * fraction)}/6 of c_max"
-        if imgui.selectable(f"{preset.name}##built-in", False)[0]:
-            model.set_look(
-                model.active_side,
-                sigma_n_deg=look.sigma_n_deg,
-                c=None,
-                c_fraction=look.c_fraction,
-            )
-        widgets.tooltip(told)
+        _built_in(model, preset)
+    for preset in memory.own or ():
+        _own(model, preset)
+    if memory.naming == NEW:
+        _name_field(lambda name: _add(model, name), "Save")
+    elif widgets.button("Save as preset...", "keep the whole look of the active side under a name"):
+        _name(NEW)
+    if memory.fault:
+        widgets.wrapped(f"! {memory.fault}")
 
 
-def _load() -> None:
-    _panel.own = ()
+def _built_in(model: Model, preset: Preset) -> None:
+    published = preset.look
+    look = model.state.side(model.active_side).look
+    on = look.c is None and (look.sigma_n_deg, look.c_fraction) == (
+        published.sigma_n_deg,
+        published.c_fraction,
+    )
+    if row(preset.name, preset.name, on, beside=_numbers(published)):
+        model.set_look(
+            model.active_side,
+            sigma_n_deg=published.sigma_n_deg,
+            c=None,
+            c_fraction=published.c_fraction,
+        )
+    widgets.tooltip(
+        f"What the paper's observers chose for {preset.name} paper: {_numbers(published)}. "
+        "The rest of the look stays."
+    )
+
+
+def _own(model: Model, preset: Preset) -> None:
+    imgui.push_id(preset.name)
+    if memory.naming == preset.name:
+        _name_field(lambda name: _rename(preset.name, name), "Rename")
+    elif memory.removing == preset.name:
+        _confirm(preset.name)
+    else:
+        on = model.state.side(model.active_side).look == preset.look
+        space = imgui.get_style().item_spacing.x
+        right = small_width("Rename") + small_width("Delete") + space
+        width = max(imgui.get_content_region_avail().x - right - space, em(3.0))
+        if row("apply", preset.name, on, width=width):
+            model.change(model.state.with_look(model.active_side, **vars(preset.look)))
+        widgets.tooltip(f"{preset.name}: {_told(preset.look)}.")
+        imgui.same_line()
+        if imgui.small_button("Rename"):
+            _name(preset.name)
+        imgui.same_line()
+        if imgui.small_button("Delete"):
+            memory.removing, memory.naming = preset.name, None
+    imgui.pop_id()
+
+
+def _name(naming: str) -> None:
+    """Ask for a name; the present one is suggested."""
+    memory.naming, memory.name, memory.removing = naming, naming, None
+    memory.fault, memory.focus = "", True
+
+
+def _name_field(done: Callable[[str], None], word: str) -> None:
+    if memory.focus:
+        imgui.set_keyboard_focus_here()
+        memory.focus = False
+    space = imgui.get_style().item_spacing.x
+    imgui.set_next_item_width(-small_width(word) - small_width("Cancel") - 2.0 * space)
+    flags = imgui.InputTextFlags_.enter_returns_true | imgui.InputTextFlags_.auto_select_all
+    entered, memory.name = imgui.input_text_with_hint("##name", "name", memory.name, flags)
+    left = imgui.is_item_deactivated() and imgui.is_key_pressed(imgui.Key.escape)
+    imgui.same_line()
+    pressed = imgui.small_button(word)
+    imgui.same_line()
+    if imgui.small_button("Cancel") or left:
+        memory.naming, memory.fault = None, ""
+    elif pressed or entered:
+        done(memory.name)
+
+
+def _confirm(name: str) -> None:
+    space = imgui.get_style().item_spacing.x
+    right = small_width("Delete") + small_width("Keep") + 2.0 * space
+    width = max(imgui.get_content_region_avail().x - right, em(3.0))
+    start = imgui.get_cursor_pos_x()
+    imgui.text_unformatted(fitting(f"Delete {name}?", width))
+    imgui.same_line(start + width + space)
+    if imgui.small_button("Delete"):
+        _attempt(lambda: _changed(lambda present: presets.remove(present, name)))
+        memory.removing = None
+    imgui.same_line()
+    if imgui.small_button("Keep"):
+        memory.removing = None
+
+
+def _add(model: Model, name: str) -> None:
+    look = model.state.side(model.active_side).look
+    if _attempt(lambda: _changed(lambda present: presets.add(present, name, look))):
+        memory.naming = None
+
+
+def _rename(old: str, new: str) -> None:
+    if _attempt(lambda: _changed(lambda present: presets.rename(present, old, new))):
+        memory.naming = None
+
+
+def _changed(change: Callable[[Presets], Presets]) -> Presets:
+    """Load, change and save in one go: another window may have saved meanwhile."""
+    file = presets.presets_file()
+    changed = change(presets.load(file))
+    presets.save(file, changed)
+    return changed
+
+
+def _attempt(action: Callable[[], Presets]) -> bool:
+    """Take what the action returns; a fault is told below the list, which stays."""
     try:
-        _panel.own = presets.load(presets.presets_file())
+        memory.own, memory.fault = action(), ""
     except InputError as error:
-        _panel.fault = str(error)
+        memory.own, memory.fault = memory.own or (), printable(str(error), 400)
+        return False
+    return True
+
+
+def _numbers(look: Look) -> str:
+    if look.c is not None:
+        return f"σN {look.sigma_n_deg:.3g}°, c {look.c:.3g}"
+    fraction = 1.0 if look.c_fraction is None else look.c_fraction
+    sixths = 6.0 * fraction
+    whole = abs(sixths - round(sixths)) < 1e-9
+    share = f"{round(sixths)}/6" if whole else f"{fraction:.3g}"
+    return f"σN {look.sigma_n_deg:.3g}°, {share} of c_max"
+
+
+def _told(look: Look) -> str:
+    cell = f"{look.grain_px:g} px" if look.grain == "screen" else f"{look.grain_mm:g} mm"
+    return f"{_numbers(look)}; grain fixed to the {look.grain}, {cell}, seed {look.seed}"
