@@ -7,9 +7,11 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from relgloss_view.atomic import check_target
 from relgloss_view.errors import InputError
-from relgloss_view.text_input import unreadable
+from relgloss_view.text_input import printable, unreadable
 
+LONGEST_NAME, LONGEST_MESSAGE = 50, 300  #: characters
 MOST_ENTRIES = 20_000  #: that are listed; a folder with more is told to be one
 
 
@@ -77,8 +79,6 @@ def check_file(path: str) -> None:
 
 def check_place(path: str) -> bool:
     """Whether a file of this name is there already; InputError where none can be written."""
-    from relgloss_view.atomic import check_target
-
     check_target(path)
     parent = os.path.dirname(path)
     if not os.path.isdir(parent):
@@ -86,6 +86,13 @@ def check_place(path: str) -> bool:
     if not os.access(parent, os.W_OK):
         raise InputError(f"{parent}: nothing can be written here; choose another folder")
     return os.path.lexists(path)
+
+
+def shortened(message: str, path: str) -> str:
+    """A message in one line that names a path by its last part only, and not all of a long one."""
+    name = os.path.basename(path) or path
+    shown = name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 1]}…"
+    return printable(message.replace(path, shown), LONGEST_MESSAGE)
 
 
 def with_suffix(path: str, suffixes: tuple[str, ...]) -> str:

@@ -18,6 +18,7 @@ from relgloss_view.viewer.folders import (
     check_place,
     listing,
     meant,
+    shortened,
     with_suffix,
 )
 from relgloss_view.viewer.panels import floating
@@ -73,19 +74,18 @@ class OwnDialog:
     def submit(self) -> None:
         """Take what stands in the field as the answer, if it can be one."""
         self._fault, self._replacing = "", None
+        path = meant(self.folder, self.name.strip())
         try:
-            path = self._checked()
+            answer = self._checked(path)
         except InputError as error:
-            self._fault = printable(str(error), 300)
+            self._fault = shortened(str(error), path)
             return
-        if path is not None:
-            self._end(path)
+        if answer is not None:
+            self._end(answer)
 
-    def _checked(self) -> str | None:
-        typed = self.name.strip()
-        if not typed:
+    def _checked(self, path: str) -> str | None:
+        if not self.name.strip():
             raise InputError("type a name, or choose a file from the list")
-        path = meant(self.folder, typed)
         if os.path.isdir(path):
             self._enter(path)
             return None
@@ -109,7 +109,7 @@ class OwnDialog:
         try:
             listing(folder, self._suffixes(), hidden=self._hidden)
         except InputError as error:
-            self._fault = printable(str(error), 300)
+            self._fault = shortened(str(error), folder)
             return
         self.folder, self._fault, self._replacing = folder, "", None
         self._selected = -1
@@ -136,7 +136,7 @@ class OwnDialog:
                 found = listing(self.folder, self._suffixes(), hidden=self._hidden)
             except InputError as error:
                 found = Listing(())
-                self._fault = printable(str(error), 300)
+                self._fault = shortened(str(error), self.folder)
             self._listed = (key, found)
             self._selected = -1
         return self._listed[1]

@@ -1,0 +1,157 @@
+"""The whole window without a display, driven by labels: ImGui's test engine clicks and types.
+
+Run as a program, in a process of its own; `drive` is its other side. The engine's licence is not
+MIT: it is for tests only.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import subprocess
+import sys
+import traceback
+from pathlib import Path
+
+LONGEST_S = 120.0
+
+
+def drive(module: str, folder: Path, **more) -> dict:
+    """Run the scripts of a test module, functions (hand, found) in its SCRIPTS, in one window.
+
+    Each fills a dictionary `found` that comes back under the script's name.
+    """
+    (folder / "home").mkdir()
+    (folder / "run.json").write_text(json.dumps({"module": module, **more}), encoding="utf-8")
+    environment = {**os.environ, "RELGLOSS_DIALOG": "own", "RELGLOSS_HOME": str(folder / "kept")}
+    environment["HOME"] = str(folder / "home")
+    done = subprocess.run(
+        [sys.executable, __file__, str(folder)],
+        capture_output=True,
+        text=True,
+        timeout=LONGEST_S,
+        env=environment,
+        cwd=folder,
+    )
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-4000:]
+    return json.loads((folder / "found.json").read_text(encoding="utf-8"))
+
+
+class Hand:
+    """What a script has in its hands: the app, and the engine's hand on it."""
+
+    def __init__(self, app, ctx, folder):
+        self.app, self.ctx, self.folder = app, ctx, folder
+        self.model = app.model
+
+    def click(self, *items):
+        for item in items:
+            self.ctx.item_click(item)
+            self.frames(1)
+
+    def double_click(self, item):
+        self.ctx.item_double_click(item)
+        self.frames(2)
+
+    def key(self, key):
+        self.ctx.key_press(key)
+        self.frames(2)
+
+    def type(self, item, text, *, enter=False):
+        self.ctx.item_click(item)
+        if enter:
+            self.ctx.key_chars_replace_enter(text)
+        else:
+            self.ctx.key_chars_replace(text)
+        self.frames(2)
+
+    def choose(self, combo, text):
+        self.ctx.item_click(combo)
+        self.ctx.item_click(f"//$FOCUSED/{text}")
+        self.frames(1)
+
+    def frames(self, count):
+        self.ctx.yield_(count)
+
+    def there(self, item):
+        return self.ctx.item_exists(item)
+
+    def until(self, condition, frames=600):
+        """Let frames pass until something holds; returns whether it came to."""
+        for _ in range(frames):
+            if condition():
+                return True
+            self.ctx.yield_()
+        return False
+
+    def said(self):
+        return [[note.text, note.fault] for note in self.model.notes]
+
+
+def main(folder: Path) -> None:
+    from imgui_bundle import hello_imgui, imgui
+
+    from relgloss_view.viewer.app import App
+    from relgloss_view.viewer.state import State
+    from relgloss_view.viewer.window import Window
+
+    run = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+    sys.path.insert(0, str(Path(__file__).parent))
+    scripts = importlib.import_module(run["module"]).SCRIPTS
+    found = {script.__name__: {} for script in scripts}
+    faults = []
+    ended = []
+    kept = []  # the engine does not keep what it calls
+    engine_io = imgui.test_engine
+
+    def test_of(app, script):
+        def test(ctx):
+            try:
+                script(Hand(app, ctx, folder), found[script.__name__])
+            except BaseException:
+                faults.append(f"{script.__name__}: {traceback.format_exc()}")
+            finally:
+                ended.append(script)
+
+        return test
+
+    class Driven(App):
+        def after_frame(self, frame_s):
+            super().after_frame(frame_s)
+            engine = hello_imgui.get_imgui_test_engine()
+            if len(ended) == len(scripts) and engine_io.is_test_queue_empty(engine):
+                for script, test in kept:
+                    if test.output.status != engine_io.TestStatus.success:
+                        faults.append(f"{script.__name__}: {test.output.log.get_text()}")
+                self.quit()
+            return True
+
+    app = Driven(State.initial())
+    app.layout.hidden = True  # other panels cost time
+
+    def register():
+        engine = hello_imgui.get_imgui_test_engine()
+        io = engine_io.get_io(engine)
+        io.config_run_speed = engine_io.TestRunSpeed.fast
+        io.config_log_to_tty = False
+        for script in scripts:
+            test = engine_io.register_test(engine, "driven", script.__name__)
+            test.test_func = test_of(app, script)
+            kept.append((script, test))
+            engine_io.queue_test(engine, test)
+
+    def tune(params):
+        params.use_imgui_test_engine = True
+        params.callbacks.register_tests = register
+
+    size = tuple(run.get("size", (800, 560)))
+    Window(app, size, headless=True, font_scale=run.get("font", 1.0), tune=tune).run()
+    if faults:
+        print("\n".join(faults))
+        sys.exit(1)
+    (folder / "found.json").write_text(json.dumps(found), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

@@ -1,0 +1,265 @@
+"""The program's own file dialog, driven by its labels in a window without a display."""
+
+from __future__ import annotations
+
+import os
+
+import driven
+import pytest
+
+from relgloss_view.errors import InputError
+from relgloss_view.viewer import folders
+
+OPEN, SAVE = "//Open file", "//Save scene as"
+
+
+def entry(name):
+    return f"{OPEN}/**/##{name}"
+
+
+# --- scripts, run in the window's process ---------------------------------------------------------
+
+
+def opens_by_double_click(hand, found):
+    hand.app.files.open()
+    hand.frames(3)
+    dialog = hand.app.files.dialogs._own
+    found["listed"] = [e.name for e in dialog._list().entries]
+    hand.double_click(entry("sub\\/"))
+    found["entered"] = os.path.basename(dialog.folder)
+    hand.double_click(entry("matte ## 10.json"))
+    found["open"] = hand.app.files.dialogs.open
+    found["opened"] = hand.until(lambda: hand.model.state.test.sample.file is not None)
+    found["file"] = hand.model.state.test.sample.file
+    found["steps"] = len(hand.model.history._past)
+    found["folder"] = os.path.basename(hand.app.files.dialogs.folder)
+
+
+def goes_up_and_shows_more(hand, found):
+    from imgui_bundle import imgui
+
+    hand.app.files.open()
+    hand.frames(3)
+    dialog = hand.app.files.dialogs._own
+    found["began"] = os.path.basename(dialog.folder)
+    hand.click(f"{OPEN}/Up")
+    found["up"] = dialog.folder == str(hand.folder)
+    hand.click(f"{OPEN}/All files", f"{OPEN}/Hidden")
+    found["listed"] = [e.name for e in dialog._list().entries]
+    hand.click(f"{OPEN}/Home")
+    found["home"] = dialog.folder == str(hand.folder / "home")
+    hand.key(imgui.Key.escape)
+    found["open"] = hand.app.files.dialogs.open
+
+
+def chooses_by_keys(hand, found):
+    from imgui_bundle import imgui
+
+    hand.app.files.dialogs.folder = str(hand.folder / "sub")
+    hand.app.files.open()
+    hand.frames(4)
+    dialog = hand.app.files.dialogs._own
+    hand.key(imgui.Key.down_arrow)
+    hand.key(imgui.Key.down_arrow)
+    found["name"] = dialog.name
+    hand.key(imgui.Key.up_arrow)
+    found["name_above"] = dialog.name
+    hand.key(imgui.Key.enter)
+    found["open"] = hand.app.files.dialogs.open
+    hand.until(lambda: "matte-2" in (hand.model.state.test.sample.file or ""))
+    found["file"] = hand.model.state.test.sample.file
+
+
+def tells_faults(hand, found):
+    hand.app.files.open()
+    hand.frames(3)
+    dialog = hand.app.files.dialogs._own
+    for name, typed in (
+        ("missing", "nothing-of-that-name.toml"),
+        ("long", 300 * "x"),
+        ("empty", ""),
+        ("pipe", "/dev/null/x"),
+    ):
+        hand.type(f"{OPEN}/##name", typed, enter=True)
+        found[name] = dialog._message()
+        assert hand.app.files.dialogs.open
+    # A folder is gone into, typed with its full name or not.
+    hand.type(f"{OPEN}/##name", str(hand.folder / "sub"), enter=True)
+    found["folder"] = os.path.basename(dialog.folder)
+    hand.click(f"{OPEN}/Cancel")
+    found["open"] = hand.app.files.dialogs.open
+    found["said"] = hand.said()
+
+
+def saves_and_asks_before_it_replaces(hand, found):
+    files = hand.app.files
+    files.dialogs.folder = str(hand.folder)
+    files.save()
+    hand.frames(3)
+    hand.type(f"{SAVE}/##name", "taken", enter=True)
+    found["asked"] = files.dialogs._own._message()
+    hand.click(f"{SAVE}/Keep it")
+    found["kept"] = (hand.folder / "taken.toml").read_text()
+    hand.type(f"{SAVE}/##name", "nowhere/x.toml", enter=True)
+    found["nowhere"] = files.dialogs._own._message()
+    hand.type(f"{SAVE}/##name", "fresh")
+    hand.click(f"{SAVE}/Save")
+    found["fresh"] = (hand.folder / "fresh.toml").read_text()
+    files.save_as()
+    hand.frames(3)
+    found["suggested"] = files.dialogs._own.name
+    hand.type(f"{SAVE}/##name", "taken.toml", enter=True)
+    hand.click(f"{SAVE}/Replace")
+    found["replaced"] = (hand.folder / "taken.toml").read_text()
+    files.save()  # now it knows where
+    hand.frames(2)
+    found["open"] = files.dialogs.open
+    found["path"] = files.scene_path
+
+
+def leaves_haploscopic_mode_to_be_seen(hand, found):
+    hand.model.set_part("presentation", haploscopic=True)
+    hand.frames(3)
+    hand.app.files.open()
+    hand.frames(3)
+    found["seen"] = hand.there(f"{OPEN}/Cancel")
+    hand.click(f"{OPEN}/Cancel")
+
+
+SCRIPTS = (
+    opens_by_double_click,
+    goes_up_and_shows_more,
+    chooses_by_keys,
+    tells_faults,
+    saves_and_asks_before_it_replaces,
+    leaves_haploscopic_mode_to_be_seen,
+)
+
+
+# --- tests ----------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    import materials
+
+    from relgloss_view.material.files import save_material
+
+    folder = tmp_path_factory.mktemp("dialogs")
+    (folder / "sub").mkdir()
+    for name in ("matte-2.json", "matte ## 10.json"):
+        save_material(materials.paper("matte"), folder / "sub" / name)
+    (folder / "notes.odt").write_text("not to be listed at first")
+    (folder / ".dot.toml").write_text("")
+    (folder / "taken.toml").write_text("# held before\n")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def found(place):
+    return driven.drive("test_dialogs", place)
+
+
+def test_a_double_click_opens_a_file(found, place):
+    got = found["opens_by_double_click"]
+    assert got["listed"] == ["home", "sub", "run.json", "taken.toml"]
+    assert got["entered"] == "sub"
+    assert not got["open"]
+    assert got["opened"]
+    assert got["file"] == str(place / "sub" / "matte ## 10.json")
+    assert got["steps"] == 1
+    assert got["folder"] == "sub"
+
+
+def test_it_begins_where_the_last_one_ended_and_finds_the_rest(found):
+    got = found["goes_up_and_shows_more"]
+    assert got["began"] == "sub"
+    assert got["up"]
+    assert {"notes.odt", ".dot.toml"} <= set(got["listed"])
+    assert got["home"]
+    assert not got["open"]
+
+
+def test_keys_alone_choose_a_file(found, place):
+    got = found["chooses_by_keys"]
+    assert got["name"] == "matte-2.json"
+    assert got["name_above"] == "matte ## 10.json"
+    assert not got["open"]
+
+
+def test_faults_are_one_line_in_the_dialog(found):
+    got = found["tells_faults"]
+    assert "No such file" in got["missing"]
+    assert "too long" in got["long"]
+    assert "type a name" in got["empty"]
+    assert "Not a directory" in got["pipe"]
+    for name in ("missing", "long", "empty", "pipe"):
+        assert got[name].startswith("! ")
+        assert "\n" not in got[name]
+    assert got["folder"] == "sub"
+    assert not got["open"]
+    assert not any(fault for _, fault in got["said"])
+
+
+def test_saving_asks_before_it_replaces(found, place):
+    got = found["saves_and_asks_before_it_replaces"]
+    assert got["asked"] == "taken.toml is there already. Replace it?"
+    assert got["kept"] == "# held before\n"
+    assert "no such folder" in got["nowhere"]
+    assert "[sample]" in got["fresh"]
+    assert got["suggested"] == "fresh.toml"
+    assert got["replaced"] == got["fresh"]
+    assert not got["open"]
+    assert got["path"] == str(place / "taken.toml")
+
+
+def test_a_dialog_is_seen_from_haploscopic_mode(found):
+    assert found["leaves_haploscopic_mode_to_be_seen"]["seen"]
+
+
+# --- without a window -----------------------------------------------------------------------------
+
+
+def test_folders_come_first_and_numbers_count(tmp_path):
+    for name in ("Sheet-10.toml", "sheet-2.TOML", "b.txt", ".hidden.toml", "10", "éa.toml"):
+        (tmp_path / name).touch()
+    for name in ("Zoo", "a10", "a9"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "loop").symlink_to("loop")
+    got = folders.listing(str(tmp_path))
+    assert [e.name for e in got.entries] == [
+        "a9", "a10", "Zoo", "10", "b.txt", "loop", "sheet-2.TOML", "Sheet-10.toml", "éa.toml",
+    ]  # fmt: skip
+    assert not got.cut
+    some = folders.listing(str(tmp_path), (".toml",), hidden=True)
+    assert {e.name for e in some.entries if not e.is_folder} == {
+        ".hidden.toml", "sheet-2.TOML", "Sheet-10.toml", "éa.toml",
+    }  # fmt: skip
+
+
+def test_a_folder_with_very_much_in_it_is_cut(tmp_path, monkeypatch):
+    monkeypatch.setattr(folders, "MOST_ENTRIES", 3)
+    for k in range(4):
+        (tmp_path / f"{k}").touch()
+    got = folders.listing(str(tmp_path))
+    assert got.cut
+    assert len(got.entries) == 3
+
+
+def test_folders_that_cannot_be_listed(tmp_path):
+    for path in (str(tmp_path / "gone"), "nul\0", str(tmp_path / ("x" * 300))):
+        with pytest.raises(InputError):
+            folders.listing(path)
+
+
+def test_typed_names(monkeypatch, tmp_path):
+    monkeypatch.setenv("HOME", "/home/me")
+    assert folders.meant("/a/b", "c.toml") == "/a/b/c.toml"
+    assert folders.meant("/a/b", "../c.toml") == "/a/c.toml"
+    assert folders.meant("/a/b", "/c.toml") == "/c.toml"
+    assert folders.meant("/a/b", "~/c.toml") == "/home/me/c.toml"
+    assert folders.with_suffix("/a/b.c", (".toml",)) == "/a/b.c.toml"
+    assert folders.with_suffix("/a/b.TOML", (".toml",)) == "/a/b.TOML"
+    assert folders.check_place(str(tmp_path / "new")) is False
+    with pytest.raises(InputError, match="is a folder"):
+        folders.check_place(str(tmp_path))
