@@ -13,6 +13,7 @@ import subprocess
 import sys
 import traceback
 from pathlib import Path
+from typing import ClassVar
 
 LONGEST_S = 120.0
 
@@ -36,6 +37,27 @@ def drive(module: str, folder: Path, **more) -> dict:
     )
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-4000:]
     return json.loads((folder / "found.json").read_text(encoding="utf-8"))
+
+
+class FakeJob:
+    """A job that ends when it is told to."""
+
+    made: ClassVar[list[FakeJob]] = []
+
+    def __init__(self, path, wake):
+        self.path, self.progress, self.wake = path, (0.4, "lobes"), wake
+        self.result = self.fault = None
+        self.done = self.cancelled = False
+        self.made.append(self)
+
+    def end(self, result=None, fault=None):
+        self.result, self.fault, self.done = result, fault, True
+
+    def cancel(self):
+        self.done = self.cancelled = True
+
+    def close(self, limit_s=1.0):
+        self.cancel()
 
 
 class Hand:

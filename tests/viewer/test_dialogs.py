@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import json
 import os
+import subprocess
+import sys
 
 import driven
 import pytest
 
 from relgloss_view.errors import InputError
 from relgloss_view.viewer import folders
+from relgloss_view.viewer.panels.dialog import native_available
 
 OPEN, SAVE = "//Open file", "//Save scene as"
 
@@ -126,6 +130,26 @@ def leaves_haploscopic_mode_to_be_seen(hand, found):
     hand.click(f"{OPEN}/Cancel")
 
 
+def shows_progress_and_cancels(hand, found):
+    from relgloss_view.viewer import files
+
+    real, files.OpenJob = files.OpenJob, driven.FakeJob
+    made = driven.FakeJob.made
+    before = hand.model.state
+    hand.app.files.open_path("/tables/first.csv")
+    hand.app.files.open_path("/tables/second.csv")
+    found["shown"] = hand.until(lambda: hand.there("//Opening/Cancel"))
+    found["due"] = hand.app.files.due_s()
+    hand.click("//Opening/Cancel")
+    found["next"] = hand.until(lambda: len(made) == 2)
+    found["jobs"] = [job.path for job in made]
+    made[-1].end(fault="/tables/second.csv: no table")
+    hand.until(lambda: hand.app.files._job is None)
+    found["same"] = hand.model.state is before
+    found["said"] = hand.said()[-2:]
+    files.OpenJob = real
+
+
 SCRIPTS = (
     opens_by_double_click,
     goes_up_and_shows_more,
@@ -133,6 +157,7 @@ SCRIPTS = (
     tells_faults,
     saves_and_asks_before_it_replaces,
     leaves_haploscopic_mode_to_be_seen,
+    shows_progress_and_cancels,
 )
 
 
@@ -217,6 +242,16 @@ def test_a_dialog_is_seen_from_haploscopic_mode(found):
     assert found["leaves_haploscopic_mode_to_be_seen"]["seen"]
 
 
+def test_a_fit_can_be_cancelled_while_others_wait(found):
+    got = found["shows_progress_and_cancels"]
+    assert got["shown"]
+    assert got["due"] == 0.1
+    assert got["next"]
+    assert got["jobs"] == ["/tables/first.csv", "/tables/second.csv"]
+    assert got["same"]
+    assert got["said"] == [["cancelled: first.csv", False], ["/tables/second.csv: no table", True]]
+
+
 # --- without a window -----------------------------------------------------------------------------
 
 
@@ -263,3 +298,76 @@ def test_typed_names(monkeypatch, tmp_path):
     assert folders.check_place(str(tmp_path / "new")) is False
     with pytest.raises(InputError, match="is a folder"):
         folders.check_place(str(tmp_path))
+
+
+# --- the system's own dialog ----------------------------------------------------------------------
+
+#: Asks as the window's loop does, and prints what came of it.
+ASKS = """
+import json, sys, time
+from relgloss_view.viewer.panels.dialog import FileDialogs, native_available
+from relgloss_view.viewer.panels.own_dialog import Question
+got, longest, asked = [], 0.0, FileDialogs()
+asked.ask(Question("Save scene as", got.append, (".toml",), True, "pair.toml"))
+due = asked.due_s()
+while asked.open and asked._own is None:
+    began = time.perf_counter()
+    asked.show()
+    longest = max(longest, time.perf_counter() - began)
+    time.sleep(0.02)
+own = None if asked._own is None else asked._own._message()
+print(json.dumps([native_available(), due, got, longest, asked.folder, own]))
+"""
+
+
+@pytest.fixture
+def helper(tmp_path, monkeypatch):
+    """A stand-in for zenity that takes a while and prints what it is told to."""
+
+    def ask(answer):
+        program = tmp_path / "zenity"
+        program.write_text(f"#!/bin/sh\nsleep 0.3\nprintf '%s\\n' '{answer}'\n")
+        program.chmod(0o755)
+        environment = {**os.environ, "DISPLAY": ":99", "PATH": f"{tmp_path}:{os.environ['PATH']}"}
+        environment.pop("RELGLOSS_DIALOG", None)
+        words = [sys.executable, "-c", ASKS]
+        done = subprocess.run(
+            words, env=environment, capture_output=True, text=True, timeout=60, check=True
+        )
+        return json.loads(done.stdout)
+
+    return ask
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="zenity is Linux's")
+class TestNative:
+    def test_it_is_polled_and_never_waited_for(self, helper, tmp_path):
+        there, due, got, longest, folder, own = helper(tmp_path / "new scene")
+        assert there
+        assert due == 0.1
+        assert got == [str(tmp_path / "new scene.toml")]
+        assert longest < 0.1
+        assert folder == str(tmp_path)
+        assert own is None
+
+    def test_cancelled(self, helper):
+        assert helper("")[2] == []
+
+    def test_a_name_that_becomes_another_is_asked_about(self, helper, tmp_path):
+        (tmp_path / "old.toml").write_text("")
+        _, _, got, _, _, own = helper(tmp_path / "old")
+        assert got == []
+        assert own == "old.toml is there already. Replace it?"
+
+    def test_not_without_a_display_or_a_helper(self, monkeypatch, tmp_path):
+        for name in ("DISPLAY", "WAYLAND_DISPLAY", "RELGLOSS_DIALOG"):
+            monkeypatch.delenv(name, raising=False)
+        assert not native_available()
+        monkeypatch.setenv("DISPLAY", ":99")
+        monkeypatch.setenv("PATH", str(tmp_path))
+        assert not native_available()
+        (tmp_path / "kdialog").write_text("#!/bin/sh\n")
+        (tmp_path / "kdialog").chmod(0o755)
+        assert native_available()
+        monkeypatch.setenv("RELGLOSS_DIALOG", "own")
+        assert not native_available()

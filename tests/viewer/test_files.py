@@ -7,6 +7,7 @@ import time
 
 import materials
 import pytest
+from driven import FakeJob
 
 from relgloss_view.material.files import load_material, save_material
 from relgloss_view.resources import asset
@@ -47,27 +48,6 @@ def pump(desk):
 
 def said(desk):
     return [(note.text, note.fault) for note in desk.model.notes]
-
-
-class FakeJob:
-    """A job that ends when it is told to."""
-
-    made: list[FakeJob] = []
-
-    def __init__(self, path, wake):
-        self.path, self.progress, self.wake = path, (0.4, "lobes"), wake
-        self.result = self.fault = None
-        self.done = self.cancelled = False
-        self.made.append(self)
-
-    def end(self, result=None, fault=None):
-        self.result, self.fault, self.done = result, fault, True
-
-    def cancel(self):
-        self.done = self.cancelled = True
-
-    def close(self, limit_s=1.0):
-        self.cancel()
 
 
 @pytest.fixture
