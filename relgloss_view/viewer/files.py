@@ -65,7 +65,10 @@ class FileDesk:
 
     def save_as(self) -> None:
         """Ask for a place and save the scene there."""
-        name = os.path.basename(self.scene_path) if self.scene_path else "pair.toml"
+        name = "pair.toml"
+        if self.scene_path is not None:
+            folder, name = os.path.split(self.scene_path)
+            self.dialogs.folder = folder
         self._ask(Question("Save scene as", self._save_to, SCENE_SUFFIXES, True, name))
 
     def export(self) -> None:
@@ -180,11 +183,18 @@ class FileDesk:
         fraction, text = job.progress
         flags = imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_focus_on_appearing
         _, stays = floating.begin(PROGRESS, 26.0, flags=flags, top_em=4.0)
-        imgui.text_unformatted(printable(Path(job.path).name, 40))
+        doing = "Fitting" if fraction > 0.0 else "Reading"
+        imgui.text_unformatted(f"{doing} {printable(Path(job.path).name, 40)}")
         imgui.progress_bar(fraction, ImVec2(-1.0, 0.0), f"{100.0 * fraction:.0f} %")
-        imgui.text_disabled(printable(text, 60))
-        if self._waiting:
-            imgui.text_disabled(f"{len(self._waiting)} more wait")
+        imgui.text_disabled(printable(text, 60) + self._queue())
         if widgets.button("Cancel", "stop; nothing changes and no file is left") or not stays:
             job.cancel()
+        if self._waiting:
+            imgui.same_line()
+            if widgets.button("Cancel all", "those that wait, too"):
+                self._waiting.clear()
+                job.cancel()
         imgui.end()
+
+    def _queue(self) -> str:
+        return f"; {len(self._waiting)} more to come" if self._waiting else ""

@@ -12,6 +12,7 @@ from relgloss_view.errors import InputError
 from relgloss_view.text_input import printable, unreadable
 
 LONGEST_NAME, LONGEST_MESSAGE = 50, 300  #: characters
+LONGEST_TYPED = 4096
 MOST_ENTRIES = 20_000  #: that are listed; a folder with more is told to be one
 
 
@@ -29,6 +30,24 @@ class Listing:
 
     entries: tuple[Entry, ...]
     cut: bool = False
+
+
+class NameField:
+    """A file's name in a text field, which can't show every name that a file can have."""
+
+    def __init__(self, name: str = "") -> None:
+        self.text = ""  #: what stands in the field
+        self.put(name)
+
+    def put(self, name: str) -> None:
+        """Put a name into the field: escaped where it is not printable or not UTF-8."""
+        self._exact = name
+        self.text = self._shown = printable(name, LONGEST_TYPED)
+
+    @property
+    def value(self) -> str:
+        """The name that the field stands for: the one put there, unless it was changed."""
+        return self._exact if self.text == self._shown else self.text.strip()
 
 
 def natural_key(name: str) -> tuple[tuple[int, int, str], ...]:

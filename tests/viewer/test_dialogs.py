@@ -14,6 +14,7 @@ from relgloss_view.errors import InputError
 from relgloss_view.viewer import folders
 from relgloss_view.viewer.panels.dialog import native_available
 
+ODD = "a\n  b\udcff.json"
 OPEN, SAVE = "//Open file", "//Save scene as"
 
 
@@ -65,13 +66,35 @@ def chooses_by_keys(hand, found):
     dialog = hand.app.files.dialogs._own
     hand.key(imgui.Key.down_arrow)
     hand.key(imgui.Key.down_arrow)
-    found["name"] = dialog.name
+    found["name"] = dialog.name.text
     hand.key(imgui.Key.up_arrow)
-    found["name_above"] = dialog.name
+    found["name_above"] = dialog.name.text
     hand.key(imgui.Key.enter)
     found["open"] = hand.app.files.dialogs.open
     hand.until(lambda: "matte-2" in (hand.model.state.test.sample.file or ""))
     found["file"] = hand.model.state.test.sample.file
+
+
+def opens_odd_names(hand, found):
+    """A name that no text field can hold: not UTF-8, with a line break and two spaces."""
+    from imgui_bundle import imgui
+
+    hand.app.files.dialogs.folder = str(hand.folder / "odd")
+    hand.app.files.open()
+    hand.frames(4)
+    hand.key(imgui.Key.down_arrow)
+    found["shown"] = hand.app.files.dialogs._own.name.text
+    hand.key(imgui.Key.enter)
+    hand.until(lambda: "odd" in (hand.model.state.test.sample.file or ""))
+    found["same"] = hand.model.state.test.sample.file == str(hand.folder / "odd" / ODD)
+    hand.app.files.save_as()  # begins beside the scene
+    hand.frames(3)
+    # What was asked about one name is no longer asked when another is typed.
+    hand.type(f"{SAVE}/##name", "taken.toml", enter=True)
+    found["asked"] = hand.app.files.dialogs._own._message()
+    hand.type(f"{SAVE}/##name", "other.toml")
+    found["then"] = hand.app.files.dialogs._own._message()
+    hand.click(f"{SAVE}/Cancel")
 
 
 def tells_faults(hand, found):
@@ -111,7 +134,7 @@ def saves_and_asks_before_it_replaces(hand, found):
     found["fresh"] = (hand.folder / "fresh.toml").read_text()
     files.save_as()
     hand.frames(3)
-    found["suggested"] = files.dialogs._own.name
+    found["suggested"] = files.dialogs._own.name.text
     hand.type(f"{SAVE}/##name", "taken.toml", enter=True)
     hand.click(f"{SAVE}/Replace")
     found["replaced"] = (hand.folder / "taken.toml").read_text()
@@ -158,6 +181,7 @@ SCRIPTS = (
     saves_and_asks_before_it_replaces,
     leaves_haploscopic_mode_to_be_seen,
     shows_progress_and_cancels,
+    opens_odd_names,
 )
 
 
@@ -174,6 +198,8 @@ def place(tmp_path_factory):
     (folder / "sub").mkdir()
     for name in ("matte-2.json", "matte ## 10.json"):
         save_material(materials.paper("matte"), folder / "sub" / name)
+    (folder / "odd").mkdir()
+    save_material(materials.paper("art"), folder / "odd" / ODD)
     (folder / "notes.odt").write_text("not to be listed at first")
     (folder / ".dot.toml").write_text("")
     (folder / "taken.toml").write_text("# held before\n")
@@ -187,7 +213,7 @@ def found(place):
 
 def test_a_double_click_opens_a_file(found, place):
     got = found["opens_by_double_click"]
-    assert got["listed"] == ["home", "sub", "run.json", "taken.toml"]
+    assert got["listed"] == ["home", "odd", "sub", "run.json", "taken.toml"]
     assert got["entered"] == "sub"
     assert not got["open"]
     assert got["opened"]
@@ -210,6 +236,14 @@ def test_keys_alone_choose_a_file(found, place):
     assert got["name"] == "matte-2.json"
     assert got["name_above"] == "matte ## 10.json"
     assert not got["open"]
+
+
+def test_names_that_no_text_can_hold(found):
+    got = found["opens_odd_names"]
+    assert got["shown"] == "a b\\udcff.json"
+    assert got["same"]
+    assert got["asked"] == "taken.toml is there already. Replace it?"
+    assert got["then"] == ""
 
 
 def test_faults_are_one_line_in_the_dialog(found):
@@ -285,6 +319,15 @@ def test_folders_that_cannot_be_listed(tmp_path):
     for path in (str(tmp_path / "gone"), "nul\0", str(tmp_path / ("x" * 300))):
         with pytest.raises(InputError):
             folders.listing(path)
+
+
+def test_a_name_field_gives_back_what_was_put_there():
+    for name in ("plain.json", "two  spaces.json", "line\nbreak", "\udcff", " lead", 9000 * "x"):
+        field = folders.NameField(name)
+        field.text.encode("utf-8")
+        assert field.value == name
+        field.text += "x "
+        assert field.value == field.text.strip()
 
 
 def test_typed_names(monkeypatch, tmp_path):

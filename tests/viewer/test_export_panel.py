@@ -12,6 +12,7 @@ import pytest
 
 from relgloss_view import cli
 
+ODD = "x\udcff.png"
 WINDOW = "//Export"
 
 
@@ -101,7 +102,7 @@ def asks_and_tells(hand, found):
     found["folder"] = export(hand, "test", "PNG, 8 bits", "folder.png")
     hand.type(f"{WINDOW}/##file", "x")
     hand.choose(f"{WINDOW}/##format", "OpenEXR")
-    found["suffix"] = panel.name
+    found["suffix"] = panel.name.text
     found["none left"] = files(hand) == before
     # The dialog asks itself; what it has asked about is not asked about again.
     hand.choose(f"{WINDOW}/##format", "PNG, 8 bits")
@@ -109,12 +110,24 @@ def asks_and_tells(hand, found):
     hand.frames(3)
     hand.type("//Export to/##name", "taken.png", enter=True)
     hand.click("//Export to/Replace")
-    found["chosen"] = os.path.basename(panel.name)
+    found["chosen"] = os.path.basename(panel.name.text)
     hand.click(f"{WINDOW}/Export##go")
     found["asked again"] = panel._replacing is not None
     assert hand.until(lambda: panel._order is None)
     hand.click(f"{WINDOW}/Close")
     found["open"] = panel._open
+
+
+def odd_names(hand, found):
+    hand.app.files.export()
+    hand.frames(3)
+    panel = hand.app.files._export
+    panel._chosen(str(hand.folder / ODD))
+    hand.frames(2)
+    hand.click(f"{WINDOW}/Export##go")
+    assert hand.until(lambda: panel._order is None)
+    found["told"] = panel._told
+    hand.click(f"{WINDOW}/Close")
 
 
 def waits_for_the_full_picture(hand, found):
@@ -144,6 +157,7 @@ SCRIPTS = (
     both_pictures,
     another_size,
     asks_and_tells,
+    odd_names,
     waits_for_the_full_picture,
 )
 
@@ -292,6 +306,13 @@ def test_it_asks_before_it_replaces_and_tells_faults(found):
     assert got["chosen"] == "taken.png"
     assert not got["asked again"]
     assert not got["open"]
+
+
+def test_a_name_that_no_command_can_hold_is_written_without_one(found, place):
+    assert "without a command" in found["odd_names"]["told"]
+    _, text, _ = pixels(place / ODD)
+    assert "Parameters" in text
+    assert "Command" not in text
 
 
 def test_nothing_small_is_written_while_something_is_dragged(found, place):

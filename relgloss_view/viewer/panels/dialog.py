@@ -40,7 +40,7 @@ class FileDialogs:
             return
         if not os.path.isdir(self.folder):
             self.folder = _first_folder()
-        if native_available():
+        if native_available() and _speakable(self.folder + question.name):
             self._native = (question, _native(question, self.folder))
         else:
             self._own = OwnDialog(question, self.folder)
@@ -94,6 +94,15 @@ def native_available() -> bool:
             return False
         return any(shutil.which(helper) for helper in HELPERS)
     return sys.platform in ("win32", "darwin")
+
+
+def _speakable(path: str) -> bool:
+    """Whether the system's dialog can be told a path: it takes UTF-8."""
+    try:
+        path.encode("utf-8")
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _first_folder() -> str:

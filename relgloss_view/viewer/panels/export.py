@@ -21,7 +21,7 @@ from relgloss_view.viewer.exporting import (
     suffix_of,
     write,
 )
-from relgloss_view.viewer.folders import check_place, meant, with_suffix
+from relgloss_view.viewer.folders import NameField, check_place, meant, with_suffix
 from relgloss_view.viewer.model import Model
 from relgloss_view.viewer.own_materials import safe_name
 from relgloss_view.viewer.panels import floating
@@ -34,7 +34,6 @@ ON_SCREEN, TYPED = "as on the screen", "other"
 SETTLING = 2  #: frames that are drawn before the window stands still, so that it says why
 STEP_S = 0.03
 MOST_FRAMES = 300  #: that pictures are waited for
-LONGEST_PATH = 4096
 
 
 class Export:
@@ -47,7 +46,7 @@ class Export:
         self.format = PNG8
         self.sizing = ON_SCREEN
         self.size: Size = (1024, 1024)
-        self.name = ""
+        self.name = NameField()
         self._open = False
         self._confirmed = ""  #: a file that the dialog has asked about
         self._replacing: Order | None = None
@@ -60,7 +59,7 @@ class Export:
         """Show the window, for the active side."""
         if not self._open:
             self.picture, self._told, self._replacing = self.model.active_side, "", None
-            self.name = self._suggested()
+            self.name.put(self._suggested())
         self._open = True
 
     def due_s(self) -> float | None:
@@ -90,16 +89,16 @@ class Export:
         told += "if that is on."
         changed, picture = widgets.combo("picture", PICTURES, self.picture, told)
         if changed:
-            suggested = self._suggested()
+            untouched = self.name.value == self._suggested()
             self.picture = picture
-            if self.name == suggested:  # nobody has typed another
-                self.name = self._suggested()
+            if untouched:
+                self.name.put(self._suggested())
             self._forget()
         told = "PNG for eyes, with the sRGB profile; OpenEXR for numbers: every stage in floats."
         changed, chosen = widgets.combo("format", FORMATS, self.format, told)
         if changed:
             self.format = chosen
-            self.name = os.path.splitext(self.name)[0] + suffix_of(chosen)
+            self.name.put(os.path.splitext(self.name.value)[0] + suffix_of(chosen))
             self._forget()
         if self.model.render_at is None:
             self.sizing = ON_SCREEN
@@ -118,16 +117,16 @@ class Export:
         imgui.set_next_item_width(-choose - imgui.get_style().item_spacing.x)
         flags = imgui.InputTextFlags_
         entered, name = imgui.input_text(
-            "##file", self.name, flags.enter_returns_true | flags.elide_left
+            "##file", self.name.text, flags.enter_returns_true | flags.elide_left
         )
-        if name != self.name:
-            self.name = name[:LONGEST_PATH]
+        if name != self.name.text:
+            self.name.text = name
             self._forget()
         widgets.tooltip(f"A whole path, or a name in {printable(self.dialogs.folder, 300)}.")
         imgui.same_line()
         if widgets.button("Choose...", "ask for a place"):
             suffixes = (suffix_of(self.format),)
-            name = os.path.basename(self.name)
+            name = os.path.basename(self.name.value)
             self.dialogs.ask(Question("Export to", self._chosen, suffixes, True, name))
         if entered:
             self._submit()
@@ -184,9 +183,9 @@ class Export:
         self._order, self._frames = order, 0
 
     def _ordered(self) -> Order:
-        if not self.name.strip():
+        if not self.name.value:
             raise InputError("give the name of the file to write")
-        path = meant(self.dialogs.folder, self.name.strip())
+        path = meant(self.dialogs.folder, self.name.value)
         path = with_suffix(path, (suffix_of(self.format),))
         size = None if self.sizing == ON_SCREEN else check_size(self.size)
         return Order(self.picture, self.format, path, size)
@@ -203,15 +202,16 @@ class Export:
             if reason:
                 raise InputError(f"nothing was written: still {reason}; try again")
             told = write(self.model, order)
-        except RelglossError as error:
-            self._say(str(error), fault=True)
-            self.model.say(str(error), fault=True)
+        except (RelglossError, MemoryError) as error:
+            fault = str(error) or "not enough memory; choose a smaller size"
+            self._say(fault, fault=True)
+            self.model.say(fault, fault=True)
             return
         self._say(told)
         self.model.say(told)
 
     def _chosen(self, path: str) -> None:
-        self.name = path
+        self.name.put(path)
         self._forget()
         self._confirmed = path
 

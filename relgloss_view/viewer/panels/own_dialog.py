@@ -14,6 +14,7 @@ from relgloss_view.viewer import widgets
 from relgloss_view.viewer.folders import (
     Entry,
     Listing,
+    NameField,
     check_file,
     check_place,
     listing,
@@ -47,7 +48,7 @@ class OwnDialog:
     def __init__(self, question: Question, folder: str, name: str = "") -> None:
         self.question = question
         self.folder = folder
-        self.name = name or question.name
+        self.name = NameField(name or question.name)
         self.answer: str | None = None
         self._fault = ""
         self._replacing: str | None = None  #: a file that is there and may be replaced
@@ -74,7 +75,7 @@ class OwnDialog:
     def submit(self) -> None:
         """Take what stands in the field as the answer, if it can be one."""
         self._fault, self._replacing = "", None
-        path = meant(self.folder, self.name.strip())
+        path = meant(self.folder, self.name.value)
         try:
             answer = self._checked(path)
         except InputError as error:
@@ -84,7 +85,7 @@ class OwnDialog:
             self._end(answer)
 
     def _checked(self, path: str) -> str | None:
-        if not self.name.strip():
+        if not self.name.value:
             raise InputError("type a name, or choose a file from the list")
         if os.path.isdir(path):
             self._enter(path)
@@ -117,7 +118,7 @@ class OwnDialog:
 
     def _put(self, name: str) -> None:
         """Put a name into the field, even while it is being typed in."""
-        self.name = name
+        self.name.put(name)
         imgui.internal.clear_active_id()
         self._focus = 2
 
@@ -195,12 +196,14 @@ class OwnDialog:
             self._focus -= 1
         imgui.set_next_item_width(-1.0)
         flags = imgui.InputTextFlags_
-        entered, self.name = imgui.input_text_with_hint(
+        entered, text = imgui.input_text_with_hint(
             "##name",
             "name of the file, or a whole path",
-            self.name,
+            self.name.text,
             flags.enter_returns_true | flags.auto_select_all | flags.elide_left,
         )
+        if text != self.name.text:  # what was said was about another name
+            self.name.text, self._fault, self._replacing = text, "", None
         if entered:
             self.submit()
 
