@@ -15,6 +15,17 @@ RIGHT, BELOW, BELOW_RIGHT = "right", "below", "below right"
 RIGHT_EM = 22.0  #: width of the column of controls
 BELOW_EM = 16.0  #: height of the strip of plots
 LEAST_SHARE = 0.15
+STAGE = "Pictures"
+_STAGE_FLAGS = (
+    imgui.WindowFlags_.no_decoration
+    | imgui.WindowFlags_.no_docking
+    | imgui.WindowFlags_.no_background
+    | imgui.WindowFlags_.no_bring_to_front_on_focus
+    | imgui.WindowFlags_.no_move
+    | imgui.WindowFlags_.no_saved_settings
+    | imgui.WindowFlags_.no_scroll_with_mouse
+)
+PIXEL_SHARE = 0.36  #: of the strip below
 
 
 @dataclass
@@ -35,6 +46,7 @@ class Layout:
         self.panels = panels
         self.hidden = False  #: all of them, by one key
         self._arrange_again = False
+        self._new = True
         self._focus: list[str] = []
 
     def reset(self) -> None:
@@ -55,6 +67,12 @@ class Layout:
         viewport = imgui.get_main_viewport()
         place = ImVec2(viewport.pos.x, viewport.pos.y + top_px)
         size = ImVec2(viewport.size.x, max(viewport.size.y - top_px - bottom_px, 1.0))
+        if self._new:
+            # Windows that stay at the back stand before those of their kind that come later: the
+            # mouse must find the stage before the dock space behind it.
+            imgui.begin(STAGE, None, _STAGE_FLAGS)
+            imgui.end()
+            self._new = False
         space = self._dock_space(place, size)
         if not self.hidden:
             for panel in self.panels:
@@ -109,7 +127,7 @@ class Layout:
         nodes = {RIGHT: split.id_at_dir}
         below = _share(em(BELOW_EM), size.y)
         split = internal.dock_builder_split_node(split.id_at_opposite_dir, imgui.Dir.down, below)
-        strip = internal.dock_builder_split_node(split.id_at_dir, imgui.Dir.right, 0.3)
+        strip = internal.dock_builder_split_node(split.id_at_dir, imgui.Dir.right, PIXEL_SHARE)
         nodes |= {BELOW: strip.id_at_opposite_dir, BELOW_RIGHT: strip.id_at_dir}
         for panel in self.panels:
             internal.dock_builder_dock_window(panel.title, nodes[panel.place])
@@ -137,22 +155,11 @@ class Layout:
         panel.visible = bool(stays)
 
     def _show_stage(self, stage: Callable[[], None], place: ImVec2, size: ImVec2) -> None:
-        flags = imgui.WindowFlags_
         imgui.set_next_window_pos(place)
         imgui.set_next_window_size(size)
         for variable in (imgui.StyleVar_.window_padding, imgui.StyleVar_.window_min_size):
             imgui.push_style_var(variable, ImVec2(0.0, 0.0))
-        imgui.begin(
-            "Pictures",
-            None,
-            flags.no_decoration
-            | flags.no_docking
-            | flags.no_background
-            | flags.no_bring_to_front_on_focus
-            | flags.no_move
-            | flags.no_saved_settings
-            | flags.no_scroll_with_mouse,
-        )
+        imgui.begin(STAGE, None, _STAGE_FLAGS)
         imgui.pop_style_var(2)
         stage()
         imgui.end()

@@ -6,11 +6,14 @@ where nothing is seen but everything is drawn: for screenshots and tests.
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import os
+import signal
 import sys
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, Protocol
 
 # imgui_bundle first: it brings the GLFW that the glfw module then finds, so that both use one.
@@ -29,7 +32,7 @@ SMALLEST_PX, LARGEST_PX = 1, 8192
 SETTLING_FRAMES = 4
 TOOLTIP_S, TOOLTIP_STEP_S = 1.2, 0.1
 CURSOR_STEP_S = 0.4  #: while a text is being typed
-LONGEST_WAIT_S = 30.0
+LONGEST_WAIT_S = 0.5  #: a signal, such as Ctrl-C, is noticed between waits
 NULL_STEP_S = 0.01  #: the null platform has no events to wait for
 
 REMEDY = (
@@ -105,12 +108,18 @@ class Window:
         except (RuntimeError, SystemError) as error:
             raise GLUnavailableError(f"no window with OpenGL 3.3: {error}; {REMEDY}") from error
         try:
-            self._loop(params, frames)
+            with _terminating(self.close):
+                self._loop(params, frames)
+        except RuntimeError:
+            # The interface asserts that what an error cut short was not finished: not the cause.
+            if self._error is None:
+                raise
         finally:
             if self._started:
                 self.program.finish()
                 self.to_screen()  # the last picture of the window is read from it
-            immapp.manual_render.tear_down()
+            with contextlib.suppress(*((RuntimeError,) if self._error is not None else ())):
+                immapp.manual_render.tear_down()
         if self._error is not None:
             raise self._error
         return np.asarray(hello_imgui.final_app_window_screenshot())
@@ -254,6 +263,19 @@ class Window:
             action()
         except BaseException as error:
             self._error = error
+
+
+@contextlib.contextmanager
+def _terminating(close: Callable[[], None]) -> Iterator[None]:
+    """Let the request to terminate close the window as its user would, so that all is kept."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, lambda *_: close())
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def check_display() -> None:

@@ -21,7 +21,8 @@ LONGEST_S = 120.0
 def drive(module: str, folder: Path, **more) -> dict:
     """Run the scripts of a test module, functions (hand, found) in its SCRIPTS, in one window.
 
-    Each fills a dictionary `found` that comes back under the script's name.
+    Each fills a dictionary `found` that comes back under the script's name. The window as it was
+    at the end is in window.npy, (H, W, 3).
     """
     (folder / "home").mkdir()
     (folder / "run.json").write_text(json.dumps({"module": module, **more}), encoding="utf-8")
@@ -107,11 +108,33 @@ class Hand:
             self.ctx.yield_()
         return False
 
+    def drag(self, start, moved, *, button=0, keys=0, steps=4):
+        """Press at a place of the screen, move and let go, all in pixels."""
+        if keys:
+            self.ctx.key_down(keys)
+        self.ctx.mouse_move_to_pos(start)
+        self.ctx.mouse_down(button)
+        self.frames(1)
+        for k in range(1, steps + 1):
+            share = k / steps
+            self.ctx.mouse_move_to_pos((start[0] + moved[0] * share, start[1] + moved[1] * share))
+            self.frames(1)
+        self.ctx.mouse_up(button)
+        if keys:
+            self.ctx.key_up(keys)
+        self.frames(2)
+
+    def turn_wheel(self, place, notches):
+        self.ctx.mouse_move_to_pos(place)
+        self.ctx.mouse_wheel_y(notches)
+        self.frames(2)
+
     def said(self):
         return [[note.text, note.fault] for note in self.model.notes]
 
 
 def main(folder: Path) -> None:
+    import numpy as np
     from imgui_bundle import hello_imgui, imgui
 
     from relgloss_view.viewer.app import App
@@ -150,7 +173,7 @@ def main(folder: Path) -> None:
             return True
 
     app = Driven(State.initial())
-    app.layout.hidden = True  # other panels cost time
+    app.layout.hidden = not run.get("panels", False)  # other panels cost time
 
     def register():
         engine = hello_imgui.get_imgui_test_engine()
@@ -168,7 +191,8 @@ def main(folder: Path) -> None:
         params.callbacks.register_tests = register
 
     size = tuple(run.get("size", (800, 560)))
-    Window(app, size, headless=True, font_scale=run.get("font", 1.0), tune=tune).run()
+    window = Window(app, size, headless=True, font_scale=run.get("font", 1.0), tune=tune)
+    np.save(folder / "window.npy", window.run())
     if faults:
         print("\n".join(faults))
         sys.exit(1)

@@ -29,6 +29,7 @@ def show(
     """Write over the surround of each picture; what would not fit is left out."""
     presentation = model.state.presentation
     ink = _ink(model.state.display)
+    paper = _paper(model.state.display)
     for side, rect in arrangement.rects.items():
         left, top, width, height = rect
         lines = _lines(model, side, faults)
@@ -41,6 +42,8 @@ def show(
             if right:
                 x = origin.x + left + width - em(0.6) - imgui.calc_text_size(shown).x
             place = ImVec2(x, origin.y + top + em(0.4) + k * imgui.get_text_line_height())
+            size = imgui.calc_text_size(shown)
+            painter.add_rect_filled(place, ImVec2(place.x + size.x, place.y + size.y), paper)
             painter.add_text(place, ink, shown)
     corner = ImVec2(origin.x + em(0.6), origin.y + max(r[3] for r in arrangement.rects.values()))
     if presentation.compare == DIFFERENCE:
@@ -83,6 +86,13 @@ def _ink(display: Display) -> int:
     return int(imgui.color_convert_float4_to_u32(gray(0.08 if dark else 0.75)))
 
 
+def _paper(display: Display) -> int:
+    """The surround's gray, let through a little, so that words read over an object too."""
+    light = DisplayModel.of(display).background_light
+    value = float(tone.srgb_encode(np.array(light)))
+    return int(imgui.color_convert_float4_to_u32(gray(value, 0.7)))
+
+
 def _legend(
     painter: imgui.ImDrawList,
     corner: ImVec2,
@@ -117,4 +127,7 @@ def _lightness_colours(display: Display) -> list[int]:
     model = DisplayModel.of(display)
     steps = np.linspace(0.0, 100.0, LEGEND_STEPS)
     rgb = tone.encode(tone.display_rgb(tone.false_colour(steps), model)[0], model)
-    return [int(imgui.color_convert_float4_to_u32(imgui.ImVec4(*row.tolist(), 1.0))) for row in rgb]
+    return [
+        int(imgui.color_convert_float4_to_u32(imgui.ImVec4(red, green, blue, 1.0)))
+        for red, green, blue in rgb.tolist()
+    ]
