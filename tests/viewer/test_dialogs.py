@@ -94,6 +94,10 @@ def opens_odd_names(hand, found):
     found["asked"] = hand.app.files.dialogs._own._message()
     hand.type(f"{SAVE}/##name", "other.toml")
     found["then"] = hand.app.files.dialogs._own._message()
+    # Nor is the name lost on the way to another folder.
+    hand.double_click(f"{SAVE}/**/##sub\\/")
+    hand.click(f"{SAVE}/Up", f"{SAVE}/Home")
+    found["on the way"] = hand.app.files.dialogs._own.name.text
     hand.click(f"{SAVE}/Cancel")
 
 
@@ -244,6 +248,7 @@ def test_names_that_no_text_can_hold(found):
     assert got["same"]
     assert got["asked"] == "taken.toml is there already. Replace it?"
     assert got["then"] == ""
+    assert got["on the way"] == "other.toml"
 
 
 def test_faults_are_one_line_in_the_dialog(found):

@@ -152,6 +152,15 @@ def waits_for_the_full_picture(hand, found):
     found["size"] = hand.model.picture_size
 
 
+def looks_like_the_window(hand, found):
+    hand.model.set_part("presentation", mirror=True, gap_px=30.0)
+    hand.frames(3)
+    export(hand, "both", "PNG, 8 bits", "window.png")
+    hand.click(f"{WINDOW}/Close")
+    hand.ctx.mouse_move_to_pos((1.0, 1.0))
+    hand.frames(3)
+
+
 SCRIPTS = (
     one_picture,
     both_pictures,
@@ -159,6 +168,7 @@ SCRIPTS = (
     asks_and_tells,
     odd_names,
     waits_for_the_full_picture,
+    looks_like_the_window,
 )
 
 
@@ -321,3 +331,20 @@ def test_nothing_small_is_written_while_something_is_dragged(found, place):
     assert "waiting for the full picture" in got["told"]
     width, height = got["size"]
     assert pixels(place / "full.png")[0].shape == (height, width, 3)
+
+
+def test_both_are_what_the_window_shows(found, place):
+    """The lower halves, where no captions stand, somewhere below the menu."""
+    window = np.load(place / "window.npy")
+    pair = pixels(place / "window.png")[0]
+    height, width = pair.shape[:2]
+    half = pair[height // 2 :]
+    tops = range(window.shape[0] - height)
+    assert len(tops) > 10
+    same = [np.array_equal(window[top + height // 2 : top + height, :width], half) for top in tops]
+    assert sum(same) == 1
+    # Negative control: without the mirror it is found nowhere.
+    other = half[:, ::-1]
+    assert not any(
+        np.array_equal(window[top + height // 2 : top + height, :width], other) for top in tops
+    )

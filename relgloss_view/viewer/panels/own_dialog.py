@@ -50,6 +50,8 @@ class OwnDialog:
         self.folder = folder
         self.name = NameField(name or question.name)
         self.answer: str | None = None
+        self._kept = self.name.value  #: what the field holds again once a folder was gone into
+        self._on_folder = False  #: whether it holds the name of a folder that was clicked
         self._fault = ""
         self._replacing: str | None = None  #: a file that is there and may be replaced
         self._all = False  #: files of every kind
@@ -113,8 +115,14 @@ class OwnDialog:
             self._fault = shortened(str(error), folder)
             return
         self.folder, self._fault, self._replacing = folder, "", None
-        self._selected = -1
-        self._put(self.question.name if self.question.saving else "")
+        self._selected, self._on_folder = -1, False
+        self._put(self._kept if self.question.saving else "")
+
+    def _go(self, folder: str) -> None:
+        """Go into a folder by a button; a name for the new file stays."""
+        if not self._on_folder:
+            self._kept = self.name.value
+        self._enter(folder)
 
     def _put(self, name: str) -> None:
         """Put a name into the field, even while it is being typed in."""
@@ -144,10 +152,10 @@ class OwnDialog:
 
     def _where(self) -> None:
         if widgets.button("Up", "to the folder that holds this one"):
-            self._enter(os.path.dirname(self.folder))
+            self._go(os.path.dirname(self.folder))
         imgui.same_line()
         if widgets.button("Home", "to your home folder"):
-            self._enter(os.path.expanduser("~"))
+            self._go(os.path.expanduser("~"))
         imgui.same_line()
         imgui.align_text_to_frame_padding()
         room = imgui.get_content_region_avail().x
@@ -187,6 +195,11 @@ class OwnDialog:
                 self.submit()
 
     def _select(self, k: int, entry: Entry) -> None:
+        if not entry.is_folder:
+            self._kept = entry.name
+        elif not self._on_folder:
+            self._kept = self.name.value
+        self._on_folder = entry.is_folder
         self._selected, self._fault, self._replacing = k, "", None
         self._put(entry.name)
 
@@ -204,6 +217,7 @@ class OwnDialog:
         )
         if text != self.name.text:  # what was said was about another name
             self.name.text, self._fault, self._replacing = text, "", None
+            self._on_folder = False
         if entered:
             self.submit()
 
