@@ -154,7 +154,16 @@ def leaves_haploscopic_mode_to_be_seen(hand, found):
     hand.app.files.open()
     hand.frames(3)
     found["seen"] = hand.there(f"{OPEN}/Cancel")
-    hand.click(f"{OPEN}/Cancel")
+    # The same question again is the same dialog; another takes its place.
+    first = hand.app.files.dialogs._own
+    hand.app.files.open()
+    hand.frames(2)
+    found["same"] = hand.app.files.dialogs._own is first
+    hand.app.files.save_as()
+    hand.frames(3)
+    found["other"] = hand.app.files.dialogs._own.question.title
+    hand.click(f"{SAVE}/Cancel")
+    found["open"] = hand.app.files.dialogs.open
 
 
 def shows_progress_and_cancels(hand, found):
@@ -278,7 +287,11 @@ def test_saving_asks_before_it_replaces(found, place):
 
 
 def test_a_dialog_is_seen_from_haploscopic_mode(found):
-    assert found["leaves_haploscopic_mode_to_be_seen"]["seen"]
+    got = found["leaves_haploscopic_mode_to_be_seen"]
+    assert got["seen"]
+    assert got["same"]
+    assert got["other"] == "Save scene as"
+    assert not got["open"]
 
 
 def test_a_fit_can_be_cancelled_while_others_wait(found):

@@ -23,11 +23,13 @@ def export(hand, picture, chosen, name):
     """Fill in the window and press its button; returns what it said."""
     hand.app.files.export()
     hand.frames(3)
-    hand.choose(f"{WINDOW}/##picture", picture)
-    hand.choose(f"{WINDOW}/##format", chosen)
+    panel = hand.app.files._export
+    if panel.picture != picture:
+        hand.choose(f"{WINDOW}/##picture", picture)
+    if panel.format != chosen:
+        hand.choose(f"{WINDOW}/##format", chosen)
     hand.type(f"{WINDOW}/##file", name)
     hand.click(f"{WINDOW}/Export##go")
-    panel = hand.app.files._export
     assert hand.until(lambda: panel._order is None)
     return panel._told
 

@@ -35,8 +35,14 @@ class FileDialogs:
         return self._own is not None or self._native is not None
 
     def ask(self, question: Question) -> None:
-        """Open a dialog; one that is open takes its place in front and this one is dropped."""
-        if self.open:
+        """Open a dialog in place of one that is open; one that asks the same comes to the front.
+
+        The system's dialog stays until it is answered, and this question is dropped.
+        """
+        if self._native is not None:
+            return
+        if self._own is not None and self._own.question.title == question.title:
+            self._own.raised = True
             return
         if not os.path.isdir(self.folder):
             self.folder = _first_folder()

@@ -47,7 +47,7 @@ class Export:
         self.sizing = ON_SCREEN
         self.size: Size = (1024, 1024)
         self.name = NameField()
-        self._open = False
+        self._open = self._raised = False
         self._confirmed = ""  #: a file that the dialog has asked about
         self._replacing: Order | None = None
         self._order: Order | None = None
@@ -60,7 +60,7 @@ class Export:
         if not self._open:
             self.picture, self._told, self._replacing = self.model.active_side, "", None
             self.name.put(self._suggested())
-        self._open = True
+        self._open = self._raised = True
 
     def due_s(self) -> float | None:
         """Seconds until a frame is needed: soon while an order is carried out."""
@@ -72,7 +72,8 @@ class Export:
             self._carry_out(self._order)
         if not self._open:
             return
-        opened, stays = floating.begin(TITLE, 30.0)
+        opened, stays = floating.begin(TITLE, 30.0, raised=self._raised)
+        self._raised = False
         if opened:
             imgui.begin_disabled(self._order is not None)
             self._what()

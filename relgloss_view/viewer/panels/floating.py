@@ -10,12 +10,18 @@ WIDEST, HIGHEST = 0.94, 0.88  #: shares of the program's window
 
 
 def begin(
-    title: str, width_em: float, height_em: float = 0.0, *, flags: int = 0, top_em: float = 0.0
+    title: str,
+    width_em: float,
+    height_em: float = 0.0,
+    *,
+    flags: int = 0,
+    top_em: float = 0.0,
+    raised: bool = False,
 ) -> tuple[bool, bool]:
     """Begin a window in the middle, or `top_em` below the upper edge; imgui.end() goes with it.
 
-    Without a height it is as high as what is in it. Returns whether to draw into it and whether it
-    was left open.
+    Without a height it is as high as what is in it. `raised` brings it to the front. Returns
+    whether to draw into it and whether it was left open.
     """
     viewport = imgui.get_main_viewport()
     limit = ImVec2(WIDEST * viewport.size.x, HIGHEST * viewport.size.y)
@@ -35,6 +41,8 @@ def begin(
         | imgui.WindowFlags_.no_collapse
         | imgui.WindowFlags_.no_saved_settings
     )
+    if raised:
+        imgui.set_next_window_focus()
     imgui.push_style_var(imgui.StyleVar_.window_border_size, 1.0)
     opened, stays = imgui.begin(title, True, flags)
     imgui.pop_style_var()

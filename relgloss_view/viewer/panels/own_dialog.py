@@ -50,6 +50,7 @@ class OwnDialog:
         self.folder = folder
         self.name = NameField(name or question.name)
         self.answer: str | None = None
+        self.raised = False  #: whether it comes to the front in the next frame
         self._kept = self.name.value  #: what the field holds again once a folder was gone into
         self._on_folder = False  #: whether it holds the name of a folder that was clicked
         self._fault = ""
@@ -64,7 +65,9 @@ class OwnDialog:
 
     def show(self) -> bool:
         """Draw it; returns whether it stays open."""
-        opened, stays = floating.begin(self.question.title, 38.0, 28.0)
+        title = self.question.title
+        opened, stays = floating.begin(title, 38.0, 28.0, raised=self.raised)
+        self.raised = False
         if opened:
             self._where()
             self._files()
