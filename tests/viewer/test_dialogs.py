@@ -107,15 +107,17 @@ def tells_faults(hand, found):
     dialog = hand.app.files.dialogs._own
     for name, typed in (
         ("missing", "nothing-of-that-name.toml"),
-        ("long", 300 * "x"),
         ("empty", ""),
         ("pipe", "/dev/null/x"),
     ):
         hand.type(f"{OPEN}/##name", typed, enter=True)
         found[name] = dialog._message()
         assert hand.app.files.dialogs.open
-    # A folder is gone into, typed with its full name or not.
-    hand.type(f"{OPEN}/##name", str(hand.folder / "sub"), enter=True)
+    dialog.name.text = 300 * "x"  # typing it takes long
+    hand.click(f"{OPEN}/Open")
+    found["long"] = dialog._message()
+    dialog.folder = str(hand.folder)  # a folder that is typed is gone into
+    hand.type(f"{OPEN}/##name", "sub", enter=True)
     found["folder"] = os.path.basename(dialog.folder)
     hand.click(f"{OPEN}/Cancel")
     found["open"] = hand.app.files.dialogs.open

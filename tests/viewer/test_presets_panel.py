@@ -17,6 +17,8 @@ def presets(hand, found):
     from relgloss_view.viewer.presets import presets_file
 
     memory, file = panel.memory, presets_file()
+    for shown in hand.app.layout.panels:
+        shown.visible = shown.title == "Sample"
     hand.app.layout.hidden = False
     hand.frames(3)
     hand.app.layout.focus("Sample")
