@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 from typing import Any
 
@@ -59,10 +60,13 @@ class App:
         )
         self.pictures: Pictures | None = None
         self.flip_held = False  #: a key or a button shows the other picture
+        self.staged: stage.Staged | None = None  #: the pictures of the present frame
+        self.stage_origin = (0.0, 0.0)  #: upper left corner of their pane, pixels of the screen
         self.kept_layout = WindowLayout()
         self._layout_path: Path | None = None
         self.helping = False  #: whether the overview of keys shows
         self._window: Window | None = None
+        self._held_at_s = 0.0  #: when the hand last held something
 
     # --- the life of the window ---------------------------------------------------------------
 
@@ -182,16 +186,21 @@ class App:
     # --- one frame ----------------------------------------------------------------------------
 
     def _note_hand(self) -> None:
-        """What the hand holds now: gestures end when it lets go."""
+        """What the hand holds now; its gesture ends when it lets go, and not between two clicks."""
         model = self.model
-        held = imgui.is_any_item_active() and any(imgui.is_mouse_down(b) for b in range(3))
-        model.dragging = held or model.held
+        pressed = any(imgui.is_mouse_down(button) for button in range(3))
+        active = imgui.is_any_item_active()
+        now_s = time.monotonic()
+        apart = now_s - self._held_at_s > imgui.get_io().mouse_double_click_time
+        if apart and not active and not model.held:
+            model.history.end_gesture()
+        if pressed or active:
+            self._held_at_s = now_s
+        model.dragging = (pressed and active) or model.held
         if model.dragging:
             self.pace.drag()
         else:
             self.pace.rest()
-            if not imgui.is_any_item_active():
-                model.history.end_gesture()
 
     def _show_stage(self) -> None:
         bare = stage.show(self.model, self._draw_pictures)
@@ -207,7 +216,10 @@ class App:
             state = state.with_part("presentation", flipped=not state.presentation.flipped)
         arrangement = arranged(pane, state.presentation, largest=self.pictures.largest)
         if arrangement is None:
+            self.staged = None
             return None
+        at = imgui.get_cursor_screen_pos()
+        self.stage_origin = (at.x, at.y)
         model.picture_size = arrangement.size
         pitch = self._window.pixel_pitch_m()
         model.pixel_pitch_m = pitch
@@ -218,7 +230,8 @@ class App:
         model.frames = {side: s.frame for side, s in shown.items()}
         for fault in faults.values():
             model.say_once(fault, fault=True)
-        return stage.Staged(arrangement, shown, faults)
+        self.staged = stage.Staged(arrangement, shown, faults)
+        return self.staged
 
     def _render_at(self, side: str, size: Size) -> Frame:
         """A side's picture at another size than the screen's. Raises RelglossError."""

@@ -40,8 +40,8 @@ def load_layout(path: str | os.PathLike[str]) -> WindowLayout:
     closed = content.get("closed")
     docking = content.get("docking")
     return WindowLayout(
-        size=(size[0], size[1]) if _is_size(size) else standard.size,  # type: ignore[index]
-        font_scale=float(scale) if scale in FONT_SCALES else 1.0,  # type: ignore[arg-type]
+        size=(size[0], size[1]) if size is not None and _is_size(size) else standard.size,
+        font_scale=float(scale) if scale in FONT_SCALES else 1.0,
         closed=tuple(t for t in closed if isinstance(t, str)) if isinstance(closed, list) else (),
         hidden=content.get("hidden") is True,
         docking=docking if isinstance(docking, str) else "",

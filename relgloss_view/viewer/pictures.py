@@ -115,7 +115,8 @@ class Pictures:
             for sigma_n_deg in (0.0, 1.0):
                 tried = dataclasses.replace(look, sigma_n_deg=sigma_n_deg)
                 with contextlib.suppress(RelglossError):
-                    _ = self._warm.render(scene, tried, WARM_SIZE).clip_count
+                    frame = self._warm.render(scene, tried, WARM_SIZE)
+                    _ = frame.clip_count, frame.light, frame.normal
             self._warmed.add(variant)
             return True
         return False

@@ -100,6 +100,13 @@ class Hand:
     def there(self, item):
         return self.ctx.item_exists(item)
 
+    def do(self, action):
+        """Call something on the window's thread, which alone may use OpenGL; returns its value."""
+        results = []
+        self.app.to_do = lambda: results.append(action())
+        self.until(lambda: bool(results))
+        return results[0]
+
     def until(self, condition, frames=600):
         """Let frames pass until something holds; returns whether it came to."""
         for _ in range(frames):
@@ -162,8 +169,13 @@ def main(folder: Path) -> None:
         return test
 
     class Driven(App):
+        to_do = None
+
         def after_frame(self, frame_s):
             super().after_frame(frame_s)
+            action, self.to_do = self.to_do, None
+            if action is not None:
+                action()
             engine = hello_imgui.get_imgui_test_engine()
             if len(ended) == len(scripts) and engine_io.is_test_queue_empty(engine):
                 for script, test in kept:

@@ -1,0 +1,342 @@
+"""The whole window, driven by its labels without a display; what it draws, and what it leaves."""
+
+from __future__ import annotations
+
+import ctypes
+import time
+
+import driven
+import numpy as np
+import pytest
+
+from relgloss_view.viewer.state import COMPARE_MODES
+
+SIZE = (1000, 760)
+LOOK, SCENE, SAMPLE = "//Look", "//Scene", "//Sample"
+
+
+# --- scripts, run in the window's process ---------------------------------------------------------
+
+
+def middle(hand, side="test"):
+    """A place in the middle of a picture, on the screen."""
+    staged = hand.app.staged
+    left, top, width, height = staged.arrangement.rects[side]
+    return left + width / 2, top + height / 2 + hand.app.stage_origin[1]
+
+
+def passes(hand):
+    """How often each pass was drawn so far, as 'side pass'."""
+    drawn = hand.app.pictures.drawn
+    return {f"{s} {n}": c for s, counts in drawn.items() for n, c in counts.items() if c}
+
+
+def since(before, hand):
+    return {k: n - before.get(k, 0) for k, n in passes(hand).items() if n != before.get(k, 0)}
+
+
+def starts_full_and_then_rests(hand, found):
+    hand.frames(6)
+    found["frames"] = sorted(hand.model.frames)
+    before = passes(hand)
+    compiled = hand.app.pictures.compiled
+    hand.frames(10)
+    found["drawn at rest"] = since(before, hand)
+    found["compiled at rest"] = hand.app.pictures.compiled - compiled
+
+
+def tunes_the_look(hand, found):
+    model = hand.model
+    hand.ctx.item_input_value(f"{LOOK}/##σN", 1.25)
+    hand.frames(2)
+    found["typed"] = model.state.test.look.sigma_n_deg
+    hand.ctx.item_input_value(f"{LOOK}/##σN", 7.5)  # beyond the slider, inside the range
+    hand.frames(2)
+    found["beyond"] = model.state.test.look.sigma_n_deg
+    hand.ctx.item_input_value(f"{LOOK}/##σN", 99.0)
+    hand.frames(2)
+    found["held"] = model.state.test.look.sigma_n_deg
+    time.sleep(0.5)  # longer than a double click takes
+    hand.frames(2)
+    steps = len(model.history._past)
+    hand.double_click(f"{LOOK}/##σN")
+    found["reset"] = model.state.test.look.sigma_n_deg
+    hand.ctx.item_input_value(f"{LOOK}/##c", 1.5)
+    hand.frames(2)
+    found["c"] = [model.state.test.look.c, model.state.test.look.c_fraction]
+    found["warned"] = [w for w in model.frames["test"].warnings if "above" in w]
+    hand.click(f"{LOOK}/lock c to c_max")
+    found["locked"] = [model.state.test.look.c, model.state.test.look.c_fraction]
+    hand.click(f"{LOOK}/Reference")
+    hand.ctx.item_input_value(f"{LOOK}/##c \\/ c_max", 0.5)
+    hand.frames(2)
+    found["reference"] = model.state.reference.look.c_fraction
+    found["steps"] = len(model.history._past) - steps
+
+
+def takes_back_and_does_again(hand, found):
+    from imgui_bundle import imgui
+
+    model = hand.model
+    ctrl = int(imgui.Key.mod_ctrl)
+    began = model.state
+    hand.ctx.item_input_value(f"{LOOK}/##seed", 7)
+    hand.frames(2)
+    changed = model.state
+    hand.key(ctrl | int(imgui.Key.z))
+    found["undone"] = model.state == began
+    hand.key(ctrl | int(imgui.Key.y))
+    found["redone"] = model.state == changed != began
+    hand.ctx.menu_click("//##MainMenuBar/Edit/Undo")
+    hand.frames(2)
+    found["by menu"] = model.state == began
+
+
+def turns_moves_and_zooms(hand, found):
+    from imgui_bundle import imgui
+
+    model = hand.model
+    place = middle(hand)
+    steps = len(model.history._past)
+    hand.drag(place, (60.0, 24.0))
+    found["turned"] = [model.state.eye.azimuth_deg, model.state.eye.elevation_deg]
+    found["width"] = model.picture_size[0]
+    hand.drag(place, (0.0, 30.0), button=1)
+    found["moved"] = model.state.eye.shift_up
+    found["steps"] = len(model.history._past) - steps
+    hand.turn_wheel(place, 3)
+    hand.until(lambda: not model.held)
+    found["zoomed"] = model.state.eye.field_of_view_deg
+    before = model.state.lamp.azimuth_deg
+    hand.drag(place, (40.0, 0.0), keys=int(imgui.Key.mod_ctrl))
+    found["lamp"] = model.state.lamp.azimuth_deg - before
+    hand.ctx.mouse_move_to_pos(place)
+    hand.ctx.mouse_double_click(0)
+    hand.frames(2)
+    found["reset"] = [model.state.eye.azimuth_deg, model.state.eye.field_of_view_deg]
+
+
+def draws_only_what_changed(hand, found):
+    model = hand.model
+    hand.until(lambda: not model.dragging)
+    hand.frames(5)
+    compiled = hand.app.pictures.compiled
+    for name, change in (
+        ("c", {"c_fraction": 0.41, "c": None}),
+        ("sigma_n", {"sigma_n_deg": 1.7}),
+        ("no sigma_n", {"sigma_n_deg": 0.0}),
+        ("sigma_n again", {"sigma_n_deg": 0.4}),
+    ):
+        before = passes(hand)
+        model.set_look("test", **change)
+        hand.frames(1)
+        drawn = since(before, hand)
+        found[name] = {k: n for k, n in drawn.items() if "counts" not in k}
+        hand.frames(3)
+    before = passes(hand)
+    model.set_part("lamp", azimuth_deg=61.0)
+    hand.frames(3)
+    fetched = ("counts", "light", "geometry")  # by panels that show numbers
+    found["lamp"] = sorted(k for k in since(before, hand) if not k.endswith(fetched))
+    found["compiled"] = hand.app.pictures.compiled - compiled
+
+
+def compares(hand, found):
+    from imgui_bundle import imgui
+
+    model = hand.model
+    keys = imgui.Key
+    for k, mode in enumerate(COMPARE_MODES):
+        hand.key((keys._1, keys._2, keys._3, keys._4)[k])
+        found[mode] = [model.state.presentation.compare, sorted(hand.app.staged.arrangement.rects)]
+    hand.key(keys._3)
+    hand.ctx.key_down(keys.space)
+    hand.frames(2)
+    found["flipped"] = sorted(hand.app.staged.arrangement.rects)
+    hand.ctx.key_up(keys.space)
+    hand.frames(2)
+    found["back"] = sorted(hand.app.staged.arrangement.rects)
+    hand.key(keys._2)
+    edge = model.state.presentation.wipe * sum(
+        r[2] for r in [hand.app.staged.arrangement.rects["test"]]
+    )
+    top = hand.app.stage_origin[1]
+    hand.drag((edge, top + 200.0), (80.0, 0.0))
+    found["wipe"] = model.state.presentation.wipe
+    hand.key(keys._1)
+    for _ in range(6):
+        hand.key(keys.o)
+        found.setdefault("overlays", []).append(model.state.presentation.overlay)
+    hand.key(keys.o)
+    found["none"] = model.state.presentation.overlay
+
+
+def hides_panels_and_brings_them_back(hand, found):
+    from imgui_bundle import imgui
+
+    def places():
+        return {
+            p.title: [*imgui.internal.find_window_by_name(p.title).pos,
+                      *imgui.internal.find_window_by_name(p.title).size]
+            for p in hand.app.layout.panels
+        }  # fmt: skip
+
+    hand.frames(2)
+    before, pane = places(), hand.model.picture_size
+    hand.key(imgui.Key.tab)
+    hand.frames(3)
+    found["larger"] = [*hand.model.picture_size, *pane]
+    hand.key(imgui.Key.tab)
+    hand.frames(3)
+    found["as before"] = places() == before and hand.model.picture_size == pane
+    hand.key(imgui.Key.p)
+    hand.frames(2)
+    found["haploscopic"] = hand.model.picture_size[1]
+    hand.key(imgui.Key.escape)
+    hand.frames(2)
+    found["left"] = hand.model.picture_size == pane
+
+
+def survives_lost_objects(hand, found):
+    import glfw
+
+    def displays():
+        return {side: frame.display.copy() for side, frame in hand.model.frames.items()}
+
+    def destroy():
+        pointer = ctypes.cast(glfw.get_proc_address("glDeleteTextures"), ctypes.c_void_p).value
+        delete = ctypes.CFUNCTYPE(None, ctypes.c_int, ctypes.POINTER(ctypes.c_uint))(pointer)
+        for renderer in hand.app.pictures._full.values():
+            for name in ("diffuse", "specular", "split", "display", "flags"):
+                delete(1, ctypes.byref(ctypes.c_uint(renderer.texture(name).glo)))
+
+    hand.frames(4)
+    before = hand.do(displays)
+    pictures = hand.app.pictures
+    hand.do(destroy)
+    hand.until(lambda: hand.app.pictures is not pictures, 5)
+    found["rebuilt"] = hand.app.pictures is not pictures
+    hand.frames(1)
+    after = hand.do(displays)
+    found["identical"] = all(np.array_equal(before[s], after[s]) for s in before)
+    found["bright"] = int(max(np.max(d) for d in after.values()))
+    found["error"] = hand.do(lambda: hand.app.pictures.ctx.error)
+    found["said"] = hand.said()[-1][0]
+
+
+def takes_every_size(hand, found):
+    import glfw
+    from imgui_bundle import hello_imgui
+
+    window = ctypes.cast(hello_imgui.get_glfw_window_address(), ctypes.POINTER(glfw._GLFWwindow))
+    for size in ((1, 1), (0, 0), (300, 40), (40, 300), (3000, 200), SIZE):
+        hand.do(lambda size=size: glfw.set_window_size(window, *size))
+        hand.frames(3)
+        found[f"{size[0]}x{size[1]}"] = [*hand.model.picture_size]
+    hand.do(lambda: glfw.iconify_window(window))
+    hand.frames(3)
+    hand.do(lambda: glfw.restore_window(window))
+    hand.frames(3)
+    found["error"] = hand.do(lambda: hand.app.pictures.ctx.error)
+
+
+SCRIPTS = [
+    starts_full_and_then_rests,
+    tunes_the_look,
+    takes_back_and_does_again,
+    turns_moves_and_zooms,
+    draws_only_what_changed,
+    compares,
+    hides_panels_and_brings_them_back,
+    survives_lost_objects,
+    takes_every_size,
+]
+
+
+# --- the other side -------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    return driven.drive("test_window", tmp_path_factory.mktemp("window"), size=SIZE, panels=True)
+
+
+def test_nothing_is_drawn_at_rest(found):
+    got = found["starts_full_and_then_rests"]
+    assert got == {"frames": ["reference", "test"], "drawn at rest": {}, "compiled at rest": 0}
+
+
+def test_sliders_type_reset_and_stay_in_range(found):
+    got = found["tunes_the_look"]
+    assert got["typed"] == pytest.approx(1.25)
+    assert got["beyond"] == pytest.approx(7.5)
+    assert got["held"] == pytest.approx(10.0)
+    assert got["reset"] == 0.0
+    assert got["c"] == [pytest.approx(1.5), None]
+    assert len(got["warned"]) == 2  # above 1 and above c_max
+    assert got["locked"] == [None, 1.0]
+    assert got["reference"] == pytest.approx(0.5)
+    assert got["steps"] == 4  # the reset, c, the lock, the reference's share
+
+
+def test_undo_and_redo(found):
+    assert found["takes_back_and_does_again"] == {"undone": True, "redone": True, "by menu": True}
+
+
+def test_the_hand_on_the_pictures(found):
+    got = found["turns_moves_and_zooms"]
+    per_pixel = 180.0 / got["width"]
+    assert got["turned"] == [pytest.approx(-60 * per_pixel), pytest.approx(24 * per_pixel)]
+    assert got["moved"] > 0.0
+    assert got["steps"] == 2  # one for each drag
+    assert 1.0 < got["zoomed"] < 15.0
+    assert got["lamp"] == pytest.approx(40 * per_pixel)
+    assert got["reset"] == [0.0, None]
+
+
+def test_only_what_changed_is_drawn(found):
+    got = found["draws_only_what_changed"]
+    assert got["c"] == {"test tone": 1}
+    for name in ("sigma_n", "no sigma_n", "sigma_n again"):
+        assert got[name] == {"test shade": 1, "test split": 1, "test tone": 1}, name
+    passes = ("shade", "split", "tone", "white")
+    assert got["lamp"] == [f"{side} {name}" for side in ("reference", "test") for name in passes]
+    assert got["compiled"] == 0
+
+
+def test_compare_modes(found):
+    got = found["compares"]
+    both = ["reference", "test"]
+    assert got["side by side"] == ["side by side", both]
+    assert got["wipe"] != 0.5
+    assert got["flip"] == ["flip", ["reference"]]
+    assert got["difference"] == ["difference", ["test"]]
+    assert (got["flipped"], got["back"]) == (["test"], ["reference"])
+    assert len(set(got["overlays"])) == 6
+    assert got["none"] == "none"
+
+
+def test_panels_come_back_as_they_were(found):
+    got = found["hides_panels_and_brings_them_back"]
+    width, height, before_width, before_height = got["larger"]
+    assert width > before_width
+    assert height > before_height
+    assert got["as before"]
+    assert got["haploscopic"] == SIZE[1]
+    assert got["left"]
+
+
+def test_lost_objects_are_made_again(found):
+    got = found["survives_lost_objects"]
+    assert got["rebuilt"]
+    assert got["identical"]
+    assert got["bright"] > 100
+    assert got["error"] == "GL_NO_ERROR"
+    assert "made again" in got["said"]
+
+
+def test_every_size_of_the_window(found):
+    got = found["takes_every_size"]
+    assert got["error"] == "GL_NO_ERROR"
+    assert got["3000x200"][0] > got["300x40"][0]
+    assert got[f"{SIZE[0]}x{SIZE[1]}"][0] > 100
