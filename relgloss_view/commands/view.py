@@ -92,9 +92,10 @@ def _interactive(args: argparse.Namespace) -> int:
     from relgloss_view.viewer.app import App
     from relgloss_view.viewer.layout_file import load_layout
     from relgloss_view.viewer.places import config_folder
+    from relgloss_view.viewer.platform import check_display
     from relgloss_view.viewer.session import Autosave, Restored, restore, session_file
     from relgloss_view.viewer.state import State
-    from relgloss_view.viewer.window import Window, check_display
+    from relgloss_view.viewer.window import Window
 
     check_display()
     layout_path, session_path, faults = None, None, []
@@ -146,6 +147,7 @@ def _open_all(app: Any, files: list[str]) -> None:
         assert job.result is not None
         if job.result.sample is None:
             state = job.result.applied(state, "test")
+            app.files.scene_path = job.result.path
         else:
             samples.append(job.result)
         if job.result.warning:

@@ -71,6 +71,49 @@ def make_current(ctx: moderngl.Context) -> None:
     untyped.__enter__()
 
 
+class Offscreen:
+    """A surface of any size to draw on in place of a window's own, where there is no display."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._ctx = ctx
+        self._texture: moderngl.Texture | None = None
+        self._framebuffer: moderngl.Framebuffer | None = None
+        self._size = (0, 0)
+
+    def resize(self, size: tuple[int, int]) -> bool:
+        """Make it so many pixels wide and high, at least one; returns whether that was new."""
+        size = (max(size[0], 1), max(size[1], 1))
+        if size == self._size:
+            return False
+        before = (self._framebuffer, self._texture)
+        self._texture = self._ctx.texture(size, 4)
+        self._framebuffer = self._ctx.framebuffer([self._texture])
+        self._size = size
+        self.use()
+        for old in before:
+            if old is not None:
+                old.release()
+        return True
+
+    def use(self) -> None:
+        """Draw on it from now on."""
+        assert self._framebuffer is not None
+        self._framebuffer.use()
+
+    def clear(
+        self,
+        red: float,
+        green: float,
+        blue: float,
+        alpha: float,
+        *,
+        viewport: tuple[int, int, int, int] | None = None,
+    ) -> None:
+        """Fill it, or a part of it (left, bottom, width, height in pixels), with a colour."""
+        assert self._framebuffer is not None
+        self._framebuffer.clear(red, green, blue, alpha, viewport=viewport)
+
+
 def collect(ctx: moderngl.Context) -> None:
     """Free what was dropped without being released; call it while the context is current.
 

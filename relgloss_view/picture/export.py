@@ -179,7 +179,9 @@ def _text(told: str, command: str) -> dict[str, str]:
 def _quantised(values: NDArray[np.float64], bits: int) -> Digital:
     """Digital values 0..1 as whole numbers, rounded as the display's 8 bits are."""
     whole = np.floor((2**bits - 1) * values + 0.5)
-    return np.asarray(whole, dtype=np.uint8 if bits == 8 else np.uint16)
+    if bits == 8:
+        return np.asarray(whole.astype(np.uint8))
+    return np.asarray(whole.astype(np.uint16))
 
 
 def _is_srgb(display: Display) -> bool:

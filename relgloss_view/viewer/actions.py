@@ -96,6 +96,7 @@ def _reset_view(app: App) -> None:
 
 def _reset_all(app: App) -> None:
     app.model.change(State.initial())
+    app.files.scene_path = None  # the scene that was open keeps what it holds
 
 
 def _other_side(app: App) -> None:

@@ -8,12 +8,9 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
-import os
-import signal
 import sys
-import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any, Protocol
 
 # imgui_bundle first: it brings the GLFW that the glfw module then finds, so that both use one.
@@ -23,8 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relgloss_view.errors import GLUnavailableError
-from relgloss_view.picture.context import attach
+from relgloss_view.picture.context import Offscreen, attach
 from relgloss_view.viewer import theme
+from relgloss_view.viewer.platform import REMEDY, load, open_platform, terminating
 
 TITLE = "relgloss"
 SMALLEST_PX, LARGEST_PX = 1, 8192
@@ -34,11 +32,6 @@ TOOLTIP_S, TOOLTIP_STEP_S = 1.2, 0.1
 CURSOR_STEP_S = 0.4  #: while a text is being typed
 LONGEST_WAIT_S = 0.5  #: a signal, such as Ctrl-C, is noticed between waits
 NULL_STEP_S = 0.01  #: the null platform has no events to wait for
-
-REMEDY = (
-    "start it on a desktop or over `ssh -X`, or draw without a display: "
-    "`relgloss view --screenshot OUT.png`, `relgloss snapshot -o OUT.png`"
-)
 
 
 class Program(Protocol):
@@ -82,12 +75,10 @@ class Window:
         self.headless = headless
         self.font_scale = font_scale
         self._tune = tune
-        #: Directs drawing to the window again after pictures were drawn.
-        self.to_screen: Callable[[], None] = lambda: None
         #: A gray, and the rectangles of the window (left, top, width, height in pixels) that it
         #: fills. They are cleared: blending them takes a software driver longer than the pictures.
         self.filled: tuple[float, list[tuple[int, int, int, int]]] = (0.0, [])
-        self._clear: Callable[..., None] = lambda *args, **options: None
+        self._screen: Any = None  #: what the interface is drawn on
         self._drawn = 0
         self._awake_until = 0.0
         self._settling = SETTLING_FRAMES
@@ -99,7 +90,7 @@ class Window:
 
         Raises GLUnavailableError where no window can be opened.
         """
-        _open_platform(self.headless)
+        open_platform(self.headless)
         params = self._params()
         try:
             immapp.manual_render.setup_from_runner_params(
@@ -108,12 +99,12 @@ class Window:
         except (RuntimeError, SystemError) as error:
             raise GLUnavailableError(f"no window with OpenGL 3.3: {error}; {REMEDY}") from error
         try:
-            with _terminating(self.close):
+            with terminating(self.close):
                 self._loop(params, frames)
-        except RuntimeError:
-            # The interface asserts that what an error cut short was not finished: not the cause.
-            if self._error is None:
-                raise
+        except BaseException as error:
+            # After an error the interface asserts that what it cut short was not finished: the
+            # first one is the cause.
+            self._error = self._error or error
         finally:
             if self._started:
                 self.program.finish()
@@ -123,6 +114,10 @@ class Window:
         if self._error is not None:
             raise self._error
         return np.asarray(hello_imgui.final_app_window_screenshot())
+
+    def to_screen(self) -> None:
+        """Direct drawing to the window again after pictures were drawn."""
+        self._screen.use()
 
     def close(self) -> None:
         """End the loop after this frame."""
@@ -217,7 +212,7 @@ class Window:
         callbacks.setup_imgui_style = theme.apply
         callbacks.post_init = self._start
         callbacks.show_gui = self._frame
-        callbacks.before_imgui_render = self._fill
+        callbacks.before_imgui_render = lambda: self._guarded(self._fill)
         if self._tune is not None:
             self._tune(params)
         return params
@@ -233,10 +228,13 @@ class Window:
         library: Any = hello_imgui  # its annotations leave the address out
         address = library.get_glfw_window_address()
         handle = ctypes.cast(address, ctypes.POINTER(glfw._GLFWwindow))
+        if self.headless:  # the library holds windows to the size of a monitor, which is not there
+            glfw.set_window_size(handle, *self.size)
         on_drop: Any = lambda _, paths: self._dropped(list(paths))  # noqa: E731 - annotated wrongly
         glfw.set_drop_callback(handle, on_drop)
-        ctx = attach(_load)
-        self.to_screen, self._clear = ctx.screen.use, ctx.screen.clear
+        ctx = attach(load)
+        self._screen = Offscreen(ctx) if self.headless else ctx.screen
+        self._fit_screen()
         self.program.start(ctx, self)
         self._started = True
 
@@ -245,14 +243,20 @@ class Window:
 
     def _frame(self) -> None:
         if self._started and self._error is None:
+            self._fit_screen()
             self._guarded(self.program.frame)
+
+    def _fit_screen(self) -> None:
+        """Where there is no display, give the surface the window's size: its own may be smaller."""
+        if self.headless and self._screen.resize(self.size_now()):
+            self._screen.clear(theme.PANEL, theme.PANEL, theme.PANEL, 1.0)
 
     def _fill(self) -> None:
         gray, rectangles = self.filled
         height = self.size_now()[1]
         for left, top, width, tall in rectangles:
             if width > 0 and tall > 0:
-                self._clear(
+                self._screen.clear(
                     gray, gray, gray, 1.0, viewport=(left, height - top - tall, width, tall)
                 )
         self.filled = (gray, [])
@@ -263,48 +267,3 @@ class Window:
             action()
         except BaseException as error:
             self._error = error
-
-
-@contextlib.contextmanager
-def _terminating(close: Callable[[], None]) -> Iterator[None]:
-    """Let the request to terminate close the window as its user would, so that all is kept."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGTERM, lambda *_: close())
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
-
-
-def check_display() -> None:
-    """Raises GLUnavailableError where no window can show, before anything long is done."""
-    named = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
-    if sys.platform.startswith("linux") and not named:
-        raise GLUnavailableError(f"there is no display; {REMEDY}")
-
-
-def _open_platform(headless: bool) -> None:
-    """Start GLFW on a display, or on its null platform, with the hints of the next window."""
-    if not headless:
-        check_display()
-    faults: list[str] = []
-    on_error: Any = lambda code, text: faults.append(_text(text))  # noqa: E731
-    glfw.set_error_callback(on_error)
-    platform = glfw.PLATFORM_NULL if headless else glfw.ANY_PLATFORM
-    glfw.init_hint(glfw.PLATFORM, platform)
-    if not glfw.init():
-        raise GLUnavailableError(f"no window can be opened: {'; '.join(faults)}; {REMEDY}")
-    glfw.default_window_hints()
-    if headless:
-        glfw.window_hint(glfw.CONTEXT_CREATION_API, glfw.EGL_CONTEXT_API)
-
-
-def _text(words: bytes | str) -> str:
-    return words.decode("utf-8", "replace") if isinstance(words, bytes) else words
-
-
-def _load(name: str) -> int:
-    """Address of an OpenGL function."""
-    return ctypes.cast(glfw.get_proc_address(name), ctypes.c_void_p).value or 0

@@ -1,0 +1,67 @@
+"""The platform below the window: a display, or none; what ends the program from outside."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import imgui_bundle  # noqa: F401 - brings the GLFW that the glfw module then finds; isort: skip
+import glfw
+
+from relgloss_view.errors import GLUnavailableError
+
+REMEDY = (
+    "start it on a desktop or over `ssh -X`, or draw without a display: "
+    "`relgloss view --screenshot OUT.png`, `relgloss snapshot -o OUT.png`"
+)
+
+
+@contextlib.contextmanager
+def terminating(close: Callable[[], None]) -> Iterator[None]:
+    """Let the request to terminate close the window as its user would, so that all is kept."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, lambda *_: close())
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def check_display() -> None:
+    """Raises GLUnavailableError where no window can show, before anything long is done."""
+    named = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    if sys.platform.startswith("linux") and not named:
+        raise GLUnavailableError(f"there is no display; {REMEDY}")
+
+
+def open_platform(headless: bool) -> None:
+    """Start GLFW on a display, or on its null platform, with the hints of the next window."""
+    if not headless:
+        check_display()
+    faults: list[str] = []
+    on_error: Any = lambda code, text: faults.append(_text(text))  # noqa: E731
+    glfw.set_error_callback(on_error)
+    platform = glfw.PLATFORM_NULL if headless else glfw.ANY_PLATFORM
+    glfw.init_hint(glfw.PLATFORM, platform)
+    if not glfw.init():
+        raise GLUnavailableError(f"no window can be opened: {'; '.join(faults)}; {REMEDY}")
+    glfw.default_window_hints()
+    if headless:
+        glfw.window_hint(glfw.CONTEXT_CREATION_API, glfw.EGL_CONTEXT_API)
+
+
+def _text(words: bytes | str) -> str:
+    return words.decode("utf-8", "replace") if isinstance(words, bytes) else words
+
+
+def load(name: str) -> int:
+    """Address of an OpenGL function."""
+    return ctypes.cast(glfw.get_proc_address(name), ctypes.c_void_p).value or 0
