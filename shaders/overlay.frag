@@ -40,7 +40,7 @@ vec3 striped(ivec2 at, int flag) {
     int flags = int(floor(255.0 * texelFetch(flags_image, at, 0).r + 0.5));
     float gray = dot(texelFetch(display_image, at, 0).rgb, vec3(0.299, 0.587, 0.114));
     bool light = ((at.x + at.y) / STRIPE_PX) % 2 == 0;
-    return (flags & flag) != 0 ? vec3(light ? 1.0 : 0.0) : vec3(0.25 + 0.4 * gray);
+    return (flags & flag) != 0 ? vec3(light ? 1.0 : 0.0) : vec3(0.2 + 0.4 * gray);
 }
 
 void main() {
@@ -48,8 +48,10 @@ void main() {
     vec4 diffuse = texelFetch(diffuse_image, at, 0);
     vec4 split = texelFetch(split_image, at, 0);
     vec3 colour = vec3(0.0);
-    if (OVERLAY == CLIPPED) colour = striped(at, 1);
-    if (OVERLAY == OUT_OF_GAMUT) colour = striped(at, 2);
+    bool off_object = diffuse.a <= 0.0;
+    vec3 plain = texelFetch(display_image, at, 0).rgb;
+    if (OVERLAY == CLIPPED) colour = off_object ? plain : striped(at, 1);
+    if (OVERLAY == OUT_OF_GAMUT) colour = off_object ? plain : striped(at, 2);
     if (OVERLAY == LIGHTNESS) colour = shown(false_colour(scaled_lab(split, c).x), diffuse.a);
     if (OVERLAY == DIFFUSE_ONLY) colour = shown(lab_from_xyz(diffuse.rgb, white), diffuse.a);
     if (OVERLAY == SPECULAR_ONLY) colour = shown(vec3(c * split.y, 0.0, 0.0), diffuse.a);

@@ -77,7 +77,7 @@ def needed_sides(presentation: Presentation) -> tuple[str, ...]:
 def bare(pane: Size, covered: list[Rect]) -> list[Rect]:
     """The parts of a pane that no picture covers.
 
-    covered: rectangles that stand side by side, or one over the other.
+    covered: rectangles that share no column, or that are the same.
     """
     parts: list[Rect] = []
     width, height = pane
@@ -86,9 +86,9 @@ def bare(pane: Size, covered: list[Rect]) -> list[Rect]:
         left, right = max(left, reached), min(left + wide, width)
         if right <= left:
             continue
-        bottom = min(top + tall, height)
+        top, bottom = max(min(top, height), 0), max(min(top + tall, height), 0)
         parts.append((reached, 0, left - reached, height))
-        parts.append((left, 0, right - left, max(top, 0)))
+        parts.append((left, 0, right - left, top))
         parts.append((left, bottom, right - left, height - bottom))
         reached = right
     parts.append((reached, 0, width - reached, height))

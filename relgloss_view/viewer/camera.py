@@ -8,11 +8,15 @@ import math
 import numpy as np
 
 from relgloss_view.picture.scene import Eye, Lamp, Scene
+from relgloss_view.picture.shape import meet_shape
 from relgloss_view.picture.view import Size, View
 
 DEGREES_ACROSS = 180.0  #: that a drag over the whole width turns
 ZOOM_STEP = 1.15  #: of one notch of the wheel
 WIDEST_DEG, NARROWEST_DEG = 120.0, 0.2  #: angle of view across the height that zooming reaches
+#: What an eye can have at most: its angle of view, and its shift.
+LAST_DEG, FARTHEST_SHIFT = 170.0, 100.0
+BISECTIONS = 40
 
 Point = tuple[float, float]  #: pixels from the top left
 
@@ -30,30 +34,33 @@ def orbited(eye: Eye, moved: Point, size: Size) -> Eye:
 def zoomed(scene: Scene, notches: float, pointer: Point, size: Size) -> Eye:
     """The eye after turns of the wheel; what is under the pointer stays there."""
     view = View.of(scene, size)
-    step = view.pixel_step * ZOOM_STEP**-notches
     half_height = 0.5 * size[1]
-    low, high = (math.tan(0.5 * math.radians(a)) / half_height for a in (NARROWEST_DEG, WIDEST_DEG))
-    step = float(np.clip(step, min(low, view.pixel_step), max(high, view.pixel_step)))
+    low, high, last = (
+        math.tan(0.5 * math.radians(angle)) / half_height
+        for angle in (NARROWEST_DEG, WIDEST_DEG, LAST_DEG)
+    )
+    # A view that is beyond the limits already stays as it is, or goes back to them.
+    low, high = min(low, view.pixel_step), min(max(high, view.pixel_step), last)
+    step = float(np.clip(view.pixel_step * ZOOM_STEP**-notches, low, high))
     # Under the pointer is shift + offset * step, to the right and up.
     right, up = pointer[0] - 0.5 * size[0], half_height - pointer[1]
-    eye = dataclasses.replace(
-        scene.eye,
-        field_of_view_deg=math.degrees(2.0 * math.atan(step * half_height)),
-        shift_right=view.shift[0] + right * (view.pixel_step - step),
-        shift_up=view.shift[1] + up * (view.pixel_step - step),
+    shift = (
+        view.shift[0] + right * (view.pixel_step - step),
+        view.shift[1] + up * (view.pixel_step - step),
     )
-    return _in_reach(eye, scene, step, size)
+    angle = min(math.degrees(2.0 * math.atan(step * half_height)), LAST_DEG)
+    eye = dataclasses.replace(scene.eye, field_of_view_deg=angle)
+    return _shifted(eye, shift, scene, step, size)
 
 
 def panned(scene: Scene, moved: Point, size: Size) -> Eye:
     """The eye after a drag that slides the picture."""
     view = View.of(scene, size)
-    eye = dataclasses.replace(
-        scene.eye,
-        shift_right=scene.eye.shift_right - moved[0] * view.pixel_step,
-        shift_up=scene.eye.shift_up + moved[1] * view.pixel_step,
+    shift = (
+        scene.eye.shift_right - moved[0] * view.pixel_step,
+        scene.eye.shift_up + moved[1] * view.pixel_step,
     )
-    return _in_reach(eye, scene, view.pixel_step, size)
+    return _shifted(scene.eye, shift, scene, view.pixel_step, size)
 
 
 def framed(eye: Eye) -> Eye:
@@ -90,12 +97,29 @@ def _wrapped(angle_deg: float) -> float:
     return (angle_deg + 180.0) % 360.0 - 180.0
 
 
-def _in_reach(eye: Eye, scene: Scene, step: float, size: Size) -> Eye:
-    """The eye with its shift held so that some of the object stays in the picture."""
-    radius = float(np.linalg.norm(scene.shape.half_extent_m())) / eye.distance_m
-    limits = [min(max(0.5 * count * step, radius), 100.0) for count in size]
-    return dataclasses.replace(
-        eye,
-        shift_right=float(np.clip(eye.shift_right, -limits[0], limits[0])),
-        shift_up=float(np.clip(eye.shift_up, -limits[1], limits[1])),
-    )
+def _shifted(eye: Eye, shift: Point, scene: Scene, step: float, size: Size) -> Eye:
+    """The eye with a shift, held so that the object stays in the picture.
+
+    Either its centre is in the picture, or the picture's centre shows it; a shift that goes further
+    is made as much shorter as that takes.
+    """
+    view = View.of(dataclasses.replace(scene, eye=eye), size)
+    half = (0.5 * size[0] * step, 0.5 * size[1] * step)
+
+    def is_in_reach(share: float) -> bool:
+        right, up = share * shift[0], share * shift[1]
+        if max(abs(right), abs(up)) > FARTHEST_SHIFT:
+            return False
+        if abs(right) <= half[0] and abs(up) <= half[1]:
+            return True
+        ray = view.forward + right * view.right + up * view.up
+        return bool(meet_shape(scene.shape, view.eye_m, ray[None])[0][0])
+
+    share = 1.0
+    if not is_in_reach(share):
+        inside, outside = 0.0, 1.0
+        for _ in range(BISECTIONS):
+            share = 0.5 * (inside + outside)
+            inside, outside = (share, outside) if is_in_reach(share) else (inside, share)
+        share = inside
+    return dataclasses.replace(eye, shift_right=share * shift[0], shift_up=share * shift[1])

@@ -14,7 +14,7 @@ internal = imgui.internal
 RIGHT, BELOW, BELOW_RIGHT = "right", "below", "below right"
 RIGHT_EM = 22.0  #: width of the column of controls
 BELOW_EM = 16.0  #: height of the strip of plots
-LEAST_SHARE = 0.15
+LEAST_SHARE, MOST_SHARE = 0.15, 0.36  #: the pictures stay the largest thing in the window
 STAGE = "Pictures"
 _STAGE_FLAGS = (
     imgui.WindowFlags_.no_decoration
@@ -166,4 +166,4 @@ class Layout:
 
 
 def _share(wanted: float, whole: float) -> float:
-    return min(max(wanted / max(whole, 1.0), LEAST_SHARE), 0.5)
+    return min(max(wanted / max(whole, 1.0), LEAST_SHARE), MOST_SHARE)

@@ -8,9 +8,8 @@ BUDGET_S = 0.033  #: for a frame while something is dragged
 SCALES = (1.0, 0.71, 0.5, 0.35, 0.25)  #: each draws about half as many pixels as the one before
 #: Frames below this share of the budget at the next larger scale let the scale go up.
 ROOM = 0.7
-SMOOTHING = 0.5
-#: Consecutive frames over the budget before the scale goes down: one slow frame is no reason.
-PATIENCE = 2
+#: Frames that are looked at. The slowest of them is no reason to go down, but one not to go up.
+SEEN = 3
 
 
 class Pace:
@@ -19,14 +18,12 @@ class Pace:
     def __init__(self) -> None:
         self.scale = 1.0
         self._step = 0
-        self._frame_s: float | None = None
-        self._slow = 0
+        self._frames_s: list[float] = []  #: the last at the present scale
 
     def rest(self) -> None:
         """Nothing is dragged: the next frame is full."""
         self.scale = 1.0
-        self._frame_s = None
-        self._slow = 0
+        self._frames_s.clear()
 
     def drag(self) -> None:
         """Something is dragged: go on with the scale that was good enough the last time."""
@@ -34,23 +31,23 @@ class Pace:
 
     def measured(self, frame_s: float) -> None:
         """Note how long a frame took at the present scale, while something is dragged."""
-        before = self._frame_s
-        smooth = frame_s if before is None else before + SMOOTHING * (frame_s - before)
-        self._frame_s = smooth
-        self._slow = self._slow + 1 if smooth > BUDGET_S else 0
-        if self._slow >= PATIENCE and self._step < len(SCALES) - 1:
+        seen = self._frames_s
+        seen.append(frame_s)
+        del seen[:-SEEN]
+        if len(seen) < 2:
+            return
+        typical = (sum(seen) - max(seen)) / (len(seen) - 1)
+        if typical > BUDGET_S:
             # As far down as the excess asks for, since time goes with the number of pixels.
-            wanted = SCALES[self._step] * math.sqrt(BUDGET_S / smooth)
-            while self._step < len(SCALES) - 1 and SCALES[self._step] > wanted:
-                self._step += 1
-            self._start_over()
-        elif self._step > 0:
-            larger = smooth * (SCALES[self._step - 1] / SCALES[self._step]) ** 2
+            wanted = SCALES[self._step] * math.sqrt(BUDGET_S / typical)
+            self._go_to(next((k for k, s in enumerate(SCALES) if s <= wanted), len(SCALES) - 1))
+        elif len(seen) == SEEN and self._step > 0:
+            larger = max(seen) * (SCALES[self._step - 1] / SCALES[self._step]) ** 2
             if larger < ROOM * BUDGET_S:
-                self._step -= 1
-                self._start_over()
+                self._go_to(self._step - 1)
 
-    def _start_over(self) -> None:
-        self.scale = SCALES[self._step]
-        self._frame_s = None
-        self._slow = 0
+    def _go_to(self, step: int) -> None:
+        if step != self._step:
+            self._step = step
+            self._frames_s.clear()
+        self.scale = SCALES[step]

@@ -17,7 +17,7 @@ POPUP = 0.125
 FRAME = 0.245
 FRAME_HOVERED = 0.30
 FRAME_ACTIVE = 0.36
-GRAB = 0.62
+GRAB = 0.43
 TEXT = 0.87
 QUIET = 0.62
 LINE = 0.30
@@ -106,7 +106,7 @@ _COLOURS = {
     "check_mark": gray(TEXT),
     "checkbox_selected_bg": gray(FRAME),
     "slider_grab": gray(GRAB),
-    "slider_grab_active": gray(TEXT),
+    "slider_grab_active": gray(0.52),
     "button": gray(FRAME),
     "button_hovered": gray(FRAME_HOVERED),
     "button_active": gray(FRAME_ACTIVE),

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import moderngl
+import numpy as np
 
 from relgloss_view.errors import RelglossError
+from relgloss_view.picture import tone
 from relgloss_view.picture.context import make_current
 from relgloss_view.picture.plan import as_drawn, tone_defines
 from relgloss_view.picture.renderer.passes import Renderer, Request
@@ -66,6 +68,7 @@ def draw_difference(
             "xyz_from_rgb": display.xyz_from_rgb.T,  # columns first
             "display_white": display.white,
             "top": top,
+            "surround": float(tone.encode(np.array(display.background_light), display)),
         }
         second.draw("overlay", "difference.frag", {}, uniforms, OVERLAY, None)
     return second.texture("overlay")

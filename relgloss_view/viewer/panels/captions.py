@@ -8,6 +8,7 @@ from imgui_bundle import ImVec2, imgui
 from relgloss_view.picture import tone
 from relgloss_view.picture.scene import Display
 from relgloss_view.picture.tone import DisplayModel
+from relgloss_view.picture.view import View
 from relgloss_view.text_input import printable
 from relgloss_view.viewer.arrangement import Arrangement
 from relgloss_view.viewer.model import Model
@@ -36,7 +37,7 @@ def show(
         right = presentation.compare == WIPE and (side == "test") != presentation.mirror
         if height < 8 * em(1.0):
             continue
-        for k, line in enumerate(lines):
+        for k, line in enumerate(lines[: _room_above(model, side, height)]):
             shown = _shortened(line, width * (0.5 if presentation.compare == WIPE else 1.0) - em(1))
             x = origin.x + left + em(0.6)
             if right:
@@ -60,16 +61,27 @@ def _lines(model: Model, side: str, faults: dict[str, str]) -> list[str]:
     if state.presentation.compare == DIFFERENCE:
         return ["difference of what is shown, reference against test"]
     material = sample.material
-    lines = [f"{side}: {printable(material.name, LONGEST_NAME)}"]
+    quality = f"fit {material.fit.quality}" if material.fit else "not fitted"
+    lines = [f"{side}, {quality}: {printable(material.name, LONGEST_NAME)}"]
     frame = model.frames.get(side)
     if frame is not None:
         c_max = "no highlight" if frame.c_max is None else f"c_max {frame.c_max:.3g}"
         lines.append(f"σN {frame.look.sigma_n_deg:.2f}°   c {frame.c:.3g}   {c_max}")
-    quality = f"fit {material.fit.quality}" if material.fit else "not fitted"
-    lines.append(f"{quality}, synthetic" if material.synthetic else quality)
+    if material.synthetic:
+        lines.append("synthetic, not measured")
     if state.presentation.overlay != "none":
         lines.append(f"shown: {state.presentation.overlay}")
     return lines
+
+
+def _room_above(model: Model, side: str, height: int) -> int:
+    """How many lines stand above the object; one at least."""
+    frame = model.frames.get(side)
+    if frame is None:
+        return 2
+    top = View.of(frame.scene, frame.size).bounds[3]
+    free = height * (1.0 - top / frame.size[1]) - em(0.4)
+    return max(int(free / imgui.get_text_line_height()), 1)
 
 
 def _shortened(text: str, width: float) -> str:

@@ -1,0 +1,201 @@
+"""Measure the window: what a drag, a start and an hour of it cost on this machine.
+
+Usage: python scripts/measure_viewer.py [drag] [start] [idle] [soak] [--frames N]
+
+Everything runs on GLFW's null platform but `idle`, which needs a display. Times are of whole
+frames, interface and all, each ended by a finish. The pictures are two of 640 x 640 pixels.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import random
+import subprocess
+import sys
+import tempfile
+import time
+from typing import Any
+
+import numpy as np
+
+PICTURE_PX = 640
+WARM_UP = 15
+DRAG_FRAMES = 120
+SOAK_FRAMES, RESIZES, SWITCHES = 20_000, 1_000, 1_000
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("what", nargs="*", default=["drag", "start"])
+    parser.add_argument("--frames", type=int, default=SOAK_FRAMES)
+    args = parser.parse_args()
+    for name in args.what:
+        {"drag": drag, "start": start, "idle": idle}.get(name, lambda: soak(args.frames))()
+    return 0
+
+
+def drag() -> None:
+    from relgloss_view.viewer.app import App
+    from relgloss_view.viewer.state import State
+    from relgloss_view.viewer.window import Window
+
+    class Dragged(App):
+        """Changes something in every frame, as a hand would that drags a slider."""
+
+        def __init__(self, change: Any) -> None:
+            super().__init__(State.initial())
+            self.change, self.count, self.times = change, 0, []  # type: ignore[var-annotated]
+            self._last = 0.0
+
+        def _note_hand(self) -> None:
+            super()._note_hand()
+            self.model.dragging = True
+            self.pace.scale = 1.0  # full resolution, whatever it takes
+
+        def frame(self) -> None:
+            self.count += 1
+            self.change(self.model, 0.5 + 0.4 * np.sin(0.2 * self.count))
+            super().frame()
+
+        def after_frame(self, frame_s: float) -> bool:
+            assert self.pictures is not None
+            self.pictures.ctx.finish()
+            now = time.perf_counter()
+            if self.count > WARM_UP:
+                self.times.append(now - self._last)
+            self._last = now
+            return True
+
+    changes = {
+        "nothing": lambda model, share: None,
+        "c": lambda m, x: m.set_look("test", "c", c=None, c_fraction=float(x)),
+        "sigma_n": lambda m, x: m.set_look("test", "s", sigma_n_deg=float(3 * x)),
+        "the lamp": lambda m, x: m.set_part("lamp", "l", azimuth_deg=float(90 * x)),
+        "the camera": lambda m, x: m.set_part("eye", "e", azimuth_deg=float(60 * x)),
+    }
+    for name, change in changes.items():
+        app = Dragged(change)
+        window = Window(app, _window_for(PICTURE_PX), headless=True)
+        window.run(WARM_UP + DRAG_FRAMES)
+        ms = 1e3 * np.array(app.times)
+        size = app.model.picture_size
+        print(
+            f"dragging {name}: two pictures of {size[0]}x{size[1]}, {1e3 / np.median(ms):.0f} "
+            f"frames a second (median {np.median(ms):.1f} ms, p90 {np.percentile(ms, 90):.1f} ms)"
+        )
+
+
+def _window_for(picture_px: int) -> tuple[int, int]:
+    """The window whose pictures have this size, panels as at the first start."""
+    return 2 * picture_px + 24 + 332, picture_px + 289
+
+
+def start() -> None:
+    script = (
+        "import sys, time; from relgloss_view.cli import main; "
+        "sys.exit(main(['view', '--screenshot', sys.argv[1], '--frames', '1']))"
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        times = []
+        for _ in range(6):
+            began = time.perf_counter()
+            subprocess.run(
+                [sys.executable, "-c", script, os.path.join(folder, "a.png")],
+                check=True,
+                stdout=subprocess.DEVNULL,
+            )
+            times.append(time.perf_counter() - began)
+    shown = ", ".join(f"{t:.2f}" for t in times[1:])
+    print(f"process start to the first full frame, saved as PNG: {shown} s")
+
+
+def idle() -> None:
+    with tempfile.TemporaryDirectory() as home:
+        environment = {**os.environ, "RELGLOSS_HOME": home}
+        process = subprocess.Popen(
+            [sys.executable, "-m", "relgloss_view.cli", "view"], env=environment
+        )
+        time.sleep(6)
+        before = _cpu_s(process.pid)
+        time.sleep(10)
+        share = (_cpu_s(process.pid) - before) / 10
+        process.terminate()
+        process.wait(10)
+    print(f"idle: {100 * share:.1f} % of one core over 10 s")
+
+
+def _cpu_s(pid: int) -> float:
+    with open(f"/proc/{pid}/stat") as file:
+        fields = file.read().rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def _memory_mb() -> float:
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+def soak(frames: int) -> None:
+    """Random sliders in every frame; resizes and sample switches in between."""
+    import ctypes
+
+    from imgui_bundle import hello_imgui  # isort: skip - before glfw, so that both use one library
+    import glfw
+
+    from relgloss_view.picture.samples import SAMPLES
+    from relgloss_view.viewer.app import App
+    from relgloss_view.viewer.state import Sample, State
+    from relgloss_view.viewer.window import Window
+
+    rng = random.Random(1)
+    resize_every, switch_every = max(frames // RESIZES, 1), max(frames // SWITCHES, 1)
+
+    class Soaked(App):
+        count = 0
+        errors = 0
+        memory: list[tuple[int, float]] = []  # noqa: RUF012 - one run
+
+        def frame(self) -> None:
+            self.count += 1
+            model, side = self.model, rng.choice(("reference", "test"))
+            kind = rng.randrange(4)
+            if kind == 0:
+                model.set_look(side, c=None, c_fraction=rng.random())
+            elif kind == 1:
+                model.set_look(side, sigma_n_deg=3 * rng.random())
+            elif kind == 2:
+                model.set_part("lamp", azimuth_deg=180 * rng.random() - 90)
+            else:
+                model.set_part("eye", elevation_deg=60 * rng.random() - 30)
+            if self.count % switch_every == 0:
+                model.set_sample(side, Sample.built_in(rng.choice(list(SAMPLES))))
+            if self.count % resize_every == 0:
+                library: Any = hello_imgui
+                handle = ctypes.cast(
+                    library.get_glfw_window_address(), ctypes.POINTER(glfw._GLFWwindow)
+                )
+                glfw.set_window_size(handle, rng.randrange(200, 400), rng.randrange(150, 300))
+            super().frame()
+
+        def after_frame(self, frame_s: float) -> bool:
+            assert self.pictures is not None
+            self.errors += self.pictures.ctx.error != "GL_NO_ERROR"
+            if self.count % max(frames // 20, 1) == 0:
+                self.memory.append((self.count, _memory_mb()))
+            return super().after_frame(frame_s)
+
+    app = Soaked(State.initial())
+    app.layout.hidden = True
+    began = time.perf_counter()
+    Window(app, (300, 200), headless=True).run(frames)
+    steady = app.memory[len(app.memory) // 10 :]
+    print(
+        f"{frames} frames, {frames // resize_every} resizes, {frames // switch_every} sample "
+        f"switches in {time.perf_counter() - began:.0f} s: memory {steady[0][1]:.0f} MB at frame "
+        f"{steady[0][0]}, {steady[-1][1]:.0f} MB at the end; {app.errors} GL errors"
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())
