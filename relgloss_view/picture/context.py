@@ -5,8 +5,11 @@ One of the two modules that know moderngl. A window gives its own context to `at
 
 from __future__ import annotations
 
+import importlib.util
+import os
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import moderngl
@@ -184,10 +187,23 @@ def _standalone() -> moderngl.Context:
     return _create(standalone=True, require=REQUIRED_GL)
 
 
+def _share_glfw() -> None:
+    """Point the glfw module to the GLFW that a window of this process would bring, if one could.
+
+    Two copies of GLFW in one process do not know of each other's state.
+    """
+    spec = importlib.util.find_spec("imgui_bundle")
+    if spec is None or spec.origin is None or os.environ.get("PYGLFW_LIBRARY"):
+        return
+    for library in sorted(Path(spec.origin).parent.glob("*glfw*.so.3")):
+        os.environ["PYGLFW_LIBRARY"] = str(library)
+
+
 def _osmesa() -> moderngl.Context:
     """OSMesa by way of GLFW's null platform; glcontext has no OSMesa backend of its own."""
     import ctypes
 
+    _share_glfw()
     import glfw
 
     glfw.init_hint(glfw.PLATFORM, glfw.PLATFORM_NULL)
