@@ -8,14 +8,15 @@ import math
 import numpy as np
 
 from relgloss_view.picture.scene import Eye, Lamp, Scene
-from relgloss_view.picture.shape import meet_shape
+from relgloss_view.picture.shape import meet
 from relgloss_view.picture.view import Size, View
 
 DEGREES_ACROSS = 180.0  #: that a drag over the whole width turns
 ZOOM_STEP = 1.15  #: of one notch of the wheel
 WIDEST_DEG, NARROWEST_DEG = 120.0, 0.2  #: angle of view across the height that zooming reaches
-#: What an eye can have at most: its angle of view, and its shift.
-LAST_DEG, FARTHEST_SHIFT = 170.0, 100.0
+#: What an eye can have: angles of view, and a shift.
+ANGLES_DEG, FARTHEST_SHIFT = (1e-3, 170.0), 100.0
+INNER = 0.9  #: share of the picture, each way, that some of the object stays in
 BISECTIONS = 40
 
 Point = tuple[float, float]  #: pixels from the top left
@@ -35,12 +36,12 @@ def zoomed(scene: Scene, notches: float, pointer: Point, size: Size) -> Eye:
     """The eye after turns of the wheel; what is under the pointer stays there."""
     view = View.of(scene, size)
     half_height = 0.5 * size[1]
-    low, high, last = (
+    low, high, least, most = (
         math.tan(0.5 * math.radians(angle)) / half_height
-        for angle in (NARROWEST_DEG, WIDEST_DEG, LAST_DEG)
+        for angle in (NARROWEST_DEG, WIDEST_DEG, *ANGLES_DEG)
     )
-    # A view that is beyond the limits already stays as it is, or goes back to them.
-    low, high = min(low, view.pixel_step), min(max(high, view.pixel_step), last)
+    # A view that is beyond the limits of zooming is not drawn back to them.
+    low, high = max(min(low, view.pixel_step), least), min(max(high, view.pixel_step), most)
     step = float(np.clip(view.pixel_step * ZOOM_STEP**-notches, low, high))
     # Under the pointer is shift + offset * step, to the right and up.
     right, up = pointer[0] - 0.5 * size[0], half_height - pointer[1]
@@ -48,8 +49,7 @@ def zoomed(scene: Scene, notches: float, pointer: Point, size: Size) -> Eye:
         view.shift[0] + right * (view.pixel_step - step),
         view.shift[1] + up * (view.pixel_step - step),
     )
-    angle = min(math.degrees(2.0 * math.atan(step * half_height)), LAST_DEG)
-    eye = dataclasses.replace(scene.eye, field_of_view_deg=angle)
+    eye = dataclasses.replace(scene.eye, field_of_view_deg=_angle_deg(step * half_height))
     return _shifted(eye, shift, scene, step, size)
 
 
@@ -70,9 +70,8 @@ def framed(eye: Eye) -> Eye:
 
 def life_sized(eye: Eye, pixel_pitch_m: float, size: Size) -> Eye:
     """The eye that shows the plane through the object's centre at its physical size."""
-    step = pixel_pitch_m / eye.distance_m
-    angle = math.degrees(2.0 * math.atan(0.5 * size[1] * step))
-    return dataclasses.replace(eye, field_of_view_deg=float(np.clip(angle, 1e-3, 170.0)))
+    tangent = 0.5 * size[1] * pixel_pitch_m / eye.distance_m
+    return dataclasses.replace(eye, field_of_view_deg=_angle_deg(tangent))
 
 
 def turned(lamp: Lamp, moved: Point, size: Size) -> Lamp:
@@ -97,23 +96,29 @@ def _wrapped(angle_deg: float) -> float:
     return (angle_deg + 180.0) % 360.0 - 180.0
 
 
-def _shifted(eye: Eye, shift: Point, scene: Scene, step: float, size: Size) -> Eye:
-    """The eye with a shift, held so that the object stays in the picture.
+def _angle_deg(tangent: float) -> float:
+    """Angle of view whose half has a tangent, as near as there is."""
+    return float(np.clip(math.degrees(2.0 * math.atan(tangent)), *ANGLES_DEG))
 
-    Either its centre is in the picture, or the picture's centre shows it; a shift that goes further
-    is made as much shorter as that takes.
+
+def _shifted(eye: Eye, shift: Point, scene: Scene, step: float, size: Size) -> Eye:
+    """The eye with a shift, held so that some of the object stays in the picture.
+
+    The point of the picture's inner part that is nearest to the object's centre shows the object;
+    a shift that goes further is made as much shorter as that takes.
     """
     view = View.of(dataclasses.replace(scene, eye=eye), size)
-    half = (0.5 * size[0] * step, 0.5 * size[1] * step)
+    extent = scene.shape.half_extent_m()
+    inner = [0.5 * INNER * count * step for count in size]
 
     def is_in_reach(share: float) -> bool:
-        right, up = share * shift[0], share * shift[1]
-        if max(abs(right), abs(up)) > FARTHEST_SHIFT:
-            return False
-        if abs(right) <= half[0] and abs(up) <= half[1]:
-            return True
+        held = [share * tangent for tangent in shift]
+        right, up = (t - np.clip(t, -most, most) for t, most in zip(held, inner, strict=True))
+        if right == 0.0 and up == 0.0:
+            return max(abs(t) for t in held) <= FARTHEST_SHIFT
         ray = view.forward + right * view.right + up * view.up
-        return bool(meet_shape(scene.shape, view.eye_m, ray[None])[0][0])
+        found = meet(scene.shape.kind, view.eye_m, ray[None], extent).found[0]
+        return bool(found) and max(abs(t) for t in held) <= FARTHEST_SHIFT
 
     share = 1.0
     if not is_in_reach(share):
