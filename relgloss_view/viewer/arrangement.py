@@ -64,7 +64,8 @@ def drawable(size: Size, largest: Size | None = None) -> Size:
     scale = min(1.0, side_limit / max(size), math.sqrt(MAX_PIXELS / (size[0] * size[1])))
     if scale == 1.0:
         return size
-    return max(1, int(size[0] * scale)), max(1, int(size[1] * scale))
+    width, height = (max(1, int(side * scale + 1e-9)) for side in size)  # against rounding
+    return width, height
 
 
 def needed_sides(presentation: Presentation) -> tuple[str, ...]:
