@@ -125,7 +125,7 @@ def test_public_names_are_there():
 #: GLSL library -> its numpy twin, and the functions that only float32 or a pixel needs.
 TWINS = {
     "brdf.glsl": ("material/brdf.py", {"squared_angle", "above", "polar_angle"}),
-    "noise.glsl": ("picture/noise.py", set()),
+    "noise.glsl": ("picture/noise.py", {"cosine_of_turn", "direction_of_turn"}),
     "shape.glsl": ("picture/shape.py", {"arc_tangent", "meet_face"}),
     "tone.glsl": ("picture/tone.py", {"cube_root"}),
     "difference.glsl": ("picture/difference.py", set()),
@@ -150,8 +150,8 @@ class TestShaders:
     @pytest.mark.parametrize("stage", STAGES)
     def test_independent_compiler_accepts_them(self, stage, tmp_path):
         """Khronos's glslang reads the language more strictly than Mesa does."""
-        names = ("SHAPE", "DIFFUSE_MODEL", "NOISE", "GRAIN", "TRANSFER", "NOISY_DIFFUSE", "GAMUT", "SAMPLED")
-        defines = dict.fromkeys(names, 1) | {"LOBES": 2, "BLOCK": 16, "FIRST": 1}
+        names = ("SHAPE", "DIFFUSE_MODEL", "NOISE", "GRAIN", "TRANSFER", "NOISY_DIFFUSE", "GAMUT")
+        defines = dict.fromkeys((*names, "SAMPLED"), 1) | {"LOBES": 2, "BLOCK": 16, "FIRST": 1}
         defines["OVERLAY"] = 3
         file = tmp_path / stage
         file.write_text(ShaderSource(stage, defines).text, encoding="utf-8")

@@ -14,7 +14,8 @@ from relgloss_view.errors import InputError, RelglossError
 from relgloss_view.text_input import printable
 
 if TYPE_CHECKING:
-    from relgloss_view.viewer.state import State
+    from relgloss_view.viewer.app import App
+    from relgloss_view.viewer.jobs import Opened
 
 DEFAULT_FRAMES = 3  #: the first settles the layout
 MOST_FRAMES = 100_000
@@ -67,15 +68,17 @@ def _screenshot(args: argparse.Namespace) -> int:
     if not 1 <= args.frames <= MOST_FRAMES:
         raise InputError(f"--frames {args.frames}: expected 1 to {MOST_FRAMES}")
     if not args.screenshot.lower().endswith(".png"):
-        raise InputError(f"--screenshot {args.screenshot}: expected a name that ends in .png")
+        named = args.screenshot or "''"
+        raise InputError(f"--screenshot {named}: expected a name that ends in .png")
     check_writable(args.screenshot)
+    opened = _opened(args.files)
     from relgloss_view.viewer.app import App
     from relgloss_view.viewer.layout_file import DEFAULT_SIZE
     from relgloss_view.viewer.state import State
     from relgloss_view.viewer.window import Window
 
     app = App(State.initial())
-    _open_all(app, args.files)
+    _show(app, opened)
     window = Window(
         app, args.window or DEFAULT_SIZE, headless=True, font_scale=args.font_scale or 1.0
     )
@@ -84,7 +87,8 @@ def _screenshot(args: argparse.Namespace) -> int:
     from relgloss_view.picture.export import save_rgb
 
     save_rgb(pixels, args.screenshot, {})
-    print(f"{printable(args.screenshot)}: the window after {args.frames} frames")
+    frames = "1 frame" if args.frames == 1 else f"{args.frames} frames"
+    print(f"{printable(args.screenshot)}: the window after {frames}")
     return 0
 
 
@@ -98,6 +102,7 @@ def _interactive(args: argparse.Namespace) -> int:
     from relgloss_view.viewer.window import Window
 
     check_display()
+    opened = _opened(args.files)
     layout_path, session_path, faults = None, None, []
     try:
         layout_path, session_path = config_folder() / "window.toml", session_file()
@@ -109,7 +114,7 @@ def _interactive(args: argparse.Namespace) -> int:
         app.model.say(told, fault=True)
     if session_path is not None:
         app.files.session = Autosave(session_path, restored.state)
-    _open_all(app, args.files)
+    _show(app, opened)
     if layout_path is not None:
         app.keep_layout(layout_path, load_layout(layout_path))
     size = args.window or app.kept_layout.size
@@ -126,13 +131,13 @@ def _tell_clamped(args: argparse.Namespace, size: tuple[int, int]) -> None:
         print(f"warning: --window {asked}: clamped to {size[0]}x{size[1]}", file=sys.stderr)
 
 
-def _open_all(app: Any, files: list[str]) -> None:
-    """Open files before the window is there, so that a fault ends the command."""
+def _opened(files: list[str]) -> list[Opened]:
+    """What the files hold, before the window is there, so that a fault ends the command."""
     from relgloss_view.commands.progress import Progress
     from relgloss_view.viewer.jobs import OpenJob
 
-    state: State = app.model.state
-    samples = []
+    _check_files(files)
+    opened = []
     for file in files:
         job = OpenJob(file, lambda: None)
         try:
@@ -145,19 +150,36 @@ def _open_all(app: Any, files: list[str]) -> None:
         if job.fault is not None:
             raise InputError(job.fault)
         assert job.result is not None
-        if job.result.sample is None:
-            state = job.result.applied(state, "test")
-            app.files.scene_path = job.result.path
-        else:
-            samples.append(job.result)
-        if job.result.warning:
-            app.model.say(job.result.warning, fault=True)
-    if len(samples) > 2:
-        raise InputError(f"{len(samples)} samples given: expected at most 2, reference and test")
+        opened.append(job.result)
+    return opened
+
+
+def _show(app: App, opened: list[Opened]) -> None:
+    """Have the window show what was opened: a scene first, the samples on its sides."""
+    state = app.model.state
+    for one in opened:
+        if one.sample is None:
+            state = one.applied(state, "test")
+            app.files.scene_path = one.path
+        if one.warning:
+            app.model.say(one.warning, fault=True)
+    samples = [one for one in opened if one.sample is not None]
     sides = ("reference", "test") if len(samples) == 2 else ("test",)
-    for side, opened in zip(sides, samples, strict=False):
-        state = opened.applied(state, side)
-        table = opened.sample.table if opened.sample else None
-        if opened.measurement is not None and table is not None:
-            app.model.measurements[table] = opened.measurement
+    for side, one in zip(sides, samples, strict=False):
+        state = one.applied(state, side)
+        table = one.sample.table if one.sample else None
+        if one.measurement is not None and table is not None:
+            app.model.measurements[table] = one.measurement
     app.model.change(state)
+
+
+def _check_files(files: list[str]) -> None:
+    """Raise InputError before the first is fitted, which takes a while."""
+    from relgloss_view.viewer.kinds import SCENE, likely_kind
+
+    scenes = [likely_kind(file) for file in files].count(SCENE)
+    samples = len(files) - scenes
+    if scenes > 1:
+        raise InputError(f"{scenes} scenes given: expected at most 1")
+    if samples > 2:
+        raise InputError(f"{samples} samples given: expected at most 2, reference and test")

@@ -76,11 +76,13 @@ class Plan:
         return {name: self.defines()[name] for name in ("SHAPE", "NOISE", "GRAIN")}
 
 
-def tone_defines(display: Display, stage: str) -> dict[str, int]:
+def tone_defines(display: Display, stage: str, samples: int = 1) -> dict[str, int]:
     """The constants of a stage that shows colours."""
-    defines = {"GAMUT": GAMUT_CODES[display.gamut], "TRANSFER": TRANSFER_CODES[display.transfer]}
-    if stage == "light.frag":  # linear: no transfer
-        del defines["TRANSFER"]
+    defines = {"GAMUT": GAMUT_CODES[display.gamut]}
+    if stage != "light.frag":  # which is linear
+        defines["TRANSFER"] = TRANSFER_CODES[display.transfer]
+    if stage == "tone.frag":
+        defines["SAMPLED"] = int(samples > 1)
     return defines
 
 

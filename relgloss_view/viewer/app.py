@@ -203,9 +203,10 @@ class App:
             self.pace.rest()
 
     def _show_stage(self) -> None:
-        bare = stage.show(self.model, self._draw_pictures)
+        canvas = stage.show(self.model, self._draw_pictures)
         assert self._window is not None
-        self._window.filled = (_surround(self.model.state.display), bare)
+        self._window.surround = _surround(self.model.state.display)
+        self._window.canvas = canvas
 
     def _draw_pictures(self, pane: Size) -> stage.Staged | None:
         assert self.pictures is not None

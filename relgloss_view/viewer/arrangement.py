@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from relgloss_view.picture.scene import Eye
-from relgloss_view.picture.view import MAX_PIXELS, MAX_SIDE_PX, Size
+from relgloss_view.picture.view import MAX_PIXELS, MAX_SIDE_PX, Box, Size
 from relgloss_view.viewer.camera import life_sized
 from relgloss_view.viewer.state import DIFFERENCE, FLIP, SIDE_BY_SIDE, WIPE, Presentation, State
 
@@ -28,6 +28,33 @@ class Arrangement:
     def complete(self) -> bool:
         """Whether each pixel of a picture is a pixel of the screen."""
         return all(rect[2:] == self.size for rect in self.rects.values())
+
+
+@dataclass(frozen=True)
+class Copy:
+    """A box of a picture's framebuffer (by name; pixels from its lower left) and where it goes."""
+
+    framebuffer: int
+    box: Box
+    place: Rect
+    scaled: bool
+
+
+@dataclass(frozen=True)
+class Canvas:
+    """What is painted below the interface: surround, and copies of pictures."""
+
+    surround: list[Rect] = field(default_factory=list)
+    copies: list[Copy] = field(default_factory=list)
+
+    def moved(self, right: int, down: int) -> Canvas:
+        """The same elsewhere."""
+
+        def move(rect: Rect) -> Rect:
+            return rect[0] + right, rect[1] + down, rect[2], rect[3]
+
+        copies = [dataclasses.replace(copy, place=move(copy.place)) for copy in self.copies]
+        return Canvas([move(rect) for rect in self.surround], copies)
 
 
 def arranged(

@@ -1,4 +1,4 @@
-"""Pictures: the state of the window drawn by the one renderer, as textures for the pane.
+"""Pictures: the state of the window drawn by the one renderer, for the pane.
 
 Each side has its own renderer, so that a slider of one side leaves the other alone, and a second
 one for smaller pictures while something is dragged. All share one set of programs.
@@ -16,6 +16,8 @@ from relgloss_view.picture.context import max_texture_size
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.plan import Plan, as_drawn
 from relgloss_view.picture.renderer import (
+    OVERLAY,
+    TONE,
     Programs,
     Renderer,
     Request,
@@ -32,9 +34,9 @@ WARM_SIZE = (8, 8)
 
 @dataclass(frozen=True)
 class Shown:
-    """A picture on the device: the name of its texture, its size, and its numbers."""
+    """A picture on the device: the name of its framebuffer, its size, and its numbers."""
 
-    texture: int
+    framebuffer: int
     size: Size
     frame: Frame
 
@@ -90,13 +92,14 @@ class Pictures:
             first, second = (
                 Request(state.scene(side), state.side(side).look, size) for side in SIDES
             )
-            texture = draw_difference(
+            draw_difference(
                 renderers["reference"],
                 renderers["test"],
                 (first, second),
                 state.presentation.difference_max,
             )
-            shown["test"] = Shown(texture.glo, size, shown["test"].frame)
+            name = renderers["test"].framebuffer_name(OVERLAY)
+            shown["test"] = Shown(name, size, shown["test"].frame)
         return shown, faults
 
     def warm(self, state: State) -> bool:
@@ -148,10 +151,9 @@ class Pictures:
         frame = renderer.render(scene, look, size)
         overlay = state.presentation.overlay
         if overlay == "none" or state.presentation.haploscopic:
-            texture = renderer.texture("display")
-        else:
-            texture = draw_overlay(renderer, scene, look, size, overlay)
-        return Shown(texture.glo, size, frame)
+            return Shown(renderer.framebuffer_name(TONE), size, frame)
+        draw_overlay(renderer, scene, look, size, overlay)
+        return Shown(renderer.framebuffer_name(OVERLAY), size, frame)
 
 
 def _variant(scene: Scene, look: Look) -> object:

@@ -20,8 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relgloss_view.errors import GLUnavailableError
-from relgloss_view.picture.context import Offscreen, attach
+from relgloss_view.picture.context import Blitter, Offscreen, attach
 from relgloss_view.viewer import theme
+from relgloss_view.viewer.arrangement import Canvas
 from relgloss_view.viewer.platform import REMEDY, load, open_platform, terminating
 
 TITLE = "relgloss"
@@ -75,9 +76,11 @@ class Window:
         self.headless = headless
         self.font_scale = font_scale
         self._tune = tune
-        #: A gray, and the rectangles of the window (left, top, width, height in pixels) that it
-        #: fills. They are cleared: blending them takes a software driver longer than the pictures.
-        self.filled: tuple[float, list[tuple[int, int, int, int]]] = (0.0, [])
+        #: What is painted below the interface, and the gray of the surround. It is cleared and
+        #: copied: to blend it as the interface does takes a software driver several times as long.
+        self.canvas = Canvas()
+        self.surround = 0.0
+        self._blitter: Blitter | None = None
         self._screen: Any = None  #: what the interface is drawn on
         self._drawn = 0
         self._awake_until = 0.0
@@ -234,6 +237,7 @@ class Window:
         glfw.set_drop_callback(handle, on_drop)
         ctx = attach(load)
         self._screen = Offscreen(ctx) if self.headless else ctx.screen
+        self._blitter = Blitter(load)
         self._fit_screen()
         self.program.start(ctx, self)
         self._started = True
@@ -252,14 +256,21 @@ class Window:
             self._screen.clear(theme.PANEL, theme.PANEL, theme.PANEL, 1.0)
 
     def _fill(self) -> None:
-        gray, rectangles = self.filled
-        height = self.size_now()[1]
-        for left, top, width, tall in rectangles:
+        gray, height = self.surround, self.size_now()[1]
+        for left, top, width, tall in self.canvas.surround:
             if width > 0 and tall > 0:
                 self._screen.clear(
                     gray, gray, gray, 1.0, viewport=(left, height - top - tall, width, tall)
                 )
-        self.filled = (gray, [])
+        assert self._blitter is not None
+        for copy in self.canvas.copies:
+            left, top, width, tall = copy.place
+            place = (left, height - top - tall, left + width, height - top)
+            self._blitter.copy(
+                copy.framebuffer, copy.box, self._screen.glo, place, smooth=copy.scaled
+            )
+        self.to_screen()
+        self.canvas = Canvas()
 
     def _guarded(self, action: Callable[[], None]) -> None:
         """An exception must not pass through the window library; the loop raises it instead."""

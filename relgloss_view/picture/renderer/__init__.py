@@ -6,5 +6,14 @@ With picture/context.py the only place that knows moderngl.
 from relgloss_view.picture.renderer.overlays import draw_difference, draw_overlay
 from relgloss_view.picture.renderer.passes import Renderer, Request
 from relgloss_view.picture.renderer.programs import Programs
+from relgloss_view.picture.renderer.targets import OVERLAY, TONE
 
-__all__ = ["Programs", "Renderer", "Request", "draw_difference", "draw_overlay"]
+__all__ = [
+    "OVERLAY",
+    "TONE",
+    "Programs",
+    "Renderer",
+    "Request",
+    "draw_difference",
+    "draw_overlay",
+]

@@ -86,7 +86,8 @@ class Renderer:
         for stage, defines in self._reduction.stages():
             self.programs.get(stage, defines)
         for stage in ("tone.frag", "light.frag"):
-            self.programs.get(stage, tone_defines(scene.display, stage))
+            for samples in (1, 2):
+                self.programs.get(stage, tone_defines(scene.display, stage, samples))
 
     def render(self, scene: Scene, look: Look, size: Size) -> Frame:
         """Draw a scene. Raises InputError for a size or a material that can't be drawn."""
@@ -102,6 +103,10 @@ class Renderer:
             self._device,
             scene_warnings(scene, look, size, seen=self._seen, lit=white > 0.0),
         )
+
+    def framebuffer_name(self, targets: tuple[str, ...]) -> int:
+        """OpenGL's name of the framebuffer of targets that were drawn; it reads the first."""
+        return int(self._targets.framebuffer(targets).glo)
 
     def texture(self, name: str) -> moderngl.Texture:
         """A target as it was last drawn, for passes that go on from it."""
@@ -202,7 +207,8 @@ class Renderer:
     ) -> None:
         """Scale and show; outside the bounds stands the surround, which c does not change."""
         around: Uniforms = display_uniforms(request.scene)
-        defines = tone_defines(request.scene.display, f"{name}.frag")
+        samples = sample_count(request.scene, request.look, request.size)
+        defines = tone_defines(request.scene.display, f"{name}.frag", samples)
         if self.held.stale(name, tuple(defines.items()), around, scaling.c):
             key = key_of(tuple(defines.items()), around, bounds)
             uniforms = {**around, "c": scaling.c, **self.images(("diffuse", *SPLIT))}

@@ -1,4 +1,4 @@
-"""The stage: the two pictures, and the hand on them. Textures come from outside as names."""
+"""The stage: where the two pictures go, and the hand on them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.picture.view import Size, View
 from relgloss_view.viewer import camera
-from relgloss_view.viewer.arrangement import Arrangement, Rect, bare
+from relgloss_view.viewer.arrangement import Arrangement, Canvas, Copy, Rect, bare
 from relgloss_view.viewer.model import Model
 from relgloss_view.viewer.panels import captions
 from relgloss_view.viewer.pictures import Shown
@@ -30,10 +30,10 @@ class Staged:
     faults: dict[str, str]
 
 
-def show(model: Model, draw: Callable[[Size], Staged | None]) -> list[Rect]:
-    """Fill the window with the pictures; `draw` makes them for a size in pixels.
+def show(model: Model, draw: Callable[[Size], Staged | None]) -> Canvas:
+    """Show the pictures and take the hand on them; `draw` makes them for a size in pixels.
 
-    Returns what they leave of it, rectangles in pixels of the screen, for the surround.
+    Returns what is to be painted below the interface, in pixels of the window.
     """
     origin = imgui.get_cursor_screen_pos()
     room = imgui.get_content_region_avail()
@@ -41,26 +41,26 @@ def show(model: Model, draw: Callable[[Size], Staged | None]) -> list[Rect]:
     model.pointer = None
     staged = draw(pane)
     if staged is None:
-        return []
+        return Canvas()
     painter = imgui.get_window_draw_list()
     presentation = model.state.presentation
     wiping = presentation.compare == WIPE and not presentation.haploscopic
     edge = int(presentation.wipe * pane[0])
-    covered = []
+    copies: list[Copy] = []
     for side, rect in staged.arrangement.rects.items():
         if side not in staged.shown:
             continue
         clip = _wiped(rect, edge, side, mirrored=presentation.mirror) if wiping else rect
-        box = _box(model, rect, staged.shown[side])
-        covered.append(_common(box, clip))
-        _paint(painter, model, origin, rect, clip, box, staged.shown[side])
+        area = _common(_box(model, rect, staged.shown[side]), clip)
+        if area[2] > 0 and area[3] > 0:
+            copies.append(_copy(model, rect, area, staged.shown[side]))
     if wiping:
         _line(painter, origin, edge, pane[1])
     _take_hand(model, origin, pane, staged, edge if wiping else None)
     if not presentation.haploscopic:
         captions.show(model, painter, origin, staged.arrangement, staged.faults)
-    left, top = int(origin.x), int(origin.y)
-    return [(left + x, top + y, w, h) for x, y, w, h in bare(pane, covered)]
+    parts = bare(pane, [copy.place for copy in copies])
+    return Canvas(parts, copies).moved(int(origin.x), int(origin.y))
 
 
 def _wiped(rect: Rect, edge: int, side: str, *, mirrored: bool) -> Rect:
@@ -94,30 +94,15 @@ def _common(a: Rect, b: Rect) -> Rect:
     return left, top, max(right - left, 0), max(bottom - top, 0)
 
 
-def _paint(
-    painter: imgui.ImDrawList,
-    model: Model,
-    origin: ImVec2,
-    rect: Rect,
-    clip: Rect,
-    box: Rect,
-    shown: Shown,
-) -> None:
-    """Draw the box of a picture's texture, inside the clip, pixel upon pixel."""
-    if box[2] == 0 or box[3] == 0:
-        return
-    u = [(box[0] - rect[0]) / rect[2], (box[0] + box[2] - rect[0]) / rect[2]]
-    v = [(box[1] - rect[1]) / rect[3], (box[1] + box[3] - rect[1]) / rect[3]]
+def _copy(model: Model, rect: Rect, area: Rect, shown: Shown) -> Copy:
+    """What to copy from a picture to an area of the pane, and where in the picture it lies."""
+    across, down = shown.size[0] / rect[2], shown.size[1] / rect[3]
+    left, right = (round((x - rect[0]) * across) for x in (area[0], area[0] + area[2]))
+    top, bottom = (round((y - rect[1]) * down) for y in (area[1], area[1] + area[3]))
     if model.state.presentation.mirror:
-        u = [1.0 - u[0], 1.0 - u[1]]
-    low = ImVec2(origin.x + box[0], origin.y + box[1])
-    high = ImVec2(low.x + box[2], low.y + box[3])
-    corner = ImVec2(origin.x + clip[0], origin.y + clip[1])
-    painter.push_clip_rect(corner, ImVec2(corner.x + clip[2], corner.y + clip[3]), True)
-    # Row 0 of a texture is its lowest.
-    texture = imgui.ImTextureRef(shown.texture)
-    painter.add_image(texture, low, high, (u[0], 1.0 - v[0]), (u[1], 1.0 - v[1]))
-    painter.pop_clip_rect()
+        left, right = shown.size[0] - left, shown.size[0] - right
+    box = (left, shown.size[1] - bottom, right, shown.size[1] - top)
+    return Copy(shown.framebuffer, box, area, scaled=shown.size != rect[2:])
 
 
 def _line(painter: imgui.ImDrawList, origin: ImVec2, x: int, height: int) -> None:
