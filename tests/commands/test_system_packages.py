@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -11,22 +12,33 @@ import pytest
 SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "system-packages"
 
 
-def asked_for(folder, purpose, *, apt_knows, python="python3"):
-    """The packages that an ordinary user is told to install."""
+#: What any machine has, and the script calls.
+TOOLS = ("sh", "grep", "uname")
+COMMANDS = ("glslangValidator", "Xvfb", "xdotool")
+
+
+def asked_for(folder, purpose, *, apt_knows, python="python3", commands=COMMANDS):
+    """The packages that an ordinary user is told to install, where some commands are there."""
     stand_ins = {
         "ldconfig": "exit 0",
         "id": "echo 1000",
         "apt-cache": f"exit {0 if apt_knows else 100}",
         "python3": "exit 1",
         "my-python": "exit 0",
-        "glslangValidator": "exit 0",
-    }
+    } | dict.fromkeys(commands, "exit 0")
+    for tool in TOOLS:
+        (folder / tool).unlink(missing_ok=True)
+        (folder / tool).symlink_to(shutil.which(tool))
     for name, body in stand_ins.items():
         (folder / name).write_text(f"#!/bin/sh\n{body}\n")
         (folder / name).chmod(0o755)
-    env = {**os.environ, "PATH": f"{folder}:{os.environ['PATH']}", "PYTHON": python}
+    env = {**os.environ, "PATH": str(folder), "PYTHON": python}
     done = subprocess.run(
-        ["sh", str(SCRIPT), purpose], env=env, capture_output=True, text=True, check=False
+        [str(folder / "sh"), str(SCRIPT), purpose],
+        env=env,
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert done.returncode == 1
     return done.stderr.splitlines()[-1].partition("--no-install-recommends ")[2].split()
@@ -40,6 +52,29 @@ def test_osmesa_is_for_tests_where_debian_has_it(tmp_path, purpose, apt_knows, o
     packages = asked_for(tmp_path, purpose, apt_knows=apt_knows)
     assert ("libosmesa6" in packages) == osmesa
     assert "libegl1" in packages
+
+
+WINDOW = {"libglx-mesa0", "libxrandr2", "libxcursor1"}  # what only a window on a display needs
+
+
+@pytest.mark.parametrize("purpose", ["demo", "test"])
+def test_the_window_on_a_display_is_for_everybody(tmp_path, purpose):
+    assert set(asked_for(tmp_path, purpose, apt_knows=True)) >= WINDOW
+
+
+@pytest.mark.parametrize(
+    ("command", "package"),
+    [("Xvfb", "xvfb"), ("xdotool", "xdotool"), ("glslangValidator", "glslang-tools")],
+)
+def test_commands_of_tests_are_for_tests(tmp_path, command, package):
+    others = tuple(name for name in COMMANDS if name != command)
+    for purpose, there, asked in (
+        ("test", others, True), ("test", COMMANDS, False), ("demo", others, False)
+    ):  # fmt: skip
+        folder = tmp_path / f"{purpose}-{asked}-{len(there)}"
+        folder.mkdir()
+        packages = asked_for(folder, purpose, apt_knows=True, commands=there)
+        assert (package in packages) == asked, purpose
 
 
 def test_the_python_that_make_uses_is_asked(tmp_path):
