@@ -24,7 +24,7 @@ from relgloss_view.viewer.session import restore
 
 ROOT = Path(cli.__file__).parents[1]
 LONGEST_S = 60.0
-WINDOW, SCREEN = "800x600", "1024x768x24"
+WINDOW, SCREEN = "1280x800", "1400x900x24"
 FRAMES = 8
 TITLE = "^relgloss$"
 STEP_PX = 40
@@ -121,7 +121,7 @@ def test_shows_what_the_null_platform_draws(tmp_path, display):
     either way: by one level where one smooth edge lies over a field, two where it lies over
     another. Seen were 8 pixels of 480,000 with one level; ten times as many are allowed.
     """
-    hand(display, "mousemove", "1023", "767")  # off the window, so that nothing is lit up
+    hand(display, "mousemove", "1399", "899")  # off the window, so that nothing is lit up
     (real, rects), (null, null_rects) = drawn(tmp_path, display), drawn(tmp_path, None)
     assert real.shape == (600, 800, 3)
     np.testing.assert_array_equal(rects, null_rects)
