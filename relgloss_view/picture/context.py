@@ -78,6 +78,12 @@ def make_current(ctx: moderngl.Context) -> None:
     untyped.__enter__()
 
 
+def texture_probe(load: Callable[[str], int]) -> Callable[[int], bool]:
+    """What tells whether the current context still knows a texture, by its name."""
+    probe = ctypes.CFUNCTYPE(ctypes.c_ubyte, ctypes.c_uint)(load("glIsTexture"))
+    return lambda name: bool(probe(name))
+
+
 class Blitter:
     """Copies rectangles between framebuffers, past moderngl, which copies whole ones only.
 

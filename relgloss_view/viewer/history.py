@@ -29,6 +29,9 @@ class History:
             del self._past[:-LONGEST]
         self._future.clear()
         self._gesture = gesture
+        if self._past[-1] == state:  # the hand has come back to where it began: no step
+            state = self._past.pop()
+            self._gesture = None
         self.state = state
 
     def end_gesture(self) -> None:

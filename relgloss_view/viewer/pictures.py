@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -129,9 +130,15 @@ class Pictures:
         self._enlarged = True
         return self._warm.render(state.scene(side), state.side(side).look, size)
 
-    def lost(self) -> bool:
-        """Whether the device has refused something since this was last asked."""
-        return bool(self.ctx.error != "GL_NO_ERROR")
+    def lost(self, is_texture: Callable[[int], bool]) -> bool:
+        """Whether the device has refused something since this was last asked, or lost a texture.
+
+        A texture that was deleted goes on in its framebuffer: pictures show, but can't be read.
+        """
+        if self.ctx.error != "GL_NO_ERROR":
+            return True
+        renderers = (*self._full.values(), *self._draft.values())
+        return not all(is_texture(name) for r in renderers for name in r.texture_names())
 
     def abandon(self) -> None:
         """Forget objects that may no longer be there."""

@@ -7,6 +7,7 @@ import ctypes
 import os
 import signal
 import sys
+import tempfile
 import threading
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -15,6 +16,7 @@ import imgui_bundle  # noqa: F401 - brings the GLFW that the glfw module then fi
 import glfw
 
 from relgloss_view.errors import GLUnavailableError
+from relgloss_view.picture.context import REMEDY as NO_GL_REMEDY
 
 REMEDY = (
     "start it on a desktop or over `ssh -X`, or draw without a display: "
@@ -33,6 +35,35 @@ def terminating(close: Callable[[], None]) -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGTERM, before)
+
+
+@contextlib.contextmanager
+def quiet_errors() -> Iterator[list[str]]:
+    """Catch what libraries below Python print on standard error; the list holds it afterwards."""
+    told: list[str] = []
+    try:
+        kept = os.dup(2)
+    except OSError:  # closed: nothing can be printed there
+        yield told
+        return
+    with tempfile.TemporaryFile() as caught:
+        os.dup2(caught.fileno(), 2)
+        try:
+            yield told
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+            caught.seek(0)
+            told.extend(caught.read().decode("utf-8", "replace").splitlines())
+
+
+def no_window(told: list[str], headless: bool) -> GLUnavailableError:
+    """The fault of a window that could not be opened, from what libraries said of it."""
+    reasons = "; ".join(dict.fromkeys(line.strip() for line in told if "Glfw Error" in line))
+    remedy = NO_GL_REMEDY if headless else f"{NO_GL_REMEDY}; or {REMEDY}"
+    return GLUnavailableError(
+        f"no window with OpenGL 3.3 ({reasons or 'no reason given'}); {remedy}"
+    )
 
 
 def check_display() -> None:

@@ -19,14 +19,14 @@ import glfw
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view.errors import GLUnavailableError
-from relgloss_view.picture.context import Blitter, Offscreen, attach
+from relgloss_view.picture.context import Blitter, Offscreen, attach, texture_probe
 from relgloss_view.viewer import theme
 from relgloss_view.viewer.arrangement import Canvas
-from relgloss_view.viewer.platform import REMEDY, load, open_platform, terminating
+from relgloss_view.viewer.platform import load, no_window, open_platform, quiet_errors, terminating
 
 TITLE = "relgloss"
 SMALLEST_PX, LARGEST_PX = 1, 8192
+MOST_PIXELS = 16 * 1024 * 1024  #: two pictures and a window of so many take about 1 GB
 #: After an event: frames at once, for the interface to settle, then some for tooltips, then none.
 SETTLING_FRAMES = 4
 TOOLTIP_S, TOOLTIP_STEP_S = 1.2, 0.1
@@ -57,6 +57,15 @@ class Program(Protocol):
         """The context is about to go."""
 
 
+def held_size(size: tuple[int, int]) -> tuple[int, int]:
+    """The size of a window that can be drawn, nearest to the one that is asked for."""
+    width, height = (int(np.clip(side, SMALLEST_PX, LARGEST_PX)) for side in size)
+    excess = width * height / MOST_PIXELS
+    if excess > 1.0:
+        width, height = int(width / excess**0.5), int(height / excess**0.5)
+    return width, height
+
+
 class Window:
     """Runs a program until it or its user ends it."""
 
@@ -71,8 +80,7 @@ class Window:
     ) -> None:
         """size: in pixels, held to what can be drawn. tune: a last word on the parameters."""
         self.program = program
-        width, height = (int(np.clip(side, SMALLEST_PX, LARGEST_PX)) for side in size)
-        self.size = (width, height)
+        self.size = held_size(size)
         self.headless = headless
         self.font_scale = font_scale
         self._tune = tune
@@ -81,6 +89,8 @@ class Window:
         self.canvas = Canvas()
         self.surround = 0.0
         self._blitter: Blitter | None = None
+        #: Whether the device still knows a texture by this name.
+        self.is_texture: Callable[[int], bool] = lambda name: True
         self._screen: Any = None  #: what the interface is drawn on
         self._drawn = 0
         self._awake_until = 0.0
@@ -96,11 +106,12 @@ class Window:
         open_platform(self.headless)
         params = self._params()
         try:
-            immapp.manual_render.setup_from_runner_params(
-                params, immapp.AddOnsParams(with_implot=True)
-            )
+            with quiet_errors() as told:
+                immapp.manual_render.setup_from_runner_params(
+                    params, immapp.AddOnsParams(with_implot=True)
+                )
         except (RuntimeError, SystemError) as error:
-            raise GLUnavailableError(f"no window with OpenGL 3.3: {error}; {REMEDY}") from error
+            raise no_window(told, self.headless) from error
         try:
             with terminating(self.close):
                 self._loop(params, frames)
@@ -161,8 +172,8 @@ class Window:
         while not params.app_shall_exit and self._error is None:
             if frames is not None and self._drawn >= frames:
                 break
-            if frames is None:
-                self._wait()
+            if frames is None and not self._wait():
+                continue
             began = time.perf_counter()
             immapp.manual_render.render()
             if self._started and self._error is None:
@@ -170,26 +181,27 @@ class Window:
                 self._settling = max(self._settling - 1, int(again))
             self._drawn += 1
 
-    def _wait(self) -> None:
-        """Sleep until something happens or something has to be drawn."""
+    def _wait(self) -> bool:
+        """Sleep for a while, or until something happens; returns whether a frame is needed."""
         if self._settling > 0:
-            return
+            return True
         now = time.monotonic()
-        limit = LONGEST_WAIT_S
+        needed_in = [self.program.wait_s()]
         if now < self._awake_until:
-            limit = TOOLTIP_STEP_S
-        elif imgui.get_io().want_text_input:
-            limit = CURSOR_STEP_S
-        due = self.program.wait_s()
-        limit = limit if due is None else min(limit, max(due, 0.0))
+            needed_in.append(TOOLTIP_STEP_S)
+        if imgui.get_io().want_text_input:
+            needed_in.append(CURSOR_STEP_S)
+        due = min((max(wait, 1e-3) for wait in needed_in if wait is not None), default=None)
+        limit = LONGEST_WAIT_S if due is None else min(due, LONGEST_WAIT_S)
         if self.headless:
             time.sleep(min(limit, NULL_STEP_S))
-            self._settling = 1
-            return
-        glfw.wait_events_timeout(max(limit, 1e-3))
+            return True
+        glfw.wait_events_timeout(limit)
         if time.monotonic() - now < 0.98 * limit:  # an event ended the wait
             self._settling = SETTLING_FRAMES
             self._awake_until = time.monotonic() + TOOLTIP_S
+            return True
+        return due is not None and due <= limit
 
     def _params(self) -> hello_imgui.RunnerParams:
         params = hello_imgui.RunnerParams()
@@ -236,6 +248,7 @@ class Window:
         on_drop: Any = lambda _, paths: self._dropped(list(paths))  # noqa: E731 - annotated wrongly
         glfw.set_drop_callback(handle, on_drop)
         ctx = attach(load)
+        self.is_texture = texture_probe(load)
         self._screen = Offscreen(ctx) if self.headless else ctx.screen
         self._blitter = Blitter(load)
         self._fit_screen()

@@ -239,7 +239,7 @@ class TestBadInput:
     @pytest.mark.parametrize(
         "words",
         [
-            [], ["nonsense"], ["snapshot"], ["snapshot", "-o", "a.png", "--size", "12"],
+            ["nonsense"], ["snapshot"], ["snapshot", "-o", "a.png", "--size", "12"],
             ["snapshot", "-o", "a.png", "--c", "1", "--c-fraction", "1"],
             ["snapshot", "-o", "a.png", "--backend", "vulkan"], ["fit"], ["fit", "a.csv"],
         ],

@@ -437,7 +437,9 @@ class TestPasses:
         renderer.render(Scene(materials.paper("cast")), Look(), SMALL)
         target = renderer._targets.framebuffer(SHADE)
         with pytest.raises(ShaderError, match=r"uniform '\w+' has no value"):
-            renderer.programs.draw("tone.frag", {"TRANSFER": 0, "GAMUT": 0}, {}, target)
+            renderer.programs.draw(
+                "tone.frag", {"TRANSFER": 0, "GAMUT": 0, "SAMPLED": 0}, {}, target
+            )
         with pytest.raises(ShaderError, match=r"measure\.frag:\d+.*BLOCK"):
             renderer.programs.get("measure.frag", {})
 
@@ -682,3 +684,50 @@ def test_backends_open_and_close():
                 8,
                 3,
             )
+
+
+class TestBounds:
+    """Passes draw only the rectangle that the object can reach; the rest must be as if drawn."""
+
+    @pytest.mark.parametrize("kind", ["cylinder", "sphere", "plane", "box"])
+    def test_no_pixel_outside_shows_the_object(self, renderer, monkeypatch, kind):
+        from relgloss_view.picture import view as views
+
+        rng = np.random.default_rng(3)
+        for _ in range(12):
+            azimuth, elevation = rng.uniform(-180, 180), rng.uniform(-90, 90)
+            eye = Eye(
+                azimuth_deg=azimuth,
+                elevation_deg=elevation,
+                distance_m=rng.choice([0.09, 0.3, 0.6]),
+                field_of_view_deg=rng.choice([None, 12.0, 40.0]),
+                shift_right=rng.uniform(-0.1, 0.1),
+                shift_up=rng.uniform(-0.1, 0.1),
+            )
+            scene = Scene(load_sample("uncoated"), Shape(kind=kind), eye=eye)
+            size = (61, 47)
+            bounded = renderer.render(scene, Look(), size)
+            with monkeypatch.context() as whole:
+                whole.setattr(views, "_bounds", lambda *_, size=size: (0, 0, *size))
+                views._view.cache_clear()
+                full = Renderer(renderer.ctx, renderer.programs)
+                expected = full.render(scene, Look(), size)
+                np.testing.assert_array_equal(bounded.coverage, expected.coverage)
+                np.testing.assert_array_equal(bounded.display, expected.display)
+                full.release()
+            views._view.cache_clear()
+
+    def test_what_stood_there_before_is_gone(self, renderer):
+        """The object moves in the picture; its old place is surround again."""
+        near = Scene(load_sample("uncoated"), eye=Eye(field_of_view_deg=12.0, shift_right=0.06))
+        far = dataclasses.replace(near, eye=Eye(field_of_view_deg=12.0, shift_right=-0.06))
+        size = (80, 60)
+        renderer.render(near, Look(), size)
+        moved = renderer.render(far, Look(), size)
+        fresh = Renderer(renderer.ctx, renderer.programs)
+        expected = fresh.render(far, Look(), size)
+        assert np.any(moved.on_object)
+        np.testing.assert_array_equal(moved.coverage, expected.coverage)
+        np.testing.assert_array_equal(moved.display, expected.display)
+        np.testing.assert_array_equal(moved.light, expected.light)
+        fresh.release()

@@ -34,6 +34,10 @@ from relgloss_view.picture.view import Box, Size, View, check_size
 PASSES = ("white", "shade", "split", "tone", "light", "geometry", "counts", "overlay")
 
 
+#: What says in pass 1 and 2 that a pixel shows nothing of the object, outside its bounds too.
+CLEARED = {SHADE: (0.0, 0.0, 0.0, 0.0), SPLIT: (-1.0, 0.0, 0.0, 0.0)}
+
+
 @dataclass(frozen=True)
 class Request:
     """What a frame was asked to be."""
@@ -107,6 +111,10 @@ class Renderer:
     def framebuffer_name(self, targets: tuple[str, ...]) -> int:
         """OpenGL's name of the framebuffer of targets that were drawn; it reads the first."""
         return int(self._targets.framebuffer(targets).glo)
+
+    def texture_names(self) -> list[int]:
+        """OpenGL's names of the textures of the targets."""
+        return self._targets.names()
 
     def texture(self, name: str) -> moderngl.Texture:
         """A target as it was last drawn, for passes that go on from it."""
@@ -232,10 +240,11 @@ class Renderer:
     ) -> None:
         """Draw a pass inside the bounds of the object; None draws the whole picture."""
         framebuffer: Any = self._targets.framebuffer(targets)  # its annotation admits no None
-        if targets == SHADE and self._around.get("shade") != bounds:
+        if targets in CLEARED and self._around.get(stage) != bounds:
             framebuffer.scissor = None
-            framebuffer.clear()  # nothing of the object stands outside
-            self._around["shade"] = bounds
+            framebuffer.use()  # or the clearing keeps to the scissor of the pass before
+            framebuffer.clear(*CLEARED[targets])
+            self._around[stage] = bounds
         if bounds is None:
             framebuffer.scissor = None
         else:

@@ -55,6 +55,10 @@ class Targets:
             raise
         return True
 
+    def names(self) -> list[int]:
+        """OpenGL's names of the textures."""
+        return [int(texture.glo) for texture in self._textures.values()]
+
     def texture(self, name: str) -> moderngl.Texture:
         """The texture of a target that has been drawn."""
         return self._textures[name]

@@ -11,11 +11,11 @@ from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.picture.view import Size, View
 from relgloss_view.viewer import camera
-from relgloss_view.viewer.arrangement import Arrangement, Canvas, Copy, Rect, bare
+from relgloss_view.viewer.arrangement import Arrangement, Canvas, Copy, Rect, as_shown, bare
 from relgloss_view.viewer.model import Model
 from relgloss_view.viewer.panels import captions
 from relgloss_view.viewer.pictures import Shown
-from relgloss_view.viewer.state import DIFFERENCE, WIPE
+from relgloss_view.viewer.state import DIFFERENCE, WIPE, State
 from relgloss_view.viewer.theme import em, gray
 
 HANDLE_EM = 0.8  #: width of what takes hold of the wipe's edge
@@ -149,7 +149,7 @@ def _wheel(model: Model, at: tuple[float, float], size: Size) -> None:
     notches = imgui.get_io().mouse_wheel
     if notches == 0.0:
         return
-    eye = camera.zoomed(model.state.scene(model.active_side), notches, at, size)
+    eye = camera.zoomed(_shown_state(model, size).scene(model.active_side), notches, at, size)
     state = model.state.with_part("presentation", life_size=False)
     model.change(dataclasses.replace(state, eye=eye), gesture="zoom")
     model.hold()
@@ -172,8 +172,17 @@ def _drag(model: Model, size: Size) -> None:
         eye = camera.orbited(state.eye, moved, size)
         model.change(dataclasses.replace(state, eye=eye), gesture="orbit")
     elif not (left and io.key_alt):
-        eye = camera.panned(state.scene(model.active_side), moved, size)
+        shown = _shown_state(model, size)
+        eye = camera.panned(shown.scene(model.active_side), moved, size)
+        if state.presentation.life_size:  # its angle is the monitor's, not the eye's
+            angle_deg = state.eye.field_of_view_deg
+            eye = dataclasses.replace(eye, field_of_view_deg=angle_deg)
         model.change(dataclasses.replace(state, eye=eye), gesture="pan")
+
+
+def _shown_state(model: Model, size: Size) -> State:
+    """The state with the eye that the pictures on the screen have."""
+    return as_shown(model.state, size, model.pixel_pitch_m)
 
 
 def _wipe_handle(model: Model, origin: ImVec2, pane: Size, edge: int) -> None:
