@@ -125,7 +125,7 @@ def test_public_names_are_there():
 #: GLSL library -> its numpy twin, and the functions that only float32 or a pixel needs.
 TWINS = {
     "brdf.glsl": ("material/brdf.py", {"squared_angle", "above", "polar_angle"}),
-    "noise.glsl": ("picture/noise.py", {"cosine_of_turn", "direction_of_turn"}),
+    "noise.glsl": ("picture/noise.py", {"cosine_of_turn", "direction_of_turn", "turn"}),
     "shape.glsl": ("picture/shape.py", {"arc_tangent", "meet_face"}),
     "tone.glsl": ("picture/tone.py", {"cube_root"}),
     "difference.glsl": ("picture/difference.py", set()),
