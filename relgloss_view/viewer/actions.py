@@ -164,6 +164,10 @@ ACTIONS: tuple[Action, ...] = (
         )
         for k, mode in enumerate(COMPARE_MODES)
     ),
+    Action(
+        "View", "Show the other picture", "B", Key.b, _toggle("flipped"),
+        "in flip mode: it stays until this is chosen again", _is_on("flipped"), _comparing(FLIP),
+    ),
     Action("View", "Next overlay", "O", Key.o, _next_overlay, "clipped, gamut, L*, parts, normals"),
     Action(
         "View", "Other side active", "S", Key.s, _other_side,
@@ -207,5 +211,6 @@ MOUSE = (
     ("Space (held), in flip mode", "show the other picture"),
     ("Ctrl+click on a slider", "type a value"),
     ("double click on a slider", "reset it"),
+    ("Alt+click", "pin a pixel in the Pixel panel"),
     ("drop a file", "open it"),
 )

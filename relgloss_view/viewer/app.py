@@ -234,7 +234,7 @@ class App:
         model.pixel_pitch_m = pitch
         before = self.pictures.drawn
         shown, faults = self.pictures.draw(state, arrangement, self.pace.scale, pitch)
-        model.redrawn = _increase(before, self.pictures.drawn)
+        model.redrawn = _increase(before, self.pictures.drawn) or model.redrawn
         if model.dragging:
             # What c_max is read from has been waited for; the wait for a monitor is not counted.
             taken_s = time.perf_counter() - self._frame_began_s

@@ -50,7 +50,7 @@ class Model:
 
         #: What the last frame was like.
         self.frame_s = 0.0
-        self.redrawn: list[str] = []  #: passes drawn again, as 'side pass'
+        self.redrawn: list[str] = []  #: passes drawn when there last were any, 'side pass'
         self.draft = False  #: whether pictures are drawn smaller, while something is dragged
         self.picture_size: Size = (1, 1)
         self.pixel_pitch_m: float | None = None  #: of the monitor; None where it does not say

@@ -224,6 +224,50 @@ def survives_lost_objects(hand, found):
     found["said"] = hand.said()[-1][0]
 
 
+def draws_smaller_while_too_slow(hand, found):
+    from relgloss_view.viewer import pace
+
+    hand.until(lambda: not hand.model.dragging)
+    hand.frames(3)
+    full = hand.model.picture_size
+    before = hand.do(lambda: {s: f.display.copy() for s, f in hand.model.frames.items()})
+    budget, pace.BUDGET_S = pace.BUDGET_S, 1e-9  # no machine keeps that
+    try:
+        place = middle(hand)
+        hand.ctx.mouse_move_to_pos(place)
+        hand.ctx.mouse_down(0)
+        for k in range(1, 25):
+            hand.ctx.mouse_move_to_pos((place[0] + 2 * (k % 5), place[1]))
+            hand.frames(1)
+        found["draft"] = [hand.model.draft, *hand.model.frames["test"].size, *full]
+        hand.ctx.mouse_move_to_pos(place)
+        hand.ctx.mouse_up(0)
+        hand.frames(3)
+    finally:
+        pace.BUDGET_S = budget
+    found["full again"] = [hand.model.draft, *hand.model.frames["test"].size]
+    hand.model.history.undo()
+    hand.frames(2)
+    after = hand.do(lambda: {s: f.display for s, f in hand.model.frames.items()})
+    found["identical"] = all(np.array_equal(before[s], after[s]) for s in before)
+
+
+def pins_a_pixel(hand, found):
+    from imgui_bundle import imgui
+
+    place = middle(hand)
+    eye = hand.model.state.eye
+    hand.ctx.key_down(int(imgui.Key.mod_alt))
+    hand.ctx.mouse_move_to_pos(place)
+    hand.ctx.mouse_click(0)
+    hand.ctx.key_up(int(imgui.Key.mod_alt))
+    hand.frames(2)
+    found["pinned"] = [*hand.model.pinned]
+    found["size"] = [*hand.model.picture_size]
+    found["still"] = hand.model.state.eye == eye
+    hand.model.pinned = None
+
+
 def takes_every_size(hand, found):
     import glfw
     from imgui_bundle import hello_imgui
@@ -249,6 +293,8 @@ SCRIPTS = [
     compares,
     hides_panels_and_brings_them_back,
     survives_lost_objects,
+    draws_smaller_while_too_slow,
+    pins_a_pixel,
     takes_every_size,
 ]
 
@@ -333,6 +379,24 @@ def test_lost_objects_are_made_again(found):
     assert got["bright"] > 100
     assert got["error"] == "GL_NO_ERROR"
     assert "made again" in got["said"]
+
+
+def test_pictures_are_smaller_while_a_drag_is_too_slow(found):
+    got = found["draws_smaller_while_too_slow"]
+    draft, width, height, full_width, full_height = got["draft"]
+    assert draft
+    assert width <= 0.3 * full_width
+    assert height <= 0.3 * full_height
+    assert got["full again"] == [False, full_width, full_height]
+    assert got["identical"]
+
+
+def test_a_pixel_is_pinned(found):
+    got = found["pins_a_pixel"]
+    side, column, row = got["pinned"]
+    assert side == "test"
+    assert [2 * column, 2 * row] == pytest.approx(got["size"], abs=3)
+    assert got["still"]
 
 
 def test_every_size_of_the_window(found):

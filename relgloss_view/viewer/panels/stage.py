@@ -135,6 +135,8 @@ def _take_hand(model: Model, origin: ImVec2, pane: Size, staged: Staged, edge: i
             model.pointer = (side, column, row)
         if imgui.is_mouse_clicked(imgui.MouseButton_.left):
             model.active_side = side
+            if imgui.get_io().key_alt:
+                model.pinned = (side, column, row)
         _wheel(model, at, rect[2:])
         if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
             state = model.state.with_part("presentation", life_size=False)
@@ -168,10 +170,10 @@ def _drag(model: Model, size: Size) -> None:
     if left and io.key_ctrl:
         lamp = camera.turned(state.lamp, moved, size)
         model.change(dataclasses.replace(state, lamp=lamp), gesture="lamp in the picture")
-    elif left and not io.key_shift:
+    elif left and not (io.key_shift or io.key_alt):
         eye = camera.orbited(state.eye, moved, size)
         model.change(dataclasses.replace(state, eye=eye), gesture="orbit")
-    elif not (left and io.key_alt):
+    elif not io.key_alt:
         shown = _shown_state(model, size)
         eye = camera.panned(shown.scene(model.active_side), moved, size)
         if state.presentation.life_size:  # its angle is the monitor's, not the eye's

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 NOTE_S = 12.0  #: that a message stays in the line; it stays in the list behind it
 LINE_EM = 1.75
+NUMBERS_SHARE = 0.6  #: of the line's width
 
 
 def height() -> float:
@@ -39,7 +40,7 @@ def show(app: App) -> None:
     )  # fmt: skip
     imgui.pop_style_color()
     imgui.pop_style_var(2)
-    numbers = _numbers(app)
+    numbers = _numbers(app, NUMBERS_SHARE * imgui.get_content_region_avail().x)
     _message(app, imgui.get_content_region_avail().x - imgui.calc_text_size(numbers).x - em(1.5))
     imgui.same_line(max(imgui.get_window_width() - imgui.calc_text_size(numbers).x - em(0.6), 0.0))
     imgui.text_disabled(numbers)
@@ -70,16 +71,35 @@ def _warning(app: App) -> str:
     return frame.warnings[0] + (f" (and {more} more)" if more else "")
 
 
-def _numbers(app: App) -> str:
+def _numbers(app: App, width: float) -> str:
+    """What fits into a width, the most important first from the right."""
     model = app.model
     frame = model.frames.get(model.active_side)
     parts = [f"{1e3 * model.frame_s:.0f} ms"]
     if frame is not None:
-        width, height_px = frame.size
-        parts.append(f"{width}x{height_px}" + (" draft" if model.draft else ""))
+        wide, tall = frame.size
         parts.append("c_max none" if frame.c_max is None else f"c_max {frame.c_max:.3g}")
         parts.append(f"{frame.clip_count} clipped")
-    return "   ".join(reversed(parts))
+        parts.append(f"{wide}x{tall}" + (" draft" if model.draft else ""))
+        parts.append(f"drew {_in_short(model.redrawn)}")
+        parts.append(frame.device.split("(")[0].strip())
+    line = ""
+    for part in parts:
+        longer = f"{part}   {line}".rstrip()
+        if line and imgui.calc_text_size(longer).x > width:
+            break
+        line = longer
+    return line
+
+
+def _in_short(redrawn: list[str]) -> str:
+    """Passes by name, a side before them only where the other side drew something else."""
+    passes: dict[str, list[str]] = {}
+    for entry in redrawn:
+        side, name = entry.split(" ", 1)
+        passes.setdefault(name, []).append(side)
+    words = [name if len(sides) > 1 else f"{sides[0]} {name}" for name, sides in passes.items()]
+    return ", ".join(words) or "nothing"
 
 
 def _details(app: App) -> str:
