@@ -14,7 +14,8 @@ internal = imgui.internal
 RIGHT, BELOW, BELOW_RIGHT = "right", "below", "below right"
 RIGHT_EM = 22.0  #: width of the column of controls
 BELOW_EM = 16.0  #: height of the strip of plots
-LEAST_SHARE, MOST_SHARE = 0.15, 0.36  #: the pictures stay the largest thing in the window
+#: Of the window's width and height: the pictures stay the largest thing in it.
+LEAST_SHARE, MOST_SHARE = 0.15, (0.36, 0.42)
 STAGE = "Pictures"
 _STAGE_FLAGS = (
     imgui.WindowFlags_.no_decoration
@@ -122,10 +123,10 @@ class Layout:
         internal.dock_builder_remove_node(space)
         internal.dock_builder_add_node(space, internal.DockNodeFlagsPrivate_.dock_space)
         internal.dock_builder_set_node_size(space, size)
-        right = _share(em(RIGHT_EM), size.x)
+        right = _share(em(RIGHT_EM), size.x, MOST_SHARE[0])
         split = internal.dock_builder_split_node(space, imgui.Dir.right, right)
         nodes = {RIGHT: split.id_at_dir}
-        below = _share(em(BELOW_EM), size.y)
+        below = _share(em(BELOW_EM), size.y, MOST_SHARE[1])
         split = internal.dock_builder_split_node(split.id_at_opposite_dir, imgui.Dir.down, below)
         strip = internal.dock_builder_split_node(split.id_at_dir, imgui.Dir.right, PIXEL_SHARE)
         nodes |= {BELOW: strip.id_at_opposite_dir, BELOW_RIGHT: strip.id_at_dir}
@@ -165,5 +166,5 @@ class Layout:
         imgui.end()
 
 
-def _share(wanted: float, whole: float) -> float:
-    return min(max(wanted / max(whole, 1.0), LEAST_SHARE), MOST_SHARE)
+def _share(wanted: float, whole: float, most: float) -> float:
+    return min(max(wanted / max(whole, 1.0), LEAST_SHARE), most)

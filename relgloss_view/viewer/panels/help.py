@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 TITLE = "Keys and mouse"
 WIDTH_EM = 62.0
+KEY_EM, MOUSE_EM = 7.5, 12.5  #: widths of the columns that name keys
 
 
 def show(app: App) -> None:
@@ -22,14 +23,25 @@ def show(app: App) -> None:
     if not app.helping:
         return
     opened, stays = floating.begin(TITLE, WIDTH_EM)
-    if opened and imgui.begin_table("keys", 2, imgui.TableFlags_.sizing_fixed_fit):
-        half = [(a.key, f"{a.text}: {a.help}") for a in ACTIONS if a.key]
-        for column in (half, list(MOUSE)):
+    if opened:
+        keys = [(a.key, f"{a.text}: {a.help}") for a in ACTIONS if a.key]
+        beside = imgui.get_content_region_avail().x >= em(0.98 * WIDTH_EM - 2.0)
+        if beside and imgui.begin_table("keys", 2, imgui.TableFlags_.sizing_fixed_fit):
             imgui.table_next_column()
-            for key, text in column:
-                imgui.text_unformatted(key)
-                imgui.same_line(em(7.5 if column is half else 12.5))
-                imgui.text_disabled(text)
-        imgui.end_table()
+            _list(keys, KEY_EM)
+            imgui.table_next_column()
+            _list(list(MOUSE), MOUSE_EM)
+            imgui.end_table()
+        elif not beside:
+            _list(list(MOUSE), MOUSE_EM)
+            imgui.separator()
+            _list(keys, KEY_EM)
     imgui.end()
     app.helping = bool(stays)
+
+
+def _list(entries: list[tuple[str, str]], width_em: float) -> None:
+    for key, text in entries:
+        imgui.text_unformatted(key)
+        imgui.same_line(em(width_em))
+        imgui.text_disabled(text)

@@ -151,7 +151,7 @@ def _controls(model: Model, place: tuple[str, int, int] | None) -> None:
     imgui.same_line(0.0, em(1.1))
     imgui.align_text_to_frame_padding()
     if place is None:
-        widgets.quiet("Point at a picture; Alt-click pins a pixel.")
+        widgets.wrapped("Point at a picture; Alt-click pins a pixel.", dim=True)
         return
     side, column, row = place
     imgui.text_unformatted(f"column {column}, row {row}")

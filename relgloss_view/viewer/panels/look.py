@@ -81,10 +81,10 @@ def _scaling(model: Model, side: str, look: Look) -> None:
     imgui.align_text_to_frame_padding()
     imgui.text_unformatted("no highlight" if c_max is None else f"{c_max:.4g}")
     if c is not None and c > 1.0 + 1e-9:
-        imgui.same_line()
+        widgets.label("")
         widgets.flag("c > 1", "the picture exaggerates the contrast gloss")
     if c is not None and c_max is not None and c > c_max * (1.0 + 1e-9):
-        imgui.same_line()
+        widgets.label("")
         widgets.flag("clipped", "c is above c_max: highlights are cut at L* 100")
 
 
