@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
@@ -24,8 +25,7 @@ from relgloss_view.viewer.state import (
 if TYPE_CHECKING:
     from relgloss_view.viewer.app import App
 
-Key = imgui.Key
-CTRL, SHIFT = int(Key.mod_ctrl), int(Key.mod_shift)
+_KEY_NAMES = {"Esc": "escape"}
 
 
 @dataclass(frozen=True)
@@ -34,12 +34,21 @@ class Action:
 
     menu: str
     text: str
-    key: str  #: as people read it; empty for none
-    chord: int
+    key: str  #: as people read it, such as Ctrl+Shift+S; empty for none
     run: Callable[[App], object]
     help: str
     on: Callable[[App], bool] | None = None
     possible: Callable[[App], bool] = lambda app: True
+
+    @cached_property
+    def chord(self) -> int:
+        """The key as ImGui counts it; 0 for none."""
+        if not self.key:
+            return 0
+        *modifiers, key = self.key.split("+")
+        names = [f"mod_{name.lower()}" for name in modifiers]
+        names.append(_KEY_NAMES.get(key, f"_{key}" if key.isdigit() else key.lower()))
+        return sum(int(getattr(imgui.Key, name)) for name in names)
 
 
 def take_keys(app: App) -> None:
@@ -48,7 +57,7 @@ def take_keys(app: App) -> None:
     if imgui.get_io().want_text_input:
         return
     if app.model.state.presentation.compare == FLIP:
-        app.flip_held = imgui.is_key_down(Key.space)
+        app.flip_held = imgui.is_key_down(imgui.Key.space)
     for action in ACTIONS:
         if action.chord and imgui.is_key_chord_pressed(action.chord) and action.possible(app):
             action.run(app)
@@ -116,7 +125,6 @@ def _help(app: App) -> None:
     app.helping = not app.helping
 
 
-_MODE_KEYS = dict(zip(COMPARE_MODES, (Key._1, Key._2, Key._3, Key._4), strict=True))
 _MODE_HELP = {
     SIDE_BY_SIDE: "reference left, test right",
     WIPE: "one over the other, with an edge to drag",
@@ -126,79 +134,79 @@ _MODE_HELP = {
 
 ACTIONS: tuple[Action, ...] = (
     Action(
-        "File", "Open...", "Ctrl+O", CTRL | Key.o, lambda app: app.files.open(),
+        "File", "Open...", "Ctrl+O", lambda app: app.files.open(),
         "a measurement, a material or a scene",
     ),
     Action(
-        "File", "Save scene", "Ctrl+S", CTRL | Key.s, lambda app: app.files.save(),
+        "File", "Save scene", "Ctrl+S", lambda app: app.files.save(),
         "everything set in the window, as TOML",
     ),
     Action(
-        "File", "Save scene as...", "Ctrl+Shift+S", CTRL | SHIFT | Key.s,
+        "File", "Save scene as...", "Ctrl+Shift+S",
         lambda app: app.files.save_as(), "under another name",
     ),
     Action(
-        "File", "Export...", "Ctrl+E", CTRL | Key.e, lambda app: app.files.export(),
+        "File", "Export...", "Ctrl+E", lambda app: app.files.export(),
         "pictures as PNG or OpenEXR",
     ),
     Action(
-        "File", "Copy as command", "Ctrl+C", CTRL | Key.c, lambda app: app.files.copy_command(),
+        "File", "Copy as command", "Ctrl+C", lambda app: app.files.copy_command(),
         "the line that draws the active side's picture without a window",
     ),
-    Action("File", "Quit", "Ctrl+Q", CTRL | Key.q, lambda app: app.quit(), "leave; all is kept"),
+    Action("File", "Quit", "Ctrl+Q", lambda app: app.quit(), "leave; all is kept"),
     Action(
-        "Edit", "Undo", "Ctrl+Z", CTRL | Key.z, lambda app: app.model.history.undo(),
+        "Edit", "Undo", "Ctrl+Z", lambda app: app.model.history.undo(),
         "take back the last step", None, lambda app: app.model.history.can_undo,
     ),
     Action(
-        "Edit", "Redo", "Ctrl+Y", CTRL | Key.y, lambda app: app.model.history.redo(),
+        "Edit", "Redo", "Ctrl+Y", lambda app: app.model.history.redo(),
         "do it again", None, lambda app: app.model.history.can_redo,
     ),
-    Action("Edit", "Swap sides", "X", Key.x, _swap, "reference becomes test, test reference"),
-    Action("Edit", "c to c_max", "L", Key.l, _at_c_max, "on the active side"),
-    Action("Edit", "Start afresh", "", 0, _reset_all, "the built-in papers, every default"),
+    Action("Edit", "Swap sides", "X", _swap, "reference becomes test, test reference"),
+    Action("Edit", "c to c_max", "L", _at_c_max, "on the active side"),
+    Action("Edit", "Start afresh", "", _reset_all, "the built-in papers, every default"),
     *(
         Action(
-            "View", mode[:1].upper() + mode[1:], str(k + 1), _MODE_KEYS[mode],
+            "View", mode[:1].upper() + mode[1:], str(k + 1),
             _present(compare=mode), _MODE_HELP[mode], _comparing(mode),
         )
         for k, mode in enumerate(COMPARE_MODES)
     ),
     Action(
-        "View", "Show the other picture", "B", Key.b, _toggle("flipped"),
+        "View", "Show the other picture", "B", _toggle("flipped"),
         "in flip mode: it stays until this is chosen again", _is_on("flipped"), _comparing(FLIP),
     ),
-    Action("View", "Next overlay", "O", Key.o, _next_overlay, "clipped, gamut, L*, parts, normals"),
+    Action("View", "Next overlay", "O", _next_overlay, "clipped, gamut, L*, parts, normals"),
     Action(
-        "View", "Other side active", "S", Key.s, _other_side,
+        "View", "Other side active", "S", _other_side,
         "the side that panels show and keys act on",
     ),
     Action(
-        "View", "Reset camera", "F", Key.f, _reset_view,
+        "View", "Reset camera", "F", _reset_view,
         "frame the object from the front; so does a double click in a picture",
     ),
     Action(
-        "View", "Life size", "0", Key._0, _toggle("life_size"),
+        "View", "Life size", "0", _toggle("life_size"),
         "as large as the object is, by what the monitor says of itself", _is_on("life_size"),
         lambda app: app.model.pixel_pitch_m is not None,
     ),
     Action(
-        "View", "Mirror", "M", Key.m, _toggle("mirror"),
+        "View", "Mirror", "M", _toggle("mirror"),
         "swap left and right, for a mirror before the monitor", _is_on("mirror"),
     ),
     Action(
-        "View", "Haploscopic", "P", Key.p, _toggle("haploscopic"),
-        "only the two pictures, no text; Esc leaves", _is_on("haploscopic"),
+        "View", "Haploscopic", "P", _toggle("haploscopic"),
+        "only the two pictures, no text; Esc or a right click leaves", _is_on("haploscopic"),
     ),
     Action(
-        "View", "Hide panels", "Tab", Key.tab, _hide, "all of them; they come back as they were",
+        "View", "Hide panels", "Tab", _hide, "all of them; they come back as they were",
         lambda app: app.layout.hidden,
     ),
     Action(
-        "View", "Reset panels", "", 0, lambda app: app.layout.reset(), "as at the first start"
+        "View", "Reset panels", "", lambda app: app.layout.reset(), "as at the first start"
     ),
-    Action("Help", "Keys", "H", Key.h, _help, "this overview"),
-    Action("", "Leave haploscopic mode", "Esc", Key.escape, _leave, "back to the panels"),
+    Action("Help", "Keys", "H", _help, "this overview"),
+    Action("", "Leave haploscopic mode", "Esc", _leave, "back to the panels"),
 )  # fmt: skip
 
 #: What the mouse does in the pictures, for the overview.

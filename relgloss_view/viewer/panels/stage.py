@@ -124,6 +124,9 @@ def _take_hand(model: Model, origin: ImVec2, pane: Size, staged: Staged, edge: i
         buttons.mouse_button_left | buttons.mouse_button_right | buttons.mouse_button_middle,
     )
     hovered, active = imgui.is_item_hovered(), imgui.is_item_active()
+    if hovered and model.state.presentation.haploscopic and imgui.is_mouse_clicked(1):
+        model.set_part("presentation", haploscopic=False)  # no menu is there to do it
+        return
     mouse = imgui.get_mouse_pos()
     here = (mouse.x - origin.x, mouse.y - origin.y)
     found = _under(staged, here, mirrored=model.state.presentation.mirror, edge=edge)
