@@ -23,12 +23,12 @@ void main() {
             // What is not finite fails every comparison; some compilers fold isnan away.
             float size = dot(abs(split), vec4(1.0));
             bool finite = size < 1e30;
-            bool on_object = finite && split.x >= 0.0;
+            bool seen = finite && on_object(split);
             brightest.w += finite ? 0.0 : 1.0;
-            extremes.x = min(extremes.x, on_object ? largest_c(split.xy) : 1e30);
-            extremes.yz = max(extremes.yz, on_object ? split.xy : vec2(-1e30));
+            extremes.x = min(extremes.x, seen ? largest_c(split.xy) : 1e30);
+            extremes.yz = max(extremes.yz, seen ? split.xy : vec2(-1e30));
             float total = split.x + split.y;
-            brightest.xyz = on_object && total > brightest.x ? vec3(total, split.xy) : brightest.xyz;
+            brightest.xyz = seen && total > brightest.x ? vec3(total, split.xy) : brightest.xyz;
         }
     }
 }

@@ -2,7 +2,7 @@
 
 // Pass 2: CIELAB of what pass 1 drew, with L* split into its diffuse and its specular part (Ishii et
 // al., eq. 1). It does not know c, so a slider of c leaves it alone.
-//   split = (L_d*, L_s*, a*, b*); off the object L_d* is -1
+//   split = (L_d*, L_s*, a*, b*); off the object L_d* is OFF_OBJECT
 
 #include "tone.glsl"
 
@@ -18,5 +18,5 @@ void main() {
     vec3 specular = texelFetch(specular_image, at, 0).rgb;
     vec3 lab = lab_from_xyz(diffuse.rgb + specular, white);
     split = diffuse.a > 0.0 ? vec4(split_lightness(diffuse.y, specular.y), lab.yz)
-                            : vec4(-1.0, 0.0, 0.0, 0.0);
+                            : vec4(OFF_OBJECT, 0.0, 0.0, 0.0);
 }

@@ -22,7 +22,7 @@ layout(location = 1) out vec4 flags;
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     vec4 split = texelFetch(split_image, at, 0);
-    float share = SAMPLED == 1 ? texelFetch(diffuse_image, at, 0).a : split.x >= 0.0 ? 1.0 : 0.0;
+    float share = SAMPLED == 1 ? texelFetch(diffuse_image, at, 0).a : on_object(split) ? 1.0 : 0.0;
     bool inside;
     vec3 lab = scaled_lab(split, c);
     vec3 shown = display_rgb(GAMUT, lab, display_white, rgb_from_xyz, inside);

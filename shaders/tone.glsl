@@ -51,6 +51,14 @@ float largest_c(vec2 split) {
     return split.y > 1e-6 ? (100.0 - split.x) / split.y : 1e30;
 }
 
+// L_d* of a pixel that shows nothing of the object: no lightness comes near it. (A broad band's weights
+// may make Y, and so L_d*, slightly negative.)
+const float OFF_OBJECT = -1e6;
+
+bool on_object(vec4 split) {
+    return split.x > 0.5 * OFF_OBJECT;
+}
+
 const float CLIP_TOLERANCE = 1e-3;  // L*: far below what an eye can tell
 
 // L~*, a*, b* of a pixel's (L_d*, L_s*, a*, b*), its specular part scaled by c (eqs. 2-3).

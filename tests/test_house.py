@@ -127,7 +127,7 @@ TWINS = {
     "brdf.glsl": ("material/brdf.py", {"squared_angle", "above", "polar_angle"}),
     "noise.glsl": ("picture/noise.py", {"cosine_of_turn", "direction_of_turn", "turn"}),
     "shape.glsl": ("picture/shape.py", {"arc_tangent", "meet_face"}),
-    "tone.glsl": ("picture/tone.py", {"cube_root"}),
+    "tone.glsl": ("picture/tone.py", {"cube_root", "on_object"}),
     "difference.glsl": ("picture/difference.py", set()),
 }
 

@@ -113,7 +113,7 @@ def _interactive(args: argparse.Namespace) -> int:
     for told in (*faults, *restored.messages):
         app.model.say(told, fault=True)
     if session_path is not None:
-        app.files.session = Autosave(session_path, restored.state)
+        app.files.session = Autosave(session_path, app.model.state)
     _show(app, opened)
     if layout_path is not None:
         app.keep_layout(layout_path, load_layout(layout_path))

@@ -243,9 +243,15 @@ class Look(Checked):
     c is given either as a value or as a fraction of the exact c_max; both None means c_max.
     """
 
-    sigma_n_deg: float = parameter(0.0, 0.0, 10.0, "deg", "sd of the tilt of the normal")
-    c: float | None = parameter(None, 0.0, 1e4, "", "scales L_s*")
-    c_fraction: float | None = parameter(None, 0.0, 10.0, "", "c as a fraction of c_max")
+    sigma_n_deg: float = parameter(
+        0.0, 0.0, 10.0, "deg", "graininess: standard deviation of the tilt of the surface normal"
+    )
+    c: float | None = parameter(
+        None, 0.0, 1e4, "", "contrast gloss: scales the specular part of L*"
+    )
+    c_fraction: float | None = parameter(
+        None, 0.0, 10.0, "", "contrast gloss as a share of c_max, the most that the display shows"
+    )
     grain: str = choice("screen", GRAINS, "what a grain is fixed to")
     grain_px: int = whole_number(1, 1, 1024, "px", "side of a screen grain")
     grain_mm: float = parameter(0.2, 0.001, 100.0, "mm", "side of a surface grain")

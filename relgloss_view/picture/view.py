@@ -19,6 +19,7 @@ Box = tuple[int, int, int, int]
 WIDE = (2.0, 2.0)  #: tangents of a wide angle, where the eye stands among the object's points
 FILL = 0.8  #: share of the picture's height or width that a framed object takes
 BOUNDS_MARGIN_PX = 2.0
+ROUNDING = 1e-6  #: of the shader's rays, tangents
 #: A circle of 180 points spans 0.015 % less than the circle that it stands for.
 BOUNDS_EXCESS = 1e-3
 MAX_SIDE_PX = 16384
@@ -86,22 +87,41 @@ def _view(shape: Shape, eye: Eye, size: Size) -> View:
         pixel_step=float(np.float32(step)),
         shift=shift,
         size=size,
-        bounds=(0, 0, width, height) if extent is None else _bounds(extent, step, shift, size),
+        bounds=_bounds(shape, place, (right, up, forward), extent, step, shift, size),
     )
 
 
 def _bounds(
-    extent: tuple[float, float], step: float, shift: tuple[float, float], size: Size
+    shape: Shape,
+    place: Array,
+    frame: tuple[Array, Array, Array],
+    extent: tuple[float, float] | None,
+    step: float,
+    shift: tuple[float, float],
+    size: Size,
 ) -> Box:
-    """The pixels that an object around the axis can reach; the margin covers all rounding."""
+    """The pixels that an object can reach; the margins cover all rounding."""
+    if extent is None or _close(shape, place, frame[2]):
+        return 0, 0, *size
+    right, up, forward = (_round(v) for v in frame)
+    # Rounding turns the eye's frame a little, by many pixels of a tiny and distant object.
+    depth = -_round(place) @ forward
+    centres = (-_round(place) @ right / depth, -_round(place) @ up / depth)
     box = []
-    for tangents, moved, count in zip(extent, shift, size, strict=True):
-        centre, half = 0.5 * count - moved / step, 0.5 * tangents / step
-        reach = half * (1.0 + BOUNDS_EXCESS) + BOUNDS_MARGIN_PX
+    for tangents, at, moved, count in zip(extent, centres, shift, size, strict=True):
+        centre, half = 0.5 * count + (at - moved) / step, 0.5 * tangents / step
+        reach = half * (1.0 + BOUNDS_EXCESS) + BOUNDS_MARGIN_PX + ROUNDING / step
         low, high = np.clip([centre - reach, centre + reach], 0, count)
         box.append((int(np.floor(low)), int(np.ceil(high))))
-    (left, right), (bottom, top) = box
-    return left, bottom, right, top
+    (left, right_px), (bottom, top) = box
+    return left, bottom, right_px, top
+
+
+def _close(shape: Shape, place: Array, forward: Array) -> bool:
+    """Whether a rim comes so near the eye that points on it no longer stand for what is between."""
+    if shape.kind != "cylinder":
+        return False
+    return bool(np.min((_outline(shape) - place) @ forward) < 0.25 * shape.half_extent_m()[0])
 
 
 def _round(vector: Array) -> Array:

@@ -58,7 +58,10 @@ def take_keys(app: App) -> None:
         return
     if app.model.state.presentation.compare == FLIP:
         app.flip_held = imgui.is_key_down(imgui.Key.space)
+    alone = app.model.state.presentation.haploscopic
     for action in ACTIONS:
+        if alone and action.menu not in ("File", "Edit", "") and action.text not in _SEEN_ALONE:
+            continue  # what it does would not be seen before the panels are back
         if action.chord and imgui.is_key_chord_pressed(action.chord) and action.possible(app):
             action.run(app)
 
@@ -125,6 +128,8 @@ def _help(app: App) -> None:
     app.helping = not app.helping
 
 
+#: Of the menu View, what can be seen where only the two pictures show.
+_SEEN_ALONE = ("Haploscopic", "Mirror", "Reset camera", "Life size")
 _MODE_HELP = {
     SIDE_BY_SIDE: "reference left, test right",
     WIPE: "one over the other, with an edge to drag",
@@ -156,7 +161,8 @@ ACTIONS: tuple[Action, ...] = (
     Action("File", "Quit", "Ctrl+Q", lambda app: app.quit(), "leave; all is kept"),
     Action(
         "Edit", "Undo", "Ctrl+Z", lambda app: app.model.history.undo(),
-        "take back the last step", None, lambda app: app.model.history.can_undo,
+        "take back the last step; presets and the layout of panels are no steps", None,
+        lambda app: app.model.history.can_undo,
     ),
     Action(
         "Edit", "Redo", "Ctrl+Y", lambda app: app.model.history.redo(),

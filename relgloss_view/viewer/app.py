@@ -16,7 +16,7 @@ from relgloss_view.picture.scene import Display
 from relgloss_view.picture.tone import DisplayModel
 from relgloss_view.picture.view import Size
 from relgloss_view.viewer import actions
-from relgloss_view.viewer.arrangement import arranged
+from relgloss_view.viewer.arrangement import arranged, as_shown
 from relgloss_view.viewer.files import FileDesk
 from relgloss_view.viewer.layout import BELOW, BELOW_RIGHT, RIGHT, Layout, Panel
 from relgloss_view.viewer.layout_file import WindowLayout, save_layout
@@ -37,10 +37,12 @@ from relgloss_view.viewer.panels import (
 )
 from relgloss_view.viewer.pictures import Pictures
 from relgloss_view.viewer.state import State
+from relgloss_view.viewer.tables import Tables
 from relgloss_view.viewer.window import Window
 
 #: What the interface takes after the pictures, on a software driver and a large window.
 INTERFACE_S = 0.008
+LAYOUT_S = 1.0  #: between looks at what there is to keep of the layout
 
 
 class App:
@@ -49,6 +51,7 @@ class App:
     def __init__(self, state: State) -> None:
         self.model: Model = Model(state)
         self.files: FileDesk = FileDesk(self.model, self.wake)
+        self._tables = Tables(self.model, self.wake)
         self.pace = Pace()
         self.layout: Layout = Layout(
             [
@@ -71,6 +74,7 @@ class App:
         self._window: Window | None = None
         self._frame_began_s = 0.0
         self._lost = False
+        self._layout_kept_s = 0.0
         self._held_at_s = 0.0  #: when the hand last held something
 
     # --- the life of the window ---------------------------------------------------------------
@@ -93,6 +97,7 @@ class App:
             self.rebuild()
         actions.take_keys(self)
         self.files.each_frame()
+        self._tables.each_frame()
         self._note_hand()
         presentation = self.model.state.presentation
         if presentation.haploscopic:
@@ -111,8 +116,10 @@ class App:
         assert self.pictures is not None
         self.model.frame_s = frame_s
         io = imgui.get_io()
-        if io.want_save_ini_settings:
+        now_s = time.monotonic()
+        if io.want_save_ini_settings or now_s - self._layout_kept_s > LAYOUT_S:
             io.want_save_ini_settings = False
+            self._layout_kept_s = now_s
             self.model.attempt(self.save_layout)
         if self.pictures.ctx.error != "GL_NO_ERROR":
             self._lost = True  # told by the next frame, which makes everything again
@@ -188,6 +195,7 @@ class App:
         assert self.pictures is not None
         ctx = self.pictures.ctx
         self.pictures.abandon()
+        self.model.frames = {}
         self.pictures = Pictures(ctx)
         self.model.say("the graphics device lost its objects; everything was made again")
 
@@ -230,6 +238,7 @@ class App:
         at = imgui.get_cursor_screen_pos()
         self.stage_origin = (at.x, at.y)
         model.picture_size = arrangement.size
+        model.gap_px = arrangement.gap_px
         pitch = self._window.pixel_pitch_m()
         model.pixel_pitch_m = pitch
         before = self.pictures.drawn
@@ -249,7 +258,9 @@ class App:
     def _render_at(self, side: str, size: Size) -> Frame:
         """A side's picture at another size than the screen's. Raises RelglossError."""
         assert self.pictures is not None
-        return self.pictures.render_at(self.model.state, side, size)
+        model = self.model
+        state = as_shown(model.state, model.picture_size, model.pixel_pitch_m)
+        return self.pictures.render_at(state, side, size)
 
 
 def _surround(display: Display) -> float:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from relgloss_view.picture.scene import Eye
 from relgloss_view.picture.view import MAX_PIXELS, MAX_SIDE_PX, Box, Size
 from relgloss_view.viewer.camera import life_sized
-from relgloss_view.viewer.state import DIFFERENCE, FLIP, SIDE_BY_SIDE, WIPE, Presentation, State
+from relgloss_view.viewer.state import DIFFERENCE, SIDE_BY_SIDE, WIPE, Presentation, State
 
 Rect = tuple[int, int, int, int]  #: left, top, width, height in pixels of the pane
 
@@ -23,6 +23,12 @@ class Arrangement:
 
     size: Size
     rects: dict[str, Rect]  #: by side, in the order in which they are shown
+
+    @property
+    def gap_px(self) -> int:
+        """Between the pictures, where they stand side by side; otherwise 0."""
+        (left, _, width, _), *others = self.rects.values()
+        return max(others[0][0] - left - width, 0) if others else 0
 
     @property
     def complete(self) -> bool:
@@ -93,13 +99,6 @@ def drawable(size: Size, largest: Size | None = None) -> Size:
         return size
     width, height = (max(1, int(side * scale + 1e-9)) for side in size)  # against rounding
     return width, height
-
-
-def needed_sides(presentation: Presentation) -> tuple[str, ...]:
-    """Sides whose pictures have to be drawn."""
-    if presentation.compare == FLIP and not presentation.haploscopic:
-        return ("test",) if presentation.flipped else ("reference",)
-    return ("reference", "test")
 
 
 def bare(pane: Size, covered: list[Rect]) -> list[Rect]:

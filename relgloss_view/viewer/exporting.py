@@ -90,7 +90,7 @@ def write(model: Model, order: Order) -> str:
             (frames["reference"], frames["test"]),
             order.path,
             (commands["reference"], commands["test"]),
-            gap_px=int(presentation.gap_px),
+            gap_px=model.gap_px,
             mirrored=presentation.mirror,
             bits=order.bits,
         )

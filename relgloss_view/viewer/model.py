@@ -53,6 +53,7 @@ class Model:
         self.redrawn: list[str] = []  #: passes drawn when there last were any, 'side pass'
         self.draft = False  #: whether pictures are drawn smaller, while something is dragged
         self.picture_size: Size = (1, 1)
+        self.gap_px = 0  #: between the pictures on the screen
         self.pixel_pitch_m: float | None = None  #: of the monitor; None where it does not say
         #: Draws a side's picture at another size, in pixels; may raise RelglossError.
         self.render_at: Callable[[str, Size], Frame] | None = None

@@ -27,7 +27,7 @@ from relgloss_view.picture.renderer import (
 )
 from relgloss_view.picture.scene import Look, Scene
 from relgloss_view.picture.view import Size
-from relgloss_view.viewer.arrangement import Arrangement, as_shown, needed_sides
+from relgloss_view.viewer.arrangement import Arrangement, as_shown
 from relgloss_view.viewer.state import DIFFERENCE, SIDES, State
 
 WARM_SIZE = (8, 8)
@@ -84,7 +84,7 @@ class Pictures:
         renderers = self._full if scale == 1.0 else self._draft
         shown: dict[str, Shown] = {}
         faults: dict[str, str] = {}
-        for side in needed_sides(state.presentation):
+        for side in SIDES:  # the one that flip hides too: panels show its numbers
             try:
                 shown[side] = self._draw_side(renderers[side], state, side, size)
             except RelglossError as error:
@@ -93,14 +93,17 @@ class Pictures:
             first, second = (
                 Request(state.scene(side), state.side(side).look, size) for side in SIDES
             )
-            draw_difference(
-                renderers["reference"],
-                renderers["test"],
-                (first, second),
-                state.presentation.difference_max,
-            )
-            name = renderers["test"].framebuffer_name(OVERLAY)
-            shown["test"] = Shown(name, size, shown["test"].frame)
+            try:
+                draw_difference(
+                    renderers["reference"],
+                    renderers["test"],
+                    (first, second),
+                    state.presentation.difference_max,
+                )
+                name = renderers["test"].framebuffer_name(OVERLAY)
+                shown["test"] = Shown(name, size, shown["test"].frame)
+            except RelglossError as error:
+                faults["test"] = str(error)
         return shown, faults
 
     def warm(self, state: State) -> bool:

@@ -96,3 +96,26 @@ def _text(words: bytes | str) -> str:
 def load(name: str) -> int:
     """Address of an OpenGL function."""
     return ctypes.cast(glfw.get_proc_address(name), ctypes.c_void_p).value or 0
+
+
+def pixel_pitch_m(window: Any) -> float | None:
+    """Size of a pixel of the monitor that shows most of a window, as the monitor reports it."""
+    place, size = glfw.get_window_pos(window), glfw.get_window_size(window)
+
+    def shared(monitor: Any) -> int:
+        mode = glfw.get_video_mode(monitor)
+        if mode is None:
+            return 0
+        left, top = glfw.get_monitor_pos(monitor)
+        right = min(left + mode.size.width, place[0] + size[0])
+        bottom = min(top + mode.size.height, place[1] + size[1])
+        return max(right - max(left, place[0]), 0) * max(bottom - max(top, place[1]), 0)
+
+    monitor = max(glfw.get_monitors() or [], key=shared, default=None)
+    if monitor is None:
+        return None
+    mode = glfw.get_video_mode(monitor)
+    width_mm, _ = glfw.get_monitor_physical_size(monitor)
+    if mode is None or width_mm <= 0:
+        return None
+    return 1e-3 * width_mm / float(mode.size.width)

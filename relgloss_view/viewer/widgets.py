@@ -15,6 +15,7 @@ from relgloss_view.picture.scene import Range
 from relgloss_view.viewer.theme import em, gray
 
 LABEL_EM = 7.5  #: width of the column of labels
+NARROW_EM = 13.0  #: a panel below this has its labels above the controls
 HOW = "Ctrl-click types a value, a double click resets it."
 
 #: The control that a double click has just reset; it ignores the hand until that lets go.
@@ -58,7 +59,8 @@ def label(text: str) -> None:
     """Put a control's label on the left and make room for the control beside it."""
     imgui.align_text_to_frame_padding()
     imgui.text_unformatted(text)
-    imgui.same_line(em(LABEL_EM))
+    if imgui.get_content_region_avail().x >= em(NARROW_EM):
+        imgui.same_line(em(LABEL_EM))
     imgui.set_next_item_width(-1.0)
 
 

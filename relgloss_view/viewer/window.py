@@ -22,7 +22,14 @@ from numpy.typing import NDArray
 from relgloss_view.picture.context import Blitter, Offscreen, attach, texture_probe
 from relgloss_view.viewer import theme
 from relgloss_view.viewer.arrangement import Canvas
-from relgloss_view.viewer.platform import load, no_window, open_platform, quiet_errors, terminating
+from relgloss_view.viewer.platform import (
+    load,
+    no_window,
+    open_platform,
+    pixel_pitch_m,
+    quiet_errors,
+    terminating,
+)
 
 TITLE = "relgloss"
 SMALLEST_PX, LARGEST_PX = 1, 8192
@@ -91,6 +98,7 @@ class Window:
         self._blitter: Blitter | None = None
         #: Whether the device still knows a texture by this name.
         self.is_texture: Callable[[int], bool] = lambda name: True
+        self._handle: Any = None
         self._screen: Any = None  #: what the interface is drawn on
         self._drawn = 0
         self._awake_until = 0.0
@@ -159,14 +167,7 @@ class Window:
         """Size of a pixel of the monitor that the window is on, as the monitor reports it."""
         if self.headless:
             return None
-        monitor = glfw.get_primary_monitor()
-        if not monitor:
-            return None
-        mode = glfw.get_video_mode(monitor)
-        width_mm, _ = glfw.get_monitor_physical_size(monitor)
-        if mode is None or width_mm <= 0:
-            return None
-        return 1e-3 * width_mm / float(mode.size.width)
+        return pixel_pitch_m(self._handle)
 
     def _loop(self, params: hello_imgui.RunnerParams, frames: int | None) -> None:
         while not params.app_shall_exit and self._error is None:
@@ -243,6 +244,7 @@ class Window:
         library: Any = hello_imgui  # its annotations leave the address out
         address = library.get_glfw_window_address()
         handle = ctypes.cast(address, ctypes.POINTER(glfw._GLFWwindow))
+        self._handle = handle
         if self.headless:  # the library holds windows to the size of a monitor, which is not there
             glfw.set_window_size(handle, *self.size)
         on_drop: Any = lambda _, paths: self._dropped(list(paths))  # noqa: E731 - annotated wrongly

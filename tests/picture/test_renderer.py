@@ -708,7 +708,7 @@ class TestBounds:
             size = (61, 47)
             bounded = renderer.render(scene, Look(), size)
             with monkeypatch.context() as whole:
-                whole.setattr(views, "_bounds", lambda *_, size=size: (0, 0, *size))
+                whole.setattr(views, "_bounds", lambda *given: (0, 0, *given[-1]))
                 views._view.cache_clear()
                 full = Renderer(renderer.ctx, renderer.programs)
                 expected = full.render(scene, Look(), size)
@@ -731,3 +731,125 @@ class TestBounds:
         np.testing.assert_array_equal(moved.display, expected.display)
         np.testing.assert_array_equal(moved.light, expected.light)
         fresh.release()
+
+    @pytest.mark.parametrize(
+        ("shape", "eye"),
+        [
+            (
+                Shape("cylinder", diameter_m=10, height_m=1e-3),
+                Eye(azimuth_deg=1, distance_m=5.0005, field_of_view_deg=100),
+            ),
+            (
+                Shape("cylinder", diameter_m=1, height_m=0.01),
+                Eye(distance_m=0.505, field_of_view_deg=100),
+            ),
+            *(
+                (
+                    Shape(kind, 1e-3, 1e-3, 1e-3, 1e-3),
+                    Eye(azimuth_deg=33, elevation_deg=21, distance_m=1000),
+                )
+                for kind in ("sphere", "cylinder", "box")
+            ),
+        ],
+    )
+    def test_very_near_and_very_far(self, renderer, monkeypatch, shape, eye):
+        from relgloss_view.picture import view as views
+
+        scene = Scene(load_sample("uncoated"), shape, eye=eye)
+        size = (300, 250)
+        bounded = renderer.render(scene, Look(), size)
+        assert np.sum(bounded.on_object) > 100
+        monkeypatch.setattr(views, "_bounds", lambda *given: (0, 0, *given[-1]))
+        views._view.cache_clear()
+        full = Renderer(renderer.ctx, renderer.programs)
+        np.testing.assert_array_equal(bounded.coverage, full.render(scene, Look(), size).coverage)
+        full.release()
+        views._view.cache_clear()
+
+
+class TestFaultsInBetween:
+    """A pass that fails was not drawn: the next picture is the one that was asked for."""
+
+    @pytest.mark.parametrize("failing", range(1, 9))
+    @pytest.mark.parametrize("kind", ["texture", "draw"])
+    def test_next_picture_is_right(self, ctx, renderer, monkeypatch, failing, kind):
+        import moderngl
+
+        from relgloss_view.picture.shader import ShaderError
+
+        scene, look = Scene(load_sample("matte-coated")), Look(sigma_n_deg=1.0, c_fraction=0.5)
+        fresh = Renderer(ctx)
+        wanted = fresh.render(scene, look, SMALL)
+        expected = (wanted.display.copy(), wanted.light.copy(), wanted.clip_count)
+        fresh.release()
+        calls = []
+
+        def broken(original, fault):
+            def call(*arguments, **options):
+                calls.append(1)
+                if len(calls) == failing:
+                    raise fault("now")
+                return original(*arguments, **options)
+
+            return call
+
+        with monkeypatch.context() as patch:
+            if kind == "texture":
+                target = type(renderer._targets)
+                patch.setattr(target, "_texture", broken(target._texture, InputError))
+            else:
+                patch.setattr(
+                    type(renderer.programs),
+                    "draw",
+                    broken(type(renderer.programs).draw, ShaderError),
+                )
+            try:
+                frame = renderer.render(scene, look, SMALL)
+                _ = frame.light, frame.clip_count
+            except (RelglossError, ShaderError, moderngl.Error):
+                pass
+            assert calls
+        again = renderer.render(scene, look, SMALL)
+        np.testing.assert_array_equal(again.display, expected[0])
+        np.testing.assert_array_equal(again.light, expected[1])
+        assert again.clip_count == expected[2]
+
+
+class TestNothingStale:
+    def test_counts_follow_c(self, renderer):
+        seen = set()
+        for c in (8.0, 0.1, 8.0):
+            f = renderer.render(Scene(load_sample("uncoated")), Look(c=c), SMALL)
+            counts = (f.clip_count, f.out_of_gamut_count)
+            assert counts == (np.sum(f.clipped), np.sum(f.out_of_gamut))
+            seen.add(counts)
+        assert len(seen) == 2
+        assert any(clipped != outside for clipped, outside in seen)
+
+    def test_an_edited_lamp_file_is_noticed(self, ctx, renderer, tmp_path):
+        lamp = tmp_path / "lamp.csv"
+        lamp.write_text("".join(f"{w},{w / 100}\n" for w in range(380, 781, 5)))
+        scene = Scene(load_sample("uncoated"), lamp=Lamp(illuminant=str(lamp)))
+        first = renderer.render(scene, Look(), SMALL).diffuse.copy()
+        lamp.write_text("".join(f"{w},{(800 - w) / 100}\n" for w in range(380, 781, 5)))
+        os.utime(lamp, (1e9, 1e9))
+        second = renderer.render(scene, Look(), SMALL).diffuse
+        fresh = Renderer(ctx)
+        np.testing.assert_array_equal(second, fresh.render(scene, Look(), SMALL).diffuse)
+        assert np.max(np.abs(second - first)) > 0.01
+        fresh.release()
+
+    def test_slightly_negative_light_is_on_the_object(self, renderer, reference):
+        """Weights of a broad band can be negative, and so its Y."""
+        paper = load_sample("uncoated")
+        albedo = [0.0] * paper.bands.count
+        albedo[paper.bands.wavelengths_nm.index(530.0)] = 0.9
+        material = dataclasses.replace(
+            paper, diffuse=dataclasses.replace(paper.diffuse, albedo=tuple(albedo))
+        )
+        scene = Scene(material, lamp=Lamp(illuminant="FL11"))
+        look = Look(c=0.0)
+        got, wanted = (r.render(scene, look, SMALL) for r in (renderer, reference))
+        assert np.min(got.diffuse[..., 1]) < 0.0
+        assert np.max(np.abs(got.display.astype(int) - wanted.display)) <= 1
+        assert got.c_max == pytest.approx(wanted.c_max, rel=1e-4)

@@ -183,7 +183,7 @@ class TestPan:
             )
             assert one_off > 0.99 * before.pixel_step  # what a pixel too far would be
 
-    @settings(max_examples=30)
+    @settings(max_examples=30, deadline=None)
     @given(
         st.sampled_from([Shape(), Shape("sphere"), Shape("box", width_m=0.3), Shape("plane")]),
         st.floats(-60.0, 60.0),

@@ -4,8 +4,9 @@ With picture/context.py the only place that knows moderngl.
 """
 
 from relgloss_view.picture.renderer.overlays import draw_difference, draw_overlay
-from relgloss_view.picture.renderer.passes import Renderer, Request
+from relgloss_view.picture.renderer.passes import Renderer
 from relgloss_view.picture.renderer.programs import Programs
+from relgloss_view.picture.renderer.request import Request
 from relgloss_view.picture.renderer.targets import OVERLAY, TONE
 
 __all__ = [

@@ -9,7 +9,8 @@ from relgloss_view.errors import RelglossError
 from relgloss_view.picture import tone
 from relgloss_view.picture.context import make_current
 from relgloss_view.picture.plan import as_drawn, tone_defines
-from relgloss_view.picture.renderer.passes import Renderer, Request
+from relgloss_view.picture.renderer.passes import Renderer
+from relgloss_view.picture.renderer.request import Request
 from relgloss_view.picture.renderer.targets import GEOMETRY, LIGHT, OVERLAY, SHADE, SPLIT, TONE
 from relgloss_view.picture.renderer.uniforms import display_uniforms, white_uniform
 from relgloss_view.picture.scene import Look, Scene
@@ -45,7 +46,8 @@ def draw_overlay(
             **renderer.images(names),
             "c": scaling.c,
         }
-        renderer.draw("overlay", "overlay.frag", defines, uniforms, OVERLAY, None)
+        with renderer.all_or_nothing():
+            renderer.draw("overlay", "overlay.frag", defines, uniforms, OVERLAY, None)
     return renderer.texture("overlay")
 
 
@@ -70,5 +72,6 @@ def draw_difference(
             "top": top,
             "surround": float(tone.encode(np.array(display.background_light), display)),
         }
-        second.draw("overlay", "difference.frag", {}, uniforms, OVERLAY, None)
+        with second.all_or_nothing():
+            second.draw("overlay", "difference.frag", {}, uniforms, OVERLAY, None)
     return second.texture("overlay")

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import Any
 
@@ -12,6 +12,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.context import collect, make_current
 from relgloss_view.picture.frame import Extremes, Frame, Scaling, scene_warnings
 from relgloss_view.picture.light import front_white, lit_white
@@ -19,7 +20,16 @@ from relgloss_view.picture.plan import Plan, as_drawn, sample_count, tone_define
 from relgloss_view.picture.renderer.held import Held, key_of
 from relgloss_view.picture.renderer.programs import Programs, Uniforms
 from relgloss_view.picture.renderer.reduction import Reduction
-from relgloss_view.picture.renderer.targets import GEOMETRY, LIGHT, SHADE, SPLIT, TONE, Targets
+from relgloss_view.picture.renderer.request import Request
+from relgloss_view.picture.renderer.targets import (
+    CLEARED,
+    GEOMETRY,
+    LIGHT,
+    SHADE,
+    SPLIT,
+    TONE,
+    Targets,
+)
 from relgloss_view.picture.renderer.uniforms import (
     PERFECT_DIFFUSER,
     display_uniforms,
@@ -32,19 +42,6 @@ from relgloss_view.picture.scene import Look, Scene
 from relgloss_view.picture.view import Box, Size, View, check_size
 
 PASSES = ("white", "shade", "split", "tone", "light", "geometry", "counts", "overlay")
-
-
-#: What says in pass 1 and 2 that a pixel shows nothing of the object, outside its bounds too.
-CLEARED = {SHADE: (0.0, 0.0, 0.0, 0.0), SPLIT: (-1.0, 0.0, 0.0, 0.0)}
-
-
-@dataclass(frozen=True)
-class Request:
-    """What a frame was asked to be."""
-
-    scene: Scene
-    look: Look
-    size: Size
 
 
 class Renderer:
@@ -71,7 +68,8 @@ class Renderer:
         self._extremes = Extremes.of_nothing()
         self._counts = (0, 0)
         #: What the targets show, with its scaling and Y_n.
-        self._present: tuple[Request, Scaling, float] | None = None
+        self._present: tuple[Request, int, Scaling, float] | None = None
+        self._lamp: object = None
         self._last: Frame | None = None
 
     def prepare(self, scene: Scene, look: Look) -> None:
@@ -101,10 +99,11 @@ class Renderer:
         """
         request = Request(as_drawn(scene, look), look, check_size(size))
         make_current(self.ctx)
-        shown = self._present is not None and request == self._present[0]
+        before = self._present
         scaling, white = self.bring_up_to_date(request)
         last = self._last
-        if shown and last is not None and (last.scene, last.look, last.size) == (scene, look, size):
+        same = before is not None and before is self._present
+        if same and last is not None and (last.scene, last.look, last.size) == (scene, look, size):
             return last
         self._last = Frame(
             scene,
@@ -137,10 +136,27 @@ class Renderer:
             self.programs.release()
         collect(self.ctx)
 
+    @contextlib.contextmanager
+    def all_or_nothing(self) -> Iterator[None]:
+        """A pass that fails half way was not drawn: nothing that was noted holds any more."""
+        try:
+            yield
+        except BaseException:
+            self._forget()
+            raise
+
     def bring_up_to_date(self, request: Request) -> tuple[Scaling, float]:
         """Draw what no longer holds; returns the scaling and Y_n before the lamp's power."""
-        if self._present is not None and request == self._present[0]:
-            return self._present[1:]
+        lamp = illuminant(request.scene.lamp.illuminant)  # another one where its file was edited
+        if self._present is not None and self._present[:2] == (request, id(lamp)):
+            return self._present[2:]
+        with self.all_or_nothing():
+            scaling, white = self._draw_what_changed(request)
+        self._present = (request, id(lamp), scaling, white)
+        self._lamp = lamp  # kept, so that no other lamp can have its identity
+        return scaling, white
+
+    def _draw_what_changed(self, request: Request) -> tuple[Scaling, float]:
         self._present = None
         self._make_room(request.size)
         scene, look, size = request.scene, request.look, request.size
@@ -165,13 +181,13 @@ class Renderer:
             self._extremes = self._reduction.extremes(self.texture("split"), view.bounds)
         scaling = Scaling.of(look, self._extremes)
         self._draw_tone("tone", request, scaling, TONE, view.bounds)
-        self._present = (request, scaling, white)
         return scaling, white
 
     def bring_light_up_to_date(self, request: Request) -> None:
         """Draw the tone pass's float numbers too; the rest is up to date."""
         scaling = Scaling.of(request.look, self._extremes)
-        self._draw_tone("light", request, scaling, LIGHT, None)
+        with self.all_or_nothing():
+            self._draw_tone("light", request, scaling, LIGHT, None)
 
     def bring_geometry_up_to_date(self, request: Request) -> None:
         """Draw normals and points too; the rest is up to date."""
@@ -184,7 +200,10 @@ class Renderer:
             **grain_uniforms(request.look),
             "samples": sample_count(request.scene, request.look, request.size),
         }
-        self.draw("geometry", "geometry.frag", plan.geometry_defines(), uniforms, GEOMETRY, None)
+        with self.all_or_nothing():
+            self.draw(
+                "geometry", "geometry.frag", plan.geometry_defines(), uniforms, GEOMETRY, None
+            )
 
     def _make_room(self, size: Size) -> None:
         if size != self._targets.size:
@@ -199,9 +218,12 @@ class Renderer:
     def _free_targets(self) -> None:
         self._targets.release()  # leaves a framebuffer bound that stays
         self._reduction.release()
+        self._forget()
+
+    def _forget(self) -> None:
         self.held.clear()
-        self._present, self._last = None, None
         self._around.clear()
+        self._present, self._last = None, None
 
     def _white_of(self, scene: Scene, view: View, seen_from: dict[str, Any]) -> float:
         """What the perfect diffuser shows in the object's place, the lamp's power taken as one."""
@@ -277,6 +299,7 @@ class Renderer:
     def _count(self, request: Request) -> tuple[int, int]:
         if self.held.stale("counts"):
             bounds = View.of(request.scene, request.size).bounds
-            self._counts = self._reduction.counts(self.texture("flags"), bounds)
+            with self.all_or_nothing():
+                self._counts = self._reduction.counts(self.texture("flags"), bounds)
             self.draws["counts"] += 1
         return self._counts

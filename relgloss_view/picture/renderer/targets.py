@@ -18,6 +18,9 @@ TONE = ("display", "flags")
 LIGHT = ("light", "lab")
 GEOMETRY = ("normal", "tilted_normal", "point_m")
 OVERLAY = ("overlay",)
+OFF_OBJECT = -1e6  #: as in tone.glsl
+#: What says in pass 1 and 2 that a pixel shows nothing of the object, outside its bounds too.
+CLEARED = {SHADE: (0.0, 0.0, 0.0, 0.0), SPLIT: (OFF_OBJECT, 0.0, 0.0, 0.0)}
 #: Components of the targets that hold 8-bit numbers; the others hold four floats.
 EIGHT_BIT = {"display": 4, "flags": 1, "overlay": 4}
 
@@ -67,9 +70,16 @@ class Targets:
         """What a pass that writes these targets draws into; made when first asked for."""
         if names not in self._framebuffers:
             assert self.size is not None
-            for name in names:
-                self._textures[name] = self._texture(self.size, name)
-            self._framebuffers[names] = self.ctx.framebuffer([self._textures[n] for n in names])
+            made: dict[str, moderngl.Texture] = {}
+            try:
+                for name in names:
+                    made[name] = self._texture(self.size, name)
+                self._framebuffers[names] = self.ctx.framebuffer([*made.values()])
+            except BaseException:
+                for texture in made.values():
+                    texture.release()
+                raise
+            self._textures |= made
         return self._framebuffers[names]
 
     def read(self, name: str) -> NDArray[Any]:

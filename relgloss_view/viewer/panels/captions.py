@@ -62,13 +62,13 @@ def _lines(model: Model, side: str, faults: dict[str, str]) -> list[str]:
         return ["difference of what is shown, reference against test"]
     material = sample.material
     quality = f"fit {material.fit.quality}" if material.fit else "not fitted"
+    if material.synthetic:
+        quality = f"synthetic, {quality}"
     lines = [f"{side}, {quality}: {printable(material.name, LONGEST_NAME)}"]
     frame = model.frames.get(side)
     if frame is not None:
         c_max = "no highlight" if frame.c_max is None else f"c_max {frame.c_max:.3g}"
         lines.append(f"σN {frame.look.sigma_n_deg:.2f}°   c {frame.c:.3g}   {c_max}")
-    if material.synthetic:
-        lines.append("synthetic, not measured")
     if state.presentation.overlay != "none":
         lines.append(f"shown: {state.presentation.overlay}")
     return lines
@@ -100,9 +100,9 @@ def _ink(display: Display) -> int:
 
 def _paper(display: Display) -> int:
     """The surround's gray, let through a little, so that words read over an object too."""
-    light = DisplayModel.of(display).background_light
-    value = float(tone.srgb_encode(np.array(light)))
-    return int(imgui.color_convert_float4_to_u32(gray(value, 0.7)))
+    model = DisplayModel.of(display)
+    value = float(tone.encode(np.array(model.background_light), model))
+    return int(imgui.color_convert_float4_to_u32(gray(value, 0.85)))
 
 
 def _legend(

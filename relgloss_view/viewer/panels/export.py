@@ -137,7 +137,7 @@ class Export:
         width, height = self._pixels()
         if self.picture == BOTH and self.format != EXR:
             presentation = self.model.state.presentation
-            width = 2 * width + int(presentation.gap_px)
+            width = 2 * width + self.model.gap_px
             told = f"{width} x {height} px, both parameters and commands inside"
             told += ", mirrored" if presentation.mirror else ""
         elif self.picture == BOTH:

@@ -106,10 +106,16 @@ def show(model: Model) -> None:
         imgui.pop_id()
 
 
+def _inside(place: tuple[str, int, int], size: tuple[int, int]) -> bool:
+    return place[1] < size[0] and place[2] < size[1]
+
+
 def _show(model: Model) -> None:
     memory = _memory.of(model)
     if model.pointer is not None:
         memory.last = model.pointer
+    if memory.last is not None and not _inside(memory.last, model.picture_size):
+        memory.last = None  # the pictures have another size since
     place = model.pinned or memory.last
     _controls(model, place)
     if place is None or not model.frames:

@@ -150,10 +150,10 @@ def _legend(side: str, shown: dict[str, _Curves]) -> None:
     top = float(np.max(curves.line.plain[seen])) if np.any(seen) else 0.0
     beyond = f" to {top:.0f}" if top > TOP_LSTAR else ""
     entries = [
-        (f"scaled, c = {curves.c:.3g}", plots.TOTAL),
-        ("diffuse L_d*", plots.DIFFUSE),
-        ("increase L_s*", plots.SPECULAR),
-        (f"plain, c = 1{beyond}", plots.PLAIN),
+        ("scaled", plots.TOTAL),
+        ("L_d*", plots.DIFFUSE),
+        ("L_s*", plots.SPECULAR),
+        (f"c = 1{beyond}", plots.PLAIN),
     ]
     if plots.other(side) in shown:
         entries.append((plots.other(side), plots.OTHER))

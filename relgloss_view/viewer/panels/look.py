@@ -115,7 +115,9 @@ def _grain(model: Model, side: str, look: Look) -> None:
 
 def _drawing(model: Model, side: str, look: Look) -> None:
     told = "How the range is brought to the display."
+    imgui.begin_disabled(len(OPERATORS) == 1)
     widgets.combo("operator", OPERATORS, OPERATORS[0], told)
+    imgui.end_disabled()
     changed, name = widgets.choice("diffuse", Look, "diffuse_model", look.diffuse_model)
     if changed:
         model.set_look(side, diffuse_model=name)

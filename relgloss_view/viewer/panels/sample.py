@@ -16,6 +16,7 @@ from relgloss_view.viewer.panels.look import side_tabs
 from relgloss_view.viewer.state import Sample
 
 LONGEST = 60  #: characters of a name
+LONGEST_WARNING = 240
 
 
 def show(model: Model, files: FileDesk) -> None:
@@ -65,4 +66,4 @@ def _evidence(model: Model) -> None:
         widgets.wrapped(printable(Path(place).name, LONGEST), dim=True)
         widgets.tooltip(printable(place, 400))
     for warning in material.warnings:
-        widgets.wrapped(f"! {warning}")
+        widgets.wrapped(f"! {printable(warning, LONGEST_WARNING)}")

@@ -109,7 +109,7 @@ def _dial(model: Model) -> None:
     if resetting:
         lamp = camera.placed(lamp, Lamp().azimuth_deg, Lamp().elevation_deg)
         model.change(dataclasses.replace(model.state, lamp=lamp), gesture="lamp dial")
-    elif active:
+    elif active and not imgui.is_item_activated():
         io = imgui.get_io()
         mouse = imgui.get_mouse_pos()
         if io.key_shift:

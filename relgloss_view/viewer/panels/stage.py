@@ -45,7 +45,8 @@ def show(model: Model, draw: Callable[[Size], Staged | None]) -> Canvas:
     painter = imgui.get_window_draw_list()
     presentation = model.state.presentation
     wiping = presentation.compare == WIPE and not presentation.haploscopic
-    edge = int(presentation.wipe * pane[0])
+    share = 1.0 - presentation.wipe if presentation.mirror else presentation.wipe
+    edge = int(share * pane[0])
     copies: list[Copy] = []
     for side, rect in staged.arrangement.rects.items():
         if side not in staged.shown:
@@ -101,6 +102,10 @@ def _copy(model: Model, rect: Rect, area: Rect, shown: Shown) -> Copy:
     top, bottom = (round((y - rect[1]) * down) for y in (area[1], area[1] + area[3]))
     if model.state.presentation.mirror:
         left, right = shown.size[0] - left, shown.size[0] - right
+    if left == right:  # a sliver of a smaller picture still shows a pixel of it
+        right = left + 1 if left < shown.size[0] else left - 1
+    if top == bottom:
+        bottom, top = (bottom + 1, top) if bottom < shown.size[1] else (bottom, top - 1)
     box = (left, shown.size[1] - bottom, right, shown.size[1] - top)
     return Copy(shown.framebuffer, box, area, scaled=shown.size != rect[2:])
 
@@ -145,7 +150,8 @@ def _take_hand(model: Model, origin: ImVec2, pane: Size, staged: Staged, edge: i
             state = model.state.with_part("presentation", life_size=False)
             model.change(dataclasses.replace(state, eye=camera.framed(state.eye)))
             return
-    if active:
+    # On the frame of the press the mouse may have come from far away.
+    if active and not imgui.is_item_activated():
         size = next(iter(staged.arrangement.rects.values()))[2:]
         _drag(model, size)
 
@@ -198,6 +204,8 @@ def _wipe_handle(model: Model, origin: ImVec2, pane: Size, edge: int) -> None:
         imgui.set_mouse_cursor(imgui.MouseCursor_.resize_ew)
     if imgui.is_item_active() and pane[0] > 0:
         share = (imgui.get_mouse_pos().x - origin.x) / pane[0]
+        if model.state.presentation.mirror:
+            share = 1.0 - share
         model.set_part("presentation", gesture="wipe", wipe=min(max(share, 0.0), 1.0))
 
 
