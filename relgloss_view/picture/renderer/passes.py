@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import Any
@@ -16,7 +15,7 @@ from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.context import collect, make_current
 from relgloss_view.picture.frame import Extremes, Frame, Scaling, scene_warnings
 from relgloss_view.picture.light import front_white, lit_white
-from relgloss_view.picture.plan import Plan, as_drawn, sample_count, tone_defines
+from relgloss_view.picture.plan import Plan, as_drawn, sample_count, tone_defines, variants
 from relgloss_view.picture.renderer.held import Held, key_of
 from relgloss_view.picture.renderer.programs import Programs, Uniforms
 from relgloss_view.picture.renderer.reduction import Reduction
@@ -75,22 +74,9 @@ class Renderer:
     def prepare(self, scene: Scene, look: Look) -> None:
         """Compile every variant that sliders of this scene and look can reach without a pause."""
         make_current(self.ctx)
-        scene = as_drawn(scene, look)
-        for sigma_n_deg in (0.0, max(look.sigma_n_deg, 1.0)):
-            tilted = dataclasses.replace(look, sigma_n_deg=sigma_n_deg)
-            for samples in (1, 2):
-                plan = Plan.of(scene, tilted, samples)
-                self.programs.get("shade.frag", plan.defines())
-            self.programs.get("geometry.frag", plan.geometry_defines())
-        for samples in (1, 2):
-            plan = Plan.of_perfect_diffuser(scene, samples)
-            self.programs.get("shade.frag", plan.defines())
-        self.programs.get("split.frag", {})
-        for stage, defines in self._reduction.stages():
+        drawn = variants(as_drawn(scene, look), look)
+        for stage, defines in (*drawn, *self._reduction.stages()):
             self.programs.get(stage, defines)
-        for stage in ("tone.frag", "light.frag"):
-            for samples in (1, 2):
-                self.programs.get(stage, tone_defines(scene.display, stage, samples))
 
     def render(self, scene: Scene, look: Look, size: Size) -> Frame:
         """Draw a scene. Raises InputError for a size or a material that can't be drawn.
