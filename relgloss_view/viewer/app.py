@@ -238,7 +238,8 @@ class App:
         at = imgui.get_cursor_screen_pos()
         self.stage_origin = (at.x, at.y)
         model.picture_size = arrangement.size
-        model.gap_px = arrangement.gap_px
+        asked = int(state.presentation.gap_px)
+        model.gap_px = asked if arrangement.gap_px is None else arrangement.gap_px
         pitch = self._window.pixel_pitch_m()
         model.pixel_pitch_m = pitch
         before = self.pictures.drawn

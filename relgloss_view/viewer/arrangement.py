@@ -25,10 +25,11 @@ class Arrangement:
     rects: dict[str, Rect]  #: by side, in the order in which they are shown
 
     @property
-    def gap_px(self) -> int:
-        """Between the pictures, where they stand side by side; otherwise 0."""
+    def gap_px(self) -> int | None:
+        """Between the pictures, where they stand side by side; otherwise None."""
         (left, _, width, _), *others = self.rects.values()
-        return max(others[0][0] - left - width, 0) if others else 0
+        gap = others[0][0] - left - width if others else -1
+        return gap if gap >= 0 else None
 
     @property
     def complete(self) -> bool:

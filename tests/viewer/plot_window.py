@@ -176,6 +176,7 @@ def _window(case: dict, model) -> tuple[np.ndarray, dict]:
             kept._of.clear()
     for name, value in case.get("reflection", {}).items():
         setattr(reflection._memory.of(model), name, value)
+    model.picture_size = max((f.size for f in model.frames.values()), default=(1, 1))
     model.pointer = tuple(case["pointer"]) if case.get("pointer") else None
     model.pinned = tuple(case["pinned"]) if case.get("pinned") else None
     model.active_side = case.get("side", "test")
