@@ -197,6 +197,59 @@ def hides_panels_and_brings_them_back(hand, found):
     found["left"] = hand.model.picture_size == pane
 
 
+def shows_the_pictures_themselves(hand, found):
+    """Every mode, mirrored or not: below the captions, the pane is the frames' own pixels."""
+    import dataclasses
+
+    model = hand.model
+    before = model.state
+    hand.ctx.mouse_teleport_to_pos((5.0, 5.0))  # the engine draws the mouse
+    eye = dataclasses.replace(before.eye, azimuth_deg=20.0, elevation_deg=12.0, shift_right=0.02)
+    model.change(dataclasses.replace(before, eye=eye))
+    model.set_look("test", sigma_n_deg=1.0)
+    model.set_part("display", background_lstar=37.0)
+
+    def pane():
+        screen = hand.app._window._screen._framebuffer
+        data = np.frombuffer(screen.read(components=3), dtype=np.uint8)
+        pixels = data.reshape(screen.height, screen.width, 3)[::-1]
+        left, top = (int(v) for v in hand.app.stage_origin)
+        width = max(r[0] + r[2] for r in hand.app.staged.arrangement.rects.values())
+        height = next(iter(hand.app.staged.arrangement.rects.values()))[3]
+        return pixels[top : top + height, left : left + width].copy()
+
+    def expected(mirror):
+        arrangement = hand.app.staged.arrangement
+        frames = {s: f.display for s, f in model.frames.items()}
+        if mirror:
+            frames = {s: d[:, ::-1] for s, d in frames.items()}
+        width = max(r[0] + r[2] for r in arrangement.rects.values())
+        wanted = np.full((arrangement.size[1], width, 3), frames["test"][0, 0], dtype=np.uint8)
+        for side, (left, _, wide, _) in arrangement.rects.items():
+            wanted[:, left : left + wide] = frames[side]
+        if model.state.presentation.compare == "wipe":
+            share = model.state.presentation.wipe
+            edge = int((1 - share if mirror else share) * width)
+            first, second = ("test", "reference") if mirror else ("reference", "test")
+            wanted[:, :edge], wanted[:, edge:] = frames[first][:, :edge], frames[second][:, edge:]
+        return wanted
+
+    for mode in ("side by side", "wipe", "flip"):
+        for mirror in (False, True):
+            model.set_part("presentation", compare=mode, mirror=mirror, wipe=0.4)
+            hand.frames(3)
+            got, wanted = hand.do(lambda mirror=mirror: (pane(), expected(mirror)))
+            low = slice(got.shape[0] // 3, None)  # below the captions
+            off = np.any(got[low] != wanted[low], axis=-1)
+            found[f"{mode} {mirror}"] = [int(np.sum(np.any(off, axis=0))), float(np.std(wanted))]
+    model.set_part("presentation", compare="difference", mirror=False)
+    model.change(dataclasses.replace(model.state, test=model.state.reference))
+    hand.frames(3)
+    got, seen = hand.do(lambda: (pane(), model.frames["test"].on_object))
+    found["no difference"] = int(np.max(got[200:][seen[200:]]))
+    model.change(before)
+
+
 def survives_lost_objects(hand, found):
     import glfw
 
@@ -292,6 +345,7 @@ SCRIPTS = [
     draws_only_what_changed,
     compares,
     hides_panels_and_brings_them_back,
+    shows_the_pictures_themselves,
     survives_lost_objects,
     draws_smaller_while_too_slow,
     pins_a_pixel,
@@ -370,6 +424,19 @@ def test_panels_come_back_as_they_were(found):
     assert got["as before"]
     assert got["haploscopic"] == SIZE[1]
     assert got["left"]
+
+
+@pytest.mark.parametrize("mode", ["side by side", "wipe", "flip"])
+@pytest.mark.parametrize("mirror", [False, True])
+def test_the_pane_is_the_pictures_pixel_by_pixel(found, mode, mirror):
+    columns_off, contrast = found["shows_the_pictures_themselves"][f"{mode} {mirror}"]
+    # The wipe's edge is a line, smoothed over three columns; nothing else differs.
+    assert columns_off <= (3 if mode == "wipe" else 0)
+    assert contrast > 20.0
+
+
+def test_equal_sides_have_no_difference(found):
+    assert found["shows_the_pictures_themselves"]["no difference"] == 0
 
 
 def test_lost_objects_are_made_again(found):
