@@ -122,7 +122,6 @@ def _take_hand(model: Model, origin: ImVec2, pane: Size, staged: Staged, edge: i
         _wipe_handle(model, origin, pane, edge)
     imgui.set_cursor_screen_pos(origin)
     buttons = imgui.ButtonFlags_
-    imgui.set_next_item_allow_overlap()
     imgui.invisible_button(
         "stage",
         ImVec2(max(pane[0], 1), max(pane[1], 1)),
