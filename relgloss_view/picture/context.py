@@ -143,6 +143,11 @@ class Offscreen:
         assert self._framebuffer is not None
         self._framebuffer.use()
 
+    def read(self, **options: Any) -> bytes:
+        """Its pixels, as moderngl's framebuffers read theirs."""
+        assert self._framebuffer is not None
+        return bytes(self._framebuffer.read(**options))
+
     def clear(
         self,
         red: float,

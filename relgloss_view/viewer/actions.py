@@ -155,6 +155,10 @@ ACTIONS: tuple[Action, ...] = (
         "pictures as PNG or OpenEXR",
     ),
     Action(
+        "File", "Export view...", "Ctrl+Shift+E", lambda app: app.files.export_view(),
+        "the pane as it is: both pictures, wipe, overlay or difference map, as PNG",
+    ),
+    Action(
         "File", "Copy as command", "Ctrl+C", lambda app: app.files.copy_command(),
         "the line that draws the active side's picture without a window",
     ),

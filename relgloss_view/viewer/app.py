@@ -223,6 +223,8 @@ class App:
         assert self._window is not None
         self._window.surround = _surround(self.model.state.display)
         self._window.canvas = canvas
+        asked = self.model.take_view is not None and not self.model.draft
+        self._window.below = self._give_view if asked and self.staged is not None else None
 
     def _draw_pictures(self, pane: Size) -> stage.Staged | None:
         assert self.pictures is not None
@@ -255,6 +257,18 @@ class App:
             model.say_once(fault, fault=True)
         self.staged = stage.Staged(arrangement, shown, faults)
         return self.staged
+
+    def _give_view(self, screen: Any, height: int) -> None:
+        """Hand over what the pane shows, without the interface."""
+        take, self.model.take_view = self.model.take_view, None
+        if take is None or self.staged is None:
+            return
+        rects = self.staged.arrangement.rects.values()
+        wide, tall = max(x + w for x, _, w, _ in rects), max(y + h for _, y, _, h in rects)
+        left, top = (int(v) for v in self.stage_origin)
+        box = (left, height - top - tall, wide, tall)
+        data = screen.read(viewport=box, components=3, alignment=1)
+        take(np.frombuffer(data, dtype=np.uint8).reshape(tall, wide, 3)[::-1])
 
     def _render_at(self, side: str, size: Size) -> Frame:
         """A side's picture at another size than the screen's. Raises RelglossError."""

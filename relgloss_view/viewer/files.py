@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import dataclasses
+import json
 import os
 import time
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 from imgui_bundle import ImVec2, imgui
+from numpy.typing import NDArray
 
 from relgloss_view.text_input import printable
 from relgloss_view.viewer import widgets
@@ -75,6 +79,22 @@ class FileDesk:
         """Show the window that writes pictures."""
         self._leave_haploscopic()
         self._export.open()
+
+    def export_view(self) -> None:
+        """Ask for a place and write what the pane shows there: overlay, wipe and all."""
+        self._ask(Question("Export view", self._write_view, (".png",), True, "view.png"))
+
+    def _write_view(self, path: str) -> None:
+        def take(pixels: NDArray[np.uint8]) -> None:
+            from relgloss_view.picture.export import save_rgb
+
+            shown = dataclasses.asdict(self.model.state.presentation)
+            text = {"Software": "relgloss", "Presentation": json.dumps(shown)}
+            if self.model.attempt(lambda: save_rgb(pixels, path, text)):
+                self.model.say(f"written: {path}, the pane as it was shown")
+
+        self.model.take_view = take
+        self._wake()
 
     def copy_command(self) -> None:
         """Copy the line that draws the active side's picture without a window."""

@@ -7,6 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from relgloss_view.errors import RelglossError
 from relgloss_view.measure.table import Measurement
 from relgloss_view.picture.frame import Frame
@@ -53,6 +56,9 @@ class Model:
         self.redrawn: list[str] = []  #: passes drawn when there last were any, 'side pass'
         self.draft = False  #: whether pictures are drawn smaller, while something is dragged
         self.picture_size: Size = (1, 1)
+        #: Takes the pane's pixels, (H, W, 3), without what the interface writes on them; asked for
+        #: once, answered by the next full frame.
+        self.take_view: Callable[[NDArray[np.uint8]], None] | None = None
         self.gap_px = 0  #: between the pictures on the screen
         self.pixel_pitch_m: float | None = None  #: of the monitor; None where it does not say
         #: Draws a side's picture at another size, in pixels; may raise RelglossError.

@@ -95,6 +95,8 @@ class Window:
         #: copied: to blend it as the interface does takes a software driver several times as long.
         self.canvas = Canvas()
         self.surround = 0.0
+        #: Called when all but the interface stands there, with the surface and its height.
+        self.below: Callable[[Any, int], None] | None = None
         self._blitter: Blitter | None = None
         #: Whether the device still knows a texture by this name.
         self.is_texture: Callable[[int], bool] = lambda name: True
@@ -286,6 +288,8 @@ class Window:
             )
         self.to_screen()
         self.canvas = Canvas()
+        if self.below is not None:
+            self.below(self._screen, height)
 
     def _guarded(self, action: Callable[[], None]) -> None:
         """An exception must not pass through the window library; the loop raises it instead."""

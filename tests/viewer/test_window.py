@@ -242,6 +242,14 @@ def shows_the_pictures_themselves(hand, found):
             low = slice(got.shape[0] // 3, None)  # below the captions
             off = np.any(got[low] != wanted[low], axis=-1)
             found[f"{mode} {mirror}"] = [int(np.sum(np.any(off, axis=0))), float(np.std(wanted))]
+    from PIL import Image
+
+    model.set_part("presentation", compare="wipe", mirror=True)
+    hand.frames(3)
+    hand.app.files._write_view(str(hand.folder / "view.png"))
+    hand.until(lambda: (hand.folder / "view.png").exists())
+    view = np.asarray(Image.open(hand.folder / "view.png"))
+    found["view"] = bool(np.array_equal(view, hand.do(lambda: expected(True))))
     model.set_part("presentation", compare="difference", mirror=False)
     model.change(dataclasses.replace(model.state, test=model.state.reference))
     hand.frames(3)
@@ -433,6 +441,10 @@ def test_the_pane_is_the_pictures_pixel_by_pixel(found, mode, mirror):
     # The wipe's edge is a line, smoothed over three columns; nothing else differs.
     assert columns_off <= (3 if mode == "wipe" else 0)
     assert contrast > 20.0
+
+
+def test_the_view_is_written_without_the_interface(found):
+    assert found["shows_the_pictures_themselves"]["view"]
 
 
 def test_equal_sides_have_no_difference(found):

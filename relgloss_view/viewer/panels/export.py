@@ -27,6 +27,7 @@ from relgloss_view.viewer.own_materials import safe_name
 from relgloss_view.viewer.panels import floating
 from relgloss_view.viewer.panels.dialog import FileDialogs
 from relgloss_view.viewer.panels.own_dialog import Question
+from relgloss_view.viewer.state import DIFFERENCE
 from relgloss_view.viewer.theme import em
 
 TITLE = "Export"
@@ -144,6 +145,9 @@ class Export:
             told = f"two files of {width} x {height} px: ...-reference.exr and ...-test.exr"
         else:
             told = f"{width} x {height} px, with its parameters and command inside"
+        shown = self.model.state.presentation
+        if shown.overlay != "none" or shown.compare == DIFFERENCE:
+            told += "; the pictures themselves: File > Export view writes what is shown over them"
         widgets.label("")
         widgets.wrapped(told, dim=True)
 
