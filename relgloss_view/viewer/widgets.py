@@ -159,6 +159,13 @@ def button(text: str, meaning: str, *, width: float = 0.0, enabled: bool = True)
     return bool(pressed)
 
 
+def small_button(text: str, meaning: str) -> bool:
+    """A button as high as a line of text."""
+    pressed = imgui.small_button(text)
+    tooltip(sentence(meaning))
+    return bool(pressed)
+
+
 def flag(text: str, meaning: str) -> None:
     """A short word of warning: brighter than the text around it, without a colour."""
     imgui.push_style_color(imgui.Col_.text, gray(1.0))

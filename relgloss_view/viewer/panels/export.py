@@ -157,20 +157,20 @@ class Export:
             there = [f for f in self._replacing.files if os.path.lexists(f)]
             names = " and ".join(printable(os.path.basename(f), 80) for f in there)
             widgets.wrapped(f"{names}: there already. Replace?")
-            if imgui.button("Replace", (em(7.0), 0.0)):
+            if widgets.button("Replace", "write over what is there", width=em(7.0)):
                 self._order, self._replacing, self._frames = self._replacing, None, 0
             imgui.same_line()
-            if imgui.button("Keep", (em(7.0), 0.0)):
+            if widgets.button("Keep", "leave what is there as it is", width=em(7.0)):
                 self._replacing = None
             return
         if self._told:
             widgets.wrapped(f"! {self._told}" if self._fault else self._told)
         imgui.begin_disabled(self._order is not None)
-        if imgui.button("Export##go", (em(7.0), 0.0)):
+        if widgets.button("Export##go", "write the files", width=em(7.0)):
             self._submit()
         imgui.end_disabled()
         imgui.same_line()
-        if imgui.button("Close", (em(7.0), 0.0)):
+        if widgets.button("Close", "close this window; nothing is lost", width=em(7.0)):
             self._open, self._order = False, None
 
     def _submit(self) -> None:

@@ -243,18 +243,22 @@ class OwnDialog:
             widgets.wrapped(message)
         width = em(7.0)
         if self._replacing is not None:
-            if imgui.button("Replace", (width, 0.0)):
+            if widgets.button("Replace", "write over the file that is there", width=width):
                 self.folder = os.path.dirname(self._replacing)
                 self._end(self._replacing)
             imgui.same_line()
-            if imgui.button("Keep it", (width, 0.0)):
+            if widgets.button("Keep it", "leave the file that is there as it is", width=width):
                 self._replacing = None
                 self._focus = 2
             return
-        if imgui.button("Save" if self.question.saving else "Open", (width, 0.0)):
+        if widgets.button(
+            "Save" if self.question.saving else "Open",
+            "take the file that is named above",
+            width=width,
+        ):
             self.submit()
         imgui.same_line()
-        if imgui.button("Cancel", (width, 0.0)):
+        if widgets.button("Cancel", "close without choosing", width=width):
             self._end(None)
 
     def _keys(self) -> None:

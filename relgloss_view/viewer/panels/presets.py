@@ -85,10 +85,10 @@ def _own(model: Model, preset: Preset) -> None:
             model.change(model.state.with_look(model.active_side, **vars(preset.look)))
         widgets.tooltip(f"{preset.name}: {_told(preset.look)}.")
         imgui.same_line()
-        if imgui.small_button("Rename"):
+        if widgets.small_button("Rename", "give the preset another name"):
             _name(preset.name)
         imgui.same_line()
-        if imgui.small_button("Delete"):
+        if widgets.small_button("Delete", "remove the preset; asks first"):
             memory.removing, memory.naming = preset.name, None
     imgui.pop_id()
 
@@ -109,9 +109,9 @@ def _name_field(done: Callable[[str], None], word: str) -> None:
     entered, memory.name = imgui.input_text_with_hint("##name", "name", memory.name, flags)
     left = imgui.is_item_deactivated() and imgui.is_key_pressed(imgui.Key.escape)
     imgui.same_line()
-    pressed = imgui.small_button(word)
+    pressed = widgets.small_button(word, "keep the preset under this name")
     imgui.same_line()
-    if imgui.small_button("Cancel") or left:
+    if widgets.small_button("Cancel", "leave it as it is") or left:
         memory.naming, memory.fault = None, ""
     elif pressed or entered:
         done(memory.name)
@@ -124,11 +124,11 @@ def _confirm(name: str) -> None:
     start = imgui.get_cursor_pos_x()
     imgui.text_unformatted(fitting(f"Delete {name}?", width))
     imgui.same_line(start + width + space)
-    if imgui.small_button("Delete"):
+    if widgets.small_button("Delete", "remove the preset for good"):
         _attempt(lambda: _changed(lambda present: presets.remove(present, name)))
         memory.removing = None
     imgui.same_line()
-    if imgui.small_button("Keep"):
+    if widgets.small_button("Keep", "leave the preset there"):
         memory.removing = None
 
 
