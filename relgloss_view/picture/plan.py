@@ -124,19 +124,3 @@ def samples_needed(scene: Scene, size: Size) -> int:
         turn += footprint_m / (float(half[0]) * cos_half)
     needed = turn / (STEP_SD * min(lobe.s for lobe in lobes))
     return max(1, min(MAX_SAMPLES, math.ceil(needed)))
-
-
-def variants(scene: Scene, look: Look) -> list[tuple[str, dict[str, int]]]:
-    """Stages with the constants that sliders of a scene and a look can reach without a pause."""
-    reached: list[tuple[str, dict[str, int]]] = [("split.frag", {})]
-    for samples in (1, 2):
-        for sigma_n_deg in (0.0, max(look.sigma_n_deg, 1.0)):
-            plan = Plan.of(scene, dataclasses.replace(look, sigma_n_deg=sigma_n_deg), samples)
-            reached += [
-                ("shade.frag", plan.defines()),
-                ("geometry.frag", plan.geometry_defines()),
-            ]
-        reached.append(("shade.frag", Plan.of_perfect_diffuser(scene, samples).defines()))
-        for stage in ("tone.frag", "light.frag"):
-            reached.append((stage, tone_defines(scene.display, stage, samples)))
-    return reached

@@ -30,8 +30,6 @@ from relgloss_view.picture.view import Size
 from relgloss_view.viewer.arrangement import Arrangement, as_shown
 from relgloss_view.viewer.state import DIFFERENCE, SIDES, State
 
-WARM_SIZE = (8, 8)
-
 
 @dataclass(frozen=True)
 class Shown:
@@ -107,10 +105,7 @@ class Pictures:
         return shown, faults
 
     def warm(self, state: State) -> bool:
-        """Compile what the sliders of a state can reach; returns whether there was anything to do.
-
-        A driver compiles a program when it is first drawn with, so each draws a few pixels.
-        """
+        """Compile what the sliders of a state can reach; returns whether anything was to do."""
         if self._enlarged:
             self._enlarged = False
             self._warmed.clear()  # and its next small picture frees the large one
@@ -119,11 +114,7 @@ class Pictures:
             variant = _variant(scene, look)
             if variant in self._warmed:
                 continue
-            for sigma_n_deg in (0.0, 1.0):
-                tried = dataclasses.replace(look, sigma_n_deg=sigma_n_deg)
-                with contextlib.suppress(RelglossError):
-                    frame = self._warm.render(scene, tried, WARM_SIZE)
-                    _ = frame.clip_count, frame.light, frame.normal
+            self._warm.prepare(scene, look)
             self._warmed.add(variant)
             return True
         return False

@@ -404,9 +404,12 @@ class TestPasses:
         compiled = renderer.programs.compiled
         for sigma_n_deg in (0.0, 0.1, 3.0):
             for c_fraction in (0.2, 1.0):
-                look = Look(sigma_n_deg=sigma_n_deg, c_fraction=c_fraction, seed=5)
-                frame = renderer.render(scene, look, SMALL)
-                assert frame.tilted_normal.shape == (120, 160, 3)
+                for samples in (1, 3):
+                    look = Look(sigma_n_deg, None, c_fraction, seed=5, samples=samples)
+                    frame = renderer.render(scene, look, SMALL)
+                    assert frame.tilted_normal.shape == (120, 160, 3)
+                    assert frame.light.shape == (120, 160, 3)
+                    assert frame.clip_count == 0
         for azimuth_deg in (10.0, 100.0):
             renderer.render(
                 Scene(materials.paper("cast"), lamp=Lamp(azimuth_deg=azimuth_deg)), look, SMALL

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import Any
@@ -11,11 +12,12 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from relgloss_view.errors import InputError
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.context import collect, make_current
 from relgloss_view.picture.frame import Extremes, Frame, Scaling, scene_warnings
 from relgloss_view.picture.light import front_white, lit_white
-from relgloss_view.picture.plan import Plan, as_drawn, sample_count, tone_defines, variants
+from relgloss_view.picture.plan import Plan, as_drawn, sample_count, tone_defines
 from relgloss_view.picture.renderer.held import Held, key_of
 from relgloss_view.picture.renderer.programs import Programs, Uniforms
 from relgloss_view.picture.renderer.reduction import Reduction
@@ -40,6 +42,7 @@ from relgloss_view.picture.renderer.uniforms import (
 from relgloss_view.picture.scene import Look, Scene
 from relgloss_view.picture.view import Box, Size, View, check_size
 
+PREPARED_SIZE = (80, 8)  #: wide enough for the reduction's further steps
 PASSES = ("white", "shade", "split", "tone", "light", "geometry", "counts", "overlay")
 
 
@@ -72,11 +75,16 @@ class Renderer:
         self._last: Frame | None = None
 
     def prepare(self, scene: Scene, look: Look) -> None:
-        """Compile every variant that sliders of this scene and look can reach without a pause."""
-        make_current(self.ctx)
-        drawn = variants(as_drawn(scene, look), look)
-        for stage, defines in (*drawn, *self._reduction.stages()):
-            self.programs.get(stage, defines)
+        """Compile every variant that sliders of this scene and look can reach without a pause.
+
+        A driver compiles a program when it is first drawn with, so each draws a few pixels.
+        """
+        for samples in (1, 2):
+            for sigma_n_deg in (0.0, max(look.sigma_n_deg, 1.0)):
+                tried = dataclasses.replace(look, sigma_n_deg=sigma_n_deg, samples=samples)
+                with contextlib.suppress(InputError):
+                    frame = self.render(scene, tried, PREPARED_SIZE)
+                    _ = frame.clip_count, frame.light, frame.normal
 
     def render(self, scene: Scene, look: Look, size: Size) -> Frame:
         """Draw a scene. Raises InputError for a size or a material that can't be drawn.

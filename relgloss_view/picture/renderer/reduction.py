@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import moderngl
@@ -74,19 +73,6 @@ class Reduction:
         return int(np.sum(result[:, 0], dtype=np.float64)), int(
             np.sum(result[:, 1], dtype=np.float64)
         )
-
-    def stages(self) -> list[tuple[str, Mapping[str, int]]]:
-        """Every stage with its constants, for those who compile ahead."""
-        listed: list[tuple[str, Mapping[str, int]]] = [
-            ("measure.frag", {"BLOCK": FIRST_BLOCK}),
-            ("reduce.frag", {"BLOCK": BLOCK}),
-        ]
-        for stage in ("peak.frag", "count.frag"):
-            listed += [
-                (stage, {"BLOCK": FIRST_BLOCK, "FIRST": 1}),
-                (stage, {"BLOCK": BLOCK, "FIRST": 0}),
-            ]
-        return listed
 
     def release(self) -> None:
         """Free the pyramid."""

@@ -53,13 +53,6 @@ class _Curves:
 _memory = plots.Kept(_Memory)
 
 
-def row_shown(model: Model) -> int | None:
-    """The row of pixels, from the top, whose curves the panel shows; None before the first."""
-    memory = _memory.of(model)
-    line = memory.sides[model.active_side].line
-    return None if line is None else line.row
-
-
 def show(model: Model) -> None:
     """Draw the panel into the present window."""
     imgui.push_id("lightness")
