@@ -15,6 +15,7 @@ LAMPS = {
     "D65": "CIE standard illuminant D65, daylight",
     "D50": "CIE illuminant D50, daylight",
     "A": "CIE standard illuminant A, tungsten",
+    "C": "CIE illuminant C, the daylight of gloss meters",
 }
 FOLDER = Path(__file__).resolve().parent.parent / "assets" / "spectra"
 

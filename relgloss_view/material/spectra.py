@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 #: full precision, so that white is exactly Y = 1.
 SRGB_PRIMARIES_XY = ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06))
 D65_XY = (0.3127, 0.3290)
-SHIPPED_ILLUMINANTS = ("HP5", "D65", "D50", "A")
+SHIPPED_ILLUMINANTS = ("HP5", "D65", "D50", "A", "C")
 #: Endings that no named lamp has: such a name is a file, and colour-science need not be asked.
 LAMP_SUFFIXES = (".csv", ".txt", ".tsv", ".dat")
 MAX_LAMP_BYTES = 16 * 1024 * 1024

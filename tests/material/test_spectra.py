@@ -58,7 +58,7 @@ def test_weights_sum_to_white():
     np.testing.assert_allclose(spectra.xyz_weights(RGB, lamp).sum(axis=0), white, atol=1e-12)
 
 
-@pytest.mark.parametrize("name", ["HP5", "D65", "D50", "A"])
+@pytest.mark.parametrize("name", ["HP5", "D65", "D50", "A", "C"])
 def test_shipped_lamp_is_colour_sciences(name):
     assert name in spectra.SHIPPED_ILLUMINANTS
     ours, theirs = spectra.illuminant(name), colour.SDS_ILLUMINANTS[name]
