@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from relgloss_view.material.files import load_material as load_material
     from relgloss_view.material.files import save_material as save_material
     from relgloss_view.material.fitting import fit_material as fit_material
+    from relgloss_view.material.gloss_meter import gloss_readings as gloss_readings
     from relgloss_view.material.material import Material as Material
     from relgloss_view.measure.readers import read_measurement as read_measurement
     from relgloss_view.measure.table import Measurement as Measurement
@@ -40,6 +41,7 @@ _HOMES = {
     "errors": ("GLUnavailableError", "InputError", "RelglossError"),
     "material.files": ("load_material", "save_material"),
     "material.fitting": ("fit_material",),
+    "material.gloss_meter": ("gloss_readings",),
     "material.material": ("Material",),
     "measure.readers": ("read_measurement",),
     "measure.table": ("Measurement",),
