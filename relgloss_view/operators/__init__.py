@@ -1,0 +1,1 @@
+"""Tone-mapping operators that the split is compared with, and measures of what they show."""

@@ -1,0 +1,154 @@
+"""Pattanaik, Ferwerda, Fairchild and Greenberg 1998: adaptation and spatial vision, band by band.
+
+What follows their paper is what this project's notes recall of it; the paper's tables of transducer
+functions are not at hand. With rods off the transducers cancel exactly, forward then backward, and
+nothing here depends on them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from relgloss_view.operators.operator import (
+    DISPLAY_CD_M2,
+    Array,
+    Displayed,
+    LightOperator,
+    SceneLight,
+    show_xyz,
+)
+from relgloss_view.operators.pyramid import low_passes
+from relgloss_view.picture.scene import choice, parameter, switch
+
+#: XYZ to cones, equal-energy white at 1 (Hunt, Pointer and Estevez; Hunt 1995).
+CONES = np.array([[0.38971, 0.68898, -0.07868], [-0.22981, 1.18340, 0.04641], [0.0, 0.0, 1.0]])
+#: XYZ to the rods' signal (Pattanaik et al. 1998).
+RODS = np.array([-0.702, 1.039, 0.433])
+#: Cones to the achromatic, red-green and yellow-blue channels (Hunt's, as they take them).
+OPPONENT = np.array([[2.0, 1.0, 0.05], [1.0, -1.09, 0.09], [0.11, 0.11, -0.22]])
+ROD_SHARE = 1.0 / 7.0  #: of the rods in the achromatic channel
+#: Approximated: the achromatic response below which the transducers are taken as linear. A
+#: contrast of 1 % at 100 cd/m2 gives 0.11.
+THRESHOLD = 0.1
+
+
+def cone_gain(signal: Array) -> Array:
+    """Response per cd/m2 of cones adapted to a signal of 0 cd/m2 and above."""
+    return np.asarray(np.exp(-0.85 * np.log1p(np.maximum(signal, 0.0))) / 0.555)
+
+
+def rod_gain(signal: Array) -> Array:
+    """Response per scotopic cd/m2 of rods; they saturate in daylight."""
+    bounded = np.maximum(signal, 0.0)
+    saturation = 10.0 / (bounded * bounded + 10.0)
+    return np.asarray(saturation * np.exp(-0.85 * np.log(bounded + 0.001)) / 0.908)
+
+
+def transducer(response: Array) -> Array:
+    """Approximated: linear near threshold, square root above, odd."""
+    size = np.abs(response)
+    return np.sign(response) * 2.0 * THRESHOLD * (np.sqrt(1.0 + size / THRESHOLD) - 1.0)
+
+
+def transducer_inverse(response: Array) -> Array:
+    """Inverse of transducer."""
+    size = np.abs(response)
+    return np.sign(response) * size * (1.0 + size / (4.0 * THRESHOLD))
+
+
+def responses(planes: Array, pixels_per_degree: float, local: float, *, rods: bool) -> Array:
+    """Adapted responses of the cones (3, H, W) to planes (C, H, W) in cd/m2.
+
+    C is 3, or 4 with rods last. Each band is multiplied by the gain of the low-pass picture below
+    it, the lowest one by the gain of a mean of itself: `local` (their A) is 0 for the whole
+    picture's, 1 for each pixel's own. Rods add to the achromatic channel of each band.
+    """
+    total = np.zeros((3, *planes.shape[1:]))
+    above = planes
+    for below in low_passes(planes, pixels_per_degree):
+        _add(total, above - below, below, rods=rods)
+        above = below
+    mean = np.mean(above, axis=(1, 2), keepdims=True)
+    # The lowest picture is not a contrast: it has no threshold, and no transducer.
+    _add(total, above, (1.0 - local) * mean + local * above, rods=rods, contrast=False)
+    return total
+
+
+def _add(
+    total: Array, band: Array, adaptation: Array, *, rods: bool, contrast: bool = True
+) -> None:
+    cones = band[:3] * cone_gain(adaptation[:3])
+    total += cones
+    if not rods:
+        return
+    rod = band[3] * rod_gain(adaptation[3])
+    if contrast:
+        achromatic = np.tensordot(OPPONENT[0], cones, axes=1)
+        seen = transducer_inverse(transducer(achromatic) + ROD_SHARE * transducer(rod))
+        gained = seen - achromatic
+    else:
+        gained = ROD_SHARE * rod
+    total += np.linalg.inv(OPPONENT)[:, 0, None, None] * gained
+
+
+@dataclass(frozen=True)
+class Multiscale(LightOperator):
+    """Cones (and rods) adapted in octave bands, shown to an eye adapted to the display's mean.
+
+    The bands are those of the scene's own angles, as if the picture were looked at from where the
+    eye stands, unless `pixels_per_degree` says otherwise. Off the object there is the display's
+    surround, lit as the object is. On the dark side of steep edges the bands add up to negative
+    light, which is cut and told.
+    """
+
+    name: ClassVar[str] = "multiscale"
+    title: ClassVar[str] = "Multiscale model of vision"
+    meaning: ClassVar[str] = "adapts cones and rods in bands of spatial frequency"
+    source: ClassVar[str] = "Pattanaik, Ferwerda, Fairchild and Greenberg 1998, SIGGRAPH"
+
+    local: float = parameter(
+        0.5, 0.0, 1.0, "", "A: 0 adapts to the picture's mean, 1 to each place"
+    )
+    display_cd_m2: float = parameter(
+        DISPLAY_CD_M2, 1.0, 1e5, "cd/m2", "luminance of the display's white"
+    )
+    display_mean_cd_m2: float = parameter(
+        0.5 * DISPLAY_CD_M2, 0.01, 1e5, "cd/m2", "what the display's observer is adapted to"
+    )
+    white: str = choice(
+        "display", ("display", "scene"), "carry the lamp's white to the display's first, or not"
+    )
+    rods: bool = switch(False, "add the rods, by approximated transducers")
+    pixels_per_degree: float | None = parameter(
+        None, 0.01, 1e7, "1/deg", "of the picture; none takes the scene's"
+    )
+
+    def apply(self, light: SceneLight) -> Displayed:
+        """See LightOperator."""
+        carried = self.white == "display"
+        xyz = light.display_xyz if carried else light.xyz_cd_m2
+        surround = (light.display.white if carried else light.white_xyz) * (
+            light.display.background_light * light.y_n_cd_m2
+        )
+        field = np.where(light.on_object[..., None], xyz, surround)
+        matrix = np.vstack([CONES, RODS]) if self.rods else CONES
+        planes = np.tensordot(matrix, field, axes=(1, 2))
+        planes[3:] = np.maximum(planes[3:], 0.0)
+        frequency = self.pixels_per_degree or light.pixels_per_degree
+        adapted = responses(planes, frequency, self.local, rods=self.rods)
+        back = cone_gain(CONES @ light.display.white * self.display_mean_cd_m2)
+        cones = adapted / (back * self.display_cd_m2)[:, None, None]
+        shown = np.moveaxis(np.tensordot(np.linalg.inv(CONES), cones, axes=1), 0, -1)
+        return show_xyz(self.name, light, np.maximum(shown, 0.0), self._warnings(light, shown))
+
+    def _warnings(self, light: SceneLight, shown: Array) -> tuple[str, ...]:
+        told = []
+        below = int(np.sum(np.any(shown[light.on_object] < -1e-9, axis=-1)))
+        if below:
+            told.append(f"{below} pixels of the object have negative light, which is cut")
+        if self.rods:
+            told.append("rods rely on approximated transducers: the paper's tables are not at hand")
+        return tuple(told)

@@ -1,0 +1,203 @@
+"""What an operator is: the light of a picture in, a display picture out.
+
+Every operator takes the same float picture in cd/m2 and gives the same kind of picture, its gamut
+mapped in one way, so that what differs between two of them is the tone mapping alone. The lamp's
+white is shown as the display's white, by ratios of XYZ (von Kries in XYZ), as the split does.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.picture import tone
+from relgloss_view.picture.frame import Frame
+from relgloss_view.picture.scene import Checked
+from relgloss_view.picture.tone import DisplayModel
+from relgloss_view.picture.view import View
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+#: cd/m2 of the display's white, where an operator needs to know (science: sRGB at 100 cd/m2).
+DISPLAY_CD_M2 = 100.0
+
+
+@dataclass(frozen=True)
+class SceneLight:
+    """The light that reaches the eye, and the display that it is to be shown on.
+
+    Arrays are (H, W, ...), row 0 the top. XYZ off the object is not looked at.
+    """
+
+    xyz_cd_m2: Array  #: (H, W, 3), diffuse and specular together; Y in cd/m2
+    coverage: Array  #: (H, W), share of each pixel that the object covers
+    white_xyz: Array  #: (3,), of the lamp, Y = 1
+    y_n_cd_m2: float  #: luminance of the perfect diffuser in the object's place
+    pixels_per_degree: float  #: at the centre of the picture, seen from the scene's eye
+    display: DisplayModel
+
+    @classmethod
+    def of(cls, frame: Frame) -> SceneLight:
+        """The light of a picture, in float64."""
+        light = frame.diffuse.astype(np.float64) + frame.specular.astype(np.float64)
+        step = View.of(frame.scene, frame.size).pixel_step
+        return cls(
+            light * frame.y_n_cd_m2,
+            frame.coverage.astype(np.float64),
+            np.asarray(frame.white_xyz, dtype=np.float64),
+            frame.y_n_cd_m2,
+            1.0 / float(np.degrees(np.arctan(step))),
+            DisplayModel.of(frame.scene.display),
+        )
+
+    @cached_property
+    def on_object(self) -> Mask:
+        """(H, W), whether the object covers any of the pixel."""
+        return self.coverage > 0.0
+
+    @cached_property
+    def display_xyz(self) -> Array:
+        """(H, W, 3), cd/m2, the lamp's white carried to the display's; Y is as it was."""
+        return self.xyz_cd_m2 * (self.display.white / self.white_xyz)
+
+    @property
+    def luminance(self) -> Array:
+        """(H, W), Y in cd/m2."""
+        return self.xyz_cd_m2[..., 1]
+
+    @cached_property
+    def adaptation_cd_m2(self) -> float:
+        """Luminance that the eye is adapted to: the log mean over the lit object, by coverage.
+
+        Ward 1994 takes the log mean of the picture. Pixels without light have no logarithm and
+        are left out; 0 where nothing is lit.
+        """
+        lit = self.on_object & (self.luminance > 0.0)
+        if not np.any(lit):
+            return 0.0
+        return float(np.exp(np.average(np.log(self.luminance[lit]), weights=self.coverage[lit])))
+
+
+@dataclass(frozen=True)
+class Displayed:
+    """What an operator shows. Arrays are (H, W, ...), the surround where the object is not."""
+
+    operator: str  #: its name in the registry
+    light: Array  #: (H, W, 3), linear display RGB, 0 to 1
+    digital: NDArray[np.uint8]  #: (H, W, 3), digital values of the display
+    clipped: Mask  #: where something above the display's white is cut
+    out_of_gamut: Mask  #: where a colour that the display can't show is changed
+    display: DisplayModel
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def clip_count(self) -> int:
+        """How many pixels are clipped."""
+        return int(np.sum(self.clipped))
+
+    @property
+    def out_of_gamut_count(self) -> int:
+        """How many pixels are out of gamut."""
+        return int(np.sum(self.out_of_gamut))
+
+    @cached_property
+    def lab(self) -> Array:
+        """(H, W, 3), L*, a*, b* of what is shown, relative to the display's white."""
+        return tone.lab_from_xyz(self.light @ self.display.xyz_from_rgb.T, self.display.white)
+
+
+@dataclass(frozen=True)
+class Operator(Checked, ABC):
+    """A tone mapping with its parameters; each declares its range (picture.scene)."""
+
+    name: ClassVar[str]  #: in the registry, on the command line
+    title: ClassVar[str]  #: in a list
+    meaning: ClassVar[str]  #: one line
+    source: ClassVar[str]  #: who published it
+
+    @abstractmethod
+    def draw(self, frame: Frame) -> Displayed:
+        """The picture that the operator makes of a frame."""
+
+
+@dataclass(frozen=True)
+class LightOperator(Operator):
+    """An operator that needs no more than the light."""
+
+    def draw(self, frame: Frame) -> Displayed:
+        """See Operator."""
+        return self.apply(SceneLight.of(frame))
+
+    @abstractmethod
+    def apply(self, light: SceneLight) -> Displayed:
+        """The picture that the operator makes of the light."""
+
+
+def show_xyz(
+    operator: str, light: SceneLight, xyz: Array, warnings: tuple[str, ...] = ()
+) -> Displayed:
+    """Show XYZ (H, W, 3) relative to the display's white (Y = 1), as the split's picture is shown.
+
+    L* above 100 is cut; a colour outside the gamut keeps L* and hue, or is cut, as the display
+    says (tone.display_rgb).
+    """
+    seen = light.on_object
+    lab = tone.lab_from_xyz(xyz[seen], light.display.white)
+    rgb, inside = tone.display_rgb(lab, light.display)
+    return _compose(
+        operator, light, rgb, lab[:, 0] > 100.0 + tone.CLIP_TOLERANCE, ~inside, warnings
+    )
+
+
+def show_rgb(
+    operator: str, light: SceneLight, rgb: Array, out_of_gamut: Mask, warnings: tuple[str, ...] = ()
+) -> Displayed:
+    """Show linear display RGB (H, W, 3), cutting each channel; `out_of_gamut` (H, W) is told."""
+    seen = light.on_object
+    shown = rgb[seen]
+    clipped = np.any(shown > 1.0 + tone.GAMUT_TOLERANCE, axis=-1)
+    return _compose(
+        operator, light, np.clip(shown, 0.0, 1.0), clipped, out_of_gamut[seen], warnings
+    )
+
+
+def _compose(
+    operator: str,
+    light: SceneLight,
+    rgb: Array,
+    clipped: Mask,
+    out_of_gamut: Mask,
+    warnings: tuple[str, ...],
+) -> Displayed:
+    """Put the object's pixels (N, ...) over the surround, as the reference renderer does."""
+    seen, display = light.on_object, light.display
+    share = light.coverage[seen][:, None]
+    picture = np.full((*seen.shape, 3), display.background_light)
+    picture[seen] = share * rgb + (1.0 - share) * display.background_light
+    return Displayed(
+        operator,
+        picture,
+        quantise(picture, display),
+        _spread(clipped, seen),
+        _spread(out_of_gamut, seen),
+        display,
+        warnings,
+    )
+
+
+def _spread(flags: Mask, seen: Mask) -> Mask:
+    """Flags (N,) of the pixels seen, in the picture (H, W)."""
+    mask = np.zeros(seen.shape, dtype=bool)
+    mask[seen] = flags
+    return mask
+
+
+def quantise(picture: Array, display: DisplayModel) -> NDArray[np.uint8]:
+    """Digital values of 8 bits of linear display RGB, rounded to the nearest."""
+    return np.floor(255.0 * tone.encode(picture, display) + 0.5).astype(np.uint8)

@@ -1,0 +1,49 @@
+"""The operators by name. Adding one is a file of its own and a line here."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any
+
+from relgloss_view.operators.clip import Clip
+from relgloss_view.operators.multiscale import Multiscale
+from relgloss_view.operators.neutral import Neutral
+from relgloss_view.operators.operator import Operator
+from relgloss_view.operators.schlick import Schlick
+from relgloss_view.operators.split import Split
+from relgloss_view.operators.tumblin_rushmeier import TumblinRushmeier
+from relgloss_view.operators.ward import Ward
+from relgloss_view.operators.ward_histogram import WardHistogram
+from relgloss_view.text_input import fault
+
+#: The paper's own first.
+OPERATORS: dict[str, type[Operator]] = {
+    kind.name: kind
+    for kind in (
+        Split,
+        Clip,
+        Multiscale,
+        Neutral,
+        TumblinRushmeier,
+        Ward,
+        Schlick,
+        WardHistogram,
+    )
+}
+DEFAULT_OPERATOR = Split.name
+
+
+def make_operator(name: str, parameters: Mapping[str, Any] | None = None) -> Operator:
+    """An operator by name, with parameters by theirs.
+
+    Raises InputError on an unknown name and on a value outside its declared range.
+    """
+    if name not in OPERATORS:
+        fault("operator", f"one of {', '.join(OPERATORS)}", name)
+    kind = OPERATORS[name]
+    known = [f.name for f in dataclasses.fields(kind)]
+    for parameter in parameters or {}:
+        if parameter not in known:
+            fault(f"operator {name}", f"a parameter of {', '.join(known) or 'none'}", parameter)
+    return kind(**(parameters or {}))
