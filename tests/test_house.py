@@ -27,6 +27,7 @@ ROOMS = [
     "measure",
     "material",
     "picture",
+    "operators",
     "viewer",
     "commands",
     "cli",
