@@ -8,6 +8,7 @@ const float COSINE_EPSILON = 1e-4;  // only guards divisions whose product is al
 const int LAMBERT = 0;
 const int OREN_NAYAR = 1;
 const int EON = 2;
+const int QUALITATIVE = 3;
 
 struct Facing {
     float mu_i;    // cosine of incidence
@@ -16,7 +17,8 @@ struct Facing {
     float sin_i;
     float sin_o;
     float cos_d;   // cosine between i and the half-vector
-    float delta2;  // squared angle between normal and half-vector
+    float e2;      // squared distance between normal and half-vector: 2 - 2 cos(delta)
+    float delta2;  // squared angle between them
 };
 
 // Squared angle between two nearly parallel unit vectors from e2 = |n - h|^2 = 4 sin^2(delta/2): the
@@ -36,9 +38,10 @@ Facing facing(vec3 n, vec3 i, vec3 o) {
     float size = length(h);
     bool defined = size > AZIMUTH_EPSILON;
     vec3 e = n - h / (defined ? size : 1.0);
-    float delta2 = defined ? squared_angle(dot(e, e)) : 0.25 * PI * PI;
+    float e2 = defined ? dot(e, e) : 2.0;
+    float delta2 = defined ? squared_angle(e2) : 0.25 * PI * PI;
     return Facing(mu_i, mu_o, dot(tangent_i, tangent_o), length(tangent_i), length(tangent_o),
-                  defined ? 0.5 * size : 0.0, delta2);
+                  defined ? 0.5 * size : 0.0, e2, delta2);
 }
 
 bool above(Facing f) {
@@ -47,34 +50,45 @@ bool above(Facing f) {
 
 // --- specular: Torrance, Sparrow 1967 -------------------------------------------------------------
 
-// Unpolarised dielectric reflectance (Cook, Torrance 1982).
+// Unpolarised dielectric reflectance (Cook, Torrance 1982), over one common denominator.
 float fresnel_dielectric(float cos_d, float n) {
     float c = abs(cos_d);
     float q = sqrt(max(n * n - 1.0 + c * c, 0.0));
-    float ratio = (q - c) / max(q + c, 1e-12);
-    float polarised = (c * (q + c) - 1.0) / (c * (q - c) + 1.0);
-    return 0.5 * ratio * ratio * (1.0 + polarised * polarised);
+    float low = q - c;
+    float high = max(q + c, 1e-12);
+    float s = c * high - 1.0;
+    float p = c * low + 1.0;
+    float under = high * p;
+    return 0.5 * low * low * (p * p + s * s) / (under * under);
 }
 
-// Gaussian in the facet's angle (Torrance, Sparrow 1967); `amplitude` makes D cos(delta) integrate
-// to one and comes from brdf.facet_amplitude.
-float facet_density(float delta2, float s, float amplitude) {
-    return amplitude * exp(-delta2 / (2.0 * s * s));
+// Gaussian in the facet's angle (Torrance, Sparrow 1967). sharpness = 1 / (2 s^2); `amplitude` makes
+// D cos(delta) integrate to one and comes from brdf.facet_amplitude.
+float facet_density(float delta2, float sharpness, float amplitude) {
+    return amplitude * exp(-delta2 * sharpness);
 }
 
-// G / (cos_i cos_o), V-groove G (Torrance, Sparrow 1967; Cook, Torrance 1982), divided through.
+// G / (cos_i cos_o), V-groove G (Torrance, Sparrow 1967; Cook, Torrance 1982), divided through: the
+// smaller of 1 / open and sum / groove.
 float shadowing(Facing f) {
     float mu_i = max(f.mu_i, 0.0);
     float mu_o = max(f.mu_o, 0.0);
-    float unshadowed = 1.0 / max(mu_i * mu_o, COSINE_EPSILON * COSINE_EPSILON);
-    float nh_over_ih = 0.5 * (mu_i + mu_o) / max(f.cos_d * f.cos_d, COSINE_EPSILON * COSINE_EPSILON);
-    float grooves = 2.0 * nh_over_ih / max(max(mu_i, mu_o), COSINE_EPSILON);
-    return min(unshadowed, grooves);
+    float open = max(mu_i * mu_o, COSINE_EPSILON * COSINE_EPSILON);
+    float groove = max(f.cos_d * f.cos_d, COSINE_EPSILON * COSINE_EPSILON)
+                 * max(max(mu_i, mu_o), COSINE_EPSILON);
+    float sum = mu_i + mu_o;
+    bool lit = groove < open * sum;
+    return (lit ? 1.0 : sum) / (lit ? open : groove);
 }
 
-float torrance_sparrow(Facing f, float s, float amplitude, float n) {
-    if (!above(f)) return 0.0;
-    return 0.25 * facet_density(f.delta2, s, amplitude) * fresnel_dielectric(f.cos_d, n) * shadowing(f);
+#include "approximations.glsl"
+
+// Constants: FRESNEL, SHADOWING, FACETS.
+float torrance_sparrow(Facing f, Lobe lobe) {
+    float open = SHADOWING == V_GROOVE ? shadowing(f) : unshadowed(f);
+    float reflected = 0.25 * facets(FACETS, f, lobe) * fresnel(FRESNEL, f.cos_d, lobe.refractive_index)
+                    * open;
+    return above(f) ? reflected : 0.0;
 }
 
 // --- diffuse: shapes for the albedo (x) and for a second albedo (y) -------------------------------
@@ -96,58 +110,58 @@ float polar_angle(float mu) {
     return sqrt(max(1.0 - mu, 0.0)) * p;
 }
 
-// Full model of Oren, Nayar 1995, for rho and rho^2.
-vec2 oren_nayar(Facing f, float sigma) {
-    if (f.mu_i <= 0.0 || f.mu_o <= 0.0) return vec2(0.0);
+// Full model of Oren, Nayar 1995, for rho and rho^2. terms = (C1, the factors of C2 and C3, the
+// interreflection's factor).
+vec2 oren_nayar(Facing f, vec4 terms) {
+    bool lit = f.mu_i > 0.0 && f.mu_o > 0.0;
     float product = f.sin_i * f.sin_o;
     float cos_phi = product > AZIMUTH_EPSILON ? clamp(f.t / product, -1.0, 1.0) : 0.0;
     float a = polar_angle(min(f.mu_i, f.mu_o));
     float b = polar_angle(max(f.mu_i, f.mu_o));
     float sin_a = max(f.sin_i, f.sin_o);
     float sin_b = min(f.sin_i, f.sin_o);
-    float s2 = sigma * sigma;
-    float c1 = 1.0 - 0.5 * s2 / (s2 + 0.33);
-    float k = s2 / (s2 + 0.09);
-    float b_unit = 2.0 * b / PI;
-    float c2 = 0.45 * k * (sin_a - (cos_phi >= 0.0 ? 0.0 : b_unit * b_unit * b_unit));
-    float ab = 4.0 * a * b / (PI * PI);
-    float c3 = 0.125 * k * ab * ab;
+    float b_unit = (2.0 / PI) * b;
+    float c2 = terms.y * (sin_a - (cos_phi >= 0.0 ? 0.0 : b_unit * b_unit * b_unit));
+    float ab = (4.0 / (PI * PI)) * a * b;
+    float c3 = terms.z * ab * ab;
     float tan_b = sin_b / max(max(f.mu_i, f.mu_o), COSINE_EPSILON);
     float tan_mean = (sin_a + sin_b) / max(f.mu_i + f.mu_o, COSINE_EPSILON);
-    float first = c1 + cos_phi * c2 * tan_b + (1.0 - abs(cos_phi)) * c3 * tan_mean;
-    float second = 0.17 * s2 / (s2 + 0.13) * (1.0 - cos_phi * b_unit * b_unit);
-    return vec2(max(first, 0.0), second) / PI;
+    float first = terms.x + cos_phi * c2 * tan_b + (1.0 - abs(cos_phi)) * c3 * tan_mean;
+    float second = terms.w * (1.0 - cos_phi * b_unit * b_unit);
+    return lit ? vec2(max(first, 0.0), second) * (1.0 / PI) : vec2(0.0);
 }
 
-float fujii_normalisation(float r) {
-    return 1.0 / (1.0 + (0.5 - 2.0 / (3.0 * PI)) * r);
-}
-
-float fujii_albedo(float mu, float r) {
+float fujii_albedo(float mu, float r, float normalisation) {
     float m = 1.0 - mu;
     float g = m * (0.0571085289 + m * (0.491881867 + m * (-0.332181442 + m * 0.0714429953)));
-    return (1.0 + r * g) * fujii_normalisation(r);
+    return (1.0 + r * g) * normalisation;
 }
 
-float fujii_mean_albedo(float r) {
-    return fujii_normalisation(r) * (1.0 + (2.0 / 3.0 - 28.0 / (15.0 * PI)) * r);
-}
-
-// Energy-preserving Oren-Nayar (Portsmouth, Kutz, Hill 2025), for rho and rho_ms.
-vec2 eon(Facing f, float r) {
-    if (f.mu_i <= 0.0 || f.mu_o <= 0.0) return vec2(0.0);
+// Energy-preserving Oren-Nayar (Portsmouth, Kutz, Hill 2025), for rho and rho_ms. terms = (r, A_F, one
+// over what the mean albedo misses of 1, 0).
+vec2 eon(Facing f, vec4 terms) {
+    bool lit = f.mu_i > 0.0 && f.mu_o > 0.0;
     float mu_i = min(f.mu_i, 1.0);
     float mu_o = min(f.mu_o, 1.0);
     float s_over_t = f.t > 0.0 ? f.t / max(max(mu_i, mu_o), COSINE_EPSILON) : f.t;
-    float first = fujii_normalisation(r) * (1.0 + r * s_over_t);
-    float missing_i = max(EON_EPSILON, 1.0 - fujii_albedo(mu_i, r));
-    float missing_o = max(EON_EPSILON, 1.0 - fujii_albedo(mu_o, r));
-    float missing = max(EON_EPSILON, 1.0 - fujii_mean_albedo(r));
-    return vec2(max(first, 0.0), missing_i * missing_o / missing) / PI;
+    float first = terms.y * (1.0 + terms.x * s_over_t);
+    float missing_i = max(EON_EPSILON, 1.0 - fujii_albedo(mu_i, terms.x, terms.y));
+    float missing_o = max(EON_EPSILON, 1.0 - fujii_albedo(mu_o, terms.x, terms.y));
+    float second = missing_i * missing_o * terms.z;
+    return lit ? vec2(max(first, 0.0), second) * (1.0 / PI) : vec2(0.0);
 }
 
-vec2 diffuse_shapes(int model, Facing f, float sigma) {
+// Qualitative model of Oren, Nayar 1995 (their eq. 32 without interreflection), for rho. terms as theirs.
+vec2 qualitative_oren_nayar(Facing f, vec4 terms) {
+    bool lit = f.mu_i > 0.0 && f.mu_o > 0.0;
+    float s_over_t = max(f.t, 0.0) / max(max(f.mu_i, f.mu_o), COSINE_EPSILON);
+    return vec2(lit ? (1.0 / PI) * (terms.x + terms.y * s_over_t) : 0.0, 0.0);
+}
+
+// `terms`: what a model needs of its roughness, worked out once a picture by brdf.diffuse_terms.
+vec2 diffuse_shapes(int model, Facing f, vec4 terms) {
     if (model == LAMBERT) return lambert(f);
-    if (model == OREN_NAYAR) return oren_nayar(f, sigma);
-    return eon(f, sigma);
+    if (model == OREN_NAYAR) return oren_nayar(f, terms);
+    if (model == QUALITATIVE) return qualitative_oren_nayar(f, terms);
+    return eon(f, terms);
 }

@@ -1,7 +1,7 @@
 #version 330 core
 
 // How many pixels are clipped (x) and how many out of gamut (y), summed by BLOCK x BLOCK tiles inside a
-// region. Constant: FIRST, 1 where the source is the flags of the tone pass, 0 the step before.
+// region. Constant: FIRST, 1 where the source is what the tone pass shows, 0 the step before.
 
 uniform sampler2D source_image;
 uniform ivec4 region;  // left, bottom, right, top: pixels
@@ -16,7 +16,7 @@ void main() {
         for (int x = first.x; x < last.x; ++x) {
             vec4 source = texelFetch(source_image, ivec2(x, y), 0);
             if (FIRST == 1) {
-                float flags = floor(255.0 * source.r + 0.5);
+                float flags = 255.0 - floor(255.0 * source.a + 0.5);
                 float outside = floor(0.5 * flags);
                 source.xy = vec2(flags - 2.0 * outside, outside);
             }

@@ -1,7 +1,12 @@
 #version 330 core
 
-// One triangle that covers the target; needs no buffer.
+// One triangle that covers the target; needs no buffer. shader.py writes in what the fragment stage
+// has declared as uniforms: the numbers of the whole picture, handed on as flat inputs.
+
+//@declare
+
 void main() {
     vec2 corner = vec2(float((gl_VertexID << 1) & 2), float(gl_VertexID & 2));
     gl_Position = vec4(2.0 * corner - 1.0, 0.0, 1.0);
+    //@hand-on
 }

@@ -2,7 +2,7 @@
 
 // What pass 1 sees at the centre of each pixel, or at the first of its samples that meets the object:
 // normal before and after the tilt, point on the object. Drawn only when someone asks for it.
-// Constants: SHAPE, NOISE, GRAIN.
+// Constants: SHAPE, CAPS, NOISE, GRAIN.
 
 #include "view.glsl"
 #include "shape.glsl"
@@ -25,8 +25,8 @@ void main() {
         ray = ray_through(here, (vec2(float(k % samples), float(k / samples)) + 0.5) / float(samples));
         hit = meet(SHAPE, eye_m, ray, half_extent_m);
     }
-    float found = hit.found ? 1.0 : 0.0;
-    normal = found * vec4(hit.normal, 1.0);
-    tilted_normal = found * vec4(grain_normal(hit, -normalize(ray), here), 1.0);
-    point_m = found * vec4(hit.point_m, 1.0);
+    vec3 tilted = grain_normal(hit, -normalize(ray), here);
+    normal = hit.found ? vec4(hit.normal, 1.0) : vec4(0.0);
+    tilted_normal = hit.found ? vec4(tilted, 1.0) : vec4(0.0);
+    point_m = hit.found ? vec4(hit.point_m, 1.0) : vec4(0.0);
 }

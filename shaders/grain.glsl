@@ -4,7 +4,7 @@ const int SCREEN = 0;
 const int SURFACE = 1;
 
 uniform float sigma_n;  // radians
-uniform int grain_px;
+uniform float grains_per_px;
 uniform float grain_m;
 uniform uint seed;
 
@@ -13,7 +13,7 @@ vec3 grain_normal(Hit hit, vec3 o, ivec2 pixel) {
     ivec3 cell;
     if (GRAIN == SCREEN) {
         // Exact below 2^23 pixels; software drivers divide whole numbers one pixel at a time.
-        cell = ivec3(ivec2(floor((vec2(pixel) + 0.5) / float(grain_px))), 0);
+        cell = ivec3(ivec2(floor((vec2(pixel) + 0.5) * grains_per_px)), 0);
     } else {
         cell = surface_cell(SHAPE, hit, grain_m, half_extent_m);
     }

@@ -1,6 +1,6 @@
 #version 330 core
 
-// The float numbers of pass 3, drawn only when someone asks for them.
+// The float numbers of pass 2, drawn only when someone asks for them.
 //   light = linear display RGB over the surround, alpha = the object's share of the pixel
 //   lab   = L~*, a*, b* before gamut mapping; 0 off the object
 

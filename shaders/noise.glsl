@@ -33,7 +33,7 @@ float cosine_of_turn(float u) {
     float x = 6.28318530717959 * (abs(u - 0.5) - 0.25);  // cos(2 pi u) = sin(x), |x| <= pi/2
     float x2 = x * x;
     return x * (1.0 - x2 * (1.0 / 6.0 - x2 * (1.0 / 120.0 - x2 * (1.0 / 5040.0
-             - x2 * (1.0 / 362880.0 - x2 / 39916800.0)))));
+             - x2 * (1.0 / 362880.0 - x2 * (1.0 / 39916800.0))))));
 }
 
 // (cos, sin) of 2 pi u.
@@ -71,16 +71,16 @@ vec2 tilt_angles(int law, uvec3 hash, float sigma) {
 // than the largest sigma_N times the largest Gaussian that 23 bits make, 5.77.
 vec2 turn(float t2) {
     return vec2(1.0 - t2 * (1.0 / 2.0 - t2 * (1.0 / 24.0 - t2 * (1.0 / 720.0
-                - t2 * (1.0 / 40320.0 - t2 / 3628800.0)))),
+                - t2 * (1.0 / 40320.0 - t2 * (1.0 / 3628800.0))))),
                 1.0 - t2 * (1.0 / 6.0 - t2 * (1.0 / 120.0 - t2 * (1.0 / 5040.0
-                - t2 / 362880.0))));
+                - t2 * (1.0 / 362880.0)))));
 }
 
 vec3 tilted(vec3 n, vec2 angles) {
     vec3 tangent, bitangent;
     frame(n, tangent, bitangent);
     vec2 t = turn(dot(angles, angles));
-    return normalize(n * t.x + t.y * (angles.x * tangent + angles.y * bitangent));
+    return n * t.x + t.y * (angles.x * tangent + angles.y * bitangent);
 }
 
 // The normal of a grain as the eye sees it. A tilt that would turn the grain away from the eye is
@@ -94,11 +94,15 @@ vec3 noisy_normal(int law, vec3 n, vec3 o, uvec3 hash, float sigma) {
     float along = dot(n, o);
     float across = dot(angles, vec2(dot(tangent, o), dot(bitangent, o)));
     float t2 = dot(angles, angles);
-    float kept = 0.0;
-    for (int attempt = 3; attempt >= 0; --attempt) {
-        float share = exp2(-float(attempt));
-        vec2 t = turn(share * share * t2);
-        if (along * t.x + share * across * t.y > 0.0) kept = share;
+    vec2 t = turn(t2);
+    float kept = along * t.x + across * t.y > 0.0 ? 1.0 : 0.0;
+    float share = 1.0;
+    // A software driver leaves a loop that no pixel needs; branches cost both their sides.
+    int attempts = kept > 0.0 ? 0 : 3;
+    for (int attempt = 0; attempt < attempts; ++attempt) {
+        share *= 0.5;
+        t = turn(share * share * t2);
+        if (kept == 0.0 && along * t.x + share * across * t.y > 0.0) kept = share;
     }
     return tilted(n, kept * angles);
 }

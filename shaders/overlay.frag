@@ -15,7 +15,6 @@ const int NORMALS = 6;
 uniform sampler2D diffuse_image;
 uniform sampler2D split_image;
 uniform sampler2D display_image;
-uniform sampler2D flags_image;
 uniform sampler2D tilted_normal_image;
 uniform vec3 white;
 uniform float c;
@@ -37,8 +36,9 @@ vec3 shown(vec3 lab, float share) {
 
 // Stripes of black and white where a flag is set, over a gray and pale copy of the picture.
 vec3 striped(ivec2 at, int flag) {
-    int flags = int(floor(255.0 * texelFetch(flags_image, at, 0).r + 0.5));
-    float gray = dot(texelFetch(display_image, at, 0).rgb, vec3(0.299, 0.587, 0.114));
+    vec4 shown = texelFetch(display_image, at, 0);
+    int flags = 255 - int(floor(255.0 * shown.a + 0.5));
+    float gray = dot(shown.rgb, vec3(0.299, 0.587, 0.114));
     bool light = ((at.x + at.y) / STRIPE_PX) % 2 == 0;
     return (flags & flag) != 0 ? vec3(light ? 1.0 : 0.0) : vec3(0.2 + 0.4 * gray);
 }

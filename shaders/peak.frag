@@ -1,8 +1,7 @@
 #version 330 core
 
-// The largest Y of the perfect diffuser's picture, reduced by BLOCK x BLOCK tiles inside a region.
-// Constant: FIRST, 1 where the source is the picture itself, 0 where it is the step before.
-//   peak = (largest Y, number of pixels on the object, 0, 0)
+// Further steps of white.frag: the largest Y, and how many pixels, of BLOCK x BLOCK results of the step
+// before.
 
 uniform sampler2D source_image;
 uniform ivec4 region;  // left, bottom, right, top: pixels
@@ -16,7 +15,6 @@ void main() {
     for (int y = first.y; y < last.y; ++y) {
         for (int x = first.x; x < last.x; ++x) {
             vec4 source = texelFetch(source_image, ivec2(x, y), 0);
-            if (FIRST == 1) source.xy = source.a > 0.0 ? vec2(source.y, 1.0) : vec2(0.0);
             peak.xy = vec2(max(peak.x, source.x), peak.y + source.y);
         }
     }

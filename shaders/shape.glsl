@@ -4,11 +4,17 @@
 // a surface that faces the lamp is lit. Closest-approach forms keep the digits of the normal near the
 // silhouette (Haines et al. 2019, "Precision improvements for ray/sphere intersection").
 
+// 0 where the eye stands between a cylinder's caps, so that it sees neither.
+#ifndef CAPS
+#define CAPS 1
+#endif
+
 const int CYLINDER = 0;
 const int SPHERE = 1;
 const int PLANE = 2;
 const int BOX = 3;
 
+// Where nothing is found the rest is finite or not, and means nothing: choose by `found`, never multiply.
 struct Hit {
     bool found;
     vec3 point_m;
@@ -17,7 +23,7 @@ struct Hit {
     int face;
 };
 
-const Hit MISS = Hit(false, vec3(0.0), vec3(0.0, 0.0, 1.0), vec2(0.0), 0);
+const float TINY = 1e-30;  // only guards a division whose result is not used
 
 // Angle of the point (x, y), -pi to pi, to 3e-7: the range reduction and polynomial of Moshier's Cephes
 // library (atanf). The language leaves the precision of its own atan open, and a grain's cell must not
@@ -46,26 +52,23 @@ Hit meet_cylinder(vec3 eye_m, vec3 ray, vec3 half_extent_m) {
     float moment = eye_m.x * along.y - eye_m.z * along.x;  // distance to the axis, times |along|
     float reach = radius * sqrt(length2);
     float discriminant = (reach - abs(moment)) * (reach + abs(moment));
-    if (length2 > 0.0 && discriminant >= 0.0) {
-        float root = sqrt(discriminant);
-        float travel = (-dot(eye_m.xz, along) - root) / length2;
-        float y = eye_m.y + travel * ray.y;
-        if (travel > 0.0 && abs(y) <= half_extent_m.y) {
-            vec2 normal = (moment * vec2(along.y, -along.x) - root * along) / (length2 * radius);
-            vec3 n = vec3(normal.x, 0.0, normal.y);
-            vec2 surface = vec2(arc_tangent(n.x, n.z) * radius, y);
-            return Hit(true, vec3(n.x * radius, y, n.z * radius), n, surface, 0);
-        }
-    }
-    float cap = eye_m.y > 0.0 ? half_extent_m.y : -half_extent_m.y;
+    float root = sqrt(max(discriminant, 0.0));
+    float scale = 1.0 / (max(length2, TINY) * radius);
+    float travel = (-dot(eye_m.xz, along) - root) * radius * scale;
+    float y = eye_m.y + travel * ray.y;
+    bool side = length2 > 0.0 && discriminant >= 0.0 && travel > 0.0 && abs(y) <= half_extent_m.y;
+    vec2 around = (moment * vec2(along.y, -along.x) - root * along) * scale;
+    vec3 n = vec3(around.x, 0.0, around.y);
+    vec3 p = vec3(n.x * radius, y, n.z * radius);
+    vec2 surface = vec2(arc_tangent(n.x, n.z) * radius, y);
+    if (CAPS == 0) return Hit(side, p, n, surface, 0);
+    float up = eye_m.y > 0.0 ? 1.0 : -1.0;
+    float cap = up * half_extent_m.y;
     float to_cap = abs(ray.y) > 0.0 ? (cap - eye_m.y) / ray.y : -1.0;
-    vec3 p = eye_m + to_cap * ray;
-    bool outside = abs(eye_m.y) > half_extent_m.y;
-    if (outside && to_cap > 0.0 && dot(p.xz, p.xz) <= radius * radius) {
-        vec3 n = vec3(0.0, sign(cap), 0.0);
-        return Hit(true, vec3(p.x, cap, p.z), n, p.xz, cap > 0.0 ? 1 : 2);
-    }
-    return MISS;
+    vec2 q = eye_m.xz + to_cap * ray.xz;
+    bool on_cap = !side && to_cap > 0.0 && dot(q, q) <= radius * radius;
+    return Hit(side || on_cap, on_cap ? vec3(q.x, cap, q.y) : p, on_cap ? vec3(0.0, up, 0.0) : n,
+               on_cap ? q : surface, on_cap ? (up > 0.0 ? 1 : 2) : 0);
 }
 
 Hit meet_sphere(vec3 eye_m, vec3 ray, vec3 half_extent_m) {
@@ -75,20 +78,19 @@ Hit meet_sphere(vec3 eye_m, vec3 ray, vec3 half_extent_m) {
     float reach = radius * sqrt(length2);
     float distance_scaled = length(moment);
     float discriminant = (reach - distance_scaled) * (reach + distance_scaled);
-    if (discriminant < 0.0) return MISS;
-    float root = sqrt(discriminant);
-    if (-dot(eye_m, ray) - root <= 0.0) return MISS;
+    float root = sqrt(max(discriminant, 0.0));
+    bool found = discriminant >= 0.0 && -dot(eye_m, ray) - root > 0.0;
     vec3 n = normalize((cross(ray, moment) - root * ray) / (length2 * radius));
     vec2 surface = radius * vec2(arc_tangent(n.x, n.z), arc_tangent(n.y, length(n.xz)));
-    return Hit(true, n * radius, n, surface, 0);
+    return Hit(found, n * radius, n, surface, 0);
 }
 
 // Rectangle in x-y that faces +z; nothing is seen from behind.
 Hit meet_plane(vec3 eye_m, vec3 ray, vec3 half_extent_m) {
-    if (eye_m.z <= 0.0 || ray.z >= 0.0) return MISS;
-    vec2 p = eye_m.xy - (eye_m.z / ray.z) * ray.xy;
-    if (any(greaterThan(abs(p), half_extent_m.xy))) return MISS;
-    return Hit(true, vec3(p, 0.0), vec3(0.0, 0.0, 1.0), p, 0);
+    bool facing = eye_m.z > 0.0 && ray.z < 0.0;
+    vec2 p = eye_m.xy - (facing ? eye_m.z / ray.z : 0.0) * ray.xy;
+    bool found = facing && all(lessThanEqual(abs(p), half_extent_m.xy));
+    return Hit(found, vec3(p, 0.0), vec3(0.0, 0.0, 1.0), p, 0);
 }
 
 // One face of the box, square to `axis` (a unit vector), met only from outside (Kay, Kajiya 1986).
@@ -108,18 +110,16 @@ Hit meet_box(vec3 eye_m, vec3 ray, vec3 half_extent_m) {
     const vec3 X = vec3(1.0, 0.0, 0.0);
     const vec3 Y = vec3(0.0, 1.0, 0.0);
     const vec3 Z = vec3(0.0, 0.0, 1.0);
-    vec3 p;
-    float side;
-    if (meet_face(eye_m, ray, half_extent_m, X, p, side)) {
-        return Hit(true, p, side * X, p.zy, side > 0.0 ? 0 : 1);
-    }
-    if (meet_face(eye_m, ray, half_extent_m, Y, p, side)) {
-        return Hit(true, p, side * Y, p.xz, side > 0.0 ? 2 : 3);
-    }
-    if (meet_face(eye_m, ray, half_extent_m, Z, p, side)) {
-        return Hit(true, p, side * Z, p.xy, side > 0.0 ? 4 : 5);
-    }
-    return MISS;
+    vec3 x, y, z;
+    vec3 side;
+    bool on_x = meet_face(eye_m, ray, half_extent_m, X, x, side.x);
+    bool on_y = meet_face(eye_m, ray, half_extent_m, Y, y, side.y);
+    bool on_z = meet_face(eye_m, ray, half_extent_m, Z, z, side.z);
+    vec3 p = on_x ? x : on_y ? y : z;
+    vec3 n = on_x ? side.x * X : on_y ? side.y * Y : side.z * Z;
+    vec2 surface = on_x ? x.zy : on_y ? y.xz : z.xy;
+    int face = on_x ? 0 : on_y ? 2 : 4;
+    return Hit(on_x || on_y || on_z, p, n, surface, face + (n.x + n.y + n.z > 0.0 ? 0 : 1));
 }
 
 Hit meet(int shape, vec3 eye_m, vec3 ray, vec3 half_extent_m) {

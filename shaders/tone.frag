@@ -1,9 +1,9 @@
 #version 330 core
 
-// Pass 3: scale the specular part of L* by c, recombine (Ishii et al., eqs. 2-3), map the gamut, encode
+// Pass 2: scale the specular part of L* by c, recombine (Ishii et al., eqs. 2-3), map the gamut, encode
 // for the display. Outside the object stands a neutral surround.
-//   display = digital values over the surround
-//   flags   = 1/255 * (L~* above 100) + 2/255 * (out of gamut)
+//   display = digital values over the surround; alpha = 1 - 1/255 * (L~* above 100) - 2/255 * (out of
+//             gamut), so that a pixel says what was done to it at no cost
 // Constants: GAMUT, TRANSFER, SAMPLED.
 
 #include "tone.glsl"
@@ -17,7 +17,6 @@ uniform vec4 display_curve;    // gain, offset, gamma, flare
 uniform float background_light;
 
 layout(location = 0) out vec4 display;
-layout(location = 1) out vec4 flags;
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
@@ -27,7 +26,6 @@ void main() {
     vec3 lab = scaled_lab(split, c);
     vec3 shown = display_rgb(GAMUT, lab, display_white, rgb_from_xyz, inside);
     vec3 rgb = share > 0.0 ? mix(vec3(background_light), shown, share) : vec3(background_light);
-    display = vec4(encode(TRANSFER, rgb, display_curve), 1.0);
-    flags = vec4(share > 0.0 ? (lab.x > 100.0 + CLIP_TOLERANCE ? 1.0 : 0.0) + (inside ? 0.0 : 2.0) : 0.0)
-          / 255.0;
+    float flags = (lab.x > 100.0 + CLIP_TOLERANCE ? 1.0 : 0.0) + (inside ? 0.0 : 2.0);
+    display = vec4(encode(TRANSFER, rgb, display_curve), 1.0 - (share > 0.0 ? flags : 0.0) / 255.0);
 }

@@ -202,7 +202,7 @@ def eon(f: Facing, r: float) -> tuple[Array, Array]:
 def second_albedo(model: str, albedo: ArrayLike, sigma: float) -> Array:
     """The albedo that multiplies a model's second shape: 0, rho^2, or EON's rho_ms."""
     rho = np.asarray(albedo, dtype=np.float64)
-    if model == "lambert":
+    if model in ("lambert", "qualitative"):
         return np.zeros_like(rho)
     if model == "oren-nayar":
         return np.asarray(rho * rho)
@@ -210,12 +210,34 @@ def second_albedo(model: str, albedo: ArrayLike, sigma: float) -> Array:
     return np.asarray(rho * rho * mean / (1.0 - rho * (1.0 - mean)))
 
 
+def qualitative_oren_nayar(f: Facing, sigma: float) -> tuple[Array, Array]:
+    """Oren and Nayar's qualitative model (1995, eq. 32): their first two terms, no second part."""
+    c1, c2, *_ = diffuse_terms("qualitative", sigma)
+    largest = np.maximum(np.maximum(f.mu_i, f.mu_o), COSINE_EPSILON)
+    first = (c1 + c2 * np.maximum(f.t, 0.0) / largest) / np.pi
+    return np.where((f.mu_i > 0.0) & (f.mu_o > 0.0), first, 0.0), np.zeros_like(f.t)
+
+
+def diffuse_terms(model: str, sigma: float) -> tuple[float, float, float, float]:
+    """What the shader needs of a model's roughness (radians), worked out once a picture."""
+    if model in ("oren-nayar", "qualitative"):
+        s2 = sigma * sigma
+        k = s2 / (s2 + 0.09)
+        return 1.0 - 0.5 * s2 / (s2 + 0.33), 0.45 * k, 0.125 * k, 0.17 * s2 / (s2 + 0.13)
+    if model == "eon":
+        missing = max(EON_EPSILON, 1.0 - fujii_mean_albedo(sigma))
+        return sigma, fujii_normalisation(sigma), 1.0 / missing, 0.0
+    return 0.0, 0.0, 0.0, 0.0
+
+
 def diffuse_shapes(model: str, f: Facing, sigma: float) -> tuple[Array, Array]:
-    """The two shapes of the named model ('lambert', 'oren-nayar', 'eon'; sigma in radians)."""
+    """The two shapes of a model: 'lambert', 'oren-nayar', 'eon', 'qualitative'; sigma in radians."""
     if model == "lambert":
         return lambert(f)
     if model == "oren-nayar":
         return oren_nayar(f, sigma)
     if model == "eon":
         return eon(f, sigma)
+    if model == "qualitative":
+        return qualitative_oren_nayar(f, sigma)
     raise ValueError(f"no diffuse model is named {model!r}")

@@ -46,9 +46,10 @@ class Scaling:
     warnings: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, look: Look, extremes: Extremes) -> Scaling:
+    def of(cls, look: Look, extremes: Extremes, *, eq4: bool = False) -> Scaling:
         """Choose c from what is asked for and what can be shown (Ishii et al., eq. 4, exactly).
 
+        With `eq4` c_max is the paper's approximation, at the brightest pixel.
         Raises InputError where the diffuse part alone passes L* = 100 and c_max is asked for.
         """
         if extremes.not_finite:
@@ -69,8 +70,8 @@ class Scaling:
             ignored = look.c_fraction not in (None, 1.0)
             told = ("no pixel shows a highlight: c_max has no value, and c is 1",)
             return cls(1.0 if look.c is None else look.c, None, None, told if ignored else ())
-        c_max = max(extremes.smallest_ratio, 0.0)
-        eq4 = (100.0 - extremes.brightest_l_d) / max(extremes.brightest_l_s, 1e-6)
+        at_brightest = (100.0 - extremes.brightest_l_d) / max(extremes.brightest_l_s, 1e-6)
+        c_max = max(at_brightest if eq4 else extremes.smallest_ratio, 0.0)
         if look.c is not None:
             c = look.c
         else:
@@ -80,7 +81,7 @@ class Scaling:
             warnings.append(f"c = {c:.3g} is above 1: the picture exaggerates the contrast gloss")
         if c > c_max * (1.0 + 1e-9):
             warnings.append(f"c = {c:.3g} is above c_max = {c_max:.3g}: highlights are clipped")
-        return cls(c, c_max, eq4, tuple(warnings))
+        return cls(c, c_max, at_brightest, tuple(warnings))
 
 
 def scene_warnings(
@@ -150,9 +151,9 @@ class Frame:
     def _diffuse(self) -> Floats:
         return self._fetch("diffuse")
 
-    @cached_property
+    @property
     def _flags(self) -> NDArray[np.uint8]:
-        return self._fetch("flags")[..., 0].astype(np.uint8)
+        return 255 - self._display[..., 3]
 
     @cached_property
     def _counts(self) -> Floats:
@@ -209,9 +210,14 @@ class Frame:
         return self._fetch("light")[..., :3]
 
     @cached_property
+    def _display(self) -> NDArray[np.uint8]:
+        """Its alpha is 255, less 1 where clipped, less 2 where out of gamut."""
+        return self._fetch("display").astype(np.uint8)
+
+    @property
     def display(self) -> NDArray[np.uint8]:
         """(H, W, 3), digital values of the display, 8 bits."""
-        return self._fetch("display")[..., :3].astype(np.uint8)
+        return self._display[..., :3]
 
     @cached_property
     def normal(self) -> Floats:

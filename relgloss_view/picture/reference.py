@@ -161,10 +161,8 @@ def _tone(scene: Scene, stages: dict[str, Array], c: float) -> dict[str, Array]:
     diffuse, specular = stages["diffuse"], stages["specular"]
     coverage = diffuse[..., 3:]
     seen = coverage > 0.0
-    l_d, l_s = tone.split_lightness(diffuse[..., 1], specular[..., 1])
     white = illuminant(scene.lamp.illuminant).white_xyz()
-    chromatic = tone.lab_from_xyz(diffuse[..., :3] + specular[..., :3], white)[..., 1:]
-    lab = tone.scaled_lab(np.concatenate([l_d[..., None], l_s[..., None], chromatic], axis=-1), c)
+    lab = tone.scaled_lab(tone.split_lab(diffuse[..., :3], specular[..., :3], white), c)
     shown, inside = tone.display_rgb(lab, display)
     light = np.where(
         seen,
@@ -176,10 +174,11 @@ def _tone(scene: Scene, stages: dict[str, Array], c: float) -> dict[str, Array]:
     ).astype(np.uint8)
     return {
         "lab": np.where(seen, lab, 0.0),
-        "flags": flags[..., None],
         "counts": np.array([np.sum(flags & 1), np.sum(flags >> 1)]),
         "light": np.concatenate([light, coverage], axis=-1),
-        "display": np.floor(255.0 * tone.encode(light, display) + 0.5),
+        "display": np.concatenate(
+            [np.floor(255.0 * tone.encode(light, display) + 0.5), 255.0 - flags[..., None]], axis=-1
+        ),
     }
 
 

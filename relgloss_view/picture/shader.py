@@ -9,6 +9,10 @@ from pathlib import Path
 from relgloss_view.errors import RelglossError
 from relgloss_view.resources import data_root
 
+#: A number of the whole picture; longer arrays than two stay with the fragments.
+_UNIFORM = re.compile(r"^uniform\s+((?:float|int|uint|[iu]?vec[234]|mat3))\s+(\w+)(\[[12]\])?\s*;")
+VERTEX = "fill.vert"
+HANDED_ON = "all_"  #: before the name of a number that the vertex stage hands on
 _INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
 #: Mesa writes 0:12(3): error; NVIDIA 0(12) : error; others ERROR: 0:12:
 _PLACE = re.compile(r"\b(\d+)(?::|\()(\d+)\)?")
@@ -22,6 +26,9 @@ class ShaderSource:
     """One stage with its includes resolved: the file `name`, or `source` under that name.
 
     `text` goes to the compiler; `explain` turns the compiler's log into file names and lines.
+
+    A fragment's uniforms come to it as flat inputs, and `vertex` is the stage that hands them on:
+    a software driver reads a uniform again in each pixel by some 25 instructions, an input by one.
     """
 
     def __init__(
@@ -34,7 +41,29 @@ class ShaderSource:
         if not head.startswith("#version"):
             raise ShaderError(f"{name}: line 1: a stage begins with #version")
         lines = [f"#define {key} {value}" for key, value in sorted((defines or {}).items())]
+        self._handed_on: list[tuple[str, str, str]] = []  #: type, name, array
+        rest = "\n".join(self._handed(line) for line in rest.split("\n"))
         self.text = "\n".join([head, *lines, "#line 2 0", rest]) + "\n"
+
+    @property
+    def vertex(self) -> str:
+        """The vertex stage that goes with this fragment stage."""
+        declared = [
+            f"uniform {kind} {HANDED_ON}{name}{array}; flat out {kind} {name}{array};"
+            for kind, name, array in self._handed_on
+        ]
+        assigned = [f"{name} = {HANDED_ON}{name};" for _, name, _ in self._handed_on]
+        text = _read(VERTEX, ())
+        text = text.replace("//@declare", "\n".join(declared))
+        return text.replace("//@hand-on", "\n".join(assigned))
+
+    def _handed(self, line: str) -> str:
+        match = _UNIFORM.match(line)
+        if match is None or not self.name.endswith(".frag"):
+            return line
+        kind, name, array = match[1], match[2], match[3] or ""
+        self._handed_on.append((kind, name, array))
+        return f"flat in {kind} {name}{array};{line[match.end() :]}"
 
     def _resolve(self, name: str, trail: tuple[str, ...], source: str | None = None) -> str:
         if name in trail:

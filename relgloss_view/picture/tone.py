@@ -71,6 +71,13 @@ def split_lightness(y_diffuse: Array, y_specular: Array) -> tuple[Array, Array]:
     return diffuse, lightness(y_diffuse + y_specular) - diffuse
 
 
+def split_lab(diffuse: Array, specular: Array, white: Array) -> Array:
+    """(L_d*, L_s*, a*, b*), (..., 4), of diffuse and specular XYZ (..., 3) against a white (3,)."""
+    l_d, l_s = split_lightness(diffuse[..., 1], specular[..., 1])
+    chromatic = lab_from_xyz(diffuse + specular, white)[..., 1:]
+    return np.concatenate([l_d[..., None], l_s[..., None], chromatic], axis=-1)
+
+
 def scaled_lab(split: Array, c: float) -> Array:
     """L~*, a*, b* (..., 3) of (L_d*, L_s*, a*, b*), the specular part scaled by c (eqs. 2-3)."""
     return np.concatenate([split[..., :1] + c * split[..., 1:2], split[..., 2:]], axis=-1)

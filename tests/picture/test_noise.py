@@ -127,7 +127,7 @@ MEAN_BODY = """
     vec3 n = tilted(vec3(0.0, 0.0, 1.0), angles);
     vec3 h = vec3(sin({delta!r}), 0.0, cos({delta!r}));
     vec3 e = n - h;
-    result = vec4(facet_density(squared_angle(dot(e, e)), {s!r}, 1.0), 0, 0, 0);
+    result = vec4(facet_density(squared_angle(dot(e, e)), {sharpness!r}, 1.0), 0, 0, 0);
 """
 
 
@@ -143,7 +143,7 @@ class TestMeanLobe:
     def test_mean_and_second_moment(self, ctx, law, ratio, steps):
         sigma = float(np.radians(2.0))
         s, delta = ratio * sigma, steps * ratio * sigma
-        body = MEAN_BODY.format(law=law.upper(), sigma=sigma, delta=delta, s=s)
+        body = MEAN_BODY.format(law=law.upper(), sigma=sigma, delta=delta, sharpness=0.5 / s**2)
         cell = np.array(cells(), dtype=np.int64).astype(np.uint32)
         lobe = glsl.evaluate(ctx, ["brdf.glsl", "noise.glsl"], body, {"cell": cell})[:, 0]
         lobe = lobe.astype(np.float64)

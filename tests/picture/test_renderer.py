@@ -438,7 +438,7 @@ class TestPasses:
         from relgloss_view.picture.shader import ShaderError
 
         renderer.render(Scene(materials.paper("cast")), Look(), SMALL)
-        target = renderer._targets.framebuffer(SHADE)
+        target = renderer.targets.framebuffer(SHADE)
         with pytest.raises(ShaderError, match=r"uniform '\w+' has no value"):
             renderer.programs.draw(
                 "tone.frag", {"TRANSFER": 0, "GAMUT": 0, "SAMPLED": 0}, {}, target
@@ -798,7 +798,7 @@ class TestFaultsInBetween:
 
         with monkeypatch.context() as patch:
             if kind == "texture":
-                target = type(renderer._targets)
+                target = type(renderer.targets)
                 patch.setattr(target, "_texture", broken(target._texture, InputError))
             else:
                 patch.setattr(

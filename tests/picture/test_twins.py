@@ -57,6 +57,12 @@ def twin(directions):
     return brdf.facing(n, i, o)
 
 
+def shapes_of(model, sigma):
+    name = model.replace("-", "_").upper()
+    terms = f"vec4{tuple(float(v) for v in brdf.diffuse_terms(model, sigma))}"
+    return f"vec4(diffuse_shapes({name}, f, {terms}), 0, 0)"
+
+
 class TestBrdf:
     def test_facing(self, ctx, directions):
         f = twin(directions)
@@ -92,9 +98,8 @@ class TestBrdf:
         s = float(np.radians(s_deg))
         f = twin(directions)
         amplitude = brdf.facet_amplitude(s)
-        result = call(ctx, directions, f"vec4(torrance_sparrow(f, {s!r}, {amplitude!r}, 1.5))")[
-            :, 0
-        ]
+        lobe = f"Lobe({0.5 / s**2!r}, {amplitude!r}, 1.5, 0.0)"
+        result = call(ctx, directions, f"vec4(torrance_sparrow(f, {lobe}))")[:, 0]
         expected = brdf.torrance_sparrow(f, s, 1.5)
         peak = amplitude * brdf.fresnel_dielectric(f.cos_d, 1.5) * brdf.shadowing(f) / 4
         steady = (np.minimum(f.mu_i, f.mu_o) > 1e-3) & (f.cos_d > 1e-3)
@@ -103,11 +108,10 @@ class TestBrdf:
         assert np.all(np.isfinite(result))
         assert np.all(result >= 0)
 
-    @pytest.mark.parametrize("model", ["lambert", "oren-nayar", "eon"])
+    @pytest.mark.parametrize("model", ["lambert", "oren-nayar", "eon", "qualitative"])
     @pytest.mark.parametrize("sigma", [0.0, 0.1, 0.7])
     def test_diffuse_shapes(self, ctx, directions, model, sigma):
-        name = model.replace("-", "_").upper()
-        result = call(ctx, directions, f"vec4(diffuse_shapes({name}, f, {sigma!r}), 0, 0)")
+        result = call(ctx, directions, shapes_of(model, sigma))
         f = twin(directions)
         # Times the cosine, as it reaches a picture: tan(b) alone grows without bound at grazing.
         lit = np.maximum(f.mu_i, 0.0)
@@ -120,7 +124,7 @@ class TestBrdf:
 
     def test_a_slightly_wrong_roughness_is_seen(self, ctx, directions):
         # Negative control: a roughness 3 % off.
-        result = call(ctx, directions, "vec4(diffuse_shapes(OREN_NAYAR, f, 0.7), 0, 0)")[:, 0]
+        result = call(ctx, directions, shapes_of("oren-nayar", 0.7))[:, 0]
         f = twin(directions)
         wrong = brdf.oren_nayar(f, 0.68)[0]
         assert np.max(np.abs(result - wrong)) > 1e-3

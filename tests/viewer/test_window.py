@@ -268,7 +268,7 @@ def survives_lost_objects(hand, found):
         pointer = ctypes.cast(glfw.get_proc_address("glDeleteTextures"), ctypes.c_void_p).value
         delete = ctypes.CFUNCTYPE(None, ctypes.c_int, ctypes.POINTER(ctypes.c_uint))(pointer)
         for renderer in hand.app.pictures._full.values():
-            for name in ("diffuse", "specular", "split", "display", "flags"):
+            for name in ("diffuse", "specular", "split", "display"):
                 delete(1, ctypes.byref(ctypes.c_uint(renderer.texture(name).glo)))
 
     hand.frames(4)
@@ -406,8 +406,8 @@ def test_only_what_changed_is_drawn(found):
     got = found["draws_only_what_changed"]
     assert got["c"] == {"test tone": 1}
     for name in ("sigma_n", "no sigma_n", "sigma_n again"):
-        assert got[name] == {"test shade": 1, "test split": 1, "test tone": 1}, name
-    passes = ("shade", "split", "tone", "white")
+        assert got[name] == {"test shade": 1, "test tone": 1}, name
+    passes = ("shade", "tone", "white")
     assert got["lamp"] == [f"{side} {name}" for side in ("reference", "test") for name in passes]
     assert got["compiled"] == 0
 

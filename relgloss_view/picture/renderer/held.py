@@ -10,10 +10,8 @@ Key = tuple[object, ...]
 
 #: What goes on from a pass: where it is drawn again, these fall.
 FOLLOWING = {
-    "white": ("shade",),  # they share the targets
-    "shade": ("split", "geometry"),
+    "shade": ("tone", "light", "geometry"),
     "geometry": ("overlay",),
-    "split": ("tone", "light"),
     "light": ("overlay",),
     "tone": ("counts", "overlay"),
 }

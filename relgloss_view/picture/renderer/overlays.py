@@ -8,10 +8,14 @@ import numpy as np
 from relgloss_view.errors import RelglossError
 from relgloss_view.picture import tone
 from relgloss_view.picture.context import make_current
-from relgloss_view.picture.plan import as_drawn, tone_defines
+from relgloss_view.picture.plan import tone_defines
+from relgloss_view.picture.renderer.on_demand import (
+    bring_geometry_up_to_date,
+    bring_light_up_to_date,
+)
 from relgloss_view.picture.renderer.passes import Renderer
 from relgloss_view.picture.renderer.request import Request
-from relgloss_view.picture.renderer.targets import GEOMETRY, LIGHT, OVERLAY, SHADE, SPLIT, TONE
+from relgloss_view.picture.renderer.targets import GEOMETRY, LIGHT, OVERLAY, SHADE, TONE
 from relgloss_view.picture.renderer.uniforms import display_uniforms, white_uniform
 from relgloss_view.picture.scene import Look, Scene
 from relgloss_view.picture.tone import DisplayModel
@@ -32,11 +36,11 @@ def draw_overlay(
 ) -> moderngl.Texture:
     """Draw one of OVERLAY_CODES for a picture; the texture holds 8-bit display values."""
     make_current(renderer.ctx)
-    request = Request(as_drawn(scene, look), look, size)
+    request = renderer.request(scene, look, size)
     scaling, _ = renderer.bring_up_to_date(request)
-    names: tuple[str, ...] = (*SHADE, *SPLIT, *TONE)
+    names: tuple[str, ...] = (*SHADE, *TONE)
     if overlay == "normals":
-        renderer.bring_geometry_up_to_date(request)
+        bring_geometry_up_to_date(renderer, request)
         names = (*names, *GEOMETRY)
     if renderer.held.stale("overlay", overlay):
         defines = {**tone_defines(scene.display, "overlay.frag"), "OVERLAY": OVERLAY_CODES[overlay]}
@@ -60,7 +64,7 @@ def draw_difference(
         raise RelglossError("a difference needs two pictures of one size")
     for renderer, request in zip((first, second), requests, strict=True):
         renderer.bring_up_to_date(request)
-        renderer.bring_light_up_to_date(request)
+        bring_light_up_to_date(renderer, request)
     display = DisplayModel.of(requests[1].scene.display)
     # Pictures of the first renderer count by how often it has drawn them.
     if second.held.stale("overlay", "difference", id(first), first.draws["light"], top):

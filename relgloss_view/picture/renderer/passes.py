@@ -10,40 +10,36 @@ from typing import Any
 
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
 from relgloss_view.errors import InputError
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.context import collect, make_current
 from relgloss_view.picture.frame import Extremes, Frame, Scaling, scene_warnings
 from relgloss_view.picture.light import front_white, lit_white
+from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.plan import Plan, as_drawn, sample_count, tone_defines
 from relgloss_view.picture.renderer.held import Held, key_of
+from relgloss_view.picture.renderer.on_demand import fetch
 from relgloss_view.picture.renderer.programs import Programs, Uniforms
 from relgloss_view.picture.renderer.reduction import Reduction
 from relgloss_view.picture.renderer.request import Request
 from relgloss_view.picture.renderer.targets import (
     CLEARED,
-    GEOMETRY,
-    LIGHT,
     SHADE,
-    SPLIT,
     TONE,
     Targets,
 )
 from relgloss_view.picture.renderer.uniforms import (
-    PERFECT_DIFFUSER,
     display_uniforms,
     grain_uniforms,
     material_uniforms,
     view_uniforms,
-    white_uniform,
 )
 from relgloss_view.picture.scene import Look, Scene
 from relgloss_view.picture.view import Box, Size, View, check_size
 
 PREPARED_SIZE = (80, 8)  #: wide enough for the reduction's further steps
-PASSES = ("white", "shade", "split", "tone", "light", "geometry", "counts", "overlay")
+PASSES = ("white", "shade", "tone", "light", "geometry", "counts", "overlay")
 
 
 class Renderer:
@@ -61,14 +57,15 @@ class Renderer:
         self._shares_programs = programs is not None
         self.draws = dict.fromkeys(PASSES, 0)
         self._device = str(ctx.info["GL_RENDERER"])
-        self._targets = Targets(ctx)
-        self._reduction = Reduction(ctx, self.programs)
+        self.targets = Targets(ctx)
+        self.reduction = Reduction(ctx, self.programs)
         self.held = Held()
         self._around: dict[str, object] = {}  #: what stands outside the object's bounds, by pass
         self._white = 0.0  #: of the perfect diffuser's picture
         self._seen = False  #: whether that picture shows the object
         self._extremes = Extremes.of_nothing()
-        self._counts = (0, 0)
+        self._once = Extremes.of_nothing()  #: of the picture without grain, where a method asks
+        self.counts = (0, 0)
         #: What the targets show, with its scaling and Y_n.
         self._present: tuple[Request, int, Scaling, float] | None = None
         self._lamp: object = None
@@ -86,12 +83,19 @@ class Renderer:
                     frame = self.render(scene, tried, PREPARED_SIZE)
                     _ = frame.clip_count, frame.light, frame.normal
 
-    def render(self, scene: Scene, look: Look, size: Size) -> Frame:
+    def request(
+        self, scene: Scene, look: Look, size: Size, method: Method | None = None
+    ) -> Request:
+        """What a frame is asked to be, all told; InputError for a size that can't be drawn."""
+        return Request(as_drawn(scene, look), look, check_size(size), method or EXACT)
+
+    def render(self, scene: Scene, look: Look, size: Size, method: Method | None = None) -> Frame:
         """Draw a scene. Raises InputError for a size or a material that can't be drawn.
 
-        The same arguments in a row give the same Frame, with what was fetched of it.
+        The same arguments in a row give the same Frame, with what was fetched of it. A method
+        draws less than the whole model.
         """
-        request = Request(as_drawn(scene, look), look, check_size(size))
+        request = self.request(scene, look, size, method)
         make_current(self.ctx)
         before = self._present
         scaling, white = self.bring_up_to_date(request)
@@ -104,7 +108,7 @@ class Renderer:
             look,
             size,
             scaling,
-            partial(self._fetch, request),
+            partial(fetch, self, request),
             self._device,
             scene_warnings(scene, look, size, seen=self._seen, lit=white > 0.0),
         )
@@ -112,15 +116,15 @@ class Renderer:
 
     def framebuffer_name(self, targets: tuple[str, ...]) -> int:
         """OpenGL's name of the framebuffer of targets that were drawn; it reads the first."""
-        return int(self._targets.framebuffer(targets).glo)
+        return int(self.targets.framebuffer(targets).glo)
 
     def texture_names(self) -> list[int]:
         """OpenGL's names of the textures of the targets."""
-        return self._targets.names()
+        return self.targets.names()
 
     def texture(self, name: str) -> moderngl.Texture:
         """A target as it was last drawn, for passes that go on from it."""
-        return self._targets.texture(name)
+        return self.targets.texture(name)
 
     def release(self) -> None:
         """Free everything on the device; frames already made are drawn again when asked."""
@@ -152,66 +156,55 @@ class Renderer:
 
     def _draw_what_changed(self, request: Request) -> tuple[Scaling, float]:
         self._present = None
-        self._make_room(request.size)
-        scene, look, size = request.scene, request.look, request.size
+        self._make_room(request)
+        once = request.without_grain()
+        if request.method.c_max == "once" and self.held.stale("once", once):
+            self._draw_shade(once)
+            self._once = self._extremes
+        white = self._draw_shade(request)
+        extremes = self._once if request.method.c_max == "once" else self._extremes
+        scaling = Scaling.of(request.look, extremes, eq4=request.method.c_max == "eq4")
+        bounds = View.of(request.scene, request.size).bounds
+        self.draw_tone("tone", request, scaling, TONE, bounds)
+        return scaling, white
+
+    def _draw_shade(self, request: Request) -> float:
+        """Pass 1 and its extremes, if they no longer hold; returns Y_n before the lamp's power."""
+        scene, look, size, method = request.scene, request.look, request.size, request.method
         view = View.of(scene, size)
         seen_from: dict[str, Any] = {
             **view_uniforms(scene, view),
             "samples": sample_count(scene, look, size),
         }
-        white = self._white_of(scene, view, seen_from)
-        plan = Plan.of(scene, look, seen_from["samples"])
-        uniforms: Uniforms = {
+        plan = Plan.of(scene, look, seen_from["samples"], method)
+        white = self._white_of(scene, view, plan, seen_from)
+        uniforms: dict[str, Any] = {
             **seen_from,
             **(grain_uniforms(look) if plan.noise != "none" else {}),
-            **material_uniforms(scene),
+            **material_uniforms(scene, look, method),
             "irradiance": np.pi / white if white > 0.0 else 0.0,
         }
+        if plan.cube_root == "table":
+            uniforms["cube_root_table"] = self.targets.cube_root_table()
         if self.held.stale("shade", plan, size, uniforms):
             self.draw("shade", "shade.frag", plan.defines(), uniforms, SHADE, view.bounds)
-        uniforms = {**white_uniform(scene), **self.images(SHADE)}
-        if self.held.stale("split", white_uniform(scene)):
-            self.draw("split", "split.frag", {}, uniforms, SPLIT, view.bounds)
-            self._extremes = self._reduction.extremes(self.texture("split"), view.bounds)
-        scaling = Scaling.of(look, self._extremes)
-        self._draw_tone("tone", request, scaling, TONE, view.bounds)
-        return scaling, white
+            self._extremes = self.reduction.extremes(self.texture("split"), view.bounds)
+            self.targets.check_fits(self._extremes)
+        return white
 
-    def bring_light_up_to_date(self, request: Request) -> None:
-        """Draw the tone pass's float numbers too; the rest is up to date."""
-        scaling = Scaling.of(request.look, self._extremes)
-        with self.all_or_nothing():
-            self._draw_tone("light", request, scaling, LIGHT, None)
-
-    def bring_geometry_up_to_date(self, request: Request) -> None:
-        """Draw normals and points too; the rest is up to date."""
-        if not self.held.stale("geometry"):
-            return
-        plan = Plan.of(request.scene, request.look)
-        view = View.of(request.scene, request.size)
-        uniforms = {
-            **view_uniforms(request.scene, view),
-            **grain_uniforms(request.look),
-            "samples": sample_count(request.scene, request.look, request.size),
-        }
-        with self.all_or_nothing():
-            self.draw(
-                "geometry", "geometry.frag", plan.geometry_defines(), uniforms, GEOMETRY, None
-            )
-
-    def _make_room(self, size: Size) -> None:
-        if size != self._targets.size:
+    def _make_room(self, request: Request) -> None:
+        if (request.size, request.method.targets) != (self.targets.size, self.targets.numbers):
             self._free_targets()
             try:
-                self._targets.resize(size)
-                self._reduction.resize(size)
+                self.targets.resize(request.size, request.method.targets)
+                self.reduction.resize(request.size)
             except BaseException:  # half of it is of no use
                 self._free_targets()
                 raise
 
     def _free_targets(self) -> None:
-        self._targets.release()  # leaves a framebuffer bound that stays
-        self._reduction.release()
+        self.targets.release()  # leaves a framebuffer bound that stays
+        self.reduction.release()
         self._forget()
 
     def _forget(self) -> None:
@@ -219,18 +212,16 @@ class Renderer:
         self._around.clear()
         self._present, self._last = None, None
 
-    def _white_of(self, scene: Scene, view: View, seen_from: dict[str, Any]) -> float:
+    def _white_of(self, scene: Scene, view: View, plan: Plan, seen_from: dict[str, Any]) -> float:
         """What the perfect diffuser shows in the object's place, the lamp's power taken as one."""
-        plan = Plan.of_perfect_diffuser(scene, seen_from["samples"])
-        uniforms = {**seen_from, **PERFECT_DIFFUSER, "irradiance": np.pi}
-        if self.held.stale("white", plan, view.size, uniforms):
-            self.draw("white", "shade.frag", plan.defines(), uniforms, SHADE, view.bounds)
-            diffuse = self.texture("diffuse")
-            self._white, self._seen = self._reduction.peak(diffuse, view.bounds)
+        defines = plan.white_defines()
+        if self.held.stale("white", tuple(defines.items()), view.size, seen_from):
+            self._white, self._seen = self.reduction.white(defines, seen_from, view.bounds)
+            self.draws["white"] += 1
         white = self._white if scene.lamp.y_n == "maximum" else front_white(scene, view)
         return lit_white(white, scene)
 
-    def _draw_tone(
+    def draw_tone(
         self,
         name: str,
         request: Request,
@@ -244,7 +235,7 @@ class Renderer:
         defines = tone_defines(request.scene.display, f"{name}.frag", samples)
         if self.held.stale(name, tuple(defines.items()), around, scaling.c):
             key = key_of(tuple(defines.items()), around, bounds)
-            uniforms = {**around, "c": scaling.c, **self.images(("diffuse", *SPLIT))}
+            uniforms = {**around, "c": scaling.c, **self.images(("diffuse", "split"))}
             if self._around.get(name) != key:
                 bounds = None
             self.draw(name, f"{name}.frag", defines, uniforms, targets, bounds)
@@ -264,11 +255,13 @@ class Renderer:
         bounds: Box | None,
     ) -> None:
         """Draw a pass inside the bounds of the object; None draws the whole picture."""
-        framebuffer: Any = self._targets.framebuffer(targets)  # its annotation admits no None
+        framebuffer: Any = self.targets.framebuffer(targets)  # its annotation admits no None
         if targets in CLEARED and self._around.get(stage) != bounds:
-            framebuffer.scissor = None
-            framebuffer.use()  # or the clearing keeps to the scissor of the pass before
-            framebuffer.clear(*CLEARED[targets])
+            for names, value in CLEARED[targets]:
+                cleared: Any = self.targets.framebuffer(names)
+                cleared.scissor = None
+                cleared.use()  # or the clearing keeps to the scissor of the pass before
+                cleared.clear(*value)
             self._around[stage] = bounds
         if bounds is None:
             framebuffer.scissor = None
@@ -277,23 +270,3 @@ class Renderer:
             framebuffer.scissor = (left, bottom, right - left, top - bottom)
         self.programs.draw(stage, defines, uniforms, framebuffer)
         self.draws[name] += 1
-
-    def _fetch(self, request: Request, stage: str) -> NDArray[Any]:
-        """One stage of a frame; draws again what has been drawn over since."""
-        make_current(self.ctx)
-        self.bring_up_to_date(request)
-        if stage == "counts":
-            return np.array(self._count(request))
-        if stage in LIGHT:
-            self.bring_light_up_to_date(request)
-        if stage in GEOMETRY:
-            self.bring_geometry_up_to_date(request)
-        return self._targets.read(stage)
-
-    def _count(self, request: Request) -> tuple[int, int]:
-        if self.held.stale("counts"):
-            bounds = View.of(request.scene, request.size).bounds
-            with self.all_or_nothing():
-                self._counts = self._reduction.counts(self.texture("flags"), bounds)
-            self.draws["counts"] += 1
-        return self._counts

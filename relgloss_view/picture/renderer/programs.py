@@ -8,7 +8,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from relgloss_view.picture.shader import ShaderError, ShaderSource
+from relgloss_view.picture.shader import HANDED_ON, ShaderError, ShaderSource
 
 Uniforms = Mapping[str, Any]  #: numbers, sequences, arrays, or textures for samplers
 
@@ -19,7 +19,6 @@ class Programs:
     def __init__(self, ctx: moderngl.Context) -> None:
         self.ctx = ctx
         self.compiled = 0
-        self._vertex = ShaderSource("fill.vert").text
         self._known: dict[tuple[str, tuple[tuple[str, int], ...]], moderngl.VertexArray] = {}
 
     def get(self, stage: str, defines: Mapping[str, int]) -> moderngl.VertexArray:
@@ -28,7 +27,7 @@ class Programs:
         if key not in self._known:
             source = ShaderSource(stage, defines)
             try:
-                program = self.ctx.program(vertex_shader=self._vertex, fragment_shader=source.text)
+                program = self.ctx.program(vertex_shader=source.vertex, fragment_shader=source.text)
             except moderngl.Error as error:
                 raise ShaderError(source.explain(str(error))) from error
             self.compiled += 1
@@ -53,10 +52,11 @@ class Programs:
         """Fill a target with a stage. A uniform of the stage that is not given is an error."""
         array = self.get(stage, defines)
         unit = 0
-        for name in array.program:
-            member = array.program[name]
+        for full_name in array.program:
+            member = array.program[full_name]
             if not isinstance(member, moderngl.Uniform):
                 continue
+            name = full_name.removeprefix(HANDED_ON)
             if name not in uniforms:
                 raise ShaderError(f"{stage}: uniform {name!r} has no value")
             value = uniforms[name]

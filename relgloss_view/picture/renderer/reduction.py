@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import NamedTuple
 
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
 from relgloss_view.picture.frame import Extremes
-from relgloss_view.picture.renderer.programs import Programs
+from relgloss_view.picture.renderer.programs import Programs, Uniforms
 from relgloss_view.picture.view import Box, Size
 
 #: Side of the first step's tiles: small, so that a software driver's threads share the work.
@@ -17,6 +18,14 @@ FIRST_BLOCK = 4
 BLOCK = 16  #: side of the further steps' tiles
 #: Results of at most this side are read back; further steps would cost more than the reading.
 READ_SIDE = 16
+
+
+class Step(NamedTuple):
+    """What draws one step."""
+
+    stage: str
+    defines: Mapping[str, int]
+    uniforms: Uniforms
 
 
 class Reduction:
@@ -38,9 +47,8 @@ class Reduction:
 
     def extremes(self, split: moderngl.Texture, region: Box) -> Extremes:
         """The extremes of L_d* and L_s* in a region of a split picture."""
-        steps = ("measure.frag", "reduce.frag")
-        names = ("extremes_image", "brightest_image")
-        results = self._run(steps, {}, {"split_image": split}, names, region)
+        first = Step("measure.frag", {}, {"split_image": split})
+        results = self._run(first, "reduce.frag", ("extremes_image", "brightest_image"), region)
         if results is None:
             return Extremes.of_nothing()
         extremes, brightest = results
@@ -57,22 +65,25 @@ class Reduction:
             not_finite=not_finite,
         )
 
-    def peak(self, diffuse: moderngl.Texture, region: Box) -> tuple[float, bool]:
-        """The largest Y in a region of pass 1, and whether any of its pixels shows the object."""
-        result = self._summed("peak.frag", diffuse, region)
+    def white(
+        self, defines: Mapping[str, int], uniforms: Uniforms, region: Box
+    ) -> tuple[float, bool]:
+        """The perfect diffuser's largest Y in a region, and whether any pixel shows the object."""
+        first = Step("white.frag", defines, uniforms)
+        result = self._run(first, "peak.frag", ("source_image",), region)
         if result is None:
             return 0.0, False
-        return float(np.max(result[:, 0])), bool(np.any(result[:, 1]))
+        return float(np.max(result[0][:, 0])), bool(np.any(result[0][:, 1]))
 
-    def counts(self, flags: moderngl.Texture, region: Box) -> tuple[int, int]:
+    def counts(self, display: moderngl.Texture, region: Box) -> tuple[int, int]:
         """How many pixels of a region are clipped, and how many out of gamut."""
-        result = self._summed("count.frag", flags, region)
+        first = Step("count.frag", {"FIRST": 1}, {"source_image": display})
+        result = self._run(first, "count.frag", ("source_image",), region, {"FIRST": 0})
         if result is None:
             return 0, 0
         # Each result is a whole number that float32 holds; their sum may pass 2^24.
-        return int(np.sum(result[:, 0], dtype=np.float64)), int(
-            np.sum(result[:, 1], dtype=np.float64)
-        )
+        sums = result[0].sum(axis=0, dtype=np.float64)
+        return int(sums[0]), int(sums[1])
 
     def release(self) -> None:
         """Free the pyramid."""
@@ -82,40 +93,33 @@ class Reduction:
                 texture.release()
         self._steps.clear()
 
-    def _summed(
-        self, stage: str, source: moderngl.Texture, region: Box
-    ) -> NDArray[np.float32] | None:
-        """A reduction that one stage does from the first step to the last."""
-        extra = {"FIRST": 1}
-        names = ("source_image",)
-        results = self._run((stage, stage), extra, {"source_image": source}, names, region)
-        return None if results is None else results[0]
-
     def _run(
         self,
-        stages: tuple[str, str],
-        extra: dict[str, int],
-        sources: dict[str, Any],
+        step: Step,
+        further: str,
         names: tuple[str, ...],
         region: Box,
+        defines: Mapping[str, int] | None = None,
     ) -> list[NDArray[np.float32]] | None:
-        """Draw the steps; the last one's targets as rows of four. None for an empty region."""
+        """Draw a first step over a region, then further ones over the results, known by `names`.
+
+        Returns the last one's targets as rows of four; None for an empty region.
+        """
         left, bottom, right, top = region
         if right <= left or top <= bottom:
             return None
-        stage, block = stages[0], FIRST_BLOCK
-        size = (0, 0)
+        block, size = FIRST_BLOCK, (0, 0)
         for textures, framebuffer in self._steps:
             left, bottom, right, top = region
             size = _shrunk((right - left, top - bottom), block)
             framebuffer.scissor = (0, 0, *size)
+            constants = {"BLOCK": block, **step.defines}
             self._programs.draw(
-                stage, {"BLOCK": block, **extra}, {**sources, "region": region}, framebuffer
+                step.stage, constants, {**step.uniforms, "region": region}, framebuffer
             )
-            sources = dict(zip(names, textures, strict=False))
-            region = (0, 0, *size)
-            stage, block = stages[1], BLOCK
-            extra = dict.fromkeys(extra, 0)
+            images = dict(zip(names, textures, strict=False))
+            step = Step(further, defines or {}, images)
+            block, region = BLOCK, (0, 0, *size)
         _, framebuffer = self._steps[-1]
         return [
             np.frombuffer(

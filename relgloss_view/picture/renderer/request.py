@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
+from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.scene import Look, Scene
 from relgloss_view.picture.view import Size
 
@@ -15,3 +17,9 @@ class Request:
     scene: Scene
     look: Look
     size: Size
+    method: Method = EXACT
+
+    def without_grain(self) -> Request:
+        """The same, its surface smooth."""
+        look = dataclasses.replace(self.look, sigma_n_deg=0.0)
+        return dataclasses.replace(self, look=look)

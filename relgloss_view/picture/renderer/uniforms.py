@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from relgloss_view.material import brdf
+from relgloss_view.material.approximations import mean_lobe, plain_lobe
 from relgloss_view.material.spectra import illuminant, xyz_weights
+from relgloss_view.picture.method import Method
+from relgloss_view.picture.plan import drawn_diffuse, drawn_facets, drawn_lobes
 from relgloss_view.picture.renderer.programs import Uniforms
 from relgloss_view.picture.scene import Look, Scene
 from relgloss_view.picture.tone import DisplayModel
@@ -31,34 +36,40 @@ def grain_uniforms(look: Look) -> Uniforms:
     """The tilt of the normals and its cells."""
     return {
         "sigma_n": np.radians(look.sigma_n_deg),
-        "grain_px": look.grain_px,
+        "grains_per_px": 1.0 / look.grain_px,
         "grain_m": look.grain_mm * 1e-3,
         "seed": look.seed,
     }
 
 
-def material_uniforms(scene: Scene) -> Uniforms:
+def material_uniforms(scene: Scene, look: Look, method: Method) -> Uniforms:
     """The material's spectra folded into XYZ under the scene's lamp, and its lobes' shapes."""
-    material = scene.material
-    weights = xyz_weights(material.bands, illuminant(scene.lamp.illuminant))
-    strength, shape = np.zeros((2, 3)), np.zeros((2, 3))
-    for k, lobe in enumerate(material.visible_lobes()):
-        strength[k] = lobe.per_band(material.bands.count) @ weights
-        shape[k] = (lobe.s, brdf.facet_amplitude(lobe.s), lobe.refractive_index)
-    return {
-        "albedo_xyz": np.asarray(material.diffuse.albedo) @ weights,
-        "second_albedo_xyz": material.second_albedo() @ weights,
-        "diffuse_sigma": material.diffuse.sigma,
-        "lobe_strength_xyz": strength,
+    material, lamp = scene.material, illuminant(scene.lamp.illuminant)
+    weights = xyz_weights(material.bands, lamp)
+    model = drawn_diffuse(material, method)
+    albedo = np.asarray(material.diffuse.albedo)
+    second = brdf.second_albedo(model, albedo, material.diffuse.sigma)
+    strength, shape = np.zeros((2, material.bands.count)), np.zeros((2, 4))
+    blurred = drawn_facets(look, method) == "mean-gaussian"
+    for k, lobe in enumerate(drawn_lobes(material, method)):
+        strength[k] = lobe.per_band(material.bands.count)
+        shape[k] = (
+            mean_lobe(lobe.s, lobe.refractive_index, math.radians(look.sigma_n_deg), look.noise_law)
+            if blurred
+            else plain_lobe(lobe.s, lobe.refractive_index)
+        )
+    folded: Uniforms = {
+        "diffuse_terms": brdf.diffuse_terms(model, material.diffuse.sigma),
         "lobe_shape": shape,
+        "per_white": 1.0 / lamp.white_xyz(),
+        "albedo_xyz": albedo @ weights,
+        "second_albedo_xyz": second @ weights,
+        "lobe_strength_xyz": strength @ weights,
     }
-
-
-#: The perfect diffuser in place of the material.
-PERFECT_DIFFUSER: Uniforms = {
-    "albedo_xyz": (1.0, 1.0, 1.0),
-    "second_albedo_xyz": (0.0, 0.0, 0.0),
-}
+    if method.bands == "folded":
+        return folded
+    reflectance = np.stack([albedo, second, *strength], axis=-1)
+    return {**folded, "band_weights": weights, "band_reflectance": reflectance}
 
 
 def white_uniform(scene: Scene) -> Uniforms:

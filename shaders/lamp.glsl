@@ -1,0 +1,18 @@
+// From a point of the object to the lamp. Constant: LAMP.
+
+#ifndef LAMP
+#define LAMP 0
+#endif
+
+const int POINT_LAMP = 0;
+const int DISTANT_LAMP = 1;  // as if it stood far off in the direction of its place
+
+uniform vec3 lamp_m;
+
+// Unit vector; `per_distance2` is one over the squared distance.
+vec3 to_lamp(vec3 point_m, out float per_distance2) {
+    vec3 way = LAMP == DISTANT_LAMP ? lamp_m : lamp_m - point_m;
+    float per_distance = inversesqrt(dot(way, way));
+    per_distance2 = per_distance * per_distance;
+    return way * per_distance;
+}
