@@ -105,6 +105,11 @@ def _read(name: str, trail: tuple[str, ...]) -> str:
         raise ShaderError(f"{name}{wanted_by}: no such shader file") from error
 
 
+def stage_text(name: str) -> str:
+    """A shader file as it is written, for those who write something into it."""
+    return _read(name, ())
+
+
 def shader_folder() -> Path:
     """The folder that holds the shader files."""
     return data_root() / "shaders"
