@@ -18,9 +18,10 @@ layout(location = 1) out vec4 lab;
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
-    float share = texelFetch(diffuse_image, at, 0).a;
+    vec4 split = texelFetch(split_image, at, 0);
+    float share = SAMPLED == 1 ? texelFetch(diffuse_image, at, 0).a : on_object(split) ? 1.0 : 0.0;
     bool inside;
-    vec3 scaled = scaled_lab(texelFetch(split_image, at, 0), c);
+    vec3 scaled = scaled_lab(split, c);
     vec3 shown = display_rgb(GAMUT, scaled, display_white, rgb_from_xyz, inside);
     light = vec4(share > 0.0 ? mix(vec3(background_light), shown, share) : vec3(background_light), share);
     lab = share > 0.0 ? vec4(scaled, 1.0) : vec4(0.0);

@@ -231,7 +231,7 @@ def diffuse_terms(model: str, sigma: float) -> tuple[float, float, float, float]
 
 
 def diffuse_shapes(model: str, f: Facing, sigma: float) -> tuple[Array, Array]:
-    """The two shapes of a model: 'lambert', 'oren-nayar', 'eon', 'qualitative'; sigma in radians."""
+    """The two shapes of 'lambert', 'oren-nayar', 'eon' or 'qualitative'; sigma in radians."""
     if model == "lambert":
         return lambert(f)
     if model == "oren-nayar":

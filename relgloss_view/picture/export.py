@@ -18,6 +18,7 @@ from relgloss_view import __version__
 from relgloss_view.atomic import whole_file
 from relgloss_view.errors import InputError
 from relgloss_view.picture import tone
+from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.plan import sample_count
 from relgloss_view.picture.png16 import write_png16
@@ -26,6 +27,7 @@ from relgloss_view.picture.scene import Display
 Digital = NDArray[np.uint8] | NDArray[np.uint16]
 
 SUFFIXES = (".png", ".exr")
+SPLIT = "split"  #: the operator whose picture a frame itself is
 #: Layer name, attribute of Frame, channel names.
 LAYERS = (
     ("diffuse", "diffuse", "XYZ"),
@@ -46,18 +48,23 @@ def check_suffix(path: str | os.PathLike[str]) -> Path:
 
 
 def save_frame(
-    frame: Frame, path: str | os.PathLike[str], command: str = "", *, bits: int = 8
+    frame: Frame,
+    path: str | os.PathLike[str],
+    command: str = "",
+    *,
+    bits: int = 8,
+    shown: Displayed | None = None,
 ) -> None:
     """Write a frame as PNG or OpenEXR, by the ending of its name.
 
     `command` is the command line that reproduces it; it goes into the file. `bits`, 8 or 16,
-    are those of a channel of a PNG.
+    are those of a channel of a PNG. `shown` is what another operator than the split shows of it.
     """
     file = check_suffix(path)
     if file.suffix.lower() == ".png":
-        _save_png(frame, file, command, bits)
+        _save_png(frame, file, command, bits, shown)
     else:
-        _save_exr(frame, file, command)
+        _save_exr(frame, file, command, shown)
 
 
 def save_pair(
@@ -68,23 +75,24 @@ def save_pair(
     gap_px: int = 0,
     mirrored: bool = False,
     bits: int = 8,
+    shown: tuple[Displayed | None, Displayed | None] = (None, None),
 ) -> None:
     """Write the reference and the test picture side by side as one PNG, as the window shows them.
 
     Both are of one size, for one display, with the surround between them. When mirrored they are
-    swapped, and each is mirrored.
+    swapped, and each is mirrored. `shown`: see save_frame.
     """
     file = Path(path)
     if file.suffix.lower() != ".png":
         raise InputError(f"{file}: expected a name that ends in .png, which holds both pictures")
     told = {
-        "reference": parameters(frames[0]),
-        "test": parameters(frames[1]),
+        "reference": parameters(frames[0], shown[0]),
+        "test": parameters(frames[1], shown[1]),
         "gap_px": gap_px,
         "mirrored": mirrored,
     }
     display = frames[0].scene.display
-    left, right = (digital(frame, bits) for frame in frames)
+    left, right = (digital(*both, bits) for both in zip(frames, shown, strict=True))
     if mirrored:
         left, right = right[:, ::-1], left[:, ::-1]
     model = tone.DisplayModel.of(display)
@@ -94,17 +102,21 @@ def save_pair(
     save_rgb(np.concatenate([left, gap, right], axis=1), file, text, srgb=_is_srgb(display))
 
 
-def digital(frame: Frame, bits: int) -> Digital:
-    """(H, W, 3), digital values of the display: the frame's own 8 bits, or its light in 16."""
+def digital(frame: Frame, shown: Displayed | None, bits: int) -> Digital:
+    """(H, W, 3), digital values of the display: the picture's own 8 bits, or its light in 16."""
     if bits == 8:
-        return frame.display
-    display = tone.DisplayModel.of(frame.scene.display)
-    return _quantised(tone.encode(frame.light.astype(np.float64), display), bits)
+        return frame.display if shown is None else shown.digital
+    light = (frame if shown is None else shown).light.astype(np.float64)
+    return _quantised(tone.encode(light, tone.DisplayModel.of(frame.scene.display)), bits)
 
 
-def parameters(frame: Frame) -> dict[str, Any]:
-    """Everything that goes into a frame, but for the material's spectra, and what came out."""
+def parameters(frame: Frame, shown: Displayed | None = None) -> dict[str, Any]:
+    """Everything that goes into a frame, but for the material's spectra, and what came out.
+
+    `shown`: see save_frame. The counts are of the picture that is shown, c of the split's stages.
+    """
     scene, look, scaling = frame.scene, frame.look, frame.scaling
+    picture = shown or frame
     return {
         "sample": scene.material.name,
         "source": scene.material.source,
@@ -116,18 +128,28 @@ def parameters(frame: Frame) -> dict[str, Any]:
         "y_n_cd_m2": frame.y_n_cd_m2,
         "seed": look.seed,
         "samples": sample_count(scene, look, frame.size),
-        "clip_count": frame.clip_count,
-        "out_of_gamut_count": frame.out_of_gamut_count,
+        "operator": shown.operator if shown else SPLIT,
+        "operator_parameters": dict(shown.settings) if shown else {},
+        "clip_count": picture.clip_count,
+        "out_of_gamut_count": picture.out_of_gamut_count,
         "object_pixels": int(np.sum(frame.on_object)),
         "lamp_m": [round(float(v), 9) for v in scene.lamp.position_m],
         "eye_m": [round(float(v), 9) for v in scene.eye.position_m],
         **{name: asdict(getattr(scene, name)) for name in ("shape", "lamp", "eye", "display")},
         "look": asdict(look),
         "fit_quality": scene.material.fit.quality if scene.material.fit else None,
-        "warnings": list(frame.warnings),
+        "warnings": list(warnings(frame, shown)),
         "device": frame.device,
         "version": __version__,
     }
+
+
+def warnings(frame: Frame, shown: Displayed | None = None) -> tuple[str, ...]:
+    """What there is to know about the picture that is shown; those about c only of the split's."""
+    if shown is None:
+        return frame.warnings
+    of_c = frame.scaling.warnings
+    return (*(text for text in frame.warnings if text not in of_c), *shown.warnings)
 
 
 def save_rgb(
@@ -152,9 +174,11 @@ def srgb_profile() -> bytes:
     return bytes(data)
 
 
-def _save_png(frame: Frame, file: Path, command: str, bits: int) -> None:
-    text = _text(json.dumps(parameters(frame)), command)
-    save_rgb(digital(frame, bits), file, text, srgb=_is_srgb(frame.scene.display))
+def _save_png(
+    frame: Frame, file: Path, command: str, bits: int, shown: Displayed | None
+) -> None:
+    text = _text(json.dumps(parameters(frame, shown)), command)
+    save_rgb(digital(frame, shown, bits), file, text, srgb=_is_srgb(frame.scene.display))
 
 
 def _write_png8(file: Path, rgb: Digital, text: dict[str, str], profile: bytes | None) -> None:
@@ -193,7 +217,7 @@ def _is_srgb(display: Display) -> bool:
     )
 
 
-def _save_exr(frame: Frame, file: Path, command: str) -> None:
+def _save_exr(frame: Frame, file: Path, command: str, shown: Displayed | None) -> None:
     import OpenEXR
 
     channels: dict[str, NDArray[np.float32]] = {}
@@ -201,8 +225,9 @@ def _save_exr(frame: Frame, file: Path, command: str) -> None:
     def put(name: str, values: NDArray[Any]) -> None:
         channels[name] = np.ascontiguousarray(values, dtype=np.float32)
 
+    light = (frame if shown is None else shown).light
     for k, name in enumerate("RGB"):
-        put(name, frame.light[..., k])
+        put(name, light[..., k])
     put("A", frame.coverage)
     for layer, attribute, names in LAYERS:
         values = getattr(frame, attribute)
@@ -211,7 +236,7 @@ def _save_exr(frame: Frame, file: Path, command: str) -> None:
     l_d, l_s = frame.split
     put("Ld.Y", l_d)
     put("Ls.Y", l_s)
-    numbers = parameters(frame)
+    numbers = parameters(frame, shown)
     display = frame.scene.display
     header = {
         "compression": OpenEXR.ZIP_COMPRESSION,
@@ -225,6 +250,7 @@ def _save_exr(frame: Frame, file: Path, command: str) -> None:
         "c_max_eq4": _number(frame.scaling.c_max_eq4),
         "sigma_n_deg": float(frame.look.sigma_n_deg),
         "seed": frame.look.seed,
+        "operator": numbers["operator"],
         "clip_count": numbers["clip_count"],
         "out_of_gamut_count": numbers["out_of_gamut_count"],
         "relgloss_version": __version__,  # EXR keeps "version" to itself

@@ -14,7 +14,9 @@ LAMPS = ("point", "distant")
 BANDS = ("folded", "each")
 CUBE_ROOTS = ("householder", "power", "table")
 TARGETS = ("float32", "float16")
-C_MAX = ("exact", "eq4", "once")
+C_MAX = ("exact", "sparse", "eq4", "once")
+GAMUTS = ("as asked", "clip")
+KEPT = ("all", "split")
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,11 @@ class Method(Checked):
     bands: str = choice("folded", BANDS, "spectra folded into XYZ first, or band by band")
     cube_root: str = choice("householder", CUBE_ROOTS, "of CIELAB")
     targets: str = choice("float32", TARGETS, "numbers between the passes")
-    c_max: str = choice("exact", C_MAX, "over all pixels, eq. 4, or of the picture without grain")
+    c_max: str = choice(
+        "exact", C_MAX, "over all pixels, a quarter of them, eq. 4, or the picture without grain"
+    )
+    gamut: str = choice("as asked", GAMUTS, "clip, where no colour is out of gamut, costs less")
+    kept: str = choice("all", KEPT, "what pass 1 keeps: XYZ too, or that when it is asked for")
 
 
 EXACT = Method()

@@ -52,6 +52,7 @@ class Plan:
     lamp: str = "point"
     bands: int = 0  #: drawn one by one; 0 where they are folded into XYZ
     cube_root: str = "householder"
+    parts: bool = True  #: pass 1 keeps diffuse and specular XYZ
 
     @classmethod
     def of(
@@ -75,6 +76,7 @@ class Plan:
             lamp=chosen.lamp,
             bands=scene.material.bands.count if chosen.bands == "each" else 0,
             cube_root=chosen.cube_root,
+            parts=chosen.kept == "all" or samples > 1,  # which hold the share of a pixel
         )
         if not grainy or chosen.noise in ("mean", "none"):
             return smooth
@@ -101,6 +103,7 @@ class Plan:
             "LAMP": LAMP_CODES[self.lamp],
             "BANDS": self.bands,
             "CUBE_ROOT": CUBE_ROOT_CODES[self.cube_root],
+            "PARTS": int(self.parts),
         }
 
     def shape_defines(self) -> dict[str, int]:
@@ -145,12 +148,15 @@ def _sees_a_cap(scene: Scene) -> bool:
     return scene.shape.kind == "cylinder" and bool(np.float32(abs(eye)) > np.float32(half))
 
 
-def tone_defines(display: Display, stage: str, samples: int = 1) -> dict[str, int]:
+def tone_defines(
+    display: Display, stage: str, samples: int = 1, chosen: method.Method = method.EXACT
+) -> dict[str, int]:
     """The constants of a stage that shows colours."""
-    defines = {"GAMUT": GAMUT_CODES[display.gamut]}
+    gamut = display.gamut if chosen.gamut == "as asked" else chosen.gamut
+    defines = {"GAMUT": GAMUT_CODES[gamut]}
     if stage != "light.frag":  # which is linear
         defines["TRANSFER"] = TRANSFER_CODES[display.transfer]
-    if stage == "tone.frag":
+    if stage != "overlay.frag":
         defines["SAMPLED"] = int(samples > 1)
     return defines
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.tone import DisplayModel, encode
 
@@ -16,13 +17,16 @@ PAPER_GRAY = 119  #: sRGB of L* 50
 INK_GRAY = 245
 
 
-def thumbnail(frame: Frame, longest_px: int) -> Pixels:
-    """The frame's picture shrunk by whole steps, averaged in light, where grain keeps its mean."""
+def thumbnail(frame: Frame, longest_px: int, shown: Displayed | None = None) -> Pixels:
+    """The frame's picture shrunk by whole steps, averaged in light, where grain keeps its mean.
+
+    `shown` is what another operator than the split shows of it.
+    """
     step = max(1, -(-max(frame.size) // longest_px))
     if step == 1:
-        return frame.display
+        return frame.display if shown is None else shown.digital
     width, height = (n // step * step for n in frame.size)
-    light = frame.light[:height, :width].astype(np.float64)
+    light = (frame if shown is None else shown).light[:height, :width].astype(np.float64)
     mean = light.reshape(height // step, step, width // step, step, 3).mean(axis=(1, 3))
     digital = encode(mean, DisplayModel.of(frame.scene.display))
     return np.asarray(np.floor(255.0 * digital + 0.5).astype(np.uint8))

@@ -82,7 +82,7 @@ MODELS = [
 @pytest.mark.parametrize("models", MODELS)
 @pytest.mark.parametrize("s_deg", [0.5, 6.0])
 def test_twins(ctx, directions, models, s_deg):  # noqa: F811
-    """Bound relative to the lobe's own peak, as for the exact lobe (tests/picture/test_twins.py)."""
+    """Bound relative to the lobe's own peak, as for the exact lobe in test_twins.py."""
     s, f = float(np.radians(s_deg)), twin(directions)
     lobe = plain_lobe(s, 1.5)
     if models[2] == "mean-gaussian":

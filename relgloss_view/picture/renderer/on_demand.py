@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from relgloss_view.picture.context import make_current
 from relgloss_view.picture.plan import Plan, sample_count
 from relgloss_view.picture.renderer.request import Request
-from relgloss_view.picture.renderer.targets import GEOMETRY, LIGHT
+from relgloss_view.picture.renderer.targets import GEOMETRY, LIGHT, PARTS
 from relgloss_view.picture.renderer.uniforms import grain_uniforms, view_uniforms
 from relgloss_view.picture.view import View
 
@@ -24,6 +24,8 @@ def fetch(renderer: Renderer, request: Request, stage: str) -> NDArray[Any]:
     renderer.bring_up_to_date(request)
     if stage == "counts":
         return np.array(_counts(renderer, request))
+    if stage in PARTS:
+        renderer.bring_parts_up_to_date(request)
     if stage in LIGHT:
         bring_light_up_to_date(renderer, request)
     if stage in GEOMETRY:

@@ -38,6 +38,7 @@ def draw_overlay(
     make_current(renderer.ctx)
     request = renderer.request(scene, look, size)
     scaling, _ = renderer.bring_up_to_date(request)
+    renderer.bring_parts_up_to_date(request)
     names: tuple[str, ...] = (*SHADE, *TONE)
     if overlay == "normals":
         bring_geometry_up_to_date(renderer, request)

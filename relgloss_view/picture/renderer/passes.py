@@ -26,6 +26,7 @@ from relgloss_view.picture.renderer.request import Request
 from relgloss_view.picture.renderer.targets import (
     CLEARED,
     SHADE,
+    SPLIT,
     TONE,
     Targets,
 )
@@ -170,6 +171,31 @@ class Renderer:
 
     def _draw_shade(self, request: Request) -> float:
         """Pass 1 and its extremes, if they no longer hold; returns Y_n before the lamp's power."""
+        plan, uniforms, white = self._shading(request)
+        if self.held.stale("shade", plan, request.size, uniforms):
+            self._shade(request, plan, uniforms)
+            bounds = View.of(request.scene, request.size).bounds
+            stride = 2 if request.method.c_max == "sparse" else 1
+            self._extremes = self.reduction.extremes(self.texture("split"), bounds, stride)
+            self.targets.check_fits(self._extremes)
+        return white
+
+    def bring_parts_up_to_date(self, request: Request) -> None:
+        """Draw diffuse and specular XYZ too, where pass 1 did not keep them."""
+        if self.held.stale("parts"):
+            plan, uniforms, _ = self._shading(request)
+            with self.all_or_nothing():
+                self._shade(request, dataclasses.replace(plan, parts=True), uniforms)
+
+    def _shade(self, request: Request, plan: Plan, uniforms: Uniforms) -> None:
+        bounds = View.of(request.scene, request.size).bounds
+        targets = SHADE if plan.parts else SPLIT
+        self.draw("shade", "shade.frag", plan.defines(), uniforms, targets, bounds)
+        if plan.parts:
+            self.held.stale("parts")  # they hold now
+
+    def _shading(self, request: Request) -> tuple[Plan, Uniforms, float]:
+        """How pass 1 is drawn, with what, and Y_n before the lamp's power."""
         scene, look, size, method = request.scene, request.look, request.size, request.method
         view = View.of(scene, size)
         seen_from: dict[str, Any] = {
@@ -186,11 +212,7 @@ class Renderer:
         }
         if plan.cube_root == "table":
             uniforms["cube_root_table"] = self.targets.cube_root_table()
-        if self.held.stale("shade", plan, size, uniforms):
-            self.draw("shade", "shade.frag", plan.defines(), uniforms, SHADE, view.bounds)
-            self._extremes = self.reduction.extremes(self.texture("split"), view.bounds)
-            self.targets.check_fits(self._extremes)
-        return white
+        return plan, uniforms, white
 
     def _make_room(self, request: Request) -> None:
         if (request.size, request.method.targets) != (self.targets.size, self.targets.numbers):
@@ -232,10 +254,11 @@ class Renderer:
         """Scale and show; outside the bounds stands the surround, which c does not change."""
         around: Uniforms = display_uniforms(request.scene)
         samples = sample_count(request.scene, request.look, request.size)
-        defines = tone_defines(request.scene.display, f"{name}.frag", samples)
+        defines = tone_defines(request.scene.display, f"{name}.frag", samples, request.method)
         if self.held.stale(name, tuple(defines.items()), around, scaling.c):
             key = key_of(tuple(defines.items()), around, bounds)
-            uniforms = {**around, "c": scaling.c, **self.images(("diffuse", "split"))}
+            sources = ("diffuse", "split") if samples > 1 else ("split",)
+            uniforms = {**around, "c": scaling.c, **self.images(sources)}
             if self._around.get(name) != key:
                 bounds = None
             self.draw(name, f"{name}.frag", defines, uniforms, targets, bounds)
@@ -256,13 +279,13 @@ class Renderer:
     ) -> None:
         """Draw a pass inside the bounds of the object; None draws the whole picture."""
         framebuffer: Any = self.targets.framebuffer(targets)  # its annotation admits no None
-        if targets in CLEARED and self._around.get(stage) != bounds:
-            for names, value in CLEARED[targets]:
-                cleared: Any = self.targets.framebuffer(names)
+        for target in targets:
+            if target in CLEARED and self._around.get(target) != bounds:
+                cleared: Any = self.targets.framebuffer((target,))
                 cleared.scissor = None
                 cleared.use()  # or the clearing keeps to the scissor of the pass before
-                cleared.clear(*value)
-            self._around[stage] = bounds
+                cleared.clear(*CLEARED[target])
+                self._around[target] = bounds
         if bounds is None:
             framebuffer.scissor = None
         else:

@@ -45,10 +45,11 @@ class Reduction:
             self._steps.append((textures, self.ctx.framebuffer(textures)))
             block = BLOCK
 
-    def extremes(self, split: moderngl.Texture, region: Box) -> Extremes:
-        """The extremes of L_d* and L_s* in a region of a split picture."""
-        first = Step("measure.frag", {}, {"split_image": split})
-        results = self._run(first, "reduce.frag", ("extremes_image", "brightest_image"), region)
+    def extremes(self, split: moderngl.Texture, region: Box, stride: int = 1) -> Extremes:
+        """The extremes of L_d* and L_s* in a region of a split picture, by every so many pixels."""
+        first = Step("measure.frag", {"STRIDE": stride}, {"split_image": split})
+        names = ("extremes_image", "brightest_image")
+        results = self._run(first, "reduce.frag", names, region, stride=stride)
         if results is None:
             return Extremes.of_nothing()
         extremes, brightest = results
@@ -100,6 +101,7 @@ class Reduction:
         names: tuple[str, ...],
         region: Box,
         defines: Mapping[str, int] | None = None,
+        stride: int = 1,
     ) -> list[NDArray[np.float32]] | None:
         """Draw a first step over a region, then further ones over the results, known by `names`.
 
@@ -111,7 +113,7 @@ class Reduction:
         block, size = FIRST_BLOCK, (0, 0)
         for textures, framebuffer in self._steps:
             left, bottom, right, top = region
-            size = _shrunk((right - left, top - bottom), block)
+            size = _shrunk((right - left, top - bottom), block * stride)
             framebuffer.scissor = (0, 0, *size)
             constants = {"BLOCK": block, **step.defines}
             self._programs.draw(
@@ -119,7 +121,7 @@ class Reduction:
             )
             images = dict(zip(names, textures, strict=False))
             step = Step(further, defines or {}, images)
-            block, region = BLOCK, (0, 0, *size)
+            block, stride, region = BLOCK, 1, (0, 0, *size)
         _, framebuffer = self._steps[-1]
         return [
             np.frombuffer(

@@ -13,7 +13,9 @@ from relgloss_view.picture.context import max_texture_size
 from relgloss_view.picture.frame import Extremes
 from relgloss_view.picture.view import Size
 
-SHADE = ("diffuse", "specular", "split")
+PARTS = ("diffuse", "specular")
+SHADE = (*PARTS, "split")
+SPLIT = ("split",)
 TONE = ("display",)
 LIGHT = ("light", "lab")
 GEOMETRY = ("normal", "tilted_normal", "point_m")
@@ -24,10 +26,9 @@ TABLE_STEPS = 256  #: as in cube_root.glsl
 OFF_OBJECT = -60000.0  #: as in tone.glsl
 #: What says that a pixel shows nothing of the object, for a pass that draws inside its bounds only.
 CLEARED = {
-    SHADE: (
-        (("diffuse", "specular"), (0.0, 0.0, 0.0, 0.0)),
-        (("split",), (OFF_OBJECT, 0.0, 0.0, 0.0)),
-    )
+    "diffuse": (0.0, 0.0, 0.0, 0.0),
+    "specular": (0.0, 0.0, 0.0, 0.0),
+    "split": (OFF_OBJECT, 0.0, 0.0, 0.0),
 }
 #: The targets that hold 8-bit numbers; the others hold floats.
 EIGHT_BIT = ("display", "overlay")
@@ -62,7 +63,7 @@ class Targets:
         self.release()
         self.size, self.numbers = size, numbers
         try:
-            self.framebuffer(SHADE)
+            self.framebuffer(SPLIT)
         except BaseException:  # whatever went wrong, nothing half made is kept
             self.release()
             raise

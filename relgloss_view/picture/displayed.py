@@ -1,0 +1,43 @@
+"""Displayed: what a tone mapping shows of a frame."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.picture import tone
+from relgloss_view.picture.tone import DisplayModel
+
+
+@dataclass(frozen=True)
+class Displayed:
+    """What an operator shows. Arrays are (H, W, ...), the surround where the object is not."""
+
+    operator: str  #: its name in the registry
+    light: NDArray[np.float64]  #: (H, W, 3), linear display RGB, 0 to 1
+    digital: NDArray[np.uint8]  #: (H, W, 3), digital values of the display
+    clipped: NDArray[np.bool_]  #: where something above the display's white is cut
+    out_of_gamut: NDArray[np.bool_]  #: where a colour that the display can't show is changed
+    display: DisplayModel
+    warnings: tuple[str, ...] = ()
+    settings: Mapping[str, Any] = field(default_factory=dict)  #: the operator's parameters
+
+    @property
+    def clip_count(self) -> int:
+        """How many pixels are clipped."""
+        return int(np.sum(self.clipped))
+
+    @property
+    def out_of_gamut_count(self) -> int:
+        """How many pixels are out of gamut."""
+        return int(np.sum(self.out_of_gamut))
+
+    @cached_property
+    def lab(self) -> NDArray[np.float64]:
+        """(H, W, 3), L*, a*, b* of what is shown, relative to the display's white."""
+        return tone.lab_from_xyz(self.light @ self.display.xyz_from_rgb.T, self.display.white)
