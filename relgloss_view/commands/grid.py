@@ -14,12 +14,19 @@ from numpy.typing import NDArray
 
 from relgloss_view import __version__
 from relgloss_view.atomic import whole_folder
+from relgloss_view.commands.operator_options import (
+    add_operator_options,
+    operator_from,
+    operator_words,
+    shown_by,
+)
 from relgloss_view.commands.progress import Progress
 from relgloss_view.commands.scene_options import add_scene_options, printable_command, scene_from
 from relgloss_view.errors import InputError
 from relgloss_view.text_input import printable, read_text
 
 if TYPE_CHECKING:
+    from relgloss_view.operators.operator import Operator
     from relgloss_view.picture.backends import FrameRenderer
     from relgloss_view.picture.scene import Look, Scene
 
@@ -39,11 +46,12 @@ def add(commands: Any) -> None:
         "grid",
         help="the 7 x 6 stimuli of a sample, a contact sheet and a manifest",
         description="Draw the paper's 42 stimuli of a sample: sigma_N 0 to 3 degrees by 0.5, "
-        "c from c_max/6 to c_max.",
+        "c from c_max/6 to c_max. An operator that takes no account of c has 7.",
         epilog="example: relgloss grid --sample uncoated --size 512x512 -o stimuli",
     )
     parser.add_argument("-o", "--output", metavar="FOLDER", required=True)
     add_scene_options(parser, tuned=False)
+    add_operator_options(parser)
     parser.add_argument("--json", action="store_true", help="print the manifest as JSON")
     parser.set_defaults(run=run)
 
@@ -53,13 +61,14 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.picture.backends import open_renderer
 
     folder = _checked_folder(args.output)
+    operator = operator_from(args)
     scene, look, size = scene_from(args)
     with (
         open_renderer(args.backend) as renderer,
         Progress("grid") as progress,
         whole_folder(folder, last=MANIFEST) as temporary,
     ):
-        manifest = _draw(args, temporary, renderer, scene, look, size, progress)
+        manifest = _draw(args, temporary, renderer, operator, scene, look, size, progress)
     count = len(manifest["stimuli"])
     shown = f"{printable(folder)}: {count} stimuli, {SHEET} and {MANIFEST}"
     print(json.dumps(manifest) if args.json else shown)
@@ -87,6 +96,7 @@ def _draw(
     args: argparse.Namespace,
     folder: Path,
     renderer: FrameRenderer,
+    operator: Operator,
     scene: Scene,
     look: Look,
     size: tuple[int, int],
@@ -96,29 +106,39 @@ def _draw(
     from relgloss_view.picture.export import parameters, save_frame, save_rgb
     from relgloss_view.picture.sheet import contact_sheet, thumbnail
 
-    total = len(SIGMA_N_DEG) * len(C_SIXTHS)
+    scales: tuple[int | None, ...] = C_SIXTHS if operator.uses_c else (None,)
+    total = len(SIGMA_N_DEG) * len(scales)
     stimuli: list[dict[str, Any]] = []
     rows: list[list[NDArray[np.uint8]]] = []
     captions: list[list[str]] = []
     for sigma_n_deg in SIGMA_N_DEG:
         rows.append([])
         captions.append([])
-        for sixths in C_SIXTHS:
-            name = f"sigma_{sigma_n_deg:.1f}_c_{sixths}of6.png"
+        for sixths in scales:
+            name = f"sigma_{sigma_n_deg:.1f}" + (f"_c_{sixths}of6.png" if sixths else ".png")
             progress(len(stimuli) / total, name)
+            fraction = sixths / 6 if sixths else None
             variant = dataclasses.replace(
-                look, sigma_n_deg=sigma_n_deg, c=None, c_fraction=sixths / 6
+                look, sigma_n_deg=sigma_n_deg, c=None, c_fraction=fraction
             )
             frame = renderer.render(scene, variant, size)
-            save_frame(frame, folder / name, _command(args, sigma_n_deg, sixths, name))
-            numbers = parameters(frame)
+            shown = shown_by(operator, frame)
+            command = _command(args, sigma_n_deg, sixths, name)
+            save_frame(frame, folder / name, command, shown=shown)
+            numbers = parameters(frame, shown)
             stimuli.append({"file": name, "c_sixths": sixths, **_varying(numbers)})
-            rows[-1].append(thumbnail(frame, THUMBNAIL_PX))
+            rows[-1].append(thumbnail(frame, THUMBNAIL_PX, shown))
             # A narrow picture has no room for more.
             room = rows[0][0].shape[1] >= CAPTION_PX
             absolute = f", c {frame.c:.3g}" if room else ""
-            captions[-1].append(f"{sigma_n_deg:.1f} deg, {sixths}/6{absolute}")
-    title = f"{printable(scene.material.name, 60)}: sigma_N down, c / c_max across{_c_max(stimuli)}"
+            scale = f", {sixths}/6{absolute}" if sixths else ""
+            captions[-1].append(f"{sigma_n_deg:.1f} deg{scale}")
+    title = printable(scene.material.name, 60)
+    if operator.uses_c:
+        title += f": sigma_N down, c / c_max across{_c_max(stimuli)}"
+    else:
+        rows, captions = [[row[0] for row in rows]], [[texts[0] for texts in captions]]
+        title += f", {operator.name}: sigma_N across"
     note = "synthetic sample" if scene.material.synthetic else ""
     save_rgb(
         contact_sheet(rows, captions, title, note),
@@ -160,7 +180,7 @@ def _varying(numbers: dict[str, Any]) -> dict[str, Any]:
     return {key: numbers[key] for key in keys}
 
 
-def _command(args: argparse.Namespace, sigma_n_deg: float, sixths: int, name: str) -> str:
+def _command(args: argparse.Namespace, sigma_n_deg: float, sixths: int | None, name: str) -> str:
     """The snapshot that draws the same stimulus."""
     words = ["snapshot"]
     for option in ("sample", "material", "scene", "seed", "samples"):
@@ -169,6 +189,7 @@ def _command(args: argparse.Namespace, sigma_n_deg: float, sixths: int, name: st
     for setting in args.set:
         words += ["--set", setting]
     width, height = args.size
-    words += ["--size", f"{width}x{height}", "--backend", args.backend]
-    words += ["--sigma-n", f"{sigma_n_deg:g}", "--c-fraction", repr(sixths / 6), "-o", name]
-    return printable_command(words)
+    words += [*operator_words(args), "--size", f"{width}x{height}", "--backend", args.backend]
+    words += ["--sigma-n", f"{sigma_n_deg:g}"]
+    words += ["--c-fraction", repr(sixths / 6)] if sixths else []
+    return printable_command([*words, "-o", name])

@@ -63,9 +63,6 @@ def add_scene_options(parser: argparse.ArgumentParser, *, tuned: bool = True) ->
         help="samples along each side of a pixel, 1 to 16, or auto: what the highlight needs",
     )
     how.add_argument(
-        "--operator", choices=["split"], default="split", help="tone mapping (default split)"
-    )
-    how.add_argument(
         "--size", metavar="WxH", type=size_of_text, default=DEFAULT_SIZE, help="in pixels"
     )
     how.add_argument(
@@ -139,13 +136,13 @@ def _with_settings(scene: Scene, look: Look, settings: list[str]) -> tuple[Scene
             )
         table, entry, text = match.groups()
         present = {f.name: getattr(parts[table], f.name) for f in dataclasses.fields(parts[table])}
-        changed.setdefault(table, present)[entry] = _value(text)
+        changed.setdefault(table, present)[entry] = read_value(text)
     parts |= {table: build(table, values) for table, values in changed.items()}
     look = parts.pop("look")
     return dataclasses.replace(scene, **parts), look
 
 
-def _value(text: str) -> object:
+def read_value(text: str) -> object:
     """A number, a list or a bare word."""
     try:
         return ast.literal_eval(text)

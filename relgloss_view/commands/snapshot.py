@@ -8,6 +8,11 @@ import sys
 from typing import Any
 
 from relgloss_view.atomic import check_writable
+from relgloss_view.commands.operator_options import (
+    add_operator_options,
+    operator_from,
+    shown_by,
+)
 from relgloss_view.commands.progress import Progress
 from relgloss_view.commands.scene_options import add_scene_options, printable_command, scene_from
 from relgloss_view.text_input import printable
@@ -26,6 +31,7 @@ def add(commands: Any) -> None:
     )
     parser.add_argument("-o", "--output", metavar="OUT.png|OUT.exr", required=True)
     add_scene_options(parser)
+    add_operator_options(parser)
     parser.add_argument(
         "--bits", type=int, choices=BITS, help="of each channel of a PNG, 8 or 16 (default 8)"
     )
@@ -36,24 +42,32 @@ def add(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Draw, write, and say what was drawn."""
     from relgloss_view.picture.backends import open_renderer
-    from relgloss_view.picture.export import check_suffix, parameters, save_frame
+    from relgloss_view.picture.export import check_suffix, parameters, save_frame, warnings
 
     output = check_suffix(args.output)
     if args.bits is not None and output.suffix.lower() != ".png":
         args.wrong_usage(f"argument --bits: {output} is OpenEXR, which holds floats; leave it out")
+    operator = operator_from(args)
     scene, look, size = scene_from(args)
     check_writable(output)
     with Progress("snapshot") as progress, open_renderer(args.backend, progress) as renderer:
         frame = renderer.render(scene, look, size)
-        save_frame(frame, output, printable_command(args.argv), bits=args.bits or 8)
-        numbers = parameters(frame)
+        progress(0.5, operator.name)
+        shown = shown_by(operator, frame)
+        command = printable_command(args.argv)
+        save_frame(frame, output, command, bits=args.bits or 8, shown=shown)
+        numbers = parameters(frame, shown)
     if args.json:
         print(json.dumps({"output": str(output), **numbers}))
         return 0
-    for warning in frame.warnings:
+    for warning in warnings(frame, shown):
         print(f"warning: {printable(warning, 300)}", file=sys.stderr)
-    c_max = "no highlight" if frame.c_max is None else f"c_max {frame.c_max:.4g}"
-    settings = f"sigma_N {look.sigma_n_deg:g} deg, c {frame.c:.4g} ({c_max})"
+    settings = f"sigma_N {look.sigma_n_deg:g} deg, "
+    if shown is None:
+        c_max = "no highlight" if frame.c_max is None else f"c_max {frame.c_max:.4g}"
+        settings += f"c {frame.c:.4g} ({c_max})"
+    else:
+        settings += f"operator {operator.name}"
     sample = printable(scene.material.name, 80)
     sample += " (synthetic)" if scene.material.synthetic else ""
     print(f"{printable(output)}: {sample}, {settings}")

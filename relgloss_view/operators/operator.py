@@ -7,6 +7,7 @@ white is shown as the display's white, by ratios of XYZ (von Kries in XYZ), as t
 
 from __future__ import annotations
 
+import dataclasses
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relgloss_view.picture import tone
+from relgloss_view.picture.displayed import Displayed as Displayed
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.scene import Checked
 from relgloss_view.picture.tone import DisplayModel
@@ -85,34 +87,6 @@ class SceneLight:
 
 
 @dataclass(frozen=True)
-class Displayed:
-    """What an operator shows. Arrays are (H, W, ...), the surround where the object is not."""
-
-    operator: str  #: its name in the registry
-    light: Array  #: (H, W, 3), linear display RGB, 0 to 1
-    digital: NDArray[np.uint8]  #: (H, W, 3), digital values of the display
-    clipped: Mask  #: where something above the display's white is cut
-    out_of_gamut: Mask  #: where a colour that the display can't show is changed
-    display: DisplayModel
-    warnings: tuple[str, ...] = ()
-
-    @property
-    def clip_count(self) -> int:
-        """How many pixels are clipped."""
-        return int(np.sum(self.clipped))
-
-    @property
-    def out_of_gamut_count(self) -> int:
-        """How many pixels are out of gamut."""
-        return int(np.sum(self.out_of_gamut))
-
-    @cached_property
-    def lab(self) -> Array:
-        """(H, W, 3), L*, a*, b* of what is shown, relative to the display's white."""
-        return tone.lab_from_xyz(self.light @ self.display.xyz_from_rgb.T, self.display.white)
-
-
-@dataclass(frozen=True)
 class Operator(Checked, ABC):
     """A tone mapping with its parameters; each declares its range (picture.scene)."""
 
@@ -120,6 +94,7 @@ class Operator(Checked, ABC):
     title: ClassVar[str]  #: in a list
     meaning: ClassVar[str]  #: one line
     source: ClassVar[str]  #: who published it
+    uses_c: ClassVar[bool] = False  #: whether the look's c goes into its picture
 
     @abstractmethod
     def draw(self, frame: Frame) -> Displayed:
@@ -132,7 +107,8 @@ class LightOperator(Operator):
 
     def draw(self, frame: Frame) -> Displayed:
         """See Operator."""
-        return self.apply(SceneLight.of(frame))
+        picture = self.apply(SceneLight.of(frame))
+        return dataclasses.replace(picture, settings=dataclasses.asdict(self))
 
     @abstractmethod
     def apply(self, light: SceneLight) -> Displayed:

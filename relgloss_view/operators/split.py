@@ -20,6 +20,7 @@ class Split(Operator):
     title: ClassVar[str] = "Diffuse and specular L* apart"
     meaning: ClassVar[str] = "scales the specular part of L* by c; keeps colour and shading"
     source: ClassVar[str] = "Ishii et al., relative-glossiness matching, eqs. 1-4"
+    uses_c: ClassVar[bool] = True
 
     def draw(self, frame: Frame) -> Displayed:
         """See Operator."""

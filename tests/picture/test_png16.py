@@ -153,7 +153,7 @@ def test_a_pair_is_a_png(frame, tmp_path):
         save_pair((frame, frame), tmp_path / "a.exr", ("", ""))
     save_pair((frame, frame), tmp_path / "a.png", ("one", "two"), gap_px=0, bits=16)
     got = pixels(tmp_path / "a.png")
-    assert np.array_equal(got, np.concatenate([digital(frame, 16)] * 2, axis=1))
+    assert np.array_equal(got, np.concatenate([digital(frame, None, 16)] * 2, axis=1))
     with Image.open(tmp_path / "a.png") as picture:
         assert picture.text["Command"] == "one\ntwo"
 
