@@ -349,11 +349,11 @@ class TestGrid:
         before = sorted(tmp_path.rglob("*"))
         real, drawn = export.save_frame, []
 
-        def interrupt(*args):
+        def interrupt(*args, **options):
             if len(drawn) == frames:
                 raise KeyboardInterrupt
             drawn.append(args)
-            real(*args)
+            real(*args, **options)
 
         monkeypatch.setattr(export, "save_frame", interrupt)
         status, _, err = run(capsys, "grid", "--size", "16x16", "-o", folder)
