@@ -14,7 +14,7 @@ from relgloss_view import __version__
 from relgloss_view.errors import GLUnavailableError, InputError, RelglossError
 from relgloss_view.text_input import printable
 
-COMMANDS = ("view", "fit", "snapshot", "grid", "gloss", "doctor")
+COMMANDS = ("view", "fit", "snapshot", "grid", "compare", "gloss", "bench", "doctor")
 DEFAULT_COMMAND = "view"
 INTERRUPTED = 130
 LONGEST_FAULT = 1000  #: characters
@@ -25,6 +25,8 @@ LESS_MEMORY = {
     "fit": "thin out the table",
     "snapshot": "give a smaller --size",
     "grid": "give a smaller --size",
+    "compare": "give a smaller --size or fewer --operators",
+    "bench": "give a smaller --size",
 }
 
 

@@ -28,6 +28,7 @@ ROOMS = [
     "material",
     "picture",
     "operators",
+    "bench",
     "viewer",
     "commands",
     "cli",
@@ -69,12 +70,12 @@ def test_imports_point_down(path):
 @pytest.mark.parametrize(
     ("library", "homes"),
     [
-        ("moderngl", ("picture/context.py", "picture/renderer/")),
+        ("moderngl", ("picture/context.py", "picture/renderer/", "bench/")),
         ("imgui_bundle", ("viewer/",)),
         ("glfw", ("viewer/", "picture/context.py")),
         ("OpenEXR", ("picture/export.py",)),
-        ("matplotlib", ("material/fitting/",)),
-        ("colour", ("material/spectra.py",)),
+        ("matplotlib", ("material/fitting/", "bench/")),
+        ("colour", ("material/spectra.py", "bench/scientist.py")),
     ],
 )
 def test_libraries_keep_to_their_rooms(library, homes):

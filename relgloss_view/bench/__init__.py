@@ -1,0 +1,1 @@
+"""Speed against accuracy: what each simplification of the model costs and saves."""

@@ -1,0 +1,120 @@
+"""A run's numbers as files and as lines for a terminal."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from relgloss_view.text_input import printable
+
+Found = dict[str, Any]
+
+FORMAT, VERSION = "relgloss-bench", 1
+RESULTS, TABLE = "results.json", "results.csv"
+PARTS, STATISTICS = ("object", "highlight"), ("mean", "p95", "max")
+COLUMNS = (
+    "scene",
+    "method",
+    "group",
+    "sigma_n_deg",
+    "samples_per_pixel",
+    "ms",
+    "floors",
+    "frames",
+    "c_max",
+    "c_max_error",
+    *(f"{part}_{name}" for part in PARTS for name in (*STATISTICS, "pixels")),
+    "fault",
+)
+
+
+def write_results(found: Found, folder: Path) -> None:
+    """results.json, everything; results.csv, one line a row and scene."""
+    text = json.dumps(found, indent=1) + "\n"
+    (folder / RESULTS).write_text(text, encoding="utf-8")
+    with (folder / TABLE).open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(_flat(result) for result in found["results"])
+
+
+def _flat(result: Found) -> Found:
+    row = {name: result.get(name) for name in COLUMNS}
+    error = result["error"] or {}
+    row["c_max_error"] = error.get("c_max")
+    for part in PARTS:
+        spread = error.get(part) or {}
+        row |= {f"{part}_{name}": value for name, value in spread.items()}
+    return {name: "" if value is None else value for name, value in row.items()}
+
+
+def lines(found: Found) -> Iterable[str]:
+    """What a terminal shows."""
+    made, settings = found["machine"], found["settings"]
+    width, height = settings["size"]
+    device = printable(made["opengl"]["renderer"], 80)
+    yield f"{printable(made['cpu'], 80)}, {made['cores']} cores; {device}"
+    error_size = "x".join(map(str, settings["error_size"]))
+    yield (
+        f"{len(found['scenes'])} scenes at {width}x{height}, medians of {settings['frames']} "
+        f"frames; errors at {error_size}, dE2000, worst scene"
+    )
+    floors = [scene["floor_ms"] for scene in found["scenes"]]
+    yield f"fill floor {min(floors):.1f} to {max(floors):.1f} ms"
+    yield ""
+    yield f"  {'':30}{'ms':>8}{'x floor':>9}{'p95':>8}{'p95 of':>11}{'max':>8}{'c_max':>9}"
+    yield f"  {'':30}{'':>8}{'':>9}{'object':>8}{'highlight':>11}{'':>8}{'off by':>9}"
+    for entry in found["methods"]:
+        c_max = entry["worst_c_max"]
+        yield (
+            f"{'*' if entry['front'] else ' '} {entry['label']:30}{entry['ms']:8.1f}"
+            f"{entry['floors']:9.2f}{_number(entry['object_p95']):>8}"
+            f"{_number(entry['highlight_p95']):>11}{_number(entry['worst_max']):>8}"
+            f"{'' if c_max is None else f'{100 * c_max:.2g} %':>9}"
+        )
+    yield "* nothing else is both faster and nearer"
+    yield from _others(found)
+
+
+def _others(found: Found) -> Iterable[str]:
+    if changes := found.get("changes"):
+        told = [
+            f"{label} {changes[name]['ms']:.1f} ms = {changes[name]['floors']:.2f} x floor"
+            for name, label in (("lamp", "full frame"), ("sigma_n", "sigma_N"), ("c", "c"))
+        ]
+        yield f"changed alone, {changes['scene']}: {', '.join(told)}"
+    if passes := found.get("passes"):
+        told = [f"{name} {ms:.1f}" for name, ms in passes["wall_ms"].items()]
+        yield f"passes, ms: {', '.join(told)}; device clock {passes['device_clock']}"
+    if grid := found.get("grid"):
+        yield f"grid: {grid['stimuli']} stimuli at 512x512 as PNG in {grid['seconds']:.2f} s"
+    if pixels := found.get("pixels"):
+        told = [
+            f"{row['megapixels']:.2f} Mpx {row['ms']:.1f} ms ({100 * row['residual']:+.0f} %)"
+            if row.get("residual") is not None
+            else f"{row['megapixels']:.2f} Mpx {row.get('fault', 'not fitted')}"
+            for row in pixels["sizes"]
+        ]
+        yield f"pixels, off the line: {', '.join(told)}"
+    for peer in found.get("peers", ()):
+        yield f"peer {peer['name']}: {_peer(peer)}"
+
+
+def _peer(peer: Found) -> str:
+    if peer.get("fault"):
+        return f"not available: {printable(peer['fault'], 200)}"
+    told = f"{peer['ms']:.4g} ms"
+    if peer.get("floors") is not None:
+        told += f" = {peer['floors']:.1f} x floor"
+    if peer.get("ours") is not None:
+        told += f"; a frame of ours is {peer['ours']:.3g} of it"
+    return told + (f" ({peer['note']})" if peer.get("note") else "")
+
+
+def _number(value: float | None) -> str:
+    if value is None:
+        return "-"
+    return f"{value:.3f}" if value < 1.0 else f"{value:.1f}"
