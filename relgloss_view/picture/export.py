@@ -137,6 +137,7 @@ def parameters(frame: Frame, shown: Displayed | None = None) -> dict[str, Any]:
         "eye_m": [round(float(v), 9) for v in scene.eye.position_m],
         **{name: asdict(getattr(scene, name)) for name in ("shape", "lamp", "eye", "display")},
         "look": asdict(look),
+        "method": frame.method.differences(),
         "fit_quality": scene.material.fit.quality if scene.material.fit else None,
         "warnings": list(warnings(frame, shown)),
         "device": frame.device,
@@ -174,9 +175,7 @@ def srgb_profile() -> bytes:
     return bytes(data)
 
 
-def _save_png(
-    frame: Frame, file: Path, command: str, bits: int, shown: Displayed | None
-) -> None:
+def _save_png(frame: Frame, file: Path, command: str, bits: int, shown: Displayed | None) -> None:
     text = _text(json.dumps(parameters(frame, shown)), command)
     save_rgb(digital(frame, shown, bits), file, text, srgb=_is_srgb(frame.scene.display))
 

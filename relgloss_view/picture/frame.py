@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from relgloss_view.errors import InputError
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture import tone
+from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.plan import sample_count, samples_needed
 from relgloss_view.picture.scene import Look, Scene
 
@@ -118,12 +119,14 @@ class Frame:
         fetch: Callable[[str], Floats],
         device: str,
         warnings: tuple[str, ...] = (),
+        method: Method = EXACT,
     ) -> None:
         self.scene = scene
         self.look = look
         self.size = size
         self.scaling = scaling
         self.device = device
+        self.method = method
         self._fetch = fetch
         self.warnings = (*scene.material.warnings, *warnings, *scaling.warnings)
 
@@ -169,10 +172,10 @@ class Frame:
         """(H, W), share of each pixel that the object covers."""
         return self._diffuse[..., 3]
 
-    @property
+    @cached_property
     def on_object(self) -> NDArray[np.bool_]:
         """(H, W), whether the object covers any of the pixel."""
-        return self.coverage > 0.0
+        return np.asarray(self._fetch("split")[..., 0] > 0.5 * tone.OFF_OBJECT)
 
     @cached_property
     def specular(self) -> Floats:

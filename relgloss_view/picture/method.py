@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 from relgloss_view.material.approximations import FRESNEL, SHADOWING
@@ -16,7 +17,7 @@ CUBE_ROOTS = ("householder", "power", "table")
 TARGETS = ("float32", "float16")
 C_MAX = ("exact", "sparse", "eq4", "once")
 GAMUTS = ("as asked", "clip")
-KEPT = ("all", "split")
+KEPT = ("split", "all")
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,15 @@ class Method(Checked):
         "exact", C_MAX, "over all pixels, a quarter of them, eq. 4, or the picture without grain"
     )
     gamut: str = choice("as asked", GAMUTS, "clip, where no colour is out of gamut, costs less")
-    kept: str = choice("all", KEPT, "what pass 1 keeps: XYZ too, or that when it is asked for")
+    kept: str = choice("split", KEPT, "what pass 1 keeps: XYZ too, or only when it is asked for")
+
+    def differences(self) -> dict[str, str | int]:
+        """The stages that are not drawn exactly, and how they are."""
+        return {
+            f.name: getattr(self, f.name)
+            for f in dataclasses.fields(self)
+            if f.name != "kept" and getattr(self, f.name) != f.default
+        }
 
 
 EXACT = Method()

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from relgloss_view.material import brdf
 from relgloss_view.material.spectra import illuminant, xyz_weights
-from relgloss_view.picture import noise, shape, tone
+from relgloss_view.picture import shape, tone
 from relgloss_view.picture.frame import Extremes, Frame, Scaling, scene_warnings
+from relgloss_view.picture.grain import grain_normal
 from relgloss_view.picture.light import front_white, lit_white
 from relgloss_view.picture.plan import as_drawn, sample_count
 from relgloss_view.picture.scene import Look, Scene
@@ -120,16 +121,9 @@ def _meet(
     i = to_lamp / np.sqrt(distance2)[..., None]
     o = -ray / np.linalg.norm(ray, axis=-1, keepdims=True)
     n = hit.normal
-    if look is not None and look.sigma_n_deg > 0.0:
-        if look.grain == "screen":
-            y, x = np.mgrid[rows, 0 : view.size[0]]
-            cell = np.stack([x, y, np.zeros_like(x)], axis=-1)
-            cell[..., :2] //= look.grain_px
-        else:
-            grain_m = float(np.float32(look.grain_mm * 1e-3))
-            cell = shape.surface_cell(scene.shape.kind, hit, grain_m, half_extent_m)
-        hashes = noise.cell_hash(cell, look.seed)
-        n = noise.noisy_normal(look.noise_law, n, o, hashes, np.radians(look.sigma_n_deg))
+    if look is not None:
+        y, x = np.mgrid[rows, 0 : view.size[0]]
+        n = grain_normal(scene, look, hit, o, np.stack([x, y], axis=-1))
     return hit, o, i, n, distance2
 
 
@@ -162,7 +156,8 @@ def _tone(scene: Scene, stages: dict[str, Array], c: float) -> dict[str, Array]:
     coverage = diffuse[..., 3:]
     seen = coverage > 0.0
     white = illuminant(scene.lamp.illuminant).white_xyz()
-    lab = tone.scaled_lab(tone.split_lab(diffuse[..., :3], specular[..., :3], white), c)
+    split = tone.split_lab(diffuse[..., :3], specular[..., :3], white)
+    lab = tone.scaled_lab(split, c)
     shown, inside = tone.display_rgb(lab, display)
     light = np.where(
         seen,
@@ -173,6 +168,7 @@ def _tone(scene: Scene, stages: dict[str, Array], c: float) -> dict[str, Array]:
         seen[..., 0], (lab[..., 0] > 100.0 + tone.CLIP_TOLERANCE) + 2 * ~inside, 0
     ).astype(np.uint8)
     return {
+        "split": np.where(seen, split, (tone.OFF_OBJECT, 0.0, 0.0, 0.0)),
         "lab": np.where(seen, lab, 0.0),
         "counts": np.array([np.sum(flags & 1), np.sum(flags >> 1)]),
         "light": np.concatenate([light, coverage], axis=-1),

@@ -233,6 +233,7 @@ class Display(Checked):
 
 GRAINS = ("screen", "surface")
 NOISE_LAWS = ("paper", "tangent")
+QUALITIES = ("exact", "auto")
 NOISY_LOBES = ("both", "specular")
 
 
@@ -264,6 +265,7 @@ class Look(Checked):
         1, 1, 16, "", "samples along each side of a pixel", optional=True
     )
     diffuse_model: str = choice("fitted", ("fitted", *DIFFUSE_MODELS), "draws the diffuse part")
+    quality: str = choice("exact", QUALITIES, "draws the whole model, or what this scene needs")
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -20,6 +20,7 @@ LAB_KAPPA = 24389.0 / 27.0
 GAMUT_TOLERANCE = 1e-4
 CLIP_TOLERANCE = 1e-3
 BISECTIONS = 16
+OFF_OBJECT = -60000.0  #: L_d* of a pixel that shows nothing of the object
 #: Below this L_s* no one sees a highlight, and c_max says nothing.
 NO_LOBE_LSTAR = 0.5
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from relgloss_view.errors import InputError
 from relgloss_view.picture.scene import Eye, Scene, Shape
 
 Array = NDArray[np.float64]
+Floats = NDArray[np.floating[Any]]
 Size = tuple[int, int]  #: width, height in pixels
 #: left, bottom, right, top in pixels, counted from the bottom left as OpenGL does
 Box = tuple[int, int, int, int]
@@ -59,9 +61,15 @@ class View:
     def rays(self, rows: slice, place: tuple[float, float] = (0.5, 0.5)) -> Array:
         """Rays through a place inside each pixel of some rows, (R, W, 3), not of unit length."""
         width, height = self.size
-        x = (np.arange(width) + place[0] - 0.5 * width) * self.pixel_step + self.shift[0]
-        y = (np.arange(height)[rows] + place[1] - 0.5 * height) * self.pixel_step - self.shift[1]
-        return np.asarray(self.forward + x[None, :, None] * self.right - y[:, None, None] * self.up)
+        columns = np.arange(width) + (place[0] - 0.5)
+        return self.rays_at(columns[None, :], np.arange(height)[rows, None] + (place[1] - 0.5))
+
+    def rays_at(self, column: Floats, row: Floats) -> Array:
+        """Rays through the centres of pixels, (..., 3), not of unit length."""
+        width, height = self.size
+        x = (column + 0.5 * (1 - width)) * self.pixel_step + self.shift[0]
+        y = (row + 0.5 * (1 - height)) * self.pixel_step - self.shift[1]
+        return np.asarray(self.forward + x[..., None] * self.right - y[..., None] * self.up)
 
 
 @lru_cache(maxsize=64)

@@ -21,7 +21,6 @@ from relgloss_view.picture.renderer import (
     TONE,
     Programs,
     Renderer,
-    Request,
     draw_difference,
     draw_overlay,
 )
@@ -89,7 +88,8 @@ class Pictures:
                 faults[side] = str(error)
         if _wants_difference(state) and len(shown) == len(SIDES):
             first, second = (
-                Request(state.scene(side), state.side(side).look, size) for side in SIDES
+                renderers[side].request(state.scene(side), state.side(side).look, size)
+                for side in SIDES
             )
             try:
                 draw_difference(
@@ -132,7 +132,7 @@ class Pictures:
         if self.ctx.error != "GL_NO_ERROR":
             return True
         renderers = (*self._full.values(), *self._draft.values())
-        return not all(is_texture(name) for r in renderers for name in r.texture_names())
+        return not all(is_texture(name) for r in renderers for name in r.targets.names())
 
     def abandon(self) -> None:
         """Forget objects that may no longer be there."""

@@ -16,8 +16,9 @@ from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.context import collect, make_current
 from relgloss_view.picture.frame import Extremes, Frame, Scaling, scene_warnings
 from relgloss_view.picture.light import front_white, lit_white
-from relgloss_view.picture.method import EXACT, Method
+from relgloss_view.picture.method import Method
 from relgloss_view.picture.plan import Plan, as_drawn, sample_count, tone_defines
+from relgloss_view.picture.planner import Planner
 from relgloss_view.picture.renderer.held import Held, key_of
 from relgloss_view.picture.renderer.on_demand import fetch
 from relgloss_view.picture.renderer.programs import Programs, Uniforms
@@ -71,6 +72,7 @@ class Renderer:
         self._present: tuple[Request, int, Scaling, float] | None = None
         self._lamp: object = None
         self._last: Frame | None = None
+        self.planner = Planner()  #: which method draws what asks for quality "auto"
 
     def prepare(self, scene: Scene, look: Look) -> None:
         """Compile every variant that sliders of this scene and look can reach without a pause.
@@ -79,16 +81,20 @@ class Renderer:
         """
         for samples in (1, 2):
             for sigma_n_deg in (0.0, max(look.sigma_n_deg, 1.0)):
-                tried = dataclasses.replace(look, sigma_n_deg=sigma_n_deg, samples=samples)
+                tried = dataclasses.replace(
+                    look, sigma_n_deg=sigma_n_deg, samples=samples, quality="exact"
+                )
                 with contextlib.suppress(InputError):
                     frame = self.render(scene, tried, PREPARED_SIZE)
-                    _ = frame.clip_count, frame.light, frame.normal
+                    _ = frame.clip_count, frame.light, frame.normal, frame.specular
 
     def request(
         self, scene: Scene, look: Look, size: Size, method: Method | None = None
     ) -> Request:
-        """What a frame is asked to be, all told; InputError for a size that can't be drawn."""
-        return Request(as_drawn(scene, look), look, check_size(size), method or EXACT)
+        """What a frame is asked to be; no method: by the look's quality. InputError for a size."""
+        if method is None:
+            method = self.planner.method(scene, look, check_size(size))
+        return Request(as_drawn(scene, look), look, check_size(size), method)
 
     def render(self, scene: Scene, look: Look, size: Size, method: Method | None = None) -> Frame:
         """Draw a scene. Raises InputError for a size or a material that can't be drawn.
@@ -112,16 +118,13 @@ class Renderer:
             partial(fetch, self, request),
             self._device,
             scene_warnings(scene, look, size, seen=self._seen, lit=white > 0.0),
+            request.method,
         )
         return self._last
 
     def framebuffer_name(self, targets: tuple[str, ...]) -> int:
         """OpenGL's name of the framebuffer of targets that were drawn; it reads the first."""
         return int(self.targets.framebuffer(targets).glo)
-
-    def texture_names(self) -> list[int]:
-        """OpenGL's names of the textures of the targets."""
-        return self.targets.names()
 
     def texture(self, name: str) -> moderngl.Texture:
         """A target as it was last drawn, for passes that go on from it."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from relgloss_view.errors import InputError, RelglossError
 from relgloss_view.picture.context import max_texture_size
 from relgloss_view.picture.frame import Extremes
+from relgloss_view.picture.tone import OFF_OBJECT
 from relgloss_view.picture.view import Size
 
 PARTS = ("diffuse", "specular")
@@ -23,7 +24,6 @@ OVERLAY = ("overlay",)
 LARGEST_HALF = 65504.0
 LARGEST_WHITE = 1.5  #: no white's X or Z is larger beside a Y of one
 TABLE_STEPS = 256  #: as in cube_root.glsl
-OFF_OBJECT = -60000.0  #: as in tone.glsl
 #: What says that a pixel shows nothing of the object, for a pass that draws inside its bounds only.
 CLEARED = {
     "diffuse": (0.0, 0.0, 0.0, 0.0),

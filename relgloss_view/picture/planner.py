@@ -1,0 +1,196 @@
+"""Planner: the cheapest method whose error on a scene's proxy is inside a tolerance.
+
+Stage by stage, those that save most first, the simplest choice is taken with which the picture as
+a whole stays inside; so what is returned has been measured as it is. Only sums and cached numbers
+go into it, no clock, so that the same scene has the same plan everywhere.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import time
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from relgloss_view.errors import InputError
+from relgloss_view.material.spectra import illuminant
+from relgloss_view.picture.method import EXACT, Method
+from relgloss_view.picture.plan import Plan, drawn_lobes
+from relgloss_view.picture.proxy import Error, Proxy
+from relgloss_view.picture.scene import Checked, Look, Scene, parameter
+from relgloss_view.picture.view import Size
+
+
+@dataclass(frozen=True)
+class Tolerance(Checked):
+    """What a picture may differ by from the whole model's, CIEDE2000."""
+
+    p95: float = parameter(0.5, 0.0, 100.0, "", "95th percentile, over object and highlight each")
+    largest: float = parameter(2.0, 0.0, 100.0, "", "at any pixel")
+
+    def holds(self, error: Error, share: float = 1.0) -> bool:
+        """Whether an error is inside a share of it."""
+        worst = max(error.object_p95, error.highlight_p95)
+        return worst <= share * self.p95 and error.largest <= share * self.largest
+
+
+#: The choices of a stage, the simplest first, and what each saves of the time of a frame drawn
+#: exactly, in per cent: a matte paper with grain on llvmpipe, by `relgloss bench`. The order of the
+#: stages is that of what can be saved.
+SAVINGS: dict[str, dict[str | int, float]] = {
+    "noise": {"none": 20.0, "mean": 10.0, "drawn": 0.0},
+    "lobes": {0: 12.0, 1: 6.0, 2: 0.0},
+    "c_max": {"sparse": 10.0, "exact": 0.0},
+    "gamut": {"clip": 9.0, "as asked": 0.0},
+    "diffuse": {"lambert": 5.0, "qualitative": 4.0, "eon": 3.0, "fitted": 0.0},
+    "fresnel": {"constant": 3.0, "schlick": 2.0, "exact": 0.0},
+    "shadowing": {"none": 2.0, "v-groove": 0.0},
+    "lamp": {"distant": 0.5, "point": 0.0},
+}
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What is drawn of a stage, and why nothing simpler is."""
+
+    stage: str
+    chosen: str | int
+    saved_percent: float  #: of the time of a frame drawn exactly
+    error: Error  #: of this choice alone
+    simpler: str | int | None = None  #: the next simpler one
+    simpler_error: Error | None = None  #: together with what was chosen before it
+    reason: str = ""  #: where it is not by its error
+
+
+@dataclass(frozen=True)
+class Advice:
+    """The method for a scene, with the error of the whole."""
+
+    method: Method
+    choices: tuple[Choice, ...]
+    error: Error
+    note: str = ""
+
+    @property
+    def saved_percent(self) -> float:
+        """Of the time of a frame drawn exactly, by the savings that were measured one by one."""
+        return min(sum(choice.saved_percent for choice in self.choices), 90.0)
+
+
+#: Share of the tolerance that a plan uses: a proxy's percentiles are those of a thousand pixels.
+USED = 0.9
+REMEMBERED = 64  #: plans
+CHECK_SECONDS = 0.1  #: between two looks at a moving picture, each of a few milliseconds
+NO_ERROR = Error(0.0, 0.0, 0.0)
+
+
+DEFAULT_TOLERANCE = Tolerance()
+
+
+def advise(
+    scene: Scene, look: Look, size: Size, tolerance: Tolerance = DEFAULT_TOLERANCE
+) -> Advice:
+    """Choose a method; raises InputError where no c can show the picture, as drawing it does."""
+    proxy = Proxy(scene, look, size)
+    if proxy.empty:
+        return Advice(
+            EXACT, (), NO_ERROR, "no pixel shows the object: there is nothing to simplify"
+        )
+    method, choices = EXACT, []
+    for stage in SAVINGS:
+        choice = _choose(proxy, method, stage, tolerance)
+        if choice is not None:
+            choices.append(choice)
+            method = _with(method, stage, choice.chosen)
+    return Advice(method, tuple(choices), proxy.error(method))
+
+
+def _choose(proxy: Proxy, method: Method, stage: str, tolerance: Tolerance) -> Choice | None:
+    """The simplest choice of a stage that stays inside; None where the scene has no such stage."""
+    savings = SAVINGS[stage]
+    present = getattr(method, stage)
+    refused: tuple[str | int, Error] | None = None
+    for name, saved in savings.items():
+        if name == present:
+            break
+        tried = _with(method, stage, name)
+        if _same(proxy, tried, method, stage):
+            continue
+        error = proxy.error(tried)
+        if stage == "gamut" and proxy.draw(tried).out_of_gamut:
+            return Choice(stage, present, 0.0, NO_ERROR, reason="some colours are out of gamut")
+        if tolerance.holds(error, USED):
+            alone = proxy.error(_with(EXACT, stage, name))
+            return Choice(stage, name, saved, alone, *(refused or ()))
+        refused = name, error
+    return Choice(stage, present, 0.0, NO_ERROR, *refused) if refused else None
+
+
+def _with(method: Method, stage: str, name: str | int) -> Method:
+    changed: dict[str, Any] = {stage: name}
+    return dataclasses.replace(method, **changed)
+
+
+def _same(proxy: Proxy, tried: Method, method: Method, stage: str) -> bool:
+    """Whether a choice draws what is drawn anyway, because the scene has nothing of it."""
+    scene, look = proxy.scene, proxy.look
+    if stage == "gamut":
+        return scene.display.gamut == "clip"
+    if stage == "c_max":
+        return not drawn_lobes(scene.material, method)
+    return Plan.of(scene, look, 1, tried) == Plan.of(scene, look, 1, method)
+
+
+class Planner:
+    """Methods for the pictures of one renderer, remembered by scene, look and size.
+
+    While a hand moves something the choice is held, so that nothing flickers and nothing has to be
+    compiled: where it no longer serves, everything is drawn exactly until the hand rests.
+    """
+
+    def __init__(
+        self,
+        tolerance: Tolerance = DEFAULT_TOLERANCE,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.tolerance = tolerance
+        self.moving = False  #: a hand moves something
+        self._clock = clock
+        self._known: OrderedDict[object, Advice] = OrderedDict()
+        self._held = EXACT
+        self._checked = -math.inf
+
+    def method(self, scene: Scene, look: Look, size: Size) -> Method:
+        """The method for a picture."""
+        if look.quality == "exact":
+            return EXACT
+        try:
+            if self.moving:
+                return self._while_moving(scene, look, size)
+            self._held = self.advice(scene, look, size).method
+        except InputError:  # what can't be drawn is told when it is drawn
+            self._held = EXACT
+        return self._held
+
+    def advice(self, scene: Scene, look: Look, size: Size) -> Advice:
+        """The method with its reasons; raises InputError as `advise` does."""
+        lamp = illuminant(scene.lamp.illuminant)  # another one where its file was edited
+        key = scene, look, size, id(lamp)
+        if key not in self._known:
+            self._known[key] = advise(scene, look, size, self.tolerance)
+            if len(self._known) > REMEMBERED:
+                self._known.popitem(last=False)
+        self._known.move_to_end(key)
+        return self._known[key]
+
+    def _while_moving(self, scene: Scene, look: Look, size: Size) -> Method:
+        now = self._clock()
+        if self._held != EXACT and now - self._checked >= CHECK_SECONDS:
+            self._checked = now
+            error = Proxy(scene, look, size).error(self._held)
+            if not self.tolerance.holds(error):
+                self._held = EXACT
+        return self._held

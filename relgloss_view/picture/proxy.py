@@ -1,0 +1,228 @@
+"""Proxy: a few pixels of a picture in float64, drawn by any method; tells what a method gets wrong.
+
+The pixels are those of the picture itself, so that each has its own grain. They stand denser about
+the highlight, which is narrower than any even grid of so few would find, and each carries the area
+that it stands for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.material import approximations, brdf
+from relgloss_view.material.approximations import mean_lobe, plain_lobe
+from relgloss_view.material.spectra import illuminant, xyz_weights
+from relgloss_view.picture import shape, tone
+from relgloss_view.picture.difference import delta_e_2000
+from relgloss_view.picture.frame import Extremes, Scaling
+from relgloss_view.picture.grain import grain_normal
+from relgloss_view.picture.light import front_white, lit_white
+from relgloss_view.picture.method import EXACT, Method
+from relgloss_view.picture.plan import Plan, as_drawn, drawn_lobes
+from relgloss_view.picture.scene import Look, Scene
+from relgloss_view.picture.view import Size, View
+
+Array = NDArray[np.float64]
+
+ROWS, COLUMNS = 16, 28  #: of the even grid
+NEAR = np.arange(-6, 7)  #: a finer step about the brightest place, over one step of the coarser
+GAMUT_MARGIN = 0.002  #: of linear RGB
+HIGHLIGHT_LSTAR = 1.0  #: L_s* from which a pixel belongs to the highlight
+
+
+@dataclass(frozen=True)
+class Error:
+    """CIEDE2000 of what a method draws: its 95th percentiles by area, and its largest."""
+
+    object_p95: float
+    highlight_p95: float
+    largest: float
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """The proxy's pixels as a method draws them."""
+
+    lab: Array  #: (N, 3), scaled, L* cut to the display's
+    l_s: Array  #: (N,), before scaling
+    out_of_gamut: bool  #: any of them, or so nearly that a neighbour may be
+
+
+class Proxy:
+    """The pixels of one scene, look and size that meet the object."""
+
+    def __init__(self, scene: Scene, look: Look, size: Size) -> None:
+        self.scene, self.look = as_drawn(scene, look), look
+        self._view = View.of(scene, size)
+        columns, rows, self.area = _places(self.scene, self._view)
+        self._pixel = np.stack([columns, rows], axis=-1).astype(np.int64)
+        self._hit, self._o = _meet(self.scene, self._view, columns, rows)
+        self._facings: dict[tuple[str, bool], tuple[brdf.Facing, Array]] = {}
+
+    @property
+    def empty(self) -> bool:
+        """Whether no pixel meets the object."""
+        return len(self.area) == 0
+
+    @cached_property
+    def exact(self) -> Drawn:
+        """As the whole model draws it."""
+        return self.draw(EXACT)
+
+    def error(self, method: Method) -> Error:
+        """What a method gets wrong in this picture."""
+        difference = delta_e_2000(self.exact.lab, self.draw(method).lab)
+        highlight = self.exact.l_s > HIGHLIGHT_LSTAR
+        return Error(
+            _p95(difference, self.area),
+            _p95(difference[highlight], self.area[highlight]),
+            float(np.max(difference, initial=0.0)),
+        )
+
+    def draw(self, method: Method) -> Drawn:
+        """The pixels by a method. Raises InputError where no c can show them (Scaling.of)."""
+        scene, look = self.scene, self.look
+        plan = Plan.of(scene, look, 1, method)
+        material, lamp = scene.material, illuminant(scene.lamp.illuminant)
+        weights = xyz_weights(material.bands, lamp)
+        smooth, arriving = self._facing(plan.lamp, tilted=False)
+        white = float(np.max(np.maximum(smooth.mu_i, 0.0) * arriving * (smooth.mu_o > 0.0)))
+        if scene.lamp.y_n == "front":
+            white = front_white(scene, self._view)
+        white = lit_white(white, scene)
+        arriving = arriving * (np.pi / white) if white > 0.0 else 0.0 * arriving
+        grain = self._facing(plan.lamp, tilted=plan.noise != "none")[0]
+        under = grain if plan.noisy_diffuse else smooth
+
+        albedo, sigma = np.asarray(material.diffuse.albedo), material.diffuse.sigma
+        second = brdf.second_albedo(plan.diffuse, albedo, sigma)
+        shapes = brdf.diffuse_shapes(plan.diffuse, under, sigma)
+        diffuse = shapes[0][:, None] * (albedo @ weights) + shapes[1][:, None] * (second @ weights)
+        diffuse *= (arriving * np.maximum(under.mu_i, 0.0))[:, None]
+        specular = np.zeros_like(diffuse)
+        for lobe in drawn_lobes(material, method):
+            terms = plain_lobe(lobe.s, lobe.refractive_index)
+            if plan.facets == "mean-gaussian":
+                sigma_n = float(np.radians(look.sigma_n_deg))
+                terms = mean_lobe(lobe.s, lobe.refractive_index, sigma_n, look.noise_law)
+            reflected = approximations.torrance_sparrow(
+                grain, terms, plan.fresnel, plan.shadowing, plan.facets
+            )
+            specular += reflected[:, None] * (lobe.per_band(material.bands.count) @ weights)
+        specular *= (arriving * np.maximum(grain.mu_i, 0.0))[:, None]
+        return self._shown(diffuse, specular, method)
+
+    def _shown(self, diffuse: Array, specular: Array, method: Method) -> Drawn:
+        white = illuminant(self.scene.lamp.illuminant).white_xyz()
+        split = tone.split_lab(diffuse, specular, white)
+        counted = np.ones(len(split), dtype=bool)
+        if method.c_max == "sparse":
+            left, bottom, *_ = self._view.bounds
+            up = self._view.size[1] - 1 - self._pixel[:, 1]
+            counted = ((self._pixel[:, 0] - left) % 2 == 0) & ((up - bottom) % 2 == 0)
+        c = Scaling.of(self.look, _extremes(split[counted]), eq4=method.c_max == "eq4").c
+        lab = tone.scaled_lab(split, c)
+        lab[:, 0] = np.clip(lab[:, 0], 0.0, 100.0)
+        display = tone.DisplayModel.of(self.scene.display)
+        rgb = tone.xyz_from_lab(lab, display.white) @ display.rgb_from_xyz.T
+        outside = bool(np.any(rgb < -tone.GAMUT_TOLERANCE) or np.any(rgb > 1.0 - GAMUT_MARGIN))
+        return Drawn(lab, split[:, 1], outside)
+
+    def _facing(self, lamp: str, *, tilted: bool) -> tuple[brdf.Facing, Array]:
+        """How the points stand to lamp and eye, and one over the squared distance to the lamp."""
+        key = lamp, tilted
+        if key not in self._facings:
+            normal = self._hit.normal
+            if tilted:
+                normal = grain_normal(self.scene, self.look, self._hit, self._o, self._pixel)
+            way = self.scene.lamp.position_m - (0.0 if lamp == "distant" else self._hit.point_m)
+            distance2 = np.maximum(np.sum(way * way, axis=-1, keepdims=True), 1e-30)
+            i = np.broadcast_to(way / np.sqrt(distance2), normal.shape)
+            per_distance2 = np.broadcast_to(1.0 / distance2[..., 0], normal.shape[:1])
+            self._facings[key] = brdf.facing(normal, i, self._o), per_distance2
+        return self._facings[key]
+
+
+def _meet(scene: Scene, view: View, columns: Array, rows: Array) -> tuple[shape.Hit, Array]:
+    ray = view.rays_at(columns, rows)
+    hit = shape.meet(scene.shape.kind, view.eye_m, ray, scene.shape.half_extent_m())
+    return hit, -ray / np.linalg.norm(ray, axis=-1, keepdims=True)
+
+
+def _places(scene: Scene, view: View) -> tuple[Array, Array, Array]:
+    """Columns, rows and areas of the pixels, (N,) each, those on the object only."""
+    left, bottom, right, top = view.bounds
+    height = view.size[1]
+    first, last = height - top, height - bottom  # rows count from the top
+    if right <= left or last <= first:
+        return np.zeros(0), np.zeros(0), np.zeros(0)
+
+    def off_mirror(columns: Array, rows: Array) -> Array:
+        hit, o = _meet(scene, view, columns, rows)
+        i = scene.lamp.position_m - hit.point_m
+        i = i / np.maximum(np.linalg.norm(i, axis=-1, keepdims=True), 1e-30)
+        return np.where(hit.found, brdf.facing(hit.normal, i, o).delta2, np.inf)
+
+    rows = np.unique(np.linspace(first, last - 1, ROWS).round())
+    columns = np.linspace(left, right - 1, COLUMNS).round()
+    delta2 = off_mirror(*np.broadcast_arrays(columns[None, :], rows[:, None]))
+    step = max((last - first) / ROWS, 1.0)
+    best = rows[np.argmin(np.min(delta2, axis=1))]
+    rows = np.unique(np.clip(np.append(rows, best + NEAR * step / 6.0), first, last - 1).round())
+    grid = np.broadcast_to(columns, (len(rows), len(columns)))
+    step = max((right - left) / COLUMNS, 1.0)
+    found = grid
+    while True:
+        delta2 = off_mirror(*np.broadcast_arrays(found, rows[:, None]))
+        best_columns = np.take_along_axis(found, np.argmin(delta2, axis=1)[:, None], axis=1)
+        step /= 6.0
+        found = np.clip(best_columns + NEAR * max(step, 1.0), left, right - 1).round()
+        grid = np.concatenate([grid, found], axis=1)
+        if step <= 1.0:
+            break
+    grid = np.sort(grid, axis=1)
+    area = _spans(grid, left, right) * _spans(rows[None, :], first, last).T
+    columns, rows = np.broadcast_arrays(grid, rows[:, None])
+    hit, _ = _meet(scene, view, columns, rows)
+    kept = hit.found & (area > 0.0)
+    return columns[kept], rows[kept], area[kept]
+
+
+def _spans(places: Array, first: float, last: float) -> Array:
+    """How much of a line each of its sorted places stands for; one of equal places for all."""
+    middle = 0.5 * (places[:, 1:] + places[:, :-1]) + 0.5
+    edges = np.concatenate(
+        [np.full((len(places), 1), first), middle, np.full((len(places), 1), last)], axis=1
+    )
+    spans = np.diff(edges, axis=1)
+    again = np.zeros_like(spans, dtype=bool)
+    again[:, 1:] = places[:, 1:] == places[:, :-1]
+    return np.where(again, 0.0, spans)
+
+
+def _p95(values: Array, area: Array) -> float:
+    """95th percentile by area; 0 of nothing."""
+    if len(values) == 0:
+        return 0.0
+    order = np.argsort(values)
+    share = np.cumsum(area[order])
+    return float(values[order][np.searchsorted(share, 0.95 * share[-1])])
+
+
+def _extremes(split: Array) -> Extremes:
+    if len(split) == 0:
+        return Extremes.of_nothing()
+    l_d, l_s = split[:, 0], split[:, 1]
+    top = int(np.argmax(l_d + l_s))
+    return Extremes(
+        float(np.min(tone.largest_c(l_d, l_s))),
+        float(np.max(l_d)),
+        float(np.max(l_s)),
+        float(l_d[top]),
+        float(l_s[top]),
+        int(np.sum(~np.isfinite(l_d + l_s))),
+    )
