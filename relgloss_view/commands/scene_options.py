@@ -14,7 +14,7 @@ from relgloss_view.errors import InputError
 from relgloss_view.material.files import load_material
 from relgloss_view.picture.backends import BACKENDS
 from relgloss_view.picture.samples import DEFAULT_SAMPLE, SAMPLES, load_sample
-from relgloss_view.picture.scene import Look, Scene
+from relgloss_view.picture.scene import QUALITIES, Look, Scene
 from relgloss_view.picture.scene_file import TABLES, build, load_scene
 from relgloss_view.picture.view import check_size
 
@@ -22,16 +22,24 @@ DEFAULT_SIZE = (512, 512)
 AUTO = "auto"
 
 
-def add_scene_options(parser: argparse.ArgumentParser, *, tuned: bool = True) -> None:
-    """Declare the options; `tuned` adds those of the look that a grid varies itself."""
+def add_scene_options(
+    parser: argparse.ArgumentParser, *, tuned: bool = True, sourced: bool = True
+) -> None:
+    """Declare the options; `tuned` adds those of the look that a grid varies itself.
+
+    `sourced` adds those that name the sample, which some commands take as words of their own.
+    """
     what = parser.add_argument_group("what to draw")
-    source = what.add_mutually_exclusive_group()
-    source.add_argument(
-        "--sample",
-        metavar="NAME",
-        help=f"a built-in synthetic paper: {', '.join(SAMPLES)} (default {DEFAULT_SAMPLE})",
-    )
-    source.add_argument("--material", metavar="FILE.json", help="a material that `fit` wrote")
+    if sourced:
+        source = what.add_mutually_exclusive_group()
+        source.add_argument(
+            "--sample",
+            metavar="NAME",
+            help=f"a built-in synthetic paper: {', '.join(SAMPLES)} (default {DEFAULT_SAMPLE})",
+        )
+        source.add_argument("--material", metavar="FILE.json", help="a material that `fit` wrote")
+    else:
+        parser.set_defaults(sample=None, material=None)
     what.add_argument(
         "--scene", metavar="FILE.toml", help="a scene file; options override its entries"
     )
@@ -61,6 +69,12 @@ def add_scene_options(parser: argparse.ArgumentParser, *, tuned: bool = True) ->
         metavar="N",
         type=_samples,
         help="samples along each side of a pixel, 1 to 16, or auto: what the highlight needs",
+    )
+    how.add_argument(
+        "--quality",
+        choices=QUALITIES,
+        help="exact (default), or auto: the cheapest way of drawing that looks the same, as "
+        "`relgloss plan` tells",
     )
     how.add_argument(
         "--size", metavar="WxH", type=size_of_text, default=DEFAULT_SIZE, help="in pixels"
@@ -101,6 +115,8 @@ def scene_from(args: argparse.Namespace) -> tuple[Scene, Look, tuple[int, int]]:
     )
     if args.seed is not None:
         look = dataclasses.replace(look, seed=args.seed)
+    if args.quality is not None:
+        look = dataclasses.replace(look, quality=args.quality)
     if args.samples is not None:
         look = dataclasses.replace(look, samples=None if args.samples == AUTO else args.samples)
     return scene, look, size

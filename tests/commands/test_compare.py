@@ -1,0 +1,117 @@
+"""`relgloss compare` as its users meet it."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from materials import paper
+from PIL import Image
+from test_cli import refused, run
+
+from relgloss_view.material.files import save_material
+
+SMALL = ("--size", "64x64")
+
+
+def sheet_pixels(path):
+    with Image.open(path) as picture:
+        return np.asarray(picture), dict(picture.info)
+
+
+class Page(HTMLParser):
+    """What a page shows, with every element closed."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.words, self.images = [], [], []
+        self.feed(text)
+        assert self.open == []
+
+    def handle_starttag(self, tag, attributes):
+        if tag == "img":
+            self.images.append(dict(attributes))
+        elif tag != "meta":
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+
+def test_papers_by_default(capsys, tmp_path):
+    png, page = tmp_path / "a.png", tmp_path / "a.html"
+    status, out, err = run(capsys, "compare", *SMALL, "-o", png, "-o", page)
+    assert status == 0
+    for words in ("cast-coated", "uncoated", "split", "clip", "multiscale", "order kept", "drifts"):
+        assert words in out
+    assert "uncoated, split: c = 1.0" in err
+    shown = Page(page.read_text(encoding="utf-8"))
+    assert len(shown.images) == 12
+    assert all(image["src"].startswith("data:image/png;base64,") for image in shown.images)
+    assert not re.search(r"https?://|src=\"[^d]", page.read_text(encoding="utf-8"))
+    assert "relgloss compare" in " ".join(shown.words)
+    first, info = sheet_pixels(png)
+    command = shlex.split(info["Command"])
+    assert run(capsys, *command[1:])[0] == 0
+    np.testing.assert_array_equal(sheet_pixels(png)[0], first)
+
+
+def test_materials_settings_and_parameters(capsys, tmp_path):
+    mine = tmp_path / "mine=1.json"
+    save_material(paper("matte"), mine)
+    status, out, _ = run(
+        capsys, "compare", "art-coated", f"{mine}=1.5,2/6", mine, *SMALL, "--json",
+        "--operators", "split,multiscale:local=0:rods=true,multiscale", "--gloss", "gloss-60",
+        "-o", tmp_path / "a.png",
+    )  # fmt: skip
+    assert status == 0
+    found = json.loads(out)
+    assert [s["label"] for s in found["samples"]] == ["art-coated", "mine=1", "mine=1 (2)"]
+    assert [s["sigma_n_deg"] for s in found["samples"]] == [0.0, 1.5, 0.0]
+    assert found["samples"][1]["c"] == pytest.approx(found["samples"][1]["c_max"] / 3)
+    assert found["samples"][2]["c"] == pytest.approx(found["samples"][2]["c_max"])
+    assert [o["parameters"].get("local") for o in found["operators"]] == [None, 0, 0.5]
+    assert found["gloss"] == "gloss-60"
+    assert found["samples"][0]["rank"] == 0
+
+
+def test_settings_that_were_not_given_are_told(capsys, tmp_path):
+    save_material(paper("matte"), tmp_path / "mine.json")
+    words = ("art-coated", tmp_path / "mine.json", *SMALL, "--operators", "split")
+    err = run(capsys, "compare", *words, "-o", tmp_path / "a.png")[2]
+    assert "mine.json: drawn at sigma_N 0 and c_max" in err
+
+
+@pytest.mark.parametrize(
+    ("words", "place"),
+    [
+        (("glass",), "glass"),
+        (("absent.json",), "absent.json"),
+        (("art-coated=1,1/0",), "expected SAMPLE=SIGMA_N,C"),
+        (("art-coated=1.2.3,1",), "expected SAMPLE=SIGMA_N,C"),
+        (("art-coated=11,1",), "sigma_n_deg"),
+        (("--operators", "split,aces"), "aces"),
+        (("--operators", ""), "operator"),
+        (("--operators", "clip,clip"), "twice"),
+        (("--operators", "multiscale:A=1"), "expected a parameter of local"),
+        (("--operators", "clip:cut"), "expected NAME=VALUE"),
+        (("--size", "0x9"), "size 0x9"),
+        (("-o", "a.jpg"), ".png or .html"),
+        (("-o", "gone/a.png"), "gone"),
+    ],
+    ids=str,
+)
+def test_refused(capsys, tmp_path, monkeypatch, words, place):
+    monkeypatch.chdir(tmp_path)
+    assert place in refused(capsys, tmp_path, "compare", *SMALL, "-o", "a.png", *words)
+
+
+def test_no_output_is_wrong_usage(capsys, tmp_path):
+    refused(capsys, tmp_path, "compare", status=2)
