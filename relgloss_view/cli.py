@@ -14,7 +14,7 @@ from relgloss_view import __version__
 from relgloss_view.errors import GLUnavailableError, InputError, RelglossError
 from relgloss_view.text_input import printable
 
-COMMANDS = ("view", "fit", "snapshot", "grid", "compare", "gloss", "bench", "doctor")
+COMMANDS = ("view", "fit", "snapshot", "grid", "plan", "compare", "match", "gloss", "bench", "doctor")
 DEFAULT_COMMAND = "view"
 INTERRUPTED = 130
 LONGEST_FAULT = 1000  #: characters
@@ -26,6 +26,7 @@ LESS_MEMORY = {
     "snapshot": "give a smaller --size",
     "grid": "give a smaller --size",
     "compare": "give a smaller --size or fewer --operators",
+    "match": "give a smaller --size",
     "bench": "give a smaller --size",
 }
 

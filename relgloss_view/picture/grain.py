@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from relgloss_view.picture import noise, shape
 from relgloss_view.picture.scene import Look, Scene
+from relgloss_view.picture.view import float32
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -24,7 +25,7 @@ def grain_normal(scene: Scene, look: Look, hit: shape.Hit, o: Array, pixel: Ints
         cell = np.concatenate([pixel // look.grain_px, face], axis=-1)
     else:
         grain_m = float(np.float32(look.grain_mm * 1e-3))
-        half_extent_m = scene.shape.half_extent_m().astype(np.float32).astype(np.float64)
+        half_extent_m = float32(scene.shape.half_extent_m())
         cell = shape.surface_cell(scene.shape.kind, hit, grain_m, half_extent_m)
     hashes = noise.cell_hash(cell, look.seed)
     return noise.noisy_normal(look.noise_law, hit.normal, o, hashes, np.radians(look.sigma_n_deg))

@@ -17,6 +17,7 @@ from typing import Any
 
 from relgloss_view.errors import InputError
 from relgloss_view.material.spectra import illuminant
+from relgloss_view.picture.domains import outside
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.plan import Plan, drawn_lobes
 from relgloss_view.picture.proxy import Error, Proxy
@@ -62,7 +63,7 @@ class Choice:
     error: Error  #: of this choice alone
     simpler: str | int | None = None  #: the next simpler one
     simpler_error: Error | None = None  #: together with what was chosen before it
-    reason: str = ""  #: where it is not by its error
+    reason: str = ""  #: why the simpler one is not drawn, where it is not for its error
 
 
 @dataclass(frozen=True)
@@ -113,6 +114,7 @@ def _choose(proxy: Proxy, method: Method, stage: str, tolerance: Tolerance) -> C
     savings = SAVINGS[stage]
     present = getattr(method, stage)
     refused: tuple[str | int, Error] | None = None
+    reason = ""
     for name, saved in savings.items():
         if name == present:
             break
@@ -120,13 +122,16 @@ def _choose(proxy: Proxy, method: Method, stage: str, tolerance: Tolerance) -> C
         if _same(proxy, tried, method, stage):
             continue
         error = proxy.error(tried)
+        if f"{stage} {name}" in outside(proxy.scene, proxy.look, tried):
+            refused, reason = (name, error), "outside its declared domain"
+            continue
         if stage == "gamut" and proxy.draw(tried).out_of_gamut:
             return Choice(stage, present, 0.0, NO_ERROR, reason="some colours are out of gamut")
         if tolerance.holds(error, USED):
             alone = proxy.error(_with(EXACT, stage, name))
-            return Choice(stage, name, saved, alone, *(refused or ()))
-        refused = name, error
-    return Choice(stage, present, 0.0, NO_ERROR, *refused) if refused else None
+            return Choice(stage, name, saved, alone, *(refused or (None, None)), reason)
+        refused, reason = (name, error), ""
+    return Choice(stage, present, 0.0, NO_ERROR, *refused, reason) if refused else None
 
 
 def _with(method: Method, stage: str, name: str | int) -> Method:
@@ -159,7 +164,7 @@ class Planner:
         self.tolerance = tolerance
         self.moving = False  #: a hand moves something
         self._clock = clock
-        self._known: OrderedDict[object, Advice] = OrderedDict()
+        self._known: OrderedDict[object, tuple[Advice, object]] = OrderedDict()
         self._held = EXACT
         self._checked = -math.inf
 
@@ -178,13 +183,16 @@ class Planner:
     def advice(self, scene: Scene, look: Look, size: Size) -> Advice:
         """The method with its reasons; raises InputError as `advise` does."""
         lamp = illuminant(scene.lamp.illuminant)  # another one where its file was edited
-        key = scene, look, size, id(lamp)
+        stands = scene.shape, scene.lamp, scene.eye, scene.display
+        key = id(scene.material), id(lamp), stands, look, size
         if key not in self._known:
-            self._known[key] = advise(scene, look, size, self.tolerance)
+            # What is known by its identity is kept, so that nothing else can have it.
+            advice = advise(scene, look, size, self.tolerance)
+            self._known[key] = advice, (scene.material, lamp)
             if len(self._known) > REMEMBERED:
                 self._known.popitem(last=False)
         self._known.move_to_end(key)
-        return self._known[key]
+        return self._known[key][0]
 
     def _while_moving(self, scene: Scene, look: Look, size: Size) -> Method:
         now = self._clock()

@@ -1,8 +1,8 @@
 """Proxy: a few pixels of a picture in float64, drawn by any method; tells what a method gets wrong.
 
 The pixels are those of the picture itself, so that each has its own grain. They stand denser about
-the highlight, which is narrower than any even grid of so few would find, and each carries the area
-that it stands for.
+the highlight and at the silhouette, where methods fail first and which an even grid of so few would
+miss, and each carries the area that it stands for.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from relgloss_view.picture.light import front_white, lit_white
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.plan import Plan, as_drawn, drawn_lobes
 from relgloss_view.picture.scene import Look, Scene
-from relgloss_view.picture.view import Size, View
+from relgloss_view.picture.view import Size, View, float32
 
 Array = NDArray[np.float64]
 
@@ -139,7 +139,8 @@ class Proxy:
             normal = self._hit.normal
             if tilted:
                 normal = grain_normal(self.scene, self.look, self._hit, self._o, self._pixel)
-            way = self.scene.lamp.position_m - (0.0 if lamp == "distant" else self._hit.point_m)
+            origin = 0.0 if lamp == "distant" else self._hit.point_m
+            way = float32(self.scene.lamp.position_m) - origin
             distance2 = np.maximum(np.sum(way * way, axis=-1, keepdims=True), 1e-30)
             i = np.broadcast_to(way / np.sqrt(distance2), normal.shape)
             per_distance2 = np.broadcast_to(1.0 / distance2[..., 0], normal.shape[:1])
@@ -149,7 +150,7 @@ class Proxy:
 
 def _meet(scene: Scene, view: View, columns: Array, rows: Array) -> tuple[shape.Hit, Array]:
     ray = view.rays_at(columns, rows)
-    hit = shape.meet(scene.shape.kind, view.eye_m, ray, scene.shape.half_extent_m())
+    hit = shape.meet(scene.shape.kind, view.eye_m, ray, float32(scene.shape.half_extent_m()))
     return hit, -ray / np.linalg.norm(ray, axis=-1, keepdims=True)
 
 
@@ -175,13 +176,14 @@ def _places(scene: Scene, view: View) -> tuple[Array, Array, Array]:
     rows = np.unique(np.clip(np.append(rows, best + NEAR * step / 6.0), first, last - 1).round())
     grid = np.broadcast_to(columns, (len(rows), len(columns)))
     step = max((right - left) / COLUMNS, 1.0)
-    found = grid
+    about = [grid, grid, grid]  # the highlight, and both ends of the object
     while True:
-        delta2 = off_mirror(*np.broadcast_arrays(found, rows[:, None]))
-        best_columns = np.take_along_axis(found, np.argmin(delta2, axis=1)[:, None], axis=1)
         step /= 6.0
-        found = np.clip(best_columns + NEAR * max(step, 1.0), left, right - 1).round()
-        grid = np.concatenate([grid, found], axis=1)
+        for k, (found, places) in enumerate(zip((_least, _first, _last), about, strict=True)):
+            delta2 = off_mirror(*np.broadcast_arrays(places, rows[:, None]))
+            at = np.take_along_axis(places, found(delta2)[:, None], axis=1)
+            about[k] = np.clip(at + NEAR * max(step, 1.0), left, right - 1).round()
+        grid = np.concatenate([grid, *about], axis=1)
         if step <= 1.0:
             break
     grid = np.sort(grid, axis=1)
@@ -192,16 +194,25 @@ def _places(scene: Scene, view: View) -> tuple[Array, Array, Array]:
     return columns[kept], rows[kept], area[kept]
 
 
+def _least(delta2: Array) -> NDArray[np.intp]:
+    return np.argmin(delta2, axis=1)
+
+
+def _first(delta2: Array) -> NDArray[np.intp]:
+    return np.argmax(np.isfinite(delta2), axis=1)
+
+
+def _last(delta2: Array) -> NDArray[np.intp]:
+    return delta2.shape[1] - 1 - np.argmax(np.isfinite(delta2)[:, ::-1], axis=1)
+
+
 def _spans(places: Array, first: float, last: float) -> Array:
-    """How much of a line each of its sorted places stands for; one of equal places for all."""
-    middle = 0.5 * (places[:, 1:] + places[:, :-1]) + 0.5
-    edges = np.concatenate(
-        [np.full((len(places), 1), first), middle, np.full((len(places), 1), last)], axis=1
-    )
-    spans = np.diff(edges, axis=1)
-    again = np.zeros_like(spans, dtype=bool)
-    again[:, 1:] = places[:, 1:] == places[:, :-1]
-    return np.where(again, 0.0, spans)
+    """How much of a line each of its sorted places stands for; of equal places the last one."""
+    same = places[:, 1:] == places[:, :-1]
+    middle = np.where(same, first, 0.5 * (places[:, 1:] + places[:, :-1]) + 0.5)
+    ends = np.full((len(places), 1), first), np.full((len(places), 1), last)
+    edges = np.concatenate([ends[0], np.maximum.accumulate(middle, axis=1), ends[1]], axis=1)
+    return np.diff(edges, axis=1)
 
 
 def _p95(values: Array, area: Array) -> float:

@@ -15,7 +15,7 @@ from relgloss_view.picture.grain import grain_normal
 from relgloss_view.picture.light import front_white, lit_white
 from relgloss_view.picture.plan import as_drawn, sample_count
 from relgloss_view.picture.scene import Look, Scene
-from relgloss_view.picture.view import Size, View, check_size
+from relgloss_view.picture.view import Size, View, check_size, float32
 
 Array = NDArray[np.float64]
 
@@ -113,10 +113,10 @@ def _meet(
     scene: Scene, view: View, rows: slice, place: tuple[float, float], look: Look | None = None
 ) -> tuple[shape.Hit, Array, Array, Array, Array]:
     """Hit, to eye, to lamp, the grain's normal, squared distance to the lamp."""
-    half_extent_m = _float32(scene.shape.half_extent_m())
+    half_extent_m = float32(scene.shape.half_extent_m())
     ray = view.rays(rows, place)
     hit = shape.meet(scene.shape.kind, view.eye_m, ray, half_extent_m)
-    to_lamp = _float32(scene.lamp.position_m) - hit.point_m
+    to_lamp = float32(scene.lamp.position_m) - hit.point_m
     distance2 = np.maximum(np.sum(to_lamp * to_lamp, axis=-1), 1e-30)
     i = to_lamp / np.sqrt(distance2)[..., None]
     o = -ray / np.linalg.norm(ray, axis=-1, keepdims=True)
@@ -125,11 +125,6 @@ def _meet(
         y, x = np.mgrid[rows, 0 : view.size[0]]
         n = grain_normal(scene, look, hit, o, np.stack([x, y], axis=-1))
     return hit, o, i, n, distance2
-
-
-def _float32(vector: Array) -> Array:
-    """The numbers that the GPU starts from, so that both draw the same scene."""
-    return vector.astype(np.float32).astype(np.float64)
 
 
 def _extremes(stages: dict[str, Array]) -> Extremes:

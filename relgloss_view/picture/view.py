@@ -132,9 +132,14 @@ def _close(shape: Shape, place: Array, forward: Array) -> bool:
     return bool(np.min((_outline(shape) - place) @ forward) < 0.25 * shape.half_extent_m()[0])
 
 
+def float32(vector: Array) -> Array:
+    """The numbers that a GPU starts from, so that all draw the same scene."""
+    return vector.astype(np.float32).astype(np.float64)
+
+
 def _round(vector: Array) -> Array:
-    """In float32's numbers; not to be written to, since views are shared."""
-    rounded = vector.astype(np.float32).astype(np.float64)
+    """Those numbers, not to be written to, since views are shared."""
+    rounded = float32(vector)
     rounded.setflags(write=False)
     return rounded
 

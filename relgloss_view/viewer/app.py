@@ -245,7 +245,9 @@ class App:
         pitch = self._window.pixel_pitch_m()
         model.pixel_pitch_m = pitch
         before = self.pictures.drawn
-        shown, faults = self.pictures.draw(state, arrangement, self.pace.scale, pitch)
+        shown, faults = self.pictures.draw(
+            state, arrangement, self.pace.scale, pitch, moving=model.dragging
+        )
         model.redrawn = _increase(before, self.pictures.drawn) or model.redrawn
         if model.dragging:
             # What c_max is read from has been waited for; the wait for a monitor is not counted.

@@ -70,15 +70,24 @@ class Pictures:
         return self._programs.compiled
 
     def draw(
-        self, state: State, arrangement: Arrangement, scale: float, pixel_pitch_m: float | None
+        self,
+        state: State,
+        arrangement: Arrangement,
+        scale: float,
+        pixel_pitch_m: float | None,
+        *,
+        moving: bool = False,
     ) -> tuple[dict[str, Shown], dict[str, str]]:
         """The pictures that the state asks for, by side, and what went wrong with the others.
 
         scale: below 1 while something is dragged; the picture is then drawn that much smaller.
+        moving: something is dragged, so that quality "auto" keeps to its choice.
         """
         size = _scaled(arrangement.size, scale)
         state = as_shown(state, size, _pitch(pixel_pitch_m, arrangement.size, size))
         renderers = self._full if scale == 1.0 else self._draft
+        for renderer in renderers.values():
+            renderer.planner.moving = moving
         shown: dict[str, Shown] = {}
         faults: dict[str, str] = {}
         for side in SIDES:  # the one that flip hides too: panels show its numbers

@@ -118,6 +118,12 @@ def _drawing(model: Model, side: str, look: Look) -> None:
     imgui.begin_disabled(len(OPERATORS) == 1)
     widgets.combo("operator", OPERATORS, OPERATORS[0], told)
     imgui.end_disabled()
+    changed, name = widgets.choice("quality", Look, "quality", look.quality)
+    if changed:
+        model.set_look(side, quality=name)
+    frame = model.frames.get(side)
+    if look.quality == "auto" and frame is not None:
+        widgets.quiet(_simplified(frame.method.differences()))
     changed, name = widgets.choice("diffuse", Look, "diffuse_model", look.diffuse_model)
     if changed:
         model.set_look(side, diffuse_model=name)
@@ -131,3 +137,9 @@ def _drawing(model: Model, side: str, look: Look) -> None:
     )
     if changed:
         model.set_look(side, samples=None if name == "auto" else int(name))
+
+
+def _simplified(stages: dict[str, str | int]) -> str:
+    """What quality "auto" has chosen, in a line."""
+    told = ", ".join(f"{stage.replace('_', ' ')} {name}" for stage, name in stages.items())
+    return f"drawn simpler: {told}" if told else "nothing can be drawn simpler"

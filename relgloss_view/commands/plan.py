@@ -1,0 +1,109 @@
+"""`relgloss plan`: how little of the model a scene needs, and what less would cost in accuracy."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import json
+from typing import TYPE_CHECKING, Any
+
+from relgloss_view.commands.scene_options import add_scene_options, scene_from
+from relgloss_view.text_input import printable
+
+if TYPE_CHECKING:
+    from relgloss_view.picture.planner import Advice, Choice
+    from relgloss_view.picture.proxy import Error
+
+#: What the stages are, for people.
+STAGES = {
+    "noise": "grain",
+    "lobes": "specular lobes, at most",
+    "c_max": "c_max",
+    "gamut": "out of gamut",
+    "diffuse": "diffuse reflection",
+    "fresnel": "Fresnel's factor",
+    "shadowing": "shadowing G",
+    "lamp": "lamp",
+}
+
+
+def add(commands: Any) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "plan",
+        help="how little of the model a scene needs, and why",
+        description="Choose, stage by stage, the cheapest way of drawing whose error on this scene "
+        "is inside a tolerance: what `--quality auto` draws. Errors are CIEDE2000 against the "
+        "whole model, measured on a thousand pixels of the picture.",
+        epilog="example: relgloss plan --sample uncoated --set lamp.azimuth_deg=110 --matched",
+    )
+    add_scene_options(parser)
+    parser.add_argument(
+        "--p95", metavar="DE", type=float, help="95th percentile allowed (default 0.5)"
+    )
+    parser.add_argument(
+        "--largest", metavar="DE", type=float, help="error allowed at any pixel (default 2)"
+    )
+    parser.add_argument("--json", action="store_true", help="print the plan as JSON")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Plan and tell."""
+    from relgloss_view.picture.planner import Tolerance, advise
+
+    scene, look, size = scene_from(args)
+    given = {"p95": args.p95, "largest": args.largest}
+    tolerance = Tolerance(**{name: value for name, value in given.items() if value is not None})
+    advice = advise(scene, look, size, tolerance)
+    if args.json:
+        print(json.dumps(_numbers(advice, tolerance)))
+        return 0
+    width, height = size
+    print(
+        f"{printable(scene.material.name, 80)}, {width}x{height}, sigma_N {look.sigma_n_deg:g} deg"
+    )
+    if advice.note:
+        print(advice.note)
+        return 0
+    rows = [("stage", "drawn", "its own error", "saves", "the next simpler")]
+    rows += [_row(choice) for choice in advice.choices]
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    for row in rows:
+        print(
+            "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        )
+    print(
+        f"together: {_error(advice.error)} (allowed {tolerance.p95:g} and {tolerance.largest:g}), "
+        f"about {advice.saved_percent:.0f} % of a frame's time saved"
+    )
+    print("errors: CIEDE2000, 95th percentile over the object / over the highlight / largest")
+    return 0
+
+
+def _row(choice: Choice) -> tuple[str, str, str, str, str]:
+    simpler = ""
+    if choice.simpler is not None and choice.simpler_error is not None:
+        simpler = f"{choice.simpler}: {_error(choice.simpler_error)}"
+        simpler += f" ({choice.reason})" if choice.reason else ""
+    elif choice.reason:
+        simpler = choice.reason
+    saved = f"{choice.saved_percent:g} %" if choice.saved_percent else "-"
+    error = _error(choice.error) if choice.saved_percent else "exact"
+    return STAGES[choice.stage], str(choice.chosen), error, saved, simpler
+
+
+def _error(error: Error) -> str:
+    return f"{error.object_p95:.2f} / {error.highlight_p95:.2f} / {error.largest:.2f}"
+
+
+def _numbers(advice: Advice, tolerance: object) -> dict[str, Any]:
+    return {
+        "method": dataclasses.asdict(advice.method),
+        "simplified": advice.method.differences(),
+        "choices": [dataclasses.asdict(choice) for choice in advice.choices],
+        "error": dataclasses.asdict(advice.error),
+        "tolerance": dataclasses.asdict(tolerance),  # type: ignore[call-overload]
+        "saved_percent": advice.saved_percent,
+        "note": advice.note,
+    }

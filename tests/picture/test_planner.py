@@ -1,0 +1,217 @@
+import dataclasses
+import itertools
+
+import materials
+import numpy as np
+import pytest
+
+from relgloss_view.errors import InputError
+from relgloss_view.material.material import Diffuse
+from relgloss_view.picture import planner
+from relgloss_view.picture.difference import delta_e_2000
+from relgloss_view.picture.domains import outside
+from relgloss_view.picture.method import EXACT
+from relgloss_view.picture.planner import DEFAULT_TOLERANCE, SAVINGS, Planner, Tolerance, advise
+from relgloss_view.picture.proxy import HIGHLIGHT_LSTAR, Proxy
+from relgloss_view.picture.samples import SAMPLES, load_sample
+from relgloss_view.picture.scene import Eye, Lamp, Look, Scene, Shape
+
+SIZE = (640, 360)
+WIDE = Shape(diameter_m=0.125, height_m=0.075)
+
+
+def scene(sample="matte-coated", azimuth_deg=50.0):
+    return Scene(load_sample(sample), WIDE, Lamp(azimuth_deg=azimuth_deg))
+
+
+def matched(sample):
+    return Look(sigma_n_deg=SAMPLES[sample].sigma_n_deg, c_fraction=SAMPLES[sample].c_fraction)
+
+
+def chosen(advice):
+    return {choice.stage: choice.chosen for choice in advice.choices}
+
+
+def cut(lab):
+    return np.concatenate([np.clip(lab[..., :1], 0.0, 100.0), lab[..., 1:]], axis=-1)
+
+
+@pytest.mark.parametrize("azimuth_deg", [50.0, 110.0])
+@pytest.mark.parametrize("sample", list(SAMPLES))
+def test_auto_is_inside_the_tolerance_over_the_whole_picture(renderer, sample, azimuth_deg):
+    """Measured on every pixel of what is drawn, each picture with the c that it finds itself."""
+    drawn, look = scene(sample, azimuth_deg), matched(sample)
+    frame = renderer.render(drawn, look, SIZE)
+    exact, on = cut(frame.lab.astype(np.float64)), frame.on_object
+    highlight = on & (frame.split[1] > HIGHLIGHT_LSTAR)
+    auto = renderer.render(drawn, dataclasses.replace(look, quality="auto"), SIZE)
+    assert auto.method.differences()  # something is simpler, or this compares nothing
+    difference = delta_e_2000(exact, cut(auto.lab.astype(np.float64)))
+    assert np.percentile(difference[on], 95) <= DEFAULT_TOLERANCE.p95
+    assert np.percentile(difference[highlight], 95) <= DEFAULT_TOLERANCE.p95
+    assert np.max(difference[on]) <= DEFAULT_TOLERANCE.largest
+
+
+class TestChoices:
+    def test_the_next_simpler_one_is_refused_for_a_reason(self):
+        advice = advise(scene("uncoated", 110.0), matched("uncoated"), SIZE)
+        for choice in advice.choices:
+            order = list(SAVINGS[choice.stage])
+            if choice.simpler is None:
+                assert choice.reason or choice.chosen == order[0]
+                continue
+            assert order.index(choice.simpler) < order.index(choice.chosen)
+            inside = DEFAULT_TOLERANCE.holds(choice.simpler_error, planner.USED)
+            assert choice.reason if inside else True
+        assert any(choice.simpler is not None for choice in advice.choices)
+
+    def test_its_error_is_measured_on_the_whole(self):
+        drawn, look = scene("uncoated"), matched("uncoated")
+        advice = advise(drawn, look, SIZE)
+        assert advice.error == Proxy(drawn, look, SIZE).error(advice.method)
+        assert DEFAULT_TOLERANCE.holds(advice.error)
+
+    def test_no_choice_leaves_its_domain(self):
+        for sample in SAMPLES:
+            drawn, look = scene(sample, 110.0), matched(sample)
+            left = outside(drawn, look, advise(drawn, look, SIZE).method)
+            assert not [name for name in left if not name.endswith(tuple(_exact_names()))]
+
+    def test_more_is_drawn_for_a_smaller_tolerance(self):
+        drawn, look = scene("uncoated"), matched("uncoated")
+        loose = advise(drawn, look, SIZE, Tolerance(p95=2.0, largest=8.0))
+        tight = advise(drawn, look, SIZE, Tolerance(p95=0.02, largest=0.1))
+        assert loose.saved_percent > tight.saved_percent
+        assert loose.method.diffuse != "fitted"
+        assert tight.method.diffuse == "fitted"
+
+    def test_nothing_but_what_is_free_at_no_tolerance(self):
+        advice = advise(scene("uncoated"), matched("uncoated"), SIZE, Tolerance(0.0, 0.0))
+        assert advice.error == planner.NO_ERROR
+        assert set(advice.method.differences()) <= {"gamut", "c_max"}
+
+    def test_what_a_scene_has_not_is_no_stage(self):
+        without = Scene(materials.flat(), WIDE)
+        assert not {"lobes", "fresnel", "shadowing", "c_max", "diffuse", "noise"} & set(
+            chosen(advise(without, Look(), SIZE))
+        )
+        assert "noise" not in chosen(advise(scene(), Look(), SIZE))
+        assert chosen(advise(scene(), Look(sigma_n_deg=2.0), SIZE))["noise"] == "drawn"
+
+    def test_roughness_that_is_not_seen_is_not_drawn(self):
+        paper = materials.paper("matte")
+        seen = Scene(
+            dataclasses.replace(paper, diffuse=Diffuse("oren-nayar", paper.diffuse.albedo, 25.0)),
+            WIDE,
+            Lamp(azimuth_deg=110.0),
+        )
+        unseen = dataclasses.replace(
+            seen,
+            material=dataclasses.replace(
+                paper, diffuse=Diffuse("oren-nayar", paper.diffuse.albedo, 1.0)
+            ),
+        )
+        assert chosen(advise(unseen, Look(), SIZE))["diffuse"] == "lambert"
+        assert chosen(advise(seen, Look(), SIZE))["diffuse"] == "fitted"
+
+    def test_colours_out_of_gamut_keep_their_mapping(self, renderer):
+        drawn, look = scene("cast-coated"), Look()
+        assert renderer.render(drawn, look, SIZE).out_of_gamut_count > 0
+        assert chosen(advise(drawn, look, SIZE))["gamut"] == "as asked"
+        dim = Look(c=0.01)
+        assert renderer.render(drawn, dim, SIZE).out_of_gamut_count == 0
+        assert chosen(advise(drawn, dim, SIZE))["gamut"] == "clip"
+
+    def test_nothing_seen(self):
+        away = dataclasses.replace(scene(), eye=Eye(shift_right=50.0))
+        advice = advise(away, Look(), SIZE)
+        assert (advice.method, advice.choices) == (EXACT, ())
+        assert advice.note
+
+    def test_what_no_c_can_show_is_refused(self):
+        with pytest.raises(InputError, match="c_max"):
+            advise(Scene(materials.flat(1.5), WIDE), Look(), SIZE)
+
+    @pytest.mark.parametrize("shape", ["sphere", "plane", "box"])
+    def test_every_shape(self, shape):
+        drawn = Scene(load_sample("uncoated"), Shape(kind=shape))
+        assert DEFAULT_TOLERANCE.holds(advise(drawn, Look(sigma_n_deg=1.0), (200, 150)).error)
+
+
+def _exact_names():
+    return {str(value) for value in dataclasses.asdict(EXACT).values()}
+
+
+class TestPlanner:
+    AUTO = Look(sigma_n_deg=2.0, c_fraction=0.5, quality="auto")
+
+    def test_exact_is_not_planned(self, monkeypatch):
+        monkeypatch.setattr(planner, "advise", None)
+        assert Planner().method(scene(), Look(), SIZE) == EXACT
+
+    def test_a_plan_is_made_once_a_scene(self, monkeypatch):
+        made = []
+        monkeypatch.setattr(planner, "advise", lambda *args: made.append(args) or advise(*args))
+        one = Planner()
+        drawn = scene()
+        first = one.method(drawn, self.AUTO, SIZE)
+        assert one.method(drawn, self.AUTO, SIZE) == first
+        assert len(made) == 1
+        other = dataclasses.replace(drawn, lamp=Lamp(azimuth_deg=110.0))
+        assert one.method(other, self.AUTO, SIZE) != first
+        assert len(made) == 2
+
+    def test_the_same_scene_has_the_same_plan(self):
+        assert advise(scene(), self.AUTO, SIZE) == advise(scene(), self.AUTO, SIZE)
+
+    def test_what_cannot_be_shown_is_left_to_the_drawing(self):
+        white = Scene(materials.flat(1.5), WIDE)
+        assert Planner().method(white, Look(quality="auto"), SIZE) == EXACT
+
+    def test_a_moving_slider_does_not_flicker(self):
+        """The lamp trembles about where Lambert ceases to do: at most one change until it rests.
+
+        Negative control: planned anew at each step, the picture changes its method many times.
+        """
+        limit = _where_diffuse_changes()
+        places = [limit + (0.4 if k % 2 else -0.4) for k in range(12)]
+        scenes = [scene("uncoated", azimuth_deg) for azimuth_deg in places]
+        anew = [advise(s, self.AUTO, SIZE).method.diffuse for s in scenes]
+        assert _changes(anew) >= 6
+
+        seconds = iter(range(1000))
+        held = Planner(clock=lambda: float(next(seconds)))
+        held.method(scenes[0], self.AUTO, SIZE)
+        held.moving = True
+        moved = [held.method(s, self.AUTO, SIZE) for s in scenes]
+        assert _changes(moved) <= 1
+        for s, method in zip(scenes, moved, strict=True):
+            assert DEFAULT_TOLERANCE.holds(Proxy(s, self.AUTO, SIZE).error(method))
+        held.moving = False
+        assert held.method(scenes[0], self.AUTO, SIZE) == advise(scenes[0], self.AUTO, SIZE).method
+
+    def test_it_looks_at_a_moving_picture_ten_times_a_second_at_most(self, monkeypatch):
+        now = [0.0]
+        held = Planner(clock=lambda: now[0])
+        held.method(scene(), self.AUTO, SIZE)
+        held.moving = True
+        looked = []
+        monkeypatch.setattr(planner, "Proxy", lambda *args: looked.append(args) or Proxy(*args))
+        for k in range(30):
+            now[0] = 0.01 * k
+            held.method(scene(azimuth_deg=50.0 + 0.01 * k), self.AUTO, SIZE)
+        assert 2 <= len(looked) <= 4
+
+
+def _changes(values):
+    return sum(a != b for a, b in itertools.pairwise(values))
+
+
+def _where_diffuse_changes():
+    low, high = 20.0, 110.0
+    at = advise(scene("uncoated", low), TestPlanner.AUTO, SIZE).method.diffuse
+    for _ in range(9):
+        middle = 0.5 * (low + high)
+        same = advise(scene("uncoated", middle), TestPlanner.AUTO, SIZE).method.diffuse == at
+        low, high = (middle, high) if same else (low, middle)
+    return 0.5 * (low + high)
