@@ -45,7 +45,8 @@ void main() {
                 }
             }
             peak.x = max(peak.x, seen.x / max(seen.y, 1.0));
-            peak.y += seen.y > 0.0 ? 1.0 : 0.0;
+            bool counted = all(lessThan(first + ivec2(x, y), region.zw));
+            peak.y += counted && seen.y > 0.0 ? 1.0 : 0.0;
         }
     }
 }

@@ -132,7 +132,7 @@ def parameters(frame: Frame, shown: Displayed | None = None) -> dict[str, Any]:
         "operator_parameters": dict(shown.settings) if shown else {},
         "clip_count": picture.clip_count,
         "out_of_gamut_count": picture.out_of_gamut_count,
-        "object_pixels": int(np.sum(frame.on_object)),
+        "object_pixels": frame.object_pixels,
         "lamp_m": [round(float(v), 9) for v in scene.lamp.position_m],
         "eye_m": [round(float(v), 9) for v in scene.eye.position_m],
         **{name: asdict(getattr(scene, name)) for name in ("shape", "lamp", "eye", "display")},

@@ -120,6 +120,7 @@ class Frame:
         device: str,
         warnings: tuple[str, ...] = (),
         method: Method = EXACT,
+        object_pixels: int = 0,
     ) -> None:
         self.scene = scene
         self.look = look
@@ -127,6 +128,7 @@ class Frame:
         self.scaling = scaling
         self.device = device
         self.method = method
+        self.object_pixels = object_pixels  #: how many show any of the object
         self._fetch = fetch
         self.warnings = (*scene.material.warnings, *warnings, *scaling.warnings)
 

@@ -113,7 +113,8 @@ def _choose(proxy: Proxy, method: Method, stage: str, tolerance: Tolerance) -> C
     """The simplest choice of a stage that stays inside; None where the scene has no such stage."""
     savings = SAVINGS[stage]
     present = getattr(method, stage)
-    refused: tuple[str | int, Error] | None = None
+    simpler: str | int | None = None
+    simpler_error: Error | None = None
     reason = ""
     for name, saved in savings.items():
         if name == present:
@@ -123,15 +124,17 @@ def _choose(proxy: Proxy, method: Method, stage: str, tolerance: Tolerance) -> C
             continue
         error = proxy.error(tried)
         if f"{stage} {name}" in outside(proxy.scene, proxy.look, tried):
-            refused, reason = (name, error), "outside its declared domain"
+            simpler, simpler_error, reason = name, error, "outside its declared domain"
             continue
         if stage == "gamut" and proxy.draw(tried).out_of_gamut:
             return Choice(stage, present, 0.0, NO_ERROR, reason="some colours are out of gamut")
         if tolerance.holds(error, USED):
             alone = proxy.error(_with(EXACT, stage, name))
-            return Choice(stage, name, saved, alone, *(refused or (None, None)), reason)
-        refused, reason = (name, error), ""
-    return Choice(stage, present, 0.0, NO_ERROR, *refused, reason) if refused else None
+            return Choice(stage, name, saved, alone, simpler, simpler_error, reason)
+        simpler, simpler_error, reason = name, error, ""
+    if simpler is None:
+        return None
+    return Choice(stage, present, 0.0, NO_ERROR, simpler, simpler_error, reason)
 
 
 def _with(method: Method, stage: str, name: str | int) -> Method:

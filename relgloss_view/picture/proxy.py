@@ -195,15 +195,15 @@ def _places(scene: Scene, view: View) -> tuple[Array, Array, Array]:
 
 
 def _least(delta2: Array) -> NDArray[np.intp]:
-    return np.argmin(delta2, axis=1)
+    return np.asarray(np.argmin(delta2, axis=1))
 
 
 def _first(delta2: Array) -> NDArray[np.intp]:
-    return np.argmax(np.isfinite(delta2), axis=1)
+    return np.asarray(np.argmax(np.isfinite(delta2), axis=1))
 
 
 def _last(delta2: Array) -> NDArray[np.intp]:
-    return delta2.shape[1] - 1 - np.argmax(np.isfinite(delta2)[:, ::-1], axis=1)
+    return np.asarray(delta2.shape[1] - 1 - np.argmax(np.isfinite(delta2)[:, ::-1], axis=1))
 
 
 def _spans(places: Array, first: float, last: float) -> Array:

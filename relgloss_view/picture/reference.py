@@ -51,6 +51,7 @@ class ReferenceRenderer:
             stages.__getitem__,
             "float64 numpy",
             scene_warnings(scene, look, size, seen=seen, lit=white > 0.0),
+            object_pixels=int(np.sum(stages["diffuse"][..., 3] > 0.0)),
         )
 
     def _white(self, scene: Scene, view: View, samples: int) -> tuple[float, bool]:

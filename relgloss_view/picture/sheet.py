@@ -26,8 +26,12 @@ def thumbnail(frame: Frame, longest_px: int, shown: Displayed | None = None) -> 
     if step == 1:
         return frame.display if shown is None else shown.digital
     width, height = (n // step * step for n in frame.size)
-    light = (frame if shown is None else shown).light[:height, :width].astype(np.float64)
-    mean = light.reshape(height // step, step, width // step, step, 3).mean(axis=(1, 3))
+    light = (frame if shown is None else shown).light[:height, :width]
+    mean = np.zeros((height // step, width // step, 3))
+    for y in range(step):
+        for x in range(step):
+            mean += light[y::step, x::step]
+    mean /= step * step
     digital = encode(mean, DisplayModel.of(frame.scene.display))
     return np.asarray(np.floor(255.0 * digital + 0.5).astype(np.uint8))
 

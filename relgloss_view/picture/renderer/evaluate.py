@@ -23,11 +23,13 @@ def evaluate(
     *,
     integers: bool = False,
     defines: Mapping[str, int] | None = None,
+    samplers: Mapping[str, moderngl.Texture] | None = None,
 ) -> NDArray[Any]:
     """Run `body`, which sets `result`, for each row of the inputs; returns (N, 4).
 
     Each input (N,) or (N, k <= 4) is a vec4 of its name, in float32; uint32 inputs are uvec4.
-    `result` is a vec4, or a uvec4 with `integers`. ShaderError names what does not compile.
+    `result` is a vec4, or a uvec4 with `integers`. `samplers` are textures that the library itself
+    reads. ShaderError names what does not compile.
     """
     make_current(ctx)
     count = len(next(iter(inputs.values())))
@@ -44,10 +46,12 @@ def evaluate(
     except moderngl.Error as error:
         raise ShaderError(source.explain(str(error))) from error
     array = ctx.vertex_array(program, [])
-    for unit, (name, texture) in enumerate(textures.items()):
-        if f"{name}_values" in program:
+    bound = {f"{name}_values": texture for name, texture in textures.items()}
+    bound |= samplers or {}
+    for unit, (name, texture) in enumerate(bound.items()):
+        if name in program:
             texture.use(unit)
-            program[f"{name}_values"] = unit
+            program[name] = unit
     framebuffer.use()
     ctx.disable(moderngl.BLEND | moderngl.DEPTH_TEST | moderngl.CULL_FACE)
     array.render(moderngl.TRIANGLES, vertices=3)

@@ -64,7 +64,7 @@ class Renderer:
         self.held = Held()
         self._around: dict[str, object] = {}  #: what stands outside the object's bounds, by pass
         self._white = 0.0  #: of the perfect diffuser's picture
-        self._seen = False  #: whether that picture shows the object
+        self._object_pixels = 0  #: of that picture
         self._extremes = Extremes.of_nothing()
         self._once = Extremes.of_nothing()  #: of the picture without grain, where a method asks
         self.counts = (0, 0)
@@ -117,8 +117,9 @@ class Renderer:
             scaling,
             partial(fetch, self, request),
             self._device,
-            scene_warnings(scene, look, size, seen=self._seen, lit=white > 0.0),
+            scene_warnings(scene, look, size, seen=self._object_pixels > 0, lit=white > 0.0),
             request.method,
+            self._object_pixels,
         )
         return self._last
 
@@ -241,7 +242,7 @@ class Renderer:
         """What the perfect diffuser shows in the object's place, the lamp's power taken as one."""
         defines = plan.white_defines()
         if self.held.stale("white", tuple(defines.items()), view.size, seen_from):
-            self._white, self._seen = self.reduction.white(defines, seen_from, view.bounds)
+            self._white, self._object_pixels = self.reduction.white(defines, seen_from, view.bounds)
             self.draws["white"] += 1
         white = self._white if scene.lamp.y_n == "maximum" else front_white(scene, view)
         return lit_white(white, scene)

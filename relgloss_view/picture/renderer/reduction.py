@@ -68,13 +68,13 @@ class Reduction:
 
     def white(
         self, defines: Mapping[str, int], uniforms: Uniforms, region: Box
-    ) -> tuple[float, bool]:
-        """The perfect diffuser's largest Y in a region, and whether any pixel shows the object."""
+    ) -> tuple[float, int]:
+        """The perfect diffuser's largest Y in a region, and how many pixels show the object."""
         first = Step("white.frag", defines, uniforms)
         result = self._run(first, "peak.frag", ("source_image",), region)
         if result is None:
-            return 0.0, False
-        return float(np.max(result[0][:, 0])), bool(np.any(result[0][:, 1]))
+            return 0.0, 0
+        return float(np.max(result[0][:, 0])), int(result[0][:, 1].sum(dtype=np.float64))
 
     def counts(self, display: moderngl.Texture, region: Box) -> tuple[int, int]:
         """How many pixels of a region are clipped, and how many out of gamut."""
