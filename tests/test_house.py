@@ -74,7 +74,7 @@ def test_imports_point_down(path):
         ("imgui_bundle", ("viewer/",)),
         ("glfw", ("viewer/", "picture/context.py")),
         ("OpenEXR", ("picture/export.py",)),
-        ("matplotlib", ("material/fitting/", "bench/")),
+        ("matplotlib", ("material/fitting/", "operators/match_plot.py", "bench/")),
         ("colour", ("material/spectra.py", "bench/scientist.py")),
     ],
 )

@@ -25,6 +25,7 @@ MOST_CELLS = 200
 
 def add(commands: Any) -> None:
     """Declare the command."""
+    from relgloss_view.commands.sample_arguments import METAVAR
     from relgloss_view.operators.comparison import DEFAULT_GLOSS, GLOSSES
     from relgloss_view.operators.registry import OPERATORS
     from relgloss_view.picture.samples import SAMPLES
@@ -41,7 +42,7 @@ def add(commands: Any) -> None:
     )
     parser.add_argument(
         "cases",
-        metavar="SAMPLE|MATERIAL.json[=SIGMA_N,C]",
+        metavar=METAVAR,
         nargs="*",
         help=f"built-in papers or materials, with sigma_N in degrees and c as a share of c_max "
         f"(default: {', '.join(SAMPLES)} as the paper's observers chose)",
@@ -74,6 +75,7 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Draw everything, write the sheets, and say what holds."""
+    from relgloss_view.commands.sample_arguments import given_samples
     from relgloss_view.operators.comparison import as_numbers, compare
     from relgloss_view.picture.backends import open_renderer
     from relgloss_view.picture.samples import SAMPLES
@@ -81,10 +83,8 @@ def run(args: argparse.Namespace) -> int:
     outputs = _checked_outputs(args.output)
     operators = operators_of(args.operators)
     scene, look, size = scene_from(args)
-    from relgloss_view.commands.sample_arguments import case_of, unique
-
-    found = [case_of(word, look) for word in args.cases or SAMPLES]
-    cases = unique([case for case, _ in found])
+    found = given_samples(args.cases or list(SAMPLES), look)
+    cases = [given.case for given in found]
     if len(cases) * len(operators) > MOST_CELLS:
         raise InputError(
             f"{len(cases)} samples x {len(operators)} operators: expected at most "
@@ -100,7 +100,12 @@ def run(args: argparse.Namespace) -> int:
     if args.json:
         print(json.dumps({"outputs": args.output, "size": list(size), **as_numbers(comparison)}))
         return 0
-    told = [text for _, text in found if text]
+    told = [
+        f"{g.case.label}: no settings given, so it has sigma_N 0 and c_max; "
+        f"{g.sample.file}=2.0,1/3 would set others"
+        for g in found
+        if not g.settings
+    ]
     for text in dict.fromkeys([*told, *_warnings(comparison)]):
         print(f"warning: {printable(text, 300)}", file=sys.stderr)
     print(_table(comparison))

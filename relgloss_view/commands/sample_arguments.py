@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from relgloss_view.errors import InputError
@@ -12,43 +13,54 @@ from relgloss_view.material.files import load_material
 from relgloss_view.operators.comparison import Case
 from relgloss_view.picture.samples import SAMPLES, load_sample
 from relgloss_view.picture.scene import Look
+from relgloss_view.picture.scene_file import SceneSample
 from relgloss_view.text_input import printable
 
+METAVAR = "SAMPLE|MATERIAL.json[=SIGMA_N,C]"
 SETTINGS = re.compile(r"(.+)=([0-9.]+),([0-9.]+)(?:/([0-9.]+))?", re.DOTALL)
 
 
-def case_of(word: str, look: Look) -> tuple[Case, str]:
+@dataclass(frozen=True)
+class Given:
+    """A sample as it was given."""
+
+    case: Case
+    sample: SceneSample  #: as a scene file names it
+    settings: str  #: "given", "published", or none: sigma_N 0 and c_max
+
+
+def given_sample(word: str, look: Look) -> Given:
     """A sample from NAME|FILE[=SIGMA_N,C_FRACTION]; the rest of its look is `look`'s.
 
-    Without settings a built-in paper has the published ones, a file sigma_N 0 and c_max, which
-    the second value tells. InputError where the sample or a number is none.
+    Without settings a built-in paper has the published ones. InputError where the sample or a
+    number is none.
     """
     match = SETTINGS.fullmatch(word)
     name = match[1] if match else word
-    material = load_sample(name) if name in SAMPLES else load_material(name)
-    told = ""
+    built_in = name in SAMPLES
+    material = load_sample(name) if built_in else load_material(name)
+    sigma_n_deg, fraction = 0.0, 1.0
     if match:
-        sigma_n_deg, fraction = _settings(word, *match.groups()[1:])
-    elif name in SAMPLES:
-        published = SAMPLES[name]
-        sigma_n_deg, fraction = published.sigma_n_deg, published.c_fraction
-    else:
-        sigma_n_deg, fraction = 0.0, 1.0
-        told = f"{printable(name)}: drawn at sigma_N 0 and c_max; {name}=2.0,1/3 sets others"
+        sigma_n_deg, fraction = _settings(word, match[2], match[3], match[4])
+    elif built_in:
+        sigma_n_deg, fraction = SAMPLES[name].sigma_n_deg, SAMPLES[name].c_fraction
     look = dataclasses.replace(look, sigma_n_deg=sigma_n_deg, c=None, c_fraction=fraction)
-    label = name if name in SAMPLES else printable(Path(name).stem, 40)
-    return Case(label, material, look), told
+    label = name if built_in else printable(Path(name).stem, 40)
+    sample = SceneSample(material, name=name) if built_in else SceneSample(material, file=name)
+    settings = "given" if match else "published" if built_in else ""
+    return Given(Case(label, material, look), sample, settings)
 
 
-def unique(cases: Sequence[Case]) -> list[Case]:
-    """The cases with a number behind labels that come again."""
-    found: list[Case] = []
-    for case in cases:
-        label, n = case.label, 1
-        while label in {c.label for c in found}:
+def given_samples(words: Sequence[str], look: Look) -> list[Given]:
+    """Samples as given_sample; labels that come again get a number."""
+    found: list[Given] = []
+    for word in words:
+        given = given_sample(word, look)
+        label, n = given.case.label, 1
+        while label in {other.case.label for other in found}:
             n += 1
-            label = f"{case.label} ({n})"
-        found.append(dataclasses.replace(case, label=label))
+            label = f"{given.case.label} ({n})"
+        found.append(dataclasses.replace(given, case=dataclasses.replace(given.case, label=label)))
     return found
 
 

@@ -80,12 +80,13 @@ def comparison_sheet(comparison: Comparison, title: str, note: str) -> Pixels:
     from PIL import Image, ImageDraw, ImageFont
 
     height, width = _size(comparison)
-    small = ImageFont.load_default(max(12, min(18, width // 20)))
-    large, head = (ImageFont.load_default(round(k * small.size)) for k in (1.2, 1.6))
-    cell = max(width, round(14 * small.size))
-    gap, side = 2 * small.size, round(20 * small.size)
-    line = 1.35 * small.size
-    top, caption = round(3.4 * head.size + 5.2 * line), round(4.6 * line)
+    text_px = max(12, min(18, width // 20))
+    head_px = round(1.6 * text_px)
+    small, large, head = (ImageFont.load_default(k) for k in (text_px, 1.2 * text_px, head_px))
+    cell = max(width, round(14 * text_px))
+    gap, side = 2 * text_px, round(20 * text_px)
+    line = 1.35 * text_px
+    top, caption = round(3.4 * head_px + 5.2 * line), round(4.6 * line)
     row_height = max(height + caption, round(13 * line)) + gap
     sheet = Image.new(
         "RGB",
@@ -96,10 +97,10 @@ def comparison_sheet(comparison: Comparison, title: str, note: str) -> Pixels:
         (PAPER_GRAY,) * 3,
     )
     draw = ImageDraw.Draw(sheet)
-    _Pen(draw, gap, 0.8 * head.size, sheet.width - 2 * gap).write(title, head)
+    _Pen(draw, gap, 0.8 * head_px, sheet.width - 2 * gap).write(title, head)
     x_of = [2 * gap + side + k * (cell + gap) for k in range(len(comparison.samples))]
     for x, settled in zip(x_of, comparison.samples, strict=True):
-        _heading(_Pen(draw, x, 2.9 * head.size, cell), settled, comparison, (large, small))
+        _heading(_Pen(draw, x, 2.9 * head_px, cell), settled, comparison, (large, small))
     for n, row in enumerate(comparison.rows):
         y = top + n * row_height
         draw.line((gap, y - 0.5 * gap, sheet.width - gap, y - 0.5 * gap), fill=(LINE_GRAY,) * 3)

@@ -86,7 +86,7 @@ def test_settings_that_were_not_given_are_told(capsys, tmp_path):
     save_material(paper("matte"), tmp_path / "mine.json")
     words = ("art-coated", tmp_path / "mine.json", *SMALL, "--operators", "split")
     err = run(capsys, "compare", *words, "-o", tmp_path / "a.png")[2]
-    assert "mine.json: drawn at sigma_N 0 and c_max" in err
+    assert "mine: no settings given, so it has sigma_N 0 and c_max" in err
 
 
 @pytest.mark.parametrize(
