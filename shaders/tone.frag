@@ -27,5 +27,5 @@ void main() {
     vec3 shown = display_rgb(GAMUT, lab, display_white, rgb_from_xyz, inside);
     vec3 rgb = share > 0.0 ? mix(vec3(background_light), shown, share) : vec3(background_light);
     float flags = (lab.x > 100.0 + CLIP_TOLERANCE ? 1.0 : 0.0) + (inside ? 0.0 : 2.0);
-    display = vec4(encode(TRANSFER, rgb, display_curve), 1.0 - (share > 0.0 ? flags : 0.0) / 255.0);
+    display = vec4(encode(TRANSFER, rgb, display_curve), 1.0 - (1.0 / 255.0) * (share > 0.0 ? flags : 0.0));
 }

@@ -2,16 +2,19 @@
 
 #include "cube_root.glsl"
 
-// CIE 15:2004 with the exact constants, so that value and slope are continuous.
+// CIE 15:2004 with the exact constants, so that value and slope are continuous. Multiplied by, not
+// divided by: software drivers divide even by constants.
 const float LAB_EPSILON = 216.0 / 24389.0;
 const float LAB_KAPPA = 24389.0 / 27.0;
+const float LAB_SLOPE = 841.0 / 108.0;    // of f near black: LAB_KAPPA / 116
+const float LAB_OFFSET = 4.0 / 29.0;      // of f at black: 16 / 116
 
 float lab_f(float t) {
-    return t > LAB_EPSILON ? cube_root(t) : (LAB_KAPPA * t + 16.0) / 116.0;
+    return t > LAB_EPSILON ? cube_root(t) : LAB_SLOPE * t + LAB_OFFSET;
 }
 
 float lab_f_inverse(float f) {
-    return f > 6.0 / 29.0 ? f * f * f : (116.0 * f - 16.0) / LAB_KAPPA;
+    return f > 6.0 / 29.0 ? f * f * f : (108.0 / 841.0) * (f - LAB_OFFSET);
 }
 
 float lightness(float y) {
@@ -25,9 +28,9 @@ vec3 lab_from_xyz(vec3 xyz, vec3 white) {
 }
 
 vec3 xyz_from_lab(vec3 lab, vec3 white) {
-    float f = (lab.x + 16.0) / 116.0;
-    return white * vec3(lab_f_inverse(f + lab.y / 500.0), lab_f_inverse(f),
-                        lab_f_inverse(f - lab.z / 200.0));
+    float f = (1.0 / 116.0) * lab.x + LAB_OFFSET;
+    return white * vec3(lab_f_inverse(f + (1.0 / 500.0) * lab.y), lab_f_inverse(f),
+                        lab_f_inverse(f - (1.0 / 200.0) * lab.z));
 }
 
 // L_d*, L_s*: lightness of the diffuse part, and its increase by the specular part (eq. 1).
@@ -92,7 +95,7 @@ vec3 display_rgb(int gamut, vec3 lab, vec3 display_white, mat3 rgb_from_xyz, out
     inside = in_gamut(rgb);
     if (gamut == CHROMA) {
         // A software driver computes both sides of a branch, but leaves a loop that no pixel needs.
-        rgb = inside ? rgb : vec3(lab_f_inverse((lab.x + 16.0) / 116.0));  // no chroma: gray
+        rgb = inside ? rgb : vec3(lab_f_inverse((1.0 / 116.0) * lab.x + LAB_OFFSET));  // no chroma: gray
         float kept = 0.0;
         float smallest = inside ? 1.0 : 1.0 / 65536.0;
         for (float step = 0.5; step >= smallest; step *= 0.5) {
