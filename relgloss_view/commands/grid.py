@@ -28,6 +28,7 @@ from relgloss_view.text_input import printable, read_text
 if TYPE_CHECKING:
     from relgloss_view.operators.operator import Operator
     from relgloss_view.picture.backends import FrameRenderer
+    from relgloss_view.picture.writers import Writers
     from relgloss_view.picture.scene import Look, Scene
 
 #: Ishii et al.: sigma_N from 0 to 3 degrees by 0.5, c from c_max/6 to c_max by c_max/6.
@@ -59,6 +60,7 @@ def add(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Draw all stimuli beside the folder, and move them in when the last is done."""
     from relgloss_view.picture.backends import open_renderer
+    from relgloss_view.picture.writers import Writers
 
     folder = _checked_folder(args.output)
     operator = operator_from(args)
@@ -67,8 +69,10 @@ def run(args: argparse.Namespace) -> int:
         open_renderer(args.backend) as renderer,
         Progress("grid") as progress,
         whole_folder(folder, last=MANIFEST) as temporary,
+        Writers() as writers,
     ):
-        manifest = _draw(args, temporary, renderer, operator, scene, look, size, progress)
+        by = renderer, writers, operator
+        manifest = _draw(args, temporary, by, scene, look, size, progress)
     count = len(manifest["stimuli"])
     shown = f"{printable(folder)}: {count} stimuli, {SHEET} and {MANIFEST}"
     print(json.dumps(manifest) if args.json else shown)
@@ -95,17 +99,17 @@ def _checked_folder(name: str) -> Path:
 def _draw(
     args: argparse.Namespace,
     folder: Path,
-    renderer: FrameRenderer,
-    operator: Operator,
+    by: tuple[FrameRenderer, Writers, Operator],
     scene: Scene,
     look: Look,
     size: tuple[int, int],
     progress: Progress,
 ) -> dict[str, Any]:
     """Draw pictures, contact sheet and manifest into a folder; returns the manifest."""
-    from relgloss_view.picture.export import parameters, save_frame, save_rgb
+    from relgloss_view.picture.export import parameters, save_rgb
     from relgloss_view.picture.sheet import contact_sheet, thumbnail
 
+    renderer, writers, operator = by
     scales: tuple[int | None, ...] = C_SIXTHS if operator.uses_c else (None,)
     total = len(SIGMA_N_DEG) * len(scales)
     stimuli: list[dict[str, Any]] = []
@@ -124,7 +128,7 @@ def _draw(
             frame = renderer.render(scene, variant, size)
             shown = shown_by(operator, frame)
             command = _command(args, sigma_n_deg, sixths, name)
-            save_frame(frame, folder / name, command, shown=shown)
+            writers.save(frame, folder / name, command, shown)
             numbers = parameters(frame, shown)
             stimuli.append({"file": name, "c_sixths": sixths, **_varying(numbers)})
             rows[-1].append(thumbnail(frame, THUMBNAIL_PX, shown))
