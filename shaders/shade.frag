@@ -7,7 +7,7 @@
 //   split = (L_d*, L_s*, a*, b*); off the object L_d* is OFF_OBJECT
 //
 // Constants: SHAPE, CAPS, LAMP, DIFFUSE_MODEL, LOBES, FRESNEL, SHADOWING, FACETS, NOISE, NOISY_DIFFUSE,
-// GRAIN, SAMPLED, CUBE_ROOT, BANDS, PARTS (0 keeps the split alone).
+// GRAIN, SAMPLED, CUBE_ROOT, BANDS, PARTS (which targets).
 
 #include "view.glsl"
 #include "shape.glsl"
@@ -28,12 +28,15 @@ uniform vec3 per_white;      // one over the white of the scene's lamp, whose Y 
 
 #include "grain.glsl"
 
-#if PARTS == 1
+// PARTS: 0 the split alone, 1 XYZ alone (of a picture whose split stays as it was drawn), 2 all.
+#if PARTS == 0
+layout(location = 0) out vec4 split;
+#else
 layout(location = 0) out vec4 diffuse;
 layout(location = 1) out vec4 specular;
+#if PARTS == 2
 layout(location = 2) out vec4 split;
-#else
-layout(location = 0) out vec4 split;
+#endif
 #endif
 
 #if BANDS == 0
@@ -112,10 +115,12 @@ void main() {
         light = Light(mean * light.diffuse, mean * light.specular,
                       light.found / float(samples * samples));
     }
-#if PARTS == 1
+#if PARTS != 0
     diffuse = vec4(light.diffuse, light.found);
     specular = vec4(light.specular, light.found);
 #endif
+#if PARTS != 1
     split = light.found > 0.0 ? split_lab(light.diffuse, light.specular, per_white)
                               : vec4(OFF_OBJECT, 0.0, 0.0, 0.0);
+#endif
 }

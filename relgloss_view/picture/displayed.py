@@ -27,12 +27,12 @@ class Displayed:
     warnings: tuple[str, ...] = ()
     settings: Mapping[str, Any] = field(default_factory=dict)  #: the operator's parameters
 
-    @property
+    @cached_property
     def clip_count(self) -> int:
         """How many pixels are clipped."""
         return int(np.sum(self.clipped))
 
-    @property
+    @cached_property
     def out_of_gamut_count(self) -> int:
         """How many pixels are out of gamut."""
         return int(np.sum(self.out_of_gamut))

@@ -27,6 +27,7 @@ SHADOWING_CODES = {name: k for k, name in enumerate(approximations.SHADOWING)}
 FACET_CODES = {name: k for k, name in enumerate(approximations.FACETS)}
 LAMP_CODES = {name: k for k, name in enumerate(method.LAMPS)}
 CUBE_ROOT_CODES = {name: k for k, name in enumerate(method.CUBE_ROOTS)}
+PART_CODES = {"split": 0, "xyz": 1, "all": 2}
 
 MAX_SAMPLES = 16
 #: Samples of a Gaussian lobe this many standard deviations apart sum to its energy within
@@ -52,7 +53,7 @@ class Plan:
     lamp: str = "point"
     bands: int = 0  #: drawn one by one; 0 where they are folded into XYZ
     cube_root: str = "householder"
-    parts: bool = True  #: pass 1 keeps diffuse and specular XYZ
+    parts: str = "all"  #: that pass 1 keeps
 
     @classmethod
     def of(
@@ -76,7 +77,7 @@ class Plan:
             lamp=chosen.lamp,
             bands=scene.material.bands.count if chosen.bands == "each" else 0,
             cube_root=chosen.cube_root,
-            parts=chosen.kept == "all" or samples > 1,  # which hold the share of a pixel
+            parts="all" if samples > 1 else chosen.kept,  # XYZ holds the share of a pixel
         )
         if not grainy or chosen.noise in ("mean", "none"):
             return smooth
@@ -103,7 +104,7 @@ class Plan:
             "LAMP": LAMP_CODES[self.lamp],
             "BANDS": self.bands,
             "CUBE_ROOT": CUBE_ROOT_CODES[self.cube_root],
-            "PARTS": int(self.parts),
+            "PARTS": PART_CODES[self.parts],
         }
 
     def shape_defines(self) -> dict[str, int]:

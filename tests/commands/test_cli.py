@@ -340,14 +340,14 @@ class TestGrid:
     def test_what_is_not_finished_leaves_nothing(
         self, capsys, tmp_path, monkeypatch, exists, frames
     ):
-        from relgloss_view.picture import export
+        from relgloss_view.picture.writers import Writers
 
         folder = tmp_path / "deep" / "stimuli"
         if exists:
             folder.mkdir(parents=True)
             (folder / "manifest.json").write_text('{"format": "relgloss-grid"}')
         before = sorted(tmp_path.rglob("*"))
-        real, drawn = export.save_frame, []
+        real, drawn = Writers.save, []
 
         def interrupt(*args, **options):
             if len(drawn) == frames:
@@ -355,7 +355,7 @@ class TestGrid:
             drawn.append(args)
             real(*args, **options)
 
-        monkeypatch.setattr(export, "save_frame", interrupt)
+        monkeypatch.setattr(Writers, "save", interrupt)
         status, _, err = run(capsys, "grid", "--size", "16x16", "-o", folder)
         assert status == 130
         assert err == "relgloss: interrupted; no file is left half written\n"

@@ -26,6 +26,7 @@ from relgloss_view.picture.renderer.reduction import Reduction
 from relgloss_view.picture.renderer.request import Request
 from relgloss_view.picture.renderer.targets import (
     CLEARED,
+    PARTS,
     SHADE,
     SPLIT,
     TONE,
@@ -189,13 +190,13 @@ class Renderer:
         if self.held.stale("parts"):
             plan, uniforms, _ = self._shading(request)
             with self.all_or_nothing():
-                self._shade(request, dataclasses.replace(plan, parts=True), uniforms)
+                self._shade(request, dataclasses.replace(plan, parts="xyz"), uniforms)
 
     def _shade(self, request: Request, plan: Plan, uniforms: Uniforms) -> None:
         bounds = View.of(request.scene, request.size).bounds
-        targets = SHADE if plan.parts else SPLIT
+        targets = {"split": SPLIT, "xyz": PARTS, "all": SHADE}[plan.parts]
         self.draw("shade", "shade.frag", plan.defines(), uniforms, targets, bounds)
-        if plan.parts:
+        if plan.parts != "split":
             self.held.stale("parts")  # they hold now
 
     def _shading(self, request: Request) -> tuple[Plan, Uniforms, float]:
