@@ -20,6 +20,8 @@ class FillFloor:
     def __init__(self, ctx: moderngl.Context, size: Size) -> None:
         self.ctx = ctx
         make_current(ctx)
+        # Stays bound when the others are freed: moderngl binds what was bound before again.
+        self._parking = ctx.framebuffer([ctx.texture((1, 1), 4)])
         self._floats = [ctx.texture(size, 4, dtype="f4") for _ in range(2)]
         for texture in self._floats:
             texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
@@ -36,8 +38,9 @@ class FillFloor:
         for unit, name in enumerate(("first_image", "second_image")):
             self._programs[1][name] = unit
         self._arrays = [ctx.vertex_array(program, []) for program in self._programs]
-        if ctx.error != "GL_NO_ERROR":
-            raise RelglossError(f"the device has no memory for {size[0]}x{size[1]}")
+        fault = ctx.error
+        if fault != "GL_NO_ERROR":
+            raise RelglossError(f"the fill floor at {size[0]}x{size[1]} can't be made: {fault}")
 
     def draw(self) -> None:
         """Both passes."""
@@ -51,6 +54,7 @@ class FillFloor:
     def release(self) -> None:
         """Free everything on the device."""
         make_current(self.ctx)
+        self._parking.use()
         made: list[Any] = [*self._arrays, *self._programs, *self._targets, *self._floats]
         for one in (*made, self.display):
             one.release()

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from relgloss_view.picture.method import EXACT, Method
+from relgloss_view.picture.planner import advise
 from relgloss_view.picture.scene import Look, Scene
 from relgloss_view.picture.view import Size
 
@@ -30,7 +31,7 @@ GROUPS = {
     "lamp": "lamp",
     "grain": "grain",
     "samples": "samples a pixel",
-    "numbers": "spectra, numbers, roots",
+    "numbers": "numbers",
     "c_max": "c_max",
     "combined": "combinations",
 }
@@ -47,6 +48,7 @@ class Row:
     grainy: bool = False  #: compared under grain, sigma_N at least scenes.GRAINY_DEG
     own_c: bool = False  #: drawn with the c it finds, for c_max is what differs
     quick: bool = False  #: part of --quick
+    charted: bool = True  #: what draws the same as another row would hide it
 
     def __post_init__(self) -> None:
         if self.group not in GROUPS:
@@ -63,6 +65,11 @@ def sampled(samples: int, **fields: object) -> Builder:
     """The same with so many samples along each side of a pixel."""
     chosen = dataclasses.replace(EXACT, **fields)  # type: ignore[arg-type]
     return lambda scene, look, size: (chosen, dataclasses.replace(look, samples=samples))
+
+
+def planned(scene: Scene, look: Look, size: Size) -> tuple[Method, Look]:
+    """What quality auto takes for a scene."""
+    return advise(scene, look, size).method, look
 
 
 CHEAPEST = {
@@ -85,10 +92,11 @@ GAME = {
 
 ROWS: list[Row] = [
     Row(DEFAULT, "default", "default", method(), quick=True),
+    Row(AUTO, "auto", "quality auto", planned, quick=True),
     Row("lambert", "diffuse", "Lambert", method(diffuse="lambert"), quick=True),
     Row("qualitative", "diffuse", "qualitative Oren-Nayar", method(diffuse="qualitative")),
     Row("eon", "diffuse", "EON", method(diffuse="eon"), quick=True),
-    Row("oren-nayar", "diffuse", "full Oren-Nayar", method(diffuse="oren-nayar")),
+    Row("oren-nayar", "diffuse", "full Oren-Nayar", method(diffuse="oren-nayar"), charted=False),
     Row("lobes-0", "lobes", "no lobe", method(lobes=0), quick=True),
     Row("lobes-1", "lobes", "1 lobe", method(lobes=1), quick=True),
     Row("schlick", "fresnel", "Schlick", method(fresnel="schlick"), quick=True),
@@ -97,7 +105,7 @@ ROWS: list[Row] = [
     Row("beckmann", "facets", "Beckmann", method(facets="beckmann")),
     Row("ggx", "facets", "GGX", method(facets="ggx"), quick=True),
     Row("distant", "lamp", "distant lamp", method(lamp="distant"), quick=True),
-    Row("grain-drawn", "grain", "grain on both", method(), grainy=True),
+    Row("grain-drawn", "grain", "grain on both", method(), grainy=True, charted=False),
     Row("grain-specular", "grain", "grain on lobes only", method(noise="specular"), grainy=True),
     Row("grain-mean", "grain", "mean of the grain", method(noise="mean"), grainy=True, quick=True),
     Row("grain-none", "grain", "no grain", method(noise="none"), grainy=True, quick=True),
@@ -107,6 +115,9 @@ ROWS: list[Row] = [
     Row("float16", "numbers", "float16", method(targets="float16"), quick=True),
     Row("root-power", "numbers", "root by pow", method(cube_root="power")),
     Row("root-table", "numbers", "root by table", method(cube_root="table")),
+    Row("kept-all", "numbers", "XYZ kept too", method(kept="all")),
+    Row("gamut-clip", "numbers", "RGB clipped", method(gamut="clip")),
+    Row("c-sparse", "c_max", "c_max of every 4th", method(c_max="sparse"), own_c=True),
     Row("c-eq4", "c_max", "c_max by eq. 4", method(c_max="eq4"), own_c=True, quick=True),
     Row("c-once", "c_max", "c_max without grain", method(c_max="once"), own_c=True, grainy=True),
     Row("lean", "combined", "EON, no G", method(diffuse="eon", shadowing="none")),

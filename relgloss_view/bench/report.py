@@ -73,13 +73,20 @@ def lines(found: Found) -> Iterable[str]:
             f"{'*' if entry['front'] else ' '} {entry['label']:30}{entry['ms']:8.1f}"
             f"{entry['floors']:9.2f}{_number(entry['object_p95']):>8}"
             f"{_number(entry['highlight_p95']):>11}{_number(entry['worst_max']):>8}"
-            f"{'' if c_max is None else f'{100 * c_max:.2g} %':>9}"
+            f"{_percent(c_max):>9}"
         )
     yield "* nothing else is both faster and nearer"
     yield from _others(found)
 
 
 def _others(found: Found) -> Iterable[str]:
+    if auto := found.get("auto"):
+        faster = [entry["faster"] for entry in auto]
+        worst = max(entry["worst_p95"] for entry in auto)
+        yield (
+            f"quality auto: {min(faster):.2f} to {max(faster):.2f} times as fast as the default, "
+            f"p95 at most {worst:.2f}"
+        )
     if changes := found.get("changes"):
         told = [
             f"{label} {changes[name]['ms']:.1f} ms = {changes[name]['floors']:.2f} x floor"
@@ -100,18 +107,22 @@ def _others(found: Found) -> Iterable[str]:
         ]
         yield f"pixels, off the line: {', '.join(told)}"
     for peer in found.get("peers", ()):
-        yield f"peer {peer['name']}: {_peer(peer)}"
+        yield f"{peer['name']}: {_peer(peer)}"
 
 
 def _peer(peer: Found) -> str:
     if peer.get("fault"):
         return f"not available: {printable(peer['fault'], 200)}"
-    told = f"{peer['ms']:.4g} ms"
+    told = f"{peer['ms']:.0f} ms"
     if peer.get("floors") is not None:
         told += f" = {peer['floors']:.1f} x floor"
-    if peer.get("ours") is not None:
-        told += f"; a frame of ours is {peer['ours']:.3g} of it"
-    return told + (f" ({peer['note']})" if peer.get("note") else "")
+    return f"{told}, {1.0 / peer['ours']:.3g} times ours ({peer['note']})"
+
+
+def _percent(share: float | None) -> str:
+    if share is None:
+        return ""
+    return "< 0.01 %" if share < 1e-4 else f"{100.0 * share:.2g} %"
 
 
 def _number(value: float | None) -> str:

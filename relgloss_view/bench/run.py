@@ -13,7 +13,7 @@ import moderngl
 from relgloss_view.bench import errors, tasks
 from relgloss_view.bench.errors import Truth
 from relgloss_view.bench.floor import FillFloor
-from relgloss_view.bench.methods import DEFAULT, Row
+from relgloss_view.bench.methods import AUTO, DEFAULT, Row
 from relgloss_view.bench.pareto import pareto_front
 from relgloss_view.bench.scenes import Case
 from relgloss_view.bench.timing import PER_VISIT, Task, take_turns
@@ -25,6 +25,8 @@ from relgloss_view.picture.view import Size
 
 Progress = Callable[[float, str], object]
 
+#: dE2000 below which pictures are one and the same: their digital values are.
+NO_ERROR = 0.01
 #: What an axis of the grain or of the samples is, in the end, an approximation of.
 FURTHER_TRUTHS = {"grain-mean": "mean", "samples-4": "area", "samples-16": "area"}
 Found = dict[str, Any]
@@ -92,7 +94,8 @@ def run_case(
     for row, result in zip(rows, results, strict=True):
         found = times[row.name]
         result.update(found.as_dict())
-        result["floors"] = None if found.median is None else found.median / floor_ms
+        result["floors"] = found.over(times["floor"])
+        result["of_default"] = found.over(times[DEFAULT])
     return _scene_facts(case, truths[False], plan, floor_ms), results
 
 
@@ -105,7 +108,7 @@ def _truths(case: Case, rows: Sequence[Row], plan: Plan) -> dict[bool, Truth]:
 
 
 def _error(drawers: Drawers, case: Case, row: Row, truth: Truth, plan: Plan) -> Found:
-    method, look = row.build(truth.scene, truth.look, plan.error_size)
+    method, look = row.build(truth.scene, truth.look, plan.size)
     result: Found = {
         "scene": case.name,
         "method": row.name,
@@ -176,12 +179,9 @@ def time_changes(drawers: Drawers, case: Case, size: Size, frames: int) -> Found
         )
     finally:
         floor.release()
-    floor_ms = times["floor"].median
-    assert floor_ms is not None
     found: Found = {"scene": case.name}
     for name, timed in times.items():
-        ratio = None if timed.median is None else timed.median / floor_ms
-        found[name] = {**timed.as_dict(), "floors": ratio}
+        found[name] = {**timed.as_dict(), "floors": timed.over(times["floor"])}
     return found
 
 
@@ -213,12 +213,30 @@ def summary(rows: Sequence[Row], results: Sequence[Found]) -> list[Found]:
                 "worst_max": max(s["max"] for r in drawn for s in _spreads(r)),
                 "worst_c_max": max(c_max, default=None),
                 "default": row.name == DEFAULT,
+                "charted": row.charted,
             }
         )
-    front = pareto_front([(e["floors"], e["worst_p95"]) for e in entries])
+    front = pareto_front([(e["floors"], max(e["worst_p95"], NO_ERROR)) for e in entries])
     for k, entry in enumerate(entries):
         entry["front"] = k in front
     return entries
+
+
+def auto_against_default(results: Sequence[Found]) -> list[Found]:
+    """Of each scene: how many times faster quality auto is than the default, and its errors."""
+    found = []
+    for auto in results:
+        if auto["method"] != AUTO or not (auto["error"] and auto["of_default"]):
+            continue
+        found.append(
+            {
+                "scene": auto["scene"],
+                "faster": 1.0 / auto["of_default"],
+                "worst_p95": auto["error"]["worst_p95"],
+                "worst_max": max(s["max"] for s in _spreads(auto)),
+            }
+        )
+    return found
 
 
 def _spreads(result: Found) -> list[Found]:

@@ -33,6 +33,7 @@ class Times:
 
     ms: list[float] = field(default_factory=list)
     fault: str = ""
+    visits: list[float] = field(default_factory=list)  #: the median of each visit
 
     @property
     def median(self) -> float | None:
@@ -46,6 +47,13 @@ class Times:
             return None
         low, _, high = statistics.quantiles(self.ms, n=4)
         return low, high
+
+    def over(self, other: Times) -> float | None:
+        """Median of the ratios to another task of the same rounds: slow spells hit both."""
+        if not self.visits or not other.visits:
+            return None
+        pairs = zip(self.visits, other.visits, strict=True)
+        return statistics.median(mine / theirs for mine, theirs in pairs)
 
     def as_dict(self) -> dict[str, Any]:
         """For files."""
@@ -88,6 +96,8 @@ def _visit(task: Task, found: Times, per_visit: int) -> None:
             own = task.frame(turn)
             wall = 1e3 * (time.perf_counter() - start)
             found.ms.append(wall if own is None else own)
+        found.visits.append(statistics.median(found.ms[-per_visit:]))
     except RelglossError as error:
         found.fault = str(error)
         found.ms.clear()
+        found.visits.clear()

@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+import io
 import json
 import os
+import tempfile
+import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from relgloss_view.atomic import whole_folder
+from relgloss_view.commands import grid
 from relgloss_view.commands.progress import Progress
 from relgloss_view.commands.scene_options import size_of_text
 from relgloss_view.errors import InputError
 from relgloss_view.text_input import printable, read_text
 
-if TYPE_CHECKING:
-    import moderngl
-
 SIZE = (1280, 720)
 BACKENDS = ("auto", "egl", "osmesa")
-FRAMES, QUICK_FRAMES = 50, 10
-ERROR_WIDTH_PX, QUICK_ERROR_WIDTH_PX = 640, 320
-GRAINS, QUICK_GRAINS = 512, 64
-QUICK_SCENES = ("cast-coated az50", "matte-coated az110")
+GRID_SIZE = (512, 512)
 MAX_RESULTS_BYTES = 16 * 1024 * 1024
 
 
@@ -52,23 +51,26 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Measure beside the folder, and move the files in when the last is done."""
-    from relgloss_view.bench import report
+    from relgloss_view.bench import chart, report
+    from relgloss_view.bench.measure import FULL, QUICK, measure
     from relgloss_view.picture.context import open_context
 
     folder = _checked_folder(args.output, report.RESULTS, report.FORMAT)
     with Progress("bench") as progress, whole_folder(folder, last=report.RESULTS) as temporary:
         ctx = open_context(args.backend)
         try:
-            found = _measure(args, ctx, progress)
+            extent = QUICK if args.quick else FULL
+            found = measure(ctx, args.size, extent, lambda: _time_grid(args), progress)
         finally:
             ctx.release()
         report.write_results(found, temporary)
+        chart.write_chart(found, temporary)
     if args.json:
         print(json.dumps(found))
         return 0
     for line in report.lines(found):
         print(line)
-    print(f"{printable(folder)}: {report.RESULTS} and {report.TABLE}")
+    print(f"{printable(folder)}: {', '.join(chart.CHARTS)}, {report.TABLE}, {report.RESULTS}")
     return 0
 
 
@@ -89,47 +91,16 @@ def _checked_folder(name: str, last: str, ours: str) -> Path:
     return folder
 
 
-def _measure(args: argparse.Namespace, ctx: moderngl.Context, progress: Progress) -> dict[str, Any]:
-    from relgloss_view.bench import methods, report, run, scenes
-    from relgloss_view.bench.machine import machine
-
-    width, height = args.size
-    error_width = min(width, QUICK_ERROR_WIDTH_PX if args.quick else ERROR_WIDTH_PX)
-    plan = run.Plan(
-        size=args.size,
-        error_size=(error_width, max(1, round(error_width * height / width))),
-        frames=QUICK_FRAMES if args.quick else FRAMES,
-        grains=QUICK_GRAINS if args.quick else GRAINS,
-    )
-    cases = [c for c in scenes.cases(args.size) if not args.quick or c.name in QUICK_SCENES]
-    rows = methods.rows(quick=args.quick)
-    found: dict[str, Any] = {
-        "format": report.FORMAT,
-        "version": report.VERSION,
-        "quick": args.quick,
-        "machine": machine(ctx),
-        "settings": {
-            "size": plan.size,
-            "error_size": plan.error_size,
-            "frames": plan.frames,
-            "grains": plan.grains,
-        },
-        "scenes": [],
-        "results": [],
-    }
-    drawers = run.Drawers(ctx)
-    try:
-        for k, case in enumerate(cases):
-
-            def step(share: float, text: str, k: int = k) -> bool:
-                return progress((k + share) / len(cases), text)
-
-            facts, results = run.run_case(drawers, case, rows, plan, step)
-            found["scenes"].append(facts)
-            found["results"] += results
-        matte = next(c for c in cases if c.paper == "matte-coated")
-        found["changes"] = run.time_changes(drawers, matte, plan.size, plan.frames)
-    finally:
-        drawers.release()
-    found["methods"] = run.summary(rows, found["results"])
-    return found
+def _time_grid(args: argparse.Namespace) -> float:
+    """Seconds that `relgloss grid` takes for its 42 pictures, as a user would call it."""
+    size = "x".join(map(str, GRID_SIZE))
+    parser = argparse.ArgumentParser()
+    grid.add(parser.add_subparsers())
+    with tempfile.TemporaryDirectory(prefix="relgloss-") as folder:
+        words = ["grid", "--size", size, "--backend", args.backend, "-o", f"{folder}/stimuli"]
+        parsed = parser.parse_args(words)
+        parsed.argv = words
+        with contextlib.redirect_stdout(io.StringIO()):
+            start = time.perf_counter()
+            parsed.run(parsed)
+            return time.perf_counter() - start
