@@ -93,7 +93,12 @@ def _next_overlay(app: App) -> None:
 
 
 def _swap(app: App) -> None:
-    state = app.model.state
+    state, shown = app.model.state, app.model.state.presentation
+    state = state.with_part(
+        "presentation",
+        reference_operator=shown.test_operator,
+        test_operator=shown.reference_operator,
+    )
     app.model.change(dataclasses.replace(state, reference=state.test, test=state.reference))
 
 

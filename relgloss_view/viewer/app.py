@@ -21,6 +21,7 @@ from relgloss_view.viewer.files import FileDesk
 from relgloss_view.viewer.layout import BELOW, BELOW_RIGHT, RIGHT, Layout, Panel
 from relgloss_view.viewer.layout_file import WindowLayout, save_layout
 from relgloss_view.viewer.model import Model
+from relgloss_view.viewer.operated import OperatedPictures
 from relgloss_view.viewer.pace import Pace
 from relgloss_view.viewer.panels import (
     fit,
@@ -35,7 +36,7 @@ from relgloss_view.viewer.panels import (
     stage,
     status,
 )
-from relgloss_view.viewer.pictures import Pictures
+from relgloss_view.viewer.pictures import Pictures, passes_since
 from relgloss_view.viewer.state import State
 from relgloss_view.viewer.tables import Tables
 from relgloss_view.viewer.window import Window
@@ -52,6 +53,7 @@ class App:
         self.model: Model = Model(state)
         self.files: FileDesk = FileDesk(self.model, self.wake)
         self._tables = Tables(self.model, self.wake)
+        self._operated = OperatedPictures(self.wake)
         self.pace = Pace()
         self.layout: Layout = Layout(
             [
@@ -248,13 +250,17 @@ class App:
         shown, faults = self.pictures.draw(
             state, arrangement, self.pace.scale, pitch, moving=model.dragging
         )
-        model.redrawn = _increase(before, self.pictures.drawn) or model.redrawn
+        model.redrawn = passes_since(before, self.pictures.drawn) or model.redrawn
         if model.dragging:
             # What c_max is read from has been waited for; the wait for a monitor is not counted.
             taken_s = time.perf_counter() - self._frame_began_s
             self.pace.measured(taken_s + INTERFACE_S)
         model.draft = self.pace.scale < 1.0
         model.frames = {side: s.frame for side, s in shown.items()}
+        at_rest = not (model.dragging or model.draft)
+        shown, model.operated = self._operated.replaced(
+            state, shown, self.pictures, at_rest=at_rest
+        )
         for fault in faults.values():
             model.say_once(fault, fault=True)
         self.staged = stage.Staged(arrangement, shown, faults)
@@ -285,13 +291,3 @@ def _surround(display: Display) -> float:
     model = DisplayModel.of(display)
     encoded = tone.encode(np.array(model.background_light), model)
     return float(np.round(255.0 * encoded)) / 255.0
-
-
-def _increase(before: dict[str, dict[str, int]], after: dict[str, dict[str, int]]) -> list[str]:
-    """The passes that were drawn, as 'side pass'."""
-    return [
-        f"{side} {name}"
-        for side, counts in after.items()
-        for name, count in counts.items()
-        if count > before[side][name]
-    ]

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from relgloss_view.errors import InputError
 from relgloss_view.material.spectra import is_lamp_name
+from relgloss_view.operators.registry import DEFAULT_OPERATOR
 from relgloss_view.picture.scene_file import AUTO, TABLES
 from relgloss_view.picture.scene_writer import check_sample, plain
 from relgloss_view.text_input import printable
@@ -44,6 +45,8 @@ def snapshot_command(
             words += [option, repr(plain(value))]
         elif name == "samples":
             words += [option, AUTO]
+    operator = state.presentation.operator(side)
+    words += ["--operator", operator] if operator != DEFAULT_OPERATOR else []
     words += ["--size", f"{size[0]}x{size[1]}"]
     for table, part in parts.items():
         for f in dataclasses.fields(part):

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 from relgloss_view.atomic import check_writable
 from relgloss_view.errors import InputError, RelglossError
+from relgloss_view.operators.registry import DEFAULT_OPERATOR, make_operator
+from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.export import save_frame, save_pair
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.plan import as_drawn
@@ -83,6 +85,7 @@ def write(model: Model, order: Order) -> str:
     for file in order.files:
         check_writable(file)
     frames = {side: _frame(model, side, order.size) for side in order.sides}
+    shown = {side: _displayed(model, side, frame, order.size) for side, frame in frames.items()}
     commands, missing = _commands(model, order, frames)
     if order.picture == BOTH and order.format != EXR:
         presentation = model.state.presentation
@@ -93,10 +96,11 @@ def write(model: Model, order: Order) -> str:
             gap_px=model.gap_px,
             mirrored=presentation.mirror,
             bits=order.bits,
+            shown=(shown["reference"], shown["test"]),
         )
     else:
         for side, file in zip(order.sides, order.files, strict=True):
-            save_frame(frames[side], file, commands[side], bits=order.bits)
+            save_frame(frames[side], file, commands[side], bits=order.bits, shown=shown[side])
     told = f"exported {' and '.join(order.files)}"
     return f"{told}; without a command: {missing}" if missing else told
 
@@ -109,6 +113,17 @@ def _frame(model: Model, side: str, size: Size | None) -> Frame:
     if model.render_at is None:
         raise InputError(f"the {side} picture is not on the screen; show both, side by side")
     return model.render_at(side, size or model.picture_size)
+
+
+def _displayed(model: Model, side: str, frame: Frame, size: Size | None) -> Displayed | None:
+    """What the side's operator shows of a frame; None for the split."""
+    name = model.state.presentation.operator(side)
+    if name == DEFAULT_OPERATOR:
+        return None
+    there = model.displayed(side) if size is None else None
+    if there is not None and there.operator == name:
+        return there
+    return make_operator(name).draw(frame)
 
 
 def _is_current(model: Model, side: str, frame: Frame) -> bool:

@@ -12,11 +12,21 @@ from numpy.typing import NDArray
 
 from relgloss_view.errors import RelglossError
 from relgloss_view.measure.table import Measurement
+from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.view import Size
 from relgloss_view.text_input import printable
 from relgloss_view.viewer.history import History
 from relgloss_view.viewer.state import Sample, State
+
+
+@dataclass(frozen=True)
+class Operated:
+    """A side's picture by an operator, or why the split's shows in its place."""
+
+    displayed: Displayed | None
+    told: str = ""
+
 
 LONGEST_NOTE = 400  #: characters
 NOTES_KEPT = 50
@@ -42,6 +52,8 @@ class Model:
         self.history = History(state)
         #: The pictures as last drawn, by side; empty before the first.
         self.frames: dict[str, Frame] = {}
+        #: What operators other than the split made of them, by side; none for a side of the split.
+        self.operated: dict[str, Operated] = {}
         self.notes: list[Note] = []
         #: Tables read in this window, by file, so that plots can show their points.
         self.measurements: dict[str, Measurement] = {}
@@ -73,6 +85,11 @@ class Model:
     def hold(self) -> None:
         """Let a gesture without a held button, such as turns of the wheel, go on for a moment."""
         self._held_until_s = time.monotonic() + HOLD_S
+
+    def displayed(self, side: str) -> Displayed | None:
+        """What an operator shows of a side's picture as last drawn; None where the split shows."""
+        operated = self.operated.get(side)
+        return None if operated is None else operated.displayed
 
     @property
     def held(self) -> bool:

@@ -28,6 +28,7 @@ from relgloss_view.picture.scene import Look, Scene
 from relgloss_view.picture.view import Size
 from relgloss_view.viewer.arrangement import Arrangement, as_shown
 from relgloss_view.viewer.state import DIFFERENCE, SIDES, State
+from relgloss_view.viewer.uploads import Uploads
 
 
 @dataclass(frozen=True)
@@ -47,8 +48,11 @@ class Pictures:
         self._programs = Programs(ctx)
         self._full = {side: Renderer(ctx, self._programs) for side in SIDES}
         self._draft = {side: Renderer(ctx, self._programs) for side in SIDES}
+        for side in SIDES:  # what quality "auto" has chosen is held across both
+            self._draft[side].planner = self._full[side].planner
         self._warm = Renderer(ctx, self._programs)
         self._warmed: set[object] = set()
+        self.uploads = Uploads(ctx)
         self._enlarged = False  #: whether the renderer that warms up has drawn something large
         limit = max_texture_size(ctx)
         self.largest: Size = (limit, limit)
@@ -141,7 +145,8 @@ class Pictures:
         if self.ctx.error != "GL_NO_ERROR":
             return True
         renderers = (*self._full.values(), *self._draft.values())
-        return not all(is_texture(name) for r in renderers for name in r.targets.names())
+        names = [name for r in renderers for name in r.targets.names()]
+        return not all(is_texture(name) for name in (*names, *self.uploads.names()))
 
     def abandon(self) -> None:
         """Forget objects that may no longer be there."""
@@ -153,6 +158,7 @@ class Pictures:
         """Free everything on the device."""
         for renderer in (*self._full.values(), *self._draft.values(), self._warm):
             renderer.release()
+        self.uploads.release()
         self._programs.release()
         self._warmed.clear()
 
@@ -175,6 +181,16 @@ def _variant(scene: Scene, look: Look) -> object:
 def _wants_difference(state: State) -> bool:
     presentation = state.presentation
     return presentation.compare == DIFFERENCE and not presentation.haploscopic
+
+
+def passes_since(before: dict[str, dict[str, int]], after: dict[str, dict[str, int]]) -> list[str]:
+    """The passes that were drawn between two looks at Pictures.drawn, as 'side pass'."""
+    return [
+        f"{side} {name}"
+        for side, counts in after.items()
+        for name, count in counts.items()
+        if count > before[side][name]
+    ]
 
 
 def _scaled(size: Size, scale: float) -> Size:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from relgloss_view.material.material import Material
+from relgloss_view.operators.registry import DEFAULT_OPERATOR, OPERATORS
 from relgloss_view.picture.samples import DEFAULT_SAMPLE, SAMPLES, load_sample
 from relgloss_view.picture.scene import (
     Checked,
@@ -42,7 +43,7 @@ OVERLAYS = (
 
 @dataclass(frozen=True)
 class Presentation(Checked):
-    """How the two pictures are shown; it changes nothing in them."""
+    """How the two pictures are shown; nothing of it changes the light in them."""
 
     compare: str = choice(SIDE_BY_SIDE, COMPARE_MODES, "how the two pictures are laid out")
     overlay: str = choice("none", OVERLAYS, "what is shown over or instead of the picture")
@@ -53,6 +54,13 @@ class Presentation(Checked):
     mirror: bool = switch(False, "swap the pictures left and right and mirror each")
     gap_px: float = parameter(24.0, 0.0, 2000.0, "px", "between the two pictures")
     life_size: bool = switch(False, "show the object at its physical size on this monitor")
+    reference_operator: str = choice(DEFAULT_OPERATOR, tuple(OPERATORS), "the reference's tones")
+    test_operator: str = choice(DEFAULT_OPERATOR, tuple(OPERATORS), "the test picture's tones")
+
+    def operator(self, side: str) -> str:
+        """The tone-mapping operator of a side, one of SIDES."""
+        name: str = getattr(self, f"{side}_operator")
+        return name
 
 
 @dataclass(frozen=True)

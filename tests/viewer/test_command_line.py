@@ -47,6 +47,8 @@ def test_the_command_draws_the_same(any_state, data, size, side, output):
     command = snapshot_command(state, side, size, output)
     expected = (state.scene(side), state.side(side).look, size)
     assert drawn_by(command) == (expected, output)
+    words = shlex.split(command)[1:]
+    assert _parser(words).parse_args(words).operator == state.presentation.operator(side)
 
 
 def test_it_is_short_where_nothing_was_changed():

@@ -59,16 +59,21 @@ def _lines(model: Model, side: str, faults: dict[str, str]) -> list[str]:
     if side in faults:
         return [f"{side}: not drawn", faults[side]]
     if state.presentation.compare == DIFFERENCE:
-        return ["difference of what is shown, reference against test"]
+        told = "difference of what is shown, reference against test"
+        return [f"{told}; by the split, both" if model.operated else told]
     material = sample.material
     quality = f"fit {material.fit.quality}" if material.fit else "not fitted"
     if material.synthetic:
         quality = f"synthetic, {quality}"
     lines = [f"{side}, {quality}: {printable(material.name, LONGEST_NAME)}"]
-    frame = model.frames.get(side)
+    frame, operated = model.frames.get(side), model.operated.get(side)
     if frame is not None:
         c_max = "no highlight" if frame.c_max is None else f"c_max {frame.c_max:.3g}"
-        lines.append(f"σN {frame.look.sigma_n_deg:.2f}°   c {frame.c:.3g}   {c_max}")
+        scale = f"c {frame.c:.3g}   {c_max}"
+        if operated is not None:
+            name = state.presentation.operator(side)
+            scale = f"by {name}" if operated.displayed else f"the split; {name} {operated.told}"
+        lines.append(f"σN {frame.look.sigma_n_deg:.2f}°   {scale}")
     if state.presentation.overlay != "none":
         lines.append(f"shown: {state.presentation.overlay}")
     return lines

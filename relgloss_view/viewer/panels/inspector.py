@@ -126,6 +126,7 @@ def _show(model: Model) -> None:
         for name in SIDES
     }
     plots.state_of_drag(all(current for _, current in stages.values()))
+    plots.of_the_split(model)
     pixels = {name: None if s is None else s.read(column, row) for name, (s, _) in stages.items()}
     patches = {name: s.patch(column, row, RADIUS) for name, (s, _) in stages.items() if s}
     room = imgui.get_content_region_avail()

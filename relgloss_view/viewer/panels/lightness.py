@@ -85,6 +85,7 @@ def _show(model: Model) -> None:
             shown[beside] = _curves(memory.sides[beside], faint, frame, row, model.dragging)
     _legend(side, shown)
     plots.state_of_drag(current)
+    plots.of_the_split(model)
     room = imgui.get_content_region_avail()
     if room.x < em(NARROW_EM):
         _in_tabs(memory, side, shown, room.x)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
+from relgloss_view.operators.registry import OPERATORS
 from relgloss_view.picture.scene import Look
 from relgloss_view.viewer import widgets
 from relgloss_view.viewer.model import Model
 from relgloss_view.viewer.state import SIDES
 
 SIGMA_N_HAND_DEG = 3.0  #: the paper's range; typing reaches further
-OPERATORS = ("split",)
 
 
 def show(model: Model) -> None:
@@ -113,11 +113,29 @@ def _grain(model: Model, side: str, look: Look) -> None:
         model.set_look(side, gesture=f"{side} seed", seed=int(value))
 
 
+def _operator(model: Model, side: str) -> None:
+    """The tone mapping of a side, and what there is to know where it is not the split."""
+    present = model.state.presentation.operator(side)
+    kind = OPERATORS[present]
+    told = (
+        f"How the light is brought to the display.\n{kind.title}: {kind.meaning} ({kind.source}). "
+        "Other operators than the split are worked out when nothing moves, with their default "
+        "parameters."
+    )
+    changed, name = widgets.combo("operator", tuple(OPERATORS), present, told)
+    if changed:
+        model.set_part("presentation", **{f"{side}_operator": name})
+    operated = model.operated.get(side)
+    if operated is not None and operated.displayed is None:
+        widgets.label("")
+        widgets.wrapped(f"{present} {operated.told}", dim=True)
+    elif not kind.uses_c:
+        widgets.label("")
+        widgets.wrapped("c has no part in this picture", dim=True)
+
+
 def _drawing(model: Model, side: str, look: Look) -> None:
-    told = "How the range is brought to the display."
-    imgui.begin_disabled(len(OPERATORS) == 1)
-    widgets.combo("operator", OPERATORS, OPERATORS[0], told)
-    imgui.end_disabled()
+    _operator(model, side)
     changed, name = widgets.choice("quality", Look, "quality", look.quality)
     if changed:
         model.set_look(side, quality=name)

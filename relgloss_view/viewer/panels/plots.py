@@ -133,6 +133,16 @@ def state_of_drag(current: bool) -> None:
         widgets.quiet(text)
 
 
+def of_the_split(model: Model) -> None:
+    """Say that numbers are the split's where a picture shows another operator's."""
+    if model.operated:
+        text = "by the split"
+        beside(imgui.calc_text_size(text).x)
+        imgui.align_text_to_frame_padding()
+        widgets.quiet(text)
+        widgets.tooltip("These numbers are of the split's picture, whatever operator is shown.")
+
+
 def begin(title: str, width: float, height: float, *, decorated: bool = True) -> bool:
     """Begin a plot of a size in pixels; `end` must follow where this is true."""
     global _low

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from imgui_bundle import ImVec2, imgui
 
+from relgloss_view.picture.export import warnings
 from relgloss_view.viewer.theme import POPUP, em, gray
 from relgloss_view.viewer.widgets import tooltip
 
@@ -64,11 +65,13 @@ def _message(app: App, width: float) -> None:
 
 def _warning(app: App) -> str:
     """The first warning of the active picture."""
-    frame = app.model.frames.get(app.model.active_side)
-    if frame is None or not frame.warnings:
+    side = app.model.active_side
+    frame = app.model.frames.get(side)
+    told = () if frame is None else warnings(frame, app.model.displayed(side))
+    if not told:
         return ""
-    more = len(frame.warnings) - 1
-    return frame.warnings[0] + (f" (and {more} more)" if more else "")
+    more = len(told) - 1
+    return told[0] + (f" (and {more} more)" if more else "")
 
 
 def _numbers(app: App, width: float) -> str:
@@ -79,7 +82,8 @@ def _numbers(app: App, width: float) -> str:
     if frame is not None:
         wide, tall = frame.size
         parts.append("c_max none" if frame.c_max is None else f"c_max {frame.c_max:.3g}")
-        parts.append(f"{frame.clip_count} clipped")
+        picture = model.displayed(model.active_side) or frame
+        parts.append(f"{picture.clip_count} clipped")
         parts.append(f"{wide}x{tall}" + (" draft" if model.draft else ""))
         parts.append(f"drew {_in_short(model.redrawn)}")
         parts.append(frame.device.split("(")[0].strip())
@@ -108,11 +112,14 @@ def _details(app: App) -> str:
     lines = ["Last frame drew: " + (", ".join(model.redrawn) or "nothing new") + "."]
     if frame is not None:
         eq4 = frame.scaling.c_max_eq4
+        shown = model.displayed(model.active_side)
+        picture = shown or frame
         lines += [
             f"Device: {frame.device}.",
             f"Active side: {model.active_side}, {frame.size[0]} x {frame.size[1]} px.",
             f"c {frame.c:.6g}, c_max {frame.c_max}, by eq. 4 {eq4}.",
-            f"{frame.clip_count} pixels above L* 100, {frame.out_of_gamut_count} out of gamut.",
-            *frame.warnings,
+            f"{picture.clip_count} pixels above white, {picture.out_of_gamut_count} out of gamut"
+            + (f", by {shown.operator}." if shown else "."),
+            *warnings(frame, shown),
         ]
     return "\n".join(lines)
