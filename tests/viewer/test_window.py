@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import itertools
 import time
 
 import driven
@@ -139,6 +140,32 @@ def draws_only_what_changed(hand, found):
     fetched = ("counts", "light", "geometry")  # by panels that show numbers
     found["lamp"] = sorted(k for k in since(before, hand) if not k.endswith(fetched))
     found["compiled"] = hand.app.pictures.compiled - compiled
+
+
+def draws_no_more_than_needed(hand, found):
+    model = hand.model
+    kept = model.state
+
+    def methods():
+        return {side: frame.method.differences() for side, frame in model.frames.items()}
+
+    model.set_look("test", quality="auto", sigma_n_deg=1.0)
+    hand.frames(6)
+    found["auto"] = methods()
+    compiled = hand.app.pictures.compiled
+    found["moved"] = []
+    for k in range(12):
+        model.hold()
+        model.set_part("lamp", azimuth_deg=50.0 + 5.0 * k)
+        hand.frames(2)
+        found["moved"].append(methods()["test"])
+        time.sleep(0.03)
+    found["compiled in the drag"] = hand.app.pictures.compiled - compiled
+    hand.until(lambda: not model.dragging)
+    hand.frames(6)
+    found["rested"] = methods()["test"]
+    model.change(kept)
+    hand.frames(4)
 
 
 def compares(hand, found):
@@ -351,6 +378,7 @@ SCRIPTS = [
     takes_back_and_does_again,
     turns_moves_and_zooms,
     draws_only_what_changed,
+    draws_no_more_than_needed,
     compares,
     hides_panels_and_brings_them_back,
     shows_the_pictures_themselves,
@@ -410,6 +438,19 @@ def test_only_what_changed_is_drawn(found):
     passes = ("shade", "tone", "white")
     assert got["lamp"] == [f"{side} {name}" for side in ("reference", "test") for name in passes]
     assert got["compiled"] == 0
+
+
+def test_quality_auto_is_held_while_something_moves(found):
+    got = found["draws_no_more_than_needed"]
+    assert got["auto"]["reference"] == {}  # each side has its own quality
+    assert got["auto"]["test"]["c_max"] == "sparse"
+    # As it was until it no longer serves, then exact: one change at most, and nothing compiled.
+    moved = got["moved"]
+    assert moved[0] == got["auto"]["test"]
+    assert sum(a != b for a, b in itertools.pairwise(moved)) <= 1
+    assert moved[-1] in ({}, moved[0])
+    assert got["compiled in the drag"] == 0
+    assert got["rested"] != {}
 
 
 def test_compare_modes(found):

@@ -141,7 +141,7 @@ def _drawing(model: Model, side: str, look: Look) -> None:
         model.set_look(side, quality=name)
     frame = model.frames.get(side)
     if look.quality == "auto" and frame is not None:
-        widgets.quiet(_simplified(frame.method.differences()))
+        widgets.wrapped(_simplified(frame.method.differences()), dim=True)
     changed, name = widgets.choice("diffuse", Look, "diffuse_model", look.diffuse_model)
     if changed:
         model.set_look(side, diffuse_model=name)
@@ -159,5 +159,5 @@ def _drawing(model: Model, side: str, look: Look) -> None:
 
 def _simplified(stages: dict[str, str | int]) -> str:
     """What quality "auto" has chosen, in a line."""
-    told = ", ".join(f"{stage.replace('_', ' ')} {name}" for stage, name in stages.items())
+    told = ", ".join(f"{stage} {name}" for stage, name in stages.items())
     return f"drawn simpler: {told}" if told else "nothing can be drawn simpler"
