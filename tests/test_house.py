@@ -216,7 +216,7 @@ class TestWheel:
                 if path.is_file():
                     place = f"relgloss_view/_data/{path.relative_to(data_root()).as_posix()}"
                     assert place in names, place
-        for path in modules():
+        for path in [*modules(), *(PACKAGE / "bench").glob("floor*")]:
             assert path.relative_to(ROOT).as_posix() in names
         assert not any(name.startswith(("tests/", "scripts/", "shaders/")) for name in names)
         assert not any(name.endswith((".bsdf", ".pyc")) for name in names)

@@ -79,7 +79,23 @@ def lines(found: Found) -> Iterable[str]:
     yield from _others(found)
 
 
+#: Where a result has an error against something else, too: that, and what it is called.
+FURTHER = {
+    "error_against_mean": "the mean of many grains",
+    "error_against_area": "pixels averaged over their area",
+}
+
+
 def _others(found: Found) -> Iterable[str]:
+    for key, truth in FURTHER.items():
+        worst: dict[str, float] = {}
+        for result in found["results"]:
+            if key in result:
+                label = result["label"]
+                worst[label] = max(worst.get(label, 0.0), result[key]["worst_p95"])
+        told = [f"{label} p95 {_number(p95)}" for label, p95 in worst.items()]
+        if told:
+            yield f"against {truth}: {', '.join(told)}"
     if auto := found.get("auto"):
         faster = [entry["faster"] for entry in auto]
         worst = max(entry["worst_p95"] for entry in auto)

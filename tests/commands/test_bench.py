@@ -48,6 +48,7 @@ def test_chart_table_and_numbers(tmp_path, capsys):
         assert row.label in said
     assert "fill floor" in said
     assert "quality auto:" in said
+    assert "against the mean of many grains: mean of the grain p95" in said
 
     found = json.loads((folder / report.RESULTS).read_text())
     assert (found["format"], found["version"], found["quick"]) == ("relgloss-bench", 1, True)
