@@ -67,16 +67,21 @@ def operator_words(args: argparse.Namespace) -> list[str]:
 def shown_by(operator: Operator, frame: Frame) -> Displayed | None:
     """What the operator shows of a frame; None for the split, whose picture the frame is.
 
-    It says so where c was asked for and has no part in the picture.
+    It says so where c was asked for and has no part in the picture, and where the frame was drawn
+    as well as the split's picture needs.
     """
     if operator.name == DEFAULT_OPERATOR:
         return None
     shown = operator.draw(frame)
-    look = frame.look
-    if operator.uses_c or (look.c is None and look.c_fraction is None):
-        return shown
-    ignored = f"{operator.name} takes no account of c, which is the split's"
-    return dataclasses.replace(shown, warnings=(ignored, *shown.warnings))
+    told = []
+    if not operator.uses_c and not (frame.look.c is None and frame.look.c_fraction is None):
+        told.append(f"{operator.name} takes no account of c, which is the split's")
+    if frame.look.quality == AUTO:
+        told.append(
+            f"quality auto is measured on the split's picture; {operator.name} may show more of "
+            "what it leaves out"
+        )
+    return dataclasses.replace(shown, warnings=(*told, *shown.warnings))
 
 
 def _described() -> list[str]:

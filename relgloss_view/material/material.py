@@ -157,6 +157,11 @@ class Material:
         return self.source.strip().lower().startswith("synthetic")
 
     @property
+    def hypothetical(self) -> bool:
+        """Whether the source says that it was made up from another material."""
+        return "hypothetical" in self.source.partition(":")[0].lower()
+
+    @property
     def warnings(self) -> tuple[str, ...]:
         """What a picture of this material must say about it."""
         told = list(self.fit.warnings) if self.fit else []

@@ -18,6 +18,7 @@ from relgloss_view.picture.view import Size
 from relgloss_view.viewer import actions
 from relgloss_view.viewer.arrangement import arranged, as_shown
 from relgloss_view.viewer.files import FileDesk
+from relgloss_view.viewer.glosses import Glosses
 from relgloss_view.viewer.layout import BELOW, BELOW_RIGHT, RIGHT, Layout, Panel
 from relgloss_view.viewer.layout_file import WindowLayout, save_layout
 from relgloss_view.viewer.model import Model
@@ -25,6 +26,7 @@ from relgloss_view.viewer.operated import OperatedPictures
 from relgloss_view.viewer.pace import Pace
 from relgloss_view.viewer.panels import (
     fit,
+    gloss,
     help,
     inspector,
     lightness,
@@ -54,6 +56,7 @@ class App:
         self.files: FileDesk = FileDesk(self.model, self.wake)
         self._tables = Tables(self.model, self.wake)
         self._operated = OperatedPictures(self.wake)
+        self._glosses = Glosses(self.wake)
         self.pace = Pace()
         self.layout: Layout = Layout(
             [
@@ -63,6 +66,7 @@ class App:
                 Panel("Lightness", BELOW, lambda: lightness.show(self.model)),
                 Panel("Reflection", BELOW, lambda: reflection.show(self.model)),
                 Panel("Fit", BELOW, lambda: fit.show(self.model)),
+                Panel("Gloss", BELOW, lambda: gloss.show(self.model, self._glosses)),
                 Panel("Pixel", BELOW_RIGHT, lambda: inspector.show(self.model)),
             ]
         )

@@ -65,6 +65,8 @@ def _lines(model: Model, side: str, faults: dict[str, str]) -> list[str]:
     quality = f"fit {material.fit.quality}" if material.fit else "not fitted"
     if material.synthetic:
         quality = f"synthetic, {quality}"
+    if material.hypothetical:
+        quality = f"hypothetical, {quality}"
     lines = [f"{side}, {quality}: {printable(material.name, LONGEST_NAME)}"]
     frame, operated = model.frames.get(side), model.operated.get(side)
     if frame is not None:
