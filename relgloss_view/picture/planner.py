@@ -126,8 +126,10 @@ def _choose(proxy: Proxy, method: Method, stage: str, tolerance: Tolerance) -> C
         if f"{stage} {name}" in outside(proxy.scene, proxy.look, tried):
             simpler, simpler_error, reason = name, error, "outside its declared domain"
             continue
-        if stage == "gamut" and proxy.draw(tried).out_of_gamut:
-            return Choice(stage, present, 0.0, NO_ERROR, reason="some colours are out of gamut")
+        if name == "sparse" and _grain_sets_c(proxy, method):
+            return Choice(stage, present, 0.0, NO_ERROR, reason="single grains set c_max")
+        if stage == "gamut" and proxy.leaves_gamut(tried):
+            return Choice(stage, present, 0.0, NO_ERROR, reason="some colours may leave the gamut")
         if tolerance.holds(error, USED):
             alone = proxy.error(_with(EXACT, stage, name))
             return Choice(stage, name, saved, alone, simpler, simpler_error, reason)
@@ -135,6 +137,12 @@ def _choose(proxy: Proxy, method: Method, stage: str, tolerance: Tolerance) -> C
     if simpler is None:
         return None
     return Choice(stage, present, 0.0, NO_ERROR, simpler, simpler_error, reason)
+
+
+def _grain_sets_c(proxy: Proxy, method: Method) -> bool:
+    """Whether c follows from the brightest grain, which a quarter of the pixels may not hold."""
+    grainy = Plan.of(proxy.scene, proxy.look, 1, method).noise != "none"
+    return grainy and proxy.look.c is None
 
 
 def _with(method: Method, stage: str, name: str | int) -> Method:

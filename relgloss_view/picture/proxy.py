@@ -7,6 +7,7 @@ miss, and each carries the area that it stands for.
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -31,6 +32,7 @@ Array = NDArray[np.float64]
 ROWS, COLUMNS = 16, 28  #: of the even grid
 NEAR = np.arange(-6, 7)  #: a finer step about the brightest place, over one step of the coarser
 GAMUT_MARGIN = 0.002  #: of linear RGB
+GRAIN_SHARES = (0.0, 0.01, 0.03, 0.1, 0.2, 0.4, 0.7, 1.0)  #: of a mirroring grain's highlight
 HIGHLIGHT_LSTAR = 1.0  #: L_s* from which a pixel belongs to the highlight
 
 
@@ -47,9 +49,8 @@ class Error:
 class Drawn:
     """The proxy's pixels as a method draws them."""
 
-    lab: Array  #: (N, 3), scaled, L* cut to the display's
+    lab: Array  #: (N, 3), of what the display shows
     l_s: Array  #: (N,), before scaling
-    out_of_gamut: bool  #: any of them, or so nearly that a neighbour may be
 
 
 class Proxy:
@@ -61,6 +62,7 @@ class Proxy:
         columns, rows, self.area = _places(self.scene, self._view)
         self._pixel = np.stack([columns, rows], axis=-1).astype(np.int64)
         self._hit, self._o = _meet(self.scene, self._view, columns, rows)
+        self._errors: dict[Method, Error] = {}
         self._facings: dict[tuple[str, bool], tuple[brdf.Facing, Array]] = {}
 
     @property
@@ -75,6 +77,11 @@ class Proxy:
 
     def error(self, method: Method) -> Error:
         """What a method gets wrong in this picture."""
+        if method not in self._errors:
+            self._errors[method] = self._measured(method)
+        return self._errors[method]
+
+    def _measured(self, method: Method) -> Error:
         difference = delta_e_2000(self.exact.lab, self.draw(method).lab)
         highlight = self.exact.l_s > HIGHLIGHT_LSTAR
         return Error(
@@ -85,6 +92,37 @@ class Proxy:
 
     def draw(self, method: Method) -> Drawn:
         """The pixels by a method. Raises InputError where no c can show them (Scaling.of)."""
+        split, c = self._scaled(*self._light(method), method)
+        display = tone.DisplayModel.of(self.scene.display)
+        if method.gamut != "as asked":
+            display = dataclasses.replace(display, gamut=method.gamut)
+        rgb, _ = tone.display_rgb(tone.scaled_lab(split, c), display)
+        return Drawn(tone.lab_from_xyz(rgb @ display.xyz_from_rgb.T, display.white), split[:, 1])
+
+    def leaves_gamut(self, method: Method) -> bool:
+        """Whether the display can't show some colours by a method, or only just.
+
+        Grain makes few pixels far brighter than these may be; so under grain each is tried with no
+        highlight at all, with that of a grain that mirrors the lamp, and between.
+        """
+        diffuse, specular = self._light(method)
+        _, c = self._scaled(diffuse, specular, method)
+        tried = [specular]
+        if Plan.of(self.scene, self.look, 1, method).noise != "none":
+            _, mirrored = self._light(method, mirrored=True)
+            tried += [share * mirrored for share in GRAIN_SHARES]
+        display = tone.DisplayModel.of(self.scene.display)
+        white = illuminant(self.scene.lamp.illuminant).white_xyz()
+        for light in tried:
+            lab = tone.scaled_lab(tone.split_lab(diffuse, light, white), c)
+            lab[:, 0] = np.clip(lab[:, 0], 0.0, 100.0)
+            rgb = tone.xyz_from_lab(lab, display.white) @ display.rgb_from_xyz.T
+            if np.any(rgb < -tone.GAMUT_TOLERANCE) or np.any(rgb > 1.0 - GAMUT_MARGIN):
+                return True
+        return False
+
+    def _light(self, method: Method, *, mirrored: bool = False) -> tuple[Array, Array]:
+        """Diffuse and specular XYZ, (N, 3) each; `mirrored`: each grain faces the half-vector."""
         scene, look = self.scene, self.look
         plan = Plan.of(scene, look, 1, method)
         material, lamp = scene.material, illuminant(scene.lamp.illuminant)
@@ -97,6 +135,7 @@ class Proxy:
         arriving = arriving * (np.pi / white) if white > 0.0 else 0.0 * arriving
         grain = self._facing(plan.lamp, tilted=plan.noise != "none")[0]
         under = grain if plan.noisy_diffuse else smooth
+        grain = grain._replace(delta2=0.0 * grain.delta2) if mirrored else grain
 
         albedo, sigma = np.asarray(material.diffuse.albedo), material.diffuse.sigma
         second = brdf.second_albedo(plan.diffuse, albedo, sigma)
@@ -114,9 +153,10 @@ class Proxy:
             )
             specular += reflected[:, None] * (lobe.per_band(material.bands.count) @ weights)
         specular *= (arriving * np.maximum(grain.mu_i, 0.0))[:, None]
-        return self._shown(diffuse, specular, method)
+        return diffuse, specular
 
-    def _shown(self, diffuse: Array, specular: Array, method: Method) -> Drawn:
+    def _scaled(self, diffuse: Array, specular: Array, method: Method) -> tuple[Array, float]:
+        """(L_d*, L_s*, a*, b*), (N, 4), and the c that scales them."""
         white = illuminant(self.scene.lamp.illuminant).white_xyz()
         split = tone.split_lab(diffuse, specular, white)
         counted = np.ones(len(split), dtype=bool)
@@ -124,13 +164,8 @@ class Proxy:
             left, bottom, *_ = self._view.bounds
             up = self._view.size[1] - 1 - self._pixel[:, 1]
             counted = ((self._pixel[:, 0] - left) % 2 == 0) & ((up - bottom) % 2 == 0)
-        c = Scaling.of(self.look, _extremes(split[counted]), eq4=method.c_max == "eq4").c
-        lab = tone.scaled_lab(split, c)
-        lab[:, 0] = np.clip(lab[:, 0], 0.0, 100.0)
-        display = tone.DisplayModel.of(self.scene.display)
-        rgb = tone.xyz_from_lab(lab, display.white) @ display.rgb_from_xyz.T
-        outside = bool(np.any(rgb < -tone.GAMUT_TOLERANCE) or np.any(rgb > 1.0 - GAMUT_MARGIN))
-        return Drawn(lab, split[:, 1], outside)
+        scaling = Scaling.of(self.look, _extremes(split[counted]), eq4=method.c_max == "eq4")
+        return split, scaling.c
 
     def _facing(self, lamp: str, *, tilted: bool) -> tuple[brdf.Facing, Array]:
         """How the points stand to lamp and eye, and one over the squared distance to the lamp."""

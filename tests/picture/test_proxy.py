@@ -3,6 +3,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from relgloss_view.picture import tone
 from relgloss_view.picture.difference import delta_e_2000
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.proxy import HIGHLIGHT_LSTAR, Proxy, _spans
@@ -21,8 +22,11 @@ def scene(sample="matte-coated", azimuth_deg=50.0, **shape):
     return Scene(load_sample(sample), Shape(**wide), Lamp(azimuth_deg=azimuth_deg, **FIXED))
 
 
-def cut(lab):
-    return np.concatenate([np.clip(lab[..., :1], 0.0, 100.0), lab[..., 1:]], axis=-1)
+def shown_lab(frame):
+    """Lab of what the display shows, gamut mapping included."""
+    display = tone.DisplayModel.of(frame.scene.display)
+    xyz = frame.light.astype(np.float64) @ display.xyz_from_rgb.T
+    return tone.lab_from_xyz(xyz, display.white)
 
 
 def at(proxy, stage):
@@ -49,7 +53,7 @@ def test_its_pixels_are_the_pictures(shape):
     proxy = Proxy(drawn, look, SIZE)
     assert not proxy.empty
     assert np.all(at(proxy, frame.on_object))
-    np.testing.assert_allclose(proxy.exact.lab, cut(at(proxy, frame.lab)), atol=1e-7)
+    np.testing.assert_allclose(proxy.exact.lab, at(proxy, shown_lab(frame)), atol=1e-7)
     assert np.sum(proxy.area) == pytest.approx(np.sum(frame.on_object), rel=0.02)
 
 
@@ -85,7 +89,7 @@ def test_shaders_draw_what_the_method_says(renderer, method, azimuth_deg):
     frame = renderer.render(drawn, look, SIZE, method)
     proxy = Proxy(drawn, look, SIZE)
     expected = proxy.draw(method).lab
-    error = delta_e_2000(cut(at(proxy, frame.lab)), expected)
+    error = delta_e_2000(at(proxy, shown_lab(frame)), expected)
     # A draw of the tilt may fall on the other side of a halving in float32, at the silhouette.
     assert np.quantile(error, 0.999) < 0.02
     assert frame.method == method
@@ -147,11 +151,11 @@ def test_its_error_is_that_of_the_picture(renderer, sample):
     drawn = dataclasses.replace(scene(sample, 110.0), lamp=Lamp(azimuth_deg=110.0))
     look = Look(sigma_n_deg=matched.sigma_n_deg, c=0.2)
     frame = renderer.render(drawn, look, size)
-    exact, on = cut(frame.lab.astype(np.float64)), frame.on_object
+    exact, on = shown_lab(frame), frame.on_object
     highlight = frame.split[1] > HIGHLIGHT_LSTAR
     proxy = Proxy(drawn, look, size)
     for method in (Method(fresnel="schlick"), Method(diffuse="lambert"), Method(shadowing="none")):
-        other = cut(renderer.render(drawn, look, size, method).lab.astype(np.float64))
+        other = shown_lab(renderer.render(drawn, look, size, method))
         difference = delta_e_2000(exact, other)
         error = proxy.error(method)
         assert error.object_p95 == pytest.approx(np.percentile(difference[on], 95), 0.1, 0.1)
