@@ -18,6 +18,7 @@ TARGETS = ("float32", "float16")
 C_MAX = ("exact", "sparse", "eq4", "once")
 GAMUTS = ("as asked", "clip")
 KEPT = ("split", "all")
+ABSENT = ("left out", "drawn")
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,9 @@ class Method(Checked):
         "exact", C_MAX, "over all pixels, a quarter of them, eq. 4, or the picture without grain"
     )
     gamut: str = choice("as asked", GAMUTS, "clip, where no colour is out of gamut, costs less")
+    absent: str = choice(
+        "left out", ABSENT, "what a scene does not have: grain of none, a second lobe, unseen caps"
+    )
     kept: str = choice("split", KEPT, "what pass 1 keeps: XYZ too, or only when it is asked for")
 
     def differences(self) -> dict[str, str | int]:

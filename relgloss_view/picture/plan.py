@@ -79,6 +79,9 @@ class Plan:
             cube_root=chosen.cube_root,
             parts="all" if samples > 1 else chosen.kept,  # XYZ holds the share of a pixel
         )
+        if chosen.absent == "drawn":
+            smooth = dataclasses.replace(smooth, lobes=2, caps=True, parts="all")
+            grainy = True
         if not grainy or chosen.noise in ("mean", "none"):
             return smooth
         return dataclasses.replace(

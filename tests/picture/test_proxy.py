@@ -1,5 +1,6 @@
 import dataclasses
 
+import materials
 import numpy as np
 import pytest
 
@@ -189,3 +190,10 @@ def test_exact_is_no_error():
 def test_nothing_seen_is_empty():
     away = dataclasses.replace(scene(), eye=Eye(shift_right=50.0))
     assert Proxy(away, Look(), SIZE).empty
+
+
+def test_what_a_scene_has_not_may_be_drawn_and_shows_nothing(renderer):
+    smooth, look = Scene(materials.flat(0.4), Shape(diameter_m=0.125, height_m=0.075)), Look()
+    drawn = renderer.render(smooth, look, SIZE, Method(absent="drawn"))
+    everything = drawn.display.copy()
+    np.testing.assert_array_equal(everything, renderer.render(smooth, look, SIZE).display)

@@ -42,6 +42,9 @@ def grain_uniforms(look: Look) -> Uniforms:
     }
 
 
+NO_LOBE = (1.0, 0.0, 1.5, 0.0)  #: reflects nothing, where one is drawn all the same
+
+
 def material_uniforms(scene: Scene, look: Look, method: Method) -> Uniforms:
     """The material's spectra folded into XYZ under the scene's lamp, and its lobes' shapes."""
     material, lamp = scene.material, illuminant(scene.lamp.illuminant)
@@ -49,7 +52,7 @@ def material_uniforms(scene: Scene, look: Look, method: Method) -> Uniforms:
     model = drawn_diffuse(material, method)
     albedo = np.asarray(material.diffuse.albedo)
     second = brdf.second_albedo(model, albedo, material.diffuse.sigma)
-    strength, shape = np.zeros((2, material.bands.count)), np.zeros((2, 4))
+    strength, shape = np.zeros((2, material.bands.count)), np.tile(NO_LOBE, (2, 1))
     blurred = drawn_facets(look, method) == "mean-gaussian"
     for k, lobe in enumerate(drawn_lobes(material, method)):
         strength[k] = lobe.per_band(material.bands.count)
