@@ -156,7 +156,7 @@ def _write(comparison: Comparison, output: Path, command: str) -> None:
             temporary.write_text(page, encoding="utf-8")
         return
     text = {"Software": f"relgloss {__version__}", "Title": title, "Command": command}
-    save_rgb(comparison_sheet(comparison, title, note), output, text)
+    save_rgb(comparison_sheet(comparison, title, note), output, text, srgb=comparison.srgb)
 
 
 def _warnings(comparison: Comparison) -> list[str]:

@@ -23,7 +23,7 @@ from relgloss_view.operators.measures import (
     ranks,
 )
 from relgloss_view.operators.operator import Operator
-from relgloss_view.picture.export import SPLIT, warnings
+from relgloss_view.picture.export import SPLIT, is_srgb, warnings
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.scene import Look, Scene
 
@@ -113,6 +113,7 @@ class Comparison:
     rows: tuple[Row, ...]
     gloss: str  #: which of GLOSSES orders the real materials
     truth: Mapping[str, int]  #: their ranks, 0 the glossiest
+    srgb: bool  #: whether the display, and so the pictures, are sRGB
 
 
 def compare(
@@ -146,7 +147,7 @@ def compare(
         of_it = {label: shown[n] for label, shown in zip(labels, cells, strict=True)}
         orders = {name: order_of(name, of_it, real) for name in ORDERED_BY}
         rows.append(Row(operator, of_it, orders))
-    return Comparison(tuple(settled), tuple(rows), gloss, ranks(real))
+    return Comparison(tuple(settled), tuple(rows), gloss, ranks(real), is_srgb(scene.display))
 
 
 def _bounds(frame: Frame) -> tuple[slice, slice]:

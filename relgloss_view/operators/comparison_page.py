@@ -16,11 +16,11 @@ from relgloss_view.operators.comparison_sheet import MEASURES, VERDICTS, body_wo
 
 #: Neutral grays: the pictures' own surround is L* 50.
 STYLE = """
-body { margin: 2rem; background: #777; color: #f7f7f7; font: 15px/1.45 system-ui, sans-serif; }
+body { margin: 2rem; background: #777; color: #fff; font: 15px/1.45 system-ui, sans-serif; }
 h1 { font-size: 1.5rem; font-weight: 600; margin: 0 0 .3rem; }
 h2 { font-size: 1.1rem; font-weight: 600; margin: 2rem 0 .2rem; }
 p { margin: .2rem 0; max-width: 60rem; }
-.muted { color: #ddd; }
+.muted { color: #eee; }
 .pictures { display: flex; flex-wrap: wrap; gap: 1rem; margin: .8rem 0; }
 figure { margin: 0; } img { display: block; } figcaption { color: #eee; }
 table { border-collapse: collapse; margin: .6rem 0; font-variant-numeric: tabular-nums; }
@@ -48,7 +48,7 @@ def comparison_page(comparison: Comparison, note: str, command: str) -> str:
         f'<p class="muted">{escape(note)} Pictures are shown pixel by pixel; look at them at 100 %.'
         "</p>",
         _samples(comparison),
-        *(_operator(row) for row in comparison.rows),
+        *(_operator(row, comparison.srgb) for row in comparison.rows),
         "<h2>Made with</h2>",
         f'<p class="muted">relgloss {escape(__version__)}</p><p><code>{escape(command)}</code></p>',
         "</body></html>\n",
@@ -71,9 +71,9 @@ def _samples(comparison: Comparison) -> str:
     return _table(heads, [cells(s) for s in comparison.samples])
 
 
-def _operator(row: Row) -> str:
+def _operator(row: Row, srgb: bool) -> str:
     figures = [
-        f'<figure><img src="{_embedded(cell.picture)}" width="{cell.picture.shape[1]}" '
+        f'<figure><img src="{_embedded(cell.picture, srgb)}" width="{cell.picture.shape[1]}" '
         f'height="{cell.picture.shape[0]}" alt="{escape(label, quote=True)} shown by '
         f'{escape(title_of(row.operator), quote=True)}"><figcaption>{escape(label)}</figcaption>'
         "</figure>"
@@ -114,7 +114,7 @@ def _operator(row: Row) -> str:
             f'<p class="muted">{escape(row.operator.meaning)} ({escape(row.operator.source)})</p>',
             f'<div class="pictures">{"".join(figures)}</div>',
             *orders,
-            f"<p>{escape(body_words(row).capitalize())}</p>",
+            f"<p>{escape(_sentence(body_words(row)))}</p>",
             _table(heads, numbers),
             *told,
         ]
@@ -129,16 +129,21 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
 def _rounded(value: float | None) -> str:
     return "-" if value is None else f"{value:.4g}"
 
 
-def _embedded(picture: NDArray[np.uint8]) -> str:
+def _embedded(picture: NDArray[np.uint8], srgb: bool) -> str:
     """A picture as a data URL, PNG."""
     from PIL import Image
 
     from relgloss_view.picture.export import srgb_profile
 
     held = io.BytesIO()
-    Image.fromarray(picture).save(held, format="PNG", icc_profile=srgb_profile())
+    profile = {"icc_profile": srgb_profile()} if srgb else {}
+    Image.fromarray(picture).save(held, format="PNG", **profile)
     return "data:image/png;base64," + base64.b64encode(held.getvalue()).decode("ascii")

@@ -53,7 +53,7 @@ class ShownGloss:
         l_d, l_s = self._lightness
         found = self._measure(np.minimum(l_d + c * l_s, 100.0), self._regions)
         if found is None:
-            raise InputError("nothing of the object is seen, so no picture shows gloss")
+            raise InputError("too little of the object is seen to measure its gloss")
         return found
 
 

@@ -99,7 +99,7 @@ def save_pair(
     surround = _quantised(np.array(tone.encode(np.array(model.background_light), model)), bits)
     gap = np.full((left.shape[0], gap_px, 3), surround, dtype=surround.dtype)
     text = _text(json.dumps(told), "\n".join(commands))
-    save_rgb(np.concatenate([left, gap, right], axis=1), file, text, srgb=_is_srgb(display))
+    save_rgb(np.concatenate([left, gap, right], axis=1), file, text, srgb=is_srgb(display))
 
 
 def digital(frame: Frame, shown: Displayed | None, bits: int) -> Digital:
@@ -177,7 +177,7 @@ def srgb_profile() -> bytes:
 
 def _save_png(frame: Frame, file: Path, command: str, bits: int, shown: Displayed | None) -> None:
     text = _text(json.dumps(parameters(frame, shown)), command)
-    save_rgb(digital(frame, shown, bits), file, text, srgb=_is_srgb(frame.scene.display))
+    save_rgb(digital(frame, shown, bits), file, text, srgb=is_srgb(frame.scene.display))
 
 
 def _write_png8(file: Path, rgb: Digital, text: dict[str, str], profile: bytes | None) -> None:
@@ -207,7 +207,8 @@ def _quantised(values: NDArray[np.float64], bits: int) -> Digital:
     return np.asarray(whole.astype(np.uint16))
 
 
-def _is_srgb(display: Display) -> bool:
+def is_srgb(display: Display) -> bool:
+    """Whether digital values of a display are sRGB's."""
     standard = Display()
     return (display.transfer, display.primaries_xy, display.white_xy) == (
         standard.transfer,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import io
 import json
 import re
 import shlex
@@ -87,6 +89,19 @@ def test_settings_that_were_not_given_are_told(capsys, tmp_path):
     words = ("art-coated", tmp_path / "mine.json", *SMALL, "--operators", "split")
     err = run(capsys, "compare", *words, "-o", tmp_path / "a.png")[2]
     assert "mine: no settings given, so it has sigma_N 0 and c_max" in err
+
+
+def test_the_profile_is_srgbs_where_the_display_is(capsys, tmp_path):
+    other = ("--set", "display.transfer=gain-offset-gamma")
+    for words, there in (((), True), (other, False)):
+        png, page = tmp_path / "a.png", tmp_path / "a.html"
+        common = ("art-coated", *SMALL, "--operators", "clip", "-o", png, "-o", page)
+        assert run(capsys, "compare", *common, *words)[0] == 0
+        assert ("icc_profile" in sheet_pixels(png)[1]) == there
+        (image,) = Page(page.read_text(encoding="utf-8")).images
+        held = base64.b64decode(image["src"].partition(",")[2])
+        with Image.open(io.BytesIO(held)) as picture:
+            assert ("icc_profile" in picture.info) == there
 
 
 @pytest.mark.parametrize(

@@ -69,7 +69,7 @@ def test_written_scene_is_the_pair(capsys, tmp_path):
         (("art-coated", "--write", "a.json"), "ends in .toml"),
         (("-o", "gone/a.png"), "gone"),
         (("uncoated", "--gloss", "contrast-gloss", "--write", "a.toml"), "no setting of uncoated"),
-        (("--set", "eye.shift_right=20"), "nothing of the object is seen"),
+        (("--set", "eye.shift_right=20"), "too little of the object is seen"),
     ],
     ids=str,
 )

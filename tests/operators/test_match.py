@@ -132,7 +132,7 @@ class TestShownGloss:
 
     def test_nothing_seen(self, renderer):
         scene = Scene(paper("cast"), eye=Eye(shift_right=10.0))
-        with pytest.raises(InputError, match="nothing of the object is seen"):
+        with pytest.raises(InputError, match="too little of the object is seen"):
             ShownGloss(renderer.render(scene, Look(), (32, 32)), "peak-contrast")
 
 
