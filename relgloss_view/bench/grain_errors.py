@@ -69,7 +69,7 @@ def grain_errors(
     return share_of_peak(drawn, mean, f.met).reshape(s.shape), single.reshape(s.shape)
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=16)
 def _grainy(
     cells: tuple[tuple[float, float], ...], incidence_deg: float
 ) -> tuple[Facings, Array, Array]:

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from relgloss_view.material import approximations, brdf
 from relgloss_view.picture import plan, tone
 from relgloss_view.picture.renderer.evaluate import evaluate
-from relgloss_view.picture.renderer.targets import Targets
+from relgloss_view.picture.renderer.targets import LARGEST_WHITE, Targets
 
 Array = NDArray[np.float64]
 
@@ -145,7 +145,7 @@ def diffuse_error(
         second = np.array([float(brdf.second_albedo(model, rho, float(v))) for v in sigma.ravel()])
         shown = rho * drawn[..., 0] + second.reshape(sigma.shape)[..., None] * drawn[..., 1]
         errors.append(share_of_peak(shown, rho * exact[..., 0] + rho**2 * exact[..., 1], f.met))
-    return np.max(errors, axis=0)
+    return np.asarray(np.max(errors, axis=0))
 
 
 def tone_error(
@@ -158,7 +158,8 @@ def tone_error(
 ) -> Array:
     """Largest error of L~*, a*, b* of three colours through split and scaling, c the largest to 1.
 
-    XYZ beyond the largest number of the targets counts as not finite.
+    XYZ beyond the largest number of the targets, under a lamp whose X or Z is the largest there is,
+    counts as not finite.
     """
     y_s, y_d = np.broadcast_arrays(
         np.asarray(y_specular, dtype=np.float64), np.asarray(y_diffuse, dtype=np.float64)
@@ -176,7 +177,7 @@ def tone_error(
     if targets == "float16":
         with np.errstate(over="ignore"):
             split = split.astype(np.float16).astype(np.float64)
-            brightest = np.max((diffuse + specular).astype(np.float16), axis=-1)
+            brightest = np.max(LARGEST_WHITE * (diffuse + specular), axis=-1).astype(np.float16)
         split[~np.isfinite(brightest)] = np.nan
     exact = tone.split_lab(diffuse, specular, np.ones(3))
     c = np.minimum(tone.largest_c(exact[:, 0], exact[:, 1]), 1.0)[:, None]

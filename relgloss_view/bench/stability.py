@@ -6,7 +6,7 @@ read off these maps, and tests hold them against each other.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -144,14 +144,16 @@ def _diffuse(model: str, title: str, key: tuple[str, str] | None) -> Subject:
     )
 
 
-def _grain(kind: str, incidence: float) -> Subject:
+def grain(kind: str, incidence: float) -> Subject:
+    """The map of grain drawn as its "mean", or of "none" drawn, at one angle."""
+
     def error(ctx: moderngl.Context, s: Array, ratio: Array) -> Array:
         mean, single = grain_errors.grain_errors(ctx, s, ratio, incidence)
         return mean if kind == "mean" else single
 
     def numbers(s: Array, ratio: Array) -> Numbers:
         angle = np.full(s.shape, incidence)
-        return {"s_deg": s, "grain_ratio": ratio, "sigma_n_deg": s * ratio, "incidence_deg": angle}
+        return {**_lobe_numbers(s, angle), "grain_ratio": ratio, "sigma_n_deg": s * ratio}
 
     said = {"mean": "Grain as the mean of its lobe", "none": "Grain left out (rms)"}[kind]
     name, title = f"grain-{kind}-{incidence:.0f}", f"{said}, {incidence:.0f} degrees"
@@ -202,11 +204,11 @@ SUBJECTS: tuple[Subject, ...] = (
     _diffuse("eon", "EON, r = sigma", ("diffuse", "eon")),
     _diffuse("qualitative", "Qualitative Oren-Nayar", ("diffuse", "qualitative")),
     _diffuse("lambert", "Lambert", ("diffuse", "lambert")),
-    _grain("mean", 0.0),
-    _grain("mean", 45.0),
-    _grain("mean", 70.0),
-    _grain("none", 0.0),
-    _grain("none", 70.0),
+    grain("mean", 0.0),
+    grain("mean", 45.0),
+    grain("mean", 70.0),
+    grain("none", 0.0),
+    grain("none", 70.0),
     Subject(
         "distant",
         "grain",
@@ -280,3 +282,16 @@ def as_json(maps: list[Map]) -> list[dict[str, Any]]:
 
 def _plain(value: float) -> float | None:
     return float(f"{value:.4g}") if np.isfinite(value) else None
+
+
+def lines(maps: list[Map]) -> Iterable[str]:
+    """Each map as a line: cells, those in its domain, the largest error there, what failed."""
+    for m in maps:
+        if not m.subject.is_error:
+            continue
+        failed = int(np.sum(~np.isfinite(m.error)))
+        domain = m.subject.domain
+        inside = int(np.sum(m.inside)) if domain else 0
+        worst = f"{np.max(m.error[m.inside]):.1e}" if inside else "nowhere" if domain else ""
+        told = f"{inside:8}{worst:>14}{domain.bound:>8g}" if domain else f"{'':30}"
+        yield f"  {m.subject.title:42}{m.error.size:7}{told}{failed:8}"

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from relgloss_view.atomic import whole_folder
-from relgloss_view.commands import grid
+from relgloss_view.commands import grid, stability_maps
 from relgloss_view.commands.progress import Progress
 from relgloss_view.commands.scene_options import size_of_text
 from relgloss_view.errors import InputError
@@ -42,6 +42,11 @@ def add(commands: Any) -> None:
         help="two scenes, the main methods and few frames, in under half a minute",
     )
     parser.add_argument(
+        "--stability",
+        action="store_true",
+        help="instead, maps of where methods fail: their errors over what a scene may have",
+    )
+    parser.add_argument(
         "--size", metavar="WxH", type=size_of_text, default=SIZE, help="in pixels, for the times"
     )
     parser.add_argument("--backend", choices=BACKENDS, default="auto", help="(default auto)")
@@ -51,6 +56,10 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Measure beside the folder, and move the files in when the last is done."""
+    if args.stability:
+        maps = _checked_folder(args.output, stability_maps.RESULTS, stability_maps.FORMAT)
+        quick, as_json = bool(args.quick), bool(args.json)
+        return stability_maps.run(maps, args.backend, quick=quick, as_json=as_json)
     from relgloss_view.bench import chart, report
     from relgloss_view.bench.measure import FULL, QUICK, measure
     from relgloss_view.picture.context import open_context

@@ -72,7 +72,7 @@ class Domain:
 
 LOBE = "of the lobe, share of its peak"
 DIFFUSE = "of the diffuse part, share of its largest"
-_FRESNEL = ({"incidence_deg": (0.0, 31.0), "refractive_index": (1.3, 2.5)},)
+_FRESNEL = ({"incidence_deg": (0.0, 29.0), "refractive_index": (1.3, 2.5)},)
 
 #: (axis of Method, its value) -> where it may be drawn. What is not named holds everywhere.
 DOMAINS: dict[tuple[str, str], Domain] = {
@@ -87,7 +87,7 @@ DOMAINS: dict[tuple[str, str], Domain] = {
     ("diffuse", "eon"): Domain(
         TWO_LSTAR,
         DIFFUSE,
-        ({"sigma_deg": (0.0, 3.4)}, {"sigma_deg": (0.0, 15.0), "incidence_deg": (15.0, 48.0)}),
+        ({"sigma_deg": (0.0, 3.4)}, {"sigma_deg": (0.0, 14.0), "incidence_deg": (10.0, 46.0)}),
     ),
     ("diffuse", "qualitative"): Domain(
         TWO_LSTAR,
@@ -121,7 +121,10 @@ DOMAINS: dict[tuple[str, str], Domain] = {
     ("noise", "none"): Domain(
         TWO_LSTAR,
         "of single grains (rms), share of the peak of their mean",
-        ({"grain_ratio": (0.0, 0.065), "sigma_n_deg": (0.0, 4.1), "incidence_deg": (0.0, 70.0)},),
+        (
+            {"grain_ratio": (0.0, 0.115), "sigma_n_deg": (0.0, 4.1), "foot_deg": (0.0, 90.0)},
+            {"grain_ratio": (0.0, 0.03), "sigma_n_deg": (0.0, 4.1), "incidence_deg": (0.0, 70.0)},
+        ),
     ),
     ("lamp", "distant"): Domain(
         TWO_LSTAR, LOBE, ({"lamp_turn": (0.0, 0.155), "lamp_angle_deg": (0.0, 1.8)},)
@@ -129,7 +132,7 @@ DOMAINS: dict[tuple[str, str], Domain] = {
     ("targets", "float32"): Domain(0.05, "L*, a* and b*", ({"peak_y": (0.0, 1e6)},)),
     ("targets", "float16"): Domain(0.1, "L*, a* and b*", ({"peak_y": (0.0, 43000.0)},)),
     ("c_max", "eq4"): Domain(
-        0.02, "of c_max", ({"s_deg": (0.05, 6.0), "incidence_deg": (0.0, 80.0)},)
+        0.02, "of c_max", ({"s_deg": (0.05, 6.5), "incidence_deg": (0.0, 70.0)},)
     ),
     ("c_max", "once"): Domain(0.02, "of c_max", ({"grain_ratio": (0.0, 0.002)},)),
     ("lobes", "1"): Domain(1.0, "L*, on black", ({"left_out_y": (0.0, UNSEEN_Y)},)),

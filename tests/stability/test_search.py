@@ -1,8 +1,8 @@
 """A search for any scene, look and method of the declared ranges that draws what is no light.
 
 Nothing that is not finite and nothing negative leaves either pass; or an InputError says what is
-wrong. The one negative that may be is the lamp's: weights of bands under a lamp of lines may be below
-zero (tests/stability/test_cases_tone.py), so no such sum is asked to be positive.
+wrong. The one negative that may be is the lamp's: weights of bands under a lamp of lines can be
+below zero (tests/stability/test_cases_tone.py), and no such sum is asked to be positive.
 """
 
 from __future__ import annotations
@@ -61,7 +61,13 @@ def assert_light(frame, *, whole=True):
     assert all(isinstance(text, str) for text in frame.warnings)
 
 
+#: Programs of a software driver take a megabyte or two each, and a search compiles thousands.
+MOST_PROGRAMS = 100
+
+
 def try_shader(drawer, scene, look, method, size):
+    if len(drawer.programs._known) > MOST_PROGRAMS:
+        drawer.programs.release()
     try:
         frame = drawer.render(scene, look, size, method)
     except InputError as refused:

@@ -1,0 +1,47 @@
+"""`relgloss bench --stability`: maps of where methods fail, as figures and numbers."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from relgloss_view.atomic import whole_folder
+from relgloss_view.commands.progress import Progress
+from relgloss_view.text_input import printable
+
+FORMAT, VERSION = "relgloss-stability", 1
+RESULTS = "stability.json"
+QUICK_CELLS = 12  #: along each side of a map
+
+
+def run(folder: Path, backend: str, *, quick: bool, as_json: bool) -> int:
+    """Draw the maps beside the folder, and move the files in when the last is done."""
+    from relgloss_view.bench import stability, stability_figures
+    from relgloss_view.bench.machine import machine
+    from relgloss_view.picture.context import open_context
+
+    with Progress("bench") as progress, whole_folder(folder, last=RESULTS) as temporary:
+        ctx = open_context(backend)
+        try:
+            made = machine(ctx)
+            maps = stability.all_maps(ctx, progress, QUICK_CELLS if quick else None)
+        finally:
+            ctx.release()
+        found = {
+            "format": FORMAT,
+            "version": VERSION,
+            "quick": quick,
+            "machine": made,
+            "maps": stability.as_json(maps),
+        }
+        text = json.dumps(found, allow_nan=False) + "\n"
+        (temporary / RESULTS).write_text(text, encoding="utf-8")
+        names = stability_figures.write_figures(maps, temporary)
+    if as_json:
+        print(json.dumps(found, allow_nan=False))
+        return 0
+    print(f"  {'':42}{'cells':>7}{'inside':>8}{'worst inside':>14}{'bound':>8}{'failed':>8}")
+    for line in stability.lines(maps):
+        print(line)
+    print(f"{printable(folder)}: {', '.join(names)}, {RESULTS}")
+    return 0

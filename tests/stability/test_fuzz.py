@@ -1,0 +1,148 @@
+"""Random work on two renderers that share one context: every picture is what a fresh one draws.
+
+Bit for bit, whatever came before on either: looks, scenes, sizes and methods change, stages are
+asked for in any order, late, or never.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from materials import paper
+
+from relgloss_view.picture.method import Method
+from relgloss_view.picture.renderer import Programs, Renderer
+from relgloss_view.picture.samples import load_sample
+from relgloss_view.picture.scene import Display, Eye, Lamp, Look, Scene, Shape
+
+STAGES = ("diffuse", "specular", "lab", "light", "display", "normal", "tilted_normal", "point_m")
+COUNTS = ("clip_count", "out_of_gamut_count", "c")
+SIZES = ((24, 18), (40, 9), (17, 33), (1, 1))
+MATERIALS = (
+    paper("cast"),
+    paper("art", "eon"),
+    load_sample("uncoated"),
+    load_sample("matte-coated"),
+)
+
+#: What may change, and to what: few values, so that the same picture comes back.
+CHANGES = {
+    "material": MATERIALS,
+    "shape": (Shape(), Shape("sphere"), Shape("plane"), Shape("box", depth_m=0.05)),
+    "lamp": (Lamp(), Lamp(azimuth_deg=110.0), Lamp(y_n="front"), Lamp(illuminant="D65")),
+    "eye": (Eye(), Eye(elevation_deg=30.0), Eye(field_of_view_deg=12.0, shift_right=0.06)),
+    "display": (Display(), Display(gamut="clip"), Display(background_lstar=20.0)),
+    "sigma_n_deg": (0.0, 0.0, 1.0, 3.0),
+    "c": (None, 0.2, 3.0),
+    "samples": (1, 1, 2),
+    "grain": ("screen", "surface"),
+    "noise_law": ("paper", "tangent"),
+    "noisy_lobes": ("both", "specular"),
+    "seed": (0, 1),
+}
+
+
+class State:
+    """What a renderer is asked to draw next."""
+
+    def __init__(self):
+        self.scene, self.look = Scene(MATERIALS[0]), Look(grain_mm=3.0)
+        self.size, self.method = SIZES[0], Method()
+
+    def change(self, rng):
+        kind = rng.integers(0, 10)
+        if kind == 0:
+            self.size = SIZES[rng.integers(len(SIZES))]
+        elif kind <= 2:
+            axes = dataclasses.fields(Method)
+            axis = axes[rng.integers(len(axes))]
+            options = axis.metadata.get("options") or (0, 1, 2)
+            chosen = {axis.name: options[rng.integers(len(options))]}
+            self.method = dataclasses.replace(Method(), **chosen)
+        else:
+            name = list(CHANGES)[rng.integers(len(CHANGES))]
+            value = CHANGES[name][rng.integers(len(CHANGES[name]))]
+            owner = "scene" if hasattr(self.scene, name) else "look"
+            setattr(self, owner, dataclasses.replace(getattr(self, owner), **{name: value}))
+
+    @property
+    def request(self):
+        return self.scene, self.look, self.size, self.method
+
+
+def fetched(frame, names):
+    return {name: np.array(getattr(frame, name)) for name in names}
+
+
+def run(ctx, seed, operations):
+    """Frames as two long-lived renderers give them, and as fresh ones do; returns how many."""
+    rng = np.random.default_rng(seed)
+    shared = Programs(ctx)
+    renderers = [Renderer(ctx, shared), Renderer(ctx, shared)]
+    states, kept, known = [State(), State()], [], {}
+    compared = 0
+    try:
+        for _ in range(operations):
+            which = int(rng.integers(2))
+            state = states[which]
+            for _ in range(rng.integers(1, 3)):
+                state.change(rng)
+            frame = renderers[which].render(*state.request)
+            names = [str(n) for n in rng.permutation([*STAGES, *COUNTS])[: rng.integers(0, 4)]]
+            found = [(state.request, fetched(frame, names))]
+            kept.append((frame, state.request))
+            if rng.random() < 0.2:  # an older picture is asked for something it never was
+                old, request = kept[rng.integers(len(kept))]
+                names = [*STAGES, *COUNTS][:: rng.integers(1, 6)]
+                found.append((request, fetched(old, names)))
+            for request, stages in found:
+                key = repr(request)
+                if key not in known:
+                    fresh = Renderer(ctx, shared)
+                    known[key] = fetched(fresh.render(*request), (*STAGES, *COUNTS))
+                    fresh.release()
+                for name, values in stages.items():
+                    np.testing.assert_array_equal(values, known[key][name], err_msg=name)
+                    compared += 1
+    finally:
+        for renderer in renderers:
+            renderer.release()
+        shared.release()
+    return compared, len(known)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_what_came_before_changes_nothing(ctx, seed):
+    compared, pictures = run(ctx, seed, 150)
+    assert compared > 200
+    assert pictures > 60
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2, 12))
+def test_what_came_before_changes_nothing_at_length(ctx, seed):
+    compared, _ = run(ctx, seed, 300)
+    assert compared > 400
+
+
+def test_a_stale_pass_would_be_seen(ctx, monkeypatch):
+    """Control: a renderer that believes that pass 1 still holds is found out."""
+    from relgloss_view.picture.renderer.held import Held
+
+    honest = Held.stale
+
+    def forgetful(self, name, *parts):
+        stale = honest(self, name, *parts)
+        return stale and not (name == "shade" and len(parts) > 1 and self.__dict__.get("lying"))
+
+    def lie(self, name, *parts):
+        answer = forgetful(self, name, *parts)
+        if name == "shade":
+            self.__dict__["lying"] = True
+        return answer
+
+    monkeypatch.setattr(Held, "stale", lie)
+    with pytest.raises(AssertionError):
+        run(ctx, 0, 60)
