@@ -49,11 +49,23 @@ def run(args: argparse.Namespace) -> int:
     }
     usable = [name for name, found in findings["opengl"].items() if found["usable"]]
     findings["chosen"] = usable[0] if usable else None
+    findings["memory"] = _memory()
     if args.json:
         print(json.dumps(findings))
     else:
         _print(findings)
     return 0 if usable else GLUnavailableError.exit_status
+
+
+def _memory() -> dict[str, Any]:
+    """What a picture takes of the device's memory, for each of its pixels."""
+    from relgloss_view.picture.renderer.memory import ON_DEMAND, bytes_per_pixel
+
+    least = bytes_per_pixel()
+    return {
+        "bytes_per_pixel": least,
+        "where_asked_for": {name: bytes_per_pixel((name,)) - least for name in ON_DEMAND},
+    }
 
 
 def _version(name: str) -> str | None:
@@ -108,6 +120,10 @@ def _print(findings: dict[str, Any]) -> None:
             )
         else:
             print(f"{name}: {printable(found['fault'], 500)}")
+    memory = findings["memory"]
+    more = ", ".join(f"{count:g} for {name}" for name, count in memory["where_asked_for"].items())
+    least = memory["bytes_per_pixel"]
+    print(f"memory of the device: {least:.1f} bytes a pixel; where asked for, {more}")
     if findings["chosen"]:
         print(f"pictures are drawn with {findings['chosen']}")
     else:
