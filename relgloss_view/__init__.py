@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from relgloss_view.material.gloss_meter import gloss_readings as gloss_readings
     from relgloss_view.material.material import Material as Material
     from relgloss_view.measure.readers import read_measurement as read_measurement
+    from relgloss_view.operators.registry import OPERATORS as OPERATORS
+    from relgloss_view.operators.registry import make_operator as make_operator
     from relgloss_view.measure.table import Measurement as Measurement
     from relgloss_view.picture.backends import open_renderer as open_renderer
     from relgloss_view.picture.export import save_frame as save_frame
@@ -44,6 +46,7 @@ _HOMES = {
     "material.gloss_meter": ("gloss_readings",),
     "material.material": ("Material",),
     "measure.readers": ("read_measurement",),
+    "operators.registry": ("OPERATORS", "make_operator"),
     "measure.table": ("Measurement",),
     "picture.backends": ("open_renderer",),
     "picture.export": ("save_frame",),
