@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from relgloss_view.material.gloss_meter import gloss_readings as gloss_readings
     from relgloss_view.material.material import Material as Material
     from relgloss_view.measure.readers import read_measurement as read_measurement
+    from relgloss_view.measure.table import Measurement as Measurement
     from relgloss_view.operators.registry import OPERATORS as OPERATORS
     from relgloss_view.operators.registry import make_operator as make_operator
-    from relgloss_view.measure.table import Measurement as Measurement
     from relgloss_view.picture.backends import open_renderer as open_renderer
     from relgloss_view.picture.export import save_frame as save_frame
     from relgloss_view.picture.frame import Frame as Frame
