@@ -30,6 +30,7 @@ TWO_LSTAR = 0.05  #: share of Y by which L* = 100 changes by two: 116/3 of it
 #: Y that shows as one L* on black: a lobe below it counts as little as if it were left out.
 UNSEEN_Y = 27.0 / 24389.0
 FOOT_SD = 4.0  #: where a lobe ends, for what it does at the horizon
+NO_LOBE_DEG = 40.0  #: stands for a width where no lobe shows: nothing is narrow against it
 ROUNDING = 1e-9  #: of degrees that were radians
 SURVEY_PX = 24  #: rays along each side of the picture that a scene is surveyed with
 
@@ -159,24 +160,24 @@ def outside(scene: Scene, look: Look, method: Method) -> tuple[str, ...]:
 def survey(scene: Scene, look: Look, method: Method) -> dict[str, Span]:
     """The ranges of QUANTITIES in a scene, by a coarse grid of rays; zeros where nothing is lit.
 
-    Lobes that show nowhere do not count; where none does, a width of one degree stands for them.
+    Lobes that show nowhere do not count; where none does, there is nothing narrow and no foot.
     """
     lobes = drawn_lobes(scene.material, method)
     left_out = tuple(lobe for lobe in scene.material.visible_lobes() if lobe not in lobes)
     facing, irradiance, angle = _facings(scene)
     light = (scene, facing, irradiance)
     seen = tuple(lobe for lobe in lobes if _largest_y((lobe,), *light) > UNSEEN_Y)
-    widths = [math.degrees(lobe.s) for lobe in seen] or [1.0]
+    widths = [math.degrees(lobe.s) for lobe in seen] or [NO_LOBE_DEG]
     theta = np.degrees(np.arccos(np.clip(facing.cos_d, 0.0, 1.0)))
     incidence = _span(theta) if len(theta) else (0.0, 0.0)
     return {
-        "s_deg": _span(widths),
+        "s_deg": _span(widths if seen else [1.0]),
         "refractive_index": _span([lobe.refractive_index for lobe in seen] or [1.5]),
         "sigma_deg": (scene.material.diffuse.sigma_deg,) * 2,
         "sigma_n_deg": (look.sigma_n_deg,) * 2,
         "grain_ratio": _span([look.sigma_n_deg / width for width in widths]),
         "incidence_deg": incidence,
-        "foot_deg": (0.0, incidence[1] + FOOT_SD * max(widths)),
+        "foot_deg": (0.0, incidence[1] + (FOOT_SD * max(widths) if seen else 0.0)),
         "lamp_angle_deg": (0.0, angle),
         "lamp_turn": (0.0, 0.5 * angle / min(widths)),
         "peak_y": (0.0, _largest_y(lobes, *light)),

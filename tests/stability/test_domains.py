@@ -69,19 +69,23 @@ def cells(subject):
 
 @pytest.fixture(scope="module")
 def computed(_session_ctx):
-    """name -> x, y, error of every subject's cells, computed once."""
-    found = {}
-    with np.errstate(all="ignore"):
-        for subject in SUBJECTS:
+    """x, y, error of a subject's cells, computed once, when first asked for."""
+    known = {}
+
+    def of(subject):
+        if subject.name not in known:
             x, y = cells(subject)
-            error = subject.error(_session_ctx, x, y)
-            found[subject.name] = x, y, np.where(np.isfinite(error), error, np.inf)
-    return found
+            with np.errstate(all="ignore"):
+                error = subject.error(_session_ctx, x, y)
+            known[subject.name] = x, y, np.where(np.isfinite(error), error, np.inf)
+        return known[subject.name]
+
+    return of
 
 
 @pytest.mark.parametrize("subject", SUBJECTS, ids=lambda s: s.name)
 def test_inside_its_domain_a_choice_holds(computed, subject):
-    x, y, error = computed[subject.name]
+    x, y, error = computed(subject)
     inside = subject.inside(x, y)
     if not subject.domain.boxes:
         assert not np.any(inside)
@@ -122,7 +126,7 @@ def test_just_beyond_its_domain_it_breaks(computed, key, k, quantity, end):
     boxes[k] = {**boxes[k], quantity: span}
     worst, entered = 0.0, 0
     for subject in (s for s in SUBJECTS if s.key == key):
-        x, y, error = computed[subject.name]
+        x, y, error = computed(subject)
         numbers = subject.numbers(x, y)
         grown = _holds(dataclasses.replace(domain, boxes=tuple(boxes)), numbers, len(x))
         coming = grown & ~_holds(domain, numbers, len(x))
@@ -218,6 +222,18 @@ class TestOutside:
             *("fresnel constant", "shadowing none", "facets ggx", "diffuse lambert"),
             *("noise none", "c_max eq4"),
         }
+
+    def test_without_a_lobe_only_the_diffuse_part_counts(self):
+        """A matt surface sees little of what would shift or blur a highlight."""
+        flat = Scene(materials.flat(0.5), lamp=Lamp(distance_m=5.0))
+        for method in (Method(noise="none"), Method(lamp="distant")):
+            assert outside(flat, Look(sigma_n_deg=2.0), method) == ()
+        near = dataclasses.replace(flat, lamp=Lamp(distance_m=0.5))
+        assert outside(near, Look(), Method(lamp="distant")) == ("lamp distant",)
+        assert outside(flat, Look(sigma_n_deg=5.0), Method(noise="none")) == ("noise none",)
+        shiny = dataclasses.replace(flat, material=materials.paper("cast"))
+        assert outside(shiny, Look(), Method(lamp="distant")) == ("lamp distant",)
+        assert outside(shiny, Look(sigma_n_deg=2.0), Method(noise="none")) == ("noise none",)
 
     def test_a_lobe_that_shows_nowhere_does_not_count(self):
         weak = Lobe((1e-4,), 35.0)

@@ -22,7 +22,7 @@ from relgloss_view.picture.renderer import Renderer
 from relgloss_view.picture.scene import Look, Scene
 
 QUICK = settings(
-    max_examples=150,
+    max_examples=120,
     deadline=None,
     derandomize=True,
     database=None,
@@ -102,7 +102,7 @@ class TestShader:
         """Control: a search whose every request is refused would find nothing."""
         drawn = []
 
-        @settings(QUICK, max_examples=60)
+        @settings(QUICK, max_examples=40)
         @given(scene=scenes(), look=looks())
         def tried(scene, look):
             drawn.append(try_shader(drawer, scene, look, Method(), (24, 16)))
@@ -128,7 +128,7 @@ class TestTwin:
         try_twin(scene, look, size)
 
     @pytest.mark.slow
-    @settings(QUICK, max_examples=1500)
+    @settings(QUICK, max_examples=1200)
     @given(scene=scenes(), look=looks(), size=st.sampled_from(SIZES))
     def test_any_picture_is_light_at_length(self, scene, look, size):
         try_twin(scene, look, size)
