@@ -88,7 +88,7 @@ DOMAINS: dict[tuple[str, str], Domain] = {
     ("diffuse", "eon"): Domain(
         TWO_LSTAR,
         DIFFUSE,
-        ({"sigma_deg": (0.0, 3.4)}, {"sigma_deg": (0.0, 14.0), "incidence_deg": (10.0, 46.0)}),
+        ({"sigma_deg": (0.0, 3.4)}, {"sigma_deg": (0.0, 14.0), "incidence_deg": (10.5, 46.0)}),
     ),
     ("diffuse", "qualitative"): Domain(
         TWO_LSTAR,

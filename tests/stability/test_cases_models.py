@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 
+import glsl
 import materials
 import numpy as np
 import pytest
@@ -65,6 +66,11 @@ def test_case_03_unit_index_reflects_nothing(ctx, renderer, reference):
         values = lobe(ctx, Z, direction(40.0), o, s_deg, 1.0)
         assert not np.any(values.shader)
         assert not np.any(values.twin)
+    # At grazing incidence both of its sums are 0.
+    body = "result = vec4(fresnel_dielectric(c.x, 1.0));"
+    grazing = np.array([0.0, 1e-7, 1.0])
+    assert not np.any(glsl.evaluate(ctx, ["brdf.glsl"], body, {"c": grazing}))
+    assert not np.any(brdf.fresnel_dielectric(grazing, 1.0))
     scene = Scene(materials.flat(0.3, (Lobe((1.0,), 2.0, 1.0),)))
     for one in (renderer, reference):
         frame = one.render(scene, Look(), SMALL)

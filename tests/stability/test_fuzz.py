@@ -146,3 +146,17 @@ def test_a_stale_pass_would_be_seen(ctx, monkeypatch):
     monkeypatch.setattr(Held, "stale", lie)
     with pytest.raises(AssertionError):
         run(ctx, 0, 60)
+
+
+def test_extremes_of_a_quarter_of_the_pixels_are_not_kept_for_all(ctx):
+    """Found by the fuzz: c_max over a quarter of the pixels stayed where all were asked for."""
+    eye = Eye(field_of_view_deg=12.0, shift_right=0.06)
+    scene, look = Scene(load_sample("uncoated"), eye=eye), Look(sigma_n_deg=3.0)
+    fresh = Renderer(ctx)
+    expected = fresh.render(scene, look, (24, 18)).c_max
+    fresh.release()
+    one = Renderer(ctx)
+    sparse = one.render(scene, look, (24, 18), Method(c_max="sparse")).c_max
+    assert one.render(scene, look, (24, 18)).c_max == expected
+    assert one.render(scene, look, (24, 18), Method(c_max="sparse")).c_max == sparse != expected
+    one.release()

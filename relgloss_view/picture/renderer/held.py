@@ -10,7 +10,7 @@ Key = tuple[object, ...]
 
 #: What goes on from a pass: where it is drawn again, these fall.
 FOLLOWING = {
-    "shade": ("parts", "tone", "light", "geometry"),
+    "shade": ("extremes", "parts", "tone", "light", "geometry"),
     "geometry": ("overlay",),
     "light": ("overlay",),
     "tone": ("counts", "overlay"),

@@ -179,8 +179,9 @@ class Renderer:
         plan, uniforms, white = self._shading(request)
         if self.held.stale("shade", plan, request.size, uniforms):
             self._shade(request, plan, uniforms)
+        stride = 2 if request.method.c_max == "sparse" else 1
+        if self.held.stale("extremes", stride):
             bounds = View.of(request.scene, request.size).bounds
-            stride = 2 if request.method.c_max == "sparse" else 1
             self._extremes = self.reduction.extremes(self.texture("split"), bounds, stride)
             self.targets.check_fits(self._extremes)
         return white
