@@ -24,14 +24,7 @@ from relgloss_view.picture.renderer.on_demand import fetch
 from relgloss_view.picture.renderer.programs import Programs, Uniforms
 from relgloss_view.picture.renderer.reduction import Reduction
 from relgloss_view.picture.renderer.request import Request
-from relgloss_view.picture.renderer.targets import (
-    CLEARED,
-    PARTS,
-    SHADE,
-    SPLIT,
-    TONE,
-    Targets,
-)
+from relgloss_view.picture.renderer.targets import CLEARED, PARTS, SHADE, SPLIT, TONE, Targets
 from relgloss_view.picture.renderer.uniforms import (
     display_uniforms,
     grain_uniforms,
