@@ -30,4 +30,3 @@ def bytes_per_pixel(asked: tuple[str, ...] = ()) -> float:
 def device_bytes(size: Size, asked: tuple[str, ...] = ()) -> float:
     """Bytes of the device's memory that a picture of a size takes."""
     return size[0] * size[1] * bytes_per_pixel(asked)
-

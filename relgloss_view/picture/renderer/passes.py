@@ -156,8 +156,8 @@ class Renderer:
     def _draw_what_changed(self, request: Request) -> tuple[Scaling, float]:
         self._present = None
         self._make_room(request)
-        once = request.without_grain()
-        if request.method.c_max == "once" and self.held.stale("once", once):
+        once, lamp = request.without_grain(), illuminant(request.scene.lamp.illuminant)
+        if request.method.c_max == "once" and self.held.stale("once", once, id(lamp)):
             self._draw_shade(once)
             self._once = self._extremes
         white = self._draw_shade(request)
