@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import statistics
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,9 +12,10 @@ from typing import Any
 import moderngl
 import numpy as np
 
+from relgloss_view.bench.floor import FillFloor
 from relgloss_view.bench.machine import available_bytes
 from relgloss_view.bench.scenes import Case
-from relgloss_view.bench.tasks import Drawing, pass_1_changed
+from relgloss_view.bench.tasks import Drawing, Floor, pass_1_changed
 from relgloss_view.bench.timing import PER_VISIT, Times, take_turns
 from relgloss_view.errors import RelglossError
 from relgloss_view.picture.method import EXACT
@@ -21,6 +23,7 @@ from relgloss_view.picture.renderer import Programs, Renderer
 from relgloss_view.picture.view import Size
 
 MEGAPIXELS = (0.25, 1.0, 4.0, 9.0, 16.0, 33.0)
+FLOOR_SIZE = (1280, 720)
 TOLERANCE = 0.15  #: of the line
 #: Three float targets and the display, and what the driver keeps beside them.
 BYTES_PER_PIXEL = 72
@@ -65,25 +68,34 @@ def time_pixels(
     frames: int,
     progress: Callable[[float, str], object],
 ) -> dict[str, Any]:
-    """Frames of all passes but the white's at each size, going up, then down."""
+    """Frames of all passes but the white's at each size, going up, then down.
+
+    A floor of FLOOR_SIZE takes turns with each, and `steady_ms` is what a frame would take were the
+    machine always as fast as it is in the median: slow spells would bend the line.
+    """
     programs = Programs(ctx)
+    floor, floors = FillFloor(ctx, FLOOR_SIZE), {m: Times() for m in megapixels}
     half = max(PER_VISIT, frames // 2)
     times: dict[float, Times] = {m: Times() for m in megapixels}
     try:
         for k, m in enumerate((*megapixels, *reversed(megapixels))):
             progress(k / (2 * len(megapixels)), f"{m:g} megapixels")
             if not times[m].fault:
-                _time_size(ctx, programs, case, m, half, times[m])
+                _time_size(ctx, programs, case, m, half, (times[m], floors[m]), floor)
     finally:
+        floor.release()
         programs.release()
+    floor_ms = statistics.median(ms for m in megapixels for ms in floors[m].ms or [0.0])
     rows: list[dict[str, Any]] = []
     for m in megapixels:
         size = size_of(m)
-        rows.append({"size": size, "megapixels": 1e-6 * size[0] * size[1], **times[m].as_dict()})
+        row = {"size": size, "megapixels": 1e-6 * size[0] * size[1], **times[m].as_dict()}
+        ratio = times[m].over(floors[m])
+        rows.append({**row, "steady_ms": None if ratio is None else ratio * floor_ms})
     held = [row for row in rows if row["ms"] is not None]
     found: dict[str, Any] = {"tolerance": TOLERANCE, "sizes": rows}
     if len(held) > 2:
-        line = fit_line([row["megapixels"] for row in held], [row["ms"] for row in held])
+        line = fit_line([row["megapixels"] for row in held], [row["steady_ms"] for row in held])
         for row, residual in zip(held, line.residuals, strict=True):
             row["residual"] = residual
         fields = dataclasses.asdict(line)
@@ -98,23 +110,30 @@ def _time_size(
     case: Case,
     megapixels: float,
     frames: int,
-    into: Times,
+    into: tuple[Times, Times],
+    floor: FillFloor,
 ) -> None:
+    of_frame, of_floor = into
     size = size_of(megapixels)
     free = available_bytes()
     needed = BYTES_PER_PIXEL * size[0] * size[1]
     if free is not None and needed > SHARE_OF_MEMORY * free:
-        into.fault = f"needs about {needed / 1e9:.1f} GB of memory, {free / 1e9:.1f} GB are free"
+        of_frame.fault = (
+            f"needs about {needed / 1e9:.1f} GB of memory, {free / 1e9:.1f} GB are free"
+        )
         return
     renderer = Renderer(ctx, programs)
     pictures = pass_1_changed(case.scene, case.look, EXACT, PER_VISIT + 1)
     task = Drawing("frame", renderer, size, pictures)
     try:
         task.warm()  # the device clears new memory as it is first written
-        found = take_turns([task], frames)["frame"]
-        into.ms += found.ms
-        into.fault = found.fault
+        found = take_turns([Floor(floor), task], frames)
+        of_frame.fault = found["frame"].fault
+        if not of_frame.fault:
+            for name, held in (("frame", of_frame), ("floor", of_floor)):
+                held.ms += found[name].ms
+                held.visits += found[name].visits
     except RelglossError as error:
-        into.fault = str(error)
+        of_frame.fault = str(error)
     finally:
         renderer.release()

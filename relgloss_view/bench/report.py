@@ -116,7 +116,7 @@ def _others(found: Found) -> Iterable[str]:
         yield f"grid: {grid['stimuli']} stimuli at 512x512 as PNG in {grid['seconds']:.2f} s"
     if pixels := found.get("pixels"):
         told = [
-            f"{row['megapixels']:.2f} Mpx {row['ms']:.1f} ms ({100 * row['residual']:+.0f} %)"
+            f"{row['megapixels']:.2f} Mpx {row['steady_ms']:.1f} ms ({100 * row['residual']:+.0f} %)"
             if row.get("residual") is not None
             else f"{row['megapixels']:.2f} Mpx {row.get('fault', 'not fitted')}"
             for row in pixels["sizes"]
