@@ -9,6 +9,7 @@ import io
 import os
 import sys
 from collections.abc import Sequence
+from typing import Any
 
 from relgloss_view import __version__
 from relgloss_view.errors import GLUnavailableError, InputError, RelglossError
@@ -111,12 +112,19 @@ def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
         "with an example.",
     )
     parser.add_argument("--version", action="version", version=f"relgloss {__version__}")
-    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    commands = parser.add_subparsers(metavar="COMMAND", required=True, parser_class=_WholeNames)
     # Only the command in use is imported: start-up is part of every picture's time.
     named = [name for name in COMMANDS if name in words[:1]]
     for name in named or COMMANDS:
         importlib.import_module(f"relgloss_view.commands.{name}").add(commands)
     return parser
+
+
+class _WholeNames(argparse.ArgumentParser):
+    """Takes no shortened names: `--sample` is not `--samples` where there is no `--sample`."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(allow_abbrev=False, **options)
 
 
 if __name__ == "__main__":

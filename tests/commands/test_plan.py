@@ -60,3 +60,9 @@ def test_snapshot_draws_it(tmp_path, capsys):
     assert pictures["auto"]["method"] == plan["simplified"] != {}
     assert pictures["exact"]["method"] == {}
     assert pictures["auto"]["look"]["quality"] == "auto"
+
+
+def test_names_of_options_are_not_shortened(capsys):
+    # `match` takes samples as words: --sample must not be read as --samples.
+    assert main(["match", "--sample", "uncoated"]) == 2
+    assert "unrecognized arguments: --sample" in capsys.readouterr().err
