@@ -149,7 +149,9 @@ class Material:
 
     def visible_lobes(self) -> tuple[Lobe, ...]:
         """The lobes that reflect anything."""
-        return tuple(lobe for lobe in self.specular if any(lobe.strength))
+        return tuple(
+            lobe for lobe in self.specular if any(lobe.strength) and lobe.refractive_index > 1.0
+        )
 
     @property
     def synthetic(self) -> bool:

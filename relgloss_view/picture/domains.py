@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,8 +21,8 @@ from relgloss_view.material.spectra import illuminant, xyz_weights
 from relgloss_view.picture import shape as shapes
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.plan import as_drawn, drawn_diffuse, drawn_lobes
-from relgloss_view.picture.scene import Look, Scene
-from relgloss_view.picture.view import View
+from relgloss_view.picture.scene import Eye, Lamp, Look, Scene, Shape
+from relgloss_view.picture.view import view_of
 
 Array = NDArray[np.float64]
 Span = tuple[float, float]
@@ -32,7 +33,10 @@ UNSEEN_Y = 27.0 / 24389.0
 FOOT_SD = 4.0  #: where a lobe ends, for what it does at the horizon
 NO_LOBE_DEG = 40.0  #: stands for a width where no lobe shows: nothing is narrow against it
 ROUNDING = 1e-9  #: of degrees that were radians
-SURVEY_PX = 24  #: rays along each side of the picture that a scene is surveyed with
+#: Rays across and down the object that a scene is surveyed with: of a lamp behind the object little
+#: more than a hundredth of its width is lit and seen.
+SURVEY = (128, 16)
+SURVEY_PX = 1024  #: sides of the picture that they belong to
 
 #: What a scene is measured by. `incidence_deg` is half the angle between lamp and eye.
 QUANTITIES = {
@@ -158,18 +162,19 @@ def outside(scene: Scene, look: Look, method: Method) -> tuple[str, ...]:
 
 
 def survey(scene: Scene, look: Look, method: Method) -> dict[str, Span]:
-    """The ranges of QUANTITIES in a scene, by a coarse grid of rays; zeros where nothing is lit.
+    """The ranges of QUANTITIES in a scene, by a coarse grid of rays.
 
-    Lobes that show nowhere do not count; where none does, there is nothing narrow and no foot.
+    Where none finds a lit point any incidence is possible. Lobes that show nowhere do not count;
+    where none does, there is nothing narrow and no foot.
     """
     lobes = drawn_lobes(scene.material, method)
     left_out = tuple(lobe for lobe in scene.material.visible_lobes() if lobe not in lobes)
-    facing, irradiance, angle = _facings(scene)
+    facing, irradiance, angle = _facings(scene.shape, scene.lamp, scene.eye)
     light = (scene, facing, irradiance)
     seen = tuple(lobe for lobe in lobes if _largest_y((lobe,), *light) > UNSEEN_Y)
     widths = [math.degrees(lobe.s) for lobe in seen] or [NO_LOBE_DEG]
     theta = np.degrees(np.arccos(np.clip(facing.cos_d, 0.0, 1.0)))
-    incidence = _span(theta) if len(theta) else (0.0, 0.0)
+    incidence = _span(theta) if len(theta) else (0.0, 89.0)
     return {
         "s_deg": _span(widths if seen else [1.0]),
         "refractive_index": _span([lobe.refractive_index for lobe in seen] or [1.5]),
@@ -203,20 +208,24 @@ def _span(values: ArrayLike) -> Span:
     return float(np.min(values)), float(np.max(values))
 
 
-def _facings(scene: Scene) -> tuple[brdf.Facing, Array, float]:
+@lru_cache(maxsize=8)
+def _facings(shape: Shape, lamp: Lamp, eye: Eye) -> tuple[brdf.Facing, Array, float]:
     """Points that are lit and seen (N,), their irradiance relative to the largest, and the angle by
     which the lamp's direction differs at most from that to the object's centre, degrees.
     """
-    view = View.of(scene, (SURVEY_PX, SURVEY_PX))
-    shape = scene.shape
-    hit = shapes.meet(shape.kind, view.eye_m, view.rays(slice(None)), shape.half_extent_m())
+    view = view_of(shape, eye, (SURVEY_PX, SURVEY_PX))
+    left, bottom, right, top = view.bounds
+    columns = np.linspace(left, right - 1, SURVEY[0])
+    rows = np.linspace(SURVEY_PX - top, SURVEY_PX - bottom - 1, SURVEY[1])
+    ray = view.rays_at(*np.broadcast_arrays(columns[None, :], rows[:, None]))
+    hit = shapes.meet(shape.kind, view.eye_m, ray, shape.half_extent_m())
     point, n = hit.point_m[hit.found], hit.normal[hit.found]
-    to_lamp, to_eye = scene.lamp.position_m - point, view.eye_m - point
+    to_lamp, to_eye = lamp.position_m - point, view.eye_m - point
     distance = _lengths(to_lamp)
     facing = brdf.facing(n, to_lamp / distance, to_eye / _lengths(to_eye))
     lit = (facing.mu_i > 0.0) & (facing.mu_o > 0.0)
     irradiance = facing.mu_i[lit] / distance[lit, 0] ** 2
-    centre = scene.lamp.position_m / np.linalg.norm(scene.lamp.position_m)
+    centre = lamp.position_m / np.linalg.norm(lamp.position_m)
     cosine = np.clip((to_lamp / distance)[lit] @ centre, -1.0, 1.0)
     angle = float(np.degrees(np.arccos(np.min(cosine, initial=1.0))))
     relative = irradiance / np.max(irradiance, initial=1e-300)

@@ -136,8 +136,8 @@ def drawn_diffuse(material: Material, chosen: method.Method) -> str:
 def drawn_lobes(material: Material, chosen: method.Method) -> tuple[Lobe, ...]:
     """The lobes that are drawn: those that reflect anything, the strongest of them."""
     lobes = material.visible_lobes()
-    strongest = sorted(lobes, key=lambda lobe: -max(lobe.strength))[: chosen.lobes]
-    return tuple(lobe for lobe in lobes if lobe in strongest)
+    strongest = sorted(range(len(lobes)), key=lambda k: -max(lobes[k].strength))[: chosen.lobes]
+    return tuple(lobe for k, lobe in enumerate(lobes) if k in strongest)
 
 
 def drawn_facets(look: Look, chosen: method.Method) -> str:

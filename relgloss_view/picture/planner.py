@@ -15,11 +15,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from relgloss_view.errors import InputError
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.domains import outside
 from relgloss_view.picture.method import EXACT, Method
-from relgloss_view.picture.plan import Plan, drawn_lobes
+from relgloss_view.picture.plan import Plan, drawn_lobes, sample_count
 from relgloss_view.picture.proxy import Error, Proxy
 from relgloss_view.picture.scene import Checked, Look, Scene, parameter
 from relgloss_view.picture.view import Size
@@ -32,10 +34,10 @@ class Tolerance(Checked):
     p95: float = parameter(0.5, 0.0, 100.0, "", "95th percentile, over object and highlight each")
     largest: float = parameter(2.0, 0.0, 100.0, "", "at any pixel")
 
-    def holds(self, error: Error, share: float = 1.0) -> bool:
-        """Whether an error is inside a share of it."""
+    def holds(self, error: Error, of_p95: float = 1.0, of_largest: float = 1.0) -> bool:
+        """Whether an error is inside these shares of it."""
         worst = max(error.object_p95, error.highlight_p95)
-        return worst <= share * self.p95 and error.largest <= share * self.largest
+        return worst <= of_p95 * self.p95 and error.largest <= of_largest * self.largest
 
 
 #: The choices of a stage, the simplest first, and what each saves of the time of a frame drawn
@@ -81,8 +83,10 @@ class Advice:
         return min(sum(choice.saved_percent for choice in self.choices), 90.0)
 
 
-#: Share of the tolerance that a plan uses: a proxy's percentiles are those of a thousand pixels.
-USED = 0.9
+#: Shares of the tolerance that a plan uses: percentiles of a thousand pixels are nearly those of
+#: all, but the largest error of all may be well above the largest of those.
+USED = (0.9, 0.4)
+WEAK_LSTAR = 2.0  #: of a highlight whose c_max is far above 1, so that little moves it
 REMEMBERED = 64  #: plans
 CHECK_SECONDS = 0.1  #: between two looks at a moving picture, each of a few milliseconds
 NO_ERROR = Error(0.0, 0.0, 0.0)
@@ -96,10 +100,9 @@ def advise(
 ) -> Advice:
     """Choose a method; raises InputError where no c can show the picture, as drawing it does."""
     proxy = Proxy(scene, look, size)
-    if proxy.empty:
-        return Advice(
-            EXACT, (), NO_ERROR, "no pixel shows the object: there is nothing to simplify"
-        )
+    note = _only_exact(proxy, size)
+    if note:
+        return Advice(EXACT, (), NO_ERROR, note)
     method, choices = EXACT, []
     for stage in SAVINGS:
         choice = _choose(proxy, method, stage, tolerance)
@@ -126,11 +129,12 @@ def _choose(proxy: Proxy, method: Method, stage: str, tolerance: Tolerance) -> C
         if f"{stage} {name}" in outside(proxy.scene, proxy.look, tried):
             simpler, simpler_error, reason = name, error, "outside its declared domain"
             continue
-        if name == "sparse" and _grain_sets_c(proxy, method):
-            return Choice(stage, present, 0.0, NO_ERROR, reason="single grains set c_max")
+        if _sets_c(proxy, stage):
+            simpler, simpler_error, reason = name, error, "single pixels set c_max"
+            continue
         if stage == "gamut" and proxy.leaves_gamut(tried):
             return Choice(stage, present, 0.0, NO_ERROR, reason="some colours may leave the gamut")
-        if tolerance.holds(error, USED):
+        if tolerance.holds(error, *USED):
             alone = proxy.error(_with(EXACT, stage, name))
             return Choice(stage, name, saved, alone, simpler, simpler_error, reason)
         simpler, simpler_error, reason = name, error, ""
@@ -139,10 +143,38 @@ def _choose(proxy: Proxy, method: Method, stage: str, tolerance: Tolerance) -> C
     return Choice(stage, present, 0.0, NO_ERROR, simpler, simpler_error, reason)
 
 
-def _grain_sets_c(proxy: Proxy, method: Method) -> bool:
-    """Whether c follows from the brightest grain, which a quarter of the pixels may not hold."""
-    grainy = Plan.of(proxy.scene, proxy.look, 1, method).noise != "none"
-    return grainy and proxy.look.c is None
+def _only_exact(proxy: Proxy, size: Size) -> str:
+    """Why nothing may be simplified, if so: what a picture hangs on is not on these pixels."""
+    if proxy.empty:
+        return "no pixel shows the object: nothing to simplify"
+    if proxy.dark:
+        return "hardly a pixel is lit: everything is drawn exactly"
+    if sample_count(proxy.scene, proxy.look, size) > 1:
+        return "several samples a pixel: everything is drawn exactly"
+    weak = float(np.max(proxy.exact.l_s, initial=0.0)) < WEAK_LSTAR
+    if weak and proxy.look.c is None and proxy.scene.material.visible_lobes():
+        return "the highlight is weak, so that little moves c_max: everything is drawn exactly"
+    return ""
+
+
+def _sets_c(proxy: Proxy, stage: str) -> bool:
+    """Whether a stage decides on single pixels that c follows from, where c is not given."""
+    return proxy.look.c is None and stage in ("c_max", "noise")
+
+
+def serves(proxy: Proxy, method: Method, size: Size, tolerance: Tolerance) -> bool:
+    """Whether a method does for a picture: what `advise` holds its choices to, all at once."""
+    if method == EXACT:
+        return True
+    changed = method.differences()
+    left = outside(proxy.scene, proxy.look, method)
+    return (
+        not _only_exact(proxy, size)
+        and tolerance.holds(proxy.error(method))
+        and not any(f"{stage} {name}" in left for stage, name in changed.items())
+        and not any(_sets_c(proxy, stage) for stage in changed)
+        and not ("gamut" in changed and proxy.leaves_gamut(method))
+    )
 
 
 def _with(method: Method, stage: str, name: str | int) -> Method:
@@ -209,7 +241,6 @@ class Planner:
         now = self._clock()
         if self._held != EXACT and now - self._checked >= CHECK_SECONDS:
             self._checked = now
-            error = Proxy(scene, look, size).error(self._held)
-            if not self.tolerance.holds(error):
+            if not serves(Proxy(scene, look, size), self._held, size, self.tolerance):
                 self._held = EXACT
         return self._held

@@ -17,20 +17,19 @@ from numpy.typing import NDArray
 from relgloss_view.material import approximations, brdf
 from relgloss_view.material.approximations import mean_lobe, plain_lobe
 from relgloss_view.material.spectra import illuminant, xyz_weights
-from relgloss_view.picture import shape, tone
+from relgloss_view.picture import tone
 from relgloss_view.picture.difference import delta_e_2000
 from relgloss_view.picture.frame import Extremes, Scaling
 from relgloss_view.picture.grain import grain_normal
 from relgloss_view.picture.light import front_white, lit_white
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.plan import Plan, as_drawn, drawn_lobes
+from relgloss_view.picture.sampling import meet, places
 from relgloss_view.picture.scene import Look, Scene
 from relgloss_view.picture.view import Size, View, float32
 
 Array = NDArray[np.float64]
 
-ROWS, COLUMNS = 16, 28  #: of the even grid
-NEAR = np.arange(-6, 7)  #: a finer step about the brightest place, over one step of the coarser
 GAMUT_MARGIN = 0.002  #: of linear RGB
 GRAIN_SHARES = (0.0, 0.01, 0.03, 0.1, 0.2, 0.4, 0.7, 1.0)  #: of a mirroring grain's highlight
 HIGHLIGHT_LSTAR = 1.0  #: L_s* from which a pixel belongs to the highlight
@@ -59,9 +58,9 @@ class Proxy:
     def __init__(self, scene: Scene, look: Look, size: Size) -> None:
         self.scene, self.look = as_drawn(scene, look), look
         self._view = View.of(scene, size)
-        columns, rows, self.area = _places(self.scene, self._view)
+        columns, rows, self.area = places(self.scene, self._view)
         self._pixel = np.stack([columns, rows], axis=-1).astype(np.int64)
-        self._hit, self._o = _meet(self.scene, self._view, columns, rows)
+        self._hit, self._o = meet(self.scene, self._view, columns, rows)
         self._errors: dict[Method, Error] = {}
         self._facings: dict[tuple[str, bool], tuple[brdf.Facing, Array]] = {}
 
@@ -81,7 +80,15 @@ class Proxy:
             self._errors[method] = self._measured(method)
         return self._errors[method]
 
+    @property
+    def dark(self) -> bool:
+        """Whether no pixel is lit."""
+        facing, arriving = self._facing("point", tilted=False)
+        return not np.any((facing.mu_i > 0.0) & (facing.mu_o > 0.0) & (arriving > 0.0))
+
     def _measured(self, method: Method) -> Error:
+        if self.empty:
+            return Error(0.0, 0.0, 0.0)
         difference = delta_e_2000(self.exact.lab, self.draw(method).lab)
         highlight = self.exact.l_s > HIGHLIGHT_LSTAR
         return Error(
@@ -181,73 +188,6 @@ class Proxy:
             per_distance2 = np.broadcast_to(1.0 / distance2[..., 0], normal.shape[:1])
             self._facings[key] = brdf.facing(normal, i, self._o), per_distance2
         return self._facings[key]
-
-
-def _meet(scene: Scene, view: View, columns: Array, rows: Array) -> tuple[shape.Hit, Array]:
-    ray = view.rays_at(columns, rows)
-    hit = shape.meet(scene.shape.kind, view.eye_m, ray, float32(scene.shape.half_extent_m()))
-    return hit, -ray / np.linalg.norm(ray, axis=-1, keepdims=True)
-
-
-def _places(scene: Scene, view: View) -> tuple[Array, Array, Array]:
-    """Columns, rows and areas of the pixels, (N,) each, those on the object only."""
-    left, bottom, right, top = view.bounds
-    height = view.size[1]
-    first, last = height - top, height - bottom  # rows count from the top
-    if right <= left or last <= first:
-        return np.zeros(0), np.zeros(0), np.zeros(0)
-
-    def off_mirror(columns: Array, rows: Array) -> Array:
-        hit, o = _meet(scene, view, columns, rows)
-        i = scene.lamp.position_m - hit.point_m
-        i = i / np.maximum(np.linalg.norm(i, axis=-1, keepdims=True), 1e-30)
-        return np.where(hit.found, brdf.facing(hit.normal, i, o).delta2, np.inf)
-
-    rows = np.unique(np.linspace(first, last - 1, ROWS).round())
-    columns = np.linspace(left, right - 1, COLUMNS).round()
-    delta2 = off_mirror(*np.broadcast_arrays(columns[None, :], rows[:, None]))
-    step = max((last - first) / ROWS, 1.0)
-    best = rows[np.argmin(np.min(delta2, axis=1))]
-    rows = np.unique(np.clip(np.append(rows, best + NEAR * step / 6.0), first, last - 1).round())
-    grid = np.broadcast_to(columns, (len(rows), len(columns)))
-    step = max((right - left) / COLUMNS, 1.0)
-    about = [grid, grid, grid]  # the highlight, and both ends of the object
-    while True:
-        step /= 6.0
-        for k, (found, places) in enumerate(zip((_least, _first, _last), about, strict=True)):
-            delta2 = off_mirror(*np.broadcast_arrays(places, rows[:, None]))
-            at = np.take_along_axis(places, found(delta2)[:, None], axis=1)
-            about[k] = np.clip(at + NEAR * max(step, 1.0), left, right - 1).round()
-        grid = np.concatenate([grid, *about], axis=1)
-        if step <= 1.0:
-            break
-    grid = np.sort(grid, axis=1)
-    area = _spans(grid, left, right) * _spans(rows[None, :], first, last).T
-    columns, rows = np.broadcast_arrays(grid, rows[:, None])
-    hit, _ = _meet(scene, view, columns, rows)
-    kept = hit.found & (area > 0.0)
-    return columns[kept], rows[kept], area[kept]
-
-
-def _least(delta2: Array) -> NDArray[np.intp]:
-    return np.asarray(np.argmin(delta2, axis=1))
-
-
-def _first(delta2: Array) -> NDArray[np.intp]:
-    return np.asarray(np.argmax(np.isfinite(delta2), axis=1))
-
-
-def _last(delta2: Array) -> NDArray[np.intp]:
-    return np.asarray(delta2.shape[1] - 1 - np.argmax(np.isfinite(delta2)[:, ::-1], axis=1))
-
-
-def _spans(places: Array, first: float, last: float) -> Array:
-    """How much of a line each of its sorted places stands for; of equal places the last one."""
-    same = places[:, 1:] == places[:, :-1]
-    middle = np.where(same, first, 0.5 * (places[:, 1:] + places[:, :-1]) + 0.5)
-    ends = np.full((len(places), 1), first), np.full((len(places), 1), last)
-    edges = np.concatenate([ends[0], np.maximum.accumulate(middle, axis=1), ends[1]], axis=1)
-    return np.diff(edges, axis=1)
 
 
 def _p95(values: Array, area: Array) -> float:

@@ -56,7 +56,7 @@ class View:
     @classmethod
     def of(cls, scene: Scene, size: Size) -> View:
         """The view of a scene: through the object's centre, upright, framing the object."""
-        return _view(scene.shape, scene.eye, size)
+        return view_of(scene.shape, scene.eye, size)
 
     def rays(self, rows: slice, place: tuple[float, float] = (0.5, 0.5)) -> Array:
         """Rays through a place inside each pixel of some rows, (R, W, 3), not of unit length."""
@@ -73,7 +73,8 @@ class View:
 
 
 @lru_cache(maxsize=64)
-def _view(shape: Shape, eye: Eye, size: Size) -> View:
+def view_of(shape: Shape, eye: Eye, size: Size) -> View:
+    """View.of, for a shape and an eye."""
     place = eye.position_m
     forward = -place / np.linalg.norm(place)
     azimuth = np.radians(eye.azimuth_deg)

@@ -101,7 +101,9 @@ class Pictures:
                 faults[side] = str(error)
         if _wants_difference(state) and len(shown) == len(SIDES):
             first, second = (
-                renderers[side].request(state.scene(side), state.side(side).look, size)
+                renderers[side].request(
+                    state.scene(side), state.side(side).look, size, shown[side].frame.method
+                )
                 for side in SIDES
             )
             try:
@@ -168,7 +170,7 @@ class Pictures:
         overlay = state.presentation.overlay
         if overlay == "none" or state.presentation.haploscopic:
             return Shown(renderer.framebuffer_name(TONE), size, frame)
-        draw_overlay(renderer, scene, look, size, overlay)
+        draw_overlay(renderer, scene, look, size, overlay, frame.method)
         return Shown(renderer.framebuffer_name(OVERLAY), size, frame)
 
 

@@ -7,10 +7,11 @@ import pytest
 from relgloss_view.picture import tone
 from relgloss_view.picture.difference import delta_e_2000
 from relgloss_view.picture.method import EXACT, Method
-from relgloss_view.picture.proxy import HIGHLIGHT_LSTAR, Proxy, _spans
+from relgloss_view.picture.proxy import HIGHLIGHT_LSTAR, Proxy
 from relgloss_view.picture.reference import ReferenceRenderer
 from relgloss_view.picture.renderer import Renderer
 from relgloss_view.picture.samples import SAMPLES, load_sample
+from relgloss_view.picture.sampling import _spans
 from relgloss_view.picture.scene import Eye, Lamp, Look, Scene, Shape
 
 SIZE = (192, 108)
@@ -197,3 +198,67 @@ def test_what_a_scene_has_not_may_be_drawn_and_shows_nothing(renderer):
     drawn = renderer.render(smooth, look, SIZE, Method(absent="drawn"))
     everything = drawn.display.copy()
     np.testing.assert_array_equal(everything, renderer.render(smooth, look, SIZE).display)
+
+
+@pytest.mark.parametrize(
+    ("shape", "lamp", "sample"),
+    [
+        ({"kind": "plane", "width_m": 0.046}, (20.4, -15.8), "art-coated"),
+        ({"diameter_m": 0.022}, (15.6, -12.2), "cast-coated"),
+        ({"diameter_m": 0.02294}, (56.7345, -12.6241), "cast-coated"),
+    ],
+)
+def test_a_highlight_on_the_last_row_is_seen(renderer, shape, lamp, sample):
+    """c_max is set there: within 2 %, where a row missed made it 20 % and more."""
+    drawn = Scene(load_sample(sample), Shape(**shape), Lamp(*lamp))
+    size = (320, 180)
+    frame = renderer.render(drawn, Look(), size)
+    _, c = Proxy(drawn, Look(), size)._scaled(*Proxy(drawn, Look(), size)._light(EXACT), EXACT)
+    assert c == pytest.approx(frame.c, rel=0.02)
+
+
+def test_a_frame_is_of_its_own_method(renderer):
+    drawn, look = scene(), Look(sigma_n_deg=2.0)
+    first = renderer.render(drawn, look, SIZE, Method(noise="none"))
+    other = renderer.render(drawn, look, SIZE)
+    _ = first.display  # draws it again
+    again = renderer.render(drawn, look, SIZE, Method(noise="none"))
+    assert again.method == first.method != other.method
+    np.testing.assert_array_equal(again.display, first.display)
+
+
+def test_normals_are_those_that_are_drawn(renderer):
+    frame = renderer.render(scene(), Look(sigma_n_deg=3.0), SIZE, Method(noise="none"))
+    np.testing.assert_array_equal(frame.tilted_normal, frame.normal)
+
+
+def test_grain_that_mirrors_the_lamp_may_leave_the_gamut():
+    proxy = Proxy(scene(), Look(sigma_n_deg=2.0, c=1.0), (256, 144))
+    assert proxy.leaves_gamut(EXACT)
+    # Negative control: a c that leaves even a mirroring grain dim.
+    assert not Proxy(scene(), Look(sigma_n_deg=2.0, c=0.01), (256, 144)).leaves_gamut(EXACT)
+
+
+@pytest.mark.parametrize("size", [(61, 47), (65, 49), (33, 18)])
+def test_pixels_of_the_object_are_counted(renderer, size):
+    plane = Scene(load_sample("matte-coated"), Shape("plane", width_m=1.0, height_m=1.0))
+    for drawn in (plane, dataclasses.replace(plane, eye=Eye(field_of_view_deg=5.0))):
+        frame = renderer.render(drawn, Look(), size)
+        assert frame.object_pixels == np.sum(frame.on_object) > 0
+
+
+def test_c_alone_draws_the_tone_pass_alone_by_every_c_max(renderer):
+    for c_max in ("exact", "sparse", "eq4", "once"):
+        method = Method(c_max=c_max)
+        renderer.render(scene(), Look(sigma_n_deg=2.0, c_fraction=0.5), SIZE, method)
+        shades = renderer.draws["shade"]
+        renderer.render(scene(), Look(sigma_n_deg=2.0, c_fraction=0.6), SIZE, method)
+        assert renderer.draws["shade"] == shades, c_max
+
+
+def test_a_lamp_on_the_surface_lights_the_rest(renderer):
+    # One pixel may be the lamp's own point; the others are drawn.
+    lamp = Lamp(azimuth_deg=0.0, distance_m=0.04)
+    touched = Scene(load_sample("matte-coated"), Shape("sphere", diameter_m=0.08), lamp)
+    frame = renderer.render(touched, Look(c=1.0), (65, 65))
+    assert np.all(np.isfinite(frame.lab))

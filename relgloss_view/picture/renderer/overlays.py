@@ -8,6 +8,7 @@ import numpy as np
 from relgloss_view.errors import RelglossError
 from relgloss_view.picture import tone
 from relgloss_view.picture.context import make_current
+from relgloss_view.picture.method import Method
 from relgloss_view.picture.plan import tone_defines
 from relgloss_view.picture.renderer.on_demand import (
     bring_geometry_up_to_date,
@@ -32,11 +33,16 @@ OVERLAY_CODES = {
 
 
 def draw_overlay(
-    renderer: Renderer, scene: Scene, look: Look, size: Size, overlay: str
+    renderer: Renderer,
+    scene: Scene,
+    look: Look,
+    size: Size,
+    overlay: str,
+    method: Method | None = None,
 ) -> moderngl.Texture:
     """Draw one of OVERLAY_CODES for a picture; the texture holds 8-bit display values."""
     make_current(renderer.ctx)
-    request = renderer.request(scene, look, size)
+    request = renderer.request(scene, look, size, method)
     scaling, _ = renderer.bring_up_to_date(request)
     renderer.bring_parts_up_to_date(request)
     names: tuple[str, ...] = (*SHADE, *TONE)

@@ -26,6 +26,7 @@ from relgloss_view.picture.renderer.reduction import Reduction
 from relgloss_view.picture.renderer.request import Request
 from relgloss_view.picture.renderer.targets import CLEARED, PARTS, SHADE, SPLIT, TONE, Targets
 from relgloss_view.picture.renderer.uniforms import (
+    NO_GRAIN,
     display_uniforms,
     grain_uniforms,
     material_uniforms,
@@ -102,7 +103,8 @@ class Renderer:
         scaling, white = self.bring_up_to_date(request)
         last = self._last
         same = before is not None and before is self._present
-        if same and last is not None and (last.scene, last.look, last.size) == (scene, look, size):
+        asked = scene, look, size, request.method
+        if same and last and (last.scene, last.look, last.size, last.method) == asked:
             return last
         self._last = Frame(
             scene,
@@ -205,7 +207,7 @@ class Renderer:
         white = self._white_of(scene, view, plan, seen_from)
         uniforms: dict[str, Any] = {
             **seen_from,
-            **(grain_uniforms(look) if plan.noise != "none" else {}),
+            **(grain_uniforms(look) if plan.noise != "none" else NO_GRAIN),
             **material_uniforms(scene, look, method),
             "irradiance": np.pi / white if white > 0.0 else 0.0,
         }

@@ -20,6 +20,6 @@ class Request:
     method: Method = EXACT
 
     def without_grain(self) -> Request:
-        """The same, its surface smooth."""
-        look = dataclasses.replace(self.look, sigma_n_deg=0.0)
+        """The same, its surface smooth, whatever c."""
+        look = dataclasses.replace(self.look, sigma_n_deg=0.0, c=None, c_fraction=None)
         return dataclasses.replace(self, look=look)

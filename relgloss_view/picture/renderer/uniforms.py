@@ -32,6 +32,10 @@ def view_uniforms(scene: Scene, view: View) -> Uniforms:
     }
 
 
+#: Of a variant that reads none of them; a linker may keep them all the same.
+NO_GRAIN: Uniforms = {"sigma_n": 0.0, "grains_per_px": 1.0, "grain_m": 1.0, "seed": 0}
+
+
 def grain_uniforms(look: Look) -> Uniforms:
     """The tilt of the normals and its cells."""
     return {
