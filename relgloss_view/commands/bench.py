@@ -57,14 +57,14 @@ def add(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Measure beside the folder, and move the files in when the last is done."""
     if args.stability:
-        maps = _checked_folder(args.output, stability_maps.RESULTS, stability_maps.FORMAT)
+        maps = _checked_folder(args.output)
         quick, as_json = bool(args.quick), bool(args.json)
         return stability_maps.run(maps, args.backend, quick=quick, as_json=as_json)
     from relgloss_view.bench import chart, report
     from relgloss_view.bench.measure import FULL, QUICK, measure
     from relgloss_view.picture.context import open_context
 
-    folder = _checked_folder(args.output, report.RESULTS, report.FORMAT)
+    folder = _checked_folder(args.output)
     with Progress("bench") as progress, whole_folder(folder, last=report.RESULTS) as temporary:
         ctx = open_context(args.backend)
         try:
@@ -83,21 +83,30 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _checked_folder(name: str, last: str, ours: str) -> Path:
+def _checked_folder(name: str) -> Path:
     """The folder, if nothing of somebody else's stands in the way; InputError otherwise."""
+    from relgloss_view.bench import report
+
     folder = Path(name)
     if not name or (os.path.lexists(folder) and not folder.is_dir()):
         found = "is a file" if name else "an empty name"
         raise InputError(f"{name or '-o'}: {found}; give the name of a folder with -o")
-    results = folder / last
-    if os.path.lexists(results):
-        try:
-            known = json.loads(read_text(results, MAX_RESULTS_BYTES, "results"))["format"]
-        except (InputError, ValueError, LookupError, TypeError, RecursionError):
-            known = None
-        if known != ours:
-            raise InputError(f"{results}: is not of a relgloss bench; choose another folder")
+    ours = {
+        report.RESULTS: report.FORMAT,
+        stability_maps.RESULTS: stability_maps.FORMAT,
+    }
+    known = [_format(folder / last) for last in ours if os.path.lexists(folder / last)]
+    holds_other = folder.is_dir() and not known and any(folder.iterdir())
+    if holds_other or any(found not in ours.values() for found in known):
+        raise InputError(f"{folder}: holds what is not of a relgloss bench; choose another folder")
     return folder
+
+
+def _format(results: Path) -> object:
+    try:
+        return json.loads(read_text(results, MAX_RESULTS_BYTES, "results"))["format"]
+    except (InputError, ValueError, LookupError, TypeError, RecursionError):
+        return None
 
 
 def _time_grid(args: argparse.Namespace) -> float:

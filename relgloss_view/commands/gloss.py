@@ -145,7 +145,7 @@ def _found(
     return {
         "name": of.name,
         "source": of.source,
-        "kind": kind,
+        "kind": "hypothetical" if getattr(of, "hypothetical", False) else kind,
         "readings": {r.key: _shown(r) for r in readings},
         "warnings": list(warnings),
     }

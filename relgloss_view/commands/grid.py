@@ -28,8 +28,8 @@ from relgloss_view.text_input import printable, read_text
 if TYPE_CHECKING:
     from relgloss_view.operators.operator import Operator
     from relgloss_view.picture.backends import FrameRenderer
-    from relgloss_view.picture.writers import Writers
     from relgloss_view.picture.scene import Look, Scene
+    from relgloss_view.picture.writers import Writers
 
 #: Ishii et al.: sigma_N from 0 to 3 degrees by 0.5, c from c_max/6 to c_max by c_max/6.
 SIGMA_N_DEG = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0)

@@ -203,7 +203,10 @@ def _of_sample(m: Match, settings: str, reference: Reference, gloss: str) -> lis
     ]
     if m.proposed is None:
         most = max(p.most for p in m.curve)
-        lines.append(f"  no setting shows so much: c_max shows at most {most:.1f} L*")
+        if most > 0.0:
+            lines.append(f"  no setting shows so much: c_max shows at most {most:.1f} L*")
+        else:
+            lines.append("  it shows no highlight, so that no setting changes it")
     else:
         own = "its own grain" if m.proposed.sigma_n_deg == m.grain_deg else "nearest its own grain"
         lines.append(f"  proposed: {_words(m.proposed)} ({own})")

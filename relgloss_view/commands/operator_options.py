@@ -50,7 +50,9 @@ def read_settings(operator: str, settings: Sequence[str]) -> dict[str, Any]:
     for setting in settings:
         name, mark, text = setting.partition("=")
         if not (name and mark):
-            raise InputError(f"--operator-set {setting}: expected NAME=VALUE such as contrast=50")
+            raise InputError(
+                f"{operator}, setting {setting}: expected NAME=VALUE such as contrast=50"
+            )
         value = {"true": True, "false": False}.get(text.lower(), read_value(text))
         found[name] = None if value == AUTO and optional.get(name) else value
     return found

@@ -14,7 +14,7 @@ from relgloss_view.operators.comparison import Case
 from relgloss_view.picture.samples import SAMPLES, load_sample
 from relgloss_view.picture.scene import Look
 from relgloss_view.picture.scene_file import SceneSample
-from relgloss_view.text_input import printable
+from relgloss_view.text_input import fault, printable
 
 METAVAR = "SAMPLE|MATERIAL.json[=SIGMA_N,C]"
 SETTINGS = re.compile(r"(.+)=([0-9.]+),([0-9.]+)(?:/([0-9.]+))?", re.DOTALL)
@@ -38,6 +38,9 @@ def given_sample(word: str, look: Look) -> Given:
     match = SETTINGS.fullmatch(word)
     name = match[1] if match else word
     built_in = name in SAMPLES
+    start = name.rpartition("=")[0]
+    if not built_in and (start in SAMPLES or (Path(start).is_file() and not Path(name).exists())):
+        fault(printable(name), "SIGMA_N,C after the sample, such as =2.0,1/3", name[len(start) :])
     material = load_sample(name) if built_in else load_material(name)
     sigma_n_deg, fraction = 0.0, 1.0
     if match:

@@ -149,3 +149,13 @@ def test_a_method_that_a_scene_refuses_is_told_and_the_rest_goes_on(tmp_path, mo
         faults = {line["method"]: line["fault"] for line in csv.DictReader(file)}
     assert faults["schlick"] == "too bright"
     assert faults["default"] == ""
+
+
+def test_somebody_elses_files_are_left_alone(tmp_path, capsys):
+    folder = tmp_path / "charts"
+    folder.mkdir()
+    (folder / "chart.png").write_text("mine")
+    for words in (["--quick"], ["--stability", "--quick"]):
+        assert main(["bench", *words, "-o", str(folder)]) == 1
+        assert "choose another folder" in capsys.readouterr().err
+    assert (folder / "chart.png").read_text() == "mine"

@@ -103,7 +103,7 @@ class TestSnapshot:
             (("--operator", "multiscale", "--operator-set", "local=2"), "multiscale.local"),
             (("--operator", "multiscale", "--operator-set", "rods=3"), "expected true or false"),
             (("--operator", "multiscale", "--operator-set", "local=auto"), "multiscale.local"),
-            (("--operator", "clip", "--operator-set", "cut"), "--operator-set cut: expected NAME"),
+            (("--operator", "clip", "--operator-set", "cut"), "setting cut: expected NAME"),
             (("--operator-set", "c=1"), "split: expected a parameter of none"),
         ],
     )

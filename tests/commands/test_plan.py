@@ -66,3 +66,9 @@ def test_names_of_options_are_not_shortened(capsys):
     # `match` takes samples as words: --sample must not be read as --samples.
     assert main(["match", "--sample", "uncoated"]) == 2
     assert "unrecognized arguments: --sample" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("word", ["cast-coated=1", "cast-coated=nan,1", "cast-coated=-1,1"])
+def test_mistyped_settings_are_told(capsys, tmp_path, word):
+    assert main(["compare", word, "-o", str(tmp_path / "a.png")]) == 1
+    assert "expected SIGMA_N,C after the sample" in capsys.readouterr().err
