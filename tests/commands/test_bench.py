@@ -156,6 +156,6 @@ def test_somebody_elses_files_are_left_alone(tmp_path, capsys):
     folder.mkdir()
     (folder / "chart.png").write_text("mine")
     for words in (["--quick"], ["--stability", "--quick"]):
-        assert main(["bench", *words, "-o", str(folder)]) == 1
+        assert cli.main(["bench", *words, "-o", str(folder)]) == 1
         assert "choose another folder" in capsys.readouterr().err
     assert (folder / "chart.png").read_text() == "mine"
