@@ -115,15 +115,16 @@ def _others(found: Found) -> Iterable[str]:
     if grid := found.get("grid"):
         yield f"grid: {grid['stimuli']} stimuli at 512x512 as PNG in {grid['seconds']:.2f} s"
     if pixels := found.get("pixels"):
-        told = [
-            f"{row['megapixels']:.2f} Mpx {row['steady_ms']:.1f} ms ({100 * row['residual']:+.0f} %)"
-            if row.get("residual") is not None
-            else f"{row['megapixels']:.2f} Mpx {row.get('fault', 'not fitted')}"
-            for row in pixels["sizes"]
-        ]
+        told = [f"{row['megapixels']:.2f} Mpx {_off_line(row)}" for row in pixels["sizes"]]
         yield f"pixels, off the line: {', '.join(told)}"
     for peer in found.get("peers", ()):
         yield f"{peer['name']}: {_peer(peer)}"
+
+
+def _off_line(row: Found) -> str:
+    if row.get("residual") is None:
+        return str(row.get("fault", "not fitted"))
+    return f"{row['steady_ms']:.1f} ms ({100 * row['residual']:+.0f} %)"
 
 
 def _peer(peer: Found) -> str:

@@ -216,9 +216,10 @@ def summary(rows: Sequence[Row], results: Sequence[Found]) -> list[Found]:
                 "charted": row.charted,
             }
         )
-    front = pareto_front([(e["floors"], max(e["worst_p95"], NO_ERROR)) for e in entries])
-    for k, entry in enumerate(entries):
-        entry["front"] = k in front
+    charted = [entry for entry in entries if entry["charted"]]
+    front = pareto_front([(e["floors"], max(e["worst_p95"], NO_ERROR)) for e in charted])
+    for entry in entries:
+        entry["front"] = any(entry is charted[k] for k in front)
     return entries
 
 
