@@ -6,6 +6,7 @@ Ishii et al., eqs. 1-4, with CIE 15's piecewise lightness. XYZ is relative to Y_
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -116,17 +117,24 @@ class DisplayModel:
 
     @classmethod
     def of(cls, display: Display) -> DisplayModel:
-        """Derive the numbers from the declared display."""
-        xyz_from_rgb = rgb_to_xyz_matrix(display.primaries_xy, display.white_xy)
-        return cls(
-            white_from_xy(display.white_xy),
-            xyz_from_rgb,
-            np.asarray(np.linalg.inv(xyz_from_rgb), dtype=np.float64),
-            display.transfer,
-            display.gamut,
-            (display.gain, display.offset, display.gamma, display.flare),
-            float(lab_f_inverse(np.array((display.background_lstar + 16.0) / 116.0))),
-        )
+        """Derive the numbers from the declared display; not to be written to, they are shared."""
+        return _model_of(display)
+
+
+@lru_cache(maxsize=16)
+def _model_of(display: Display) -> DisplayModel:
+    xyz_from_rgb = rgb_to_xyz_matrix(display.primaries_xy, display.white_xy)
+    rgb_from_xyz = np.asarray(np.linalg.inv(xyz_from_rgb), dtype=np.float64)
+    arrays = white_from_xy(display.white_xy), xyz_from_rgb, rgb_from_xyz
+    for array in arrays:
+        array.setflags(write=False)
+    return DisplayModel(
+        *arrays,
+        display.transfer,
+        display.gamut,
+        (display.gain, display.offset, display.gamma, display.flare),
+        float(lab_f_inverse(np.array((display.background_lstar + 16.0) / 116.0))),
+    )
 
 
 def display_rgb(lab: Array, display: DisplayModel) -> tuple[Array, NDArray[np.bool_]]:
