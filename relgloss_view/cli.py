@@ -15,7 +15,18 @@ from relgloss_view import __version__
 from relgloss_view.errors import GLUnavailableError, InputError, RelglossError
 from relgloss_view.text_input import printable
 
-COMMANDS = ("view", "fit", "snapshot", "grid", "plan", "compare", "match", "gloss", "bench", "doctor")
+COMMANDS = (
+    "view",
+    "fit",
+    "snapshot",
+    "grid",
+    "plan",
+    "compare",
+    "match",
+    "gloss",
+    "bench",
+    "doctor",
+)
 DEFAULT_COMMAND = "view"
 INTERRUPTED = 130
 LONGEST_FAULT = 1000  #: characters
