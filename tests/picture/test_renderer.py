@@ -712,13 +712,13 @@ class TestBounds:
             bounded = renderer.render(scene, Look(), size)
             with monkeypatch.context() as whole:
                 whole.setattr(views, "_bounds", lambda *given: (0, 0, *given[-1]))
-                views._view.cache_clear()
+                views.view_of.cache_clear()
                 full = Renderer(renderer.ctx, renderer.programs)
                 expected = full.render(scene, Look(), size)
                 np.testing.assert_array_equal(bounded.coverage, expected.coverage)
                 np.testing.assert_array_equal(bounded.display, expected.display)
                 full.release()
-            views._view.cache_clear()
+            views.view_of.cache_clear()
 
     def test_what_stood_there_before_is_gone(self, renderer):
         """The object moves in the picture; its old place is surround again."""
@@ -763,11 +763,11 @@ class TestBounds:
         bounded = renderer.render(scene, Look(), size)
         assert np.sum(bounded.on_object) > 100
         monkeypatch.setattr(views, "_bounds", lambda *given: (0, 0, *given[-1]))
-        views._view.cache_clear()
+        views.view_of.cache_clear()
         full = Renderer(renderer.ctx, renderer.programs)
         np.testing.assert_array_equal(bounded.coverage, full.render(scene, Look(), size).coverage)
         full.release()
-        views._view.cache_clear()
+        views.view_of.cache_clear()
 
 
 class TestFaultsInBetween:
