@@ -6,7 +6,6 @@ import argparse
 import contextlib
 import io
 import json
-import os
 import tempfile
 import time
 from pathlib import Path
@@ -14,15 +13,14 @@ from typing import Any
 
 from relgloss_view.atomic import whole_folder
 from relgloss_view.commands import grid, stability_maps
+from relgloss_view.commands.output_folder import own_folder
 from relgloss_view.commands.progress import Progress
 from relgloss_view.commands.scene_options import size_of_text
-from relgloss_view.errors import InputError
-from relgloss_view.text_input import printable, read_text
+from relgloss_view.text_input import printable
 
 SIZE = (1280, 720)
 BACKENDS = ("auto", "egl", "osmesa")
 GRID_SIZE = (512, 512)
-MAX_RESULTS_BYTES = 16 * 1024 * 1024
 
 
 def add(commands: Any) -> None:
@@ -57,14 +55,14 @@ def add(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Measure beside the folder, and move the files in when the last is done."""
     if args.stability:
-        maps = _checked_folder(args.output)
+        maps = _folder(args.output)
         quick, as_json = bool(args.quick), bool(args.json)
         return stability_maps.run(maps, args.backend, quick=quick, as_json=as_json)
     from relgloss_view.bench import chart, report
     from relgloss_view.bench.measure import FULL, QUICK, measure
     from relgloss_view.picture.context import open_context
 
-    folder = _checked_folder(args.output)
+    folder = _folder(args.output)
     with Progress("bench") as progress, whole_folder(folder, last=report.RESULTS) as temporary:
         ctx = open_context(args.backend)
         try:
@@ -83,30 +81,12 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _checked_folder(name: str) -> Path:
-    """The folder, if nothing of somebody else's stands in the way; InputError otherwise."""
+def _folder(name: str) -> Path:
+    """The folder, which both kinds of a run may share."""
     from relgloss_view.bench import report
 
-    folder = Path(name)
-    if not name or (os.path.lexists(folder) and not folder.is_dir()):
-        found = "is a file" if name else "an empty name"
-        raise InputError(f"{name or '-o'}: {found}; give the name of a folder with -o")
-    ours = {
-        report.RESULTS: report.FORMAT,
-        stability_maps.RESULTS: stability_maps.FORMAT,
-    }
-    known = [_format(folder / last) for last in ours if os.path.lexists(folder / last)]
-    holds_other = folder.is_dir() and not known and any(folder.iterdir())
-    if holds_other or any(found not in ours.values() for found in known):
-        raise InputError(f"{folder}: holds what is not of a relgloss bench; choose another folder")
-    return folder
-
-
-def _format(results: Path) -> object:
-    try:
-        return json.loads(read_text(results, MAX_RESULTS_BYTES, "results"))["format"]
-    except (InputError, ValueError, LookupError, TypeError, RecursionError):
-        return None
+    ours = {report.RESULTS: report.FORMAT, stability_maps.RESULTS: stability_maps.FORMAT}
+    return own_folder(name, ours, "bench", alone=True)
 
 
 def _time_grid(args: argparse.Namespace) -> float:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import json
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,10 +19,10 @@ from relgloss_view.commands.operator_options import (
     operator_words,
     shown_by,
 )
+from relgloss_view.commands.output_folder import own_folder
 from relgloss_view.commands.progress import Progress
 from relgloss_view.commands.scene_options import add_scene_options, printable_command, scene_from
-from relgloss_view.errors import InputError
-from relgloss_view.text_input import printable, read_text
+from relgloss_view.text_input import printable
 
 if TYPE_CHECKING:
     from relgloss_view.operators.operator import Operator
@@ -38,7 +37,6 @@ THUMBNAIL_PX = 200
 CAPTION_PX = 150  #: width of a picture that has room for c in its caption
 FORMAT, VERSION = "relgloss-grid", 1
 MANIFEST, SHEET = "manifest.json", "contact-sheet.png"
-MAX_MANIFEST_BYTES = 1024 * 1024
 
 
 def add(commands: Any) -> None:
@@ -62,7 +60,7 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.picture.backends import open_renderer
     from relgloss_view.picture.writers import Writers
 
-    folder = _checked_folder(args.output)
+    folder = own_folder(args.output, {MANIFEST: FORMAT}, "grid")
     operator = operator_from(args)
     scene, look, size = scene_from(args)
     with (
@@ -77,23 +75,6 @@ def run(args: argparse.Namespace) -> int:
     shown = f"{printable(folder)}: {count} stimuli, {SHEET} and {MANIFEST}"
     print(json.dumps(manifest) if args.json else shown)
     return 0
-
-
-def _checked_folder(name: str) -> Path:
-    """The folder, if nothing of somebody else's stands in the way; InputError otherwise."""
-    folder = Path(name)
-    if not name or (os.path.lexists(folder) and not folder.is_dir()):
-        found = "is a file" if name else "an empty name"
-        raise InputError(f"{name or '-o'}: {found}; give the name of a folder with -o")
-    manifest = folder / MANIFEST
-    if os.path.lexists(manifest):
-        try:
-            ours = json.loads(read_text(manifest, MAX_MANIFEST_BYTES, "a manifest"))["format"]
-        except (InputError, ValueError, LookupError, TypeError, RecursionError):
-            ours = None
-        if ours != FORMAT:
-            raise InputError(f"{manifest}: is not of a relgloss grid; choose another folder")
-    return folder
 
 
 def _draw(
