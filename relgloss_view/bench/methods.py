@@ -18,7 +18,7 @@ from relgloss_view.picture.view import Size
 #: Scene, its look and the picture's size -> how it is drawn.
 Builder = Callable[[Scene, Look, Size], tuple[Method, Look]]
 
-DEFAULT, AUTO = "default", "auto"
+DEFAULT, AUTO, EVERYTHING = "default", "auto", "everything"
 #: In the chart's order.
 GROUPS = {
     "default": "default: everything exact",
@@ -93,6 +93,14 @@ GAME = {
 ROWS: list[Row] = [
     Row(DEFAULT, "default", "default", method(), quick=True),
     Row(AUTO, "auto", "quality auto", planned, quick=True),
+    Row(
+        EVERYTHING,
+        "default",
+        "everything, needed or not",
+        method(absent="drawn", kept="all"),
+        quick=True,
+        charted=False,
+    ),
     Row("lambert", "diffuse", "Lambert", method(diffuse="lambert"), quick=True),
     Row("qualitative", "diffuse", "qualitative Oren-Nayar", method(diffuse="qualitative")),
     Row("eon", "diffuse", "EON", method(diffuse="eon"), quick=True),

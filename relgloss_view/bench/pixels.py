@@ -20,13 +20,13 @@ from relgloss_view.bench.timing import PER_VISIT, Times, take_turns
 from relgloss_view.errors import RelglossError
 from relgloss_view.picture.method import EXACT
 from relgloss_view.picture.renderer import Programs, Renderer
+from relgloss_view.picture.renderer.memory import device_bytes
 from relgloss_view.picture.view import Size
 
 MEGAPIXELS = (0.25, 1.0, 4.0, 9.0, 16.0, 33.0)
 FLOOR_SIZE = (1280, 720)
 TOLERANCE = 0.15  #: of the line
-#: Three float targets and the display, and what the driver keeps beside them.
-BYTES_PER_PIXEL = 72
+DRIVERS_SHARE = 1.15  #: what the driver keeps beside the targets
 SHARE_OF_MEMORY = 0.6  #: at most
 
 
@@ -116,7 +116,7 @@ def _time_size(
     of_frame, of_floor = into
     size = size_of(megapixels)
     free = available_bytes()
-    needed = BYTES_PER_PIXEL * size[0] * size[1]
+    needed = DRIVERS_SHARE * device_bytes(size)
     if free is not None and needed > SHARE_OF_MEMORY * free:
         of_frame.fault = (
             f"needs about {needed / 1e9:.1f} GB of memory, {free / 1e9:.1f} GB are free"

@@ -98,10 +98,12 @@ def _others(found: Found) -> Iterable[str]:
             yield f"against {truth}: {', '.join(told)}"
     if auto := found.get("auto"):
         faster = [entry["faster"] for entry in auto]
+        whole = [e for entry in auto if (e := entry["faster_than_everything"])]
+        beside = f"{min(whole):.2f} to {max(whole):.2f} as everything drawn; " if whole else ""
         worst = max(entry["worst_p95"] for entry in auto)
         yield (
             f"quality auto: {min(faster):.2f} to {max(faster):.2f} times as fast as the default, "
-            f"p95 at most {worst:.2f}"
+            f"{beside}p95 at most {worst:.2f}"
         )
     if changes := found.get("changes"):
         told = [

@@ -13,7 +13,7 @@ import moderngl
 from relgloss_view.bench import errors, tasks
 from relgloss_view.bench.errors import Truth
 from relgloss_view.bench.floor import FillFloor
-from relgloss_view.bench.methods import AUTO, DEFAULT, Row
+from relgloss_view.bench.methods import AUTO, DEFAULT, EVERYTHING, Row
 from relgloss_view.bench.pareto import pareto_front
 from relgloss_view.bench.scenes import Case
 from relgloss_view.bench.timing import PER_VISIT, Task, take_turns
@@ -224,15 +224,21 @@ def summary(rows: Sequence[Row], results: Sequence[Found]) -> list[Found]:
 
 
 def auto_against_default(results: Sequence[Found]) -> list[Found]:
-    """Of each scene: how many times faster quality auto is than the default, and its errors."""
+    """Of each scene: how many times faster quality auto is than the default, and its errors.
+
+    And than what draws everything, needed or not, and keeps it all.
+    """
     found = []
+    everything = {r["scene"]: r["of_default"] for r in results if r["method"] == EVERYTHING}
     for auto in results:
         if auto["method"] != AUTO or not (auto["error"] and auto["of_default"]):
             continue
+        whole = everything.get(auto["scene"])
         found.append(
             {
                 "scene": auto["scene"],
                 "faster": 1.0 / auto["of_default"],
+                "faster_than_everything": whole / auto["of_default"] if whole else None,
                 "worst_p95": auto["error"]["worst_p95"],
                 "worst_max": max(s["max"] for s in _spreads(auto)),
             }
