@@ -33,12 +33,6 @@ vec3 xyz_from_lab(vec3 lab, vec3 white) {
                         lab_f_inverse(f - (1.0 / 200.0) * lab.z));
 }
 
-// L_d*, L_s*: lightness of the diffuse part, and its increase by the specular part (eq. 1).
-vec2 split_lightness(float y_diffuse, float y_specular) {
-    float diffuse = lightness(y_diffuse);
-    return vec2(diffuse, lightness(y_diffuse + y_specular) - diffuse);
-}
-
 // (L_d*, L_s*, a*, b*) of a pixel: CIELAB of the sum, its lightness split. The white's Y is one, so that
 // one cube root serves both.
 vec4 split_lab(vec3 diffuse, vec3 specular, vec3 per_white) {

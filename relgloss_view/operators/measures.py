@@ -181,16 +181,6 @@ def body_difference(picture: Displayed, colorimetric: Displayed, regions: Region
     return float(np.median(difference))
 
 
-def contrast_gloss_of_material(diffuse_albedo: float, specular_albedo: float) -> float:
-    """Contrast gloss c of a material, by its share of light reflected each way.
-
-    c = cbrt(rho_s + rho_d/2) - cbrt(rho_d/2) (Ferwerda, Pellacini and Greenberg 2001), found with
-    Ward's reflection model under a large light; what the real samples are ordered by.
-    """
-    half = 0.5 * diffuse_albedo
-    return math.cbrt(specular_albedo + half) - math.cbrt(half)
-
-
 def ranks(values: Mapping[str, float], tie: float = 0.0) -> dict[str, int]:
     """Rank of each value, 0 the largest; neighbours in the order closer than `tie` share one.
 

@@ -49,15 +49,6 @@ class TestContrast:
         assert measures.graininess(np.zeros((SIZE, SIZE)), none) is None
         assert measures.sharpness(np.zeros((SIZE, SIZE)), none) is None
 
-    def test_of_a_material(self):
-        # Ferwerda et al. 2001: no gloss without a specular part, and the same specular part looks
-        # glossier on black. The formula, by hand for rho_d = 0.2, rho_s = 0.1.
-        assert measures.contrast_gloss_of_material(0.3, 0.0) == 0.0
-        on_black = measures.contrast_gloss_of_material(0.03, 0.099)
-        assert on_black > measures.contrast_gloss_of_material(0.87, 0.099)
-        found = measures.contrast_gloss_of_material(0.2, 0.1)
-        assert found == pytest.approx(0.5848035 - 0.4641589, abs=1e-7)
-
 
 class TestGraininess:
     @pytest.mark.parametrize("side", [1, 2, 4])
