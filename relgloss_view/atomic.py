@@ -33,6 +33,32 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 @contextlib.contextmanager
+def fresh_file(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """As whole_file, for a name that must be free: what stands there is never replaced.
+
+    Raises InputError where something has the name, now or when the block ends.
+    """
+    target = check_target(path)
+    taken = f"{path}: is there already; choose another name"
+    if os.path.lexists(target):
+        raise InputError(taken)
+    temporary = _reserve(target)
+    try:
+        yield temporary
+        try:
+            os.link(temporary, target)
+        except FileExistsError:
+            raise InputError(taken) from None
+        except OSError:  # a file system without links: the check above has to do
+            os.rename(temporary, target)
+    except OSError as error:
+        raise _unwritable(path, error) from error
+    finally:
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
 def whole_folder(path: str | os.PathLike[str], last: str) -> Iterator[Path]:
     """Give a temporary folder; its files stand in `path` when the block ends well.
 

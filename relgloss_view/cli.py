@@ -24,6 +24,7 @@ COMMANDS = (
     "compare",
     "match",
     "gloss",
+    "experiment",
     "bench",
     "doctor",
 )
@@ -39,6 +40,7 @@ LESS_MEMORY = {
     "grid": "give a smaller --size",
     "compare": "give a smaller --size or fewer --operators",
     "match": "give a smaller --size",
+    "experiment": "give fewer --draws, or smaller pictures in the study",
     "bench": "give a smaller --size",
 }
 

@@ -28,6 +28,7 @@ ROOMS = [
     "material",
     "picture",
     "operators",
+    "experiment",
     "bench",
     "viewer",
     "commands",
@@ -74,7 +75,10 @@ def test_imports_point_down(path):
         ("imgui_bundle", ("viewer/",)),
         ("glfw", ("viewer/", "picture/context.py")),
         ("OpenEXR", ("picture/export.py",)),
-        ("matplotlib", ("material/fitting/", "operators/match_plot.py", "bench/")),
+        (
+            "matplotlib",
+            ("material/fitting/", "operators/match_plot.py", "experiment/report/", "bench/"),
+        ),
         ("colour", ("material/spectra.py", "bench/scientist.py")),
     ],
 )

@@ -15,6 +15,7 @@ from relgloss_view.bench.floor import FillFloor
 from relgloss_view.bench.scenes import Case, cases
 from relgloss_view.bench.timing import PER_VISIT, Task, take_turns
 from relgloss_view.errors import RelglossError
+from relgloss_view.experiment.grid import Grid
 from relgloss_view.picture.method import EXACT
 from relgloss_view.picture.reference import ReferenceRenderer
 from relgloss_view.picture.renderer import Renderer
@@ -24,9 +25,6 @@ Found = dict[str, Any]
 Progress = Callable[[float, str], object]
 
 STIMULI_SIZE = (512, 512)
-#: The paper's: sigma_N in degrees, c as a share of c_max.
-SIGMA_N_DEG = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
-C_FRACTIONS = tuple(k / 6 for k in range(1, 7))
 
 
 def time_mitsuba(
@@ -91,7 +89,7 @@ def time_reference(case: Case, size: Size, ours_ms: float, repeats: int) -> Foun
 def time_scientist(ctx: moderngl.Context, paper: str, repeats: int) -> Found:
     """42 stimuli by the plain pipeline, from a few; and all 42 of ours, drawn and read back."""
     case = next(c for c in cases(STIMULI_SIZE) if c.paper == paper)
-    stimuli = [(s, f) for s in SIGMA_N_DEG for f in C_FRACTIONS]
+    stimuli = [(s.sigma_n_deg, s.c_fraction) for s in Grid().settings]
     scientist.draw(case.scene, (64, 64), 1.0, 1.0, 0)  # imports
     seconds = []
     for seed in range(repeats):

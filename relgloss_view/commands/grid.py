@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,9 +29,6 @@ if TYPE_CHECKING:
     from relgloss_view.picture.scene import Look, Scene
     from relgloss_view.picture.writers import Writers
 
-#: Ishii et al.: sigma_N from 0 to 3 degrees by 0.5, c from c_max/6 to c_max by c_max/6.
-SIGMA_N_DEG = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
-C_SIXTHS = (1, 2, 3, 4, 5, 6)
 THUMBNAIL_PX = 200
 CAPTION_PX = 150  #: width of a picture that has room for c in its caption
 FORMAT, VERSION = "relgloss-grid", 1
@@ -87,6 +83,7 @@ def _draw(
     progress: Progress,
 ) -> dict[str, Any]:
     """Draw pictures, contact sheet and manifest into a folder; returns the manifest."""
+    from relgloss_view.experiment.grid import C_SIXTHS, SIGMA_N_DEG, Setting
     from relgloss_view.picture.export import parameters, save_rgb
     from relgloss_view.picture.sheet import contact_sheet, thumbnail
 
@@ -102,10 +99,7 @@ def _draw(
         for sixths in scales:
             name = f"sigma_{sigma_n_deg:.1f}" + (f"_c_{sixths}of6.png" if sixths else ".png")
             progress(len(stimuli) / total, name)
-            fraction = sixths / 6 if sixths else None
-            variant = dataclasses.replace(
-                look, sigma_n_deg=sigma_n_deg, c=None, c_fraction=fraction
-            )
+            variant = Setting(sigma_n_deg, sixths / 6 if sixths else 1.0).look(look)
             frame = renderer.render(scene, variant, size)
             shown = shown_by(operator, frame)
             command = _command(args, sigma_n_deg, sixths, name)

@@ -82,7 +82,7 @@ def _screenshot(args: argparse.Namespace) -> int:
     window = Window(
         app, args.window or DEFAULT_SIZE, headless=True, font_scale=args.font_scale or 1.0
     )
-    _tell_clamped(args, window.size)
+    tell_clamped(args, window.size)
     pixels = window.run(args.frames)
     from relgloss_view.picture.export import save_rgb
 
@@ -120,12 +120,13 @@ def _interactive(args: argparse.Namespace) -> int:
     size = args.window or app.kept_layout.size
     scale = args.font_scale or app.kept_layout.font_scale
     window = Window(app, size, font_scale=scale)
-    _tell_clamped(args, window.size)
+    tell_clamped(args, window.size)
     window.run()
     return 0
 
 
-def _tell_clamped(args: argparse.Namespace, size: tuple[int, int]) -> None:
+def tell_clamped(args: argparse.Namespace, size: tuple[int, int]) -> None:
+    """Warn where a window is not as large as it was asked to be."""
     if args.window is not None and args.window != size:
         asked = f"{args.window[0]}x{args.window[1]}"
         print(f"warning: --window {asked}: clamped to {size[0]}x{size[1]}", file=sys.stderr)

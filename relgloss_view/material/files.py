@@ -74,7 +74,7 @@ def load_material(path: str | os.PathLike[str]) -> Material:
             read, parse_constant=_no_constant, parse_int=_integer, object_pairs_hook=_unique
         )
         _refuse_surrogates(content, read)
-        return _material(content)
+        return material_from_dict(content)
     except json.JSONDecodeError as error:
         raise InputError(
             f"{path}: line {error.lineno}, column {error.colno}: not JSON ({error.msg}); {remedy}"
@@ -101,8 +101,8 @@ _FIT_FIELDS: dict[str, tuple[Any, str]] = {
 }
 
 
-def _material(content: object) -> Material:
-    """The material of a JSON object. Its parts check themselves; here are the places."""
+def material_from_dict(content: object) -> Material:
+    """The material of a JSON object; InputError names the field that is wrong."""
     top = _table(content, "the file")
     if top.get("format") != FORMAT:
         fault("format", f'"{FORMAT}"', top.get("format"))

@@ -111,23 +111,26 @@ def _scene_file(content: Mapping[str, Any], folder: Path, stood_in: list[str] | 
         reference_look = build("look", of_reference.pop("look"), "reference.")
     elif of_reference:
         reference_look = Look()
-    parts["lamp"] = _beside(parts["lamp"], folder, stood_in)
-    sample = _sample("sample", content.get("sample", {}), folder, stood_in)
+    parts["lamp"] = lamp_beside(parts["lamp"], folder, stood_in)
+    sample = read_sample("sample", content.get("sample", {}), folder, stood_in)
     if sample is None:
         sample = SceneSample(load_sample(DEFAULT_SAMPLE), name=DEFAULT_SAMPLE)
     return SceneFile(
         sample,
         **parts,
-        reference=_sample("reference", of_reference, folder, stood_in),
+        reference=read_sample("reference", of_reference, folder, stood_in),
         reference_look=reference_look,
         presentation=presentation,
     )
 
 
-def _sample(
+def read_sample(
     place: str, entries: object, folder: Path, stood_in: list[str] | None
 ) -> SceneSample | None:
-    """The sample of a table, None where that names none or, forgivingly, one that is not there."""
+    """The sample of a table with SAMPLE_ENTRIES; files are taken from `folder`.
+
+    None where the table names none or, with a list `stood_in`, one that is not there. InputError.
+    """
     if not isinstance(entries, dict) or {"name", "material"} <= set(entries):
         raise InputError(f"[{place}]: expected either name or material")
     for key, value in entries.items():
@@ -152,8 +155,8 @@ def _sample(
         return None
 
 
-def _beside(lamp: Lamp, folder: Path, stood_in: list[str] | None) -> Lamp:
-    """The lamp with its file, if it has one, taken from the scene's folder."""
+def lamp_beside(lamp: Lamp, folder: Path, stood_in: list[str] | None) -> Lamp:
+    """The lamp with its file, if it has one, taken from the scene's folder. InputError."""
     if is_lamp_name(lamp.illuminant):
         return lamp
     file = str(folder / lamp.illuminant)

@@ -10,10 +10,7 @@ import numpy as np
 from imgui_bundle import imgui
 
 from relgloss_view.atomic import make_folder
-from relgloss_view.picture import tone
 from relgloss_view.picture.frame import Frame
-from relgloss_view.picture.scene import Display
-from relgloss_view.picture.tone import DisplayModel
 from relgloss_view.picture.view import Size
 from relgloss_view.viewer import actions
 from relgloss_view.viewer.arrangement import arranged, as_shown
@@ -24,6 +21,7 @@ from relgloss_view.viewer.layout_file import WindowLayout, save_layout
 from relgloss_view.viewer.model import Model
 from relgloss_view.viewer.operated import OperatedPictures
 from relgloss_view.viewer.pace import Pace
+from relgloss_view.viewer.painting import surround_gray
 from relgloss_view.viewer.panels import (
     fit,
     gloss,
@@ -227,7 +225,7 @@ class App:
     def _show_stage(self) -> None:
         canvas = stage.show(self.model, self._draw_pictures)
         assert self._window is not None
-        self._window.surround = _surround(self.model.state.display)
+        self._window.surround = surround_gray(self.model.state.display)
         self._window.canvas = canvas
         asked = self.model.take_view is not None and not self.model.draft
         self._window.below = self._give_view if asked and self.staged is not None else None
@@ -288,10 +286,3 @@ class App:
         model = self.model
         state = as_shown(model.state, model.picture_size, model.pixel_pitch_m)
         return self.pictures.render_at(state, side, size)
-
-
-def _surround(display: Display) -> float:
-    """Gray of the pictures' surround as the window shows it, 0 to 1, to the last of 8 bits."""
-    model = DisplayModel.of(display)
-    encoded = tone.encode(np.array(model.background_light), model)
-    return float(np.round(255.0 * encoded)) / 255.0

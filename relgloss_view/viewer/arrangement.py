@@ -73,9 +73,7 @@ def arranged(
     """
     width, height = pane
     mode = SIDE_BY_SIDE if presentation.haploscopic else presentation.compare
-    sides = ["reference", "test"]
-    if presentation.mirror:
-        sides.reverse()
+    sides = _in_order(presentation)
     if mode == SIDE_BY_SIDE:
         gap = int(min(presentation.gap_px, max(width - 2, 0)))
         each = (width - gap) // 2
@@ -90,6 +88,22 @@ def arranged(
     if each < 1 or height < 1:
         return None
     return Arrangement(drawable((each, height), largest), rects)
+
+
+def centred(pane: Size, size: Size, presentation: Presentation) -> Arrangement | None:
+    """Two pictures of one size side by side in the middle of a pane; None where they don't fit."""
+    gap = int(presentation.gap_px)
+    left, top = (pane[0] - 2 * size[0] - gap) // 2, (pane[1] - size[1]) // 2
+    if left < 0 or top < 0:
+        return None
+    first, second = _in_order(presentation)
+    rects = {first: (left, top, *size), second: (left + size[0] + gap, top, *size)}
+    return Arrangement(size, rects)
+
+
+def _in_order(presentation: Presentation) -> list[str]:
+    """The sides from left to right."""
+    return ["test", "reference"] if presentation.mirror else ["reference", "test"]
 
 
 def drawable(size: Size, largest: Size | None = None) -> Size:

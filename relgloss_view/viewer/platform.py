@@ -100,6 +100,18 @@ def load(name: str) -> int:
 
 def pixel_pitch_m(window: Any) -> float | None:
     """Size of a pixel of the monitor that shows most of a window, as the monitor reports it."""
+    monitor = monitor_of(window)
+    if monitor is None:
+        return None
+    mode = glfw.get_video_mode(monitor)
+    width_mm, _ = glfw.get_monitor_physical_size(monitor)
+    if mode is None or width_mm <= 0:
+        return None
+    return 1e-3 * width_mm / float(mode.size.width)
+
+
+def monitor_of(window: Any) -> Any:
+    """The monitor that shows most of a window; None where there is none."""
     place, size = glfw.get_window_pos(window), glfw.get_window_size(window)
 
     def shared(monitor: Any) -> int:
@@ -111,11 +123,4 @@ def pixel_pitch_m(window: Any) -> float | None:
         bottom = min(top + mode.size.height, place[1] + size[1])
         return max(right - max(left, place[0]), 0) * max(bottom - max(top, place[1]), 0)
 
-    monitor = max(glfw.get_monitors() or [], key=shared, default=None)
-    if monitor is None:
-        return None
-    mode = glfw.get_video_mode(monitor)
-    width_mm, _ = glfw.get_monitor_physical_size(monitor)
-    if mode is None or width_mm <= 0:
-        return None
-    return 1e-3 * width_mm / float(mode.size.width)
+    return max(glfw.get_monitors() or [], key=shared, default=None)

@@ -100,7 +100,7 @@ class Window:
         self._blitter: Blitter | None = None
         #: Whether the device still knows a texture by this name.
         self.is_texture: Callable[[int], bool] = lambda name: True
-        self._handle: Any = None
+        self.handle: Any = None  #: what GLFW knows it by
         self._screen: Any = None  #: what the interface is drawn on
         self._drawn = 0
         self._awake_until = 0.0
@@ -169,7 +169,7 @@ class Window:
         """Size of a pixel of the monitor that the window is on, as the monitor reports it."""
         if self.headless:
             return None
-        return pixel_pitch_m(self._handle)
+        return pixel_pitch_m(self.handle)
 
     def _loop(self, params: hello_imgui.RunnerParams, frames: int | None) -> None:
         while not params.app_shall_exit and self._error is None:
@@ -246,7 +246,7 @@ class Window:
         library: Any = hello_imgui  # its annotations leave the address out
         address = library.get_glfw_window_address()
         handle = ctypes.cast(address, ctypes.POINTER(glfw._GLFWwindow))
-        self._handle = handle
+        self.handle = handle
         if self.headless:  # the library holds windows to the size of a monitor, which is not there
             glfw.set_window_size(handle, *self.size)
         on_drop: Any = lambda _, paths: self._dropped(list(paths))  # noqa: E731 - annotated wrongly

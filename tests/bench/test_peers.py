@@ -44,13 +44,6 @@ def test_its_grain_is_grain():
     assert 0.002 < np.mean(np.abs(grainy - smooth)) < 0.2
 
 
-def test_42_stimuli_are_the_papers():
-    from relgloss_view.commands import grid
-
-    assert peers.SIGMA_N_DEG == grid.SIGMA_N_DEG
-    assert tuple(k / 6 for k in grid.C_SIXTHS) == peers.C_FRACTIONS
-
-
 def serving(monkeypatch, code):
     monkeypatch.setattr(mitsuba_runner, "program", lambda variant: [sys.executable, "-c", code])
     return MitsubaPeer("scalar_rgb", CASES["matte-coated az50"], SIZE)

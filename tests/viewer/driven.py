@@ -1,11 +1,13 @@
 """The whole window without a display, driven by labels: ImGui's test engine clicks and types.
 
 Run as a program, in a process of its own; `drive` is its other side. The engine's licence is not
-MIT: it is for tests only.
+MIT: it is for tests only. What runs in the window is the viewer, unless the test module has a
+function `opened(folder, run)`, a context that gives another program.
 """
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import json
 import os
@@ -21,8 +23,8 @@ LONGEST_S = 120.0
 def drive(module: str, folder: Path, **more) -> dict:
     """Run the scripts of a test module, functions (hand, found) in its SCRIPTS, in one window.
 
-    Each fills a dictionary `found` that comes back under the script's name. The window as it was
-    at the end is in window.npy, (H, W, 3).
+    scripts: names of those to run, if not all are. Each fills a dictionary `found` that comes back
+    under the script's name. The window as it was at the end is in window.npy, (H, W, 3).
     """
     (folder / "home").mkdir()
     (folder / "run.json").write_text(json.dumps({"module": module, **more}), encoding="utf-8")
@@ -62,11 +64,12 @@ class FakeJob:
 
 
 class Hand:
-    """What a script has in its hands: the app, and the engine's hand on it."""
+    """What a script has in its hands: the program, and the engine's hand on it."""
 
-    def __init__(self, app, ctx, folder):
-        self.app, self.ctx, self.folder = app, ctx, folder
-        self.model = app.model
+    def __init__(self, driven, ctx, folder):
+        self.driven, self.ctx, self.folder = driven, ctx, folder
+        self.app = driven.program
+        self.model = getattr(self.app, "model", None)
 
     def click(self, *items):
         for item in items:
@@ -103,7 +106,7 @@ class Hand:
     def do(self, action):
         """Call something on the window's thread, which alone may use OpenGL; returns its value."""
         results = []
-        self.app.to_do = lambda: results.append(action())
+        self.driven.to_do = lambda: results.append(action())
         self.until(lambda: bool(results))
         return results[0]
 
@@ -140,52 +143,78 @@ class Hand:
         return [[note.text, note.fault] for note in self.model.notes]
 
 
+class Driven:
+    """A program in whose window scripts run; it ends with the last of them."""
+
+    def __init__(self, program, ended):
+        self.program, self.ended = program, ended
+        self.to_do = None
+        self.window = None
+
+    def __getattr__(self, name):
+        return getattr(self.program, name)
+
+    def start(self, ctx, window):
+        self.window = window
+        self.program.start(ctx, window)
+
+    def after_frame(self, frame_s):
+        self.program.after_frame(frame_s)
+        action, self.to_do = self.to_do, None
+        if action is not None:
+            action()
+        if self.ended():
+            self.window.close()
+        return True
+
+
+@contextlib.contextmanager
+def viewer(folder, run):
+    from relgloss_view.viewer.app import App
+    from relgloss_view.viewer.state import State
+
+    app = App(State.initial())
+    app.layout.hidden = not run.get("panels", False)  # other panels cost time
+    yield app
+
+
 def main(folder: Path) -> None:
     import numpy as np
     from imgui_bundle import hello_imgui, imgui
 
-    from relgloss_view.viewer.app import App
-    from relgloss_view.viewer.state import State
     from relgloss_view.viewer.window import Window
 
     run = json.loads((folder / "run.json").read_text(encoding="utf-8"))
     sys.path.insert(0, str(Path(__file__).parent))
-    scripts = importlib.import_module(run["module"]).SCRIPTS
+    module = importlib.import_module(run["module"])
+    scripts = module.SCRIPTS
+    if "scripts" in run:
+        scripts = [script for script in scripts if script.__name__ in run["scripts"]]
     found = {script.__name__: {} for script in scripts}
     faults = []
-    ended = []
+    over = []
     kept = []  # the engine does not keep what it calls
     engine_io = imgui.test_engine
 
-    def test_of(app, script):
+    def test_of(driven, script):
         def test(ctx):
             try:
-                script(Hand(app, ctx, folder), found[script.__name__])
+                script(Hand(driven, ctx, folder), found[script.__name__])
             except BaseException:
                 faults.append(f"{script.__name__}: {traceback.format_exc()}")
             finally:
-                ended.append(script)
+                over.append(script)
 
         return test
 
-    class Driven(App):
-        to_do = None
-
-        def after_frame(self, frame_s):
-            super().after_frame(frame_s)
-            action, self.to_do = self.to_do, None
-            if action is not None:
-                action()
-            engine = hello_imgui.get_imgui_test_engine()
-            if len(ended) == len(scripts) and engine_io.is_test_queue_empty(engine):
-                for script, test in kept:
-                    if test.output.status != engine_io.TestStatus.success:
-                        faults.append(f"{script.__name__}: {test.output.log.get_text()}")
-                self.quit()
-            return True
-
-    app = Driven(State.initial())
-    app.layout.hidden = not run.get("panels", False)  # other panels cost time
+    def ended():
+        engine = hello_imgui.get_imgui_test_engine()
+        if len(over) < len(scripts) or not engine_io.is_test_queue_empty(engine):
+            return False
+        for script, test in kept:
+            if test.output.status != engine_io.TestStatus.success:
+                faults.append(f"{script.__name__}: {test.output.log.get_text()}")
+        return True
 
     def register():
         engine = hello_imgui.get_imgui_test_engine()
@@ -194,7 +223,7 @@ def main(folder: Path) -> None:
         io.config_log_to_tty = False
         for script in scripts:
             test = engine_io.register_test(engine, "driven", script.__name__)
-            test.test_func = test_of(app, script)
+            test.test_func = test_of(driven, script)
             kept.append((script, test))
             engine_io.queue_test(engine, test)
 
@@ -203,8 +232,10 @@ def main(folder: Path) -> None:
         params.callbacks.register_tests = register
 
     size = tuple(run.get("size", (800, 560)))
-    window = Window(app, size, headless=True, font_scale=run.get("font", 1.0), tune=tune)
-    np.save(folder / "window.npy", window.run())
+    with getattr(module, "opened", viewer)(folder, run) as program:
+        driven = Driven(program, ended)
+        window = Window(driven, size, headless=True, font_scale=run.get("font", 1.0), tune=tune)
+        np.save(folder / "window.npy", window.run())
     if faults:
         print("\n".join(faults))
         sys.exit(1)

@@ -1,66 +1,47 @@
 """A real window on an X server without a monitor: it shows what the null platform draws, rests when
 nothing happens, comes back after a kill and keeps all when it is asked to end.
 
-The server is one of our own, on whatever number is free. Run as a program with a folder, this file
-draws the window of both_platforms.
+Run as a program with a folder, this file draws the window of both_platforms.
 """
 
 from __future__ import annotations
 
 import contextlib
 import os
-import shutil
 import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
+from x_server import (
+    LONGEST_S,
+    TICKS_S,
+    TITLE,
+    environment,
+    hand,
+    needs_server,
+    rest,
+    running,
+    ticks,
+    until,
+)
 
-from relgloss_view import cli
 from relgloss_view.viewer.session import restore
 
-ROOT = Path(cli.__file__).parents[1]
-LONGEST_S = 60.0
-WINDOW, SCREEN = "1280x800", "1400x900x24"
+WINDOW = "1280x800"
 FRAMES = 8
-TITLE = "^relgloss$"
 STEP_PX = 40
-TICKS_S = os.sysconf("SC_CLK_TCK")
 
-needs_server = pytest.mark.skipif(
-    not (shutil.which("Xvfb") and shutil.which("xdotool")),
-    reason="needs Xvfb and xdotool: scripts/system-packages test",
-)
 pytestmark = needs_server
 
 
 @pytest.fixture(scope="module")
 def display():
     """The name of a display whose server runs as long as these tests."""
-    reading, writing = os.pipe()
-    words = ["Xvfb", "-displayfd", str(writing), "-screen", "0", SCREEN, "-nolisten", "tcp"]
-    words.append("-noreset")  # else the pointer comes back to the middle with each last client
-    server = subprocess.Popen(words, pass_fds=[writing], stderr=subprocess.DEVNULL)
-    os.close(writing)
-    try:
-        with os.fdopen(reading) as pipe:
-            number = pipe.readline().strip()  # nothing, should the server end
-        assert number, "Xvfb did not start"
-        yield f":{number}"
-    finally:
-        server.terminate()
-        server.wait(LONGEST_S)
-
-
-def environment(folder, display=None):
-    names = ("DISPLAY", "WAYLAND_DISPLAY")
-    kept = {k: v for k, v in os.environ.items() if k not in names}
-    if display is not None:
-        kept["DISPLAY"] = display
-    return kept | {"RELGLOSS_HOME": str(folder / "kept"), "PYTHONPATH": str(ROOT)}
+    with running() as name:
+        yield name
 
 
 # --- both platforms draw the same -----------------------------------------------------------------
@@ -172,18 +153,6 @@ def opened(folder, display, *, how=COMMAND):
     assert os.listdir(place) == []
 
 
-def hand(display, *words):
-    """What a user does, by xdotool."""
-    done = subprocess.run(
-        ["xdotool", *words],
-        env={**os.environ, "DISPLAY": display},
-        capture_output=True,
-        text=True,
-        timeout=LONGEST_S,
-    )
-    assert done.returncode == 0, done.stderr
-
-
 def drag(display):
     """Turn the object by STEP_PX: press in the middle of the left picture, move, let go."""
     hand(
@@ -194,24 +163,6 @@ def drag(display):
     )  # fmt: skip
 
 
-def ticks(process):
-    """Processor time that a process and its threads have taken, clock ticks."""
-    fields = Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
-    return int(fields[11]) + int(fields[12])
-
-
-def rest(process):
-    """Wait until the program does next to nothing for a while; it must within the time."""
-    end = time.monotonic() + LONGEST_S
-    quiet = 0
-    while quiet < 2:
-        assert process.poll() is None
-        assert time.monotonic() < end, "the window does not come to rest"
-        before = ticks(process)
-        time.sleep(0.5)
-        quiet = quiet + 1 if ticks(process) - before <= 0.1 * 0.5 * TICKS_S else 0
-
-
 def session(folder):
     return folder / "kept" / "state" / "session.toml"
 
@@ -220,13 +171,6 @@ def azimuth(folder):
     """Where the eye of the kept session stands; None where none is kept."""
     state = restore(session(folder)).state
     return None if state is None else state.eye.azimuth_deg
-
-
-def until(condition):
-    end = time.monotonic() + LONGEST_S
-    while not condition():
-        assert time.monotonic() < end, "it does not come"
-        time.sleep(0.05)
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")

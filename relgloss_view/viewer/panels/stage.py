@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 from imgui_bundle import ImVec2, imgui
 
-from relgloss_view.picture.view import Size, View
+from relgloss_view.picture.view import Size
 from relgloss_view.viewer import camera
-from relgloss_view.viewer.arrangement import Arrangement, Canvas, Copy, Rect, as_shown, bare
+from relgloss_view.viewer.arrangement import Arrangement, Canvas, Rect, as_shown
 from relgloss_view.viewer.model import Model
+from relgloss_view.viewer.painting import painted
 from relgloss_view.viewer.panels import captions
 from relgloss_view.viewer.pictures import Shown
-from relgloss_view.viewer.state import DIFFERENCE, WIPE, State
+from relgloss_view.viewer.state import WIPE, State
 from relgloss_view.viewer.theme import em, gray
 
 HANDLE_EM = 0.8  #: width of what takes hold of the wipe's edge
@@ -46,68 +46,14 @@ def show(model: Model, draw: Callable[[Size], Staged | None]) -> Canvas:
     presentation = model.state.presentation
     wiping = presentation.compare == WIPE and not presentation.haploscopic
     share = 1.0 - presentation.wipe if presentation.mirror else presentation.wipe
-    edge = int(share * pane[0])
-    copies: list[Copy] = []
-    for side, rect in staged.arrangement.rects.items():
-        if side not in staged.shown:
-            continue
-        clip = _wiped(rect, edge, side, mirrored=presentation.mirror) if wiping else rect
-        area = _common(_box(model, rect, staged.shown[side]), clip)
-        if area[2] > 0 and area[3] > 0:
-            copies.append(_copy(model, rect, area, staged.shown[side]))
-    if wiping:
+    edge = int(share * pane[0]) if wiping else None
+    canvas = painted(pane, presentation, staged.arrangement, staged.shown, edge)
+    if edge is not None:
         _line(painter, origin, edge, pane[1])
-    _take_hand(model, origin, pane, staged, edge if wiping else None)
+    _take_hand(model, origin, pane, staged, edge)
     if not presentation.haploscopic:
         captions.show(model, painter, origin, staged.arrangement, staged.faults)
-    parts = bare(pane, [copy.place for copy in copies])
-    return Canvas(parts, copies).moved(int(origin.x), int(origin.y))
-
-
-def _wiped(rect: Rect, edge: int, side: str, *, mirrored: bool) -> Rect:
-    """The part of a picture on its side of the wipe's edge."""
-    left, top, width, height = rect
-    if (side == "reference") != mirrored:
-        return left, top, edge, height
-    return left + edge, top, width - edge, height
-
-
-def _box(model: Model, rect: Rect, shown: Shown) -> Rect:
-    """The part of a picture's rectangle that can show the object; the rest is surround."""
-    presentation = model.state.presentation
-    plain = presentation.overlay == "none" and presentation.compare != DIFFERENCE
-    if not (plain or presentation.haploscopic):
-        return rect
-    left, bottom, right, top = View.of(shown.frame.scene, shown.size).bounds
-    scale_x, scale_y = rect[2] / shown.size[0], rect[3] / shown.size[1]
-    if presentation.mirror:
-        left, right = shown.size[0] - right, shown.size[0] - left
-    # Whole pixels of the screen, so that what is beside them is filled to the edge.
-    x = (math.floor(left * scale_x), math.ceil(right * scale_x))
-    y = (math.floor((shown.size[1] - top) * scale_y), math.ceil((shown.size[1] - bottom) * scale_y))
-    return rect[0] + x[0], rect[1] + y[0], max(x[1] - x[0], 0), max(y[1] - y[0], 0)
-
-
-def _common(a: Rect, b: Rect) -> Rect:
-    """What two rectangles share."""
-    left, top = max(a[0], b[0]), max(a[1], b[1])
-    right, bottom = min(a[0] + a[2], b[0] + b[2]), min(a[1] + a[3], b[1] + b[3])
-    return left, top, max(right - left, 0), max(bottom - top, 0)
-
-
-def _copy(model: Model, rect: Rect, area: Rect, shown: Shown) -> Copy:
-    """What to copy from a picture to an area of the pane, and where in the picture it lies."""
-    across, down = shown.size[0] / rect[2], shown.size[1] / rect[3]
-    left, right = (round((x - rect[0]) * across) for x in (area[0], area[0] + area[2]))
-    top, bottom = (round((y - rect[1]) * down) for y in (area[1], area[1] + area[3]))
-    if model.state.presentation.mirror:
-        left, right = shown.size[0] - left, shown.size[0] - right
-    if left == right:  # a sliver of a smaller picture still shows a pixel of it
-        right = left + 1 if left < shown.size[0] else left - 1
-    if top == bottom:
-        bottom, top = (bottom + 1, top) if bottom < shown.size[1] else (bottom, top - 1)
-    box = (left, shown.size[1] - bottom, right, shown.size[1] - top)
-    return Copy(shown.framebuffer, box, area, scaled=shown.size != rect[2:])
+    return canvas.moved(int(origin.x), int(origin.y))
 
 
 def _line(painter: imgui.ImDrawList, origin: ImVec2, x: int, height: int) -> None:

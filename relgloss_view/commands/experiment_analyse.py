@@ -1,0 +1,81 @@
+"""`relgloss experiment analyse`: what the answers of a study tell."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from relgloss_view.atomic import whole_folder
+from relgloss_view.commands.output_folder import own_folder
+from relgloss_view.commands.progress import Progress
+from relgloss_view.commands.scene_options import printable_command
+from relgloss_view.errors import InputError
+from relgloss_view.text_input import printable
+
+MOST_DRAWS = 100_000
+
+
+def add(commands: Any) -> None:
+    """Declare the command."""
+    from relgloss_view.experiment.analysis import DRAWS
+
+    parser = commands.add_parser(
+        "analyse",
+        help="scales, bounds and the best setting of each sample, with a report",
+        description="Pool the answers of session files and analyse them by the method of "
+        "successive categories: Torgerson's condition D, and the ordinal probit model that the "
+        "verdicts follow; uncertainty by drawing the observers again. -o writes a report (HTML, "
+        "PNG, CSV, JSON) and a scene file of each chosen setting, which the window opens.",
+        epilog="example: relgloss experiment analyse monday.sqlite tuesday.sqlite -o report",
+    )
+    parser.add_argument("files", metavar="FILE", nargs="+", help="session files of one study")
+    parser.add_argument("-o", "--output", metavar="FOLDER", help="where the report goes")
+    parser.add_argument(
+        "--draws", metavar="N", type=int, default=DRAWS, help=f"of the bootstrap (default {DRAWS})"
+    )
+    parser.add_argument("--seed", metavar="N", type=int, default=0, help="of the bootstrap")
+    parser.add_argument(
+        "--observer-effects",
+        action="store_true",
+        help="let each observer call everything closer or farther by an amount of their own",
+    )
+    parser.add_argument("--json", action="store_true", help="print the results as JSON")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Read, analyse, write what was asked for, print."""
+    from relgloss_view.experiment.analysis import analyse
+    from relgloss_view.experiment.pool import read_pool
+    from relgloss_view.experiment.report.numbers import FORMAT, as_numbers
+    from relgloss_view.experiment.report.words import summary
+    from relgloss_view.experiment.report.writing import RESULTS, write_report
+
+    if not 2 <= args.draws <= MOST_DRAWS:
+        raise InputError(f"--draws {args.draws}: expected 2 to {MOST_DRAWS}")
+    if not 0 <= args.seed < 2**31:
+        raise InputError(f"--seed {args.seed}: expected 0 to {2**31 - 1}")
+    folder = None
+    if args.output is not None:
+        folder = own_folder(args.output, {RESULTS: FORMAT}, "report")
+    with tempfile.TemporaryDirectory(prefix="relgloss-") as lamps:
+        pool = read_pool(args.files, Path(lamps))
+        with Progress("analyse") as progress:
+            analysis = analyse(
+                pool,
+                draws=args.draws,
+                seed=args.seed,
+                observer_effects=args.observer_effects,
+                progress=progress,
+            )
+            if folder is not None:
+                command = printable_command(args.argv)
+                with whole_folder(folder, last=RESULTS) as temporary:
+                    write_report(temporary, analysis, command=command, progress=progress)
+    print(json.dumps(as_numbers(analysis)) if args.json else summary(analysis))
+    if folder is not None and not args.json:
+        print(f"{printable(folder)}: report.html and what it is made of")
+    return 0

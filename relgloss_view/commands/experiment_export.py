@@ -1,0 +1,138 @@
+"""`relgloss experiment export`: the answers of a study as a table, and its stimuli as pictures."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from relgloss_view import __version__
+from relgloss_view.atomic import whole_file, whole_folder
+from relgloss_view.commands.output_folder import own_folder
+from relgloss_view.commands.progress import Progress
+from relgloss_view.errors import InputError
+from relgloss_view.picture.backends import BACKENDS
+from relgloss_view.text_input import printable
+
+if TYPE_CHECKING:
+    from relgloss_view.experiment.pool import Pool
+
+FORMAT, VERSION = "relgloss-stimuli", 1
+MANIFEST = "manifest.json"
+
+
+def add(commands: Any) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "export",
+        help="the answers as a table, and the stimuli as pictures",
+        description="Write every answer of session files as one table (CSV or JSON), or draw the "
+        "study's stimuli again, each held against what was on the observers' screen.",
+        epilog="example: relgloss experiment export monday.sqlite -o answers.csv",
+    )
+    parser.add_argument("files", metavar="FILE", nargs="+", help="session files of one study")
+    parser.add_argument("-o", "--output", metavar="OUT.csv|OUT.json", help="the table of answers")
+    parser.add_argument("--stimuli", metavar="FOLDER", help="where the stimuli go, as PNG")
+    parser.add_argument("--backend", choices=BACKENDS, default="auto", help="what draws")
+    parser.set_defaults(run=run, wrong_usage=parser.error)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Write what was asked for."""
+    from relgloss_view.experiment.pool import read_pool
+
+    if args.output is None and args.stimuli is None:
+        args.wrong_usage("give -o OUT.csv, --stimuli FOLDER, or both")
+    table = None if args.output is None else Path(args.output)
+    if table is not None and table.suffix.lower() not in (".csv", ".json"):
+        raise InputError(f"{printable(table)}: expected a name that ends in .csv or .json")
+    folder = None
+    if args.stimuli is not None:
+        folder = own_folder(args.stimuli, {MANIFEST: FORMAT}, "export", alone=True)
+    with tempfile.TemporaryDirectory(prefix="relgloss-") as lamps:
+        pool = read_pool(args.files, Path(lamps))
+        if table is not None:
+            print(f"{printable(table)}: {_write_answers(table, pool)} answers")
+        if folder is not None:
+            print(_draw_stimuli(folder, pool, args.backend))
+    return 0
+
+
+def _write_answers(path: Path, pool: Pool) -> int:
+    from relgloss_view.experiment.report.tables import ANSWER_COLUMNS, answer_rows, write_csv
+
+    rows = list(answer_rows(pool))
+    with whole_file(path) as temporary:
+        if path.suffix.lower() == ".csv":
+            write_csv(temporary, ANSWER_COLUMNS, rows)
+        else:
+            told = [dict(zip(ANSWER_COLUMNS, row, strict=True)) for row in rows]
+            temporary.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+    return len(rows)
+
+
+def _draw_stimuli(folder: Path, pool: Pool, backend: str) -> str:
+    """Draw the reference and every setting of every sample; what there is to say of them."""
+    from relgloss_view.experiment.report.names import file_names
+    from relgloss_view.experiment.stimuli import (
+        digest_of,
+        draw_reference,
+        draw_stimulus,
+        told_of,
+    )
+    from relgloss_view.picture.backends import open_renderer
+    from relgloss_view.picture.writers import Writers
+
+    study = pool.study
+    shown: dict[tuple[int | None, int | None], set[str]] = {}
+    for record in pool.records:
+        for picture in record.pictures:
+            shown.setdefault((picture.sample, picture.setting), set()).add(picture.sha256)
+    names = file_names([sample.label for sample in study.samples])
+    wanted: list[tuple[int | None, int | None]] = [(None, None)]
+    wanted += [(k, j) for k in range(len(names)) for j in range(len(study.grid))]
+    stimuli = []
+    with (
+        open_renderer(backend) as renderer,
+        Progress("export") as progress,
+        whole_folder(folder, last=MANIFEST) as temporary,
+        Writers() as writers,
+    ):
+        for number, (sample, setting) in enumerate(wanted):
+            if sample is None or setting is None:
+                frame, name = draw_reference(renderer, study), "reference.png"
+            else:
+                frame = draw_stimulus(renderer, study, sample, setting)
+                at = study.grid.settings[setting]
+                name = f"{names[sample]}-{setting:03d}.png"
+                progress(number / len(wanted), f"{study.samples[sample].label}, {at.words}")
+            digest = digest_of(frame)
+            known = shown.get((sample, setting))
+            writers.save(frame, temporary / name, "")
+            stimuli.append(
+                {
+                    "file": name,
+                    "sample": None if sample is None else study.samples[sample].label,
+                    "setting": setting,
+                    **told_of(frame),
+                    "sha256": digest,
+                    "as_shown": None if known is None else known == {digest},
+                }
+            )
+        manifest = {
+            "format": FORMAT, "version": VERSION, "relgloss_version": __version__,
+            "device": frame.device, "stimuli": stimuli,
+        }  # fmt: skip
+        text = json.dumps(manifest, indent=1) + "\n"
+        (temporary / MANIFEST).write_text(text, encoding="utf-8")
+    compared = [s for s in stimuli if s["as_shown"] is not None]
+    other = [s["file"] for s in compared if not s["as_shown"]]
+    told = f"{printable(folder)}: {len(stimuli)} pictures"
+    if not compared:
+        return f"{told}; nobody has seen them in a window, so there is nothing to compare with"
+    same = (
+        f"{len(compared) - len(other)} of {len(compared)} that were shown are the same, bit by bit"
+    )
+    return f"{told}; {same}" + (f" (not: {', '.join(other[:5])})" if other else "")

@@ -1,0 +1,36 @@
+"""`relgloss experiment new`: a study file to start from."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from relgloss_view.atomic import fresh_file
+from relgloss_view.errors import InputError
+from relgloss_view.text_input import printable
+
+
+def add(commands: Any) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "new",
+        help="write a study file to start from: the paper's experiment",
+        description="Write the paper's experiment as a study file, to be changed by hand. "
+        "Every entry that a study may have is in docs/experiment.md.",
+        epilog="example: relgloss experiment new -o mine.toml",
+    )
+    parser.add_argument("-o", "--output", metavar="STUDY.toml", required=True)
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Write it where nothing stands yet."""
+    from relgloss_view.experiment.study_file import BUILT_IN, built_in_file
+
+    if not args.output.lower().endswith(".toml"):
+        named = args.output or "''"
+        raise InputError(f"-o {printable(named)}: expected a name that ends in .toml")
+    with fresh_file(args.output) as temporary:
+        temporary.write_bytes(built_in_file(BUILT_IN[0]).read_bytes())
+    print(f"{printable(args.output)}: the paper's study")
+    return 0

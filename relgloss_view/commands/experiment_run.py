@@ -1,0 +1,138 @@
+"""`relgloss experiment run`: the window in which an observer answers."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from relgloss_view.commands.progress import Progress
+from relgloss_view.commands.scene_options import size_of_text
+from relgloss_view.errors import InputError
+from relgloss_view.text_input import printable
+
+if TYPE_CHECKING:
+    from relgloss_view.experiment.study import Study
+
+SQLITE = b"SQLite format 3\0"  #: how every such file begins
+SUFFIX = ".sqlite"
+
+
+def add(commands: Any) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "run",
+        help="one observer's session: the window in which pictures are judged",
+        description="Lead one observer through a study: consent, instructions, adaptation, then "
+        "pairs of pictures that are judged with the keys 1, 2, ... or the mouse. Every answer is "
+        "on the disk before the next pictures show; a session that was broken off in any way goes "
+        "on at the same pair when the command is given again. Keys: Backspace takes the last "
+        "answer back, P makes a pause, Tab (held) shows the operator how far it is, Ctrl+Enter "
+        "ends the adaptation early, Ctrl+Q ends.",
+        epilog="example: relgloss experiment run paper -o answers.sqlite; the next observer, or "
+        "the same one later: relgloss experiment run answers.sqlite",
+    )
+    parser.add_argument(
+        "study",
+        metavar="STUDY",
+        help="a study file (TOML), `paper` for the built-in study, or a session file to go on with",
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="FILE.sqlite",
+        help="the session file, which takes the answers of all observers of a study (default: "
+        "beside the study file, with its name)",
+    )
+    parser.add_argument(
+        "--observer",
+        metavar="ID",
+        help="a pseudonym; by default whoever is not through yet goes on, or a new observer begins",
+    )
+    parser.add_argument(
+        "--window", metavar="WxH", type=size_of_text, help="in pixels, in place of the full screen"
+    )
+    parser.add_argument(
+        "--display-profile",
+        metavar="FILE.icc",
+        help="the display's ICC profile, kept with the answers; pictures are not converted through "
+        "it: what the display does is in the study's [display]",
+    )
+    parser.add_argument("--json", action="store_true", help="print what was done as JSON")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Open the window, and tell in the end how far the observer came."""
+    from relgloss_view.commands.view import tell_clamped
+    from relgloss_view.experiment.records import PERSON
+    from relgloss_view.experiment.store import Store
+    from relgloss_view.viewer.platform import open_platform
+    from relgloss_view.viewer.trials.app import Trials
+    from relgloss_view.viewer.trials.device import full_screen, read_profile
+    from relgloss_view.viewer.window import Window
+
+    profile = None if args.display_profile is None else read_profile(args.display_profile)
+    path, study = _session(args.study, args.output)
+    open_platform(headless=False)  # where no window can show, no file is made
+    with Store(path, study) as store:
+        observer = store.observer(args.observer)
+        if observer.kind != PERSON:
+            raise InputError(f"observer {observer.name!r} is a simulated one; give another name")
+        with Progress("experiment") as progress:
+            program = Trials(store, observer, profile, progress)
+            if args.window is None:
+                window = Window(program, tune=full_screen)
+            else:
+                window = Window(program, args.window)
+                tell_clamped(args, window.size)
+            window.run()
+    if program.failed:
+        raise InputError(program.failed)
+    _tell(args, path, observer.name, *program.progress)
+    return 0
+
+
+def _session(given: str, output: str | None) -> tuple[Path, Study | None]:
+    """The session file, and its study; no study where the session file itself is given."""
+    from relgloss_view.experiment.study_file import BUILT_IN, load_study
+
+    if _is_sqlite(given):
+        if output is not None:
+            raise InputError(
+                f"{printable(given)}: is a session file, and goes on in itself; leave -o out, or "
+                "give its study file to begin another one"
+            )
+        return Path(given), None
+    study = load_study(given)
+    if output is not None:
+        return Path(output), study
+    if given in BUILT_IN and not Path(given).exists():
+        raise InputError(
+            f"the built-in study {given!r} has no folder of yours beside it; say where the answers "
+            f"go: -o {given}{SUFFIX}"
+        )
+    return Path(given).with_suffix(SUFFIX), study
+
+
+def _is_sqlite(given: str) -> bool:
+    try:
+        path = Path(given)
+        if not path.is_file():
+            return False
+        with path.open("rb") as file:
+            return file.read(len(SQLITE)) == SQLITE
+    except (OSError, ValueError):  # told by whoever reads it as a study
+        return False
+
+
+def _tell(args: argparse.Namespace, path: Path, observer: str, answered: int, total: int) -> None:
+    if args.json:
+        told = {"session": str(path), "observer": observer, "answered": answered, "total": total}
+        print(json.dumps(told))
+        return
+    text = f"{printable(path)}: {printable(observer)} has judged {answered} of {total}"
+    if answered < total:
+        text += f"; `relgloss experiment run {printable(path)}` goes on"
+    print(text)

@@ -1,0 +1,223 @@
+"""`relgloss experiment simulate`: simulated observers with a known truth, the whole way."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import json
+import re
+from typing import TYPE_CHECKING, Any
+
+from relgloss_view.commands.progress import Progress
+from relgloss_view.commands.study_options import add_study_options, study_from
+from relgloss_view.errors import InputError
+from relgloss_view.picture.backends import BACKENDS
+from relgloss_view.text_input import printable
+
+if TYPE_CHECKING:
+    from relgloss_view.experiment.grid import Setting
+    from relgloss_view.experiment.observers import Population
+    from relgloss_view.experiment.study import Study
+
+OBSERVERS = 15  #: as in the paper
+MOST_OBSERVERS, MOST_STUDIES, MOST_DRAWS = 1000, 10_000, 100_000
+PROOF_DRAWS = 200
+TRUTH = re.compile(r"(.+)=([0-9.]+),([0-9.]+(?:/[0-9.]+)?)", re.DOTALL)
+
+
+def add(commands: Any) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "simulate",
+        help="simulated observers with a known truth answer a study",
+        description="Lead simulated observers through a study by the code that leads people, "
+        "without a window. They see the pictures as drawn, and each sample has a setting that is "
+        "right. A session file that is there already is gone on with. With --studies, that many "
+        "studies are run and analysed, and it is told how often the truth was found.",
+        epilog="example: relgloss experiment simulate paper -o trial.sqlite",
+    )
+    add_study_options(parser)
+    parser.add_argument("-o", "--output", metavar="FILE.sqlite", help="the session file")
+    parser.add_argument(
+        "--observers", metavar="N", type=int, default=OBSERVERS, help=f"default {OBSERVERS}"
+    )
+    parser.add_argument("--seed", metavar="N", type=int, default=0, help="of the observers")
+    parser.add_argument(
+        "--truth",
+        metavar="SAMPLE=SIGMA_N,C|published|cells|anywhere",
+        action="append",
+        default=[],
+        help="the right setting of a sample, c as a share of c_max; or of all samples: published "
+        "(default), cells or anywhere (by chance, of the grid or of its range)",
+    )
+    add_population_options(parser)
+    parser.add_argument("--studies", metavar="N", type=int, help="run and analyse so many studies")
+    parser.add_argument(
+        "--draws",
+        metavar="N",
+        type=int,
+        default=PROOF_DRAWS,
+        help=f"of the bootstrap in each of the --studies (default {PROOF_DRAWS})",
+    )
+    parser.add_argument(
+        "--echo", action="store_true", help="print each answer as soon as it is stored"
+    )
+    parser.add_argument("--backend", choices=BACKENDS, default="auto", help="what draws")
+    parser.add_argument("--json", action="store_true", help="print the result as JSON")
+    parser.set_defaults(run=run, wrong_usage=parser.error)
+
+
+def add_population_options(parser: argparse.ArgumentParser) -> None:
+    """Declare how simulated observers are made; every entry of Population is an option."""
+    from relgloss_view.experiment.observers import Population
+
+    who = parser.add_argument_group("the observers")
+    for field in dataclasses.fields(Population):
+        option = f"--{field.name.replace('_', '-')}"
+        options = field.metadata.get("options")
+        if options is not None:
+            who.add_argument(option, choices=options, default=field.default,
+                             help=field.metadata["meaning"])  # fmt: skip
+        else:
+            meaning = f"{field.metadata['range'].meaning} (default {field.default:g})"
+            who.add_argument(option, metavar="X", type=float, default=field.default, help=meaning)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Simulate one study into a file, or many to see how often they find their truth."""
+    _check(args)
+    study = study_from(args)
+    return _proof(args, study) if args.studies is not None else _session(args, study)
+
+
+def _check(args: argparse.Namespace) -> None:
+    if (args.output is None) == (args.studies is None):
+        args.wrong_usage("give either -o FILE.sqlite or --studies N")
+    limits = (
+        ("--observers", args.observers, 1, MOST_OBSERVERS),
+        ("--studies", args.studies, 1, MOST_STUDIES),
+        ("--draws", args.draws, 2, MOST_DRAWS),
+        ("--seed", args.seed, 0, 2**31 - 1),
+    )
+    for option, value, low, high in limits:
+        if value is not None and not low <= value <= high:
+            raise InputError(f"{option} {value}: expected {low} to {high}")
+
+
+def _population(args: argparse.Namespace) -> Population:
+    from relgloss_view.experiment.observers import Population
+
+    return Population(**{f.name: getattr(args, f.name) for f in dataclasses.fields(Population)})
+
+
+def _truths(args: argparse.Namespace) -> tuple[str, dict[str, Setting]]:
+    """What was said of the truths: how they are chosen, and those that are given."""
+    from relgloss_view.experiment.grid import Setting, share_of
+    from relgloss_view.experiment.truth import CHOICES, PUBLISHED
+
+    choice, given = PUBLISHED, {}
+    for word in args.truth:
+        match = TRUTH.fullmatch(word)
+        if word in CHOICES:
+            choice = word
+        elif match is None or match[2].count(".") > 1:
+            raise InputError(
+                f"--truth {printable(word, 60)}: expected SAMPLE=SIGMA_N,C such as "
+                f"matte-coated=2.0,2/6, or {', '.join(CHOICES)}"
+            )
+        else:
+            given[match[1]] = Setting(float(match[2]), share_of(match[3], f"--truth {word}"))
+    return choice, given
+
+
+def _session(args: argparse.Namespace, study: Study) -> int:
+    from relgloss_view.experiment.percept import see_study
+    from relgloss_view.experiment.simulation import Given, run_observers
+    from relgloss_view.experiment.store import Store
+    from relgloss_view.experiment.truth import truths_of
+    from relgloss_view.picture.backends import open_renderer
+
+    population = _population(args)
+    choice, given = _truths(args)
+    truths = truths_of(study, choice, given, args.seed)
+
+    def echo(answer: Given) -> None:
+        trial = answer.trial
+        print(
+            answer.observer, trial.position, trial.sample, trial.setting, answer.question,
+            answer.category, flush=True,
+        )  # fmt: skip
+
+    with Store(args.output, study) as store, Progress("simulate") as progress:
+        with open_renderer(args.backend) as renderer:
+            percepts = see_study(renderer, study, truths, progress)
+        silent = (lambda answer: None) if not args.echo else echo
+        run_observers(store, percepts, population, args.observers, args.seed, silent, progress)
+        answers, observers = len(store.answers()), len(store.observers())
+    told = {
+        "file": args.output,
+        "observers": observers,
+        "answers": answers,
+        "truths": {
+            sample.label: dataclasses.asdict(truth)
+            for sample, truth in zip(study.samples, truths, strict=True)
+        },
+    }
+    if args.json:
+        print(json.dumps(told))
+    else:
+        right = "; ".join(
+            f"{printable(s.label)} {t.words}" for s, t in zip(study.samples, truths, strict=True)
+        )
+        print(f"{printable(args.output)}: {answers} answers of {observers} simulated observers")
+        print(f"right for them: {right}")
+    return 0
+
+
+def _proof(args: argparse.Namespace, study: Study) -> int:
+    from relgloss_view.experiment.proof import prove, summary
+    from relgloss_view.picture.backends import open_renderer
+
+    population = _population(args)
+    choice, given = _truths(args)
+    with Progress("simulate") as progress, open_renderer(args.backend) as renderer:
+        found = prove(
+            renderer, study, args.studies, args.observers, population, truth=choice, given=given,
+            draws=args.draws, seed=args.seed, progress=progress,
+        )  # fmt: skip
+    told = summary(found)
+    print(json.dumps(told) if args.json else _table(told, args))
+    return 0
+
+
+def _table(told: dict[str, Any], args: argparse.Namespace) -> str:
+    heads = ("sample", "answers", "exact", "+-1", "median error", "sigma_N in", "c in", "declared")
+    lines = [
+        f"{args.studies} studies of {args.observers} observers, {args.kind}",
+        "",
+        f"{heads[0]:<20}" + "".join(f"{h:>14}" for h in heads[1:]),
+    ]
+    for name, shares in {**told["samples"], "all": told["all"]}.items():
+        declared = shares["status"].get("best", 0) / shares["cases"]
+        cells = (
+            f"{shares['answers']:.0f}",
+            f"{100 * shares['exact']:.0f} %",
+            f"{100 * shares['near']:.0f} %",
+            f"{shares['median_error_steps']:.2f} steps",
+            _percent(shares["sigma_n_inside"]),
+            _percent(shares["c_inside"]),
+            f"{100 * declared:.0f} %",
+        )
+        lines.append(f"{printable(name, 20):<20}" + "".join(f"{cell:>14}" for cell in cells))
+    nothing = 100 * told["all"]["nothing_declared"]
+    lines += [
+        "",
+        "exact, +-1: the leading setting is the one nearest to the truth, or beside it",
+        "sigma_N in, c in: how often the 95 % interval of the optimum holds the truth",
+        f"studies in which no sample has a declared best: {nothing:.0f} %",
+    ]
+    return "\n".join(lines)
+
+
+def _percent(share: float | None) -> str:
+    return "-" if share is None else f"{100 * share:.0f} %"

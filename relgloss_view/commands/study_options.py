@@ -1,0 +1,42 @@
+"""A study as it is given on the command line: a file or a built-in one, with entries changed."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from typing import TYPE_CHECKING, Any
+
+from relgloss_view.commands.scene_options import read_value
+from relgloss_view.errors import InputError
+
+if TYPE_CHECKING:
+    from relgloss_view.experiment.study import Study
+
+
+def add_study_options(parser: argparse.ArgumentParser) -> None:
+    """Declare STUDY and --set."""
+    parser.add_argument(
+        "study", metavar="STUDY", help="a study file (TOML), or the built-in study: paper"
+    )
+    parser.add_argument(
+        "--set",
+        metavar="NAME=VALUE",
+        action="append",
+        default=[],
+        help="any entry of the study file, such as procedure.repeats=2 or screen.width_px=256",
+    )
+
+
+def study_from(args: argparse.Namespace) -> Study:
+    """The study of parsed options; InputError where it is none."""
+    from relgloss_view.experiment.study_file import load_study
+
+    changes: dict[str, dict[str, Any]] = {}
+    for setting in args.set:
+        match = re.fullmatch(r"(\w+)\.(\w+)=(.*)", setting, re.DOTALL)
+        if match is None:
+            raise InputError(f"--set {setting}: expected TABLE.ENTRY=VALUE, as in the study file")
+        table, entry, text = match.groups()
+        value = read_value(text)
+        changes.setdefault(table, {})[entry] = list(value) if isinstance(value, tuple) else value
+    return load_study(args.study, changes)

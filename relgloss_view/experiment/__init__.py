@@ -1,0 +1,1 @@
+"""The subjective evaluation: which settings keep the ratio of gloss, by asking people."""

@@ -1,0 +1,312 @@
+"""The analysis of a study: scales, bounds, what is best for each sample, and who agrees with whom.
+
+Defined in docs/experiment.md. The method of successive categories twice: least squares under
+Torgerson's condition D, as in the paper, and maximum likelihood of the ordinal probit model, which
+the verdicts follow. Uncertainty is that over observers: they are drawn again with replacement
+(Efron 1979).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.errors import InputError
+from relgloss_view.experiment.adaptive import Posterior
+from relgloss_view.experiment.adaptive_verdict import AdaptiveVerdict, judged_adaptively
+from relgloss_view.experiment.agreement import (
+    Relation,
+    kendall_w,
+    krippendorff_alpha,
+    no_difference_p,
+    relation_to_others,
+)
+from relgloss_view.experiment.flow import ADAPTIVE
+from relgloss_view.experiment.ordinal import OrdinalScale, ordinal_scale
+from relgloss_view.experiment.pool import Answers, Pool
+from relgloss_view.experiment.study import GRAIN, RATIO
+from relgloss_view.experiment.successive import SuccessiveScale, successive_categories
+from relgloss_view.experiment.surface import FineGrid
+from relgloss_view.experiment.unfolding import fit_unfolding
+from relgloss_view.experiment.verdict import LEVEL, Smooth, Verdict, judged
+
+Array = NDArray[np.float64]
+
+DRAWS = 1000
+JOINT = "both"  #: the ratio and the grain together
+RELATED = 0.05  #: an observer whose answers are this likely by chance is pointed out
+QUICK_S = 0.4  #: a median response this short is pointed out
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Closeness of the settings to one question, larger is closer, and how sure it is."""
+
+    question: str
+    probit: OrdinalScale
+    torgerson: SuccessiveScale
+    answered: NDArray[np.bool_]  #: (J,), settings that somebody judged
+    interval: Array | None  #: (2, J), 95 %, of the probit scale
+    bounds_interval: Array | None  #: (2, K-1)
+    draws: Array | None  #: (B, J), of the probit scale; the mean is 0 in each
+    smooth: Smooth  #: the smooth fit
+
+    @property
+    def scale(self) -> Array:
+        """(J,), the probit scale, NaN without answers."""
+        return np.where(self.answered, self.probit.scale, np.nan)
+
+
+@dataclass(frozen=True)
+class SampleResult:
+    """What a study tells of one sample."""
+
+    label: str
+    answers: int
+    observers: int  #: who answered about it
+    p_chance: float  #: of such answers where settings do not differ
+    scales: tuple[Scale, ...]  #: one a question
+    verdicts: dict[str, Verdict]  #: by question; JOINT too where both were asked
+    adaptive: AdaptiveVerdict | None  #: of an adaptive study
+    alpha: float | None  #: Krippendorff's, ordinal
+    w: float | None  #: Kendall's
+
+    @property
+    def decided_by(self) -> str:
+        """The question whose verdict chooses the setting."""
+        return JOINT if JOINT in self.verdicts else RATIO
+
+    @property
+    def verdict(self) -> Verdict:
+        """The verdict that chooses the setting of a full-grid study."""
+        return self.verdicts[self.decided_by]
+
+
+@dataclass(frozen=True)
+class ObserverResult:
+    """What there is to know of one observer."""
+
+    name: str
+    kind: str
+    ended: bool
+    answers: int
+    median_response_s: float
+    relation: Relation
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """What the reader is to be pointed at."""
+        found = []
+        if self.relation.correlation is None and self.answers > 2:
+            found.append("always the same answer, or nobody to compare with")
+        elif self.relation.p is not None and self.relation.p > RELATED:
+            found.append(
+                f"answers can't be told from chance (p {self.relation.p:.2f}); they are left in"
+            )
+        if self.median_response_s < QUICK_S:
+            found.append(f"answers within {self.median_response_s:.2f} s")
+        if not self.ended:
+            found.append("not through")
+        return tuple(found)
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """A whole study, analysed."""
+
+    pool: Pool
+    samples: tuple[SampleResult, ...]
+    observers: tuple[ObserverResult, ...]
+    draws: int
+    seed: int
+    observer_effects: bool
+    level: float  #: that p_chance is held against
+
+
+def analyse(
+    pool: Pool,
+    *,
+    draws: int = DRAWS,
+    seed: int = 0,
+    observer_effects: bool = False,
+    progress: Callable[[float, str], object] = lambda share, text: None,
+) -> Analysis:
+    """Analyse a pool; the same pool, draws and seed give the same analysis."""
+    study = pool.study
+    level = LEVEL / len(study.samples)
+    asked = [k for k in range(len(study.samples)) if len(pool.answers(k, RATIO).category)]
+    results = []
+    for number, sample in enumerate(asked):
+        label = study.samples[sample].label
+
+        def report(share: float, done: int = number, label: str = label) -> None:
+            progress((done + share) / len(asked), label)
+
+        results.append(_sample(pool, sample, draws, seed, level, observer_effects, report))
+    return Analysis(
+        pool, tuple(results), _observers(pool, seed), draws, seed, observer_effects, level
+    )
+
+
+def _sample(
+    pool: Pool,
+    sample: int,
+    draws: int,
+    seed: int,
+    level: float,
+    observer_effects: bool,
+    progress: Callable[[float], object],
+) -> SampleResult:
+    study = pool.study
+    ratio = pool.answers(sample, RATIO)
+    label = study.samples[sample].label
+    adaptive = None
+    if study.procedure.design == ADAPTIVE:
+        posterior = Posterior(study.grid, len(study.categories))
+        posterior.update(list(zip(ratio.setting.tolist(), ratio.category.tolist(), strict=True)))
+        adaptive = judged_adaptively(posterior, study.grid, level)
+    weights = _resampled(ratio, draws, seed)
+    questions = [q for q in study.questions if len(pool.answers(sample, q).category)]
+    scales = []
+    fine = FineGrid(study.grid)
+    for k, question in enumerate(questions):
+
+        def share(done: float, k: int = k) -> None:
+            progress((k + done) / len(questions))
+
+        answers = pool.answers(sample, question)
+        scales.append(_scale(fine, question, label, answers, weights, observer_effects, share))
+    p = no_difference_p(ratio.observer, ratio.setting, ratio.category, seed)
+    verdicts = {
+        s.question: judged(study.grid, s.scale, s.draws, s.smooth, p, level) for s in scales
+    }
+    if len(scales) == 2 and scales[1].question == GRAIN:
+        first, second = scales
+        total = first.scale + second.scale
+        both = None
+        if first.draws is not None and second.draws is not None:
+            both = first.draws + second.draws
+        if np.any(np.isfinite(total)):
+            smooth = first.smooth.plus(second.smooth)
+            verdicts[JOINT] = judged(study.grid, total, both, smooth, p, level)
+    ratings = ratio.ratings()
+    return SampleResult(
+        label,
+        len(ratio.category),
+        len(np.unique(ratio.observer)),
+        p,
+        tuple(scales),
+        verdicts,
+        adaptive,
+        krippendorff_alpha(ratings),
+        kendall_w(ratings[np.any(np.isfinite(ratings), axis=1)]),
+    )
+
+
+def _resampled(answers: Answers, draws: int, seed: int) -> Array | None:
+    """(draws, observers) how often each observer is drawn; None where there is but one.
+
+    Drawn from those who answered about the sample.
+    """
+    present = np.unique(answers.observer)
+    if len(present) < 2 or draws < 1:
+        return None
+    random = np.random.default_rng(seed)
+    number = len(present)
+    weights = np.zeros((draws, answers.observers))
+    weights[:, present] = random.multinomial(number, np.full(number, 1.0 / number), size=draws)
+    return weights
+
+
+def _scale(
+    fine: FineGrid,
+    question: str,
+    label: str,
+    answers: Answers,
+    weights: Array | None,
+    observer_effects: bool,
+    progress: Callable[[float], object],
+) -> Scale:
+    counts = answers.counts()
+    pooled = counts.sum(axis=0)
+    try:
+        probit = ordinal_scale(
+            counts if observer_effects else pooled, observer_effects=observer_effects
+        )
+        torgerson = successive_categories(pooled)
+    except InputError as error:
+        raise InputError(f"{label}, {question}: {error}") from error
+    answered = pooled.sum(axis=1) > 0.0
+    unfolding = fit_unfolding(fine.grid, pooled)
+    closeness = unfolding.closeness(fine.points)
+    if weights is None:
+        smooth = Smooth(fine, closeness, None)
+        return Scale(question, probit, torgerson, answered, None, None, None, smooth)
+    drawn = np.zeros((len(weights), len(pooled)))
+    bounds = np.full((len(weights), pooled.shape[1] - 1), np.nan)
+    surfaces = np.zeros((len(weights), len(fine.points)))
+    for k, weight in enumerate(weights):
+        if k % 20 == 0:
+            progress(k / len(weights))
+        weighted = weight[:, None, None] * counts
+        total = weighted.sum(axis=0)
+        surfaces[k] = fit_unfolding(fine.grid, total, unfolding).closeness(fine.points)
+        try:
+            fit = ordinal_scale(
+                weighted if observer_effects else total,
+                observer_effects=observer_effects,
+                start=probit,
+            )
+        except InputError:
+            continue  # those drawn gave one answer only: nothing is told apart
+        drawn[k], bounds[k] = fit.scale, fit.bounds
+    drawn[:, ~answered] = np.nan
+    return Scale(
+        question,
+        probit,
+        torgerson,
+        answered,
+        _interval(drawn),
+        _interval(bounds),
+        drawn,
+        Smooth(fine, closeness, surfaces),
+    )
+
+
+def _interval(draws: Array) -> Array:
+    """(2, n) ends of the central 95 % of draws (B, n); NaN where no draw has a value."""
+    found = np.full((2, draws.shape[1]), np.nan)
+    for k, column in enumerate(draws.T):
+        there = column[np.isfinite(column)]
+        if there.size:
+            found[:, k] = np.quantile(there, (0.025, 0.975))
+    return found
+
+
+def _observers(pool: Pool, seed: int) -> tuple[ObserverResult, ...]:
+    """Everybody, with how their ratings follow those of the others over all samples."""
+    settings = len(pool.study.grid)
+    rows = [
+        (number, answer.trial.sample * settings + answer.trial.setting, answer.category)
+        for number, member in enumerate(pool.members)
+        for answer in member.answers
+        if answer.question == RATIO
+    ]
+    table = np.array(rows, dtype=np.int64).reshape(-1, 3)
+    related = {
+        r.observer: r for r in relation_to_others(table[:, 0], table[:, 1], table[:, 2], seed)
+    }
+    return tuple(
+        ObserverResult(
+            member.name,
+            member.kind,
+            member.ended,
+            len(member.answers),
+            float(np.median([a.response_s for a in member.answers])),
+            related.get(number, Relation(number, None, None)),
+        )
+        for number, member in enumerate(pool.members)
+    )

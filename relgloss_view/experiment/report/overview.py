@@ -1,0 +1,101 @@
+"""All samples of a study in one picture: what was chosen for each, and how surely."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from relgloss_view.experiment.analysis import Analysis
+from relgloss_view.experiment.grid import Grid, Setting, share_words
+from relgloss_view.experiment.report import paint
+from relgloss_view.experiment.report.choice import Choice, Interval, chosen
+from relgloss_view.experiment.report.panels import EDGE_IN, heading, legend
+from relgloss_view.experiment.report.who import people, truths
+from relgloss_view.experiment.report.words import SHORT, label_of
+from relgloss_view.material.fitting.report import FAINT, INK, MUTED
+from relgloss_view.text_input import printable
+
+NAMES_IN, PANEL_IN, GAP_IN, WORDS_IN, ROW_IN = 2.3, 2.5, 0.3, 1.75, 0.34
+AXIS_IN, FOOT_IN = 0.45, 0.75
+MOST_TICKS = 7
+
+
+def write_overview(path: Path, analysis: Analysis) -> None:
+    """A row for each sample: sigma_N and c, between grid points and on them."""
+    study = analysis.pool.study
+    rows = len(analysis.samples)
+    with paint.drawing():
+        total = 2.0 * EDGE_IN + NAMES_IN + 2.0 * (PANEL_IN + GAP_IN) + WORDS_IN
+        head = EDGE_IN + 0.3 + 0.35
+        height = rows * ROW_IN
+        figure = paint.new_figure(total, head + height + AXIS_IN + FOOT_IN)
+        heading(figure, printable(study.title, 60), people(analysis.pool), most=1)
+        sides = []
+        for k, name in enumerate(("grain sigma_N, degrees", "c / c_max")):
+            left = EDGE_IN + NAMES_IN + k * (PANEL_IN + GAP_IN)
+            axes = paint.axes_at(figure, left, head, PANEL_IN, height)
+            _scale(axes, study.grid, k, rows)
+            axes.set_xlabel(name)
+            sides.append(axes)
+        told: dict[str, Any] = {}
+        right = truths(analysis.pool)
+        for row, result in enumerate(analysis.samples):
+            choice = chosen(result, study.grid)
+            middle = head + (row + 0.5) * ROW_IN
+            paint.write(
+                figure, (EDGE_IN, middle), label_of(result), NAMES_IN - 0.2, va="center_baseline"
+            )
+            paint.write(
+                figure, (total - EDGE_IN - WORDS_IN, middle), SHORT[choice.status], WORDS_IN,
+                color=INK if choice.shown else MUTED, va="center_baseline",
+            )  # fmt: skip
+            told |= _row(sides, row, choice, right.get(result.label))
+        legend(figure, [(handle, words) for words, handle in told.items()])
+        paint.save(figure, path)
+
+
+def _scale(axes: Any, grid: Grid, axis: int, rows: int) -> None:
+    values = grid.c_fraction if axis else grid.sigma_n_deg
+    sixths = axis == 1 and all(share_words(c).endswith("/6") for c in values)
+    span = values[-1] - values[0] or 1.0
+    paint.bare(axes)
+    axes.set_xlim(values[0] - 0.06 * span, values[-1] + 0.06 * span)
+    axes.set_ylim(rows - 0.5, -0.5)
+    axes.set_yticks([])
+    for value in values:
+        axes.axvline(value, color=FAINT, lw=0.7, zorder=0)
+    for row in range(rows):
+        axes.axhline(row, color=FAINT, lw=0.7, zorder=0)
+    kept = values[:: -(-len(values) // MOST_TICKS)]
+    axes.set_xticks(kept, [share_words(v) if sixths else f"{v:.3g}" for v in kept])
+
+
+def _row(sides: list[Any], row: int, choice: Choice, truth: Setting | None) -> dict[str, Any]:
+    """The marks of a sample, where there is anything to point at; those for a legend."""
+    found: dict[str, Any] = {}
+    for k, axes in enumerate(sides):
+        if choice.shown:
+            (found["leading setting of the grid"],) = axes.plot(
+                _of(choice.setting, k), row, "s", mfc="none", mec=paint.MARK, mew=1.8, ms=10.0,
+                zorder=3, ls="none", clip_on=False,
+            )  # fmt: skip
+        if choice.shown:
+            ends: Interval | None = choice.c_interval if k else choice.sigma_n_interval_deg
+            name = "between grid points"
+            if ends is not None:
+                axes.plot(ends, [row, row], color=INK, lw=2.2, zorder=4, clip_on=False)
+                name += ", with 95 % interval"
+            (found[name],) = axes.plot(
+                _of(choice.at, k), row, "o", mfc="white", mec=INK, mew=1.3, ms=5.5, zorder=5,
+                ls="none", clip_on=False,
+            )  # fmt: skip
+        if truth is not None:
+            (found["right for the simulated observers"],) = axes.plot(
+                _of(truth, k), row + 0.33, "^", mfc=paint.TRUTH, mec="white", ms=6.0, zorder=6,
+                ls="none", clip_on=False,
+            )  # fmt: skip
+    return found
+
+
+def _of(setting: Setting, axis: int) -> float:
+    return setting.c_fraction if axis else setting.sigma_n_deg

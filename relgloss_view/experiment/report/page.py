@@ -1,0 +1,272 @@
+"""A report as a page of HTML that stands alone: plots inside, numbers in tables."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Mapping, Sequence
+from html import escape
+from pathlib import Path
+
+import numpy as np
+
+from relgloss_view import __version__
+from relgloss_view.experiment.analysis import Analysis, SampleResult
+from relgloss_view.experiment.report import words
+from relgloss_view.experiment.report.choice import choice_by, chosen, values_of
+from relgloss_view.experiment.report.numbers import counts_of
+from relgloss_view.experiment.report.paint import DPI
+from relgloss_view.experiment.report.plots import OVERVIEW, Plot
+from relgloss_view.experiment.report.terms import terms
+from relgloss_view.experiment.report.who import path_words, people, silent
+from relgloss_view.text_input import printable
+
+#: Neutral grays, as everywhere beside pictures that are judged.
+STYLE = """
+body { margin: 2rem; background: #777; color: #fff; font: 15px/1.45 system-ui, sans-serif; }
+main { max-width: 80rem; }
+h1 { font-size: 1.5rem; font-weight: 600; margin: 0 0 .3rem; overflow-wrap: anywhere; }
+h2 { font-size: 1.1rem; font-weight: 600; margin: 2.2rem 0 .2rem; overflow-wrap: anywhere; }
+p, dd, li { max-width: 60rem; } p { margin: .2rem 0; }
+ul { margin: .3rem 0; padding-left: 1.2rem; }
+.muted { color: #eee; }
+.notice { background: #fff; color: #1b1f24; padding: .6rem .9rem; margin: .8rem 0; }
+.plots { display: flex; flex-wrap: wrap; gap: 1rem; margin: .8rem 0; align-items: flex-start; }
+.plots img { display: block; max-width: 100%; height: auto; }
+.scroll { overflow-x: auto; }
+table { border-collapse: collapse; margin: 0 0 1rem; font-variant-numeric: tabular-nums; }
+th, td { padding: .2rem 1.1rem .2rem 0; text-align: right; border-bottom: 1px solid #909090;
+  vertical-align: top; }
+th { font-weight: 600; }
+.plots table { font-size: 13px; } .plots th, .plots td { padding-right: .8rem; }
+th:first-child, td:first-child, .text { text-align: left; overflow-wrap: anywhere; }
+dt { font-weight: 600; margin-top: .5rem; } dd { margin: 0; }
+code { font: 13px/1.4 ui-monospace, monospace; overflow-wrap: anywhere; }
+@media print { body { background: #fff; color: #000; } .muted { color: #333; } }
+"""
+CSS_DPI = 96  #: an inch of a page
+MOST_ROWS = 8  #: settings in a sample's table; scale.csv has all
+TEXT = "class=text"
+
+
+def report_page(
+    folder: Path,
+    analysis: Analysis,
+    plots: Mapping[str, Sequence[Plot]],
+    scenes: Mapping[str, str],
+    command: str | None = None,
+) -> str:
+    """The page as text; plots lie in the folder. `command` is the line that makes it again."""
+    pool = analysis.pool
+    title = escape(printable(pool.study.title, 60))
+    answers = sum(o.answers for o in analysis.observers)
+    simulated = words.simulated_words(pool)
+    parts = [
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">',
+        '<meta name="viewport" content="width=device-width">',
+        f"<title>{title}: results</title><style>{STYLE}</style></head><body><main>",
+        f"<h1>{title}</h1>",
+        f'<p class="muted">{escape(people(pool))}; {answers} answers.</p>',
+        "" if simulated is None else f'<p class="notice">{escape(simulated)}</p>',
+        _verdicts(analysis),
+        f'<div class="plots">{_image(folder, OVERVIEW, "all samples: what was chosen")}</div>',
+        *(
+            _sample(folder, result, analysis, plots[result.label], scenes.get(result.label))
+            for result in analysis.samples
+        ),
+        _observers(analysis),
+        "<h2>What the words mean</h2>",
+        "<dl>",
+        *(f"<dt>{escape(term)}</dt><dd>{escape(said)}</dd>" for term, said in terms(analysis)),
+        "</dl>",
+        _made_with(analysis, command),
+        "</main></body></html>\n",
+    ]
+    return "\n".join(part for part in parts if part)
+
+
+def _verdicts(analysis: Analysis) -> str:
+    """What was found, a row a sample: the reason why anybody opens the page."""
+    grid = analysis.pool.study.grid
+    rows = []
+    for result in analysis.samples:
+        choice = chosen(result, grid)
+        shown = choice.shown
+        rows.append(
+            (
+                words.label_of(result),
+                words.SHORT[choice.status],
+                choice.setting.words if shown else "-",
+                "-" if choice.leads is None or not shown else words.percent(choice.leads),
+                words.between(choice) if shown else "-",
+                f"{choice.p_chance:.2g}",
+            )
+        )
+    rows += [(label, "nobody has judged it yet", *"----") for label in words.unjudged(analysis)]
+    adaptive = any(r.adaptive is not None for r in analysis.samples)
+    heads = (
+        "sample",
+        "verdict",
+        "leading setting",
+        "nearest in the posterior" if adaptive else "leads in resamplings",
+        "between grid points (95 %)",
+        "probability of chance" if adaptive else "p of chance",
+    )
+    return table(heads, rows, texts=(1, 2, 4))
+
+
+def _sample(
+    folder: Path,
+    result: SampleResult,
+    analysis: Analysis,
+    plots: Sequence[Plot],
+    scene: str | None,
+) -> str:
+    notes = [*words.notes(result, analysis), words.agreement(result)]
+    listed = "".join(f"<li>{escape(note)}</li>" for note in notes)
+    opened = "No scene is written: nothing is declared best."
+    if scene is not None:
+        name = escape(scene)
+        opened = f"The leading setting as a scene: <code>relgloss view {name}</code>"
+    return "\n".join(
+        [
+            f"<h2>{escape(words.label_of(result))}</h2>",
+            f"<p><strong>{escape(sentence_case(words.sentence(result, analysis)))}.</strong></p>",
+            f"<ul>{listed}</ul>",
+            f"<p>{opened}</p>",
+            '<div class="plots">',
+            *(_image(folder, plot.file, plot.shows) for plot in plots),
+            f"<div>{_closest(result, analysis)}{_bounds(result, analysis)}</div></div>",
+        ]
+    )
+
+
+def _closest(result: SampleResult, analysis: Analysis) -> str:
+    """The settings with the largest scale values, by what decides."""
+    grid = analysis.pool.study.grid
+    question = result.decided_by
+    values = values_of(result, counts_of(analysis.pool, result.label), question)
+    choice = choice_by(result, grid, question)
+    judged = np.flatnonzero(np.isfinite(values.probit))
+    order = judged[np.argsort(-values.probit[judged], kind="stable")]
+    rows = []
+    for k in order[:MOST_ROWS].tolist():
+        ends = "-"
+        if np.isfinite(values.low[k]):
+            ends = f"{words.number(values.low[k])} to {words.number(values.high[k])}"
+        rows.append(
+            (
+                grid.settings[k].words,
+                words.number(values.probit[k]),
+                ends,
+                words.number(values.torgerson[k]),
+                "-" if choice.shares is None else words.percent(float(choice.shares[k])),
+                "-" if values.counts is None else f"{values.counts[k].sum():.0f}",
+            )
+        )
+    heads = ("closest settings", "closeness", "95 %", "Torgerson", "leads", "answers")
+    more = len(order) - MOST_ROWS
+    left_out = f'<p class="muted">{more} more are in scale.csv.</p>' if more > 0 else ""
+    return table(heads, rows) + left_out
+
+
+def _bounds(result: SampleResult, analysis: Analysis) -> str:
+    categories = [printable(c, 40) for c in analysis.pool.study.categories]
+    rows = []
+    for scale in result.scales:
+        for k, bound in enumerate(scale.probit.bounds):
+            ends = "-"
+            if scale.bounds_interval is not None and np.isfinite(bound):
+                low, high = -scale.bounds_interval[::-1, k]
+                ends = f"{words.number(low)} to {words.number(high)}"
+            told = f"{categories[k]} | {categories[k + 1]}"
+            told = f"{words.BY[scale.question]}: {told}" if len(result.scales) > 1 else told
+            torgerson = -scale.torgerson.bounds[k]
+            rows.append((told, words.number(-bound), ends, words.number(torgerson)))
+    return table(("bound between", "closeness", "95 %", "Torgerson"), rows)
+
+
+def _observers(analysis: Analysis) -> str:
+    rows = [
+        (
+            words.observer_name(o),
+            o.kind,
+            "yes" if o.ended else "no",
+            str(o.answers),
+            words.number(o.median_response_s),
+            words.number(o.relation.correlation),
+            words.number(o.relation.p),
+            "; ".join(o.told) or "-",
+        )
+        for o in analysis.observers
+    ]
+    rows += [
+        (printable(name, 120), "", "no", "0", "-", "-", "-", "no answers yet")
+        for name in silent(analysis.pool)
+    ]
+    heads = (
+        "observer", "kind", "through", "answers", "median response, s", "follows the others",
+        "p of chance", "to look at",
+    )  # fmt: skip
+    kept = "Everybody who answered is in the results; nobody is left out."
+    told = table(heads, rows, texts=(1, 7))
+    return f'<h2>Observers</h2>\n<p class="muted">{kept}</p>\n{told}'
+
+
+def _made_with(analysis: Analysis, command: str | None) -> str:
+    rows = []
+    for record in analysis.pool.records:
+        devices = sorted({printable(run.get("device", "-"), 80) for run in record.runs})
+        versions = sorted({printable(run.get("version", "-"), 20) for run in record.runs})
+        rows.append(
+            (
+                path_words(record),
+                str(len(record.answers)),
+                str(record.undone),
+                str(len(record.runs)),
+                ", ".join(devices) or "-",
+                ", ".join(versions) or "-",
+                record.digest[:12],
+            )
+        )
+    heads = ("file", "answers", "taken back", "runs", "devices", "relgloss", "study")
+    effects = "with" if analysis.observer_effects else "without"
+    return "\n".join(
+        [
+            "<h2>Made with</h2>",
+            f'<p class="muted">relgloss {escape(__version__)}; {analysis.draws} resamplings, seed '
+            f"{analysis.seed}, {effects} observer effects. Every number is in results.json, the "
+            "scale in scale.csv, every answer in answers.csv.</p>",
+            "" if command is None else f"<p><code>{escape(command)}</code></p>",
+            table(heads, rows, texts=(4, 5, 6)),
+        ]
+    )
+
+
+def table(heads: Sequence[str], rows: Sequence[Sequence[str]], texts: Sequence[int] = ()) -> str:
+    """A table; `texts` are columns that hold words."""
+    ways = [f" {TEXT}" if k in texts else "" for k in range(len(heads))]
+    head = "".join(f"<th{way}>{escape(text)}</th>" for way, text in zip(ways, heads, strict=True))
+    body = "".join(
+        "<tr>"
+        + "".join(f"<td{way}>{escape(text)}</td>" for way, text in zip(ways, row, strict=True))
+        + "</tr>"
+        for row in rows
+    )
+    return (
+        f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>'
+        "</div>"
+    )
+
+
+def sentence_case(text: str) -> str:
+    """With a capital at its beginning."""
+    return text[:1].upper() + text[1:]
+
+
+def _image(folder: Path, name: str, shows: str) -> str:
+    """A plot of the folder as part of the page, as large as it is on paper."""
+    data = (folder / name).read_bytes()
+    width = round(int.from_bytes(data[16:20], "big") * CSS_DPI / DPI)
+    held = base64.b64encode(data).decode("ascii")
+    told = escape(shows, quote=True)
+    return f'<img src="data:image/png;base64,{held}" width="{width}" alt="{told}">'

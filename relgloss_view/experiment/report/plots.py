@@ -1,0 +1,50 @@
+"""All plots of a report, as PNG files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from relgloss_view.experiment.analysis import Analysis
+from relgloss_view.experiment.report.bounds_plot import write_bounds
+from relgloss_view.experiment.report.maps import write_closeness, write_winners
+from relgloss_view.experiment.report.overview import write_overview
+from relgloss_view.experiment.report.words import label_of
+
+OVERVIEW = "overview.png"
+
+
+@dataclass(frozen=True)
+class Plot:
+    """A plot of a sample: its file's name, and what it shows for those who can't see it."""
+
+    file: str
+    shows: str
+
+
+def write_plots(
+    folder: Path,
+    analysis: Analysis,
+    names: Mapping[str, str],
+    progress: Callable[[float, str], object] = lambda share, text: None,
+) -> dict[str, tuple[Plot, ...]]:
+    """Write overview.png and each sample's plots; by label. `names` are those of the files."""
+    write_overview(folder / OVERVIEW, analysis)
+    found = {}
+    for number, result in enumerate(analysis.samples):
+        label = label_of(result)
+        progress(number / len(analysis.samples), f"plots of {label}")
+        name = names[result.label]
+        closeness, winners, bounds = (
+            f"{name}-{kind}.png" for kind in ("closeness", "winners", "bounds")
+        )
+        write_closeness(folder / closeness, result, analysis)
+        map_of = "posterior" if result.adaptive is not None else "closeness of every setting"
+        plots = [Plot(closeness, f"{label}: map of the {map_of}, sigma_N across, c up")]
+        if write_winners(folder / winners, result, analysis):
+            plots.append(Plot(winners, f"{label}: map of how often each setting leads"))
+        write_bounds(folder / bounds, result, analysis)
+        plots.append(Plot(bounds, f"{label}: settings among the category bounds, closest first"))
+        found[result.label] = tuple(plots)
+    return found

@@ -1,0 +1,72 @@
+"""Chosen settings as scene files that the window opens, whole: the folder may be moved."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+from relgloss_view.experiment.analysis import Analysis
+from relgloss_view.experiment.report.choice import chosen
+from relgloss_view.material.files import save_material
+from relgloss_view.material.spectra import is_lamp_name
+from relgloss_view.picture.samples import SAMPLES, load_sample
+from relgloss_view.picture.scene import Lamp
+from relgloss_view.picture.scene_file import SceneFile, SceneSample
+from relgloss_view.picture.scene_writer import write_scene_file
+
+LAMP = "lamp.csv"
+MATERIAL = ".material.json"  #: after the name
+
+
+def write_scenes(
+    folder: Path, analysis: Analysis, names: dict[str, str], of_reference: str
+) -> dict[str, str]:
+    """A scene for each sample whose leading setting may be shown; by label, the file's name.
+
+    `names` are file names by label, without an ending; `of_reference` is one for the reference.
+    Materials that are not built in, and a lamp's table, are written beside the scenes.
+    """
+    study = analysis.pool.study
+    samples = {sample.label: sample.sample for sample in study.samples}
+    choices = {result.label: chosen(result, study.grid) for result in analysis.samples}
+    written = {label: choice for label, choice in choices.items() if choice.shown}
+    if not written:
+        return {}
+    lamp = _lamp_in(folder, study.lamp)
+    reference = _sample_in(folder, study.reference, of_reference)
+    found = {}
+    for label, choice in written.items():
+        content = SceneFile(
+            _sample_in(folder, samples[label], names[label]),
+            study.test_look(choice.setting),
+            study.shape,
+            lamp,
+            study.eye,
+            study.display,
+            reference,
+            study.reference_look,
+        )
+        found[label] = f"{names[label]}.toml"
+        write_scene_file(folder / found[label], content)
+    return found
+
+
+def _sample_in(folder: Path, sample: SceneSample, name: str) -> SceneSample:
+    """The sample as a scene in the folder names it.
+
+    A session keeps the material that was judged: where the built-in one of today is another, that
+    one counts.
+    """
+    if sample.name in SAMPLES and load_sample(sample.name) == sample.material:
+        return SceneSample(sample.material, name=sample.name)
+    file = folder / f"{name}{MATERIAL}"
+    save_material(sample.material, file)
+    return SceneSample(sample.material, file=str(file))
+
+
+def _lamp_in(folder: Path, lamp: Lamp) -> Lamp:
+    """The lamp as scenes in the folder name it."""
+    if is_lamp_name(lamp.illuminant):
+        return lamp
+    (folder / LAMP).write_bytes(Path(lamp.illuminant).read_bytes())
+    return dataclasses.replace(lamp, illuminant=str(folder / LAMP))

@@ -1,0 +1,50 @@
+"""Grays of what stands on the surround: neutral, and each as strong as it has to be.
+
+All of a session stays on the surround's gray, so that the eyes stay adapted to it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from relgloss_view.picture import tone
+from relgloss_view.picture.scene import Display
+from relgloss_view.picture.tone import DisplayModel
+
+#: Contrasts to the surround (WCAG 2, which asks for 4.5 for text and 3 for large text). A surround
+#: of L* = 50 admits 4.7 at most.
+TEXT, QUIET, FAINT = 7.0, 3.2, 1.9
+FIELD, HOVERED, PRESSED = 1.25, 1.45, 1.7
+FLARE = 0.05  #: of a screen in a room, relative to white; part of the definition
+
+
+@dataclass(frozen=True)
+class Ink:
+    """Grays as the display shows them, 0 to 1."""
+
+    text: float
+    quiet: float  #: of what explains
+    faint: float  #: of what must not draw the eye
+    field: float  #: of what can be clicked
+    hovered: float
+    pressed: float
+
+    @classmethod
+    def on(cls, display: Display) -> Ink:
+        """What is written with on a display's surround."""
+        contrasts = (TEXT, QUIET, FAINT, FIELD, HOVERED, PRESSED)
+        return cls(*(contrasting(display, contrast) for contrast in contrasts))
+
+
+def contrasting(display: Display, contrast: float) -> float:
+    """The gray, 0 to 1, of a contrast to the surround; black or white where that is too much.
+
+    It is darker than a light surround and lighter than a dark one: what reaches further.
+    """
+    model = DisplayModel.of(display)
+    surround = model.background_light + FLARE
+    darker = surround / FLARE >= (1.0 + FLARE) / surround
+    light = (surround / contrast if darker else surround * contrast) - FLARE
+    return float(tone.encode(np.array(min(max(light, 0.0), 1.0)), model))

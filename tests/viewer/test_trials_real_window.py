@@ -1,0 +1,161 @@
+"""A session on an X server: real keys answer, what was acknowledged outlives a kill, and the
+program rests while an observer looks."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+from x_server import (
+    LONGEST_S,
+    TICKS_S,
+    environment,
+    hand,
+    needs_server,
+    rest,
+    running,
+    ticks,
+    until,
+)
+
+from relgloss_view.experiment.order import planned_trials
+from relgloss_view.experiment.records import read_record
+
+pytestmark = [
+    needs_server,
+    pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc"),
+]
+
+STUDY = """
+[[samples]]
+name = "uncoated"
+[grid]
+sigma_n_deg = [0.0, 2.0]
+c_fraction = [0.5, 1.0]
+[procedure]
+adaptation_min = 0
+gap_s = 0.05
+[screen]
+width_px = 64
+height_px = 64
+"""
+TOTAL = 4
+COMMAND = ("-m", "relgloss_view.cli", "experiment", "run")
+PRESS_S = 0.25  #: between two keys: longer than the gap and the soonest answer
+
+
+@pytest.fixture(scope="module")
+def display():
+    with running() as name:
+        yield name
+
+
+class Session:
+    """The running command, and what it tells the operator on a terminal of its own."""
+
+    def __init__(self, process, terminal):
+        self.process, self._terminal = process, terminal
+        self.told = ""
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self):
+        with contextlib.suppress(OSError):  # the other end has gone
+            while data := os.read(self._terminal, 4096):
+                self.told += data.decode()
+
+    @property
+    def acknowledged(self):
+        """How many answers the operator was last told of; None before the first word."""
+        counts = re.findall(rf"O01: (\d+) of {TOTAL}", self.told)
+        return int(counts[-1]) if counts else None
+
+
+@contextlib.contextmanager
+def session(folder, display, given):
+    """The command in full screen, once it has told where the observer stands."""
+    ours, theirs = os.openpty()
+    process = subprocess.Popen(
+        [sys.executable, *COMMAND, str(given)],
+        cwd=folder,
+        env=environment(folder, display),
+        stdout=subprocess.PIPE,
+        stderr=theirs,
+        text=True,
+    )
+    os.close(theirs)
+    try:
+        running_ = Session(process, ours)
+        until(lambda: running_.acknowledged is not None or process.poll() is not None)
+        assert process.poll() is None, running_.told
+        yield running_
+    finally:
+        if process.poll() is None:
+            process.kill()
+        process.wait(LONGEST_S)
+        process.stdout.close()
+        os.close(ours)
+
+
+def press_until(display, running_, key, count):
+    """Press a key again and again until so many answers are acknowledged."""
+
+    def pressed():
+        hand(display, "key", key)
+        time.sleep(PRESS_S)
+        return running_.acknowledged >= count
+
+    until(pressed)
+
+
+def test_keys_answer_and_what_was_acknowledged_outlives_a_kill(tmp_path, display):
+    study = tmp_path / "mine.toml"
+    study.write_text(STUDY)
+    file = tmp_path / "mine.sqlite"
+    with session(tmp_path, display, study) as first:
+        assert first.acknowledged == 0
+        for _ in range(3):
+            hand(display, "key", "Return")
+            time.sleep(PRESS_S)
+        press_until(display, first, "2", 2)
+        # While somebody looks, nothing is drawn. A tick counts whole for a process that it finds
+        # running: as in test_real_window, a tenth of what a window that keeps drawing takes.
+        rest(first.process)
+        before = ticks(first.process)
+        time.sleep(1.0)
+        assert ticks(first.process) - before < 0.1 * TICKS_S
+        acknowledged = first.acknowledged
+        first.process.send_signal(signal.SIGKILL)
+        assert first.process.wait(LONGEST_S) == -signal.SIGKILL
+    record = read_record(file, tmp_path)
+    kept = record.answers
+    assert acknowledged <= len(kept) < TOTAL
+    planned = planned_trials(record.study, 0)
+    assert [a.trial for a in kept] == list(planned[: len(kept)])
+    assert {a.category for a in kept} == {1}
+    assert record.runs[0]["ended_utc"] is None
+    with session(tmp_path, display, file) as second:
+        assert second.acknowledged == len(kept)
+        for _ in range(2):  # consent is kept
+            hand(display, "key", "Return")
+            time.sleep(PRESS_S)
+        press_until(display, second, "KP_3", TOTAL)
+        second.process.terminate()
+        assert second.process.wait(LONGEST_S) == 0
+        assert second.process.stdout.read() == f"{file}: O01 has judged {TOTAL} of {TOTAL}\n"
+    record = read_record(file, tmp_path)
+    assert [a.trial for a in record.answers] == list(planned)
+    assert [a.category for a in record.answers[len(kept) :]] == [2] * (TOTAL - len(kept))
+    assert record.observers[0].ended
+    assert record.runs[1]["ended_utc"] is not None
+    screen = record.runs[1]["screen"]
+    assert screen["full_screen"]
+    assert screen["window_px"] == screen["monitor"]["resolution_px"] == [1400, 900]
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["mine.sqlite", "mine.toml"]
