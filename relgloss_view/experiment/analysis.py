@@ -18,14 +18,13 @@ from relgloss_view.errors import InputError
 from relgloss_view.experiment.adaptive import Posterior
 from relgloss_view.experiment.adaptive_verdict import AdaptiveVerdict, judged_adaptively
 from relgloss_view.experiment.agreement import (
-    Relation,
     kendall_w,
     krippendorff_alpha,
     no_difference_p,
-    relation_to_others,
 )
 from relgloss_view.experiment.flow import ADAPTIVE
 from relgloss_view.experiment.ordinal import OrdinalScale, ordinal_scale
+from relgloss_view.experiment.people import ObserverResult, judged_observers
 from relgloss_view.experiment.pool import Answers, Pool
 from relgloss_view.experiment.study import GRAIN, RATIO
 from relgloss_view.experiment.successive import SuccessiveScale, successive_categories
@@ -37,8 +36,6 @@ Array = NDArray[np.float64]
 
 DRAWS = 1000
 JOINT = "both"  #: the ratio and the grain together
-RELATED = 0.05  #: an observer whose answers are this likely by chance is pointed out
-QUICK_S = 0.4  #: a median response this short is pointed out
 
 
 @dataclass(frozen=True)
@@ -86,34 +83,6 @@ class SampleResult:
 
 
 @dataclass(frozen=True)
-class ObserverResult:
-    """What there is to know of one observer."""
-
-    name: str
-    kind: str
-    ended: bool
-    answers: int
-    median_response_s: float
-    relation: Relation
-
-    @property
-    def told(self) -> tuple[str, ...]:
-        """What the reader is to be pointed at."""
-        found = []
-        if self.relation.correlation is None and self.answers > 2:
-            found.append("always the same answer, or nobody to compare with")
-        elif self.relation.p is not None and self.relation.p > RELATED:
-            found.append(
-                f"answers can't be told from chance (p {self.relation.p:.2f}); they are left in"
-            )
-        if self.median_response_s < QUICK_S:
-            found.append(f"answers within {self.median_response_s:.2f} s")
-        if not self.ended:
-            found.append("not through")
-        return tuple(found)
-
-
-@dataclass(frozen=True)
 class Analysis:
     """A whole study, analysed."""
 
@@ -147,7 +116,7 @@ def analyse(
 
         results.append(_sample(pool, sample, draws, seed, level, observer_effects, report))
     return Analysis(
-        pool, tuple(results), _observers(pool, seed), draws, seed, observer_effects, level
+        pool, tuple(results), judged_observers(pool, seed), draws, seed, observer_effects, level
     )
 
 
@@ -284,29 +253,3 @@ def _interval(draws: Array) -> Array:
         if there.size:
             found[:, k] = np.quantile(there, (0.025, 0.975))
     return found
-
-
-def _observers(pool: Pool, seed: int) -> tuple[ObserverResult, ...]:
-    """Everybody, with how their ratings follow those of the others over all samples."""
-    settings = len(pool.study.grid)
-    rows = [
-        (number, answer.trial.sample * settings + answer.trial.setting, answer.category)
-        for number, member in enumerate(pool.members)
-        for answer in member.answers
-        if answer.question == RATIO
-    ]
-    table = np.array(rows, dtype=np.int64).reshape(-1, 3)
-    related = {
-        r.observer: r for r in relation_to_others(table[:, 0], table[:, 1], table[:, 2], seed)
-    }
-    return tuple(
-        ObserverResult(
-            member.name,
-            member.kind,
-            member.ended,
-            len(member.answers),
-            float(np.median([a.response_s for a in member.answers])),
-            related.get(number, Relation(number, None, None)),
-        )
-        for number, member in enumerate(pool.members)
-    )

@@ -38,7 +38,7 @@ th, td { padding: .2rem 1.1rem .2rem 0; text-align: right; border-bottom: 1px so
   vertical-align: top; }
 th { font-weight: 600; }
 .plots table { font-size: 13px; } .plots th, .plots td { padding-right: .8rem; }
-th:first-child, td:first-child, .text { text-align: left; overflow-wrap: anywhere; }
+th:first-child, td:first-child, .text { text-align: left; overflow-wrap: break-word; }
 dt { font-weight: 600; margin-top: .5rem; } dd { margin: 0; }
 code { font: 13px/1.4 ui-monospace, monospace; overflow-wrap: anywhere; }
 @media print { body { background: #fff; color: #000; } .muted { color: #333; } }
@@ -98,7 +98,7 @@ def _verdicts(analysis: Analysis) -> str:
                 choice.setting.words if shown else "-",
                 "-" if choice.leads is None or not shown else words.percent(choice.leads),
                 words.between(choice) if shown else "-",
-                f"{choice.p_chance:.2g}",
+                words.small(choice.p_chance),
             )
         )
     rows += [(label, "nobody has judged it yet", *"----") for label in words.unjudged(analysis)]

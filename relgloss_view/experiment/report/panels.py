@@ -156,8 +156,8 @@ def marks(
             found.append((_cross(axes, grid, choice), _best_words(choice)))
     if truth is not None:
         (point,) = axes.plot(
-            *_cell(grid, truth), "D", mfc=paint.TRUTH, mec="white", ms=6.0, zorder=6, ls="none",
-            clip_on=False,
+            *_cell(grid, truth), "D", mfc=paint.TRUTH, mec="white", mew=0.8, ms=5.0, zorder=6,
+            ls="none", clip_on=False,
         )  # fmt: skip
         found.append((point, "right for the simulated observers"))
     return found
@@ -177,8 +177,8 @@ def legend(figure: Any, handles: list[tuple[Any, str]]) -> None:
 def _best_words(choice: Choice) -> str:
     if choice.adaptive:
         return "mean of the posterior, with 95 % intervals"
-    told = "" if choice.c_interval is None else ", with 95 % intervals"
-    return f"best between grid points{told}"
+    known = choice.sigma_n_interval_deg or choice.c_interval
+    return "best between grid points" + (", with 95 % intervals" if known else "")
 
 
 def _cross(axes: Any, grid: Grid, choice: Choice) -> Any:
@@ -196,7 +196,7 @@ def _cross(axes: Any, grid: Grid, choice: Choice) -> Any:
             across, up = zip(*(_cell(grid, setting) for setting in arm), strict=True)
             axes.plot(across, up, color=INK, lw=1.6, zorder=5, path_effects=halo, clip_on=False)
     (point,) = axes.plot(
-        *_cell(grid, best), "o", mfc="white", mec=INK, mew=1.4, ms=7.0, zorder=5.5, ls="none",
+        *_cell(grid, best), "o", mfc="white", mec=INK, mew=1.4, ms=8.5, zorder=5.5, ls="none",
         clip_on=False,
     )  # fmt: skip
     return point

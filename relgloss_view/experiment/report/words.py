@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from relgloss_view.experiment.analysis import JOINT, Analysis, ObserverResult, SampleResult
+from relgloss_view.experiment.analysis import JOINT, Analysis, SampleResult
 from relgloss_view.experiment.grid import Grid, Setting, share_words
+from relgloss_view.experiment.people import ObserverResult
 from relgloss_view.experiment.pool import Pool
 from relgloss_view.experiment.report.choice import Choice, Interval, choice_by, chosen
 from relgloss_view.experiment.report.who import path_words, people, silent, truths
@@ -249,6 +250,11 @@ def number(value: float | None, digits: int = 2) -> str:
         return "-"
     written = f"{value:.{digits}f}"
     return written.lstrip("-") if float(written) == 0.0 else written
+
+
+def small(p: float) -> str:
+    """A probability; how small exactly says nothing below a thousandth."""
+    return "< 0.001" if p < 0.001 else f"{p:.2g}"
 
 
 def observers_told(analysis: Analysis) -> list[str]:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from relgloss_view.errors import InputError
 from relgloss_view.experiment.analysis import Analysis
 from relgloss_view.experiment.report.names import file_names
 from relgloss_view.experiment.report.numbers import as_numbers
@@ -13,8 +15,10 @@ from relgloss_view.experiment.report.page import report_page
 from relgloss_view.experiment.report.plots import write_plots
 from relgloss_view.experiment.report.scenes import write_scenes
 from relgloss_view.experiment.report.tables import write_tables
+from relgloss_view.text_input import read_text
 
 PAGE, RESULTS = "report.html", "results.json"  #: results.json says whose a folder is
+MAX_BYTES = 64 * 1024 * 1024
 PLOTS_SHARE = 0.95  #: of the time
 
 
@@ -50,3 +54,31 @@ def write_report(
     text = json.dumps(found, indent=1, allow_nan=False) + "\n"
     (folder / RESULTS).write_text(text, encoding="utf-8")
     return tuple(written)
+
+
+def earlier_files(folder: Path) -> tuple[str, ...]:
+    """What a former report has written into a folder, as its results.json tells."""
+    try:
+        found = json.loads(read_text(folder / RESULTS, MAX_BYTES, "results"))["written"]
+    except (InputError, ValueError, LookupError, TypeError, RecursionError):
+        return ()
+    names = found if isinstance(found, list) else []
+    return tuple(n for n in names if isinstance(n, str) and _is_plain(folder, n))
+
+
+def remove_stale(folder: Path, earlier: Sequence[str], written: Sequence[str]) -> None:
+    """Remove what a former report has written and this one has not, such as a scene.
+
+    A setting that was declared best once is not to stand beside a report that declares none.
+    """
+    for name in set(earlier) - set(written):
+        with contextlib.suppress(OSError):
+            (folder / name).unlink()
+
+
+def _is_plain(folder: Path, name: str) -> bool:
+    """Whether this names a file in the folder itself, and no place elsewhere."""
+    try:
+        return Path(name).name == name and (folder / name).is_file()
+    except (OSError, ValueError):
+        return False
