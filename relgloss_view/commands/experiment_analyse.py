@@ -52,7 +52,12 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.experiment.pool import read_pool
     from relgloss_view.experiment.report.numbers import FORMAT, as_numbers
     from relgloss_view.experiment.report.words import summary
-    from relgloss_view.experiment.report.writing import RESULTS, write_report
+    from relgloss_view.experiment.report.writing import (
+        RESULTS,
+        earlier_files,
+        remove_stale,
+        write_report,
+    )
 
     if not 2 <= args.draws <= MOST_DRAWS:
         raise InputError(f"--draws {args.draws}: expected 2 to {MOST_DRAWS}")
@@ -73,8 +78,10 @@ def run(args: argparse.Namespace) -> int:
             )
             if folder is not None:
                 command = printable_command(args.argv)
+                earlier = earlier_files(folder)
                 with whole_folder(folder, last=RESULTS) as temporary:
-                    write_report(temporary, analysis, command=command, progress=progress)
+                    written = write_report(temporary, analysis, command=command, progress=progress)
+                remove_stale(folder, earlier, written)
     print(json.dumps(as_numbers(analysis)) if args.json else summary(analysis))
     if folder is not None and not args.json:
         print(f"{printable(folder)}: report.html and what it is made of")

@@ -26,8 +26,9 @@ Array = NDArray[np.float64]
 
 OF_CHOICES = 4  #: what a seed is for; see order.py
 PER_STEP = 4  #: points of the posterior a step of the grid
-#: Judged distance per step of the grid, in units of the observers' noise, along each axis.
-SLOPES = (0.15, 0.35, 0.7, 1.2, 2.0, 3.5)
+#: Judged distance per step of the grid, in units of the observers' noise, along each axis; the least
+#: is that of a ridge.
+SLOPES = (0.03, 0.3, 0.7, 1.2, 2.0, 3.5)
 #: Where the first category ends, and how wide the others are, in the same unit.
 FIRST_BOUNDS = (0.0, 0.6, 1.2, 2.0)
 WIDTHS = (0.4, 0.8, 1.3, 2.0)

@@ -93,6 +93,7 @@ class Analysis:
     seed: int
     observer_effects: bool
     level: float  #: that p_chance is held against
+    untold: dict[str, str]  #: samples by label of which nothing can be told, and why
 
 
 def analyse(
@@ -103,10 +104,23 @@ def analyse(
     observer_effects: bool = False,
     progress: Callable[[float, str], object] = lambda share, text: None,
 ) -> Analysis:
-    """Analyse a pool; the same pool, draws and seed give the same analysis."""
+    """Analyse a pool; the same pool, draws and seed give the same analysis.
+
+    A sample about which all answers are the same, or none are there, is named in `untold`.
+    """
     study = pool.study
     level = LEVEL / len(study.samples)
-    asked = [k for k in range(len(study.samples)) if len(pool.answers(k, RATIO).category)]
+    untold = {}
+    asked = []
+    for sample, named in enumerate(study.samples):
+        categories = np.unique(pool.answers(sample, RATIO).category)
+        if len(categories) > 1:
+            asked.append(sample)
+        elif len(categories) == 1:
+            name = study.categories[categories[0]]
+            untold[named.label] = f"all answers are {name!r}, which tells no setting from another"
+        else:
+            untold[named.label] = "nobody has judged it yet"
     results = []
     for number, sample in enumerate(asked):
         label = study.samples[sample].label
@@ -116,7 +130,14 @@ def analyse(
 
         results.append(_sample(pool, sample, draws, seed, level, observer_effects, report))
     return Analysis(
-        pool, tuple(results), judged_observers(pool, seed), draws, seed, observer_effects, level
+        pool,
+        tuple(results),
+        judged_observers(pool, seed),
+        draws,
+        seed,
+        observer_effects,
+        level,
+        untold,
     )
 
 
@@ -138,7 +159,7 @@ def _sample(
         posterior.update(list(zip(ratio.setting.tolist(), ratio.category.tolist(), strict=True)))
         adaptive = judged_adaptively(posterior, study.grid, level)
     weights = _resampled(ratio, draws, seed)
-    questions = [q for q in study.questions if len(pool.answers(sample, q).category)]
+    questions = [q for q in study.questions if len(np.unique(pool.answers(sample, q).category)) > 1]
     scales = []
     fine = FineGrid(study.grid)
     for k, question in enumerate(questions):
@@ -147,7 +168,7 @@ def _sample(
             progress((k + done) / len(questions))
 
         answers = pool.answers(sample, question)
-        scales.append(_scale(fine, question, label, answers, weights, observer_effects, share))
+        scales.append(_scale(fine, question, answers, weights, observer_effects, share))
     p = no_difference_p(ratio.observer, ratio.setting, ratio.category, seed)
     verdicts = {
         s.question: judged(study.grid, s.scale, s.draws, s.smooth, p, level) for s in scales
@@ -193,7 +214,6 @@ def _resampled(answers: Answers, draws: int, seed: int) -> Array | None:
 def _scale(
     fine: FineGrid,
     question: str,
-    label: str,
     answers: Answers,
     weights: Array | None,
     observer_effects: bool,
@@ -201,13 +221,10 @@ def _scale(
 ) -> Scale:
     counts = answers.counts()
     pooled = counts.sum(axis=0)
-    try:
-        probit = ordinal_scale(
-            counts if observer_effects else pooled, observer_effects=observer_effects
-        )
-        torgerson = successive_categories(pooled)
-    except InputError as error:
-        raise InputError(f"{label}, {question}: {error}") from error
+    probit = ordinal_scale(
+        counts if observer_effects else pooled, observer_effects=observer_effects
+    )
+    torgerson = successive_categories(pooled)
     answered = pooled.sum(axis=1) > 0.0
     unfolding = fit_unfolding(fine.grid, pooled)
     closeness = unfolding.closeness(fine.points)

@@ -38,7 +38,7 @@ class Setting:
     @property
     def words(self) -> str:
         """The setting as people read it, such as '2 deg, 2/6 c_max'."""
-        return f"{self.sigma_n_deg:g} deg, {share_words(self.c_fraction)} c_max"
+        return f"{self.sigma_n_deg:.3g} deg, {share_words(self.c_fraction)} c_max"
 
 
 @dataclass(frozen=True)

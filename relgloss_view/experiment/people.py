@@ -11,6 +11,7 @@ from relgloss_view.experiment.pool import Pool
 from relgloss_view.experiment.study import RATIO
 
 RELATED = 0.05  #: an observer whose answers are this likely by chance is pointed out
+FEWEST_TO_TELL = 30  #: answers; from fewer a good observer can't be told from one by chance
 QUICK_S = 0.4  #: a median response this short is pointed out
 
 
@@ -31,6 +32,8 @@ class ObserverResult:
         found = []
         if self.relation.correlation is None and self.answers > 2:
             found.append("always the same answer, or nobody to compare with")
+        elif self.answers < FEWEST_TO_TELL:
+            found.append("too few answers to tell them from chance")
         elif self.relation.p is not None and self.relation.p > RELATED:
             found.append(
                 f"answers can't be told from chance (p {self.relation.p:.2f}); they are left in"

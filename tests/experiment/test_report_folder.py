@@ -9,6 +9,7 @@ from pathlib import Path
 import materials
 import numpy as np
 import pytest
+from matplotlib.text import Text
 from PIL import Image
 from report_cases import (
     adaptive,
@@ -283,8 +284,6 @@ class TestPaint:
 
     def test_nothing_is_mathematics(self):
         analysis = analyse(pool_of(study_of(("$x_1$",)), count=2), draws=5)
-        from matplotlib.text import Text
-
         with paint.drawing():
             figure, _ = panels(analysis.samples[0], analysis, ["$y$"])
         written = [t for t in figure.findobj(Text) if t.get_text()]

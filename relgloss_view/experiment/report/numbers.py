@@ -23,7 +23,7 @@ from relgloss_view.experiment.report.choice import (
     values_of,
 )
 from relgloss_view.experiment.report.who import made, path_words, silent, truths
-from relgloss_view.experiment.report.words import notes, sentence, unjudged
+from relgloss_view.experiment.report.words import notes, sentence, untold
 
 FORMAT, VERSION = "relgloss-experiment-results", 1
 
@@ -60,7 +60,7 @@ def as_numbers(analysis: Analysis) -> dict[str, Any]:
             for o in analysis.observers
         ],
         "without_answers": silent(pool),
-        "not_judged": unjudged(analysis),
+        "untold": untold(analysis),
         "samples": [_sample(result, analysis) for result in analysis.samples],
     }
     plain: dict[str, Any] = plain_json(found)

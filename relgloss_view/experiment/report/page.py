@@ -101,7 +101,7 @@ def _verdicts(analysis: Analysis) -> str:
                 words.small(choice.p_chance),
             )
         )
-    rows += [(label, "nobody has judged it yet", *"----") for label in words.unjudged(analysis)]
+    rows += [(label, why, *"----") for label, why in words.untold(analysis).items()]
     adaptive = any(r.adaptive is not None for r in analysis.samples)
     heads = (
         "sample",

@@ -41,8 +41,7 @@ def summary(analysis: Analysis) -> str:
         lines.append(f"{label_of(result)}: {sentence(result, analysis)}")
         lines += [f"  {note}" for note in notes(result, analysis)]
         lines.append(f"  {agreement(result)}")
-    for label in unjudged(analysis):
-        lines.append(f"{label}: nobody has judged it yet")
+    lines += [f"{label}: {why}" for label, why in untold(analysis).items()]
     told = observers_told(analysis)
     if told:
         lines += ["", "observers to look at:", *(f"  {line}" for line in told)]
@@ -80,10 +79,9 @@ def label_of(result: SampleResult) -> str:
     return printable(result.label, 60)
 
 
-def unjudged(analysis: Analysis) -> list[str]:
-    """Labels of samples that nobody has answered about."""
-    judged = {result.label for result in analysis.samples}
-    return [printable(s.label, 60) for s in analysis.pool.study.samples if s.label not in judged]
+def untold(analysis: Analysis) -> dict[str, str]:
+    """Samples of which nothing can be told, by label, and why."""
+    return {printable(label, 60): why for label, why in analysis.untold.items()}
 
 
 def sentence(result: SampleResult, analysis: Analysis) -> str:

@@ -1,0 +1,170 @@
+"""Adaptive studies: the posterior, what it chooses next, and when it has enough."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from cases import answer, started, study, to_trial
+from scipy.stats import norm
+
+from relgloss_view.experiment.adaptive import (
+    FIRST_BOUNDS,
+    LAPSE,
+    SLOPES,
+    WIDTHS,
+    Posterior,
+)
+from relgloss_view.experiment.adaptive_verdict import judged_adaptively
+from relgloss_view.experiment.coordinates import coordinates, grid_steps
+from relgloss_view.experiment.flow import Screen
+from relgloss_view.experiment.grid import Grid
+from relgloss_view.experiment.store import Store
+from relgloss_view.experiment.verdict import BEST, BROAD, CHANCE, RIDGE
+
+GRID = Grid()
+PLACES = coordinates(GRID)
+BOUNDS = np.array([0.8, 1.7, 2.7, 3.9])
+
+
+def asked(ideal, slopes, count, seed, by_chance=False):
+    """Answers to settings that the posterior itself chooses."""
+    random = np.random.default_rng(seed)
+    posterior, answers = Posterior(GRID, 5), []
+    for _ in range(count):
+        setting = posterior.draw(random)
+        distance = np.linalg.norm(np.asarray(slopes) * (PLACES[setting] - ideal))
+        category = int(np.searchsorted(BOUNDS, distance + random.standard_normal()))
+        answers.append((setting, int(random.integers(5)) if by_chance else category))
+        posterior.update(answers)
+    return posterior
+
+
+def test_the_likelihood_is_the_ordinal_probit_models():
+    """Against scipy's normal distribution, written out for a few of the unknowns."""
+    posterior = Posterior(GRID, 5)
+    posterior.update([(10, 2)])
+    points, slopes = posterior.points, [(a, b) for a in SLOPES for b in SLOPES]
+    bounds = [t + w * np.arange(4) for t in FIRST_BOUNDS for w in WIDTHS]
+    for point, slope, bound in ((0, 0, 0), (100, 7, 5), (524, 35, 15), (33, 20, 9)):
+        d = np.linalg.norm(np.asarray(slopes[slope]) * (points[point] - PLACES[10]))
+        share = norm.cdf(bounds[bound][2] - d) - norm.cdf(bounds[bound][1] - d)
+        expected = np.log((1.0 - LAPSE) * share + LAPSE / 5)
+        assert posterior._log[point, slope, bound] == pytest.approx(expected, abs=1e-5)  # float32
+
+
+def test_the_order_of_answers_does_not_matter_and_taking_back_does():
+    answers = [(3, 0), (20, 4), (3, 1), (41, 2)]
+    one, other, less = Posterior(GRID, 5), Posterior(GRID, 5), Posterior(GRID, 5)
+    for k in range(1, 5):
+        one.update(answers[:k])
+    other.update(answers[::-1])
+    np.testing.assert_allclose(one.weights(), other.weights(), rtol=1e-4)
+    one.update(answers[:2])  # two were taken back
+    less.update(answers[:2])
+    np.testing.assert_allclose(one.weights(), less.weights(), rtol=1e-6)
+    assert not np.allclose(one.weights(), other.weights(), rtol=0.1)
+
+
+def test_without_answers_nothing_is_known():
+    posterior = Posterior(GRID, 5)
+    weights = posterior.weights()
+    np.testing.assert_allclose(weights, 1.0 / len(weights))
+    assert posterior.chance() == pytest.approx(0.5)
+    verdict = judged_adaptively(posterior, GRID, 0.01)
+    assert not verdict.declared
+
+
+@pytest.mark.parametrize("ideal", [(4.0, 1.9), (0.0, 4.5), (2.6, 0.0), (1.3, 3.4)])
+def test_finds_the_ideal_with_60_answers(ideal):
+    """Twelve studies: the median error is at most half a step of the posterior's own plane."""
+    errors = []
+    for seed in range(12):
+        estimate = asked(ideal, (0.9, 1.3), 60, seed).estimate()
+        at = np.array(posterior_steps(estimate))
+        errors.append(np.linalg.norm(at - ideal))
+    assert np.median(errors) <= 0.5
+    # The control: with six answers it is not known as well.
+    few = [
+        np.linalg.norm(np.array(posterior_steps(asked(ideal, (0.9, 1.3), 6, s).estimate())) - ideal)
+        for s in range(12)
+    ]
+    assert np.median(few) > np.median(errors)
+
+
+def posterior_steps(estimate):
+    from relgloss_view.experiment.coordinates import to_steps
+
+    return to_steps(GRID, estimate.sigma_n_deg, estimate.c_fraction)
+
+
+class TestVerdict:
+    def test_best(self):
+        verdict = judged_adaptively(asked((4.0, 1.9), (0.9, 1.3), 60, 1), GRID, 0.01)
+        assert verdict.status == BEST
+        setting = GRID.settings[verdict.leading]
+        assert grid_steps(GRID, setting.sigma_n_deg, setting.c_fraction) == pytest.approx(
+            (4.0, 1.0), abs=1.01
+        )
+
+    def test_ridge(self):
+        statuses = [
+            judged_adaptively(asked((3.0, 2.0), (0.0, 1.3), 120, s), GRID, 0.01).status
+            for s in range(6)
+        ]
+        assert statuses.count(RIDGE) >= 4
+
+    def test_by_chance(self):
+        """What was chosen depends on the answers, and yet they tell nothing."""
+        statuses = [
+            judged_adaptively(asked((0, 0), (0, 0), 60, s, by_chance=True), GRID, 0.01).status
+            for s in range(20)
+        ]
+        assert set(statuses) <= {CHANCE, BROAD}
+        assert statuses.count(CHANCE) >= 18
+
+
+class TestChooser:
+    def test_stops_after_its_trials_and_goes_to_the_next_sample(self, tmp_path):
+        made = study(("matte-coated", "uncoated"), design="adaptive", gap_s=0.0)
+        with Store(tmp_path / "s.sqlite", made) as store:
+            flow = started(store)
+            while flow.screen is not Screen.FINISHED:
+                answer(flow, 2)
+            samples = [t.sample for t in store.trials(flow.observer)]
+        assert len(samples) == 2 * made.adaptive.trials
+        assert sorted(samples) in (samples, samples[::-1])
+
+    def test_stops_when_the_interval_is_narrow(self, tmp_path):
+        import dataclasses
+
+        from relgloss_view.experiment.study import Adaptive
+
+        made = dataclasses.replace(
+            study(design="adaptive"), adaptive=Adaptive(trials=1000, interval_steps=1.5)
+        )
+        ideal = PLACES[26]
+        random = np.random.default_rng(0)
+        with Store(tmp_path / "s.sqlite", made) as store:
+            flow = started(store)
+            while flow.screen is not Screen.FINISHED:
+                apart = np.array([0.9, 1.3]) * (PLACES[flow.trial.setting] - ideal)
+                noisy = np.linalg.norm(apart) + random.standard_normal()
+                answer(flow, int(np.searchsorted(BOUNDS, noisy)))
+            count = len(store.answers())
+            posterior = flow._chooser.posterior(0, store.answers())
+        assert 10 < count < 300
+        assert max(posterior.estimate().width_steps) <= 1.5
+
+    def test_observers_share_what_is_known(self, tmp_path):
+        """The second observer begins where the first has led, not with nothing."""
+        made = study(design="adaptive")
+        with Store(tmp_path / "s.sqlite", made) as store:
+            first = started(store)
+            while first.screen is not Screen.FINISHED:
+                answer(first, 0 if first.trial.setting == 26 else 4)
+            first.end()
+            second = started(store)
+            to_trial(second)
+            posterior = second._chooser.posterior(0, store.answers())
+        assert posterior.estimate().answers == made.adaptive.trials
+        assert np.ptp(posterior.weights()) > 0.0
