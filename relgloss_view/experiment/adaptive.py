@@ -26,8 +26,8 @@ Array = NDArray[np.float64]
 
 OF_CHOICES = 4  #: what a seed is for; see order.py
 PER_STEP = 4  #: points of the posterior a step of the grid
-#: Judged distance per step of the grid, in units of the observers' noise, along each axis; the least
-#: is that of a ridge.
+#: Judged distance per step of the grid, in units of the observers' noise, along each axis. The
+#: least is that of a ridge.
 SLOPES = (0.03, 0.3, 0.7, 1.2, 2.0, 3.5)
 #: Where the first category ends, and how wide the others are, in the same unit.
 FIRST_BOUNDS = (0.0, 0.6, 1.2, 2.0)
@@ -65,10 +65,15 @@ class Posterior:
         shape = (len(self.points), len(self._slopes), len(self._bounds))
         self._log = np.zeros(shape, dtype=np.float32)
         self._counted: Counter[tuple[int, int]] = Counter()
+        #: (points,), the likelihood summed over all else; made when it is asked for.
+        self._joint: Array | None = None
 
     def update(self, answers: Sequence[tuple[int, int]]) -> None:
         """Take all answers so far, as (setting, category); those taken before are not again."""
         wanted = Counter(answers)
+        if wanted == self._counted:
+            return
+        self._joint = None
         if wanted - self._counted == wanted or self._counted - wanted:
             self._log[:] = 0.0  # some were taken back
             self._counted.clear()
@@ -90,9 +95,13 @@ class Posterior:
 
     def weights(self) -> Array:
         """Probability of each of `points`, all else integrated out."""
-        top = self._log.max()
-        joint = np.exp(self._log - top).sum(axis=(1, 2), dtype=np.float64)
+        joint = self._summed()
         return np.asarray(joint / joint.sum())
+
+    def _summed(self) -> Array:
+        if self._joint is None:
+            self._joint = np.exp(self._log - self._log.max()).sum(axis=(1, 2), dtype=np.float64)
+        return self._joint
 
     def table(self, weights: Array) -> Array:
         """Weights of `points` as (fine sigma_N, fine c)."""
@@ -106,8 +115,7 @@ class Posterior:
         """
         from scipy.special import gammaln
 
-        top = float(self._log.max())
-        told = top + float(np.log(np.mean(np.exp(self._log - top), dtype=np.float64)))
+        told = float(self._log.max() + np.log(self._summed().sum() / self._log.size))
         counts = np.zeros(self._categories)
         for (_, category), n in self._counted.items():
             counts[category] += n

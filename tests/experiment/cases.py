@@ -20,7 +20,7 @@ def built_in(name):
     return SceneSample(load_sample(name), name=name)
 
 
-def study(samples=("matte-coated",), grid=None, **procedure):
+def study(samples=("matte-coated",), grid=None, size_px=96, **procedure):
     """A study of built-in papers with small pictures and no adaptation, but for what is asked."""
     made = {"adaptation_min": 0.0, "gap_s": 0.0, **procedure}
     return Study(
@@ -28,7 +28,7 @@ def study(samples=("matte-coated",), grid=None, **procedure):
         built_in("cast-coated"),
         grid=grid or Grid(),
         procedure=Procedure(**made),
-        screen=Pictures(width_px=96, height_px=96),
+        screen=Pictures(width_px=size_px, height_px=size_px),
     )
 
 

@@ -74,21 +74,23 @@ def test_without_answers_nothing_is_known():
     assert not verdict.declared
 
 
-@pytest.mark.parametrize("ideal", [(4.0, 1.9), (0.0, 4.5), (2.6, 0.0), (1.3, 3.4)])
-def test_finds_the_ideal_with_60_answers(ideal):
-    """Twelve studies: the median error is at most half a step of the posterior's own plane."""
-    errors = []
-    for seed in range(12):
-        estimate = asked(ideal, (0.9, 1.3), 60, seed).estimate()
-        at = np.array(posterior_steps(estimate))
-        errors.append(np.linalg.norm(at - ideal))
-    assert np.median(errors) <= 0.5
-    # The control: with six answers it is not known as well.
-    few = [
-        np.linalg.norm(np.array(posterior_steps(asked(ideal, (0.9, 1.3), 6, s).estimate())) - ideal)
-        for s in range(12)
-    ]
-    assert np.median(few) > np.median(errors)
+def test_finds_the_ideal_with_60_answers():
+    """18 studies with ideals inside and at edges: a median error of at most half a step.
+
+    In steps of the posterior's own plane. The control: with six answers it is farther off.
+    """
+    ideals = [(4.0, 1.9), (0.0, 4.5), (2.6, 0.0)] * 6
+
+    def median_error(count):
+        found = [
+            asked(ideal, (0.9, 1.3), count, seed).estimate() for seed, ideal in enumerate(ideals)
+        ]
+        places = np.array([posterior_steps(estimate) for estimate in found])
+        return np.median(np.linalg.norm(places - np.array(ideals), axis=1))
+
+    enough, few = median_error(60), median_error(6)
+    assert enough <= 0.5
+    assert few > 2.0 * enough
 
 
 def posterior_steps(estimate):
@@ -108,7 +110,7 @@ class TestVerdict:
 
     def test_ridge(self):
         statuses = [
-            judged_adaptively(asked((3.0, 2.0), (0.0, 1.3), 120, s), GRID, 0.01).status
+            judged_adaptively(asked((3.0, 2.0), (0.0, 1.3), 90, s), GRID, 0.01).status
             for s in range(6)
         ]
         assert statuses.count(RIDGE) >= 4
@@ -117,10 +119,10 @@ class TestVerdict:
         """What was chosen depends on the answers, and yet they tell nothing."""
         statuses = [
             judged_adaptively(asked((0, 0), (0, 0), 60, s, by_chance=True), GRID, 0.01).status
-            for s in range(20)
+            for s in range(12)
         ]
         assert set(statuses) <= {CHANCE, BROAD}
-        assert statuses.count(CHANCE) >= 18
+        assert statuses.count(CHANCE) >= 11
 
 
 class TestChooser:
