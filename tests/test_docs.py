@@ -45,9 +45,19 @@ def test_architecture_names_every_module():
     for path in (ROOT / "relgloss_view").iterdir():
         if path.name not in ("__pycache__", "_data"):
             assert path.name in text, path.name
-    for room in ("measure", "material", "picture"):
+    for room in ("measure", "material", "picture", "experiment"):
         for path in (ROOT / "relgloss_view" / room).glob("[a-z]*.py"):
             assert path.name in text, path.name
+
+
+def test_every_entry_of_a_study_is_told():
+    import dataclasses
+
+    from relgloss_view.experiment.study_file import PARTS, WORDS
+
+    text = (ROOT / "docs" / "experiment.md").read_text(encoding="utf-8")
+    for name in (*WORDS, *(f.name for kind in PARTS.values() for f in dataclasses.fields(kind))):
+        assert re.search(rf"\\| (.*, )?{name}(,| or| \\|)", text), name
 
 
 def test_readme_python_runs(tmp_path):

@@ -25,6 +25,7 @@ def truths_of(
 
     published: what the paper's observers chose for a built-in paper, the grid's middle for other
     samples. cells: a setting of the grid, by chance. anywhere: a point of its range, by chance.
+    InputError for a label that is no sample's and a truth outside the grid's range.
     """
     labels = [sample.label for sample in study.samples]
     for label in given:
@@ -32,8 +33,6 @@ def truths_of(
             raise InputError(
                 f"--truth {printable(label, 60)!r}: no such sample; expected {', '.join(labels)}"
             )
-    for label, setting in given.items():
-        _check_inside(study, label, setting)
     random = np.random.default_rng([seed, OF_TRUTHS])
     found = []
     for sample in study.samples:
@@ -51,6 +50,7 @@ def truths_of(
             rows, columns = study.grid.shape
             chosen = settings[(rows // 2) * columns + columns // 2]
         found.append(given.get(sample.label, chosen))
+        _check_inside(study, sample.label, found[-1])
     return tuple(found)
 
 
@@ -63,5 +63,5 @@ def _check_inside(study: Study, label: str, setting: Setting) -> None:
     if not inside:
         raise InputError(
             f"--truth {printable(label, 60)}: {setting.words} is outside the study's grid, so that "
-            "no analysis could find it"
+            f"no analysis could find it; give another, such as --truth {CELLS}"
         )

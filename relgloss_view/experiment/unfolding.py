@@ -32,7 +32,6 @@ PRECISION = 1e-4  #: of the loss: a hundredth of what a standard error changes
 CURVATURE_STEP = 1e-4
 LEAST_CURVATURE = 0.3  #: that of the widest prior; what the answers leave open has no more
 STARTS = 3  #: settings from which the search begins
-LEAST = 1e-12  #: of a probability
 
 
 @dataclass(frozen=True)
@@ -91,8 +90,7 @@ def _search(loss: _Loss, first: Array, basis: Array) -> tuple[Array, float]:
         constraints=inside,
         options={"ftol": PRECISION},
     )
-    parameters = np.clip(first + basis @ found.x, low, high)
-    return parameters, loss(parameters)[0]
+    return np.clip(first + basis @ found.x, low, high), float(found.fun)
 
 
 def _basis(loss: _Loss, at: Array) -> Array:
@@ -120,31 +118,36 @@ class _Distance:
 
     def __init__(self, points: Array, ends: Array) -> None:
         self._ends = np.where(ends > 0.0, ends, 1.0)
-        self._share = points / self._ends
+        self._share = np.ascontiguousarray((points / self._ends).T)  # (2, n)
         self._arch = self._share * (1.0 - self._share)
 
     def at(self, p: Array) -> Array:
         """(n,)."""
         ideal, bend = p[:2] / self._ends, p[-2:]
-        self._slope, self._shear = np.exp(p[2:4]), p[4]
+        (a, b), shear = np.exp(p[2:4]), p[4]
+        self._slope, self._shear = (a, b), shear
         self._ideal_arch = ideal * (1.0 - ideal)
         self._ideal_turn = 1.0 + bend * (1.0 - 2.0 * ideal)
-        apart = self._share + bend * self._arch - ideal - bend * self._ideal_arch
-        self._apart = self._ends * apart
-        self._u = self._slope[0] * self._apart[:, 0] + self._shear * self._apart[:, 1]
-        self._v = self._slope[1] * self._apart[:, 1]
-        self._d = np.asarray(np.sqrt(ROUND + self._u**2 + self._v**2))
+        apart = self._share + bend[:, None] * self._arch
+        apart -= (ideal + bend * self._ideal_arch)[:, None]
+        apart *= self._ends[:, None]
+        self._apart = apart
+        self._u = a * apart[0] + shear * apart[1]
+        self._v = b * apart[1]
+        self._d = np.asarray(np.sqrt(ROUND + self._u * self._u + self._v * self._v))
         return self._d
 
     def back(self, of_distance: Array, gradient: Array) -> None:
         """Put the gradient by these parameters in place, given that by the distances (n,)."""
-        by_u, by_v = of_distance * self._u / self._d, of_distance * self._v / self._d
-        by = np.stack([by_u * self._slope[0], by_u * self._shear + by_v * self._slope[1]], axis=1)
-        gradient[:2] = -by.sum(axis=0) * self._ideal_turn
-        gradient[2] = np.sum(by_u * self._slope[0] * self._apart[:, 0])
-        gradient[3] = np.sum(by_v * self._v)
-        gradient[4] = np.sum(by_u * self._apart[:, 1])
-        gradient[-2:] = np.sum(by * self._ends * (self._arch - self._ideal_arch), axis=0)
+        (a, b), (x, y) = self._slope, self._apart
+        share = of_distance / self._d
+        by_u, by_v = share * self._u, share * self._v
+        by_x, by_y = a * by_u, self._shear * by_u + b * by_v
+        total = np.array([by_x.sum(), by_y.sum()])
+        gradient[:2] = -total * self._ideal_turn
+        gradient[2:5] = by_x @ x, by_v @ self._v, by_u @ y
+        bends = np.array([by_x @ self._arch[0], by_y @ self._arch[1]])
+        gradient[-2:] = self._ends * (bends - total * self._ideal_arch)
 
 
 class _Loss:
@@ -157,10 +160,9 @@ class _Loss:
     def __init__(self, grid: Grid, counts: Array) -> None:
         places = coordinates(grid)
         judged = np.any(counts > 0.0, axis=1)
-        self._counts = counts[judged]
+        self._counts = np.ascontiguousarray(counts[judged].T)
         self._distance = _Distance(places[judged], places[-1])
-        self._categories = counts.shape[1]
-        widths = self._categories - 2
+        widths = counts.shape[1] - 2
         self.limits = [
             *((0.0, float(end)) for end in places[-1]),
             (-4.0, 4.0), (-4.0, 4.0), (-8.0, 8.0), (-5.0, 10.0),
@@ -178,25 +180,27 @@ class _Loss:
         return first
 
     def __call__(self, p: Array) -> tuple[float, Array]:
-        """Value and gradient."""
+        """Value and gradient. Categories along the first axis, settings along the second."""
         from scipy.special import ndtr
 
         widths = np.exp(p[6:-2])
         bounds = p[5] + np.concatenate([[0.0], np.cumsum(widths)])
-        z = bounds - self._distance.at(p)[:, None]
-        cumulative = np.empty((len(z), self._categories + 1))
-        cumulative[:, 0], cumulative[:, -1] = 0.0, 1.0
-        cumulative[:, 1:-1] = ndtr(z)
-        within = np.maximum(np.diff(cumulative, axis=1), LEAST)
-        share = (1.0 - LAPSE) * within + LAPSE / self._categories
+        z = bounds[:, None] - self._distance.at(p)
+        below = ndtr(z)
+        share = np.empty(self._counts.shape)
+        share[0], share[-1] = below[0], 1.0 - below[-1]
+        np.subtract(below[1:], below[:-1], out=share[1:-1])
+        share *= 1.0 - LAPSE
+        share += LAPSE / len(share)
         off = p - self._mean
-        value = 0.5 * np.sum(self._precision * off * off) - np.sum(self._counts * np.log(share))
-        by_share = -(1.0 - LAPSE) * self._counts / share
-        density = np.exp(-0.5 * z * z) / np.sqrt(2.0 * np.pi)
-        by_z = (by_share[:, :-1] - by_share[:, 1:]) * density
-        gradient = np.zeros(len(p))
-        self._distance.back(-by_z.sum(axis=1), gradient)
-        of_bounds = by_z.sum(axis=0)
+        pull = self._precision * off
+        value = 0.5 * (pull @ off) - np.vdot(self._counts, np.log(share))
+        by_share = self._counts / share
+        by_z = (by_share[1:] - by_share[:-1]) * np.exp(-0.5 * z * z)
+        by_z *= (1.0 - LAPSE) / np.sqrt(2.0 * np.pi)
+        gradient = np.empty(len(p))
+        self._distance.back(-by_z.sum(axis=0), gradient)
+        of_bounds = by_z.sum(axis=1)
         gradient[5] = of_bounds.sum()
         gradient[6:-2] = widths * np.cumsum(of_bounds[:0:-1])[::-1]
-        return float(value), gradient + self._precision * off
+        return float(value), gradient + pull
