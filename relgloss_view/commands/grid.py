@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -99,7 +100,9 @@ def _draw(
         for sixths in scales:
             name = f"sigma_{sigma_n_deg:.1f}" + (f"_c_{sixths}of6.png" if sixths else ".png")
             progress(len(stimuli) / total, name)
-            variant = Setting(sigma_n_deg, sixths / 6 if sixths else 1.0).look(look)
+            variant = dataclasses.replace(look, sigma_n_deg=sigma_n_deg, c=None, c_fraction=None)
+            if sixths is not None:
+                variant = Setting(sigma_n_deg, sixths / 6).look(look)
             frame = renderer.render(scene, variant, size)
             shown = shown_by(operator, frame)
             command = _command(args, sigma_n_deg, sixths, name)

@@ -22,11 +22,10 @@ from relgloss_view.experiment.agreement import (
     krippendorff_alpha,
     no_difference_p,
 )
-from relgloss_view.experiment.flow import ADAPTIVE
 from relgloss_view.experiment.ordinal import OrdinalScale, ordinal_scale
 from relgloss_view.experiment.people import ObserverResult, judged_observers
 from relgloss_view.experiment.pool import Answers, Pool
-from relgloss_view.experiment.study import GRAIN, RATIO
+from relgloss_view.experiment.study import ADAPTIVE, GRAIN, RATIO
 from relgloss_view.experiment.successive import SuccessiveScale, successive_categories
 from relgloss_view.experiment.surface import FineGrid
 from relgloss_view.experiment.unfolding import fit_unfolding

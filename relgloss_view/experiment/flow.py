@@ -16,11 +16,11 @@ from relgloss_view.experiment.adaptive import Chooser
 from relgloss_view.experiment.order import Trial, planned_trials
 from relgloss_view.experiment.records import Observer
 from relgloss_view.experiment.store import Store
+from relgloss_view.experiment.study import ADAPTIVE
 
 #: Sooner than this after a stimulus no answer can be one to it: simple reactions take longer
 #: (Luce 1986: about 0.18 s to light), so it is a key that bounced or was held.
 EARLIEST_S = 0.15
-ADAPTIVE = "adaptive"
 
 
 class Screen(enum.Enum):

@@ -32,7 +32,8 @@ CATEGORIES = ("close", "slightly close", "fair", "slightly far", "far")  #: Ishi
 MOST_CATEGORIES = 9  #: one digit key each
 LONGEST_CATEGORY, LONGEST_LABEL, LONGEST_TEXT = 40, 60, 8000  #: characters
 MOST_SAMPLES = 24
-DESIGNS = ("full", "adaptive")
+FULL, ADAPTIVE = "full", "adaptive"
+DESIGNS = (FULL, ADAPTIVE)
 ORDERS = ("balanced", "random")
 SCALES = ("on demand", "always", "never")
 RATIO, GRAIN = "ratio", "grain"  #: the questions
@@ -72,7 +73,7 @@ class Procedure(Checked):
     gap_s: float = parameter(0.5, 0.0, 60.0, "s", "of surround alone between two trials")
     repeats: int = whole_number(1, 1, 20, "", "how often an observer sees each stimulus")
     order: str = choice("balanced", ORDERS, "of stimuli and samples, over observers or by chance")
-    design: str = choice("full", DESIGNS, "every setting of the grid, or those that tell most")
+    design: str = choice(FULL, DESIGNS, "every setting of the grid, or those that tell most")
     ask_grain: bool = switch(False, "whether the match of grain is asked for after each ratio")
     seed: int = whole_number(0, 0, 2**31 - 1, "", "of the order, and of adaptive choices")
 
