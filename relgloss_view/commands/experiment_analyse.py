@@ -42,13 +42,20 @@ def add(commands: Any) -> None:
         action="store_true",
         help="let each observer call everything closer or farther by an amount of their own",
     )
+    parser.add_argument(
+        "--zero",
+        choices=("clip", "drop"),
+        default="clip",
+        help="what condition D does with proportions of 0 and 1: clip them to 1/(2N), or leave "
+        "them out (default clip)",
+    )
     parser.add_argument("--json", action="store_true", help="print the results as JSON")
     parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:
     """Read, analyse, write what was asked for, print."""
-    from relgloss_view.experiment.analysis import analyse
+    from relgloss_view.experiment.analysis import Options, analyse
     from relgloss_view.experiment.pool import read_pool
     from relgloss_view.experiment.report.numbers import FORMAT, as_numbers
     from relgloss_view.experiment.report.words import summary
@@ -63,19 +70,14 @@ def run(args: argparse.Namespace) -> int:
         raise InputError(f"--draws {args.draws}: expected 2 to {MOST_DRAWS}")
     if not 0 <= args.seed < 2**31:
         raise InputError(f"--seed {args.seed}: expected 0 to {2**31 - 1}")
+    options = Options(args.draws, args.seed, args.observer_effects, args.zero)
     folder = None
     if args.output is not None:
         folder = own_folder(args.output, {RESULTS: FORMAT}, "report")
     with tempfile.TemporaryDirectory(prefix="relgloss-") as lamps:
         pool = read_pool(args.files, Path(lamps))
         with Progress("analyse") as progress:
-            analysis = analyse(
-                pool,
-                draws=args.draws,
-                seed=args.seed,
-                observer_effects=args.observer_effects,
-                progress=progress,
-            )
+            analysis = analyse(pool, options, progress)
             if folder is not None:
                 command = printable_command(args.argv)
                 earlier = earlier_files(folder)

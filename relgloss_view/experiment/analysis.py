@@ -26,7 +26,7 @@ from relgloss_view.experiment.ordinal import OrdinalScale, ordinal_scale
 from relgloss_view.experiment.people import ObserverResult, judged_observers
 from relgloss_view.experiment.pool import Answers, Pool
 from relgloss_view.experiment.study import ADAPTIVE, GRAIN, RATIO
-from relgloss_view.experiment.successive import SuccessiveScale, successive_categories
+from relgloss_view.experiment.successive import SuccessiveScale, Zero, successive_categories
 from relgloss_view.experiment.surface import FineGrid
 from relgloss_view.experiment.unfolding import fit_unfolding
 from relgloss_view.experiment.verdict import LEVEL, Smooth, Verdict, judged
@@ -82,28 +82,33 @@ class SampleResult:
 
 
 @dataclass(frozen=True)
+class Options:
+    """How an analysis is made."""
+
+    draws: int = DRAWS  #: of the bootstrap over observers
+    seed: int = 0  #: of the bootstrap and the permutations
+    observer_effects: bool = False  #: a location of each observer in the probit model
+    zero: Zero = "clip"  #: what condition D does with proportions of 0 and 1
+
+
+@dataclass(frozen=True)
 class Analysis:
     """A whole study, analysed."""
 
     pool: Pool
     samples: tuple[SampleResult, ...]
     observers: tuple[ObserverResult, ...]
-    draws: int
-    seed: int
-    observer_effects: bool
+    options: Options
     level: float  #: that p_chance is held against
     untold: dict[str, str]  #: samples by label of which nothing can be told, and why
 
 
 def analyse(
     pool: Pool,
-    *,
-    draws: int = DRAWS,
-    seed: int = 0,
-    observer_effects: bool = False,
+    options: Options = Options(),
     progress: Callable[[float, str], object] = lambda share, text: None,
 ) -> Analysis:
-    """Analyse a pool; the same pool, draws and seed give the same analysis.
+    """Analyse a pool; the same pool and options give the same analysis.
 
     A sample about which all answers are the same, or none are there, is named in `untold`.
     """
@@ -127,14 +132,12 @@ def analyse(
         def report(share: float, done: int = number, label: str = label) -> None:
             progress((done + share) / len(asked), label)
 
-        results.append(_sample(pool, sample, draws, seed, level, observer_effects, report))
+        results.append(_sample(pool, sample, options, level, report))
     return Analysis(
         pool,
         tuple(results),
-        judged_observers(pool, seed),
-        draws,
-        seed,
-        observer_effects,
+        judged_observers(pool, options.seed),
+        options,
         level,
         untold,
     )
@@ -143,10 +146,8 @@ def analyse(
 def _sample(
     pool: Pool,
     sample: int,
-    draws: int,
-    seed: int,
+    options: Options,
     level: float,
-    observer_effects: bool,
     progress: Callable[[float], object],
 ) -> SampleResult:
     study = pool.study
@@ -157,7 +158,7 @@ def _sample(
         posterior = Posterior(study.grid, len(study.categories))
         posterior.update(list(zip(ratio.setting.tolist(), ratio.category.tolist(), strict=True)))
         adaptive = judged_adaptively(posterior, study.grid, level)
-    weights = _resampled(ratio, draws, seed)
+    weights = _resampled(ratio, options)
     questions = [q for q in study.questions if len(np.unique(pool.answers(sample, q).category)) > 1]
     scales = []
     fine = FineGrid(study.grid)
@@ -167,8 +168,8 @@ def _sample(
             progress((k + done) / len(questions))
 
         answers = pool.answers(sample, question)
-        scales.append(_scale(fine, question, answers, weights, observer_effects, share))
-    p = no_difference_p(ratio.observer, ratio.setting, ratio.category, seed)
+        scales.append(_scale(fine, question, answers, weights, options, share))
+    p = no_difference_p(ratio.observer, ratio.setting, ratio.category, options.seed)
     verdicts = {
         s.question: judged(study.grid, s.scale, s.draws, s.smooth, p, level) for s in scales
     }
@@ -195,15 +196,16 @@ def _sample(
     )
 
 
-def _resampled(answers: Answers, draws: int, seed: int) -> Array | None:
+def _resampled(answers: Answers, options: Options) -> Array | None:
     """(draws, observers) how often each observer is drawn; None where there is but one.
 
     Drawn from those who answered about the sample.
     """
     present = np.unique(answers.observer)
+    draws = options.draws
     if len(present) < 2 or draws < 1:
         return None
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(options.seed)
     number = len(present)
     weights = np.zeros((draws, answers.observers))
     weights[:, present] = random.multinomial(number, np.full(number, 1.0 / number), size=draws)
@@ -215,15 +217,15 @@ def _scale(
     question: str,
     answers: Answers,
     weights: Array | None,
-    observer_effects: bool,
+    options: Options,
     progress: Callable[[float], object],
 ) -> Scale:
-    counts = answers.counts()
+    counts, observer_effects = answers.counts(), options.observer_effects
     pooled = counts.sum(axis=0)
     probit = ordinal_scale(
         counts if observer_effects else pooled, observer_effects=observer_effects
     )
-    torgerson = successive_categories(pooled)
+    torgerson = successive_categories(pooled, options.zero)
     answered = pooled.sum(axis=1) > 0.0
     unfolding = fit_unfolding(fine.grid, pooled)
     closeness = unfolding.closeness(fine.points)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.experiment.adaptive import Estimate
-from relgloss_view.experiment.analysis import SampleResult, analyse
+from relgloss_view.experiment.analysis import Options, SampleResult, analyse
 from relgloss_view.experiment.coordinates import grid_steps
 from relgloss_view.experiment.grid import Grid, Setting
 from relgloss_view.experiment.observers import Population
@@ -92,7 +92,7 @@ def _one(
         file = folder / "study.sqlite"
         with Store(file, study) as store:
             run_observers(store, percepts, population, observers, seed)
-        results = analyse(read_pool([file], folder), draws=draws, seed=seed).samples
+        results = analyse(read_pool([file], folder), Options(draws, seed)).samples
     truths = {s.label: t for s, t in zip(study.samples, percepts.truths, strict=True)}
     return [_found(study.grid, number, result, truths[result.label]) for result in results]
 

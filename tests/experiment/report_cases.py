@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from relgloss_view.experiment.analysis import analyse
+from relgloss_view.experiment.analysis import Options, analyse
 from relgloss_view.experiment.coordinates import coordinates, to_steps
 from relgloss_view.experiment.grid import Grid, Setting
 from relgloss_view.experiment.observers import Population
@@ -57,25 +57,25 @@ def pool_of(study, truths=None, count=6, name="study", **population):
 @functools.cache
 def usual():
     """Two samples, one right setting each, six observers."""
-    return analyse(pool_of(study_of(), [Setting(1.0, 2 / 6), Setting(2.0, 1 / 6)]), draws=20)
+    return analyse(pool_of(study_of(), [Setting(1.0, 2 / 6), Setting(2.0, 1 / 6)]), Options(20))
 
 
 @functools.cache
 def alone():
     """One observer: nothing to resample."""
-    return analyse(pool_of(study_of(("matte",)), count=1), draws=20)
+    return analyse(pool_of(study_of(("matte",)), count=1), Options(20))
 
 
 @functools.cache
 def with_grain():
     """Both questions."""
-    return analyse(pool_of(study_of(("matte",), ask_grain=True)), draws=20)
+    return analyse(pool_of(study_of(("matte",), ask_grain=True)), Options(20))
 
 
 @functools.cache
 def adaptive():
     """An adaptive study."""
-    return analyse(pool_of(study_of(("matte",), design="adaptive")), draws=20)
+    return analyse(pool_of(study_of(("matte",), design="adaptive")), Options(20))
 
 
 def without_answers(pool, dropped):

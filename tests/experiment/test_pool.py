@@ -7,7 +7,7 @@ import pytest
 from cases import answer, answer_all, percepts, replaced, started, study
 
 from relgloss_view.errors import InputError
-from relgloss_view.experiment.analysis import analyse
+from relgloss_view.experiment.analysis import Options, analyse
 from relgloss_view.experiment.grid import Grid, Setting
 from relgloss_view.experiment.observers import Population
 from relgloss_view.experiment.pool import read_pool
@@ -74,7 +74,7 @@ class TestAnalysis:
     """Cases that have little or nothing to tell: finite, and said."""
 
     def analysed(self, folder, made, **options):
-        return analyse(read_pool([folder / "a.sqlite"], folder), draws=20, **options)
+        return analyse(read_pool([folder / "a.sqlite"], folder), Options(20, **options))
 
     def test_one_observer(self, tmp_path):
         simulated(tmp_path / "a.sqlite", study(), 1, 0)
@@ -134,6 +134,16 @@ class TestAnalysis:
         pool = read_pool([tmp_path / "a.sqlite"], tmp_path)
         means = np.nanmean(pool.answers(0, "ratio").ratings(), axis=1)
         assert np.corrcoef(effects, means)[0, 1] > 0.95
+
+    def test_proportions_of_zero_and_one_may_be_left_out(self, tmp_path):
+        """Clipped, every setting that all call far has one place; dropped, it has none."""
+        simulated(tmp_path / "a.sqlite", study(), 15, 0, Setting(0.0, 1 / 6))
+        clipped, dropped = (
+            self.analysed(tmp_path, study(), zero=zero).samples[0].scales[0].torgerson.scale
+            for zero in ("clip", "drop")
+        )
+        assert np.all(np.isfinite(clipped))
+        assert 0 < np.sum(np.isnan(dropped)) < 42
 
     def test_same_seed_same_analysis(self, tmp_path):
         simulated(tmp_path / "a.sqlite", study(), 5, 0)

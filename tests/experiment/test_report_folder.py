@@ -24,7 +24,7 @@ from report_cases import (
 
 from relgloss_view.atomic import whole_folder
 from relgloss_view.cli import main
-from relgloss_view.experiment.analysis import analyse
+from relgloss_view.experiment.analysis import Options, analyse
 from relgloss_view.experiment.grid import Grid
 from relgloss_view.experiment.report import paint
 from relgloss_view.experiment.report.maps import level_of
@@ -160,7 +160,7 @@ class TestScenes:
             reference=SceneSample(materials.paper("cast"), file="gone/cast.json"),
             lamp=dataclasses.replace(study.lamp, illuminant=str(lamp)),
         )
-        analysis = analyse(pool_of(study_of(("mine", "reference"))), draws=5)
+        analysis = analyse(pool_of(study_of(("mine", "reference"))), Options(5))
         pool = dataclasses.replace(analysis.pool, study=study)
         report(tmp_path / "out", dataclasses.replace(analysis, pool=pool))
         shutil.move(tmp_path / "out", tmp_path / "elsewhere")
@@ -194,7 +194,7 @@ class TestAnyStudy:
     def test_labels_are_shown_as_they_are(self, tmp_path):
         study = study_of((LABEL, "../etc", "..", "A", "a"), categories=("<i>near</i>", "$far$"))
         study = dataclasses.replace(study, title="<script>alert(1)</script>")
-        written = report(tmp_path / "out", analyse(pool_of(study, count=5), draws=2))
+        written = report(tmp_path / "out", analyse(pool_of(study, count=5), Options(2)))
         assert {p.name for p in (tmp_path / "out").iterdir()} == set(written)
         page = page_of(tmp_path / "out")
         assert LABEL in page.text
@@ -222,13 +222,13 @@ class TestAnyStudy:
     )
     def test_any_grid(self, grid, tmp_path):
         pool = pool_of(study_of(("matte",), grid), count=3)
-        assert "matte-closeness.png" in report(tmp_path / "out", analyse(pool, draws=2))
+        assert "matte-closeness.png" in report(tmp_path / "out", analyse(pool, Options(2)))
 
     def test_settings_that_nobody_judged_and_categories_that_nobody_used(self, tmp_path):
         names = tuple(f"category {k} with a name of forty characters"[:40] for k in range(9))
         pool = pool_of(study_of(("matte",), categories=names), count=3)
         pool = without_answers(pool, lambda a: a.trial.setting in (0, 4) or a.category in (0, 5, 8))
-        report(tmp_path / "out", analyse(pool, draws=5))
+        report(tmp_path / "out", analyse(pool, Options(5)))
         (sample,) = results_of(tmp_path / "out")["samples"]
         bounds = sample["questions"]["ratio"]["bounds"]["probit"]
         assert (bounds[0], bounds[-1]) == (None, None)
@@ -241,7 +241,7 @@ class TestAnyStudy:
             members=(*first.members, *second.members),
             records=(*first.records, *second.records),
         )
-        report(tmp_path / "out", analyse(both, draws=5))
+        report(tmp_path / "out", analyse(both, Options(5)))
         rows = (tmp_path / "out" / "answers.csv").read_text().splitlines()[1:]
         assert [row.split(",")[0] for row in rows] == ["day 1.sqlite"] * 18 + ["day 2.sqlite"] * 18
 
@@ -283,7 +283,7 @@ class TestPaint:
             assert paint.fitted("$x_1$ \\frac", 9.0, 9.0, 1) == ["$x_1$ \\frac"]
 
     def test_nothing_is_mathematics(self):
-        analysis = analyse(pool_of(study_of(("$x_1$",)), count=2), draws=5)
+        analysis = analyse(pool_of(study_of(("$x_1$",)), count=2), Options(5))
         with paint.drawing():
             figure, _ = panels(analysis.samples[0], analysis, ["$y$"])
         written = [t for t in figure.findobj(Text) if t.get_text()]

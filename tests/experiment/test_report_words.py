@@ -22,7 +22,7 @@ from report_cases import (
     without_answers,
 )
 
-from relgloss_view.experiment.analysis import JOINT, analyse
+from relgloss_view.experiment.analysis import JOINT, Options, analyse
 from relgloss_view.experiment.grid import Setting
 from relgloss_view.experiment.records import PERSON, Observer
 from relgloss_view.experiment.report import words
@@ -98,7 +98,7 @@ class TestSentences:
         assert "agreement" not in told
 
     def test_observers_that_were_not_resampled(self):
-        analysis = analyse(usual().pool, draws=0)
+        analysis = analyse(usual().pool, Options(0))
         assert "how surely is not known" in words.summary(analysis)
 
     def test_both_questions(self):
@@ -124,12 +124,12 @@ class TestSentences:
 
     def test_observers_to_look_at(self):
         pool = pool_of(study_of(("matte",)), kind="random", count=4)
-        told = words.summary(analyse(pool, draws=5))
+        told = words.summary(analyse(pool, Options(5)))
         assert "observers to look at:\n  O01: " in told
 
     def test_a_sample_that_nobody_judged(self):
         pool = without_answers(usual().pool, lambda answer: answer.trial.sample == 1)
-        assert "rough: nobody has judged it yet" in words.summary(analyse(pool, draws=5))
+        assert "rough: nobody has judged it yet" in words.summary(analyse(pool, Options(5)))
 
     def test_people_and_simulated_ones_together(self):
         pool = usual().pool
@@ -193,7 +193,7 @@ class TestNumbers:
 
     def test_settings_that_nobody_judged_have_no_number(self):
         pool = without_answers(usual().pool, lambda answer: answer.trial.setting == 8)
-        (first, _) = as_numbers(analyse(pool, draws=5))["samples"]
+        (first, _) = as_numbers(analyse(pool, Options(5)))["samples"]
         last = first["questions"]["ratio"]["settings"][8]
         assert (last["probit"], last["low"], last["torgerson"]) == (None, None, None)
         assert last["answers"] == 0

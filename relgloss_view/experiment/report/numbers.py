@@ -46,9 +46,10 @@ def as_numbers(analysis: Analysis) -> dict[str, Any]:
             "screen": dataclasses.asdict(study.screen),
         },
         "analysis": {
-            "draws": analysis.draws,
-            "seed": analysis.seed,
-            "observer_effects": analysis.observer_effects,
+            "draws": analysis.options.draws,
+            "seed": analysis.options.seed,
+            "observer_effects": analysis.options.observer_effects,
+            "zero": analysis.options.zero,
             "level": analysis.level,
         },
         "simulated": pool.simulated,

@@ -229,13 +229,16 @@ def _made_with(analysis: Analysis, command: str | None) -> str:
             )
         )
     heads = ("file", "answers", "taken back", "runs", "devices", "relgloss", "study")
-    effects = "with" if analysis.observer_effects else "without"
+    options = analysis.options
+    effects = "with" if options.observer_effects else "without"
+    zeros = "clipped" if options.zero == "clip" else "left out"
     return "\n".join(
         [
             "<h2>Made with</h2>",
-            f'<p class="muted">relgloss {escape(__version__)}; {analysis.draws} resamplings, seed '
-            f"{analysis.seed}, {effects} observer effects. Every number is in results.json, the "
-            "scale in scale.csv, every answer in answers.csv.</p>",
+            f'<p class="muted">relgloss {escape(__version__)}; {options.draws} resamplings, seed '
+            f"{options.seed}, {effects} observer effects; proportions of 0 and 1 {zeros} in condition "
+            "D. Every number is in results.json, the scale in scale.csv, every answer in "
+            "answers.csv.</p>",
             "" if command is None else f"<p><code>{escape(command)}</code></p>",
             table(heads, rows, texts=(4, 5, 6)),
         ]
