@@ -236,8 +236,8 @@ def _made_with(analysis: Analysis, command: str | None) -> str:
         [
             "<h2>Made with</h2>",
             f'<p class="muted">relgloss {escape(__version__)}; {options.draws} resamplings, seed '
-            f"{options.seed}, {effects} observer effects; proportions of 0 and 1 {zeros} in condition "
-            "D. Every number is in results.json, the scale in scale.csv, every answer in "
+            f"{options.seed}, {effects} observer effects; condition D with proportions of 0 and 1 "
+            f"{zeros}. Every number is in results.json, the scale in scale.csv, every answer in "
             "answers.csv.</p>",
             "" if command is None else f"<p><code>{escape(command)}</code></p>",
             table(heads, rows, texts=(4, 5, 6)),
