@@ -73,7 +73,7 @@ def run(args: argparse.Namespace) -> int:
     options = Options(args.draws, args.seed, args.observer_effects, args.zero)
     folder = None
     if args.output is not None:
-        folder = own_folder(args.output, {RESULTS: FORMAT}, "report")
+        folder = own_folder(args.output, {RESULTS: FORMAT}, "report", alone=True)
     with tempfile.TemporaryDirectory(prefix="relgloss-") as lamps:
         pool = read_pool(args.files, Path(lamps))
         with Progress("analyse") as progress:

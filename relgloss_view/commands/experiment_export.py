@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -36,6 +37,7 @@ def add(commands: Any) -> None:
     parser.add_argument("-o", "--output", metavar="OUT.csv|OUT.json", help="the table of answers")
     parser.add_argument("--stimuli", metavar="FOLDER", help="where the stimuli go, as PNG")
     parser.add_argument("--backend", choices=BACKENDS, default="auto", help="what draws")
+    parser.add_argument("--json", action="store_true", help="print what was written as JSON")
     parser.set_defaults(run=run, wrong_usage=parser.error)
 
 
@@ -48,15 +50,26 @@ def run(args: argparse.Namespace) -> int:
     table = None if args.output is None else Path(args.output)
     if table is not None and table.suffix.lower() not in (".csv", ".json"):
         raise InputError(f"{printable(table)}: expected a name that ends in .csv or .json")
+    for file in args.files:
+        if table is not None and table.exists() and os.path.exists(file) and table.samefile(file):
+            raise InputError(f"{printable(table)}: is a session file; give the table another name")
     folder = None
     if args.stimuli is not None:
         folder = own_folder(args.stimuli, {MANIFEST: FORMAT}, "export", alone=True)
     with tempfile.TemporaryDirectory(prefix="relgloss-") as lamps:
         pool = read_pool(args.files, Path(lamps))
+        told: dict[str, Any] = {}
         if table is not None:
-            print(f"{printable(table)}: {_write_answers(table, pool)} answers")
+            told["answers"] = _write_answers(table, pool)
         if folder is not None:
-            print(_draw_stimuli(folder, pool, args.backend))
+            told["stimuli"] = _draw_stimuli(folder, pool, args.backend)
+    if args.json:
+        print(json.dumps({"files": args.files, **told}))
+        return 0
+    if table is not None:
+        print(f"{printable(table)}: {told['answers']} answers")
+    if folder is not None:
+        print(f"{printable(folder)}: {_words(told['stimuli'])}")
     return 0
 
 
@@ -73,8 +86,8 @@ def _write_answers(path: Path, pool: Pool) -> int:
     return len(rows)
 
 
-def _draw_stimuli(folder: Path, pool: Pool, backend: str) -> str:
-    """Draw the reference and every setting of every sample; what there is to say of them."""
+def _draw_stimuli(folder: Path, pool: Pool, backend: str) -> list[dict[str, Any]]:
+    """Draw the reference and every setting of every sample; what the manifest says of each."""
     from relgloss_view.experiment.report.names import file_names
     from relgloss_view.experiment.stimuli import (
         digest_of,
@@ -127,12 +140,14 @@ def _draw_stimuli(folder: Path, pool: Pool, backend: str) -> str:
         }  # fmt: skip
         text = json.dumps(manifest, indent=1) + "\n"
         (temporary / MANIFEST).write_text(text, encoding="utf-8")
+    return stimuli
+
+
+def _words(stimuli: list[dict[str, Any]]) -> str:
+    told = f"{len(stimuli)} pictures"
     compared = [s for s in stimuli if s["as_shown"] is not None]
     other = [s["file"] for s in compared if not s["as_shown"]]
-    told = f"{printable(folder)}: {len(stimuli)} pictures"
     if not compared:
         return f"{told}; nobody has seen them in a window, so there is nothing to compare with"
-    same = (
-        f"{len(compared) - len(other)} of {len(compared)} that were shown are the same, bit by bit"
-    )
-    return f"{told}; {same}" + (f" (not: {', '.join(other[:5])})" if other else "")
+    same = f"{len(compared) - len(other)} of {len(compared)} that were shown are the same"
+    return f"{told}; {same}, bit by bit" + (f" (not: {', '.join(other[:5])})" if other else "")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import json
+from pathlib import Path
 from typing import Any
 
 from relgloss_view.atomic import fresh_file
@@ -20,6 +22,7 @@ def add(commands: Any) -> None:
         epilog="example: relgloss experiment new -o mine.toml",
     )
     parser.add_argument("-o", "--output", metavar="STUDY.toml", required=True)
+    parser.add_argument("--json", action="store_true", help="print what was written as JSON")
     parser.set_defaults(run=run)
 
 
@@ -27,10 +30,11 @@ def run(args: argparse.Namespace) -> int:
     """Write it where nothing stands yet."""
     from relgloss_view.experiment.study_file import BUILT_IN, built_in_file
 
-    if not args.output.lower().endswith(".toml"):
+    if Path(args.output).suffix.lower() != ".toml":
         named = args.output or "''"
         raise InputError(f"-o {printable(named)}: expected a name that ends in .toml")
     with fresh_file(args.output) as temporary:
         temporary.write_bytes(built_in_file(BUILT_IN[0]).read_bytes())
-    print(f"{printable(args.output)}: the paper's study")
+    shown = f"{printable(args.output)}: the paper's study"
+    print(json.dumps({"file": args.output}) if args.json else shown)
     return 0

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 OBSERVERS = 15  #: as in the paper
 MOST_OBSERVERS, MOST_STUDIES, MOST_DRAWS = 1000, 10_000, 100_000
 PROOF_DRAWS = 200
+NUMBER = re.compile(r"[0-9]+(\.[0-9]*)?|\.[0-9]+")
 TRUTH = re.compile(r"(.+)=([0-9.]+),([0-9.]+(?:/[0-9.]+)?)", re.DOTALL)
 
 
@@ -120,7 +121,7 @@ def _truths(args: argparse.Namespace) -> tuple[str, dict[str, Setting]]:
         match = TRUTH.fullmatch(word)
         if word in CHOICES:
             choice = word
-        elif match is None or match[2].count(".") > 1:
+        elif match is None or not NUMBER.fullmatch(match[2]):
             raise InputError(
                 f"--truth {printable(word, 60)}: expected SAMPLE=SIGMA_N,C such as "
                 f"matte-coated=2.0,2/6, or {', '.join(CHOICES)}"
@@ -148,9 +149,13 @@ def _session(args: argparse.Namespace, study: Study) -> int:
             answer.category, flush=True,
         )  # fmt: skip
 
-    with Store(args.output, study) as store, Progress("simulate") as progress:
-        with open_renderer(args.backend) as renderer:
-            percepts = see_study(renderer, study, truths, progress)
+    # Without an OpenGL context no file is made.
+    with (
+        open_renderer(args.backend) as renderer,
+        Store(args.output, study) as store,
+        Progress("simulate") as progress,
+    ):
+        percepts = see_study(renderer, study, truths, progress)
         silent = (lambda answer: None) if not args.echo else echo
         run_observers(store, percepts, population, args.observers, args.seed, silent, progress)
         answers, observers = len(store.answers()), len(store.observers())

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 import re
+import tomllib
 from typing import TYPE_CHECKING, Any
 
-from relgloss_view.commands.scene_options import read_value
 from relgloss_view.errors import InputError
 
 if TYPE_CHECKING:
@@ -37,6 +37,13 @@ def study_from(args: argparse.Namespace) -> Study:
         if match is None:
             raise InputError(f"--set {setting}: expected TABLE.ENTRY=VALUE, as in the study file")
         table, entry, text = match.groups()
-        value = read_value(text)
-        changes.setdefault(table, {})[entry] = list(value) if isinstance(value, tuple) else value
+        changes.setdefault(table, {})[entry] = _value(text)
     return load_study(args.study, changes)
+
+
+def _value(text: str) -> object:
+    """A value as the study file has it: TOML, or a bare word."""
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except (ValueError, RecursionError):
+        return text

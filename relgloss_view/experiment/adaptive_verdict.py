@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from relgloss_view.experiment.adaptive import INTERVAL, Estimate, Posterior
 from relgloss_view.experiment.coordinates import coordinates, to_steps
 from relgloss_view.experiment.grid import Grid
+from relgloss_view.experiment.surface import BROAD_SHARE
 from relgloss_view.experiment.verdict import BEST, BROAD, CHANCE, RIDGE
 
 Array = NDArray[np.float64]
 
 RIDGE_SD = 0.8  #: steps: a posterior longer than this ...
 RIDGE_RATIO = 3.0  #: ... and this many times as long as wide is a ridge
-BROAD_SD = 1.0  #: steps: a posterior wider than this along its short axis tells nothing
 
 
 @dataclass(frozen=True)
@@ -53,11 +53,12 @@ def judged_adaptively(posterior: Posterior, grid: Grid, level: float) -> Adaptiv
     centred = posterior.points - weights @ posterior.points
     covariance = centred.T @ (weights[:, None] * centred)
     short, long = np.sqrt(np.maximum(np.linalg.eigvalsh(covariance), 0.0))
+    line = min(places[-1]) == 0.0  # of a grid with one sigma_N or one c
     status = BEST
     if estimate.chance > level:
         status = CHANCE
-    elif short > BROAD_SD:
+    elif len(held) > BROAD_SHARE * len(weights):
         status = BROAD
-    elif long > RIDGE_SD and long > RIDGE_RATIO * short:
+    elif not line and long > RIDGE_SD and long > RIDGE_RATIO * short:
         status = RIDGE
     return AdaptiveVerdict(status, estimate, leading, as_good, posterior.table(weights))

@@ -25,7 +25,7 @@ from relgloss_view.experiment.agreement import (
 from relgloss_view.experiment.ordinal import OrdinalScale, ordinal_scale
 from relgloss_view.experiment.people import ObserverResult, judged_observers
 from relgloss_view.experiment.pool import Answers, Pool
-from relgloss_view.experiment.study import ADAPTIVE, GRAIN, RATIO
+from relgloss_view.experiment.study import ADAPTIVE, RATIO
 from relgloss_view.experiment.successive import SuccessiveScale, Zero, successive_categories
 from relgloss_view.experiment.surface import FineGrid
 from relgloss_view.experiment.unfolding import fit_unfolding
@@ -63,7 +63,7 @@ class SampleResult:
     label: str
     answers: int
     observers: int  #: who answered about it
-    p_chance: float  #: of such answers where settings do not differ
+    p: dict[str, float]  #: by question, and JOINT: of such answers where settings do not differ
     scales: tuple[Scale, ...]  #: one a question
     verdicts: dict[str, Verdict]  #: by question; JOINT too where both were asked
     adaptive: AdaptiveVerdict | None  #: of an adaptive study
@@ -74,6 +74,11 @@ class SampleResult:
     def decided_by(self) -> str:
         """The question whose verdict chooses the setting."""
         return JOINT if JOINT in self.verdicts else RATIO
+
+    @property
+    def p_chance(self) -> float:
+        """Of the question whose verdict chooses."""
+        return self.p[self.decided_by]
 
     @property
     def verdict(self) -> Verdict:
@@ -169,19 +174,29 @@ def _sample(
 
         answers = pool.answers(sample, question)
         scales.append(_scale(fine, question, answers, weights, options, share))
-    p = no_difference_p(ratio.observer, ratio.setting, ratio.category, options.seed)
-    verdicts = {
-        s.question: judged(study.grid, s.scale, s.draws, s.smooth, p, level) for s in scales
+    by_question = {q: pool.answers(sample, q) for q in questions}
+    p = {
+        q: no_difference_p(a.observer, a.setting, a.category, options.seed)
+        for q, a in by_question.items()
     }
-    if len(scales) == 2 and scales[1].question == GRAIN:
+    observers = {q: len(np.unique(a.observer)) for q, a in by_question.items()}
+    verdicts = {
+        s.question: judged(
+            study.grid, s.scale, s.draws, s.smooth, p[s.question], level, observers[s.question]
+        )
+        for s in scales
+    }
+    if len(scales) == 2:
         first, second = scales
         total = first.scale + second.scale
         both = None
         if first.draws is not None and second.draws is not None:
             both = first.draws + second.draws
         if np.any(np.isfinite(total)):
-            smooth = first.smooth.plus(second.smooth)
-            verdicts[JOINT] = judged(study.grid, total, both, smooth, p, level)
+            # A point needs both: where either may be chance, so may the whole.
+            p[JOINT] = max(p.values())
+            smooth, least = first.smooth.plus(second.smooth), min(observers.values())
+            verdicts[JOINT] = judged(study.grid, total, both, smooth, p[JOINT], level, least)
     ratings = ratio.ratings()
     return SampleResult(
         label,
@@ -225,14 +240,18 @@ def _scale(
     probit = ordinal_scale(
         counts if observer_effects else pooled, observer_effects=observer_effects
     )
-    torgerson = successive_categories(pooled, options.zero)
+    try:
+        torgerson = successive_categories(pooled, options.zero)
+    except InputError:  # every proportion is 0 or 1, and those are left out
+        nothing = np.full(len(pooled), np.nan)
+        torgerson = SuccessiveScale(nothing, np.full(pooled.shape[1] - 1, np.nan))
     answered = pooled.sum(axis=1) > 0.0
     unfolding = fit_unfolding(fine.grid, pooled)
     closeness = unfolding.closeness(fine.points)
     if weights is None:
         smooth = Smooth(fine, closeness, None)
         return Scale(question, probit, torgerson, answered, None, None, None, smooth)
-    drawn = np.zeros((len(weights), len(pooled)))
+    drawn = np.full((len(weights), len(pooled)), np.nan)
     bounds = np.full((len(weights), pooled.shape[1] - 1), np.nan)
     surfaces = np.zeros((len(weights), len(fine.points)))
     for k, weight in enumerate(weights):
@@ -249,8 +268,8 @@ def _scale(
             )
         except InputError:
             continue  # those drawn gave one answer only: nothing is told apart
-        drawn[k], bounds[k] = fit.scale, fit.bounds
-    drawn[:, ~answered] = np.nan
+        drawn[k] = np.where(total.sum(axis=1) > 0.0, fit.scale, np.nan)
+        bounds[k] = fit.bounds
     return Scale(
         question,
         probit,

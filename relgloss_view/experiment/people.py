@@ -25,13 +25,14 @@ class ObserverResult:
     answers: int
     median_response_s: float
     relation: Relation
+    always_same: bool  #: whether every answer about the ratio is the same
 
     @property
     def told(self) -> tuple[str, ...]:
         """What the reader is to be pointed at."""
         found = []
         if self.relation.correlation is None and self.answers > 2:
-            found.append("always the same answer, or nobody to compare with")
+            found.append("always the same answer" if self.always_same else "nobody to compare with")
         elif self.answers < FEWEST_TO_TELL:
             found.append("too few answers to tell them from chance")
         elif self.relation.p is not None and self.relation.p > RELATED:
@@ -66,6 +67,7 @@ def judged_observers(pool: Pool, seed: int) -> tuple[ObserverResult, ...]:
             len(member.answers),
             float(np.median([a.response_s for a in member.answers])),
             related.get(number, Relation(number, None, None)),
+            len({a.category for a in member.answers if a.question == RATIO}) == 1,
         )
         for number, member in enumerate(pool.members)
     )

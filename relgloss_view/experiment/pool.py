@@ -13,12 +13,15 @@ from numpy.typing import NDArray
 
 from relgloss_view.errors import InputError
 from relgloss_view.experiment.records import SIMULATED, Answer, Record, read_record
-from relgloss_view.experiment.study import Study
+from relgloss_view.experiment.study import Procedure, Study
+from relgloss_view.material.spectra import is_lamp_name
+from relgloss_view.picture.scene import Lamp
 from relgloss_view.text_input import printable
 
 Ints = NDArray[np.int64]
 #: What of a study may differ between files that are pooled: how it was led, not what was judged.
-MAY_DIFFER = ("title", "consent", "instructions", "procedure", "adaptive")
+MAY_DIFFER = ("title", "consent", "instructions", "adaptive")
+MAY_DIFFER_IN_PROCEDURE = ("adaptation_min", "gap_s", "repeats", "order", "seed")
 
 
 @dataclass(frozen=True)
@@ -94,19 +97,35 @@ def read_pool(paths: Sequence[str | os.PathLike[str]], lamp_folder: Path) -> Poo
         for other in records:
             if os.path.exists(path) and os.path.samefile(path, other.path):
                 raise InputError(f"{printable(path)}: given twice; give each session file once")
-        records.append(read_record(Path(path), lamp_folder))
-        _check_same(records[0], records[-1])
+        record = read_record(Path(path), lamp_folder)
+        for other in records:
+            _check_no_copy(other, record)
+        records.append(record)
+        _check_same(records[0], record)
     members = []
+    stems = {record.path.stem for record in records}
     for record in records:
+        named = record.path.stem if len(stems) == len(records) else str(record.path)
         for observer in record.observers:
             own = tuple(a for a in record.answers if a.observer == observer.number)
             if not own:
                 continue
-            name = observer.name if len(records) == 1 else f"{record.path.stem}: {observer.name}"
+            name = observer.name if len(records) == 1 else f"{named}: {observer.name}"
             members.append(Member(name, observer.kind, observer.ended, own))
     if not members:
         raise InputError(f"{printable(paths[0])}: nobody has answered yet; run the study first")
     return Pool(records[0].study, tuple(members), tuple(records))
+
+
+def _check_no_copy(first: Record, other: Record) -> None:
+    """InputError where two files hold the same session: a copy would count people twice."""
+    ours = {(o.name, o.begun_utc) for o in first.observers}
+    for observer in other.observers:
+        if (observer.name, observer.begun_utc) in ours:
+            raise InputError(
+                f"{printable(other.path)}: holds the session of {observer.name} that is in "
+                f"{printable(first.path)} too; leave the copy out"
+            )
 
 
 def _check_same(first: Record, other: Record) -> None:
@@ -118,6 +137,11 @@ def _check_same(first: Record, other: Record) -> None:
         ours, theirs = getattr(first.study, name), getattr(other.study, name)
         if name == "samples":
             ours, theirs = ([(s.label, s.sample.material) for s in x] for x in (ours, theirs))
+        elif name == "procedure":
+            standard = {n: getattr(Procedure(), n) for n in MAY_DIFFER_IN_PROCEDURE}
+            ours, theirs = (dataclasses.replace(x, **standard) for x in (ours, theirs))
+        elif name == "lamp":
+            ours, theirs = (dataclasses.replace(x, illuminant=_lamp(x)) for x in (ours, theirs))
         elif name == "reference":
             ours, theirs = ours.material, theirs.material
         if ours != theirs:
@@ -125,3 +149,9 @@ def _check_same(first: Record, other: Record) -> None:
                 f"{printable(other.path)}: its study has another {name.replace('_', ' ')} than "
                 f"{printable(first.path)}; analyse them apart"
             )
+
+
+def _lamp(lamp: Lamp) -> str:
+    """What tells one lamp from another: its name, or what its table says, wherever that lies."""
+    name = lamp.illuminant
+    return name if is_lamp_name(name) else Path(name).read_text(encoding="utf-8-sig")

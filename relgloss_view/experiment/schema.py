@@ -40,7 +40,8 @@ CREATE TABLE trial (
 ) WITHOUT ROWID;
 CREATE TABLE answer (
     id INTEGER PRIMARY KEY, observer INTEGER NOT NULL, position INTEGER NOT NULL,
-    question TEXT NOT NULL, category INTEGER NOT NULL, response_ms INTEGER NOT NULL,
+    question TEXT NOT NULL, category INTEGER NOT NULL CHECK (category >= 0),
+    response_ms INTEGER NOT NULL CHECK (response_ms >= 0),
     run INTEGER NOT NULL REFERENCES run, answered_utc TEXT NOT NULL, undone_utc TEXT,
     FOREIGN KEY (observer, position) REFERENCES trial
 );
@@ -133,6 +134,17 @@ def _reading(file: Path) -> sqlite3.Connection:
         connection.close()
         raise
     return connection
+
+
+def log_missing(path: str | os.PathLike[str]) -> bool:
+    """Whether a file was left by a kill without its log, as when it was copied alone."""
+    try:
+        with open(path, "rb") as file:
+            header = file.read(20)
+    except OSError:
+        return False  # told when it is opened
+    writing_ahead = header[18:20] == b"\x02\x02"  # SQLite's file format, "File format versions"
+    return writing_ahead and not os.path.exists(f"{os.fspath(path)}-wal")
 
 
 @contextlib.contextmanager

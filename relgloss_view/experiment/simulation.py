@@ -68,6 +68,11 @@ def run_observers(
             for sample, truth in zip(store.study.samples, percepts.truths, strict=True)
         }
         details = {**simulated.told(), "truths": truths}
+        if number < len(known) and store.details(known[number]) != details:
+            raise InputError(
+                f"{store.path}: {known[number].name} is half way through with other truths, seed "
+                "or options; go on with those, or give another file"
+            )
         observer = store.observer(kind=SIMULATED, details=details)
         progress(ended / count, f"observer {observer.name}")
         _run(store, observer, simulated, percepts, given)

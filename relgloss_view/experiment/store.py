@@ -113,11 +113,26 @@ class Store:
                         f"observer {name!r} is through with this study; give another name"
                     )
                 return other
-        made = Observer(len(known), name, kind, False, False)
+        return self._make_observer(name, kind, details)
+
+    def details(self, observer: Observer) -> dict[str, Any]:
+        """How an observer was made; empty for people."""
+        ((text,),) = self._rows("SELECT details FROM observer WHERE number = ?", observer.number)
+        found: dict[str, Any] = json.loads(text)
+        return found
+
+    def new_observer(
+        self, kind: str = PERSON, details: Mapping[str, Any] | None = None
+    ) -> Observer:
+        """A new observer under a free pseudonym, whoever is not through yet."""
+        return self._make_observer(_free_name({o.name for o in self.observers()}), kind, details)
+
+    def _make_observer(self, name: str, kind: str, details: Mapping[str, Any] | None) -> Observer:
+        made = Observer(len(self.observers()), name, kind, False, False, _now())
         with self._writing() as connection:
             connection.execute(
                 "INSERT INTO observer VALUES (?, ?, ?, ?, NULL, NULL, ?)",
-                (made.number, name, kind, _now(), json.dumps(dict(details or {}))),
+                (made.number, name, kind, made.begun_utc, json.dumps(dict(details or {}))),
             )
         return made
 
@@ -193,8 +208,8 @@ class Store:
     def undo(self, observer: Observer, run: int, *, drop_unanswered: bool = False) -> Trial | None:
         """Take the observer's last standing answer back; its trial, None where there is none.
 
-        With `drop_unanswered`, trials without an answer are unplanned: they were chosen by what is
-        now undone.
+        With `drop_unanswered`, later trials that were never answered are unplanned: they were
+        chosen by what is now undone.
         """
         rows = self._rows(
             "SELECT id, position FROM answer WHERE observer = ? AND undone_utc IS NULL "

@@ -46,12 +46,17 @@ CONSENT = (
     "you. You may stop at any time, without giving a reason. What is kept is a number for you, "
     "your answers and how long they took; nothing else about you."
 )
+#: Filled in with the study's own categories.
 INSTRUCTIONS = (
     "Two objects stand before one eye, and two pictures before the other. The glossier object is "
     "the reference; its picture stands in the same place of every pair.\n\n"
     "See how many times glossier the reference object is than the object beside it. Then see the "
-    "same for the two pictures. How close are these two ratios? Answer with the keys 1 (close) to "
-    "5 (far), or with the mouse. Backspace takes the last answer back, P makes a pause."
+    "same for the two pictures. How close are these two ratios? Answer with the keys 1 ({first}) "
+    "to {count} ({last}), or with the mouse. Backspace takes the last answer back, P makes a pause."
+)
+ASKED_OF_GRAIN = (
+    "\n\nAfter each ratio you are asked how close the grain of the picture is to that of the "
+    "object. Answer in the same way."
 )
 
 
@@ -117,7 +122,7 @@ class Study:
     grid: Grid = Grid()
     categories: tuple[str, ...] = CATEGORIES
     consent: str = CONSENT
-    instructions: str = INSTRUCTIONS
+    instructions: str | None = None  #: None: what `guide` says by itself
     procedure: Procedure = Procedure()
     adaptive: Adaptive = Adaptive()
     screen: Screen = Screen()
@@ -128,9 +133,10 @@ class Study:
     look: Look = Look()  #: of the test pictures; its sigma_N and c are the grid's
 
     def __post_init__(self) -> None:
-        for name, limit in (("title", LONGEST_LABEL), ("consent", LONGEST_TEXT),
-                            ("instructions", LONGEST_TEXT)):  # fmt: skip
-            _check_text(getattr(self, name), name, limit, empty=name != "title")
+        _check_text(self.title, "title", LONGEST_LABEL)
+        _check_text(self.consent, "consent", LONGEST_TEXT, empty=True)
+        if self.instructions is not None:
+            _check_text(self.instructions, "instructions", LONGEST_TEXT, empty=True)
         _check_categories(self.categories)
         check_size(self.screen.size)
         if not self.samples:
@@ -147,6 +153,15 @@ class Study:
         # All of them can be drawn: a fault shows before an observer does.
         for setting in (self.grid.settings[0], self.grid.settings[-1]):
             setting.look(self.look)
+
+    @property
+    def guide(self) -> str:
+        """The instructions that an observer reads; empty where the study says so."""
+        if self.instructions is not None:
+            return self.instructions
+        first, last = self.categories[0], self.categories[-1]
+        text = INSTRUCTIONS.format(first=first, last=last, count=len(self.categories))
+        return text + (ASKED_OF_GRAIN if self.procedure.ask_grain else "")
 
     @property
     def questions(self) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from relgloss_view.experiment.coordinates import coordinates
 from relgloss_view.experiment.grid import Grid
 from relgloss_view.experiment.surface import (
     POINT_LIKE,
@@ -18,13 +19,15 @@ from relgloss_view.experiment.surface import (
 
 Array = NDArray[np.float64]
 
+FEWEST_OBSERVERS = 5  #: below, a bootstrap over them is too narrow to call anything best
+TIE = 1e-9  #: values closer than this are equal
 LEVEL = 0.03  #: of the test that settings differ at all, shared by a study's samples
 #: What is said of a sample.
 BEST = "best"  #: one setting, or a few beside it
 RIDGE = "ridge"  #: a curve of settings that are as good as each other
 BROAD = "broad"  #: too many settings are as good
 CHANCE = "chance"  #: the answers can't be told from answers by chance
-FEW = "few"  #: too few observers to say how surely
+FEW = "few"  #: fewer than FEWEST_OBSERVERS
 
 
 @dataclass(frozen=True)
@@ -63,19 +66,26 @@ class Smooth:
 
 
 def judged(
-    grid: Grid, scale: Array, draws: Array | None, smooth: Smooth, p_chance: float, level: float
+    grid: Grid,
+    scale: Array,
+    draws: Array | None,
+    smooth: Smooth,
+    p_chance: float,
+    level: float,
+    observers: int,
 ) -> Verdict:
     """The verdict on scale values (J,), NaN without answers, their draws (B, J) and the smooth fit.
 
-    p_chance: of the answers if settings did not differ; above `level` nothing is called best. One
-    observer without repeats can't show that, so that too few comes before chance.
+    Draws are NaN where those who were drawn tell nothing of a setting. p_chance: of the answers if
+    settings did not differ; above `level` nothing is called best. Fewer than FEWEST_OBSERVERS can't
+    show how surely, so that too few comes before chance.
     """
-    leading = int(np.nanargmax(scale))
+    leading = _leading(grid, scale, smooth)
     shape = None
     if smooth.draws is not None:
         shape = smooth.fine.shape_of_best(smooth.closeness, smooth.draws)
     status = BEST
-    if shape is None:
+    if shape is None or observers < FEWEST_OBSERVERS:
         status = FEW
     elif p_chance > level:
         status = CHANCE
@@ -84,9 +94,8 @@ def judged(
     wins = None
     as_good = np.zeros(len(scale), dtype=bool)
     as_good[leading] = True
-    if draws is not None:
-        filled = np.where(np.isfinite(draws), draws, -np.inf)
-        wins = np.bincount(np.argmax(filled, axis=1), minlength=len(scale)) / len(draws)
+    if draws is not None and np.any(np.isfinite(draws)):
+        wins = _wins(draws)
         as_good = _as_good(scale, draws, leading)
     return Verdict(
         status,
@@ -100,6 +109,22 @@ def judged(
     )
 
 
+def _leading(grid: Grid, scale: Array, smooth: Smooth) -> int:
+    """The setting with the largest value; of equals, the one that the smooth fit has closest."""
+    equals = np.flatnonzero(scale >= np.nanmax(scale) - TIE)
+    places, points = coordinates(grid)[equals], smooth.fine.points
+    nearest = [int(np.argmin(np.sum((points - place) ** 2, axis=1))) for place in places]
+    return int(equals[np.argmax(smooth.closeness[nearest])])
+
+
+def _wins(draws: Array) -> Array:
+    """Share of draws (B, J) in which each setting leads; those that lead together share a draw."""
+    filled = np.where(np.isfinite(draws), draws, -np.inf)
+    filled = filled[np.any(np.isfinite(draws), axis=1)]
+    leads = filled >= filled.max(axis=1, keepdims=True) - TIE
+    return np.asarray(np.mean(leads / leads.sum(axis=1, keepdims=True), axis=0))
+
+
 def _as_good(scale: Array, draws: Array, leading: int) -> NDArray[np.bool_]:
     """Settings not worse than the leading one at 95 %, all comparisons together.
 
@@ -108,16 +133,20 @@ def _as_good(scale: Array, draws: Array, leading: int) -> NDArray[np.bool_]:
     """
     apart = scale[leading] - scale
     drawn = draws[:, leading, None] - draws
-    sd = np.std(drawn, axis=0)
-    told = np.isfinite(scale) & (sd > 0.0)
-    found = np.zeros(len(scale), dtype=bool)
+    there = np.isfinite(drawn)
+    count = np.maximum(there.sum(axis=0), 1)
+    filled = np.where(there, drawn, 0.0)
+    mean = filled.sum(axis=0) / count
+    sd = np.sqrt(np.sum(np.where(there, filled - mean, 0.0) ** 2, axis=0) / count)
+    known = np.isfinite(scale)
+    varies = known & (sd > TIE)
+    critical = 0.0
+    if np.any(varies):
+        behind = np.where(there, apart - filled, -np.inf)[:, varies] / sd[varies]
+        critical = float(np.quantile(np.max(behind, axis=1), 0.95))
+    found = known & (np.where(known, apart, np.inf) <= critical * sd + TIE)
     found[leading] = True
-    if not np.any(told):
-        return found
-    largest = np.max((apart[told] - drawn[:, told]) / sd[told], axis=1)
-    critical = float(np.quantile(largest, 0.95))
-    found[told] |= apart[told] <= critical * sd[told]
-    return found
+    return np.asarray(found)
 
 
 def edges_of(grid: Grid, leading: int) -> tuple[str, ...]:

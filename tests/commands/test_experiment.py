@@ -101,6 +101,26 @@ class TestSimulate:
         record = read_record(folder / "s.sqlite", folder)
         assert record.details[0]["truths"]["uncoated"][0] == 1.0
 
+    def test_settings_are_those_of_the_file(self, folder, capsys):
+        words = ("experiment", "simulate", "paper", *TINY, "--observers", 1, "-o", "s.sqlite")
+        run(capsys, *words, "--set", "procedure.ask_grain=true", "--set", "study.title=Ours")
+        record = read_record(folder / "s.sqlite", folder)
+        assert record.study.procedure.ask_grain
+        assert record.study.title == "Ours"
+        assert len(record.answers) == 24
+
+    def test_without_opengl_no_file_is_made(self, folder, capsys, monkeypatch):
+        from relgloss_view.errors import GLUnavailableError
+        from relgloss_view.picture import context
+
+        def none(backend):
+            raise GLUnavailableError("no OpenGL")
+
+        monkeypatch.setattr(context, "open_context", none)
+        words = ("experiment", "simulate", "paper", *TINY, "-o", "s.sqlite")
+        assert cli.main([str(w) for w in words]) == 3
+        assert os.listdir(folder) == []
+
     def test_many_studies(self, folder, capsys):
         words = ("experiment", "simulate", "paper", *SMALL, "--studies", 2, "--observers", 5)
         found = json.loads(run(capsys, *words, "--draws", 10, "--json"))
@@ -116,6 +136,8 @@ class TestSimulate:
             (("--seed", "-1"), "--seed -1: expected 0 to"),
             (("--truth", "uncoated"), "expected SAMPLE=SIGMA_N,C"),
             (("--truth", "uncoated=1.0.0,1"), "expected SAMPLE=SIGMA_N,C"),
+            (("--truth", "uncoated=.,0.5"), "expected SAMPLE=SIGMA_N,C"),
+            (("--backend", "egl", "--set", "procedure.ask_grain=yes"), "expected true or false"),
             (("--truth", "uncoated=9,1"), "outside the study's grid"),
             (
                 ("--truth", "published"),
@@ -199,6 +221,13 @@ class TestAnalyse:
         assert "given twice" in refused(capsys, "experiment", "analyse", session, "./s.sqlite")
         assert "a folder" in refused(capsys, "experiment", "analyse", ".")
 
+    def test_a_folder_that_holds_other_things(self, folder, session, capsys):
+        Path("own").mkdir()
+        Path("own/matte-coated.toml").write_text("mine")
+        told = refused(capsys, "experiment", "analyse", session, "--draws", 5, "-o", "own")
+        assert "holds what is not of a relgloss report" in told
+        assert Path("own/matte-coated.toml").read_text() == "mine"
+
     def test_a_folder_of_somebody_else(self, folder, session, capsys):
         run(capsys, "grid", "--size", "16x16", "-o", "stimuli")
         Path("stimuli/results.json").write_text("{}")
@@ -230,6 +259,22 @@ class TestExport:
         ]  # fmt: skip
         with Image.open("u.png") as one, Image.open(Path("st") / name) as other:
             np.testing.assert_array_equal(np.asarray(one), np.asarray(other))
+
+    def test_never_over_a_session(self, folder, session, capsys):
+        """Whatever it is called: answers can't be asked for again."""
+        session.rename("s.csv")
+        before = Path("s.csv").read_bytes()
+        for other in ("s.csv", "./s.csv", folder / "s.csv"):
+            told = refused(capsys, "experiment", "export", "s.csv", "-o", other)
+            assert "is a session file" in told
+        assert Path("s.csv").read_bytes() == before
+
+    def test_json(self, folder, session, capsys):
+        told = json.loads(run(capsys, "experiment", "export", session, "-o", "a.csv", "--json"))
+        assert told["answers"] == 48
+        assert json.loads(run(capsys, "experiment", "new", "-o", "n.toml", "--json")) == {
+            "file": "n.toml"
+        }
 
     def test_what_is_wrong(self, folder, session, capsys):
         assert "ends in .csv or .json" in refused(

@@ -124,6 +124,41 @@ class TestVerdict:
         assert set(statuses) <= {CHANCE, BROAD}
         assert statuses.count(CHANCE) >= 11
 
+    @pytest.mark.parametrize(
+        "grid", [Grid((1.0,), GRID.c_fraction), Grid((0.0, 1.0, 2.0), (0.3, 0.6, 1.0))]
+    )
+    def test_small_grids_and_answers_that_tell_nothing(self, grid):
+        """Nearly always "close", wherever asked: nothing is best, and a line has no ridge."""
+        statuses = []
+        for seed in range(6):
+            random = np.random.default_rng(seed)
+            posterior = Posterior(grid, 5)
+            answers = [
+                (
+                    int(random.integers(len(grid))),
+                    int(random.random() < 0.1) * int(random.integers(5)),
+                )
+                for _ in range(60)
+            ]
+            posterior.update(answers)
+            statuses.append(judged_adaptively(posterior, grid, 0.01).status)
+        assert RIDGE not in statuses
+        assert statuses.count(BEST) <= 1
+        empty = judged_adaptively(Posterior(grid, 5), grid, 0.01)
+        assert not empty.declared
+
+    def test_a_line_of_settings_has_a_best(self):
+        grid = Grid((1.0,), GRID.c_fraction)
+        places = coordinates(grid)
+        random = np.random.default_rng(0)
+        posterior, answers = Posterior(grid, 5), []
+        for _ in range(60):
+            setting = posterior.draw(random)
+            noisy = 1.3 * abs(places[setting, 1] - 2.0) + random.standard_normal()
+            answers.append((setting, int(np.searchsorted(BOUNDS, noisy))))
+            posterior.update(answers)
+        assert judged_adaptively(posterior, grid, 0.01).status == BEST
+
 
 class TestChooser:
     def test_stops_after_its_trials_and_goes_to_the_next_sample(self, tmp_path):

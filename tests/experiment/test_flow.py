@@ -155,6 +155,18 @@ class TestUndo:
         flow = started(opened(study(grid=SMALL)))
         assert not flow.undo()
 
+    def test_a_double_press_answers_one_question(self, opened):
+        """The second question is a screen of its own: its time counts anew."""
+        flow = started(opened(study(grid=SMALL, ask_grain=True)))
+        flow.shown()
+        flow._clock.now_s += 1.0
+        assert flow.answer(2)
+        assert flow.question == "grain"
+        flow.shown()
+        flow._clock.now_s += 0.5 * EARLIEST_S
+        assert not flow.answer(2)
+        assert len(flow.store.answers()) == 1
+
     def test_of_one_of_two_questions(self, opened):
         flow = started(opened(study(grid=SMALL, ask_grain=True)))
         answer(flow, 2)

@@ -195,6 +195,22 @@ class TestRun:
             assert standing(store)[: len(first)] == first
             assert len(store.observers()) == 4
 
+    def test_not_on_with_others_half_way(self, tmp_path):
+        made = study(grid=SMALL)
+        seen = percepts(made, [Setting(1.0, 0.7)])
+
+        def stop(answer):
+            raise KeyboardInterrupt
+
+        with Store(tmp_path / "a.sqlite", made) as store:
+            with pytest.raises(KeyboardInterrupt):
+                run_observers(store, seen, Population(), 2, 7, stop)
+            for population, seed in ((Population(), 8), (Population(kind="ratio"), 7)):
+                with pytest.raises(InputError, match="O01 is half way through with other truths"):
+                    run_observers(store, seen, population, 2, seed)
+            run_observers(store, seen, Population(), 2, 7)
+            assert len(store.answers()) == 8
+
     def test_not_into_the_answers_of_people(self, tmp_path):
         made = study(grid=SMALL)
         with Store(tmp_path / "a.sqlite", made) as store:

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+import contextlib
+import shutil
+import sqlite3
+
 import numpy as np
 import pytest
 from cases import answer, answer_all, percepts, replaced, started, study
 
 from relgloss_view.errors import InputError
 from relgloss_view.experiment.analysis import Options, analyse
+from relgloss_view.experiment.flow import Screen
 from relgloss_view.experiment.grid import Grid, Setting
 from relgloss_view.experiment.observers import Population
 from relgloss_view.experiment.pool import read_pool
+from relgloss_view.experiment.records import read_record
 from relgloss_view.experiment.simulation import run_observers
 from relgloss_view.experiment.store import Store
+from relgloss_view.experiment.study import Procedure
+from relgloss_view.experiment.study import Screen as Pictures
+from relgloss_view.picture.scene import Display, Eye, Lamp, Look
 
 SMALL = Grid((0.0, 2.0), (0.5, 1.0))
 
@@ -46,6 +55,14 @@ def test_two_files_are_one_study(tmp_path):
         ({"categories": ("yes", "maybe", "no")}, "another categories"),
         ({"reference": study(("uncoated",)).samples[0].sample}, "another reference"),
         ({"samples": study(("uncoated",)).samples}, "another samples"),
+        ({"look": Look(grain="surface")}, "another look"),
+        ({"reference_look": Look(c_fraction=0.5)}, "another reference look"),
+        ({"lamp": Lamp(azimuth_deg=60)}, "another lamp"),
+        ({"eye": Eye(distance_m=0.7)}, "another eye"),
+        ({"display": Display(gamma=2.0)}, "another display"),
+        ({"screen": Pictures(width_px=97)}, "another screen"),
+        ({"procedure": Procedure(ask_grain=True)}, "another procedure"),
+        ({"procedure": Procedure(design="adaptive")}, "another procedure"),
     ],
 )
 def test_other_questions_are_not_pooled(tmp_path, changes, words):
@@ -55,6 +72,63 @@ def test_other_questions_are_not_pooled(tmp_path, changes, words):
             answer(started(store))
     with pytest.raises(InputError, match=rf"b\.sqlite: its study has {words}"):
         read_pool([tmp_path / "a.sqlite", tmp_path / "b.sqlite"], tmp_path)
+
+
+def test_how_it_was_led_may_differ(tmp_path):
+    for name, made in (
+        ("a", study(grid=SMALL)),
+        ("b", study(grid=SMALL, seed=4, gap_s=1.0, adaptation_min=3.0, order="random", repeats=2)),
+    ):
+        with Store(tmp_path / f"{name}.sqlite", made) as store:
+            answer(started(store))
+    pool = read_pool([tmp_path / "a.sqlite", tmp_path / "b.sqlite"], tmp_path)
+    assert len(pool.members) == 2
+
+
+def test_a_copy_does_not_count_twice(tmp_path):
+    simulated(tmp_path / "a.sqlite", study(grid=SMALL), 2, 0)
+    shutil.copy(tmp_path / "a.sqlite", tmp_path / "backup.sqlite")
+    with pytest.raises(InputError, match=r"backup\.sqlite: holds the session of O01 that is in"):
+        read_pool([tmp_path / "a.sqlite", tmp_path / "backup.sqlite"], tmp_path)
+
+
+def test_files_of_one_name_are_told_apart(tmp_path):
+    for k, folder in enumerate(("x", "y")):
+        (tmp_path / folder).mkdir()
+        simulated(tmp_path / folder / "s.sqlite", study(grid=SMALL), 1, k)
+    pool = read_pool([tmp_path / "x" / "s.sqlite", tmp_path / "y" / "s.sqlite"], tmp_path)
+    assert len({m.name for m in pool.members}) == 2
+
+
+@pytest.mark.parametrize(
+    ("change", "what"),
+    [
+        ("UPDATE answer SET category = 99", "answer.category"),
+        ("UPDATE answer SET category = 'far'", "answer.category"),
+        ("UPDATE answer SET response_ms = 'soon'", "damaged"),
+        ("UPDATE trial SET setting = 999", "trial.setting"),
+        ("UPDATE trial SET sample = 17", "trial.sample"),
+        ("UPDATE observer SET details = '{'", "damaged"),
+        ("UPDATE observer SET details = '3'", "observer.details"),
+        ("UPDATE observer SET name = x'00ff'", "damaged"),
+        ("UPDATE run SET screen = 'x'", "damaged"),
+        ("UPDATE run SET device = x'00'", "run"),
+        ("UPDATE study SET version = x'00'", "study.version"),
+        ("UPDATE study SET content = '[[[['", "the study in it is damaged"),
+        ("UPDATE study SET content = replace(content, 'cylinder', 'can')", "shape.kind"),
+        ("DELETE FROM study", "the study in it is damaged"),
+    ],
+)
+def test_damaged_rows(tmp_path, change, what):
+    """One line with the file's name, whatever a row says."""
+    file = tmp_path / "a.sqlite"
+    simulated(file, study(grid=SMALL), 1, 0)
+    with contextlib.closing(sqlite3.connect(file)) as connection, connection:
+        connection.execute("PRAGMA ignore_check_constraints = ON")
+        connection.execute(change)
+    with pytest.raises(InputError, match=rf"a\.sqlite: .*{what}") as caught:
+        read_pool([file], tmp_path)
+    assert "\n" not in str(caught.value)
 
 
 def test_a_file_given_twice(tmp_path):
@@ -144,6 +218,75 @@ class TestAnalysis:
         )
         assert np.all(np.isfinite(clipped))
         assert 0 < np.sum(np.isnan(dropped)) < 42
+
+    def test_intervals_are_over_observers_not_answers(self, tmp_path):
+        """The same observers with twenty times the answers know themselves better, not people.
+
+        Drawing answers again would make the interval of what they do not agree about narrower by
+        the root of twenty.
+        """
+        widths = []
+        for repeats in (1, 20):
+            folder = tmp_path / str(repeats)
+            folder.mkdir()
+            made = study(grid=SMALL, repeats=repeats)
+            with Store(folder / "a.sqlite", made) as store:
+                for number in range(8):
+                    flow = started(store)
+                    while flow.screen is not Screen.FINISHED:
+                        apart = (1, 3)[number % 2] if flow.trial.setting == 1 else 2
+                        answer(flow, (0, apart, 4, apart)[flow.trial.setting])
+                    flow.end()
+            (result,) = self.analysed(folder, made, seed=3).samples
+            low, high = result.scales[0].interval
+            widths.append((high - low)[1])
+        assert widths[1] > 0.5 * widths[0]
+        assert widths[0] > 0.3
+
+    def test_intervals_are_of_95_percent(self, tmp_path):
+        simulated(tmp_path / "a.sqlite", study(), 8, 0)
+        pool = read_pool([tmp_path / "a.sqlite"], tmp_path)
+        scale = analyse(pool, Options(200)).samples[0].scales[0]
+        inside = (scale.draws >= scale.interval[0]) & (scale.draws <= scale.interval[1])
+        # 2.5 % of 200 draws are 5 on either side; equal draws at an end count as inside.
+        assert np.all(inside.mean(axis=0) >= 0.949)
+        varied = np.ptp(scale.draws, axis=0) > 1.0
+        assert np.median(inside.mean(axis=0)[varied]) <= 0.96
+
+    def test_each_question_has_a_chance_of_its_own(self, tmp_path):
+        """Gloss by chance, grain by heart: the grain is told, the joint verdict is not."""
+        made = study(ask_grain=True)
+        random = np.random.default_rng(0)
+        with Store(tmp_path / "a.sqlite", made) as store:
+            for _ in range(6):
+                flow = started(store)
+                while flow.screen is not Screen.FINISHED:
+                    row = flow.trial.setting // 6
+                    grain = flow.question == "grain"
+                    answer(flow, min(row, 4) if grain else int(random.integers(5)))
+                flow.end()
+        (result,) = self.analysed(tmp_path, made).samples
+        assert result.p["grain"] == pytest.approx(0.001)
+        assert result.p["ratio"] > 0.05
+        assert result.verdicts["grain"].status != "chance"
+        assert result.verdicts["both"].status == "chance"
+
+    def test_without_a_log_the_reader_is_told(self, tmp_path):
+        """A file that was copied alone after a kill may lack its last answers."""
+        with Store(tmp_path / "a.sqlite", study()) as store:
+            flow = started(store)
+            answer(flow, 0)
+            answer(flow, 3)
+            store._connection.execute("PRAGMA wal_checkpoint(FULL)")
+            answer(flow, 4)
+            (tmp_path / "alone").mkdir()
+            shutil.copy(tmp_path / "a.sqlite", tmp_path / "alone" / "a.sqlite")
+            shutil.copy(tmp_path / "a.sqlite", tmp_path / "a2.sqlite")
+            shutil.copy(tmp_path / "a.sqlite-wal", tmp_path / "a2.sqlite-wal")
+        assert read_record(tmp_path / "alone" / "a.sqlite", tmp_path).log_missing
+        assert not read_record(tmp_path / "a2.sqlite", tmp_path).log_missing
+        assert not read_record(tmp_path / "a.sqlite", tmp_path).log_missing
+        assert len(read_record(tmp_path / "a.sqlite", tmp_path).answers) == 3
 
     def test_same_seed_same_analysis(self, tmp_path):
         simulated(tmp_path / "a.sqlite", study(), 5, 0)

@@ -109,6 +109,18 @@ def test_everything_that_may_be_said(tmp_path):
         assert lamp.read() == asset("spectra", "D65.csv").read_text(encoding="utf-8")
 
 
+def test_the_guide_names_the_studys_own_categories():
+    paper = load_study("paper")
+    assert "keys 1 (close) to 5 (far)" in paper.guide
+    assert "grain" not in paper.guide
+    other = load_study(
+        "paper", {"study": {"categories": ["yes", "no"]}, "procedure": {"ask_grain": True}}
+    )
+    assert "keys 1 (yes) to 2 (no)" in other.guide
+    assert "grain" in other.guide
+    assert load_study("paper", {"study": {"instructions": "Look."}}).guide == "Look."
+
+
 def test_digest_tells_studies_apart():
     contents = [
         study_to_dict(load_study("paper", changes))

@@ -150,12 +150,12 @@ class TestVerdict:
     def draws(self, sd=0.1):
         return self.SCALE + sd * np.random.default_rng(1).standard_normal((400, 42))
 
-    def verdict(self, slopes=(1.0, 1.0), p=0.001, draws="some", spread=0.1, **more):
+    def verdict(self, slopes=(1.0, 1.0), p=0.001, draws="some", spread=0.1, observers=15, **more):
         drawn = self.draws(**more) if draws == "some" else None
         smooth = smooth_of(coordinates(GRID)[26], np.array(slopes), spread=spread)
         if drawn is None:
             smooth = Smooth(smooth.fine, smooth.closeness, None)
-        return judged(GRID, self.SCALE, drawn, smooth, p, 0.01)
+        return judged(GRID, self.SCALE, drawn, smooth, p, 0.01, observers)
 
     def test_best(self):
         verdict = self.verdict()
@@ -173,8 +173,32 @@ class TestVerdict:
         assert self.verdict(p=0.2).status == CHANCE
         assert not self.verdict(p=0.2).declared
 
-    def test_one_observer(self):
-        assert self.verdict(draws="none").status == FEW
+    def test_few_observers(self):
+        assert self.verdict(draws="none", observers=1).status == FEW
+        assert self.verdict(observers=4).status == FEW
+        assert self.verdict(observers=5).status == BEST
+
+    def test_equals_lead_together(self):
+        """Settings with the same answers: none is called worse, and they share what is won."""
+        scale = self.SCALE.copy()
+        scale[[20, 27]] = scale[26]
+        draws = scale + 0.1 * np.random.default_rng(1).standard_normal((400, 42))
+        draws[:, 20] = draws[:, 27] = draws[:, 26]
+        smooth = smooth_of(coordinates(GRID)[27], np.ones(2))
+        verdict = judged(GRID, scale, draws, smooth, 0.001, 0.01, 15)
+        assert verdict.leading == 27  # the smooth fit tells
+        assert set(np.flatnonzero(verdict.as_good)) == {20, 26, 27}
+        assert verdict.wins[[20, 26, 27]] == pytest.approx(1 / 3, abs=0.01)
+
+    def test_draws_that_tell_nothing_count_for_nobody(self):
+        draws = self.draws()
+        draws[::3] = np.nan
+        draws[:, 5] = np.nan
+        smooth = smooth_of(coordinates(GRID)[26], np.ones(2))
+        verdict = judged(GRID, self.SCALE, draws, smooth, 0.001, 0.01, 15)
+        assert verdict.wins.sum() == pytest.approx(1.0)
+        assert verdict.wins[0] == verdict.wins[5] == 0.0
+        assert verdict.wins[26] > 0.99
 
     def test_ridge_and_broad(self):
         assert self.verdict(slopes=(0.01, 1.0)).status == RIDGE
@@ -198,7 +222,7 @@ class TestVerdict:
         for _ in range(500):
             scale = truth + 0.1 * random.standard_normal(42)
             draws = scale + 0.1 * random.standard_normal((200, 42))
-            verdict = judged(GRID, scale, draws, fine, 0.0, 0.01)
+            verdict = judged(GRID, scale, draws, fine, 0.0, 0.01, 15)
             held += bool(verdict.as_good[26])
             leads += verdict.leading == 26
         assert held / 500 >= 0.95 - 0.03
@@ -209,7 +233,7 @@ class TestVerdict:
             scale = np.zeros(42)
             scale[index] = 1.0
             smooth = smooth_of(coordinates(GRID)[index], np.ones(2), draws=5)
-            return judged(GRID, scale, None, smooth, 0.0, 0.01).edges
+            return judged(GRID, scale, None, smooth, 0.0, 0.01, 15).edges
 
         assert edges(0) == ("smallest sigma_N", "smallest c")
         assert edges(41) == ("largest sigma_N", "largest c")

@@ -68,7 +68,7 @@ def choice_by(result: SampleResult, grid: Grid, question: str) -> Choice:
         verdict.as_good,
         verdict.shape,
         verdict.edges,
-        result.p_chance,
+        result.p[question],
         adaptive=False,
     )
 

@@ -11,7 +11,7 @@ from relgloss_view.experiment.pool import Pool
 from relgloss_view.experiment.report.choice import Choice, Interval, choice_by, chosen
 from relgloss_view.experiment.report.who import path_words, people, silent, truths
 from relgloss_view.experiment.study import GRAIN, RATIO
-from relgloss_view.experiment.verdict import BEST, BROAD, CHANCE, FEW, RIDGE
+from relgloss_view.experiment.verdict import BEST, BROAD, CHANCE, FEW, FEWEST_OBSERVERS, RIDGE
 from relgloss_view.text_input import printable
 
 SHORT = {
@@ -62,6 +62,8 @@ def files(pool: Pool) -> list[str]:
     for record in pool.records:
         told = f"{path_words(record)}: {len(record.answers)} answers"
         told += f", {record.undone} taken back" if record.undone else ""
+        if record.log_missing:
+            told += f"; {path_words(record)}-wal is not beside it: the last answers may be in that"
         found.append(told)
     return found
 
@@ -116,6 +118,8 @@ def _sentence(choice: Choice, result: SampleResult, grid: Grid) -> str:
 def _few(result: SampleResult) -> str:
     if result.observers == 1:
         return "one observer: nothing can be said of other people"
+    if result.observers < FEWEST_OBSERVERS:
+        return f"{result.observers} observers are too few to tell how surely"
     return "the observers were not resampled: how surely is not known"
 
 
@@ -191,6 +195,10 @@ def notes(result: SampleResult, analysis: Analysis) -> list[str]:
         found.append("more observers, or more repeats, would tell more")
     if result.observers == 1 and choice.status != FEW:
         found.append(_few(result))
+    if study.procedure.ask_grain and result.adaptive is not None:
+        found.append("the answers about grain take no part in an adaptive verdict")
+    elif study.procedure.ask_grain and JOINT not in result.verdicts:
+        found.append("by the ratio alone: the answers about grain are all the same, or not there")
     if choice.edges:
         found.append(_edge_words(choice, study.grid))
     return [*found, *_by_question(result, study.grid), *_truth(result, analysis)]
