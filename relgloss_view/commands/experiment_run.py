@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import json
+import shlex
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +15,8 @@ from relgloss_view.errors import InputError
 from relgloss_view.text_input import printable
 
 if TYPE_CHECKING:
+    from relgloss_view.experiment.records import Observer
+    from relgloss_view.experiment.store import Store
     from relgloss_view.experiment.study import Study
 
 SQLITE = b"SQLite format 3\0"  #: how every such file begins
@@ -27,11 +31,12 @@ def add(commands: Any) -> None:
         description="Lead one observer through a study: consent, instructions, adaptation, then "
         "pairs of pictures that are judged with the keys 1, 2, ... or the mouse. Every answer is "
         "on the disk before the next pictures show; a session that was broken off in any way goes "
-        "on at the same pair when the command is given again. Keys: Backspace takes the last "
-        "answer back, P makes a pause, Tab (held) shows the operator how far it is, Ctrl+Enter "
-        "ends the adaptation early, Ctrl+Q ends.",
+        "on at the same pair when the command is given again, and says whose it is. Keys: "
+        "Backspace takes the last answer back, P makes a pause, Tab (held) shows the operator how "
+        "far it is, Ctrl+Enter ends the adaptation early, Ctrl+Q ends.",
         epilog="example: relgloss experiment run paper -o answers.sqlite; the next observer, or "
-        "the same one later: relgloss experiment run answers.sqlite",
+        "the same one later: relgloss experiment run answers.sqlite; the next observer where the "
+        "last one does not come back: relgloss experiment run answers.sqlite --new",
     )
     parser.add_argument(
         "study",
@@ -45,10 +50,16 @@ def add(commands: Any) -> None:
         help="the session file, which takes the answers of all observers of a study (default: "
         "beside the study file, with its name)",
     )
-    parser.add_argument(
+    who = parser.add_mutually_exclusive_group()
+    who.add_argument(
         "--observer",
         metavar="ID",
         help="a pseudonym; by default whoever is not through yet goes on, or a new observer begins",
+    )
+    who.add_argument(
+        "--new",
+        action="store_true",
+        help="begin a new observer, whoever is not through yet; what they answered is kept",
     )
     parser.add_argument(
         "--window", metavar="WxH", type=size_of_text, help="in pixels, in place of the full screen"
@@ -66,20 +77,20 @@ def add(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Open the window, and tell in the end how far the observer came."""
     from relgloss_view.commands.view import tell_clamped
-    from relgloss_view.experiment.records import PERSON
     from relgloss_view.experiment.store import Store
     from relgloss_view.viewer.platform import open_platform
     from relgloss_view.viewer.trials.app import Trials
     from relgloss_view.viewer.trials.device import full_screen, read_profile
+    from relgloss_view.viewer.trials.operator_line import goes_on
     from relgloss_view.viewer.window import Window
 
     profile = None if args.display_profile is None else read_profile(args.display_profile)
     path, study = _session(args.study, args.output)
     open_platform(headless=False)  # where no window can show, no file is made
     with Store(path, study) as store:
-        observer = store.observer(args.observer)
-        if observer.kind != PERSON:
-            raise InputError(f"observer {observer.name!r} is a simulated one; give another name")
+        observer = _observer(store, args.observer, new=args.new)
+        told = goes_on(store, observer) or f"{printable(observer.name)} begins"
+        print(told, file=sys.stderr, flush=True)
         with Progress("experiment") as progress:
             program = Trials(store, observer, profile, progress)
             if args.window is None:
@@ -92,6 +103,25 @@ def run(args: argparse.Namespace) -> int:
         raise InputError(program.failed)
     _tell(args, path, observer.name, *program.progress)
     return 0
+
+
+def _observer(store: Store, name: str | None, *, new: bool) -> Observer:
+    """Who is led through the study: a person, in a file of people."""
+    from relgloss_view.experiment.flow import nothing_left
+    from relgloss_view.experiment.records import SIMULATED
+
+    if any(observer.kind == SIMULATED for observer in store.observers()):
+        raise InputError(
+            f"{printable(store.path)}: holds simulated answers; give people a file of their own "
+            "with -o"
+        )
+    if new:
+        return store.new_observer()
+    observer = store.observer(name)
+    while name is None and nothing_left(store, observer):  # killed on the last page
+        store.end(observer)
+        observer = store.observer()
+    return observer
 
 
 def _session(given: str, output: str | None) -> tuple[Path, Study | None]:
@@ -134,5 +164,6 @@ def _tell(args: argparse.Namespace, path: Path, observer: str, answered: int, to
         return
     text = f"{printable(path)}: {printable(observer)} has judged {answered} of {total}"
     if answered < total:
-        text += f"; `relgloss experiment run {printable(path)}` goes on"
+        name = shlex.quote(printable(observer))
+        text += f"; `relgloss experiment run {printable(path)} --observer {name}` goes on"
     print(text)

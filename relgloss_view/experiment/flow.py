@@ -188,14 +188,9 @@ class Flow:
 
     def progress(self) -> Progress:
         """Where the observer stands."""
-        trials = self.store.trials(self.observer)
-        answers = self.store.answers(self.observer)
-        per_trial = len(self.study.questions)
-        total = len(trials)
-        if self._adaptive:
-            total = len(self.study.samples) * self.study.adaptive.trials
         sample = "" if self.trial is None else self.study.samples[self.trial.sample].label
-        return Progress(self.observer.name, len(answers) // per_trial, total, sample, self.question)
+        judged_ = judged(self.store, self.observer)
+        return Progress(self.observer.name, *judged_, sample, self.question)
 
     # --- the way -------------------------------------------------------------------------------
 
@@ -208,13 +203,10 @@ class Flow:
 
     def _find_trial(self) -> None:
         """The first trial with a question that has no answer; adaptive ones are chosen here."""
-        answers = self.store.answers(self.observer)
-        answered = {(a.trial.position, a.question) for a in answers}
-        for trial in self.store.trials(self.observer):
-            for question in self.study.questions:
-                if (trial.position, question) not in answered:
-                    self.trial, self.question = trial, question
-                    return
+        found = _first_open(self.store, self.observer)
+        if found is not None:
+            self.trial, self.question = found
+            return
         self.trial, self.question = None, self.study.questions[0]
         if self._adaptive:
             chosen = self._chooser.next(self.observer.number, self.store.answers())
@@ -244,3 +236,32 @@ class Flow:
         self._until_s = self._clock() + self.study.procedure.gap_s
         self.screen = Screen.GAP
         self.tick()
+
+
+def judged(store: Store, observer: Observer) -> tuple[int, int]:
+    """How many trials have all their answers, and of how many; an adaptive study may take fewer."""
+    study = store.study
+    if study.procedure.design == ADAPTIVE:
+        total = len(study.samples) * study.adaptive.trials
+    else:
+        total = len(store.trials(observer))
+    return len(store.answers(observer)) // len(study.questions), total
+
+
+def nothing_left(store: Store, observer: Observer) -> bool:
+    """Whether an observer has answered, and all that is asked. Plans no trial."""
+    if not store.answers(observer) or _first_open(store, observer) is not None:
+        return False
+    if store.study.procedure.design != ADAPTIVE:
+        return True
+    return Chooser(store.study).next(observer.number, store.answers()) is None
+
+
+def _first_open(store: Store, observer: Observer) -> tuple[Trial, str] | None:
+    """The first planned trial with a question that has no answer, and that question."""
+    answered = {(a.trial.position, a.question) for a in store.answers(observer)}
+    for trial in store.trials(observer):
+        for question in store.study.questions:
+            if (trial.position, question) not in answered:
+                return trial, question
+    return None

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from relgloss_view.cli import main
 from relgloss_view.commands import experiment_run
+from relgloss_view.experiment.flow import nothing_left
+from relgloss_view.experiment.records import SIMULATED
 from relgloss_view.experiment.store import Store
 from relgloss_view.experiment.study_file import load_study
 
@@ -85,3 +88,98 @@ def test_faults_are_told_in_a_line(run, words, told, study, monkeypatch):
     assert told in said
     assert said.count("\n") == 1
     assert [p.name for p in study.parent.iterdir()] == [study.name]
+
+
+class TestWhoIsLed:
+    """The command but for its window: whose session it is, and what it says of that."""
+
+    @pytest.fixture(autouse=True)
+    def _no_window(self, monkeypatch):
+        class Unseen:
+            def __init__(self, program, *_, **__):
+                self.size = (0, 0)
+
+            def run(self):
+                pass
+
+        monkeypatch.setattr("relgloss_view.viewer.platform.open_platform", lambda headless: None)
+        monkeypatch.setattr("relgloss_view.viewer.window.Window", Unseen)
+
+    @pytest.fixture(params=["full", "adaptive"])
+    def session(self, request, tmp_path):
+        """A session file whose O01 has judged 2 of 4."""
+        file = tmp_path / "who.study.toml"
+        grid = "sigma_n_deg = [0.0, 2.0]\nc_fraction = [0.5, 1.0]"
+        file.write_text(
+            f'[[samples]]\nname = "uncoated"\n[grid]\n{grid}\n'
+            f'[procedure]\ndesign = "{request.param}"\n[adaptive]\ntrials = 4\n'
+            "interval_steps = 0.01\n"
+        )
+        path = tmp_path / "who.sqlite"
+        with Store(path, load_study(file)) as store:
+            self.judge(store, store.observer(), 2)
+        return path
+
+    def judge(self, store, observer, count):
+        from relgloss_view.experiment.flow import Flow
+
+        run = store.begin_run(observer, "device", {})
+        store.consent(observer)
+        for _ in range(count):
+            flow = Flow(store, observer, run, lambda: 0.0)
+            store.answer(observer, flow.trial, "ratio", 1, 0.5, run)
+
+    def names(self, session):
+        with Store(session) as store:
+            return [(o.name, o.ended) for o in store.observers()]
+
+    def test_the_last_one_goes_on_and_it_is_said(self, run, session):
+        said = (
+            "O01 goes on: 2 of 4 are judged. Somebody else? Close the window (Ctrl+Q) and start "
+            "with --new.\n"
+        )
+        assert run(session) == (0, said)
+        assert run(session, "--observer", "O01") == (0, said)
+
+    def test_a_new_one_begins_and_the_other_can_still_go_on(self, run, session):
+        assert run(session, "--new") == (0, "O02 begins\n")
+        assert self.names(session) == [("O01", False), ("O02", False)]
+        assert run(session, "--observer", "O02") == (0, "O02 begins\n")
+        assert run(session, "--observer", "Z") == (0, "Z begins\n")
+        assert run(session)[1].startswith("O01 goes on")
+
+    def test_new_and_a_name_exclude_each_other(self, run, session):
+        status, said = run(session, "--new", "--observer", "O03")
+        assert status == 2
+        assert "not allowed with" in said
+        assert len(self.names(session)) == 1
+
+    def test_killed_on_the_last_page(self, run, session):
+        with Store(session) as store:
+            assert not nothing_left(store, store.observer())
+            self.judge(store, store.observer(), 2)
+            assert nothing_left(store, store.observer())
+        # By name, the last answer can still be taken back.
+        assert run(session, "--observer", "O01")[1].startswith("O01 goes on: 4 of 4")
+        assert self.names(session) == [("O01", False)]
+        assert run(session) == (0, "O02 begins\n")
+        assert self.names(session) == [("O01", True), ("O02", False)]
+
+    def test_how_to_go_on_is_said_of_this_observer(self, session, capsys):
+        experiment_run._tell(SimpleNamespace(json=False), session, "Z 1", 1, 4)
+        assert capsys.readouterr().out == (
+            f"{session}: Z 1 has judged 1 of 4; `relgloss experiment run {session} "
+            "--observer 'Z 1'` goes on\n"
+        )
+
+    @pytest.mark.parametrize("words", [(), ("--new",), ("--observer", "O07")])
+    def test_not_beside_simulated_ones(self, run, session, words):
+        with Store(session) as store:
+            store.observer("S01", SIMULATED)
+        status, said = run(session, *words)
+        assert status == 1
+        assert said.endswith(
+            f"{session}: holds simulated answers; give people a file of their own with -o\n"
+        )
+        assert said.count("\n") == 1
+        assert len(self.names(session)) == 2

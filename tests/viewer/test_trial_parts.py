@@ -8,15 +8,17 @@ import numpy as np
 import pytest
 
 from relgloss_view.errors import InputError
-from relgloss_view.experiment.flow import Progress, Screen
+from relgloss_view.experiment.flow import Flow, Progress, Screen
+from relgloss_view.experiment.store import Store
+from relgloss_view.experiment.study_file import load_study
 from relgloss_view.picture.scene import Display
 from relgloss_view.viewer.arrangement import centred
 from relgloss_view.viewer.painting import surround_gray
 from relgloss_view.viewer.state import Presentation
-from relgloss_view.viewer.trials import ink, keys, room, scale
+from relgloss_view.viewer.trials import ink, keys, pages, room, scale
 from relgloss_view.viewer.trials.device import read_profile
 from relgloss_view.viewer.trials.ink import Ink
-from relgloss_view.viewer.trials.operator_line import OperatorLine
+from relgloss_view.viewer.trials.operator_line import OperatorLine, goes_on
 from relgloss_view.viewer.trials.room import Below, needed_below
 
 
@@ -138,6 +140,33 @@ class TestOperatorLine:
         assert line.text.endswith("about 10 min left")
         flow.screen = Screen.ADAPTATION
         assert line.text.endswith("; Ctrl+Enter ends the adaptation")
+
+
+class TestFirstPage:
+    def flow(self, store):
+        observer = store.observer("O01")
+        return Flow(store, observer, store.begin_run(observer, "device", {}), lambda: 0.0)
+
+    def test_says_whose_session_goes_on(self, tmp_path):
+        with Store(tmp_path / "s.sqlite", load_study("paper")) as store:
+            assert goes_on(store, store.observer("O01")) == ""
+            flow = self.flow(store)
+            assert goes_on(store, flow.observer) == ""
+            flow.confirm()  # who comes next has not agreed
+            told = goes_on(store, store.observer("O01"))
+            assert told == (
+                "O01 goes on: 0 of 126 are judged. Somebody else? Close the window (Ctrl+Q) and "
+                "start with --new."
+            )
+            store.answer(flow.observer, flow.trial, "ratio", 1, 0.5, flow.run)
+            told = goes_on(store, store.observer("O01"))
+            assert told.startswith("O01 goes on: 1 of 126 are judged.")
+            page = pages.page_of(self.flow(store), answered=True, note=told)
+            assert (page.text, page.note) == (store.study.guide, told)
+
+    def test_of_one_who_has_judged_all(self):
+        flow = SimpleNamespace(study=None, screen=Screen.FINISHED)
+        assert pages.page_of(flow, answered=True, note="O01 goes on").note == "O01 goes on"
 
 
 class TestProfile:

@@ -31,10 +31,13 @@ PAGE, SCALE = "//##page", "//##scale"
 PICTURE = 64
 
 
-def small_study(screen=None, procedure=None):
-    """One paper at four settings, in small pictures and without waiting."""
+def small_study(screen=None, procedure=None, samples=("uncoated",), instructions=None):
+    """Papers, one if not told, at four settings, in small pictures and without waiting."""
     return Study(
-        samples=(StudySample("uncoated", SceneSample(load_sample("uncoated"), name="uncoated")),),
+        samples=tuple(
+            StudySample(name, SceneSample(load_sample(name), name=name)) for name in samples
+        ),
+        instructions=instructions,
         reference=SceneSample(load_sample("cast-coated"), name="cast-coated"),
         grid=Grid((0.0, 2.0), (0.5, 1.0)),
         procedure=Procedure(**{"adaptation_min": 0.0, "gap_s": GAP_S} | (procedure or {})),
@@ -337,11 +340,84 @@ def takes_every_size(hand, found):
     found["rows"] = len(rows(hand))
 
 
+def pages_of(hand):
+    """Heading and note of what is drawn in a frame."""
+    from relgloss_view.viewer.trials import pages
+
+    show, drawn = pages.show, []
+
+    def seen_too(page, *more, **named):
+        drawn.append([page.heading, page.note])
+        return show(page, *more, **named)
+
+    pages.show = seen_too
+    hand.frames(2)
+    pages.show = show
+    return drawn[-1]
+
+
+def one_press_takes_one_answer_back(hand, found):
+    hand.frames(2)
+    press(hand, "enter")
+    found["begins"] = pages_of(hand)
+    press(hand, "enter")
+    for _ in range(4):
+        to_trial(hand)
+        press(hand, "_2")
+    press(hand, "enter")
+    to_trial(hand)
+    found["at"] = trial(hand)
+    press(hand, "backspace")
+    found["first"] = [screen(hand), [row[0] for row in rows(hand)]]
+    press(hand, "backspace")
+    found["second"] = [screen(hand), [row[0] for row in rows(hand)]]
+    press(hand, "enter")
+    to_trial(hand)
+    found["then"] = trial(hand)[0]
+
+
+def a_key_is_for_what_stood_there(hand, found):
+    """Pages that come in the frame of a key which they take too."""
+    from relgloss_view.experiment.flow import Screen as Shown
+    from relgloss_view.viewer.trials import keys
+
+    flow = hand.app.flow
+    tick = flow.tick
+    for name, chords, comes in (
+        ("enter", keys.ENTER, Shown.OBJECT),
+        ("space", keys.SPACE, Shown.PAUSE),
+    ):
+        to_trial(hand)
+
+        def comes_now(chords=chords, comes=comes):
+            tick()
+            if keys.pressed(chords):
+                flow.tick = tick  # once
+                flow.screen = comes
+
+        flow.tick = comes_now
+        press(hand, name)
+        found[name] = screen(hand)
+        press(hand, name)
+        if comes is Shown.OBJECT:  # it does not take Space
+            press(hand, "enter")
+    to_trial(hand)
+    found["goes on"] = screen(hand)
+
+
+def says_whose_session_goes_on(hand, found):
+    hand.frames(2)
+    found["first"] = [screen(hand), *pages_of(hand)]
+    press(hand, "enter")
+    found["then"] = [screen(hand), *pages_of(hand)]
+
+
 def goes_on_and_ends(hand, found):
     closed = []
     hand.app._window.close = lambda: closed.append(True)
     hand.frames(2)
     found["first"] = [screen(hand), trial(hand), rows(hand)]
+    found["note"] = pages_of(hand)
     press(hand, "enter")
     found["object"] = page(hand)
     press(hand, "enter")
@@ -349,6 +425,7 @@ def goes_on_and_ends(hand, found):
         to_trial(hand)
         press(hand, "_5")
     found["finished"] = page(hand)
+    found["last page"] = pages_of(hand)
     rows_then = rows(hand)
     press(hand, "backspace")
     to_trial(hand)
@@ -423,6 +500,8 @@ SESSIONS = {
         says_what_was_not_stored,
     ],
     "resume": [goes_on_and_ends],
+    "two": [one_press_takes_one_answer_back, a_key_is_for_what_stood_there],
+    "again": [says_whose_session_goes_on],
     "mirror": [adapts, asks_for_the_grain_too],
     "decline": [declines],
 }
@@ -431,6 +510,9 @@ MIRROR = {
     "screen": {"mirror": True, "scale": "always"},
     "procedure": {"ask_grain": True, "adaptation_min": 1.0},
 }
+
+#: Two papers, and no page of instructions.
+TWO = {"samples": ["uncoated", "matte-coated"], "instructions": ""}
 
 
 # --- the other side -------------------------------------------------------------------------------
@@ -458,6 +540,12 @@ def resumed(walk, tmp_path_factory):
 def mirror(tmp_path_factory):
     folder = tmp_path_factory.mktemp("mirror")
     return driven_session("mirror", folder, study=MIRROR), folder
+
+
+@pytest.fixture(scope="module")
+def two(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("two")
+    return driven_session("two", folder, study=TWO), folder
 
 
 def query(session, text):
@@ -603,6 +691,11 @@ def test_a_session_goes_on_and_ends(resumed):
     screen_, at, rows_ = got["first"]
     assert screen_ == "instructions"  # agreed to already
     assert at[0] == len(rows_) == 3
+    assert got["note"][1] == (
+        f"{OBSERVER} goes on: 3 of 4 are judged. Somebody else? Close the window (Ctrl+Q) and "
+        "start with --new."
+    )
+    assert got["last page"] == ["Thank you", ""]  # told once
     assert got["object"] == ["It stands there (Enter)", "Take the last answer back (Backspace)"]
     assert got["finished"] == ["End (Enter)", "Take the last answer back (Backspace)"]
     assert got["taken back"] == 1
@@ -611,6 +704,33 @@ def test_a_session_goes_on_and_ends(resumed):
     # Both runs ended by themselves, and the observer is through.
     assert query(session, "SELECT count(*), count(ended_utc) FROM run") == [(2, 2)]
     assert query(session, "SELECT name, ended_utc IS NULL FROM observer") == [(OBSERVER, 0)]
+
+
+def test_one_press_takes_one_answer_back(two):
+    """Also where the page of the sample before comes with it, which takes the same key."""
+    got = two[0]["one_press_takes_one_answer_back"]
+    assert got["at"][0] == 4
+    assert got["first"] == ["object", [0, 1, 2]]
+    assert got["second"] == ["object", [0, 1]]
+    assert got["then"] == 2
+
+
+def test_a_key_is_for_what_stood_there(two):
+    got = two[0]["a_key_is_for_what_stood_there"]
+    assert got == {"enter": "object", "space": "pause", "goes on": "trial"}
+
+
+def test_the_first_page_says_whose_session_goes_on(two, tmp_path):
+    """Also where the study has no instructions to show."""
+    found, folder = two
+    assert found["one_press_takes_one_answer_back"]["begins"][1] == "The operator does this."
+    session = str(folder / "session.sqlite")
+    got = driven_session("again", tmp_path, study=TWO, session=session)
+    first, then = got["says_whose_session_goes_on"].values()
+    assert first[:2] == ["instructions", "Relative gloss"]
+    assert first[2].startswith(f"{OBSERVER} goes on: 2 of 8 are judged. Somebody else? ")
+    assert then[0] == "object"
+    assert then[2] == "The operator does this."
 
 
 def test_what_was_shown_is_kept(resumed, renderer):

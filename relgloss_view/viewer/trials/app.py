@@ -20,7 +20,7 @@ from relgloss_view.viewer.painting import surround_gray
 from relgloss_view.viewer.trials import keys, pages, room
 from relgloss_view.viewer.trials.device import Profile, screen_of, stay_open
 from relgloss_view.viewer.trials.ink import Ink
-from relgloss_view.viewer.trials.operator_line import OperatorLine, Tell
+from relgloss_view.viewer.trials.operator_line import OperatorLine, Tell, goes_on
 from relgloss_view.viewer.trials.pair import Pair
 from relgloss_view.viewer.trials.scale import Scale
 from relgloss_view.viewer.window import Window
@@ -61,6 +61,8 @@ class Trials:
         self._operator: OperatorLine | None = None
         self._lost = False
         self._standing = False  #: whether the present frame shows the pictures
+        self._keyed = False  #: whether the present frame's keys are for the page that shows
+        self._note = ""  #: for the operator, on the first page
         self._halted = False  #: whether a page stands there until somebody does something
 
     # --- the life of the window ---------------------------------------------------------------
@@ -79,6 +81,7 @@ class Trials:
             None if self._profile is None else self._profile.data,
         )
         self._pair = Pair(ctx, self.store, run)
+        self._note = goes_on(self.store, self.observer)
         self.flow = Flow(self.store, self.observer, run, time.perf_counter)
         self._digits = keys.digit_chords(len(self.store.study.categories))
 
@@ -93,13 +96,16 @@ class Trials:
         arrangement = room.arranged(self.store.study, size)
         if keys.pressed(keys.QUIT):
             window.close()
+        meant = flow.screen, self.fault  # what stood there as keys were pressed
         if self.fault is None and arrangement is not None:
             self._take_keys(flow)
             self._attempt(flow.tick, NOT_KEPT)
+        # A page that comes in this frame leaves its keys: one press acts once.
+        self._keyed = (flow.screen, self.fault) == meant
         window.canvas = Canvas([(0, 0, *size)])
         self._standing = False
         if self.fault is not None:
-            self._act(pages.show(self.fault, self._ink, size))
+            self._act(pages.show(self.fault, self._ink, size, keyed=self._keyed))
         elif arrangement is None:
             flow.hidden()
             least = room.needed(self.store.study, size)
@@ -204,6 +210,7 @@ class Trials:
         if action is not None and action != pages.RETRY and self.fault is None:
             assert self._operator is not None
             self._operator.note_break()
+            self._note = ""
             self._attempt(self._operator.refresh, NOT_KEPT)
 
     def _attempt(self, action: Callable[[], object], told: str) -> bool:
@@ -252,13 +259,13 @@ class Trials:
             below = room.below_pictures(size, arrangement, question=True)
             top = size[1] - 3.0 * text_px if below.question is None else below.question
             pages.line(f"{left // 60}:{left % 60:02d}", self._ink.faint, text_px, size, top)
-        elif flow.screen is Screen.INSTRUCTIONS and not flow.study.instructions.strip():
+        elif flow.screen is Screen.INSTRUCTIONS and not (flow.study.guide.strip() or self._note):
             self._act(pages.CONFIRM)
         else:
             assert self._operator is not None
-            page = pages.page_of(flow, answered=self._operator.answered > 0)
+            page = pages.page_of(flow, answered=self._operator.answered > 0, note=self._note)
             if page is not None:
-                self._act(pages.show(page, self._ink, size))
+                self._act(pages.show(page, self._ink, size, keyed=self._keyed))
 
     def _show_below(self, flow: Flow, size: Size, arrangement: Arrangement) -> None:
         """The second question, and the categories for the mouse."""

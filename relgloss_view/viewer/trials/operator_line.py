@@ -1,17 +1,33 @@
-"""What the operator is told of a session's progress, on the terminal and while Tab is held."""
+"""What the operator is told: whose session it is, and its progress while Tab is held."""
 
 from __future__ import annotations
 
 import statistics
 from collections.abc import Callable
 
-from relgloss_view.experiment.flow import Flow, Screen
+from relgloss_view.experiment.flow import Flow, Screen, judged
+from relgloss_view.experiment.records import Observer
+from relgloss_view.experiment.store import Store
 from relgloss_view.text_input import printable
 
 FEWEST = 3  #: times between answers from which the time left is told
 RECENT = 40  #: times that count: observers get faster
 
 Tell = Callable[[float, str], object]  #: share done, 0 to 1, and what there is to say
+
+
+def goes_on(store: Store, observer: Observer) -> str:
+    """Whose session goes on, before somebody else answers in it; empty where one begins.
+
+    One who has agreed but not answered goes on too: the next person has to be asked anew.
+    """
+    answered, total = judged(store, observer)
+    if not (answered or observer.consented):
+        return ""
+    return (
+        f"{printable(observer.name)} goes on: {answered} of {total} are judged. Somebody else? "
+        "Close the window (Ctrl+Q) and start with --new."
+    )
 
 
 class OperatorLine:

@@ -50,10 +50,10 @@ class Page:
 _BACK = Button("Take the last answer back (Backspace)", UNDO, keys.BACKSPACE)
 
 
-def page_of(flow: Flow, *, answered: bool) -> Page | None:
+def page_of(flow: Flow, *, answered: bool, note: str = "") -> Page | None:
     """The page of the present screen; None where pictures or the surround alone stand.
 
-    answered: whether there is an answer to take back.
+    answered: whether there is an answer to take back. note: what the first page tells the operator.
     """
     study = flow.study
     back = (_BACK,) if answered else ()
@@ -62,7 +62,7 @@ def page_of(flow: Flow, *, answered: bool) -> Page | None:
         return Page(study.title, study.consent, "", (agree, Button("I decline", DECLINE)))
     if flow.screen is Screen.INSTRUCTIONS:
         go_on = Button("Go on (Enter)", CONFIRM, keys.ENTER)
-        return Page(study.title, study.instructions, "", (go_on,))
+        return Page(study.title, study.guide, note, (go_on,))
     if flow.screen is Screen.OBJECT and flow.trial is not None:
         label = study.samples[flow.trial.sample].label
         stands = Button("It stands there (Enter)", CONFIRM, keys.ENTER)
@@ -73,7 +73,7 @@ def page_of(flow: Flow, *, answered: bool) -> Page | None:
         return Page("Pause", "", "", (go_on,))
     if flow.screen is Screen.FINISHED:
         end = Button("End (Enter)", CLOSE, keys.ENTER)
-        return Page("Thank you", "That was the last picture.", "", (end, *back))
+        return Page("Thank you", "That was the last picture.", note, (end, *back))
     if flow.screen is Screen.DECLINED:
         end = Button("Close (Enter)", CLOSE, keys.ENTER)
         return Page(
@@ -112,11 +112,15 @@ def text_px(window: Size) -> float:
     return float(round(min(max(TEXT_SHARE * window[1], TEXT_PX[0]), TEXT_PX[1])))
 
 
-def show(page: Page, ink: Ink, window: Size) -> str | None:
-    """Draw a page in the middle of the window; returns what was clicked or pressed, an action."""
+def show(page: Page, ink: Ink, window: Size, *, keyed: bool = True) -> str | None:
+    """Draw a page in the middle of the window; returns what was clicked or pressed, an action.
+
+    keyed: whether keys of this frame are for this page.
+    """
     size = text_px(window)
+    pressed = _pressed(page) if keyed else None
     if window[0] < 4.0 * size or window[1] < 4.0 * size:
-        return _pressed(page)  # no room for a word
+        return pressed  # no room for a word
     column = min(_natural(page, size), COLUMN * size, WIDEST * window[0])
     imgui.set_next_window_pos(ImVec2(0.5 * (window[0] - column), 0.0))
     imgui.set_next_window_size(ImVec2(column, window[1]))
@@ -128,7 +132,7 @@ def show(page: Page, ink: Ink, window: Size) -> str | None:
     action = _fill(page, ink, column, window[1])
     _pop_look()
     imgui.end()
-    return action or _pressed(page)
+    return action or pressed
 
 
 def line(text: str, shade: float, size: float, window: Size, top: float) -> None:
