@@ -103,6 +103,7 @@ class Flow:
         if self.screen is not Screen.CONSENT:
             return False
         self.store.note(self.run, "declined")
+        self.store.end(self.observer)  # now: who is killed here does not come back either
         self.screen = Screen.DECLINED
         return True
 
@@ -182,7 +183,7 @@ class Flow:
 
     def end(self) -> None:
         """The program ends; what was answered is kept anyway."""
-        if self.screen in (Screen.FINISHED, Screen.DECLINED) and not self.observer.ended:
+        if self.screen is Screen.FINISHED and not self.observer.ended:
             self.store.end(self.observer)
         self.store.end_run(self.run)
 

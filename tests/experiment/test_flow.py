@@ -77,6 +77,7 @@ def test_who_declines_is_asked_nothing_and_does_not_come_back(opened):
     assert flow.decline()
     assert flow.screen is Screen.DECLINED
     assert not flow.confirm()
+    assert store.observers()[0].ended  # before the window closes
     flow.end()
     assert store.answers() == []
     assert store.observer().name == "O02"
