@@ -192,6 +192,19 @@ class TestChooser:
         assert 10 < count < 300
         assert max(posterior.estimate().width_steps) <= 1.5
 
+    def test_grain_takes_no_part_in_the_choice(self, tmp_path):
+        """Whatever is answered about the grain, the same settings are asked about."""
+        asked_of = []
+        for k, grain in enumerate((0, 4)):
+            made = study(design="adaptive", ask_grain=True)
+            with Store(tmp_path / f"{k}.sqlite", made) as store:
+                flow = started(store)
+                while flow.screen is not Screen.FINISHED:
+                    answer(flow, grain if flow.question == "grain" else flow.trial.setting % 5)
+                asked_of.append([t.setting for t in store.trials(flow.observer)])
+        assert asked_of[0] == asked_of[1]
+        assert len(set(asked_of[0])) > 3  # a draw of its own for each trial
+
     def test_observers_share_what_is_known(self, tmp_path):
         """The second observer begins where the first has led, not with nothing."""
         made = study(design="adaptive")

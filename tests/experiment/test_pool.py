@@ -250,6 +250,9 @@ class TestAnalysis:
         inside = (scale.draws >= scale.interval[0]) & (scale.draws <= scale.interval[1])
         # 2.5 % of 200 draws are 5 on either side; equal draws at an end count as inside.
         assert np.all(inside.mean(axis=0) >= 0.949)
+        low, high = scale.bounds_interval
+        assert np.all(low < scale.probit.bounds)
+        assert np.all(scale.probit.bounds < high)
         varied = np.ptp(scale.draws, axis=0) > 1.0
         assert np.median(inside.mean(axis=0)[varied]) <= 0.96
 
@@ -266,6 +269,13 @@ class TestAnalysis:
                     answer(flow, min(row, 4) if grain else int(random.integers(5)))
                 flow.end()
         (result,) = self.analysed(tmp_path, made).samples
+        first, second = (scale.scale for scale in result.scales)
+        assert result.verdicts["both"].leading == np.argmax(first + second)
+        assert np.argmax(first) != result.verdicts["both"].leading
+        np.testing.assert_allclose(
+            result.verdicts["both"].smooth,
+            result.verdicts["ratio"].smooth + result.verdicts["grain"].smooth,
+        )
         assert result.p["grain"] == pytest.approx(0.001)
         assert result.p["ratio"] > 0.05
         assert result.verdicts["grain"].status != "chance"
