@@ -7,7 +7,7 @@ import os
 import shutil
 import stat
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from relgloss_view.errors import InputError
@@ -20,16 +20,8 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     On any exception the temporary file is removed and `path` keeps what it held. A symbolic link
     stays one: what it points to is written. Raises InputError where the place can't be written.
     """
-    target = check_target(path)
-    temporary = _reserve(target)
-    try:
+    with _put_in_place(path, os.replace) as temporary:
         yield temporary
-        os.replace(temporary, target)
-    except OSError as error:
-        raise _unwritable(path, error) from error
-    finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink(missing_ok=True)
 
 
 @contextlib.contextmanager
@@ -38,19 +30,31 @@ def fresh_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 
     Raises InputError where something has the name, now or when the block ends.
     """
-    target = check_target(path)
-    taken = f"{path}: is there already; choose another name"
-    if os.path.lexists(target):
-        raise InputError(taken)
-    temporary = _reserve(target)
-    try:
-        yield temporary
+    taken = InputError(f"{path}: is there already; choose another name")
+
+    def put(temporary: Path, target: Path) -> None:
         try:
             os.link(temporary, target)
         except FileExistsError:
-            raise InputError(taken) from None
-        except OSError:  # a file system without links: the check above has to do
+            raise taken from None
+        except OSError:  # a file system without links: the check below has to do
             os.rename(temporary, target)
+
+    if os.path.lexists(check_target(path)):
+        raise taken
+    with _put_in_place(path, put) as temporary:
+        yield temporary
+
+
+@contextlib.contextmanager
+def _put_in_place(
+    path: str | os.PathLike[str], put: Callable[[Path, Path], None]
+) -> Iterator[Path]:
+    target = check_target(path)
+    temporary = _reserve(target)
+    try:
+        yield temporary
+        put(temporary, target)
     except OSError as error:
         raise _unwritable(path, error) from error
     finally:

@@ -37,6 +37,17 @@ def read_text(path: str | os.PathLike[str], most_bytes: int, expected: str) -> s
 
     `expected` says what the file should be, as in "a scene file (TOML)". Raises InputError.
     """
+    file, data = Path(path), read_bytes(path, most_bytes, expected)
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{file}: byte {error.start}: not UTF-8 text; give {expected} saved as UTF-8"
+        ) from None
+
+
+def read_bytes(path: str | os.PathLike[str], most_bytes: int, expected: str) -> bytes:
+    """The bytes of a regular file of at most `most_bytes`; InputError as read_text."""
     file = check_regular(path, expected)
     try:
         with file.open("rb") as opened:
@@ -45,12 +56,7 @@ def read_text(path: str | os.PathLike[str], most_bytes: int, expected: str) -> s
         raise unreadable(file, error, expected) from None
     if len(data) > most_bytes:
         raise InputError(f"{file}: larger than {most_bytes} bytes; give {expected}")
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(
-            f"{file}: byte {error.start}: not UTF-8 text; give {expected} saved as UTF-8"
-        ) from None
+    return data
 
 
 def unreadable(

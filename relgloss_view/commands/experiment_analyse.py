@@ -15,8 +15,6 @@ from relgloss_view.commands.scene_options import printable_command
 from relgloss_view.errors import InputError
 from relgloss_view.text_input import printable
 
-MOST_DRAWS = 100_000
-
 
 def add(commands: Any) -> None:
     """Declare the command."""
@@ -55,7 +53,7 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read, analyse, write what was asked for, print."""
-    from relgloss_view.experiment.analysis import Options, analyse
+    from relgloss_view.experiment.analysis import MOST_DRAWS, Options, analyse
     from relgloss_view.experiment.pool import read_pool
     from relgloss_view.experiment.report.numbers import FORMAT, as_numbers
     from relgloss_view.experiment.report.words import summary

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from relgloss_view.experiment.study import Study
 
 OBSERVERS = 15  #: as in the paper
-MOST_OBSERVERS, MOST_STUDIES, MOST_DRAWS = 1000, 10_000, 100_000
+MOST_OBSERVERS, MOST_STUDIES = 1000, 10_000
 PROOF_DRAWS = 200
 NUMBER = re.compile(r"[0-9]+(\.[0-9]*)?|\.[0-9]+")
 TRUTH = re.compile(r"(.+)=([0-9.]+),([0-9.]+(?:/[0-9.]+)?)", re.DOTALL)
@@ -92,6 +92,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _check(args: argparse.Namespace) -> None:
+    from relgloss_view.experiment.analysis import MOST_DRAWS
+
     if (args.output is None) == (args.studies is None):
         args.wrong_usage("give either -o FILE.sqlite or --studies N")
     limits = (

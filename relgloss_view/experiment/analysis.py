@@ -34,6 +34,7 @@ from relgloss_view.experiment.verdict import LEVEL, Smooth, Verdict, judged
 Array = NDArray[np.float64]
 
 DRAWS = 1000
+MOST_DRAWS = 20_000  #: each keeps the smooth fit of a fine grid: about half a gigabyte
 JOINT = "both"  #: the ratio and the grain together
 
 

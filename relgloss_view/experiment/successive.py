@@ -56,20 +56,11 @@ def successive_categories(counts: ArrayLike, zero: Zero = "clip") -> SuccessiveS
     return SuccessiveScale(one.scale[0], one.bounds[0])
 
 
-def successive_scales(counts: ArrayLike, zero: Zero = "clip") -> SuccessiveScale:
-    """`successive_categories` of many tables at once, (B, J, K): scale (B, J), bounds (B, K-1).
-
-    A table that cannot be scaled is NaN throughout, so that one resampling in which everybody
-    gave the same answer does not end the others.
-    """
-    return _successive(checked_counts(counts, 3, one_category=True), zero)
-
-
-def checked_counts(counts: ArrayLike, dimensions: int, *, one_category: bool = False) -> Array:
+def checked_counts(counts: ArrayLike, dimensions: int) -> Array:
     """Counts as floats, with `dimensions` axes, the last one categories.
 
-    InputError where they are not finite, negative, absent, or (but for `one_category`) all in one
-    category, which places nothing.
+    InputError where they are not finite, negative, absent, or all in one category, which places
+    nothing.
     """
     table = np.asarray(counts, dtype=np.float64)
     if table.ndim != dimensions or table.shape[-1] < 2:
@@ -79,7 +70,7 @@ def checked_counts(counts: ArrayLike, dimensions: int, *, one_category: bool = F
     in_use = int(np.sum(used_categories(table.reshape(-1, table.shape[-1]))))
     if not in_use:
         raise InputError("there are no answers to scale")
-    if in_use == 1 and not one_category:
+    if in_use == 1:
         raise InputError("all answers lie in one category; nothing can be scaled")
     return table
 

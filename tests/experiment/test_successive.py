@@ -7,7 +7,7 @@ import pytest
 from scipy.special import ndtr
 
 from relgloss_view.errors import InputError
-from relgloss_view.experiment.successive import successive_categories, successive_scales
+from relgloss_view.experiment.successive import successive_categories
 
 #: Closeness, mean 0, and bounds: no share of theirs is below Phi(-4) = 3e-5, so that clipping at
 #: 1/(2 ANSWERS) touches none.
@@ -155,24 +155,3 @@ class TestRefused:
     def test_unknown_way_with_zeros(self):
         with pytest.raises(ValueError, match="'clip' or 'drop'"):
             successive_categories(np.ones((2, 2)), "keep")  # type: ignore[arg-type]
-
-
-class TestBatch:
-    @pytest.mark.parametrize("zero", ["clip", "drop"])
-    def test_is_each_table_by_itself(self, zero, rng):
-        tables = rng.poisson(0.7, (40, 5, 4)).astype(float)
-        tables[3, :, 1:] = 0.0  # all in one category
-        tables[3, 0, 0] = 2.0
-        found = successive_scales(tables, zero)
-        refused = 0
-        for k, table in enumerate(tables):
-            try:
-                one = successive_categories(table, zero)
-            except InputError:
-                refused += 1
-                assert np.all(np.isnan(found.scale[k]))
-                assert np.all(np.isnan(found.bounds[k]))
-            else:
-                assert np.array_equal(found.scale[k], one.scale, equal_nan=True)
-                assert np.array_equal(found.bounds[k], one.bounds, equal_nan=True)
-        assert 1 <= refused < 20

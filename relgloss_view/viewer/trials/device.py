@@ -12,7 +12,7 @@ from imgui_bundle import hello_imgui  # first: it brings the GLFW that glfw find
 import glfw
 
 from relgloss_view.errors import InputError
-from relgloss_view.text_input import check_regular, printable, unreadable
+from relgloss_view.text_input import printable, read_bytes
 from relgloss_view.viewer.platform import monitor_of, pixel_pitch_m
 from relgloss_view.viewer.window import Window
 
@@ -39,14 +39,7 @@ def read_profile(path: str | os.PathLike[str]) -> Profile:
     """The profile in a file; InputError where it is none, or not of a display in RGB."""
     from PIL import ImageCms
 
-    file = check_regular(path, EXPECTED)
-    try:
-        with file.open("rb") as opened:
-            data = opened.read(MOST_BYTES + 1)
-    except OSError as error:
-        raise unreadable(file, error, EXPECTED) from None
-    if len(data) > MOST_BYTES:
-        raise InputError(f"{printable(path)}: larger than {MOST_BYTES} bytes; give {EXPECTED}")
+    data = read_bytes(path, MOST_BYTES, EXPECTED)
     try:
         profile = ImageCms.ImageCmsProfile(io.BytesIO(data))
         space = profile.profile.xcolor_space.strip()

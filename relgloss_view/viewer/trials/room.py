@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from relgloss_view.experiment.study import GRAIN, Study
+from relgloss_view.experiment.study import ALWAYS, GRAIN, Study
 from relgloss_view.picture.view import Size
 from relgloss_view.viewer.arrangement import Arrangement, centred
 from relgloss_view.viewer.state import Presentation
 from relgloss_view.viewer.trials.pages import text_px
-from relgloss_view.viewer.trials.scale import ALWAYS, FIELD_HEIGHT
+from relgloss_view.viewer.trials.scale import FIELD_HEIGHT
 
 MARGIN = 1.0  #: between pictures, question and strip, in sizes of the text
 SHARE = 0.5  #: of the room below the pictures that is left: how much of it is above the strip

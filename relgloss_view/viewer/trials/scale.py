@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 
 from imgui_bundle import ImVec2, imgui
 
+from relgloss_view.experiment.study import ALWAYS, ON_DEMAND
 from relgloss_view.picture.view import Size
 from relgloss_view.viewer.theme import gray
 from relgloss_view.viewer.trials.ink import Ink
@@ -18,7 +19,6 @@ FIELD_HEIGHT = 2.9  #: in sizes of the text
 FIELD_WIDTH, GAP = (5.0, 12.0), 0.25  #: of a field at least and at most, and between two
 NAMES, MOST_LINES = (0.8, 0.68, 0.56), 2  #: sizes that names may have, and lines
 LINE, ROUNDING = 1.12, 0.2  #: from line to line, and of a field's corners, in sizes of the text
-ON_DEMAND, ALWAYS = "on demand", "always"
 _FLAGS = (
     imgui.WindowFlags_.no_decoration
     | imgui.WindowFlags_.no_background
