@@ -14,9 +14,13 @@ from typing import Any
 
 import imgui_bundle  # noqa: F401 - brings the GLFW that the glfw module then finds; isort: skip
 import glfw
+import numpy as np
 
 from relgloss_view.errors import GLUnavailableError
 from relgloss_view.picture.context import REMEDY as NO_GL_REMEDY
+
+SMALLEST_PX, LARGEST_PX = 1, 8192
+MOST_PIXELS = 16 * 1024 * 1024  #: two pictures and a window of so many take about 1 GB
 
 REMEDY = (
     "start it on a desktop or over `ssh -X`, or draw without a display: "
@@ -108,6 +112,15 @@ def pixel_pitch_m(window: Any) -> float | None:
     if mode is None or width_mm <= 0:
         return None
     return 1e-3 * width_mm / float(mode.size.width)
+
+
+def held_size(size: tuple[int, int]) -> tuple[int, int]:
+    """The size of a window that can be drawn, nearest to the one that is asked for."""
+    width, height = (int(np.clip(side, SMALLEST_PX, LARGEST_PX)) for side in size)
+    excess = width * height / MOST_PIXELS
+    if excess > 1.0:
+        width, height = int(width / excess**0.5), int(height / excess**0.5)
+    return width, height
 
 
 def monitor_of(window: Any) -> Any:

@@ -22,7 +22,9 @@ from numpy.typing import NDArray
 from relgloss_view.picture.context import Blitter, Offscreen, attach, texture_probe
 from relgloss_view.viewer import theme
 from relgloss_view.viewer.arrangement import Canvas
+from relgloss_view.viewer.keyboard import Keyboard, listen
 from relgloss_view.viewer.platform import (
+    held_size,
     load,
     no_window,
     open_platform,
@@ -32,8 +34,6 @@ from relgloss_view.viewer.platform import (
 )
 
 TITLE = "relgloss"
-SMALLEST_PX, LARGEST_PX = 1, 8192
-MOST_PIXELS = 16 * 1024 * 1024  #: two pictures and a window of so many take about 1 GB
 #: After an event: frames at once, for the interface to settle, then some for tooltips, then none.
 SETTLING_FRAMES = 4
 TOOLTIP_S, TOOLTIP_STEP_S = 1.2, 0.1
@@ -64,15 +64,6 @@ class Program(Protocol):
         """The context is about to go."""
 
 
-def held_size(size: tuple[int, int]) -> tuple[int, int]:
-    """The size of a window that can be drawn, nearest to the one that is asked for."""
-    width, height = (int(np.clip(side, SMALLEST_PX, LARGEST_PX)) for side in size)
-    excess = width * height / MOST_PIXELS
-    if excess > 1.0:
-        width, height = int(width / excess**0.5), int(height / excess**0.5)
-    return width, height
-
-
 class Window:
     """Runs a program until it or its user ends it."""
 
@@ -98,6 +89,7 @@ class Window:
         #: Called when all but the interface stands there, with the surface and its height.
         self.below: Callable[[Any, int], None] | None = None
         self._blitter: Blitter | None = None
+        self._keyboard: Keyboard | None = None
         #: Whether the device still knows a texture by this name.
         self.is_texture: Callable[[int], bool] = lambda name: True
         self.handle: Any = None  #: what GLFW knows it by
@@ -182,6 +174,8 @@ class Window:
             if self._started and self._error is None:
                 again = self.program.after_frame(time.perf_counter() - began)
                 self._settling = max(self._settling - 1, int(again))
+            if self._keyboard is not None and self._keyboard.next_frame():
+                self._settling = SETTLING_FRAMES
             self._drawn += 1
 
     def _wait(self) -> bool:
@@ -251,6 +245,7 @@ class Window:
             glfw.set_window_size(handle, *self.size)
         on_drop: Any = lambda _, paths: self._dropped(list(paths))  # noqa: E731 - annotated wrongly
         glfw.set_drop_callback(handle, on_drop)
+        self._keyboard = listen(handle, address)
         ctx = attach(load)
         self.is_texture = texture_probe(load)
         self._screen = Offscreen(ctx) if self.headless else ctx.screen

@@ -145,7 +145,7 @@ class TestScreenshot:
 
 
 def _largest_side():
-    from relgloss_view.viewer.window import held_size
+    from relgloss_view.viewer.platform import held_size
 
     width, height = held_size((20000, 20000))
     assert width == height

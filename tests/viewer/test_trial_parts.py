@@ -141,6 +141,23 @@ class TestOperatorLine:
         flow.screen = Screen.ADAPTATION
         assert line.text.endswith("; Ctrl+Enter ends the adaptation")
 
+    def test_tells_what_stands_on_the_screen_once(self):
+        told = []
+        flow = SimpleNamespace(
+            study=SimpleNamespace(questions=("ratio",)), trial=object(), screen=Screen.CONSENT
+        )
+        flow.progress = lambda: Progress("O01", 0, 100, "matte", "ratio")
+        line = OperatorLine(flow, lambda: 0.0, lambda share, text: told.append(text))
+        for screen in (Screen.CONSENT, Screen.ADAPTATION, Screen.GAP, Screen.TRIAL, Screen.GAP):
+            flow.screen = screen
+            line.follow()
+            line.follow()
+        assert told == [
+            "O01: 0 of 100, consent, matte, ratio",
+            "O01: 0 of 100, adaptation, matte, ratio",
+            "O01: 0 of 100, matte, ratio",
+        ]
+
 
 class TestFirstPage:
     def flow(self, store):

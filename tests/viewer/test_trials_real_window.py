@@ -77,6 +77,12 @@ class Session:
         counts = re.findall(rf"O01: (\d+) of {TOTAL}", self.told)
         return int(counts[-1]) if counts else None
 
+    @property
+    def judging(self):
+        """Whether the operator was last told of pictures, not of a page before them."""
+        lines = re.findall(rf"O01: \d+ of {TOTAL}, (\w+)", self.told)
+        return bool(lines) and lines[-1] == "uncoated"
+
 
 @contextlib.contextmanager
 def session(folder, display, given):
@@ -104,13 +110,13 @@ def session(folder, display, given):
         os.close(ours)
 
 
-def press_until(display, running_, key, count):
-    """Press a key again and again until so many answers are acknowledged."""
+def press_until(display, key, condition):
+    """Press a key again and again: a window that has just come up may not have the keyboard yet."""
 
     def pressed():
         hand(display, "key", key)
         time.sleep(PRESS_S)
-        return running_.acknowledged >= count
+        return condition()
 
     until(pressed)
 
@@ -121,10 +127,9 @@ def test_keys_answer_and_what_was_acknowledged_outlives_a_kill(tmp_path, display
     file = tmp_path / "mine.sqlite"
     with session(tmp_path, display, study) as first:
         assert first.acknowledged == 0
-        for _ in range(3):
-            hand(display, "key", "Return")
-            time.sleep(PRESS_S)
-        press_until(display, first, "2", 2)
+        assert not first.judging
+        press_until(display, "Return", lambda: first.judging)
+        press_until(display, "2", lambda: first.acknowledged >= 2)
         # While somebody looks, nothing is drawn. A tick counts whole for a process that it finds
         # running: as in test_real_window, a tenth of what a window that keeps drawing takes.
         rest(first.process)
@@ -143,10 +148,9 @@ def test_keys_answer_and_what_was_acknowledged_outlives_a_kill(tmp_path, display
     assert record.runs[0]["ended_utc"] is None
     with session(tmp_path, display, file) as second:
         assert second.acknowledged == len(kept)
-        for _ in range(2):  # consent is kept
-            hand(display, "key", "Return")
-            time.sleep(PRESS_S)
-        press_until(display, second, "KP_3", TOTAL)
+        assert "consent" not in second.told  # it is kept
+        press_until(display, "Return", lambda: second.judging)
+        press_until(display, "KP_3", lambda: second.acknowledged == TOTAL)
         second.process.terminate()
         assert second.process.wait(LONGEST_S) == 0
         assert second.process.stdout.read() == f"{file}: O01 has judged {TOTAL} of {TOTAL}\n"

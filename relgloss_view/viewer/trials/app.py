@@ -100,6 +100,8 @@ class Trials:
         if self.fault is None and arrangement is not None:
             self._take_keys(flow)
             self._attempt(flow.tick, NOT_KEPT)
+            if self.fault is None:
+                self._attempt(self._operator.follow, NOT_KEPT)
         # A page that comes in this frame leaves its keys: one press acts once.
         self._keyed = (flow.screen, self.fault) == meant
         window.canvas = Canvas([(0, 0, *size)])

@@ -13,6 +13,9 @@ from relgloss_view.text_input import printable
 FEWEST = 3  #: times between answers from which the time left is told
 RECENT = 40  #: times that count: observers get faster
 
+#: Screens in which the observer judges; of the others it is told which one stands there.
+_JUDGING = (Screen.GAP, Screen.TRIAL)
+
 Tell = Callable[[float, str], object]  #: share done, 0 to 1, and what there is to say
 
 
@@ -38,6 +41,7 @@ class OperatorLine:
         self._took_s: list[float] = []
         self._last_s: float | None = None
         self._text = ""
+        self._told: Screen | None = None  #: what was told to stand there
         self.answered = 0  #: trials with all their answers
         self.total = 0
         self.refresh()
@@ -60,11 +64,19 @@ class OperatorLine:
         """Something else than answering takes its time: a pause, the next object."""
         self._last_s = None
 
+    def follow(self) -> None:
+        """Tell when another screen stands there than was told. Raises InputError."""
+        if self._told is not _of_note(self._flow.screen):
+            self.refresh()
+
     def refresh(self) -> None:
         """Read where the observer stands and tell it. Raises InputError."""
         at = self._flow.progress()
+        self._told = _of_note(self._flow.screen)
         self.answered, self.total = at.answered, at.total
         parts = [f"{printable(at.observer)}: {at.answered} of {at.total}"]
+        if self._told is not None:
+            parts.append(self._told.value)
         if self._flow.trial is not None:
             parts += [printable(at.sample), at.question]
         minutes = self._minutes_left(at.total - at.answered)
@@ -79,3 +91,7 @@ class OperatorLine:
             return None
         questions = trials * len(self._flow.study.questions)
         return round(questions * statistics.median(self._took_s[-RECENT:]) / 60.0)
+
+
+def _of_note(screen: Screen) -> Screen | None:
+    return None if screen in _JUDGING else screen

@@ -1,0 +1,159 @@
+"""What the interface is given of the keyboard, frame by frame."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+
+import glfw
+import pytest
+from x_server import LONGEST_S, environment, hand, needs_server, running, until
+
+from relgloss_view.viewer.keyboard import Keyboard
+
+CTRL, SHIFT = glfw.KEY_LEFT_CONTROL, glfw.KEY_RIGHT_SHIFT
+E, Q = glfw.KEY_E, glfw.KEY_Q
+CHORDS = 12
+FRAME_S = 0.1  #: longer than xdotool holds a chord, about 25 ms with the time between its events
+
+
+class Given:
+    """A keyboard, and what it gave, a list a frame."""
+
+    def __init__(self):
+        self.frames = [[]]
+        self.keyboard = Keyboard(
+            lambda key, scancode, action, mods: self.frames[-1].append((key, action)),
+            lambda codepoint: self.frames[-1].append(chr(codepoint)),
+        )
+
+    def happens(self, *events):
+        for event in events:
+            if isinstance(event, str):
+                self.keyboard.character(ord(event))
+            else:
+                self.keyboard.key(event[0], 0, event[1], 0)
+        return self
+
+    def all(self):
+        """What the frames get until no more comes."""
+        while True:
+            self.frames.append([])
+            if not self.keyboard.next_frame():
+                return self.frames[:-1]
+
+
+def down(key):
+    return key, glfw.PRESS
+
+
+def up(key):
+    return key, glfw.RELEASE
+
+
+class TestKeyboard:
+    def test_a_modifier_stays_down_for_the_frame_of_its_key(self):
+        given = Given().happens(down(CTRL), down(E), up(CTRL), up(E)).all()
+        assert given == [[down(CTRL), down(E)], [up(CTRL), up(E)]]
+
+    def test_a_modifier_does_not_come_to_a_key_before_it(self):
+        given = Given().happens(down(E), down(CTRL), down(Q)).all()
+        assert given == [[down(E)], [down(CTRL), down(Q)]]
+
+    def test_a_key_goes_up_in_a_later_frame(self):
+        given = Given().happens(down(E), up(E), down(E), up(E)).all()
+        assert given == [[down(E)], [up(E)], [down(E)], [up(E)]]
+
+    def test_other_keys_and_modifiers_together_share_a_frame(self):
+        events = (down(CTRL), down(SHIFT), down(E), down(Q))
+        assert Given().happens(*events).all() == [list(events)]
+
+    def test_characters_keep_their_place(self):
+        given = Given().happens(down(CTRL), down(E), up(CTRL), up(E), "y", down(Q), "z").all()
+        assert given == [[down(CTRL), down(E)], [up(CTRL), up(E), "y", down(Q), "z"]]
+
+    def test_a_key_that_is_held_is_no_other_press(self):
+        events = (down(E), (E, glfw.REPEAT), (E, glfw.REPEAT))
+        assert Given().happens(*events).all() == [list(events)]
+
+    def test_nothing_is_lost_or_changes_its_order(self):
+        events = [down(CTRL), down(E), up(E), up(CTRL), "a", down(SHIFT), down(Q), "Q", up(SHIFT)]
+        given = Given().happens(*events, *events).all()
+        assert [event for frame in given for event in frame] == 2 * events
+        assert len(given) > 2
+
+
+# --- in a window ----------------------------------------------------------------------------------
+
+
+@needs_server
+@pytest.mark.parametrize("guarded", [True, False])
+def test_chords_reach_a_window_whose_frames_are_slow(tmp_path, guarded):
+    """The control gives the interface everything at once, and shows what is guarded against."""
+    said = tmp_path / "said"
+    with running() as display, said.open("w") as file:
+        process = subprocess.Popen(
+            [sys.executable, __file__, str(int(guarded))],
+            env=environment(tmp_path, display),
+            stdout=file,
+        )
+        try:
+
+            def has_the_keyboard():
+                hand(display, "key", "q")
+                time.sleep(3.0 * FRAME_S)
+                return said.read_text().startswith("q\n")
+
+            until(has_the_keyboard)
+            for _ in range(CHORDS):
+                hand(display, "key", "ctrl+e")
+                time.sleep(3.0 * FRAME_S)
+            process.terminate()
+            assert process.wait(LONGEST_S) == 0
+        finally:
+            process.kill()
+            process.wait(LONGEST_S)
+    found = int(said.read_text().splitlines()[-1])
+    assert found == CHORDS if guarded else found < CHORDS
+
+
+def main(guarded):
+    from imgui_bundle import imgui
+
+    from relgloss_view.viewer import window
+
+    chords = []
+
+    class Slow:
+        """Counts a chord; each frame takes long, so that one gets all of it."""
+
+        def start(self, ctx, window):
+            pass
+
+        def frame(self):
+            time.sleep(FRAME_S)
+            if imgui.is_key_chord_pressed(int(imgui.Key.q)):
+                print("q", flush=True)
+            if imgui.is_key_chord_pressed(int(imgui.Key.mod_ctrl) | int(imgui.Key.e)):
+                chords.append(None)
+
+        def after_frame(self, frame_s):
+            return True  # draw on: keys come while a frame is being made
+
+        def wait_s(self):
+            return None
+
+        def dropped(self, paths):
+            pass
+
+        def finish(self):
+            print(len(chords), flush=True)
+
+    if not guarded:
+        window.listen = lambda handle, address: None
+    window.Window(Slow(), (200, 100)).run()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1] == "1")
