@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relgloss_view.base import reading
-from relgloss_view.base.reading import fault
+from relgloss_view.base.notebook import html_table, span
+from relgloss_view.base.reading import fault, printable
 from relgloss_view.material import brdf
 from relgloss_view.measure.bands import Bands
 
@@ -197,6 +198,37 @@ class Material:
             shape = brdf.torrance_sparrow(f, lobe.s, lobe.refractive_index)
             specular = specular + shape[..., None] * lobe.per_band(self.bands.count)
         return diffuse, specular
+
+    def __repr__(self) -> str:
+        lobes = f"{len(self.specular)} lobe{'' if len(self.specular) == 1 else 's'}"
+        return (
+            f"<Material {printable(self.name, 60)!r}{', synthetic' if self.synthetic else ''}: "
+            f"{self.bands.words}, {self.diffuse.model} and {lobes}, {self._fit_words()}>"
+        )
+
+    def _repr_html_(self) -> str:
+        """The table that a notebook shows."""
+        diffuse = self.diffuse
+        rows = [
+            ("source", self.source),
+            ("synthetic", "yes, nothing was measured" if self.synthetic else "no"),
+            *([("hypothetical", "yes, made from another material")] if self.hypothetical else []),
+            ("quality", self._fit_words()),
+            ("bands", self.bands.words),
+            ("diffuse: model", diffuse.model),
+            ("diffuse: albedo", span(diffuse.albedo)),
+            ("diffuse: roughness sigma", f"{diffuse.sigma_deg:.4g} deg"),
+        ]
+        for k, lobe in enumerate(self.specular, 1):
+            rows += [
+                (f"lobe {k}: strength", span(lobe.strength)),
+                (f"lobe {k}: width s", f"{lobe.s_deg:.4g} deg"),
+                (f"lobe {k}: refractive index", f"{lobe.refractive_index:.4g}"),
+            ]
+        return html_table(f"Material: {self.name}", rows, self.warnings)
+
+    def _fit_words(self) -> str:
+        return f"fit {self.fit.quality}" if self.fit else "not fitted"
 
 
 def _settle(checked: object, **values: object) -> None:

@@ -60,6 +60,13 @@ class Bands:
             return ("R", "G", "B")
         return tuple(f"{w:g} nm" for w in self.wavelengths_nm)
 
+    @property
+    def words(self) -> str:
+        """The channels as people read them, such as '35 bands, 390 to 730 nm'."""
+        if self.wavelengths_nm is None:
+            return "linear sRGB"
+        return f"{self.count} bands, {self.labels[0][:-3]} to {self.labels[-1]}"
+
     def centres_nm(self) -> NDArray[np.float64]:
         """The band centres as an array; raises ValueError for linear sRGB."""
         if self.wavelengths_nm is None:

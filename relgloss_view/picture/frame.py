@@ -6,11 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
+from warnings import warn
 
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view.base.errors import InputError
+from relgloss_view.base.errors import InputError, RelglossError
+from relgloss_view.base.reading import printable
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.model import tone
@@ -130,6 +132,29 @@ class Frame:
         self.object_pixels = object_pixels  #: how many show any of the object
         self._fetch = fetch
         self.warnings = (*scene.material.warnings, *warnings, *scaling.warnings)
+
+    def __repr__(self) -> str:
+        c_max = "none" if self.c_max is None else f"{self.c_max:.4g}"
+        warned = f", {len(self.warnings)} warning{'' if len(self.warnings) == 1 else 's'}"
+        return (
+            f"<Frame of {printable(self.scene.material.name, 60)!r}: "
+            f"{self.size[0]} x {self.size[1]} pixels, sigma_N {self.look.sigma_n_deg:g} deg, "
+            f"c {self.c:.4g}, c_max {c_max}{warned if self.warnings else ''}>"
+        )
+
+    def _repr_png_(self) -> bytes | None:
+        """The picture that a notebook shows, as a PNG with its colour profile.
+
+        Where the renderer was closed before the picture was fetched, a warning says so and the
+        notebook shows the text instead.
+        """
+        from relgloss_view.picture.output.png import png_bytes
+
+        try:
+            return png_bytes(self)
+        except RelglossError as error:
+            warn(str(error), stacklevel=2)
+            return None
 
     @property
     def y_n_cd_m2(self) -> float:

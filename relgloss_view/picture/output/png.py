@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 from functools import lru_cache
@@ -23,6 +24,8 @@ from relgloss_view.picture.scene.setup import Display
 
 Digital = NDArray[np.uint8] | NDArray[np.uint16]
 
+SOFTWARE = f"relgloss {__version__}"
+
 
 def save_png(
     frame: Frame,
@@ -34,6 +37,14 @@ def save_png(
     """Write a frame as PNG; arguments as save_frame."""
     text = _text(json.dumps(parameters(frame, displayed)), command)
     save_rgb(digital(frame, displayed, bits), path, text, srgb=is_srgb(frame.scene.display))
+
+
+def png_bytes(frame: Frame) -> bytes:
+    """A PNG of 8 bits with the profile but without parameters, which needs only the pixels."""
+    profile = srgb_profile() if is_srgb(frame.scene.display) else None
+    memory = io.BytesIO()
+    write_png8(memory, frame.display, {"Software": SOFTWARE}, profile)
+    return memory.getvalue()
 
 
 def save_pair(
@@ -121,7 +132,7 @@ def write_png8(
 
 def _text(content: str, command: str) -> dict[str, str]:
     """The text chunks of a PNG; `content` is the JSON of its parameters."""
-    texts = {"Software": f"relgloss {__version__}", "Parameters": content}
+    texts = {"Software": SOFTWARE, "Parameters": content}
     return texts | ({"Command": command} if command else {})
 
 
