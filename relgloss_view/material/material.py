@@ -31,7 +31,11 @@ MAX_LOBES = 2
 
 @dataclass(frozen=True)
 class Diffuse:
-    """Diffuse part: `model` one of DIFFUSE_MODELS, `albedo` one value a band.
+    """The diffuse part of a material.
+
+    model: 'lambert', 'oren-nayar' (Oren and Nayar 1995) or 'eon' (Portsmouth, Kutz, Hill 2025).
+    albedo: one value a band, 0 to 4; fluorescent papers exceed 1.
+    sigma_deg: roughness, degrees, 0 to 57.3.
 
     Raises InputError where a value is out of its range, as do Lobe, FitRecord and Material.
     """
@@ -57,7 +61,12 @@ class Diffuse:
 
 @dataclass(frozen=True)
 class Lobe:
-    """A Torrance-Sparrow lobe. `strength` has one value a band, or a single value for all."""
+    """A specular lobe (Torrance and Sparrow 1967).
+
+    strength: one value a band, or a single value for all, 0 to 1,000,000.
+    s_deg: per-axis standard deviation of the facet normals, degrees, above 0 and at most 40.
+    refractive_index: 1 to 10.
+    """
 
     strength: tuple[float, ...]
     s_deg: float  #: per-axis standard deviation of the facet normals
@@ -86,7 +95,7 @@ class Lobe:
 
     @property
     def at_the_limit(self) -> bool:
-        """Whether the width is the widest there is, so that a fit has stopped there."""
+        """Whether the width is the largest allowed, so that a fit has stopped there."""
         return self.s_deg > S_DEG_MAX * (1.0 - 1e-6)
 
     def per_band(self, count: int) -> Array:
@@ -126,7 +135,19 @@ _SAYS_BY_ITSELF = {
 
 @dataclass(frozen=True)
 class Material:
-    """f_r(i, o, band) in 1/sr = diffuse + sum of lobes."""
+    """Reflection of a sample: f_r(i, o, band) in 1/sr = diffuse + sum of the lobes.
+
+    name, source: texts. bands: shared by the albedo and the strengths. specular: at most two lobes.
+    fit: the evidence, where the material was fitted. `fit_material` makes one from a measurement,
+    `load_material` reads one. Raises InputError where the parts do not fit together.
+
+    >>> from relgloss_view.measure.bands import RGB
+    >>> gray = Material("gray", "by hand", RGB, Diffuse("lambert", (0.2, 0.2, 0.2)))
+    >>> up = np.array([0.0, 0.0, 1.0])
+    >>> diffuse, specular = gray.evaluate(up, up)
+    >>> diffuse.round(5).tolist(), specular.tolist()  # 0.2 / pi, and nothing specular
+    ([0.06366, 0.06366, 0.06366], [0.0, 0.0, 0.0])
+    """
 
     name: str
     source: str
@@ -184,12 +205,15 @@ class Material:
         return brdf.second_albedo(self.diffuse.model, self.diffuse.albedo, self.diffuse.sigma)
 
     def evaluate(self, i: Array, o: Array) -> tuple[Array, Array]:
-        """Diffuse and specular BRDF in 1/sr, each (..., B), for directions in the sample frame."""
+        """Diffuse and specular BRDF in 1/sr, each (..., B).
+
+        i, o: unit vectors (..., 3) to the lamp and to the eye, in the sample frame (normal +z).
+        """
         normal = np.broadcast_to(np.array([0.0, 0.0, 1.0]), np.broadcast_shapes(i.shape, o.shape))
         return self.evaluate_facing(brdf.facing(normal, i, o))
 
     def evaluate_facing(self, f: brdf.Facing) -> tuple[Array, Array]:
-        """Diffuse and specular BRDF in 1/sr, each (..., B)."""
+        """Diffuse and specular BRDF in 1/sr, each (..., B), for an orientation from brdf.facing."""
         first, second = brdf.diffuse_shapes(self.diffuse.model, f, self.diffuse.sigma)
         diffuse = first[..., None] * np.asarray(self.diffuse.albedo)
         diffuse = diffuse + second[..., None] * self.second_albedo()

@@ -1,4 +1,4 @@
-"""Measurement: what an instrument saw, in the sample's frame, and what was left out and why."""
+"""Measurement: readings in the sample's frame, and the reasons to leave some of them out."""
 
 from __future__ import annotations
 
@@ -29,6 +29,15 @@ class Measurement:
     """Reflectance of one flat sample over directions and bands.
 
     Directions are unit vectors in the sample frame (normal +z) that point away from the sample.
+    `read_measurement` makes one from a file; `fit_material` fits a material to it.
+
+    >>> from relgloss_view import read_measurement
+    >>> from relgloss_view.base.resources import asset
+    >>> paper = read_measurement(asset("papers", "art-coated.csv"))
+    >>> paper.radiance_factor.shape, int(paper.kept.sum())
+    ((997, 35), 931)
+    >>> paper.left_out()
+    {'lamp and receiver within 8 degrees': 66}
     """
 
     name: str
@@ -48,12 +57,12 @@ class Measurement:
 
     @property
     def place(self) -> str:
-        """The file, or the name where there is none: what a message about it begins with."""
+        """The file, or the name where there is none; messages begin with it."""
         return self.file or self.name
 
     @property
     def kept(self) -> NDArray[np.bool_]:
-        """(N,), which samples are used."""
+        """(N,), True for the samples that are used."""
         return np.asarray(self.reasons == KEPT)
 
     def left_out(self) -> dict[str, int]:

@@ -44,7 +44,7 @@ def contact_sheet(
 ) -> Pixels:
     """Equal-sized 8-bit pictures (H, W, 3) on one sheet; returns its pixels (H, W, 3).
 
-    Text is gray, so that nothing coloured stands near a picture.
+    Text is gray, so that no colour is near a picture.
     """
     from PIL import Image, ImageDraw, ImageFont
 

@@ -30,7 +30,27 @@ def save_frame(
     bits: int = 8,
     displayed: Displayed | None = None,
 ) -> None:
-    """Write a frame as PNG or OpenEXR, by the ending of its name."""
+    """Write a frame as PNG or OpenEXR, by the ending of its name.
+
+    path: ends in .png or .exr. The file appears whole or not at all.
+    command: the command line that reproduces the picture; it goes into the file.
+    bits: of a channel of a PNG, 8 or 16.
+    displayed: the picture of another operator than the split.
+
+    Raises InputError where the ending is another one or the file can't be written. Layers and
+    headers are listed in docs/files.md.
+
+    >>> from relgloss_view import Look, Scene, load_sample, open_renderer
+    >>> with open_renderer("reference") as renderer:
+    ...     frame = renderer.render(Scene(load_sample("art-coated")), Look(samples=1), (24, 24))
+    ...     save_frame(frame, "art.png")
+    >>> Path("art.png").read_bytes()[1:4]
+    b'PNG'
+    >>> save_frame(frame, "art.jpg")
+    Traceback (most recent call last):
+    ...
+    relgloss_view.base.errors.InputError: art.jpg: expected a name that ends in .png or .exr
+    """
     file = check_suffix(path)
     if file.suffix.lower() == ".png":
         save_png(frame, file, command, bits, displayed)

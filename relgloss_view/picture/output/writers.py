@@ -13,11 +13,14 @@ from relgloss_view.picture.output.export import save_frame
 from relgloss_view.picture.output.parameters import parameters
 
 THREADS = 2
-WAITING = 3  #: pictures that are held for their files at once, so that memory stays bounded
+WAITING = 3  #: most pictures that wait for their files, so that memory stays bounded
 
 
 class Writers:
-    """Use it in a with-block; every file is whole at its end. The first fault is raised."""
+    """Writes files in threads of its own. Use it in a with-block; at its end every file is whole.
+
+    A later save, or the end of the block, raises the first error of a file.
+    """
 
     def __init__(self) -> None:
         self._pool = ThreadPoolExecutor(THREADS)
