@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import io
+import subprocess
+import sys
 from html.parser import HTMLParser
 
 import numpy as np
@@ -155,6 +157,17 @@ def test_a_notebook_takes_what_it_can_show(measurement, frame):
     for value in (measurement, frame.scene.material):
         bundle, _ = show(value)
         assert bundle == {"text/plain": repr(value), "text/html": value._repr_html_()}
+
+
+def test_tables_need_no_heavy_library():
+    code = (
+        "import sys, relgloss_view as r; m = r.load_sample('uncoated'); m._repr_html_(); repr(m); "
+        "print(*{name.split('.')[0] for name in sys.modules})"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = set(done.stdout.split())
+    assert "numpy" in loaded
+    assert not loaded & {"IPython", "PIL", "matplotlib", "scipy", "colour", "moderngl"}
 
 
 def test_spans():

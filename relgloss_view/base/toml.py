@@ -51,9 +51,9 @@ def build_part(kind: type[Any], name: str, values: object, within: str = "") -> 
     made = {}
     for key, value in table_of(within + name, values).items():
         if key not in fields:
-            known = ", ".join(fields)
-            shown = printable(key, 60)
-            raise InputError(f"{within}{name}.{shown}: no such entry; expected one of {known}")
+            names = ", ".join(fields)
+            entry = printable(key, 60)
+            raise InputError(f"{within}{name}.{entry}: no such entry; expected one of {names}")
         left_open = value == AUTO and fields[key].metadata.get("optional", False)
         made[key] = None if left_open else _frozen(value)
     try:

@@ -145,14 +145,14 @@ def _resolved(path: str | os.PathLike[str]) -> Path:
         raise _unwritable(path, error) from error
 
 
-def _mode(shown: str | os.PathLike[str], target: Path) -> int | None:
-    """The mode of a file or folder; None where there is none."""
+def _mode(path: str | os.PathLike[str], target: Path) -> int | None:
+    """The mode of the file or folder `target`; None where there is none. Errors name `path`."""
     try:
         return target.stat().st_mode
     except FileNotFoundError:
         return None
     except (OSError, ValueError) as error:  # a loop of links, a name too long, no permission
-        raise _unwritable(shown, error) from error
+        raise _unwritable(path, error) from error
 
 
 def _reserve(target: Path) -> Path:

@@ -162,8 +162,8 @@ class Frame:
     def _repr_png_(self) -> bytes | None:
         """The picture that a notebook shows, as a PNG with its colour profile.
 
-        Where the renderer was closed before the picture was fetched, a warning says so and the
-        notebook shows the text instead.
+        Where the renderer was closed before the picture was fetched, it warns and returns None, so
+        that the notebook shows the text.
         """
         from relgloss_view.picture.output.png import png_bytes
 

@@ -1,4 +1,4 @@
-"""What a text table or the caller declares: quantity, gamma_s, apertures, saturation."""
+"""Declarations of a text table or of the caller: quantity, gamma_s, apertures, saturation."""
 
 from __future__ import annotations
 

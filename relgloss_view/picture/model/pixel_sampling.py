@@ -15,7 +15,7 @@ STEP_SD = 1.5
 
 
 def sample_count(scene: Scene, look: Look, size: Size) -> int:
-    """Samples along each side of a pixel: those asked for, or what the narrowest lobe needs."""
+    """Samples along each side of a pixel: the look's, or as many as the narrowest lobe needs."""
     return samples_needed(scene, size) if look.samples is None else look.samples
 
 

@@ -1,4 +1,4 @@
-"""What a picture's file holds beside its pixels: parameters, results and warnings."""
+"""Contents of a picture's file beside its pixels: parameters, results and warnings."""
 
 from __future__ import annotations
 
