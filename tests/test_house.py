@@ -73,7 +73,7 @@ def test_imports_point_down(path):
         ("moderngl", ("picture/gpu/", "bench/")),
         ("imgui_bundle", ("viewer/",)),
         ("glfw", ("viewer/", "picture/gpu/context.py")),
-        ("OpenEXR", ("picture/output/export.py",)),
+        ("OpenEXR", ("picture/output/exr.py",)),
         (
             "matplotlib",
             ("fitting/", "gloss/match_plot.py", "experiment/report/", "bench/"),

@@ -146,7 +146,7 @@ def _write(comparison: Comparison, output: Path, command: str) -> None:
     from relgloss_view.base.version import __version__
     from relgloss_view.gloss.comparison_page import comparison_page
     from relgloss_view.gloss.comparison_sheet import comparison_sheet
-    from relgloss_view.picture.output.export import save_rgb
+    from relgloss_view.picture.output.png import save_rgb
 
     synthetic = all(s.case.material.synthetic for s in comparison.samples)
     title = "Is the order of gloss kept? Samples across, operators down"

@@ -92,7 +92,8 @@ def _draw(
     """Draw pictures, contact sheet and manifest into a folder; returns the manifest."""
     from relgloss_view.experiment.grid import C_SIXTHS, SIGMA_N_DEG
     from relgloss_view.picture.output.contact_sheet import contact_sheet, thumbnail
-    from relgloss_view.picture.output.export import parameters, save_rgb
+    from relgloss_view.picture.output.parameters import parameters
+    from relgloss_view.picture.output.png import save_rgb
 
     renderer, writers, operator = by
     scales: tuple[int | None, ...] = C_SIXTHS if operator.uses_c else (None,)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from relgloss_view.experiment.study import Study
 from relgloss_view.picture.frame import Frame
-from relgloss_view.picture.output.export import parameters
+from relgloss_view.picture.output.parameters import parameters
 from relgloss_view.picture.scene.setting import Setting
 
 if TYPE_CHECKING:

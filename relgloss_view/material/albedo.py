@@ -1,4 +1,4 @@
-"""How much of the light that arrives a material reflects, over all directions."""
+"""Directional albedo: the share of the arriving light that a material reflects."""
 
 from __future__ import annotations
 
@@ -16,10 +16,19 @@ LOBE_REACH_SD = 7.0  #: a Gaussian beyond this many standard deviations holds 1e
 
 
 def directional_albedo(material: Material, incidence_deg: ArrayLike) -> tuple[Array, Array]:
-    """Diffuse and specular share of the light from some incidences, each (A, B).
+    """Diffuse and specular share of the light from A angles of incidence, each (A, B).
 
-    By quadrature: the diffuse part over viewing directions, each lobe over its half-vectors, where
-    it is smooth however narrow (dw_o = 4 (i.h) dw_h). Good to 1e-3 up to 85 degrees.
+    incidence_deg: (A,), degrees from the normal, 0 to below 90.
+
+    By Gauss-Legendre quadrature: the diffuse part over viewing directions, each lobe over its
+    half-vectors, where it is smooth however narrow (dw_o = 4 (i.h) dw_h). Accurate to 1e-3 up to 85
+    degrees.
+
+    >>> from relgloss_view.material.material import Diffuse
+    >>> from relgloss_view.measure.bands import RGB
+    >>> gray = Material("gray", "by hand", RGB, Diffuse("lambert", (0.2, 0.2, 0.2)))
+    >>> directional_albedo(gray, 45.0)[0].round(6).tolist()
+    [[0.2, 0.2, 0.2]]
     """
     angles = np.atleast_1d(np.asarray(incidence_deg, dtype=np.float64))
     parts = [_albedo(material, float(np.radians(angle))) for angle in angles]

@@ -1,4 +1,4 @@
-"""Material JSON: the file that a fit leaves and a picture starts from. Format in docs/files.md."""
+"""Material files (JSON), which a fit writes and a picture reads. Format in docs/files.md."""
 
 from __future__ import annotations
 
@@ -54,7 +54,13 @@ def material_to_dict(material: Material) -> dict[str, Any]:
 
 
 def save_material(material: Material, path: str | os.PathLike[str]) -> None:
-    """Write a material as JSON, whole or not at all. Raises InputError where that fails."""
+    """Write a material as JSON, whole or not at all. Raises InputError where that fails.
+
+    >>> from relgloss_view import load_sample
+    >>> save_material(load_sample("uncoated"), "uncoated.json")
+    >>> load_material("uncoated.json") == load_sample("uncoated")
+    True
+    """
     try:
         content = material_to_dict(material)
         written = json.dumps(content, indent=1, allow_nan=False)
@@ -66,7 +72,14 @@ def save_material(material: Material, path: str | os.PathLike[str]) -> None:
 
 
 def load_material(path: str | os.PathLike[str]) -> Material:
-    """Read a material; InputError names the file, the field, what was expected and found."""
+    """Read a material file, as `fit_material` and `save_material` make it.
+
+    Raises InputError, one line that names the file, the field, the expected and the actual value.
+
+    >>> from relgloss_view.base.resources import asset
+    >>> load_material(asset("materials", "uncoated.json")).name
+    'uncoated, green ink'
+    """
     read = read_text(path, MAX_BYTES, "a material file (JSON)")
     remedy = "a material is written by `relgloss fit`"
     try:
@@ -168,7 +181,7 @@ def _table(value: object, place: str) -> dict[str, Any]:
 
 
 def _list(part: dict[str, Any], name: str) -> tuple[Any, ...]:
-    """The entries of a list; what each must be is checked where it goes."""
+    """The entries of a list; the class that takes them checks each."""
     value = part.get(name)
     if not isinstance(value, list):
         fault(name, "a list of numbers", value)

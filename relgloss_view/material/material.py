@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relgloss_view.base import reading
-from relgloss_view.base.reading import fault
+from relgloss_view.base.notebook import html_table, span
+from relgloss_view.base.reading import fault, printable
 from relgloss_view.material import brdf
 from relgloss_view.measure.bands import Bands
 
@@ -30,7 +31,11 @@ MAX_LOBES = 2
 
 @dataclass(frozen=True)
 class Diffuse:
-    """Diffuse part: `model` one of DIFFUSE_MODELS, `albedo` one value a band.
+    """The diffuse part of a material.
+
+    model: 'lambert', 'oren-nayar' (Oren and Nayar 1995) or 'eon' (Portsmouth, Kutz, Hill 2025).
+    albedo: one value a band, 0 to 4; fluorescent papers exceed 1.
+    sigma_deg: roughness, degrees, 0 to 57.3.
 
     Raises InputError where a value is out of its range, as do Lobe, FitRecord and Material.
     """
@@ -56,7 +61,12 @@ class Diffuse:
 
 @dataclass(frozen=True)
 class Lobe:
-    """A Torrance-Sparrow lobe. `strength` has one value a band, or a single value for all."""
+    """A specular lobe (Torrance and Sparrow 1967).
+
+    strength: one value a band, or a single value for all, 0 to 1,000,000.
+    s_deg: per-axis standard deviation of the facet normals, degrees, above 0 and at most 40.
+    refractive_index: 1 to 10.
+    """
 
     strength: tuple[float, ...]
     s_deg: float  #: per-axis standard deviation of the facet normals
@@ -85,7 +95,7 @@ class Lobe:
 
     @property
     def at_the_limit(self) -> bool:
-        """Whether the width is the widest there is, so that a fit has stopped there."""
+        """Whether the width is the largest allowed, so that a fit has stopped there."""
         return self.s_deg > S_DEG_MAX * (1.0 - 1e-6)
 
     def per_band(self, count: int) -> Array:
@@ -125,7 +135,19 @@ _SAYS_BY_ITSELF = {
 
 @dataclass(frozen=True)
 class Material:
-    """f_r(i, o, band) in 1/sr = diffuse + sum of lobes."""
+    """Reflection of a sample: f_r(i, o, band) in 1/sr = diffuse + sum of the lobes.
+
+    name, source: texts. bands: shared by the albedo and the strengths. specular: at most two lobes.
+    fit: the evidence, where the material was fitted. `fit_material` makes one from a measurement,
+    `load_material` reads one. Raises InputError where the parts do not fit together.
+
+    >>> from relgloss_view.measure.bands import RGB
+    >>> gray = Material("gray", "by hand", RGB, Diffuse("lambert", (0.2, 0.2, 0.2)))
+    >>> up = np.array([0.0, 0.0, 1.0])
+    >>> diffuse, specular = gray.evaluate(up, up)
+    >>> diffuse.round(5).tolist(), specular.tolist()  # 0.2 / pi, and nothing specular
+    ([0.06366, 0.06366, 0.06366], [0.0, 0.0, 0.0])
+    """
 
     name: str
     source: str
@@ -183,12 +205,15 @@ class Material:
         return brdf.second_albedo(self.diffuse.model, self.diffuse.albedo, self.diffuse.sigma)
 
     def evaluate(self, i: Array, o: Array) -> tuple[Array, Array]:
-        """Diffuse and specular BRDF in 1/sr, each (..., B), for directions in the sample frame."""
+        """Diffuse and specular BRDF in 1/sr, each (..., B).
+
+        i, o: unit vectors (..., 3) to the lamp and to the eye, in the sample frame (normal +z).
+        """
         normal = np.broadcast_to(np.array([0.0, 0.0, 1.0]), np.broadcast_shapes(i.shape, o.shape))
         return self.evaluate_facing(brdf.facing(normal, i, o))
 
     def evaluate_facing(self, f: brdf.Facing) -> tuple[Array, Array]:
-        """Diffuse and specular BRDF in 1/sr, each (..., B)."""
+        """Diffuse and specular BRDF in 1/sr, each (..., B), for an orientation from brdf.facing."""
         first, second = brdf.diffuse_shapes(self.diffuse.model, f, self.diffuse.sigma)
         diffuse = first[..., None] * np.asarray(self.diffuse.albedo)
         diffuse = diffuse + second[..., None] * self.second_albedo()
@@ -197,6 +222,37 @@ class Material:
             shape = brdf.torrance_sparrow(f, lobe.s, lobe.refractive_index)
             specular = specular + shape[..., None] * lobe.per_band(self.bands.count)
         return diffuse, specular
+
+    def __repr__(self) -> str:
+        lobes = f"{len(self.specular)} lobe{'' if len(self.specular) == 1 else 's'}"
+        return (
+            f"<Material {printable(self.name, 60)!r}{', synthetic' if self.synthetic else ''}: "
+            f"{self.bands.words}, {self.diffuse.model} and {lobes}, {self._fit_words()}>"
+        )
+
+    def _repr_html_(self) -> str:
+        """The table that a notebook shows."""
+        diffuse = self.diffuse
+        rows = [
+            ("source", self.source),
+            ("synthetic", "yes, nothing was measured" if self.synthetic else "no"),
+            *([("hypothetical", "yes, made from another material")] if self.hypothetical else []),
+            ("quality", self._fit_words()),
+            ("bands", self.bands.words),
+            ("diffuse: model", diffuse.model),
+            ("diffuse: albedo", span(diffuse.albedo)),
+            ("diffuse: roughness sigma", f"{diffuse.sigma_deg:.4g} deg"),
+        ]
+        for k, lobe in enumerate(self.specular, 1):
+            rows += [
+                (f"lobe {k}: strength", span(lobe.strength)),
+                (f"lobe {k}: width s", f"{lobe.s_deg:.4g} deg"),
+                (f"lobe {k}: refractive index", f"{lobe.refractive_index:.4g}"),
+            ]
+        return html_table(f"Material: {self.name}", rows, self.warnings)
+
+    def _fit_words(self) -> str:
+        return f"fit {self.fit.quality}" if self.fit else "not fitted"
 
 
 def _settle(checked: object, **values: object) -> None:

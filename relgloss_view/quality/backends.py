@@ -1,4 +1,4 @@
-"""One way to a renderer, whatever draws: EGL, OSMesa, or the float64 reference.
+"""The one entry to a renderer: EGL, OSMesa, or the float64 reference.
 
 Here the renderer is handed the planner, which chooses the method of pictures of quality "auto".
 """
@@ -17,10 +17,10 @@ BACKENDS = ("auto", "egl", "osmesa", "reference")
 
 
 class FrameRenderer(Protocol):
-    """What draws frames: Renderer on a GPU, ReferenceRenderer in float64."""
+    """Draws frames: Renderer through OpenGL, ReferenceRenderer in float64."""
 
     def render(self, scene: Scene, look: Look, size: tuple[int, int]) -> Frame:
-        """Draw a scene; `size` is width and height in pixels."""
+        """Draw a scene; `size` is width and height in pixels. Raises InputError."""
         ...
 
 
@@ -28,10 +28,19 @@ class FrameRenderer(Protocol):
 def open_renderer(
     backend: str = "auto", progress: Callable[[float, str], object] | None = None
 ) -> Iterator[FrameRenderer]:
-    """A renderer for the length of a block; fetch a frame's stages inside it.
+    """A renderer for the length of a block; fetch a frame's stages inside the block.
 
-    `progress(fraction, text)` is called while the reference draws; a GPU is done too soon.
-    Raises GLUnavailableError where no context can be made.
+    backend: 'egl' or 'osmesa' draw through OpenGL, 'reference' in float64 without it; 'auto' takes
+    the first OpenGL that works.
+    progress: called with a share from 0 to 1 and a text while the reference draws.
+
+    Raises GLUnavailableError where no OpenGL context can be made.
+
+    >>> from relgloss_view import Look, Scene, load_sample
+    >>> with open_renderer("reference") as renderer:
+    ...     frame = renderer.render(Scene(load_sample("art-coated")), Look(samples=1), (24, 24))
+    >>> round(frame.c_max, 3), frame.display.shape
+    (0.464, (24, 24, 3))
     """
     if backend == "reference":
         from relgloss_view.picture.reference import ReferenceRenderer

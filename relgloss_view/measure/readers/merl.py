@@ -1,6 +1,6 @@
 """MERL BRDF database (Matusik et al. 2003): isotropic, over half and difference angles.
 
-The bins stand at theta_h = (k / 90)^2 90 degrees, finer towards the mirror direction, and at whole
+Bin edges lie at theta_h = (k / 90)^2 90 degrees, finer towards the mirror direction, and at whole
 degrees of theta_d and phi_d (Rusinkiewicz 1998). A negative bin was not measured.
 """
 

@@ -1,8 +1,8 @@
 """RGL material database (Dupuy and Jakob 2018): isotropic measured BRDFs, rgb variant.
 
-The stored values stand on a grid that follows the material: the half-vector's polar angle
-theta = u^2 pi/2 and azimuth phi = (2v - 1) pi relative to the lamp make a unit square, and the
-density of visible facet normals at each incidence warps that square into the one that is tabulated.
+The grid of the stored values follows the material. The half-vector's polar angle theta = u^2 pi/2
+and its azimuth phi = (2v - 1) pi from the lamp make a unit square; the density of visible facet
+normals at each incidence warps that square into the one that is tabulated.
 """
 
 from __future__ import annotations
@@ -130,10 +130,10 @@ def _floats(
         for have, want in zip(values.shape, shape, strict=True)
     )
     if not fits:
-        found = "x".join(map(str, values.shape))
+        actual = "x".join(map(str, values.shape))
         wanted = "x".join("N" if n is None else str(n) for n in shape)
         raise InputError(
-            f"{path}: field '{name}' has shape {found}, expected {wanted}; "
+            f"{path}: field '{name}' has shape {actual}, expected {wanted}; "
             "only isotropic rgb files of the RGL database can be read"
         )
     with np.errstate(invalid="ignore"):  # a signalling NaN, reported below
