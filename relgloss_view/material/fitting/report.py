@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from relgloss_view.atomic import whole_file
 from relgloss_view.material.fitting import curves, slices
 from relgloss_view.material.fitting.describe import width_error
-from relgloss_view.material.fitting.samples import usable_rows
+from relgloss_view.material.fitting.observations import usable_rows
 from relgloss_view.material.material import Material
 from relgloss_view.measure.table import Measurement
 from relgloss_view.text_input import printable
