@@ -9,13 +9,13 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from relgloss_view import __version__
-from relgloss_view.atomic import whole_file, whole_folder
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import Progress
+from relgloss_view.base.version import __version__
+from relgloss_view.base.writing import whole_file, whole_folder
 from relgloss_view.commands.output_folder import own_folder
-from relgloss_view.commands.progress import Progress
-from relgloss_view.errors import InputError
 from relgloss_view.picture.backends import BACKENDS
-from relgloss_view.text_input import printable
 
 if TYPE_CHECKING:
     from relgloss_view.experiment.pool import Pool
@@ -89,14 +89,9 @@ def _write_answers(path: Path, pool: Pool) -> int:
 def _draw_stimuli(folder: Path, pool: Pool, backend: str) -> list[dict[str, Any]]:
     """Draw the reference and every setting of every sample; what the manifest says of each."""
     from relgloss_view.experiment.report.names import file_names
-    from relgloss_view.experiment.stimuli import (
-        digest_of,
-        draw_reference,
-        draw_stimulus,
-        told_of,
-    )
+    from relgloss_view.experiment.stimuli import digest_of, draw_reference, draw_stimulus, told_of
     from relgloss_view.picture.backends import open_renderer
-    from relgloss_view.picture.writers import Writers
+    from relgloss_view.picture.output.writers import Writers
 
     study = pool.study
     shown: dict[tuple[int | None, int | None], set[str]] = {}

@@ -14,14 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.adaptive import Posterior
 from relgloss_view.experiment.adaptive_verdict import AdaptiveVerdict, judged_adaptively
-from relgloss_view.experiment.agreement import (
-    kendall_w,
-    krippendorff_alpha,
-    no_difference_p,
-)
+from relgloss_view.experiment.agreement import kendall_w, krippendorff_alpha, no_difference_p
 from relgloss_view.experiment.ordinal import OrdinalScale, ordinal_scale
 from relgloss_view.experiment.people import ObserverResult, judged_observers
 from relgloss_view.experiment.pool import Answers, Pool

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.flow import Flow, Screen
 from relgloss_view.experiment.observers import Population, SimulatedObserver
 from relgloss_view.experiment.order import Trial

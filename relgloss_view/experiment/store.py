@@ -16,8 +16,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from relgloss_view import __version__
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
+from relgloss_view.base.version import __version__
 from relgloss_view.experiment import schema
 from relgloss_view.experiment.order import Trial
 from relgloss_view.experiment.records import (
@@ -30,7 +31,6 @@ from relgloss_view.experiment.records import (
 )
 from relgloss_view.experiment.study import Study
 from relgloss_view.experiment.study_file import study_digest, study_to_dict
-from relgloss_view.text_input import printable
 
 LONGEST_NAME = 40
 

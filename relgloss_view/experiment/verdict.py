@@ -9,13 +9,7 @@ from numpy.typing import NDArray
 
 from relgloss_view.experiment.coordinates import coordinates
 from relgloss_view.experiment.grid import Grid
-from relgloss_view.experiment.surface import (
-    POINT_LIKE,
-    RIDGE_LIKE,
-    FineGrid,
-    Optimum,
-    Shape,
-)
+from relgloss_view.experiment.surface import POINT_LIKE, RIDGE_LIKE, FineGrid, Optimum, Shape
 
 Array = NDArray[np.float64]
 

@@ -12,8 +12,8 @@ from relgloss_view.experiment.grid import Grid, Setting
 from relgloss_view.experiment.percept import Percepts
 from relgloss_view.experiment.study import Procedure, Study, StudySample
 from relgloss_view.experiment.study import Screen as Pictures
-from relgloss_view.picture.samples import load_sample
-from relgloss_view.picture.scene_file import SceneSample
+from relgloss_view.picture.scene.samples import load_sample
+from relgloss_view.picture.scene.scene_file import SceneSample
 
 
 def built_in(name):

@@ -7,13 +7,7 @@ import pytest
 from cases import answer, started, study, to_trial
 from scipy.stats import norm
 
-from relgloss_view.experiment.adaptive import (
-    FIRST_BOUNDS,
-    LAPSE,
-    SLOPES,
-    WIDTHS,
-    Posterior,
-)
+from relgloss_view.experiment.adaptive import FIRST_BOUNDS, LAPSE, SLOPES, WIDTHS, Posterior
 from relgloss_view.experiment.adaptive_verdict import judged_adaptively
 from relgloss_view.experiment.coordinates import coordinates, grid_steps
 from relgloss_view.experiment.flow import Screen

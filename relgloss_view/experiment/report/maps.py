@@ -13,7 +13,7 @@ from relgloss_view.experiment.report.choice import Array, choice_by, chosen, val
 from relgloss_view.experiment.report.numbers import counts_of
 from relgloss_view.experiment.report.who import truths
 from relgloss_view.experiment.report.words import BY
-from relgloss_view.material.fitting.report import INK
+from relgloss_view.fitting.report import INK
 
 REGION = 0.95  #: of a posterior, within its outline
 LEAST_RANGE = 2.0  #: dispersions, from white to dark: less must not look like more

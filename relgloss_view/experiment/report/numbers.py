@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from relgloss_view import __version__
+from relgloss_view.base.version import __version__
 from relgloss_view.experiment.analysis import JOINT, Analysis, SampleResult, Scale
 from relgloss_view.experiment.grid import Grid, Setting
 from relgloss_view.experiment.pool import Pool

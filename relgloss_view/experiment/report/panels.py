@@ -13,7 +13,7 @@ from relgloss_view.experiment.grid import Grid, Setting, share_words
 from relgloss_view.experiment.report import paint
 from relgloss_view.experiment.report.choice import Array, Choice
 from relgloss_view.experiment.report.words import label_of, sentence
-from relgloss_view.material.fitting.report import INK, MUTED
+from relgloss_view.fitting.report import INK, MUTED
 
 CELL_IN, LEAST_IN, MOST_IN = 0.62, 1.1, (4.6, 3.9)  #: of a cell; of a panel
 BESIDE = 0.72  #: the size of panels that stand beside others

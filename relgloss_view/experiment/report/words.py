@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from relgloss_view.base.reading import printable
 from relgloss_view.experiment.analysis import JOINT, Analysis, SampleResult
 from relgloss_view.experiment.grid import Grid, Setting, share_words
 from relgloss_view.experiment.people import ObserverResult
@@ -12,7 +13,6 @@ from relgloss_view.experiment.report.choice import Choice, Interval, choice_by, 
 from relgloss_view.experiment.report.who import path_words, people, silent, truths
 from relgloss_view.experiment.study import GRAIN, RATIO
 from relgloss_view.experiment.verdict import BEST, BROAD, CHANCE, FEW, FEWEST_OBSERVERS, RIDGE
-from relgloss_view.text_input import printable
 
 SHORT = {
     BEST: "best",

@@ -1,0 +1,194 @@
+"""The evidence that a fit leaves in the material: candidates, residuals, bounds, warnings."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from relgloss_view.material.albedo import directional_albedo
+from relgloss_view.fitting import ladder, verdict
+from relgloss_view.fitting.ladder import Candidate
+from relgloss_view.fitting.model import State, predict
+from relgloss_view.fitting.observations import Observations
+from relgloss_view.material.material import FitRecord, Material, Quality
+from relgloss_view.measure.table import Measurement
+
+#: Incidences at which the energy of a fit is checked; grazing light beyond is little.
+ENERGY_INCIDENCES_DEG = np.arange(0.0, 81.0, 10.0)
+ENERGY_EXCESS = 1.02  #: noise of a white sample is not an excess
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A chosen candidate with all that its verdict rests on."""
+
+    measurement: Measurement
+    full: Observations  #: all bands
+    few: Observations  #: the bands of the search
+    candidates: tuple[Candidate, ...]  #: in order of size, fitted to `few`
+    best: Candidate
+    state: State  #: of the best candidate, on all bands
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a fit may claim."""
+
+    residuals: verdict.Residuals
+    quality: Quality
+    grounds: tuple[str, ...]  #: warnings that explain a quality that is not good
+    width: verdict.WidthBounds | None  #: of the main lobe, where there is one
+    index: verdict.IndexBounds | None
+    no_lobe: verdict.NoLobeBounds | None  #: where there is no lobe
+
+
+@dataclass(frozen=True)
+class CandidateEvidence:
+    """One rung that was tried. Errors are logarithmic, about relative."""
+
+    name: str
+    parameters: int
+    loss: float
+    error: float
+    rms_log_error: float
+    median_relative_error: float
+    cv_mean: float  #: mean error on groups left out
+    cv_se: float  #: its standard error
+    behind_best: float
+    behind_best_se: float
+    aicc: float
+    bic: float
+    s_deg: list[float]
+    strength: list[float]
+    refractive_index: list[float]
+    sigma_deg: float
+    converged: bool
+    verdict: str
+
+
+def judge(fit: Fit) -> Verdict:
+    """The verdict on a fit: residuals on all bands, bounds on the few of the search."""
+    best, few = fit.best, fit.few
+    residuals = verdict.residuals(fit.measurement, fit.full, predict(fit.full.geometry, fit.state))
+    quality, grounds = Quality.GOOD, []
+    if residuals.poor:
+        quality = Quality.POOR
+        near = residuals.near_mirror.median_relative_error
+        beside = f", {near:.0%} within {verdict.NEAR_MIRROR_DEG:g} deg of mirror" if near else ""
+        grounds.append(
+            f"no model describes this sample: median relative error "
+            f"{residuals.median_relative_error:.0%}{beside}"
+        )
+    if best.rung.lobes == 0 or not np.any(best.solution.state.ks > 0.0):
+        largest = fit.candidates[-1]
+        index = float(largest.solution.state.n[0]) if largest.rung.lobes else 1.5
+        bounds = verdict.no_lobe_bounds(few, best.solution.state, index)
+        return Verdict(residuals, quality, tuple(grounds), None, None, bounds)
+    width = verdict.width_bounds(few, best)
+    if width.s_deg_lower is None:
+        quality = Quality.UNIDENTIFIABLE if quality == Quality.GOOD else quality
+        grounds.append(
+            "the lobe is narrower than the grid sees: s is unidentifiable, at most "
+            f"{width.s_deg_upper:.2g} deg; a finer scan across the mirror direction would tell"
+        )
+    index_bounds = verdict.index_bounds(few, best)
+    return Verdict(residuals, quality, tuple(grounds), width, index_bounds, None)
+
+
+def record_fit(fit: Fit, judged: Verdict, seed: int) -> FitRecord:
+    """The record that goes into the material's file."""
+    bounds = {
+        "main_lobe": judged.width,
+        "refractive_index": judged.index,
+        "no_lobe": judged.no_lobe,
+    }
+    return FitRecord(
+        candidates=tuple(asdict(evidence) for evidence in _evidence(fit)),
+        chosen=fit.best.name,
+        residuals=asdict(judged.residuals),
+        quality=judged.quality,
+        warnings=(*fit.measurement.warnings, *judged.grounds),
+        grounds=judged.grounds,
+        seed=seed,
+        standard_errors=_present(asdict(verdict.standard_errors(fit.best))),
+        bounds={name: asdict(bound) for name, bound in bounds.items() if bound is not None},
+    )
+
+
+def _present(values: dict[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def with_energy_warning(material: Material) -> Material:
+    """The material, with a warning where it reflects more than it receives.
+
+    The samples end at some incidence; beyond it the model extrapolates, and strengths above one
+    then meet a Fresnel reflectance that goes to one.
+    """
+    diffuse, specular = directional_albedo(material, ENERGY_INCIDENCES_DEG)
+    largest = np.max(diffuse + specular, axis=1)
+    if material.fit is None or not np.any(largest > ENERGY_EXCESS):
+        return material
+    first = ENERGY_INCIDENCES_DEG[np.argmax(largest > ENERGY_EXCESS)]
+    last = ENERGY_INCIDENCES_DEG[-1]
+    text = (
+        f"the model reflects more light than it receives at {first:g} deg of incidence and more "
+        f"({largest[-1]:.2g} times at {last:g} deg): pictures are too bright there"
+    )
+    return replace(material, fit=replace(material.fit, warnings=(*material.fit.warnings, text)))
+
+
+def _evidence(fit: Fit) -> list[CandidateEvidence]:
+    few, best = fit.few, fit.best
+    lowest = min(fit.candidates, key=lambda c: c.cv_mean)
+    values = int(np.sum(few.weight > 0.0))
+    evidence = []
+    for c in fit.candidates:
+        state = c.solution.state
+        model = predict(few.geometry, state)
+        seen = (few.value > 0.0) & (few.weight > 0.0)
+        relative = np.abs(model - few.value)[seen] / few.value[seen]
+        mean, se = ladder.gain(c, lowest)
+        k = c.rung.parameters(few.bands)
+        spread = values * np.log(max(c.error, 1e-12))
+        evidence.append(
+            CandidateEvidence(
+                name=c.name,
+                parameters=c.rung.parameters(fit.full.bands),
+                loss=_round(c.solution.loss),
+                error=_round(c.error),
+                rms_log_error=_round(ladder.rms_log_error(few, model)),
+                median_relative_error=_round(float(np.median(relative))),
+                cv_mean=_round(c.cv_mean),
+                cv_se=_round(c.cv_se),
+                behind_best=_round(mean),
+                behind_best_se=_round(se),
+                aicc=_round(spread + 2.0 * k * values / max(values - k - 1, 1)),
+                bic=_round(spread + k * np.log(values)),
+                s_deg=[_round(x) for x in np.degrees(np.exp(state.log_s))],
+                strength=[_round(x) for x in np.mean(state.ks, axis=1)],
+                refractive_index=[_round(x) for x in state.n],
+                sigma_deg=_round(np.degrees(np.sqrt(state.t))),
+                converged=c.solution.converged,
+                verdict="chosen" if c is best else _why_not(c, best),
+            )
+        )
+    return evidence
+
+
+def _why_not(c: Candidate, best: Candidate) -> str:
+    if c.rung.parameters(1000) < best.rung.parameters(1000):
+        mean, se = ladder.gain(c, best)
+        return f"too small: {mean:.2g} worse (se {se:.1g})"
+    mean, se = ladder.gain(best, c)
+    if mean <= 0.0:
+        return "larger, and no better held out"
+    if mean <= se:
+        return f"gains {mean:.2g}, within one standard error ({se:.1g})"
+    return f"gains {mean:.2g}, too little to matter"
+
+
+def _round(value: float) -> float:
+    return float(f"{value:.4g}")

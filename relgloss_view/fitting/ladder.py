@@ -1,0 +1,187 @@
+"""The ladder of models and the choice of the smallest that is enough.
+
+Each rung is cross-validated by leaving out whole groups (incidence planes). A rung is enough when
+it is no worse than the best by more than one standard error of the paired difference over groups,
+or by no more than what matters: where noise is correlated between bands and geometries, larger
+models go on winning by amounts that nobody could see.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.base.errors import FitCancelled
+from relgloss_view.fitting.model import (
+    Rung,
+    Solution,
+    State,
+    States,
+    error_size,
+    log_residual,
+    mean_error,
+    predict,
+)
+from relgloss_view.fitting.observations import Observations
+from relgloss_view.fitting.search import solve
+from relgloss_view.fitting.solver import Problem
+
+Array = NDArray[np.float64]
+Progress = Callable[[float, str], bool | None]
+
+LADDER = (
+    Rung("lambert", rough=False),
+    Rung("rough"),
+    Rung("lobe", lobes=1),
+    Rung("spectral-lobe", lobes=1, spectral=True),
+    Rung("two-lobes", lobes=2),
+    Rung("two-spectral-lobes", lobes=2, spectral=True),
+)
+MODELS = ("auto", *(rung.name for rung in LADDER))
+FOLD_ROUNDS = 4
+#: Differences in the held-out logarithmic error that do not matter: what a misfit of about 0.6 %
+#: of the reflectance adds to noise, or 3 % of the error that is there anyway.
+RELEVANT = 0.0005
+RELEVANT_SHARE = 0.03
+#: Refractive index and strength are correlated, so freeing the index must pay ten times its cost.
+RELEVANT_SHARE_INDEX = 0.10
+
+
+@dataclass(frozen=True)
+class Folds:
+    """The observations, and F pairs of weights: of a fit that leaves a group out, of that group."""
+
+    observations: Observations
+    kept: Array  #: (F, B, N)
+    left: Array  #: (F, B, N)
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A fitted rung and its evidence."""
+
+    rung: Rung
+    solution: Solution
+    held_out: Array  #: (G,), mean logarithmic error in each group by the fit without it
+    fold_states: tuple[State, ...]
+    error: float  #: on all samples
+    cv_mean: float
+    cv_se: float
+
+    @property
+    def name(self) -> str:
+        """The rung's name; a freed refractive index is named too."""
+        return self.rung.name + (", n free" if self.rung.free_index else "")
+
+
+def make_folds(observations: Observations) -> Folds:
+    """One fold a group that has weight and leaves weight."""
+    weight = observations.weight.T
+    groups = np.arange(observations.groups)[:, None, None] == observations.group
+    kept, left = np.where(groups, 0.0, weight), np.where(groups, weight, 0.0)
+    fit = np.any(kept > 0.0, axis=(1, 2)) & np.any(left > 0.0, axis=(1, 2))
+    return Folds(observations, kept[fit], left[fit])
+
+
+def evaluate(folds: Folds, rung: Rung, solution: Solution) -> Candidate:
+    """Cross-validate a solution: short refinements from it on each fold."""
+    observations, count = folds.observations, len(folds.kept)
+    problem = Problem(observations, rung, weight=folds.kept)
+    refined = problem.refine([solution.state] * count, FOLD_ROUNDS)
+    states = States.of([fold.state for fold in refined])
+    model = problem.model(
+        problem.columns(states.t, states.log_s, states.n), states.kd, states.ks
+    )
+    errors = Problem(observations, rung, weight=folds.left).mean_errors(model)
+    return Candidate(
+        rung,
+        solution,
+        errors,
+        tuple(fold.state for fold in refined),
+        mean_error(observations, predict(observations.geometry, solution.state)),
+        float(np.mean(errors)),
+        float(np.std(errors, ddof=1) / np.sqrt(len(errors))),
+    )
+
+
+def climb(
+    observations: Observations,
+    rungs: tuple[Rung, ...],
+    n: float,
+    progress: Progress | None = None,
+    start_s_deg: float | None = None,
+) -> tuple[list[Candidate], Folds]:
+    """Fit and cross-validate the rungs in order; each starts also from the rung before."""
+    folds = make_folds(observations)
+    candidates: list[Candidate] = []
+    for k, rung in enumerate(rungs):
+        report(progress, k / (len(rungs) + 1), f"fitting {rung.name}")
+        warm = tuple(c.solution.state for c in candidates if c.rung.lobes == rung.lobes)
+        if warm and rung.spectral and rung.lobes > 1:
+            # The lobes of a neutral strength are where spectral ones begin.
+            solution = Problem(observations, rung).refine(warm[-1:])[0]
+        else:
+            solution = solve(observations, rung, n, start_s_deg=start_s_deg, warm=warm)
+        report(progress, (k + 0.5) / (len(rungs) + 1), f"cross-validating {rung.name}")
+        candidates.append(evaluate(folds, rung, solution))
+    return candidates, folds
+
+
+def choose(candidates: list[Candidate]) -> int:
+    """Index of the smallest candidate that is enough. Candidates come in order of size."""
+    best = min(candidates, key=lambda c: c.cv_mean)
+    for k, candidate in enumerate(candidates):
+        if candidate is best or enough(candidate, best, RELEVANT_SHARE):
+            return k
+    raise AssertionError("the best candidate is enough")
+
+
+def enough(small: Candidate, large: Candidate, share: float) -> bool:
+    """Whether the larger candidate gains nothing that is both certain and relevant."""
+    mean, se = gain(small, large)
+    return mean <= se or mean <= max(RELEVANT, share * small.cv_mean)
+
+
+def gain(small: Candidate, large: Candidate) -> tuple[float, float]:
+    """Mean and standard error over groups of what the larger candidate gains, held out."""
+    difference = small.held_out - large.held_out
+    return float(np.mean(difference)), float(np.std(difference, ddof=1) / len(difference) ** 0.5)
+
+
+def free_index(folds: Folds, candidate: Candidate) -> Candidate | None:
+    """The same rung with its refractive indices free; None where it has no lobe."""
+    if candidate.rung.lobes == 0:
+        return None
+    rung = replace(candidate.rung, free_index=True)
+    start = candidate.solution.state
+    # From the held index, and from that of a metal, whose strength is as much lower.
+    starts = [
+        replace(start, n=np.full(rung.lobes, n), ks=start.ks * share)
+        for n, share in ((float(start.n[0]), 1.0), (3.5, 0.13))
+    ]
+    solutions = Problem(folds.observations, rung).refine(starts)
+    return evaluate(folds, rung, min(solutions, key=lambda s: s.loss))
+
+
+def report(progress: Progress | None, fraction: float, text: str) -> None:
+    """Report to the caller; raises FitCancelled when the callback returns False."""
+    if progress is not None and progress(fraction, text) is False:
+        raise FitCancelled("the fit was cancelled")
+
+
+def rms_log_error(observations: Observations, model: Array) -> float:
+    """Root of the weighted mean square of the logarithmic residual."""
+    residual = log_residual(observations, model)
+    return float(np.sqrt(np.sum(observations.weight * residual**2) / np.sum(observations.weight)))
+
+
+def group_errors(observations: Observations, model: Array) -> Array:
+    """(G,), mean logarithmic error in each group that has observations."""
+    size = observations.weight * error_size(log_residual(observations, model))
+    total = np.bincount(observations.group, np.sum(size, axis=1), observations.groups)
+    weight = np.bincount(observations.group, np.sum(observations.weight, axis=1), observations.groups)
+    seen = weight > 0.0
+    return np.asarray(total[seen] / weight[seen])
