@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from relgloss_view.material.albedo import directional_albedo
 from relgloss_view.fitting import ladder, verdict
 from relgloss_view.fitting.ladder import Candidate
 from relgloss_view.fitting.model import State, predict
 from relgloss_view.fitting.observations import Observations
+from relgloss_view.material.albedo import directional_albedo
 from relgloss_view.material.material import FitRecord, Material, Quality
 from relgloss_view.measure.table import Measurement
 
@@ -21,7 +21,7 @@ ENERGY_EXCESS = 1.02  #: noise of a white sample is not an excess
 
 
 @dataclass(frozen=True)
-class Fit:
+class ChosenFit:
     """A chosen candidate with all that its verdict rests on."""
 
     measurement: Measurement
@@ -68,7 +68,7 @@ class CandidateEvidence:
     verdict: str
 
 
-def judge(fit: Fit) -> Verdict:
+def judge(fit: ChosenFit) -> Verdict:
     """The verdict on a fit: residuals on all bands, bounds on the few of the search."""
     best, few = fit.best, fit.few
     residuals = verdict.residuals(fit.measurement, fit.full, predict(fit.full.geometry, fit.state))
@@ -97,7 +97,7 @@ def judge(fit: Fit) -> Verdict:
     return Verdict(residuals, quality, tuple(grounds), width, index_bounds, None)
 
 
-def record_fit(fit: Fit, judged: Verdict, seed: int) -> FitRecord:
+def record_fit(fit: ChosenFit, judged: Verdict, seed: int) -> FitRecord:
     """The record that goes into the material's file."""
     bounds = {
         "main_lobe": judged.width,
@@ -140,7 +140,7 @@ def with_energy_warning(material: Material) -> Material:
     return replace(material, fit=replace(material.fit, warnings=(*material.fit.warnings, text)))
 
 
-def _evidence(fit: Fit) -> list[CandidateEvidence]:
+def _evidence(fit: ChosenFit) -> list[CandidateEvidence]:
     few, best = fit.few, fit.best
     lowest = min(fit.candidates, key=lambda c: c.cv_mean)
     values = int(np.sum(few.weight > 0.0))

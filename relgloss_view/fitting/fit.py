@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.fitting import ladder, verdict
-from relgloss_view.fitting.evidence import Fit, judge, record_fit, with_energy_warning
+from relgloss_view.fitting.evidence import ChosenFit, judge, record_fit, with_energy_warning
 from relgloss_view.fitting.ladder import Candidate, Progress
 from relgloss_view.fitting.model import (
     INDEX_RANGE,
@@ -85,7 +85,7 @@ def fit_material(
             if not ladder.enough(best, freed, ladder.RELEVANT_SHARE_INDEX):
                 best = freed
     ladder.report(progress, 0.95, "all bands")
-    fit = Fit(measurement, full, few, tuple(candidates), best, _all_bands(full, best))
+    fit = ChosenFit(measurement, full, few, tuple(candidates), best, _all_bands(full, best))
     judged = judge(fit)
     state = fit.state
     if judged.quality == Quality.UNIDENTIFIABLE and judged.width is not None:
@@ -141,7 +141,9 @@ def _settle(full: Observations, rung: Rung, state: State) -> State:
     if not np.any(near):
         return settled
     highlight = full.subset(near)
-    before, after = (mean_error(highlight, predict(highlight.geometry, s)) for s in (state, settled))
+    before, after = (
+        mean_error(highlight, predict(highlight.geometry, s)) for s in (state, settled)
+    )
     return settled if after <= before * _HIGHLIGHT_COST else state
 
 
@@ -162,9 +164,7 @@ def _plainest_width(full: Observations, rung: Rung, state: State, upper_deg: flo
     return min(options, key=lambda option: option[0])[1]
 
 
-def _material(
-    measurement: Measurement, rung: Rung, state: State, record: FitRecord
-) -> Material:
+def _material(measurement: Measurement, rung: Rung, state: State, record: FitRecord) -> Material:
     sigma = float(np.sqrt(state.t))
     flat = sigma < _FLAT_SIGMA
     lobes = []
@@ -191,4 +191,5 @@ def _material(
         ),
         specular=tuple(lobes),
         fit=record,
+        synthetic=measurement.synthetic,
     )

@@ -92,9 +92,7 @@ def evaluate(folds: Folds, rung: Rung, solution: Solution) -> Candidate:
     problem = Problem(observations, rung, weight=folds.kept)
     refined = problem.refine([solution.state] * count, FOLD_ROUNDS)
     states = States.of([fold.state for fold in refined])
-    model = problem.model(
-        problem.columns(states.t, states.log_s, states.n), states.kd, states.ks
-    )
+    model = problem.model(problem.columns(states.t, states.log_s, states.n), states.kd, states.ks)
     errors = Problem(observations, rung, weight=folds.left).mean_errors(model)
     return Candidate(
         rung,
@@ -182,6 +180,8 @@ def group_errors(observations: Observations, model: Array) -> Array:
     """(G,), mean logarithmic error in each group that has observations."""
     size = observations.weight * error_size(log_residual(observations, model))
     total = np.bincount(observations.group, np.sum(size, axis=1), observations.groups)
-    weight = np.bincount(observations.group, np.sum(observations.weight, axis=1), observations.groups)
+    weight = np.bincount(
+        observations.group, np.sum(observations.weight, axis=1), observations.groups
+    )
     seen = weight > 0.0
     return np.asarray(total[seen] / weight[seen])

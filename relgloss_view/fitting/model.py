@@ -143,9 +143,3 @@ def influence(residual: Array, alpha: float = SOFT_L1) -> Array:
     if alpha == SOFT_L1:
         return np.asarray(1.0 / np.sqrt(1.0 + z))
     return np.asarray((1.0 + z) ** (0.5 * alpha - 1.0))
-
-
-def mean_loss(observations: Observations, model: Array, alpha: float = SOFT_L1) -> float:
-    """Weighted mean of `robust` over all values."""
-    size = robust(log_residual(observations, model), alpha)
-    return float(np.sum(observations.weight * size) / np.sum(observations.weight))

@@ -8,12 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-<<<<<<<< HEAD:relgloss_view/fitting/observations.py
 from relgloss_view.base.errors import InputError
 from relgloss_view.fitting.shapes import Geometry, geometry
-========
-from relgloss_view.base.errors import InputError
->>>>>>>> main:relgloss_view/fitting/samples.py
 from relgloss_view.measure.table import NEGATIVE, Measurement
 
 Array = NDArray[np.float64]
@@ -171,7 +167,9 @@ def compress(observations: Observations, most: int = SEARCH_BANDS) -> Observatio
     bands = np.flatnonzero(seen > 0.5 * np.max(seen))
     if len(bands) <= most:
         return observations
-    spectrum = np.array([np.median(observations.value[observations.weight[:, b] > 0.0, b]) for b in bands])
+    spectrum = np.array(
+        [np.median(observations.value[observations.weight[:, b] > 0.0, b]) for b in bands]
+    )
     change = np.abs(np.diff(np.log(spectrum + FLOOR)))
     # Half of the cut follows the spectrum, half the number of bands: flat spectra stay in runs too.
     position = np.concatenate([[0.0], np.cumsum(change / max(np.sum(change), 1e-9))])

@@ -19,7 +19,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view.material import brdf
 from relgloss_view.fitting import linear
 from relgloss_view.fitting.model import (
     SOFT_L1,
@@ -34,6 +33,7 @@ from relgloss_view.fitting.model import (
 from relgloss_view.fitting.observations import Observations
 from relgloss_view.fitting.shapes import diffuse_columns, facet_columns, index_slope
 from relgloss_view.fitting.unknowns import shared_unknowns
+from relgloss_view.material import brdf
 
 Array = NDArray[np.float64]
 
@@ -267,7 +267,7 @@ class Problem:
             done = converged | (steps == rounds)
             if not np.any(done):
                 continue
-            for k in np.flatnonzero(done):
+            for k in np.flatnonzero(done).tolist():
                 loss = float(misfit.loss[k])
                 solutions[int(place[k])] = Solution(states[k], loss, bool(converged[k]))
             rest = ~done

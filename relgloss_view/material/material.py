@@ -144,6 +144,8 @@ class Material:
     diffuse: Diffuse
     specular: tuple[Lobe, ...] = ()
     fit: FitRecord | None = None
+    synthetic: bool = False  #: computed from invented parameters, not measured
+    hypothetical: bool = False  #: made from another material by changing it
 
     def __post_init__(self) -> None:
         text_input.text(self.name, "name")
@@ -163,16 +165,6 @@ class Material:
         return tuple(
             lobe for lobe in self.specular if any(lobe.strength) and lobe.refractive_index > 1.0
         )
-
-    @property
-    def synthetic(self) -> bool:
-        """Whether the source says that nothing was measured."""
-        return self.source.strip().lower().startswith("synthetic")
-
-    @property
-    def hypothetical(self) -> bool:
-        """Whether the source says that it was made up from another material."""
-        return "hypothetical" in self.source.partition(":")[0].lower()
 
     @property
     def warnings(self) -> tuple[str, ...]:

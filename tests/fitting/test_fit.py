@@ -212,6 +212,7 @@ def test_source_and_warnings_of_the_measurement_stay() -> None:
     measurement = replace(measurement, warnings=("the mirror ridge lies at gamma = 0",))
     material = fit_material(measurement, model="lobe")
     assert material.synthetic
+    assert not fit_material(replace(measurement, synthetic=False), model="lobe").synthetic
     assert material.warnings[0] == "the mirror ridge lies at gamma = 0"
 
 
@@ -282,6 +283,6 @@ def test_the_jackknife_of_a_mean_is_its_standard_error() -> None:
     candidate = Candidate(
         Rung("lambert", rough=False), solution, np.zeros(5), states, 0.0, 0.0, 0.0
     )
-    found = standard_errors(candidate)["albedo_relative"]
+    error = standard_errors(candidate).albedo_relative
     expected = np.std(groups, ddof=1) / np.sqrt(len(groups)) / np.mean(groups)
-    assert found == pytest.approx(expected, rel=1e-3)  # kept to four digits
+    assert error == pytest.approx(expected, rel=1e-3)  # kept to four digits
