@@ -11,6 +11,7 @@ from relgloss_view.fitting import ladder, verdict
 from relgloss_view.fitting.ladder import Candidate
 from relgloss_view.fitting.model import State, predict
 from relgloss_view.fitting.observations import Observations
+from relgloss_view.fitting.results import CandidateEvidence, Verdict
 from relgloss_view.material.albedo import directional_albedo
 from relgloss_view.material.material import FitRecord, Material, Quality
 from relgloss_view.measure.table import Measurement
@@ -30,42 +31,6 @@ class ChosenFit:
     candidates: tuple[Candidate, ...]  #: in order of size, fitted to `few`
     best: Candidate
     state: State  #: of the best candidate, on all bands
-
-
-@dataclass(frozen=True)
-class Verdict:
-    """What a fit may claim."""
-
-    residuals: verdict.Residuals
-    quality: Quality
-    grounds: tuple[str, ...]  #: warnings that explain a quality that is not good
-    width: verdict.WidthBounds | None  #: of the main lobe, where there is one
-    index: verdict.IndexBounds | None
-    no_lobe: verdict.NoLobeBounds | None  #: where there is no lobe
-
-
-@dataclass(frozen=True)
-class CandidateEvidence:
-    """One rung that was tried. Errors are logarithmic, about relative."""
-
-    name: str
-    parameters: int
-    loss: float
-    error: float
-    rms_log_error: float
-    median_relative_error: float
-    cv_mean: float  #: mean error on groups left out
-    cv_se: float  #: its standard error
-    behind_best: float
-    behind_best_se: float
-    aicc: float
-    bic: float
-    s_deg: list[float]
-    strength: list[float]
-    refractive_index: list[float]
-    sigma_deg: float
-    converged: bool
-    verdict: str
 
 
 def judge(fit: ChosenFit) -> Verdict:

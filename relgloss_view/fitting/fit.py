@@ -1,8 +1,8 @@
 """Measurement -> Material: the smallest reflection model that describes the samples.
 
-Separable least squares in the logarithm, robust, with no start values from the user; a ladder of
-models chosen by cross-validation over incidence planes; and a verdict that says what the samples
-cannot tell. The parts are in relgloss_view.fitting.
+Separable robust least squares in the logarithm, with no start values from the user; a ladder of
+models chosen by cross-validation over incidence planes; and a verdict that lists what the samples
+leave open. The parts are in relgloss_view.fitting.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.fitting import ladder, verdict
+from relgloss_view.fitting.descent import refine
 from relgloss_view.fitting.evidence import ChosenFit, judge, record_fit, with_energy_warning
 from relgloss_view.fitting.ladder import Candidate, Progress
 from relgloss_view.fitting.model import (
@@ -28,7 +29,7 @@ from relgloss_view.fitting.model import (
     predict,
 )
 from relgloss_view.fitting.observations import Observations, compress, prepare
-from relgloss_view.fitting.solver import Problem
+from relgloss_view.fitting.problem import Problem
 from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material, Quality
 from relgloss_view.measure.table import Measurement
 
@@ -115,7 +116,7 @@ def _all_bands(full: Observations, best: Candidate) -> State:
     if best.rung.lobes:
         mean = np.mean(few.ks, axis=1, keepdims=True)
         ks = np.where(np.mean(ks, axis=1, keepdims=True) > 0.0, ks, mean)
-    solution = problem.refine([replace(few, kd=kd, ks=ks)], _FINAL_ROUNDS)[0]
+    solution = refine(problem, [replace(few, kd=kd, ks=ks)], _FINAL_ROUNDS)[0]
     state = _settle(full, best.rung, solution.state)
     # A channel that is outside the gamut nearly everywhere has no diffuse part to speak of; the
     # fit leaves the foot of the lobe there.
@@ -136,7 +137,7 @@ def _settle(full: Observations, rung: Rung, state: State) -> State:
     The diffuse part then follows most of the surface. Letting go must not cost the highlight, which
     is what the fit is for: otherwise the optimum of soft-L1 stays.
     """
-    settled = Problem(full, rung, REDESCENDING).refine([state], _FINAL_ROUNDS)[0].state
+    settled = refine(Problem(full, rung, REDESCENDING), [state], _FINAL_ROUNDS)[0].state
     near = np.sqrt(full.geometry.facing.delta2) < np.radians(verdict.NEAR_MIRROR_DEG)
     if not np.any(near):
         return settled

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relgloss_view.base.errors import FitCancelled
+from relgloss_view.fitting.descent import refine
 from relgloss_view.fitting.model import (
     Rung,
     Solution,
@@ -26,8 +27,8 @@ from relgloss_view.fitting.model import (
     predict,
 )
 from relgloss_view.fitting.observations import Observations
+from relgloss_view.fitting.problem import Problem
 from relgloss_view.fitting.search import solve
-from relgloss_view.fitting.solver import Problem
 
 Array = NDArray[np.float64]
 Progress = Callable[[float, str], bool | None]
@@ -90,7 +91,7 @@ def evaluate(folds: Folds, rung: Rung, solution: Solution) -> Candidate:
     """Cross-validate a solution: short refinements from it on each fold."""
     observations, count = folds.observations, len(folds.kept)
     problem = Problem(observations, rung, weight=folds.kept)
-    refined = problem.refine([solution.state] * count, FOLD_ROUNDS)
+    refined = refine(problem, [solution.state] * count, FOLD_ROUNDS)
     states = States.of([fold.state for fold in refined])
     model = problem.model(problem.columns(states.t, states.log_s, states.n), states.kd, states.ks)
     errors = Problem(observations, rung, weight=folds.left).mean_errors(model)
@@ -120,7 +121,7 @@ def climb(
         warm = tuple(c.solution.state for c in candidates if c.rung.lobes == rung.lobes)
         if warm and rung.spectral and rung.lobes > 1:
             # The lobes of a neutral strength are where spectral ones begin.
-            solution = Problem(observations, rung).refine(warm[-1:])[0]
+            solution = refine(Problem(observations, rung), warm[-1:])[0]
         else:
             solution = solve(observations, rung, n, start_s_deg=start_s_deg, warm=warm)
         report(progress, (k + 0.5) / (len(rungs) + 1), f"cross-validating {rung.name}")
@@ -160,7 +161,7 @@ def free_index(folds: Folds, candidate: Candidate) -> Candidate | None:
         replace(start, n=np.full(rung.lobes, n), ks=start.ks * share)
         for n, share in ((float(start.n[0]), 1.0), (3.5, 0.13))
     ]
-    solutions = Problem(folds.observations, rung).refine(starts)
+    solutions = refine(Problem(folds.observations, rung), starts)
     return evaluate(folds, rung, min(solutions, key=lambda s: s.loss))
 
 

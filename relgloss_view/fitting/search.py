@@ -7,6 +7,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from relgloss_view.fitting.descent import refine
 from relgloss_view.fitting.model import (
     LOG_S_RANGE,
     Rung,
@@ -15,7 +16,7 @@ from relgloss_view.fitting.model import (
     States,
 )
 from relgloss_view.fitting.observations import Observations
-from relgloss_view.fitting.solver import Problem
+from relgloss_view.fitting.problem import Problem
 
 Array = NDArray[np.float64]
 
@@ -69,7 +70,7 @@ def solve(
                 best.append(state)
             if len(best) == REFINED:
                 break
-    return min(problem.refine([*best, *warm]), key=lambda s: s.loss)
+    return min(refine(problem, [*best, *warm]), key=lambda s: s.loss)
 
 
 def _begin(problem: Problem, t: Array, log_s: Array, n: float) -> tuple[States, Array]:

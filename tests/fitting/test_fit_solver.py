@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from relgloss_view.fitting import ladder, model, observations, search, solver
+from relgloss_view.fitting import ladder, model, observations, search
+from relgloss_view.fitting.descent import refine
 from relgloss_view.fitting.ladder import LADDER
+from relgloss_view.fitting.problem import Problem
 from relgloss_view.fitting.unknowns import shared_unknowns
 
 RUNGS = {rung.name: rung for rung in LADDER}
@@ -23,7 +25,7 @@ def prepared(
     return observations.prepare(table)
 
 
-def columns_at(problem: solver.Problem, t: float, s_deg: float) -> np.ndarray:
+def columns_at(problem: Problem, t: float, s_deg: float) -> np.ndarray:
     return problem.columns(np.array([t]), np.log(np.radians([[s_deg]])), np.array([[1.5]]))
 
 
@@ -78,7 +80,7 @@ def soft_l1(data: observations.Observations, radiance_factor: np.ndarray) -> flo
 def test_the_inner_solution_is_stationary_in_the_robust_loss() -> None:
     """Reweighted least squares ends where the robust logarithmic loss has no slope."""
     data = prepared(((3.0, 1.0),), noise=0.05)
-    problem = solver.Problem(data, RUNGS["lobe"])
+    problem = Problem(data, RUNGS["lobe"])
     columns = columns_at(problem, 0.01, 3.3)
     kd, ks = problem.first_guess(columns, 60)
 
@@ -116,7 +118,7 @@ def test_the_gradient_is_that_of_the_loss(rung: model.Rung) -> None:
         0.03, np.log(np.radians([4.0, 11.0][: rung.lobes])), np.array([1.5, 1.8][: rung.lobes]),
         np.array(fit_cases.ALBEDO), strengths,
     )  # fmt: skip
-    problem = solver.Problem(data, rung)
+    problem = Problem(data, rung)
     states = model.States.of([state])
     columns = problem.columns(states.t, states.log_s, states.n)
     misfit = problem.misfit(problem.model(columns, states.kd, states.ks))
@@ -166,12 +168,12 @@ def starts_of(rung: model.Rung, *, count: int = 4) -> list[model.State]:
 @pytest.mark.parametrize("name", ["rough", "lobe", "spectral-lobe", "two-lobes"])
 def test_descents_side_by_side_are_the_same_as_alone(name: str) -> None:
     rung = RUNGS[name]
-    problem = solver.Problem(prepared(((2.5, 0.9), (12.0, 0.1)), noise=0.03), rung)
+    problem = Problem(prepared(((2.5, 0.9), (12.0, 0.1)), noise=0.03), rung)
     starts = starts_of(rung)
-    together = problem.refine(starts, rounds=8)
+    together = refine(problem, starts, rounds=8)
     assert len({solution.loss for solution in together}) > 1
     for start, solution in zip(starts, together, strict=True):
-        alone = problem.refine([start], rounds=8)[0]
+        alone = refine(problem, [start], rounds=8)[0]
         assert solution.converged == alone.converged
         assert solution.loss == pytest.approx(alone.loss, rel=1e-10)
         np.testing.assert_allclose(solution.state.log_s, alone.state.log_s, rtol=1e-7)
@@ -188,7 +190,7 @@ def test_a_fold_is_a_fit_without_the_group(name: str) -> None:
     assert len(candidate.held_out) == data.groups
     for number in (0, 7, data.groups - 1):
         kept, left = data.subset(data.group != number), data.subset(data.group == number)
-        refined = solver.Problem(kept, rung).refine([solution.state], ladder.FOLD_ROUNDS)[0]
+        refined = refine(Problem(kept, rung), [solution.state], ladder.FOLD_ROUNDS)[0]
         error = model.mean_error(left, model.predict(left.geometry, refined.state))
         assert candidate.held_out[number] == pytest.approx(error, rel=1e-9)
         np.testing.assert_allclose(candidate.fold_states[number].kd, refined.state.kd, rtol=1e-9)
@@ -214,7 +216,7 @@ def test_far_apart_starts_give_the_same_optimum(s_deg: float) -> None:
 def test_the_loss_separates_widths() -> None:
     """Control of the test above: one percent off in s costs far more than starts differ by."""
     data = prepared(((0.5, 1.0),), noise=0.02)
-    problem = solver.Problem(data, RUNGS["lobe"])
+    problem = Problem(data, RUNGS["lobe"])
     best = search.solve(data, RUNGS["lobe"], 1.5)
     states = model.States.of([best.state])
     columns = problem.columns(states.t, states.log_s + 0.01, states.n)

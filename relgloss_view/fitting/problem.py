@@ -1,4 +1,4 @@
-"""The robust separable solver: reweighted NNLS inside, damped Gauss-Newton outside.
+"""One rung on one set of observations: its loss, its linear unknowns, its normal equations.
 
 The loss is soft-L1 in the logarithmic residual r = log((m + e) / (f + e)), which is relative error
 with the floor e: sum_nb w_nb rho(r). Its stationary points over the linear unknowns are those of a
@@ -13,7 +13,6 @@ the samples are on the last axis, N.
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -23,8 +22,6 @@ from relgloss_view.fitting import linear
 from relgloss_view.fitting.model import (
     SOFT_L1,
     Rung,
-    Solution,
-    State,
     States,
     error_size,
     influence,
@@ -36,9 +33,6 @@ from relgloss_view.fitting.unknowns import shared_unknowns
 from relgloss_view.material import brdf
 
 Array = NDArray[np.float64]
-
-TRIALS = 6  #: of one step, each damped ten times more, before a descent ends
-TOLERANCE = 1e-5  #: a descent ends when t, ln s and n together move by less
 
 
 class Equations(NamedTuple):
@@ -126,7 +120,7 @@ class Problem:
     def _mean(self, size: Array) -> Array:
         return np.asarray(np.sum(self._weight * size, axis=(1, 2)) / self._total)
 
-    def _part(self, rows: NDArray[np.bool_]) -> Problem:
+    def part(self, rows: NDArray[np.bool_]) -> Problem:
         """The problems marked in `rows`."""
         part = copy.copy(self)
         if len(self._weight) > 1:
@@ -233,90 +227,8 @@ class Problem:
             np.sum((gradient @ shared)[..., 0, :], axis=1),
         )
 
-    def refine(
-        self, starts: Sequence[State], rounds: int = 30, tolerance: float = TOLERANCE
-    ) -> list[Solution]:
-        """Descend from each start to the nearest optimum, in at most `rounds` steps."""
-        problem, states = self, States.of(starts)
-        columns = problem.columns(states.t, states.log_s, states.n)
-        states, misfit = problem._reweighted(columns, states)
-        place = np.arange(len(states))
-        damping = np.full(len(states), 1e-4)
-        steps, trials = np.zeros(len(states), dtype=int), np.zeros(len(states), dtype=int)
-        solutions: dict[int, Solution] = {}
-        while len(place):
-            step = problem._step(states, problem.equations(columns, misfit, states), damping)
-            ahead_columns = problem.columns(step.t, step.log_s, step.n)
-            step, ahead = problem._reweighted(ahead_columns, step)
-            accepted = ahead.loss <= misfit.loss
-            moved = np.abs(step.t - states.t) + np.sum(np.abs(step.log_s - states.log_s), axis=1)
-            moved = moved + np.sum(np.abs(step.n - states.n), axis=1)
-            small = (moved < tolerance) | (misfit.loss - ahead.loss < 1e-3 * tolerance * ahead.loss)
-            converged = np.where(accepted, small, trials == TRIALS - 1)
-            steps, trials = steps + accepted, np.where(accepted, 0, trials + 1)
-            damping = np.where(
-                accepted, np.maximum(damping * 0.1, 1e-9), np.maximum(damping * 10.0, 1e-3)
-            )
-            if np.all(accepted):
-                states, columns, misfit = step, ahead_columns, ahead
-            elif np.any(accepted):
-                states = states.updated(accepted, step)
-                columns[accepted] = ahead_columns[accepted]
-                for part, new in zip(misfit, ahead, strict=True):
-                    part[accepted] = new[accepted]
-            done = converged | (steps == rounds)
-            if not np.any(done):
-                continue
-            for k in np.flatnonzero(done).tolist():
-                loss = float(misfit.loss[k])
-                solutions[int(place[k])] = Solution(states[k], loss, bool(converged[k]))
-            rest = ~done
-            problem, states, columns = problem._part(rest), states.subset(rest), columns[rest]
-            misfit = Misfit(*(part[rest] for part in misfit))
-            place, damping, steps, trials = place[rest], damping[rest], steps[rest], trials[rest]
-        return [solutions[k] for k in range(len(solutions))]
-
-    def _reweighted(self, columns: Array, states: States) -> tuple[States, Misfit]:
+    def reweighted(self, columns: Array, states: States) -> tuple[States, Misfit]:
         """The states after one reweighting of their linear unknowns, and their misfit."""
         kd, ks = self.inner(columns, states.kd, states.ks, 1)
         states = States(states.t, states.log_s, states.n, kd, ks)
         return states, self.misfit(self.model(columns, kd, ks))
-
-    def _step(self, states: States, equations: Equations, damping: Array) -> States:
-        """One damped Gauss-Newton step within the bounds, the own unknowns eliminated first."""
-        unknowns = self.unknowns
-        problems, bands, k = equations.own_gradient.shape
-        current = np.concatenate([states.kd[:, None], states.ks[:, : k - 1]], axis=1)
-        current = np.swapaxes(current, 1, 2)
-        keep = ~((current <= 0.0) & (equations.own_gradient > 0.0))
-        a = equations.own * (keep[..., None] & keep[..., None, :])
-        diagonal = np.einsum("pbkk->pbk", a)  # a view that can be written to
-        diagonal += damping[:, None, None] * diagonal + np.where(diagonal > 0.0, 0.0, 1.0)
-        value = unknowns.values(states)
-        shared_gradient = equations.shared_gradient
-        curvature = np.einsum("pss->ps", equations.shared)
-        free = ~((value <= unknowns.low) & (shared_gradient > 0.0))
-        free &= ~((value >= unknowns.high) & (shared_gradient < 0.0))
-        free &= curvature > 0.0
-        b = equations.cross * (keep[..., None] & free[:, None, None])
-        right = -equations.own_gradient * keep
-        both = np.concatenate([b, right[..., None]], axis=3)
-        solved = both / a if k == 1 else np.linalg.solve(a, both)
-        step = np.zeros_like(value)
-        if np.any(free):
-            across = np.swapaxes(b.reshape(problems, bands * k, -1), 1, 2)
-            reduced = across @ solved.reshape(problems, bands * k, -1)
-            size = np.sqrt(np.where(free, curvature, 1.0))
-            schur = equations.shared - reduced[:, :, :-1]
-            schur = schur / (size[:, :, None] * size[:, None])
-            schur = np.where(free[:, :, None] & free[:, None], schur, 0.0)
-            # Unknowns that are not free get the identity; the damping is relative to the diagonal.
-            np.einsum("pss->ps", schur)[...] += np.where(free, damping[:, None] + 1e-12, 1.0)
-            aim = np.where(free, (-shared_gradient - reduced[:, :, -1]) / size, 0.0)
-            step = np.linalg.solve(schur, aim[..., None])[..., 0] / size
-        step = np.clip(step, -unknowns.limit, unknowns.limit)
-        own = solved[..., -1] - (solved[..., :-1] @ step[:, None, :, None])[..., 0]
-        current = np.maximum(current + own, 0.0)
-        value = np.clip(value + step, unknowns.low, unknowns.high)
-        own_ks = np.swapaxes(current[:, :, 1:], 1, 2)
-        return unknowns.replaced(states, value, current[:, :, 0], own_ks)
