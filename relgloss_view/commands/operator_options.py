@@ -76,7 +76,7 @@ def shown_by(operator: Operator, frame: Frame) -> Displayed | None:
         return None
     shown = operator.draw(frame)
     told = []
-    if not operator.uses_c and not (frame.look.c is None and frame.look.c_fraction is None):
+    if not operator.uses_c and frame.look != frame.look.without_c():
         told.append(f"{operator.name} takes no account of c, which is the split's")
     if frame.look.quality == AUTO:
         told.append(

@@ -15,7 +15,7 @@ from relgloss_view.material.files import load_material
 from relgloss_view.picture.backends import BACKENDS
 from relgloss_view.picture.model.view import check_size
 from relgloss_view.picture.scene.look import QUALITIES, Look
-from relgloss_view.picture.scene.samples import DEFAULT_SAMPLE, SAMPLES, load_sample
+from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, SAMPLES, load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.scene_file import TABLES, build, load_scene
 
@@ -106,8 +106,7 @@ def scene_from(args: argparse.Namespace) -> tuple[Scene, Look, tuple[int, int]]:
                 f"--matched: there are published settings for --sample {', '.join(SAMPLES)} only; "
                 "give --sigma-n and --c-fraction"
             )
-        matched = SAMPLES[args.sample or DEFAULT_SAMPLE]
-        look = _changed(look, matched.sigma_n_deg, None, matched.c_fraction)
+        look = look.at(SAMPLES[args.sample or DEFAULT_SAMPLE])
     look = _changed(
         look,
         getattr(args, "sigma_n", None),

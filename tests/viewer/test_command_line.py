@@ -17,8 +17,9 @@ from hypothesis import strategies as st
 from relgloss_view.base.errors import InputError
 from relgloss_view.cli import _parser
 from relgloss_view.commands.scene_options import scene_from
+from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.viewer.state.command_line import snapshot_command
-from relgloss_view.viewer.state.state import SIDES, Sample, State
+from relgloss_view.viewer.state.state import SIDES, State
 
 
 @pytest.fixture(scope="module")
@@ -63,11 +64,11 @@ def test_gain_and_offset_that_agree_only_together():
     """Neither may be set alone where the other stands at its default or a scene file's value."""
     state = State.initial().with_part("display", gain=0.3, offset=-0.2)
     command = snapshot_command(state, "test", (8, 8), "a.png")
-    assert drawn_by(command)[0][0].display == state.display
+    assert drawn_by(command)[0][0].display == state.setup.display
     swapped = command.replace("display.gain=0.3", "X").replace("display.offset=-0.2", "Y")
     swapped = swapped.replace("X", "display.offset=-0.2").replace("Y", "display.gain=0.3")
     assert swapped != command
-    assert drawn_by(swapped)[0][0].display == state.display
+    assert drawn_by(swapped)[0][0].display == state.setup.display
 
 
 def test_a_relative_file_is_named_in_full(tmp_path, monkeypatch):

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.parameters import Checked, choice, parameter, whole_number
 from relgloss_view.material.material import DIFFUSE_MODELS
+from relgloss_view.picture.scene.setting import FULL_SHARE, Setting
 
 GRAINS = ("screen", "surface")
 NOISE_LAWS = ("paper", "tangent")
@@ -18,7 +20,8 @@ NOISY_LOBES = ("both", "specular")
 class Look(Checked):
     """What is tuned by eye: graininess sigma_N and the scaling c of the specular L*.
 
-    c is given either as a value or as a fraction of the exact c_max; both None means c_max.
+    c is given either as a value or as a share of the exact c_max; both None means c_max. `setting`
+    reads them and `at` changes them together.
     """
 
     sigma_n_deg: float = parameter(
@@ -48,3 +51,20 @@ class Look(Checked):
         super().__post_init__()
         if self.c is not None and self.c_fraction is not None:
             raise InputError("look: give c or c_fraction, not both")
+
+    @property
+    def setting(self) -> Setting:
+        """sigma_N and c of this look; without either form of c, the share is 1."""
+        share = FULL_SHARE if self.c_fraction is None else self.c_fraction
+        return Setting(self.sigma_n_deg, share, self.c)
+
+    def at(self, setting: Setting) -> Look:
+        """The look with another sigma_N and c; InputError where they are out of range."""
+        share = setting.c_fraction if setting.c is None else None
+        return dataclasses.replace(
+            self, sigma_n_deg=setting.sigma_n_deg, c=setting.c, c_fraction=share
+        )
+
+    def without_c(self) -> Look:
+        """The look that asks for no c, for what c does not change."""
+        return dataclasses.replace(self, c=None, c_fraction=None)

@@ -13,10 +13,8 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.toml import AUTO, plain
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.operators.registry import DEFAULT_OPERATOR
-from relgloss_view.picture.scene.scene_file import TABLES
 from relgloss_view.picture.scene.scene_writer import check_sample
 from relgloss_view.viewer.state.state import State
-from relgloss_view.viewer.state.state_file import scene_sample
 
 #: Entries of the look that have an option of their own.
 _OPTIONS = {
@@ -38,7 +36,7 @@ def snapshot_command(
     no file, its file is gone or a name is not UTF-8 and could not be pasted.
     """
     words = ["relgloss", "snapshot", *_sample(state, side)]
-    parts = {name: getattr(state, name) for name in TABLES if name != "look"}
+    parts = state.setup.parts()
     parts["look"] = state.side(side).look
     for name, option in _OPTIONS.items():
         value = getattr(parts["look"], name)
@@ -60,7 +58,7 @@ def snapshot_command(
 
 def _sample(state: State, side: str) -> list[str]:
     sample = state.side(side).sample
-    check_sample(scene_sample(sample))
+    check_sample(sample)
     if sample.name is not None:
         return ["--sample", sample.name]
     return _option("--material", "--material", _text(str(Path(str(sample.file)).absolute())))
