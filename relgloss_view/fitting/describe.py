@@ -1,4 +1,4 @@
-"""A fit in words and a table, for the terminal."""
+"""A fit as text for the terminal: the candidates in a table, the chosen model, the warnings."""
 
 from __future__ import annotations
 

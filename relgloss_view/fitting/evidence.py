@@ -56,7 +56,7 @@ def judge(fit: ChosenFit) -> Verdict:
         quality = Quality.UNIDENTIFIABLE if quality == Quality.GOOD else quality
         grounds.append(
             "the lobe is narrower than the grid sees: s is unidentifiable, at most "
-            f"{width.s_deg_upper:.2g} deg; a finer scan across the mirror direction would tell"
+            f"{width.s_deg_upper:.2g} deg; a finer scan across the mirror direction would show it"
         )
     index_bounds = verdict.index_bounds(few, best)
     return Verdict(residuals, quality, tuple(grounds), width, index_bounds, None)

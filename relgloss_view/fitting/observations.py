@@ -21,8 +21,8 @@ FLOOR_OF_MEDIAN = 0.02
 LEAST_FLOOR = 1e-9
 #: No surface's brightest direction is darker: light traps reach 1e-5.
 DARKEST = 1e-6
-#: A channel of linear sRGB at or below zero says "outside the gamut", not "nothing": it is held
-#: against the brightness of the same sample.
+#: A channel of linear sRGB at or below zero means "outside the gamut", not "nothing": it is
+#: compared with the brightness of the same sample.
 OUT_OF_GAMUT_SLACK = 0.1
 FEWEST_SAMPLES = 12
 SEARCH_BANDS = 5

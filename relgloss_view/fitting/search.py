@@ -49,18 +49,18 @@ def solve(
 ) -> Solution:
     """The best optimum of a rung: scan the widths, refine the best few and the warm starts.
 
-    n: refractive index of all lobes. start_s_deg: anchors the scan. Raises nothing.
+    n: refractive index of all lobes. start_s_deg: anchors the scan.
     """
     problem = Problem(observations, rung)
     if rung.lobes == 0:
         roughness = np.array((FIRST_T, 0.15) if rung.rough else (0.0,))
-        starts, _ = _begin(problem, roughness, np.empty((len(roughness), 0)), n)
+        starts, _ = _linear_guess(problem, roughness, np.empty((len(roughness), 0)), n)
         best = [starts[k] for k in range(len(starts))]
     else:
         steps = ONE_LOBE_STEPS if rung.lobes == 1 else TWO_LOBE_STEPS
         grid = widths(steps, start_s_deg)
         log_s = np.array(list(combinations(grid, rung.lobes)))
-        starts, errors = _begin(problem, np.full(len(log_s), FIRST_T), log_s, n)
+        starts, errors = _linear_guess(problem, np.full(len(log_s), FIRST_T), log_s, n)
         # Starts beside one another lead to the same optimum: take each valley's best.
         pitch = 1.1 * (grid[1] - grid[0])
         best = []
@@ -73,7 +73,7 @@ def solve(
     return min(refine(problem, [*best, *warm]), key=lambda s: s.loss)
 
 
-def _begin(problem: Problem, t: Array, log_s: Array, n: float) -> tuple[States, Array]:
+def _linear_guess(problem: Problem, t: Array, log_s: Array, n: float) -> tuple[States, Array]:
     """The linear unknowns at P sets of nonlinear ones, and the mean errors (P,)."""
     index = np.full(log_s.shape, n)
     columns = problem.columns(t, log_s, index)

@@ -147,7 +147,7 @@ def index_bounds(observations: Observations, candidate: Candidate) -> IndexBound
 
 
 def width_bounds(observations: Observations, candidate: Candidate) -> WidthBounds:
-    """The widths of the main lobe that the samples cannot tell from the fitted one."""
+    """The widths of the main lobe that fit the samples no worse than the fitted one."""
     state = candidate.solution.state
     main = main_lobe(state)
     low, high = width_interval(observations, candidate, main)

@@ -247,7 +247,7 @@ def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(result) != len(pairs):
         seen: set[str] = set()
         twice = next(k for k, _ in pairs if k in seen or seen.add(k))  # type: ignore[func-returns-value]
-        raise ValueError(f"the field {printable(twice, 40)!r} stands twice")
+        raise ValueError(f"the field {printable(twice, 40)!r} appears twice")
     return result
 
 

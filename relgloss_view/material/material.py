@@ -1,4 +1,4 @@
-"""Material: what the sample is. A diffuse part, up to two specular lobes, the fit's evidence."""
+"""Material: a diffuse part, up to two specular lobes and the evidence of the fit."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ class FitRecord:
 _UNEXPLAINED = {
     Quality.POOR: "the fit is poor: the model does not describe this sample well",
     Quality.UNIDENTIFIABLE: (
-        "the fit is unidentifiable: the measurement does not tell the lobe's width"
+        "the fit is unidentifiable: the measurement leaves the lobe's width open"
     ),
 }
 

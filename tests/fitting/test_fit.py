@@ -1,4 +1,4 @@
-"""Measurement to material: the ladder's choice, what it must not invent, and what it must admit."""
+"""Measurement to material: the choice of the ladder, lobes it must not invent, its doubts."""
 
 from __future__ import annotations
 
@@ -68,13 +68,13 @@ def test_no_lobe_is_invented(noise_seed: int) -> None:
 
 
 def test_a_lobe_above_the_bound_is_found() -> None:
-    """Control: the bound of a sample without a lobe is not empty talk."""
+    """Control: a lobe 20 times as strong as the bound is in the fit."""
     bare = fitted((), 0.1)
     assert bare.fit is not None
     bounds = bare.fit.bounds["no_lobe"]
     upper = dict(zip(bounds["s_deg"], bounds["strength_upper"], strict=True))[3.0]
-    found = fitted(((3.0, 20.0 * upper),), 0.1)
-    assert [lobe.s_deg for lobe in found.specular] == pytest.approx([3.0], rel=0.1)
+    material = fitted(((3.0, 20.0 * upper),), 0.1)
+    assert [lobe.s_deg for lobe in material.specular] == pytest.approx([3.0], rel=0.1)
 
 
 def test_a_lobe_narrower_than_the_grid_is_unidentifiable() -> None:
@@ -90,7 +90,7 @@ def test_a_lobe_narrower_than_the_grid_is_unidentifiable() -> None:
 
 
 def test_a_width_read_off_the_foot_of_a_lobe_is_not_trusted() -> None:
-    """Beyond three standard deviations no real lobe is Gaussian: its width is not known there."""
+    """Beyond three standard deviations no real lobe is Gaussian, so its foot gives no width."""
     value = fit_cases.truth(((0.7, 1.0),), grid=fit_cases.COARSE)
     f = fit_cases.facing(fit_cases.COARSE)
     foot = np.exp(-np.degrees(np.sqrt(f.delta2)) / 1.5)  # an exponential tail, invented
@@ -216,7 +216,7 @@ def test_source_and_warnings_of_the_measurement_stay() -> None:
     assert material.warnings[0] == "the mirror ridge lies at gamma = 0"
 
 
-def test_progress_is_told_and_can_cancel() -> None:
+def test_progress_is_reported_and_can_cancel() -> None:
     seen: list[float] = []
 
     def progress(fraction: float, text: str) -> bool:
