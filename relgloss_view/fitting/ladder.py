@@ -3,7 +3,7 @@
 Each rung is cross-validated by leaving out whole groups (incidence planes). A rung is enough when
 it is no worse than the best by more than one standard error of the paired difference over groups,
 or by no more than what matters: where noise is correlated between bands and geometries, larger
-models go on winning by amounts that nobody could see.
+models keep gaining by amounts that nobody could see.
 """
 
 from __future__ import annotations
@@ -43,11 +43,11 @@ LADDER = (
 )
 MODELS = ("auto", *(rung.name for rung in LADDER))
 FOLD_ROUNDS = 4
-#: Differences in the held-out logarithmic error that do not matter: what a misfit of about 0.6 %
-#: of the reflectance adds to noise, or 3 % of the error that is there anyway.
+#: Differences in the held-out logarithmic error that do not matter: a misfit of about 0.6 % of the
+#: reflectance adds the first to noise; the second is a share of the smaller model's error.
 RELEVANT = 0.0005
 RELEVANT_SHARE = 0.03
-#: Refractive index and strength are correlated, so freeing the index must pay ten times its cost.
+#: The same share for a freed refractive index, larger because index and strength are correlated.
 RELEVANT_SHARE_INDEX = 0.10
 
 
