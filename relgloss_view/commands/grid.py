@@ -21,7 +21,12 @@ from relgloss_view.commands.operator_options import (
     shown_by,
 )
 from relgloss_view.commands.output_folder import own_folder
-from relgloss_view.commands.scene_options import add_scene_options, printable_command, scene_from
+from relgloss_view.commands.scene_options import (
+    add_scene_options,
+    printable_command,
+    scene_from,
+    scene_words_of,
+)
 from relgloss_view.picture.scene.setting import Setting
 
 if TYPE_CHECKING:
@@ -164,14 +169,7 @@ def _varying(numbers: dict[str, Any]) -> dict[str, Any]:
 
 def _command(args: argparse.Namespace, sigma_n_deg: float, sixths: int | None, name: str) -> str:
     """The snapshot that draws the same stimulus."""
-    words = ["snapshot"]
-    for option in ("sample", "material", "scene", "seed", "samples"):
-        value = getattr(args, option)
-        words += [f"--{option}", str(value)] if value is not None else []
-    for setting in args.set:
-        words += ["--set", setting]
-    width, height = args.size
-    words += [*operator_words(args), "--size", f"{width}x{height}", "--backend", args.backend]
+    words = ["snapshot", *scene_words_of(args), *operator_words(args)]
     words += ["--sigma-n", f"{sigma_n_deg:g}"]
     words += ["--c-fraction", repr(sixths / 6)] if sixths else []
     return printable_command([*words, "-o", name])
