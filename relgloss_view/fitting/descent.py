@@ -29,24 +29,25 @@ def refine(
     steps, trials = np.zeros(len(states), dtype=int), np.zeros(len(states), dtype=int)
     solutions: dict[int, Solution] = {}
     while len(place):
-        step = _step(problem.unknowns, states, problem.equations(columns, misfit, states), damping)
-        ahead_columns = problem.columns(step.t, step.log_s, step.n)
-        step, ahead = problem.reweighted(ahead_columns, step)
-        accepted = ahead.loss <= misfit.loss
-        moved = np.abs(step.t - states.t) + np.sum(np.abs(step.log_s - states.log_s), axis=1)
-        moved = moved + np.sum(np.abs(step.n - states.n), axis=1)
-        small = (moved < tolerance) | (misfit.loss - ahead.loss < 1e-3 * tolerance * ahead.loss)
+        equations = problem.equations(columns, misfit, states)
+        trial = gauss_newton_step(problem.unknowns, states, equations, damping)
+        trial_columns = problem.columns(trial.t, trial.log_s, trial.n)
+        trial, trial_misfit = problem.reweighted(trial_columns, trial)
+        accepted = trial_misfit.loss <= misfit.loss
+        moved = np.abs(trial.t - states.t) + np.sum(np.abs(trial.log_s - states.log_s), axis=1)
+        moved = moved + np.sum(np.abs(trial.n - states.n), axis=1)
+        gained = misfit.loss - trial_misfit.loss
+        small = (moved < tolerance) | (gained < 1e-3 * tolerance * trial_misfit.loss)
         converged = np.where(accepted, small, trials == TRIALS - 1)
         steps, trials = steps + accepted, np.where(accepted, 0, trials + 1)
-        damping = np.where(
-            accepted, np.maximum(damping * 0.1, 1e-9), np.maximum(damping * 10.0, 1e-3)
-        )
+        less, more = np.maximum(damping * 0.1, 1e-9), np.maximum(damping * 10.0, 1e-3)
+        damping = np.where(accepted, less, more)
         if np.all(accepted):
-            states, columns, misfit = step, ahead_columns, ahead
+            states, columns, misfit = trial, trial_columns, trial_misfit
         elif np.any(accepted):
-            states = states.updated(accepted, step)
-            columns[accepted] = ahead_columns[accepted]
-            for part, new in zip(misfit, ahead, strict=True):
+            states = states.updated(accepted, trial)
+            columns[accepted] = trial_columns[accepted]
+            for part, new in zip(misfit, trial_misfit, strict=True):
                 part[accepted] = new[accepted]
         done = converged | (steps == rounds)
         if not np.any(done):
@@ -61,8 +62,14 @@ def refine(
     return [solutions[k] for k in range(len(solutions))]
 
 
-def _step(unknowns: SharedUnknowns, states: States, equations: Equations, damping: Array) -> States:
-    """One damped Gauss-Newton step within the bounds, the own unknowns eliminated first."""
+def gauss_newton_step(
+    unknowns: SharedUnknowns, states: States, equations: Equations, damping: Array
+) -> States:
+    """One step within the bounds, with Levenberg and Marquardt's damping (P,) of the diagonal.
+
+    The own unknowns of each band are eliminated first. An own unknown that is zero and would become
+    negative is held, as is a shared one at a bound.
+    """
     problems, bands, k = equations.own_gradient.shape
     current = np.concatenate([states.kd[:, None], states.ks[:, : k - 1]], axis=1)
     current = np.swapaxes(current, 1, 2)

@@ -68,7 +68,7 @@ class Problem:
     ) -> None:
         self.rung, self.alpha, self.bands = rung, alpha, observations.bands
         self.unknowns = shared_unknowns(rung)
-        self._g = observations.geometry
+        self.geometry = observations.geometry
         self._value = np.ascontiguousarray(observations.value.T)
         self._floor = np.ascontiguousarray(observations.floor.T)
         self._seen = self._value + self._floor
@@ -81,25 +81,25 @@ class Problem:
         """(P, C, N): columns of D1, D2 and the lobes, then their derivatives (see shapes)."""
         lobes, count = self.rung.lobes, 2 + self.rung.lobes
         freed = lobes if self.rung.free_index else 0
-        columns = np.empty((len(t), 2 * count + freed, len(self._g.along)))
+        columns = np.empty((len(t), 2 * count + freed, len(self.geometry.along)))
         columns[:, 0], columns[:, 1], columns[:, count], columns[:, count + 1] = diffuse_columns(
-            self._g, t
+            self.geometry, t
         )
         for j in range(lobes):
-            facets, slope = facet_columns(self._g, log_s[:, j])
+            facets, slope = facet_columns(self.geometry, log_s[:, j])
             lobe = facets * self._fresnel(n[:, j])
             columns[:, 2 + j], columns[:, count + 2 + j] = lobe, lobe * slope
             if freed:
-                columns[:, 2 * count + j] = lobe * index_slope(self._g, n[:, j])
+                columns[:, 2 * count + j] = lobe * index_slope(self.geometry, n[:, j])
         return columns
 
     def _fresnel(self, n: Array) -> Array:
         """(P, N) or, where all indices are one held value, (N,)."""
         first = float(n[0])
         if self.rung.free_index or np.any(n != first):
-            return brdf.fresnel_dielectric(self._g.facing.cos_d, n[:, None])
+            return brdf.fresnel_dielectric(self.geometry.facing.cos_d, n[:, None])
         if first not in self._reflectance:
-            self._reflectance[first] = brdf.fresnel_dielectric(self._g.facing.cos_d, first)
+            self._reflectance[first] = brdf.fresnel_dielectric(self.geometry.facing.cos_d, first)
         return self._reflectance[first]
 
     def model(self, columns: Array, kd: Array, ks: Array) -> Array:

@@ -61,16 +61,23 @@ def solve(
         grid = widths(steps, start_s_deg)
         log_s = np.array(list(combinations(grid, rung.lobes)))
         starts, errors = _linear_guess(problem, np.full(len(log_s), FIRST_T), log_s, n)
-        # Starts beside one another lead to the same optimum: take each valley's best.
-        pitch = 1.1 * (grid[1] - grid[0])
-        best = []
-        for k in np.argsort(errors, kind="stable"):
-            state = starts[k]
-            if all(np.max(np.abs(state.log_s - other.log_s)) > pitch for other in best):
-                best.append(state)
-            if len(best) == REFINED:
-                break
+        best = lowest_of_valleys(starts, errors, pitch=1.1 * (grid[1] - grid[0]))
     return min(refine(problem, [*best, *warm]), key=lambda s: s.loss)
+
+
+def lowest_of_valleys(states: States, errors: Array, pitch: float) -> list[State]:
+    """The REFINED states of the lowest errors (P,) that differ by more than `pitch` in some ln s.
+
+    Starts beside one another lead to the same optimum.
+    """
+    best: list[State] = []
+    for k in np.argsort(errors, kind="stable").tolist():
+        state = states[k]
+        if all(np.max(np.abs(state.log_s - other.log_s)) > pitch for other in best):
+            best.append(state)
+        if len(best) == REFINED:
+            break
+    return best
 
 
 def _linear_guess(problem: Problem, t: Array, log_s: Array, n: float) -> tuple[States, Array]:

@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 
 from relgloss_view.base.errors import FitCancelled, InputError
-from relgloss_view.fitting import MODELS, describe_fit, fit_material
+from relgloss_view.fitting import MODELS, describe_fit, fit_material, observations
 from relgloss_view.fitting.ladder import Candidate
 from relgloss_view.fitting.model import Rung, Solution, State
-from relgloss_view.fitting.verdict import standard_errors
+from relgloss_view.fitting.results import POOR_MEDIAN, POOR_MEDIAN_NEAR, Part
+from relgloss_view.fitting.verdict import NEAR_MIRROR_DEG, residuals, standard_errors
 from relgloss_view.material import brdf
 from relgloss_view.material.material import Material
 from relgloss_view.measure import table
@@ -85,7 +86,8 @@ def test_a_lobe_narrower_than_the_grid_is_unidentifiable() -> None:
     bounds = fit.bounds["main_lobe"]
     assert bounds["s_deg_lower"] is None
     assert 0.3 < bounds["s_deg_upper"] < 1.5  # five degrees off the mirror it would show
-    assert any("unidentifiable" in text for text in material.warnings)
+    assert any("unidentifiable" in text for text in fit.grounds)
+    assert material.warnings == fit.warnings == fit.grounds
     assert material.specular[0].s_deg <= bounds["s_deg_upper"]
 
 
@@ -117,7 +119,8 @@ def test_a_flake_film_is_poor() -> None:
     assert material.fit is not None
     assert f.mu_i.shape == stripes.shape
     assert material.fit.quality == "poor"
-    assert any("no model describes" in text for text in material.warnings)
+    assert any("no model describes" in text for text in material.fit.grounds)
+    assert material.warnings[: len(material.fit.grounds)] == material.fit.grounds
 
 
 def test_index_hides_behind_strength_and_is_held() -> None:
@@ -286,3 +289,43 @@ def test_the_jackknife_of_a_mean_is_its_standard_error() -> None:
     error = standard_errors(candidate).albedo_relative
     expected = np.std(groups, ddof=1) / np.sqrt(len(groups)) / np.mean(groups)
     assert error == pytest.approx(expected, rel=1e-3)  # kept to four digits
+
+
+def test_residuals_of_a_scaled_model_are_closed_forms() -> None:
+    """A model 10 % too bright near the mirror and 4 % too dark elsewhere, on a known grid."""
+    measurement = fit_cases.measured(fit_cases.truth(LOBE, grid=SMALL), noise=0.0, grid=SMALL)
+    data = observations.prepare(measurement)
+    cosine = (data.geometry.facing.mu_i * data.geometry.facing.mu_o)[:, None]
+    near = np.sqrt(data.geometry.facing.delta2) < np.radians(NEAR_MIRROR_DEG)
+    share = np.where(near, 0.1, -0.04)[:, None]
+    measures = residuals(measurement, data, data.value * (1.0 + share))
+    assert measures.near_mirror.median_relative_error == pytest.approx(0.1)
+    assert measures.far.median_relative_error == pytest.approx(0.04)
+    assert measures.near_mirror.values == 4 * np.sum(near)
+    assert measures.near_mirror.values + measures.far.values == measures.values == data.value.size
+    assert measures.median_relative_error == pytest.approx(0.04)
+    assert measures.p90_relative_error == pytest.approx(0.1)
+    linear = data.value * share * cosine / np.pi
+    root = np.cbrt(data.value * cosine / np.pi) * (np.cbrt(1.0 + share) - 1.0)
+    # Kept to four digits.
+    assert measures.cosine_weighted_rms == pytest.approx(np.sqrt(np.mean(linear**2)), rel=5e-4)
+    assert measures.cube_root_rms == pytest.approx(np.sqrt(np.mean(root**2)), rel=5e-4)
+    assert measures.samples == len(data.value)
+    assert not measures.poor
+
+
+@pytest.mark.parametrize(
+    ("median", "near", "poor"),
+    [
+        (POOR_MEDIAN, POOR_MEDIAN_NEAR, False),
+        (1.001 * POOR_MEDIAN, 0.0, True),
+        (0.0, 1.001 * POOR_MEDIAN_NEAR, True),
+        (POOR_MEDIAN, None, False),
+    ],
+)
+def test_either_median_makes_a_fit_poor(median: float, near: float | None, poor: bool) -> None:
+    measurement = fit_cases.measured(fit_cases.truth(LOBE, grid=SMALL), grid=SMALL)
+    data = observations.prepare(measurement)
+    measures = residuals(measurement, data, data.value)
+    part = Part(near, 0 if near is None else 4)
+    assert replace(measures, median_relative_error=median, near_mirror=part).poor is poor

@@ -40,6 +40,26 @@ def test_arrow_is_scipys_solution_of_the_stacked_problem(seed: int, shared: int)
     common = common * 10.0 ** rng.uniform(-1, 2, (problems, 1, 1, shared))
     target = rng.standard_normal((problems, bands, rows))
     target = target + rng.uniform(-0.5, 2.0, (problems, 1, 1))
+    assert_scipys_solution(own, common, target)
+
+
+def test_of_two_columns_alike_the_better_one_is_kept() -> None:
+    """Where either shared column alone may be positive, the objective decides."""
+    rng = np.random.default_rng(1)
+    problems, bands, rows = 300, 4, 8
+    own = rng.uniform(0.1, 1.0, (problems, bands, rows))
+    alike = rng.uniform(0.0, 1.0, (problems, bands, rows, 1))
+    common = alike + rng.uniform(0.0, 0.4, (problems, bands, rows, 2))
+    target = alike[..., 0] + 0.7 * rng.standard_normal((problems, bands, rows))
+    y = assert_scipys_solution(own, common, target)
+    one = np.sum(y > 0.0, axis=1) == 1
+    assert np.sum(one & (y[:, 0] > 0.0)) > 30
+    assert np.sum(one & (y[:, 1] > 0.0)) > 30
+
+
+def assert_scipys_solution(own: np.ndarray, common: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """Own columns (P, B, N), shared ones (P, B, N, J), targets (P, B, N). Returns y (P, J)."""
+    problems, bands, rows, shared = common.shape
     x, y = linear.nnls_arrow(
         np.sum(own**2, axis=2),
         np.einsum("pbn,pbnj->pbj", own, common),
@@ -59,6 +79,7 @@ def test_arrow_is_scipys_solution_of_the_stacked_problem(seed: int, shared: int)
         # The optimum is what counts: where it is flat the unknowns may differ more than it.
         assert np.linalg.norm(dense @ solution - target[p].ravel()) <= residual + 1e-6
         np.testing.assert_allclose(solution, expected, atol=1e-4 * (1.0 + np.max(expected)))
+    return y
 
 
 def test_unconstrained_least_squares_is_another_solution() -> None:

@@ -9,8 +9,15 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from relgloss_view.fitting import ladder, model, observations, search
-from relgloss_view.fitting.descent import refine
+from relgloss_view.fitting import (
+    ladder,
+    model,
+    observations,
+    search,
+    shapes,
+    unknowns,
+)
+from relgloss_view.fitting.descent import gauss_newton_step, refine
 from relgloss_view.fitting.ladder import LADDER
 from relgloss_view.fitting.problem import Problem
 from relgloss_view.fitting.unknowns import shared_unknowns
@@ -150,6 +157,142 @@ def test_the_gradient_is_that_of_the_loss(rung: model.Rung) -> None:
             assert (high - low) / (2 * h) == pytest.approx(slope, rel=1e-5, abs=1e-7)
 
 
+def dense_step(
+    data: observations.Observations, rung: model.Rung, state: model.State, damping: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss-Newton without any structure: dense, its Jacobian by central differences.
+
+    Returns the steps of the shared unknowns (S,) and of each band's own (B, K). An own unknown that
+    is zero and would leave its bound is held.
+    """
+    places = shared_unknowns(rung)
+    bands, own_lobes = 4, rung.lobes if rung.spectral else 0
+    shared = places.values(model.States.of([state]))[0]
+    own = np.column_stack([state.kd, *state.ks[:own_lobes]])
+
+    def residual(x: np.ndarray) -> np.ndarray:
+        values, linear_unknowns = x[: len(shared)], x[len(shared) :].reshape(bands, -1)
+        ks = linear_unknowns[:, 1:].T if own_lobes else state.ks
+        moved = places.replaced(
+            model.States.of([state]), values[None], linear_unknowns[None, :, 0], ks[None]
+        )[0]
+        return model.log_residual(data, model.predict(data.geometry, moved)).ravel()
+
+    x = np.concatenate([shared, own.ravel()])
+    h = 1e-6
+    jacobian = np.column_stack(
+        [(residual(x + d) - residual(x - d)) / (2 * h) for d in h * np.eye(len(x))]
+    )
+    weight = data.weight.ravel() / np.sqrt(1.0 + (residual(x) / model.TAU) ** 2)
+    matrix = jacobian.T @ (weight[:, None] * jacobian)
+    gradient = jacobian.T @ (weight * residual(x))
+    free = (np.arange(len(x)) < len(shared)) | (x > 0.0) | (gradient < 0.0)
+    matrix = matrix + damping * np.diag(np.diag(matrix))
+    step = np.zeros(len(x))
+    step[free] = -np.linalg.solve(matrix[np.ix_(free, free)], gradient[free])
+    return step[: len(shared)], step[len(shared) :].reshape(bands, -1)
+
+
+@pytest.mark.parametrize("rung", RIVALS, ids=lambda r: f"{r.name}{r.free_index:d}")
+@pytest.mark.parametrize("dark", [False, True])
+def test_a_step_is_that_of_dense_least_squares(rung: model.Rung, dark: bool) -> None:
+    """Elimination band by band gives the step of the whole system; dark: with albedos at zero."""
+    data = prepared(((3.0, 1.0),), noise=0.05)
+    state = starts_of(rung, count=8)[2]
+    if dark:  # far too bright and wide lobes: the gradient keeps the albedo of some bands at zero
+        wide = np.log(np.radians([38.0, 30.0][: rung.lobes]))
+        kd = np.array([0.0, 0.3, 0.0, 0.2])
+        state = replace(state, log_s=wide, kd=kd, ks=state.ks + 3.0)
+    states, damping = model.States.of([state]), 3.0
+    problem = Problem(data, rung)
+    columns = problem.columns(states.t, states.log_s, states.n)
+    misfit = problem.misfit(problem.model(columns, states.kd, states.ks))
+    equations = problem.equations(columns, misfit, states)
+    moved = gauss_newton_step(problem.unknowns, states, equations, np.array([damping]))
+    shared, own = dense_step(data, rung, state, damping)
+    before = problem.unknowns.values(states)[0]
+    after = np.clip(before + shared, problem.unknowns.low, problem.unknowns.high)
+    assert np.all(np.abs(shared) < problem.unknowns.limit)
+    np.testing.assert_allclose(problem.unknowns.values(moved)[0], after, rtol=1e-5, atol=1e-7)
+    np.testing.assert_allclose(
+        moved.kd[0], np.maximum(state.kd + own[:, 0], 0.0), rtol=1e-5, atol=1e-7
+    )
+    if dark:
+        assert np.any(own[:, 0] == 0.0)
+    if rung.spectral:
+        expected = np.maximum(state.ks + own[:, 1:].T, 0.0)
+        np.testing.assert_allclose(moved.ks[0], expected, rtol=1e-5, atol=1e-7)
+
+
+def test_a_step_in_width_is_limited() -> None:
+    """From a lobe that is 20 times too wide the step is the limit, and the bounds hold."""
+    rung = RUNGS["lobe"]
+    data = prepared(((1.0, 1.0),), noise=0.0)
+    states = model.States.of([replace(starts_of(rung)[0], log_s=np.log(np.radians([20.0])))])
+    problem = Problem(data, rung)
+    columns = problem.columns(states.t, states.log_s, states.n)
+    misfit = problem.misfit(problem.model(columns, states.kd, states.ks))
+    equations = problem.equations(columns, misfit, states)
+    moved = gauss_newton_step(problem.unknowns, states, equations, np.zeros(1))
+    assert abs(moved.log_s[0, 0] - states.log_s[0, 0]) == pytest.approx(unknowns.WIDTH_STEP)
+
+
+@pytest.mark.parametrize("rounds", [1, 3])
+def test_a_descent_takes_no_more_steps_than_asked(rounds: int) -> None:
+    taken: list[int] = []
+
+    class Counted(Problem):
+        def equations(self, columns, misfit, states):
+            taken.append(len(states))
+            return super().equations(columns, misfit, states)
+
+    data = prepared(((2.5, 0.9),), noise=0.0)
+    solution = refine(Counted(data, RUNGS["lobe"]), starts_of(RUNGS["lobe"])[1:2], rounds)[0]
+    assert not solution.converged
+    assert len(taken) == rounds
+
+
+def test_a_refused_step_is_tried_again_with_more_damping() -> None:
+    """A loss that refuses steps of more than half the undamped one still lets the descent move."""
+    rung = RUNGS["lobe"]
+    data = prepared(((2.5, 0.9),), noise=0.03)
+    start = starts_of(rung)[1]
+    free = refine(Problem(data, rung), [start], rounds=1)[0].state.log_s[0] - start.log_s[0]
+    assert abs(free) > 0.1
+
+    class Steep(Problem):
+        def reweighted(self, columns, states):
+            states, misfit = super().reweighted(columns, states)
+            far = np.abs(states.log_s[:, 0] - start.log_s[0]) > 0.5 * abs(free)
+            return states, misfit._replace(loss=np.where(far, 1e9, misfit.loss))
+
+    moved = refine(Steep(data, rung), [start], rounds=1)[0].state.log_s[0] - start.log_s[0]
+    assert 0.01 * abs(free) < abs(moved) <= 0.5 * abs(free)
+
+
+def test_starts_come_from_different_valleys() -> None:
+    """Errors over ten widths with valleys at 2 and 7: a valley's neighbours are passed over."""
+    width = np.arange(10.0)
+    errors = np.minimum(np.abs(width - 2.0), 0.1 + np.abs(width - 7.0))
+    one = np.ones((10, 1))
+    states = model.States(one[:, 0], width[:, None], one, one, one[:, :, None])
+    starts = search.lowest_of_valleys(states, errors, pitch=1.1)
+    assert [float(state.log_s[0]) for state in starts] == [2.0, 7.0, 0.0]
+    # Control: without a pitch they are the lowest three.
+    starts = search.lowest_of_valleys(states, errors, pitch=-1.0)
+    assert [float(state.log_s[0]) for state in starts] == [2.0, 7.0, 1.0]
+
+
+def test_a_held_index_of_each_state_counts() -> None:
+    problem = Problem(prepared(((2.5, 0.9),), noise=0.0), RUNGS["lobe"])
+    log_s, n = np.full((2, 1), -3.0), np.array([[1.5], [1.7]])
+    columns = problem.columns(np.zeros(2), log_s, n)
+    for k in range(2):
+        lobe, slope = shapes.lobe_columns(problem.geometry, log_s[k, 0], n[k, 0])
+        np.testing.assert_allclose(columns[k, 2], lobe, rtol=1e-12)
+        np.testing.assert_allclose(columns[k, 5], slope, rtol=1e-12)
+
+
 def starts_of(rung: model.Rung, *, count: int = 4) -> list[model.State]:
     """Starts near and far: some steps are refused, and the descents end at different times."""
     spread = np.linspace(0.0, 1.0, count)
@@ -244,20 +387,20 @@ def test_shared_unknowns_keep_their_places(rung: model.Rung) -> None:
     """A state taken apart and put together is the same, and each unknown moves only itself."""
     state = starts_of(rung)[1]
     states = model.States.of([state, replace(state, t=0.07)])
-    unknowns = shared_unknowns(rung)
-    values = unknowns.values(states)
+    places = shared_unknowns(rung)
+    values = places.values(states)
     # The bands have own strengths where the rung is spectral; the rest is shared.
-    assert unknowns.count == rung.parameters(0) + (rung.lobes - 1 if rung.free_index else 0)
+    assert places.count == rung.parameters(0) + (rung.lobes - 1 if rung.free_index else 0)
     for k in range(2):
-        again = unknowns.replaced(states, values, states.kd, states.ks)[k]
+        again = places.replaced(states, values, states.kd, states.ks)[k]
         for name in ("t", "log_s", "n", "kd", "ks"):
             np.testing.assert_array_equal(getattr(again, name), getattr(states[k], name))
-    assert np.all(unknowns.low <= values[0])
-    assert np.all(values[0] <= unknowns.high)
-    for place in range(unknowns.count):
+    assert np.all(places.low <= values[0])
+    assert np.all(values[0] <= places.high)
+    for place in range(places.count):
         moved = values.copy()
         moved[1, place] += 0.01
-        new = unknowns.replaced(states, moved, states.kd, states.ks)[1]
+        new = places.replaced(states, moved, states.kd, states.ks)[1]
         changed = sum(
             bool(np.any(getattr(new, name) != getattr(states[1], name)))
             for name in ("t", "log_s", "n", "ks")
