@@ -37,29 +37,29 @@ def judge(fit: ChosenFit) -> Verdict:
     """The verdict on a fit: residuals on all bands, bounds on the few of the search."""
     best, few = fit.best, fit.few
     residuals = verdict.residuals(fit.measurement, fit.full, predict(fit.full.geometry, fit.state))
-    quality, grounds = Quality.GOOD, []
+    warnings: dict[Quality, str] = {}
     if residuals.poor:
-        quality = Quality.POOR
         near = residuals.near_mirror.median_relative_error
         beside = f", {near:.0%} within {verdict.NEAR_MIRROR_DEG:g} deg of mirror" if near else ""
-        grounds.append(
+        warnings[Quality.POOR] = (
             f"no model describes this sample: median relative error "
             f"{residuals.median_relative_error:.0%}{beside}"
         )
-    if best.rung.lobes == 0 or not np.any(best.solution.state.ks > 0.0):
+    width, index, no_lobe = None, None, None
+    if best.rung.lobes > 0 and np.any(best.solution.state.ks > 0.0):
+        width, index = verdict.width_bounds(few, best), verdict.index_bounds(few, best)
+        if width.s_deg_lower is None:
+            warnings[Quality.UNIDENTIFIABLE] = (
+                "the lobe is narrower than the grid sees: s is unidentifiable, at most "
+                f"{width.s_deg_upper:.2g} deg; a finer scan across the mirror direction would "
+                "show it"
+            )
+    else:
         largest = fit.candidates[-1]
-        index = float(largest.solution.state.n[0]) if largest.rung.lobes else 1.5
-        bounds = verdict.no_lobe_bounds(few, best.solution.state, index)
-        return Verdict(residuals, quality, tuple(grounds), None, None, bounds)
-    width = verdict.width_bounds(few, best)
-    if width.s_deg_lower is None:
-        quality = Quality.UNIDENTIFIABLE if quality == Quality.GOOD else quality
-        grounds.append(
-            "the lobe is narrower than the grid sees: s is unidentifiable, at most "
-            f"{width.s_deg_upper:.2g} deg; a finer scan across the mirror direction would show it"
-        )
-    index_bounds = verdict.index_bounds(few, best)
-    return Verdict(residuals, quality, tuple(grounds), width, index_bounds, None)
+        n = float(largest.solution.state.n[0]) if largest.rung.lobes else 1.5
+        no_lobe = verdict.no_lobe_bounds(few, best.solution.state, n)
+    quality = next(iter(warnings), Quality.GOOD)
+    return Verdict(residuals, quality, warnings, width, index, no_lobe)
 
 
 def record_fit(fit: ChosenFit, judged: Verdict, seed: int) -> FitRecord:
@@ -74,8 +74,10 @@ def record_fit(fit: ChosenFit, judged: Verdict, seed: int) -> FitRecord:
         chosen=fit.best.name,
         residuals=asdict(judged.residuals),
         quality=judged.quality,
-        warnings=(*fit.measurement.warnings, *judged.grounds),
-        grounds=judged.grounds,
+        warnings=(*fit.measurement.warnings, *judged.warnings.values()),
+        grounds=tuple(
+            text for quality, text in judged.warnings.items() if quality == judged.quality
+        ),
         seed=seed,
         standard_errors=_present(asdict(verdict.standard_errors(fit.best))),
         bounds={name: asdict(bound) for name, bound in bounds.items() if bound is not None},

@@ -96,7 +96,7 @@ class Verdict:
 
     residuals: Residuals
     quality: Quality
-    grounds: tuple[str, ...]  #: warnings that explain a quality that is not good
+    warnings: dict[Quality, str]  #: a poor fit may be unidentifiable too
     width: WidthBounds | None  #: of the main lobe, where there is one
     index: IndexBounds | None
     no_lobe: NoLobeBounds | None  #: where there is no lobe

@@ -115,7 +115,8 @@ class FitRecord:
     standard_errors: dict[str, Any] = field(default_factory=dict)
     bounds: dict[str, Any] = field(default_factory=dict)
     convention: str = "f_s = k F D G / (4 cos_i cos_o), D normalised to unit projected area"
-    grounds: tuple[str, ...] = ()  #: those of the warnings that explain the quality
+    #: Those of the warnings that explain the quality.
+    grounds: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         if self.quality not in list(Quality):

@@ -17,7 +17,7 @@ from relgloss_view.fitting.model import Rung, Solution, State
 from relgloss_view.fitting.results import POOR_MEDIAN, POOR_MEDIAN_NEAR, Part
 from relgloss_view.fitting.verdict import NEAR_MIRROR_DEG, residuals, standard_errors
 from relgloss_view.material import brdf
-from relgloss_view.material.material import Material
+from relgloss_view.material.material import Material, Quality
 from relgloss_view.measure import table
 
 LOBE = ((2.5, 0.9),)
@@ -121,6 +121,20 @@ def test_a_flake_film_is_poor() -> None:
     assert material.fit.quality == "poor"
     assert any("no model describes" in text for text in material.fit.grounds)
     assert material.warnings[: len(material.fit.grounds)] == material.fit.grounds
+
+
+def test_a_poor_fit_may_be_unidentifiable_too() -> None:
+    """Both warnings go into the file, poor decides the quality, and only its warning explains it."""
+    value = fit_cases.truth(((0.3, 1.0),), grid=fit_cases.COARSE)
+    i, o = fit_cases.directions(fit_cases.COARSE)
+    stripes = 1.0 + 0.8 * np.sin(25.0 * i[:, 0]) * np.cos(18.0 * o[:, 0]) * np.cos(9.0 * i[:, 1])
+    measurement = fit_cases.measured(value * stripes[:, None], grid=fit_cases.COARSE)
+    fit = fit_material(measurement, model="lobe").fit
+    assert fit is not None
+    assert fit.quality is Quality.POOR
+    assert [text[:8] for text in fit.warnings] == ["no model", "the lobe"]
+    assert fit.grounds == fit.warnings[:1]
+    assert fit.bounds["main_lobe"]["s_deg_lower"] is None
 
 
 def test_index_hides_behind_strength_and_is_held() -> None:
