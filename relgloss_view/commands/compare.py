@@ -78,8 +78,8 @@ def run(args: argparse.Namespace) -> int:
     """Draw everything, write the sheets, and say what holds."""
     from relgloss_view.commands.sample_arguments import given_samples
     from relgloss_view.gloss.comparison import as_numbers, compare
-    from relgloss_view.picture.backends import open_renderer
     from relgloss_view.picture.scene.sample import SAMPLES
+    from relgloss_view.quality.backends import open_renderer
 
     outputs = _checked_outputs(args.output)
     operators = operators_of(args.operators)

@@ -37,8 +37,8 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Draw, write, and say what was drawn."""
-    from relgloss_view.picture.backends import open_renderer
     from relgloss_view.picture.output.export import check_suffix, parameters, save_frame, warnings
+    from relgloss_view.quality.backends import open_renderer
 
     output = check_suffix(args.output)
     if args.bits is not None and output.suffix.lower() != ".png":

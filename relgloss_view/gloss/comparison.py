@@ -23,7 +23,7 @@ from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from relgloss_view.picture.backends import FrameRenderer
+    from relgloss_view.quality.backends import FrameRenderer
 
 #: Measures that pictures are put in order by: both, since one does not see narrow highlights.
 ORDERED_BY = ("contrast_gloss", "peak_contrast")

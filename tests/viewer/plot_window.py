@@ -45,7 +45,7 @@ def models(names: set[str]) -> dict:
     from relgloss_view.material.material import Lobe
     from relgloss_view.measure.readers import read_measurement
     from relgloss_view.picture.gpu.context import open_context
-    from relgloss_view.picture.gpu.passes import Renderer
+    from relgloss_view.picture.gpu.renderer import Renderer
     from relgloss_view.picture.scene.sample import Sample, load_sample
     from relgloss_view.picture.scene.setup import Eye
     from relgloss_view.viewer.plots.lightness import Lightness

@@ -117,6 +117,7 @@ class Eye(Checked):
         return polar_point(self.azimuth_deg, self.elevation_deg, self.distance_m)
 
 
+TRANSFERS = ("srgb", "gain-offset-gamma")
 GAMUTS = ("chroma", "clip")  #: reduce chroma at held L* and hue, or cut RGB
 MIN_GAMUT_AREA = 1e-3  #: twice the triangle's area in the xy diagram; sRGB has 0.22
 
@@ -139,7 +140,7 @@ def _is_xy(value: object) -> bool:
 class Display(Checked):
     """The monitor: its white shows L* = 100. sRGB, or primaries with gain, offset and gamma."""
 
-    transfer: str = choice("srgb", ("srgb", "gain-offset-gamma"), "how RGB becomes light")
+    transfer: str = choice("srgb", TRANSFERS, "how RGB becomes light")
     gamut: str = choice("chroma", GAMUTS, "what is done with colours it can't show")
     gain: float = parameter(1.0, 0.1, 10.0, "", "light = (gain d + offset)^gamma + flare")
     offset: float = parameter(0.0, -0.5, 0.5, "", "see gain")

@@ -1,4 +1,7 @@
-"""One way to a renderer, whatever draws: EGL, OSMesa, or the float64 reference."""
+"""One way to a renderer, whatever draws: EGL, OSMesa, or the float64 reference.
+
+Here the renderer is handed the planner, which chooses the method of pictures of quality "auto".
+"""
 
 from __future__ import annotations
 
@@ -36,11 +39,12 @@ def open_renderer(
         yield ReferenceRenderer(progress)
         return
     from relgloss_view.picture.gpu.context import open_context
-    from relgloss_view.picture.gpu.passes import Renderer
+    from relgloss_view.picture.gpu.renderer import Renderer
+    from relgloss_view.quality.planner import Planner
 
     ctx = open_context(backend)
     try:
-        renderer = Renderer(ctx)
+        renderer = Renderer(ctx, choose=Planner().method)
         try:
             yield renderer
         finally:
