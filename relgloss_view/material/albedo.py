@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -38,7 +40,7 @@ def directional_albedo(material: Material, incidence_deg: ArrayLike) -> tuple[Ar
 def _albedo(material: Material, theta: float) -> tuple[Array, Array]:
     i = np.array([np.sin(theta), 0.0, np.cos(theta)])
     normal = np.array([0.0, 0.0, 1.0])
-    x, weight = np.polynomial.legendre.leggauss(POLAR_NODES)
+    x, weight = _polar_quadrature()
     phi = (np.arange(AZIMUTHS) + 0.5) * np.pi / AZIMUTHS
     mu = 0.5 * (x + 1.0)
     o = _directions(np.arccos(mu), phi)
@@ -61,6 +63,11 @@ def _albedo(material: Material, theta: float) -> tuple[Array, Array]:
         total = np.sum(np.pi * reach * weight * np.sin(delta) * value.mean(axis=1))
         specular = specular + total * lobe.per_band(material.bands.count)
     return diffuse, specular
+
+
+@lru_cache(maxsize=1)
+def _polar_quadrature() -> tuple[Array, Array]:
+    return np.polynomial.legendre.leggauss(POLAR_NODES)
 
 
 def _directions(theta: Array, phi: Array) -> Array:

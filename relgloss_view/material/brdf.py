@@ -93,11 +93,23 @@ def facet_amplitude(s: float) -> float:
     (1 + 4 s^2/3) / (2 pi s^2), and 1 / (pi sqrt(2) s Dawson(sqrt(2) s)) where the tail beyond 90
     degrees is negligible.
     """
-    upper = min(0.5 * np.pi, 9.0 * s)
+    return float(facet_amplitudes(np.asarray(s))[0])
+
+
+def facet_amplitudes(s: Array) -> tuple[Array, Array]:
+    """`facet_amplitude` at widths s (...,) in radians, and its slope d ln A / d ln s.
+
+    The slope is minus the mean of (delta/s)^2 under the same integral. The integral's upper limit
+    depends on s only where the integrand is below exp(-40), so the limit adds nothing.
+    """
+    upper = np.minimum(0.5 * np.pi, 9.0 * s)[..., None]
     x, weight = _facet_quadrature()
     delta = 0.5 * upper * (x + 1.0)
-    integrand = np.exp(-0.5 * (delta / s) ** 2) * np.cos(delta) * np.sin(delta)
-    return float(1.0 / (2.0 * np.pi * 0.5 * upper * np.sum(weight * integrand)))
+    square = (delta / s[..., None]) ** 2
+    integrand = weight * (np.exp(-0.5 * square) * np.cos(delta) * np.sin(delta))
+    total = np.sum(integrand, axis=-1)
+    amplitude = 1.0 / (2.0 * np.pi * 0.5 * upper[..., 0] * total)
+    return amplitude, -np.sum(integrand * square, axis=-1) / total
 
 
 def facet_density(delta2: Array, s: float, amplitude: float | None = None) -> Array:

@@ -7,14 +7,15 @@ import dataclasses
 import json
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, NoReturn
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import fault, printable, read_text, text
 from relgloss_view.base.writing import whole_file
-from relgloss_view.material.material import MAX_LOBES, Diffuse, FitRecord, Lobe, Material
+from relgloss_view.material.material import MAX_LOBES, Diffuse, FitRecord, Lobe, Material, Quality
 from relgloss_view.measure.bands import RGB, Bands
+from relgloss_view.measure.table import source_is_synthetic
 
 FORMAT = "relgloss-material"
 VERSION = 1
@@ -49,7 +50,14 @@ def material_to_dict(material: Material) -> dict[str, Any]:
         for lobe in material.specular
     ]
     if material.fit is not None:
-        content["fit"] = dataclasses.asdict(material.fit)
+        content["fit"] = {
+            name: value
+            for name, value in dataclasses.asdict(material.fit).items()
+            if name in _FIT_FIELDS
+        }
+    for name, reading in _MARKS.items():
+        if getattr(material, name) != reading(material.source):
+            content[name] = getattr(material, name)
     return content
 
 
@@ -114,6 +122,31 @@ _FIT_FIELDS: dict[str, tuple[Any, str]] = {
 }
 
 
+#: Words of a warning that explains a quality.
+_EXPLAINS = {
+    Quality.GOOD: (),
+    Quality.POOR: ("poor", "no model describes"),
+    Quality.UNIDENTIFIABLE: ("unidentifiable",),
+}
+
+
+def _grounds(fit: FitRecord) -> tuple[str, ...]:
+    """The warnings that explain the quality, by their words: a file does not mark them."""
+    words = _EXPLAINS[fit.quality]
+    return tuple(text for text in fit.warnings if any(word in text for word in words))
+
+
+def _source_is_hypothetical(source: str) -> bool:
+    return "hypothetical" in source.partition(":")[0].lower()
+
+
+#: Marks of a material that its source carries; a file has a field only where the source differs.
+_MARKS: dict[str, Callable[[str], bool]] = {
+    "synthetic": source_is_synthetic,
+    "hypothetical": _source_is_hypothetical,
+}
+
+
 def material_from_dict(content: object) -> Material:
     """The material of a JSON object; InputError names the field that is wrong."""
     top = _table(content, "the file")
@@ -133,10 +166,12 @@ def material_from_dict(content: object) -> Material:
         fault("specular", f"a list of at most {MAX_LOBES} lobes", lobes)
     specular = tuple(_lobe(value, f"specular[{k}]", bands) for k, value in enumerate(lobes))
     fit = _fit(top.get("fit"))
-    return Material(
-        text(top.get("name"), "name"), text(top.get("source"), "source"), bands, diffuse,
-        specular, fit,
-    )  # fmt: skip
+    name, source = text(top.get("name"), "name"), text(top.get("source"), "source")
+    marks = {mark: top.get(mark, reading(source)) for mark, reading in _MARKS.items()}
+    for mark, value in marks.items():
+        if not isinstance(value, bool):
+            fault(mark, "true or false", value)
+    return Material(name, source, bands, diffuse, specular, fit, **marks)
 
 
 def _lobe(value: object, place: str, bands: Bands) -> Lobe:
@@ -171,7 +206,8 @@ def _fit(value: object) -> FitRecord | None:
     except ValueError:  # 1e999 is read as infinity
         raise InputError("fit: expected finite numbers, found one beyond every float") from None
     with _inside("fit"):
-        return FitRecord(**record)
+        fit = FitRecord(**record)
+    return dataclasses.replace(fit, grounds=_grounds(fit))
 
 
 def _table(value: object, place: str) -> dict[str, Any]:
@@ -224,7 +260,7 @@ def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(result) != len(pairs):
         seen: set[str] = set()
         twice = next(k for k, _ in pairs if k in seen or seen.add(k))  # type: ignore[func-returns-value]
-        raise ValueError(f"the field {printable(twice, 40)!r} stands twice")
+        raise ValueError(f"the field {printable(twice, 40)!r} appears twice")
     return result
 
 

@@ -1,9 +1,10 @@
-"""Material: what the sample is. A diffuse part, up to two specular lobes, the fit's evidence."""
+"""Material: a diffuse part, up to two specular lobes and the evidence of the fit."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from enum import StrEnum
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,6 @@ from relgloss_view.measure.bands import Bands
 Array = NDArray[np.float64]
 
 DIFFUSE_MODELS = ("lambert", "oren-nayar", "eon")
-QUALITIES = ("good", "poor", "unidentifiable")
 ALBEDO_MAX = 4.0  # fluorescent papers pass 1; anything above this is a unit mistake
 SIGMA_DEG_MAX = 57.29577951308232  # r = 1, the end of EON's range
 STRENGTH_MAX = 1e6
@@ -27,6 +27,14 @@ S_DEG_MAX = 40.0
 #: A narrower lobe is drawn as wide as this: a point lamp in a mirror has no limit image.
 S_DEG_DRAWN = 0.05
 MAX_LOBES = 2
+
+
+class Quality(StrEnum):
+    """What a fit may claim."""
+
+    GOOD = "good"
+    POOR = "poor"  #: no model of the ladder describes the sample
+    UNIDENTIFIABLE = "unidentifiable"  #: the measurement leaves the lobe's width open
 
 
 @dataclass(frozen=True)
@@ -105,31 +113,35 @@ class Lobe:
 
 @dataclass(frozen=True)
 class FitRecord:
-    """The evidence behind a fitted material; every field goes into the file as it is."""
+    """The evidence behind a fitted material; every field but `grounds` goes into the file."""
 
     candidates: tuple[dict[str, Any], ...] = ()
     chosen: str = ""
     residuals: dict[str, Any] = field(default_factory=dict)
-    quality: str = "good"
+    quality: Quality = Quality.GOOD
     warnings: tuple[str, ...] = ()
     seed: int = 0
     seconds: float = 0.0
     standard_errors: dict[str, Any] = field(default_factory=dict)
     bounds: dict[str, Any] = field(default_factory=dict)
     convention: str = "f_s = k F D G / (4 cos_i cos_o), D normalised to unit projected area"
+    #: Those of the warnings that explain the quality.
+    grounds: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
-        if self.quality not in QUALITIES:
-            fault("quality", f"one of {', '.join(QUALITIES)}", self.quality)
+        if self.quality not in list(Quality):
+            fault("quality", f"one of {', '.join(Quality)}", self.quality)
+        _settle(self, quality=Quality(self.quality))
         for k, warning in enumerate(self.warnings):
             reading.text(warning, f"warnings[{k}]")
 
 
-#: Words of a warning that says a quality already, and the warning where none does.
-_SAYS = {"poor": ("poor", "no model describes"), "unidentifiable": ("unidentifiable",)}
-_SAYS_BY_ITSELF = {
-    "poor": "the fit is poor: the model does not describe this sample well",
-    "unidentifiable": "the fit is unidentifiable: the measurement does not tell the lobe's width",
+#: The warning of a quality that no warning explains.
+_UNEXPLAINED = {
+    Quality.POOR: "the fit is poor: the model does not describe this sample well",
+    Quality.UNIDENTIFIABLE: (
+        "the fit is unidentifiable: the measurement leaves the lobe's width open"
+    ),
 }
 
 
@@ -155,6 +167,8 @@ class Material:
     diffuse: Diffuse
     specular: tuple[Lobe, ...] = ()
     fit: FitRecord | None = None
+    synthetic: bool = False  #: computed from invented parameters, not measured
+    hypothetical: bool = False  #: made from another material by changing it
 
     def __post_init__(self) -> None:
         reading.text(self.name, "name")
@@ -176,29 +190,18 @@ class Material:
         )
 
     @property
-    def synthetic(self) -> bool:
-        """Whether the source says that nothing was measured."""
-        return self.source.strip().lower().startswith("synthetic")
-
-    @property
-    def hypothetical(self) -> bool:
-        """Whether the source says that it was made up from another material."""
-        return "hypothetical" in self.source.partition(":")[0].lower()
-
-    @property
     def warnings(self) -> tuple[str, ...]:
-        """What a picture of this material must say about it."""
-        told = list(self.fit.warnings) if self.fit else []
-        quality = self.fit.quality if self.fit else "good"
-        if quality != "good" and not any(sign in t for t in told for sign in _SAYS[quality]):
-            told.append(_SAYS_BY_ITSELF[quality])
+        """The warnings that go with every picture of this material."""
+        texts = list(self.fit.warnings) if self.fit else []
+        if self.fit and self.fit.quality != Quality.GOOD and not self.fit.grounds:
+            texts.append(_UNEXPLAINED[self.fit.quality])
         for k, lobe in enumerate(self.specular):
             if lobe.too_narrow:
-                told.append(
+                texts.append(
                     f"specular[{k}].s_deg = {lobe.s_deg:g} is narrower than {S_DEG_DRAWN:g} "
                     f"degrees, where a point lamp has no limit image; drawn as {S_DEG_DRAWN:g}"
                 )
-        return tuple(told)
+        return tuple(texts)
 
     def second_albedo(self) -> Array:
         """(B,), the albedo of the diffuse model's second shape (see brdf.second_albedo)."""
@@ -256,6 +259,6 @@ class Material:
 
 
 def _settle(checked: object, **values: object) -> None:
-    """Put checked values, plain floats, into a frozen dataclass."""
+    """Put checked values of their plain types into a frozen dataclass."""
     for name, value in values.items():
         object.__setattr__(checked, name, value)

@@ -24,6 +24,14 @@ GRAZING = "within 3 degrees of the horizon"
 BELOW = "below the horizon"
 
 
+def source_is_synthetic(source: str) -> bool:
+    """Whether the source of a file that has no field for it marks the sample as synthetic.
+
+    It does where it begins with that word: "synthetic (made up)", not "card on synthetic leather".
+    """
+    return source.strip().lower().startswith("synthetic")
+
+
 @dataclass(frozen=True)
 class Measurement:
     """Reflectance of one flat sample over directions and bands.
@@ -41,7 +49,7 @@ class Measurement:
     """
 
     name: str
-    source: str  #: file, instrument; 'synthetic' where nothing was measured
+    source: str  #: file, instrument
     to_lamp: Array  #: (N, 3) unit vectors
     to_receiver: Array  #: (N, 3) unit vectors
     bands: Bands
@@ -54,6 +62,7 @@ class Measurement:
     gamma_s_deg: float | None = None  #: tilt at which a GCMS table sees the mirror direction
     warnings: tuple[str, ...] = ()
     file: str = ""  #: where it was read from
+    synthetic: bool = False  #: computed from invented parameters, not measured
 
     @property
     def place(self) -> str:

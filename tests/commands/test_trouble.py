@@ -66,6 +66,7 @@ class TestStreams:
         material = Material(
             "Büttenpapier 紙\x1b[31m\nred " + 300 * "x",
             *(getattr(materials.flat(), n) for n in ("source", "bands", "diffuse", "specular")),
+            synthetic=True,
         )
         save_material(material, tmp_path / "m.json")
         line = "relgloss snapshot --material m.json --size 16x16 -o \"$(printf 'a\\377.png')\""

@@ -71,7 +71,7 @@ def models(names: set[str]) -> dict:
         elif name == "poor fit":
             material = load_sample("uncoated")
             told = ("the fit is poor: " + 12 * "words and more words ",)
-            record = replace(material.fit, quality="poor", warnings=told)
+            record = replace(material.fit, quality="poor", warnings=told, grounds=told)
             state = start.with_sample("test", Sample(replace(material, fit=record)))
         elif name == "odd fit":  # a file may hold anything in a fit's tables
             odd = replace(

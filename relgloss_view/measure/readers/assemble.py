@@ -14,7 +14,7 @@ from relgloss_view.measure.gonio import spherical, tabulated_grid
 from relgloss_view.measure.quantity import to_radiance_factor
 from relgloss_view.measure.readers.csv_table import TextTable
 from relgloss_view.measure.readers.declared import Declared
-from relgloss_view.measure.table import KEPT, Measurement
+from relgloss_view.measure.table import KEPT, Measurement, source_is_synthetic
 
 Array = NDArray[np.float64]
 
@@ -79,6 +79,7 @@ def from_table(
         group=np.rint(group).astype(np.int64),
         aperture_sd_deg=facts.aperture_sd_deg,
         warnings=(*facts.warnings, *([contradiction] if contradiction else [])),
+        synthetic=source_is_synthetic(facts.source),
     )
     return require_samples(measurement, table.path)
 

@@ -25,7 +25,7 @@ from relgloss_view.measure.readers.assemble import (
     tabulated_directions,
 )
 from relgloss_view.measure.readers.unit_square import Warp, bilinear, find_slices
-from relgloss_view.measure.table import Measurement
+from relgloss_view.measure.table import Measurement, source_is_synthetic
 
 Array = NDArray[np.float64]
 
@@ -67,6 +67,7 @@ def read(path: Path) -> Measurement:
             reasons=reasons,
             group=group,
             warnings=tuple(warnings),
+            synthetic=source_is_synthetic(path.name),
         ),
         path,
     )
