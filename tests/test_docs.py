@@ -53,7 +53,7 @@ def test_architecture_names_every_module():
 def test_every_entry_of_a_study_is_told():
     import dataclasses
 
-    from relgloss_view.experiment.study_file import PARTS, WORDS
+    from relgloss_view.experiment.design.study_file import PARTS, WORDS
 
     text = (ROOT / "docs" / "experiment.md").read_text(encoding="utf-8")
     for name in (*WORDS, *(f.name for kind in PARTS.values() for f in dataclasses.fields(kind))):

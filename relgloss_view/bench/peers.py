@@ -15,7 +15,7 @@ from relgloss_view.bench.floor import FillFloor
 from relgloss_view.bench.scenes import Case, cases
 from relgloss_view.bench.timing import PER_VISIT, Task, take_turns
 from relgloss_view.errors import RelglossError
-from relgloss_view.experiment.grid import Grid
+from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.picture.method import EXACT
 from relgloss_view.picture.reference import ReferenceRenderer
 from relgloss_view.picture.renderer import Renderer

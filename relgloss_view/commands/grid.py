@@ -84,7 +84,7 @@ def _draw(
     progress: Progress,
 ) -> dict[str, Any]:
     """Draw pictures, contact sheet and manifest into a folder; returns the manifest."""
-    from relgloss_view.experiment.grid import C_SIXTHS, SIGMA_N_DEG, Setting
+    from relgloss_view.experiment.design.grid import C_SIXTHS, SIGMA_N_DEG, Setting
     from relgloss_view.picture.export import parameters, save_rgb
     from relgloss_view.picture.sheet import contact_sheet, thumbnail
 

@@ -7,11 +7,11 @@ import itertools
 
 import numpy as np
 
-from relgloss_view.experiment.flow import Flow, Screen
-from relgloss_view.experiment.grid import Grid, Setting
-from relgloss_view.experiment.percept import Percepts
-from relgloss_view.experiment.study import Procedure, Study, StudySample
-from relgloss_view.experiment.study import Screen as Pictures
+from relgloss_view.experiment.design.grid import Grid, Setting
+from relgloss_view.experiment.design.study import Procedure, Study, StudySample
+from relgloss_view.experiment.design.study import Screen as Pictures
+from relgloss_view.experiment.observers.percept import Percepts
+from relgloss_view.experiment.session.flow import Flow, Screen
 from relgloss_view.picture.samples import load_sample
 from relgloss_view.picture.scene_file import SceneSample
 
