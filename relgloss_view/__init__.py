@@ -9,51 +9,53 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from relgloss_view.base.version import __version__
 
 if TYPE_CHECKING:
-    from relgloss_view.bands import Bands as Bands
-    from relgloss_view.errors import GLUnavailableError as GLUnavailableError
-    from relgloss_view.errors import InputError as InputError
-    from relgloss_view.errors import RelglossError as RelglossError
+    from relgloss_view.base.errors import GLUnavailableError as GLUnavailableError
+    from relgloss_view.base.errors import InputError as InputError
+    from relgloss_view.base.errors import RelglossError as RelglossError
+    from relgloss_view.fitting import fit_material as fit_material
+    from relgloss_view.gloss.meter.meter import gloss_readings as gloss_readings
     from relgloss_view.material.files import load_material as load_material
     from relgloss_view.material.files import save_material as save_material
-    from relgloss_view.material.fitting import fit_material as fit_material
-    from relgloss_view.material.gloss_meter import gloss_readings as gloss_readings
     from relgloss_view.material.material import Material as Material
+    from relgloss_view.measure.bands import Bands as Bands
     from relgloss_view.measure.readers import read_measurement as read_measurement
     from relgloss_view.measure.table import Measurement as Measurement
     from relgloss_view.operators.registry import OPERATORS as OPERATORS
     from relgloss_view.operators.registry import make_operator as make_operator
     from relgloss_view.picture.backends import open_renderer as open_renderer
-    from relgloss_view.picture.export import save_frame as save_frame
     from relgloss_view.picture.frame import Frame as Frame
-    from relgloss_view.picture.samples import SAMPLES as SAMPLES
-    from relgloss_view.picture.samples import load_sample as load_sample
-    from relgloss_view.picture.scene import Display as Display
-    from relgloss_view.picture.scene import Eye as Eye
-    from relgloss_view.picture.scene import Lamp as Lamp
-    from relgloss_view.picture.scene import Look as Look
-    from relgloss_view.picture.scene import Scene as Scene
-    from relgloss_view.picture.scene import Shape as Shape
-    from relgloss_view.picture.scene_file import load_scene as load_scene
+    from relgloss_view.picture.output.export import save_frame as save_frame
+    from relgloss_view.picture.scene.look import Look as Look
+    from relgloss_view.picture.scene.samples import SAMPLES as SAMPLES
+    from relgloss_view.picture.scene.samples import load_sample as load_sample
+    from relgloss_view.picture.scene.scene import Scene as Scene
+    from relgloss_view.picture.scene.scene_file import load_scene as load_scene
+    from relgloss_view.picture.scene.setup import Display as Display
+    from relgloss_view.picture.scene.setup import Eye as Eye
+    from relgloss_view.picture.scene.setup import Lamp as Lamp
+    from relgloss_view.picture.scene.setup import Shape as Shape
 
 _HOMES = {
-    "bands": ("Bands",),
-    "errors": ("GLUnavailableError", "InputError", "RelglossError"),
+    "measure.bands": ("Bands",),
+    "base.errors": ("GLUnavailableError", "InputError", "RelglossError"),
     "material.files": ("load_material", "save_material"),
-    "material.fitting": ("fit_material",),
-    "material.gloss_meter": ("gloss_readings",),
+    "fitting": ("fit_material",),
+    "gloss.meter.meter": ("gloss_readings",),
     "material.material": ("Material",),
     "measure.readers": ("read_measurement",),
     "operators.registry": ("OPERATORS", "make_operator"),
     "measure.table": ("Measurement",),
     "picture.backends": ("open_renderer",),
-    "picture.export": ("save_frame",),
+    "picture.output.export": ("save_frame",),
     "picture.frame": ("Frame",),
-    "picture.samples": ("SAMPLES", "load_sample"),
-    "picture.scene": ("Display", "Eye", "Lamp", "Look", "Scene", "Shape"),
-    "picture.scene_file": ("load_scene",),
+    "picture.scene.samples": ("SAMPLES", "load_sample"),
+    "picture.scene.look": ("Look",),
+    "picture.scene.scene": ("Scene",),
+    "picture.scene.scene_file": ("load_scene",),
+    "picture.scene.setup": ("Display", "Eye", "Lamp", "Shape"),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = ["__version__", *sorted(_HOME_OF)]

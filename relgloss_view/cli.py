@@ -11,9 +11,9 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from relgloss_view import __version__
-from relgloss_view.errors import GLUnavailableError, InputError, RelglossError
-from relgloss_view.text_input import printable
+from relgloss_view.base.errors import GLUnavailableError, InputError, RelglossError
+from relgloss_view.base.reading import printable
+from relgloss_view.base.version import __version__
 
 COMMANDS = (
     "view",

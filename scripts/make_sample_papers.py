@@ -189,8 +189,8 @@ def write_truth(path: Path) -> None:
 
 def fit_papers(folder: Path, output: Path) -> None:
     """Fit the four tables in `folder` and write the materials to `output`."""
+    from relgloss_view.fitting import describe_fit, fit_material
     from relgloss_view.material.files import save_material
-    from relgloss_view.material.fitting import describe_fit, fit_material
     from relgloss_view.measure.readers import read_measurement
 
     output.mkdir(parents=True, exist_ok=True)

@@ -36,9 +36,9 @@ def main() -> int:
 
 
 def drag() -> None:
-    from relgloss_view.viewer.app import App
-    from relgloss_view.viewer.state import State
-    from relgloss_view.viewer.window import Window
+    from relgloss_view.viewer.shell.app import App
+    from relgloss_view.viewer.shell.window import Window
+    from relgloss_view.viewer.state.state import State
 
     class Dragged(App):
         """Changes something in every frame, as a hand would that drags a slider."""
@@ -143,10 +143,10 @@ def soak(frames: int) -> None:
     from imgui_bundle import hello_imgui  # isort: skip - before glfw, so that both use one library
     import glfw
 
-    from relgloss_view.picture.samples import SAMPLES
-    from relgloss_view.viewer.app import App
-    from relgloss_view.viewer.state import Sample, State
-    from relgloss_view.viewer.window import Window
+    from relgloss_view.picture.scene.samples import SAMPLES
+    from relgloss_view.viewer.shell.app import App
+    from relgloss_view.viewer.shell.window import Window
+    from relgloss_view.viewer.state.state import Sample, State
 
     rng = random.Random(1)
     resize_every, switch_every = max(frames // RESIZES, 1), max(frames // SWITCHES, 1)

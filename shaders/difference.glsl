@@ -1,5 +1,5 @@
 // CIEDE2000 (Sharma, Wu, Dalal 2005, "The CIEDE2000 color-difference formula"), all weights one.
-// Twin: relgloss_view/picture/difference.py.
+// Twin: relgloss_view/picture/model/difference.py.
 
 const float TURN = 6.28318530717959;
 

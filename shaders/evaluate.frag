@@ -1,7 +1,7 @@
 #version 330 core
 
 // Calls the functions of a library over arrays, one pixel a row: for tests and for the maps of where
-// methods fail. relgloss_view/picture/renderer/evaluate.py writes in what is to be called.
+// methods fail. relgloss_view/picture/gpu/evaluate.py writes in what is to be called.
 // Constants: WIDTH, of the target; INTEGERS, where the result is a uvec4.
 
 #ifndef WIDTH

@@ -1,4 +1,4 @@
-// Hash and Gaussian tilt of the normal. Twin: relgloss_view/picture/noise.py.
+// Hash and Gaussian tilt of the normal. Twin: relgloss_view/picture/model/noise.py.
 
 const int NO_NOISE = 0;
 const int PAPER = 1;

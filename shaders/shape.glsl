@@ -1,4 +1,4 @@
-// Where a ray meets the object. Twin: relgloss_view/picture/shape.py.
+// Where a ray meets the object. Twin: relgloss_view/picture/model/shape.py.
 //
 // All objects are convex and centred at the origin, so the first meeting is the only visible one and
 // a surface that faces the lamp is lit. Closest-approach forms keep the digits of the normal near the

@@ -1,4 +1,4 @@
-// CIELAB split, scaling, gamut and display (Ishii et al., eqs. 1-4). Twin: relgloss_view/picture/tone.py.
+// CIELAB split, scaling, gamut and display (Ishii et al., eqs. 1-4). Twin: relgloss_view/picture/model/tone.py.
 
 #include "cube_root.glsl"
 

@@ -8,9 +8,9 @@ import moderngl
 import numpy as np
 import pytest
 
-from relgloss_view.picture.context import make_current, open_context
+from relgloss_view.picture.gpu.context import make_current, open_context
+from relgloss_view.picture.gpu.passes import Renderer
 from relgloss_view.picture.reference import ReferenceRenderer
-from relgloss_view.picture.renderer import Renderer
 
 
 @pytest.fixture(autouse=True)

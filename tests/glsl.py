@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from relgloss_view.picture.renderer.evaluate import evaluate
+from relgloss_view.picture.gpu.evaluate import evaluate
 
 __all__ = ["evaluate"]

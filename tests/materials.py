@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from relgloss_view.bands import Bands
 from relgloss_view.material.material import Diffuse, Lobe, Material
+from relgloss_view.measure.bands import Bands
 
 WAVELENGTHS_NM = tuple(float(w) for w in range(390, 731, 10))
 #: s_deg, strength, Oren-Nayar sigma (rad): the ranges of printing papers, glossy to uncoated.

@@ -11,12 +11,12 @@ import time
 from pathlib import Path
 from typing import Any
 
-from relgloss_view.atomic import whole_folder
+from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import Progress
+from relgloss_view.base.writing import whole_folder
 from relgloss_view.commands import grid, stability_maps
 from relgloss_view.commands.output_folder import own_folder
-from relgloss_view.commands.progress import Progress
 from relgloss_view.commands.scene_options import size_of_text
-from relgloss_view.text_input import printable
 
 SIZE = (1280, 720)
 BACKENDS = ("auto", "egl", "osmesa")
@@ -58,9 +58,9 @@ def run(args: argparse.Namespace) -> int:
         maps = _folder(args.output)
         quick, as_json = bool(args.quick), bool(args.json)
         return stability_maps.run(maps, args.backend, quick=quick, as_json=as_json)
-    from relgloss_view.bench import chart, report
-    from relgloss_view.bench.measure import FULL, QUICK, measure
-    from relgloss_view.picture.context import open_context
+    from relgloss_view.bench.speed import chart, report
+    from relgloss_view.bench.speed.measure import FULL, QUICK, measure
+    from relgloss_view.picture.gpu.context import open_context
 
     folder = _folder(args.output)
     with Progress("bench") as progress, whole_folder(folder, last=report.RESULTS) as temporary:
@@ -83,7 +83,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _folder(name: str) -> Path:
     """The folder, which both kinds of a run may share."""
-    from relgloss_view.bench import report
+    from relgloss_view.bench.speed import report
 
     ours = {report.RESULTS: report.FORMAT, stability_maps.RESULTS: stability_maps.FORMAT}
     return own_folder(name, ours, "bench", alone=True)

@@ -9,14 +9,14 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from relgloss_view.atomic import check_writable, whole_file
-from relgloss_view.commands.progress import Progress
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import Progress
+from relgloss_view.base.writing import check_writable, whole_file
 from relgloss_view.commands.scene_options import add_scene_options, printable_command, scene_from
-from relgloss_view.errors import InputError
-from relgloss_view.text_input import printable
 
 if TYPE_CHECKING:
-    from relgloss_view.operators.comparison import Comparison
+    from relgloss_view.gloss.comparison import Comparison
     from relgloss_view.operators.operator import Operator
 
 DEFAULT_OPERATORS = "split,clip,multiscale"
@@ -27,9 +27,9 @@ MOST_CELLS = 200
 def add(commands: Any) -> None:
     """Declare the command."""
     from relgloss_view.commands.sample_arguments import METAVAR
-    from relgloss_view.operators.comparison import DEFAULT_GLOSS, GLOSSES
+    from relgloss_view.gloss.comparison import DEFAULT_GLOSS, GLOSSES
     from relgloss_view.operators.registry import OPERATORS
-    from relgloss_view.picture.samples import SAMPLES
+    from relgloss_view.picture.scene.samples import SAMPLES
 
     parser = commands.add_parser(
         "compare",
@@ -77,9 +77,9 @@ def add(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Draw everything, write the sheets, and say what holds."""
     from relgloss_view.commands.sample_arguments import given_samples
-    from relgloss_view.operators.comparison import as_numbers, compare
+    from relgloss_view.gloss.comparison import as_numbers, compare
     from relgloss_view.picture.backends import open_renderer
-    from relgloss_view.picture.samples import SAMPLES
+    from relgloss_view.picture.scene.samples import SAMPLES
 
     outputs = _checked_outputs(args.output)
     operators = operators_of(args.operators)
@@ -143,10 +143,10 @@ def operators_of(text: str) -> list[Operator]:
 
 
 def _write(comparison: Comparison, output: Path, command: str) -> None:
-    from relgloss_view import __version__
-    from relgloss_view.operators.comparison_page import comparison_page
-    from relgloss_view.operators.comparison_sheet import comparison_sheet
-    from relgloss_view.picture.export import save_rgb
+    from relgloss_view.base.version import __version__
+    from relgloss_view.gloss.comparison_page import comparison_page
+    from relgloss_view.gloss.comparison_sheet import comparison_sheet
+    from relgloss_view.picture.output.export import save_rgb
 
     synthetic = all(s.case.material.synthetic for s in comparison.samples)
     title = "Is the order of gloss kept? Samples across, operators down"
@@ -175,8 +175,8 @@ def _warnings(comparison: Comparison) -> list[str]:
 
 def _table(comparison: Comparison) -> str:
     """The numbers in columns, operator by operator."""
-    from relgloss_view.operators.comparison import title_of, words_of
-    from relgloss_view.operators.comparison_sheet import MEASURES, VERDICTS, body_words, number
+    from relgloss_view.gloss.comparison import title_of, words_of
+    from relgloss_view.gloss.comparison_sheet import MEASURES, VERDICTS, body_words, number
 
     wide = max(len("sample"), *(len(s.case.label) for s in comparison.samples)) + 2
     lines = [f"{'sample':{wide}}{words_of(comparison.gloss):>17}{'sigma_N':>9}{'c':>8}{'c_max':>8}"]

@@ -8,9 +8,9 @@ import platform
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
-from relgloss_view import __version__
-from relgloss_view.errors import GLUnavailableError, RelglossError
-from relgloss_view.text_input import printable
+from relgloss_view.base.errors import GLUnavailableError, RelglossError
+from relgloss_view.base.reading import printable
+from relgloss_view.base.version import __version__
 
 LIBRARIES = (
     "moderngl",
@@ -59,7 +59,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _memory() -> dict[str, Any]:
     """What a picture takes of the device's memory, for each of its pixels."""
-    from relgloss_view.picture.renderer.memory import ON_DEMAND, bytes_per_pixel
+    from relgloss_view.picture.gpu.memory import ON_DEMAND, bytes_per_pixel
 
     least = bytes_per_pixel()
     return {
@@ -90,11 +90,12 @@ def _draw_on(name: str) -> dict[str, Any]:
     import numpy as np
 
     from relgloss_view.picture.backends import open_renderer
-    from relgloss_view.picture.context import describe
+    from relgloss_view.picture.gpu.context import describe
+    from relgloss_view.picture.gpu.passes import Renderer
     from relgloss_view.picture.reference import ReferenceRenderer
-    from relgloss_view.picture.renderer import Renderer
-    from relgloss_view.picture.samples import DEFAULT_SAMPLE, load_sample
-    from relgloss_view.picture.scene import Look, Scene
+    from relgloss_view.picture.scene.look import Look
+    from relgloss_view.picture.scene.samples import DEFAULT_SAMPLE, load_sample
+    from relgloss_view.picture.scene.scene import Scene
 
     scene, look, size = Scene(load_sample(DEFAULT_SAMPLE)), Look(sigma_n_deg=1.0), (96, 96)
     with open_renderer(name) as renderer:

@@ -8,12 +8,12 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from relgloss_view.atomic import whole_folder
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import Progress
+from relgloss_view.base.writing import whole_folder
 from relgloss_view.commands.output_folder import own_folder
-from relgloss_view.commands.progress import Progress
 from relgloss_view.commands.scene_options import printable_command
-from relgloss_view.errors import InputError
-from relgloss_view.text_input import printable
 
 
 def add(commands: Any) -> None:

@@ -9,13 +9,13 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from relgloss_view import __version__
-from relgloss_view.atomic import whole_file, whole_folder
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import Progress
+from relgloss_view.base.version import __version__
+from relgloss_view.base.writing import whole_file, whole_folder
 from relgloss_view.commands.output_folder import own_folder
-from relgloss_view.commands.progress import Progress
-from relgloss_view.errors import InputError
 from relgloss_view.picture.backends import BACKENDS
-from relgloss_view.text_input import printable
 
 if TYPE_CHECKING:
     from relgloss_view.experiment.session.pool import Pool
@@ -96,7 +96,7 @@ def _draw_stimuli(folder: Path, pool: Pool, backend: str) -> list[dict[str, Any]
     )
     from relgloss_view.experiment.report.file_names import file_names
     from relgloss_view.picture.backends import open_renderer
-    from relgloss_view.picture.writers import Writers
+    from relgloss_view.picture.output.writers import Writers
 
     study = pool.study
     shown: dict[tuple[int | None, int | None], set[str]] = {}

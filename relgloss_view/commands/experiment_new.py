@@ -7,9 +7,9 @@ import json
 from pathlib import Path
 from typing import Any
 
-from relgloss_view.atomic import fresh_file
-from relgloss_view.errors import InputError
-from relgloss_view.text_input import printable
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
+from relgloss_view.base.writing import fresh_file
 
 
 def add(commands: Any) -> None:

@@ -9,10 +9,10 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from relgloss_view.commands.progress import Progress
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import Progress
 from relgloss_view.commands.scene_options import size_of_text
-from relgloss_view.errors import InputError
-from relgloss_view.text_input import printable
 
 if TYPE_CHECKING:
     from relgloss_view.experiment.design.study import Study
@@ -78,11 +78,11 @@ def run(args: argparse.Namespace) -> int:
     """Open the window, and tell in the end how far the observer came."""
     from relgloss_view.commands.view import tell_clamped
     from relgloss_view.experiment.session.store import Store
-    from relgloss_view.viewer.platform import open_platform
+    from relgloss_view.viewer.shell.platform import open_platform
+    from relgloss_view.viewer.shell.window import Window
     from relgloss_view.viewer.trials.app import Trials
     from relgloss_view.viewer.trials.device import full_screen, read_profile
     from relgloss_view.viewer.trials.experimenter_line import goes_on
-    from relgloss_view.viewer.window import Window
 
     profile = None if args.display_profile is None else read_profile(args.display_profile)
     path, study = _session(args.study, args.output)

@@ -8,11 +8,11 @@ import json
 import re
 from typing import TYPE_CHECKING, Any
 
-from relgloss_view.commands.progress import Progress
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import Progress
 from relgloss_view.commands.study_options import add_study_options, study_from
-from relgloss_view.errors import InputError
 from relgloss_view.picture.backends import BACKENDS
-from relgloss_view.text_input import printable
 
 if TYPE_CHECKING:
     from relgloss_view.experiment.design.grid import Setting

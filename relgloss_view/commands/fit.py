@@ -7,17 +7,17 @@ import json
 import os
 from typing import Any
 
-from relgloss_view.atomic import check_writable
-from relgloss_view.commands.progress import Progress
-from relgloss_view.errors import InputError
-from relgloss_view.text_input import printable
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import Progress
+from relgloss_view.base.writing import check_writable
 
 QUANTITIES = ("radiance-factor", "brdf", "brdf-cos")
 
 
 def add(commands: Any) -> None:
     """Declare the command."""
-    from relgloss_view.material.fitting.ladder import MODELS
+    from relgloss_view.fitting.ladder import MODELS
 
     parser = commands.add_parser(
         "fit",
@@ -54,8 +54,8 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read, fit, write, and print the evidence."""
+    from relgloss_view.fitting import describe_fit, fit_material, write_fit_report
     from relgloss_view.material.files import material_to_dict, save_material
-    from relgloss_view.material.fitting import describe_fit, fit_material, write_fit_report
     from relgloss_view.material.material import INDEX_RANGE
     from relgloss_view.measure.readers import read_measurement
 

@@ -9,20 +9,20 @@ import math
 import os
 from typing import TYPE_CHECKING, Any
 
-from relgloss_view.atomic import check_writable
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
+from relgloss_view.base.writing import check_writable
 from relgloss_view.commands.fit import QUANTITIES
-from relgloss_view.errors import InputError
-from relgloss_view.text_input import printable
 
 if TYPE_CHECKING:
-    from relgloss_view.material.gloss_meter import Reading
+    from relgloss_view.gloss.meter.meter import Reading
     from relgloss_view.material.material import Material
     from relgloss_view.measure.table import Measurement
 
 
 def add(commands: Any) -> None:
     """Declare the command."""
-    from relgloss_view.picture.samples import SAMPLES
+    from relgloss_view.picture.scene.samples import SAMPLES
 
     parser = commands.add_parser(
         "gloss",
@@ -84,10 +84,10 @@ def run(args: argparse.Namespace) -> int:
 
 def _read(name: str, args: argparse.Namespace) -> dict[str, Any]:
     """Name, source, readings and warnings of a built-in sample, a material or a table."""
-    from relgloss_view.material.gloss_table import table_readings
+    from relgloss_view.gloss.meter.table import table_readings
     from relgloss_view.measure.readers import read_measurement
-    from relgloss_view.picture.samples import SAMPLES
-    from relgloss_view.viewer import kinds
+    from relgloss_view.picture.scene import file_kinds as kinds
+    from relgloss_view.picture.scene.samples import SAMPLES
 
     kind = kinds.MATERIAL if name in SAMPLES else kinds.likely_kind(name)
     if kind == kinds.SCENE:
@@ -99,7 +99,7 @@ def _read(name: str, args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _of_material(place: str, material: Material) -> dict[str, Any]:
-    from relgloss_view.material.gloss_meter import gloss_readings
+    from relgloss_view.gloss.meter.meter import gloss_readings
 
     try:
         readings = gloss_readings(material)
@@ -116,8 +116,8 @@ def _of_material(place: str, material: Material) -> dict[str, Any]:
 
 def _hypothetical(args: argparse.Namespace) -> dict[str, Any]:
     """The readings of the material whose lobe width gives the wanted one; written if asked."""
+    from relgloss_view.gloss.meter.meter import gloss_readings, hypothetical
     from relgloss_view.material.files import save_material
-    from relgloss_view.material.gloss_meter import gloss_readings, hypothetical
 
     angle_deg, value = args.reading
     material = hypothetical(_material(args.samples[0]), angle_deg, value)
@@ -131,7 +131,7 @@ def _hypothetical(args: argparse.Namespace) -> dict[str, Any]:
 
 def _material(name: str) -> Material:
     from relgloss_view.material.files import load_material
-    from relgloss_view.picture.samples import SAMPLES, load_sample
+    from relgloss_view.picture.scene.samples import SAMPLES, load_sample
 
     return load_sample(name) if name in SAMPLES else load_material(name)
 

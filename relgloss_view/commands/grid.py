@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view import __version__
-from relgloss_view.atomic import whole_folder
+from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import Progress
+from relgloss_view.base.version import __version__
+from relgloss_view.base.writing import whole_folder
 from relgloss_view.commands.operator_options import (
     add_operator_options,
     operator_from,
@@ -20,15 +22,14 @@ from relgloss_view.commands.operator_options import (
     shown_by,
 )
 from relgloss_view.commands.output_folder import own_folder
-from relgloss_view.commands.progress import Progress
 from relgloss_view.commands.scene_options import add_scene_options, printable_command, scene_from
-from relgloss_view.text_input import printable
 
 if TYPE_CHECKING:
     from relgloss_view.operators.operator import Operator
     from relgloss_view.picture.backends import FrameRenderer
-    from relgloss_view.picture.scene import Look, Scene
-    from relgloss_view.picture.writers import Writers
+    from relgloss_view.picture.output.writers import Writers
+    from relgloss_view.picture.scene.look import Look
+    from relgloss_view.picture.scene.scene import Scene
 
 THUMBNAIL_PX = 200
 CAPTION_PX = 150  #: width of a picture that has room for c in its caption
@@ -55,7 +56,7 @@ def add(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Draw all stimuli beside the folder, and move them in when the last is done."""
     from relgloss_view.picture.backends import open_renderer
-    from relgloss_view.picture.writers import Writers
+    from relgloss_view.picture.output.writers import Writers
 
     folder = own_folder(args.output, {MANIFEST: FORMAT}, "grid")
     operator = operator_from(args)
@@ -85,8 +86,8 @@ def _draw(
 ) -> dict[str, Any]:
     """Draw pictures, contact sheet and manifest into a folder; returns the manifest."""
     from relgloss_view.experiment.design.grid import C_SIXTHS, SIGMA_N_DEG, Setting
-    from relgloss_view.picture.export import parameters, save_rgb
-    from relgloss_view.picture.sheet import contact_sheet, thumbnail
+    from relgloss_view.picture.output.contact_sheet import contact_sheet, thumbnail
+    from relgloss_view.picture.output.export import parameters, save_rgb
 
     renderer, writers, operator = by
     scales: tuple[int | None, ...] = C_SIXTHS if operator.uses_c else (None,)

@@ -9,16 +9,16 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from relgloss_view.atomic import check_writable
-from relgloss_view.commands.progress import Progress
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import Progress
+from relgloss_view.base.writing import check_writable
 from relgloss_view.commands.scene_options import add_scene_options, scene_from
-from relgloss_view.errors import InputError
-from relgloss_view.text_input import printable
 
 if TYPE_CHECKING:
     from relgloss_view.commands.sample_arguments import Given
-    from relgloss_view.operators.match import Match, Point, Reference
-    from relgloss_view.picture.scene import Scene
+    from relgloss_view.gloss.match import Match, Point, Reference
+    from relgloss_view.picture.scene.scene import Scene
 
 CAVEAT = (
     "A starting point for the eye: one number can't fix two parameters; the experiment decides."
@@ -28,9 +28,9 @@ CAVEAT = (
 def add(commands: Any) -> None:
     """Declare the command."""
     from relgloss_view.commands.sample_arguments import METAVAR
-    from relgloss_view.operators.comparison import DEFAULT_GLOSS, GLOSSES
-    from relgloss_view.operators.match import DEFAULT_MEASURE, MEASURES
-    from relgloss_view.picture.samples import SAMPLES
+    from relgloss_view.gloss.comparison import DEFAULT_GLOSS, GLOSSES
+    from relgloss_view.gloss.match import DEFAULT_MEASURE, MEASURES
+    from relgloss_view.picture.scene.samples import SAMPLES
 
     first, *others = SAMPLES
     parser = commands.add_parser(
@@ -83,10 +83,10 @@ def add(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Find the curves, write what was asked for, print."""
     from relgloss_view.commands.sample_arguments import given_sample, given_samples
-    from relgloss_view.operators.match import as_numbers, match, reference_of
-    from relgloss_view.operators.match_plot import write_match_plot
+    from relgloss_view.gloss.match import as_numbers, match, reference_of
+    from relgloss_view.gloss.match_plot import write_match_plot
     from relgloss_view.picture.backends import open_renderer
-    from relgloss_view.picture.samples import SAMPLES
+    from relgloss_view.picture.scene.samples import SAMPLES
 
     words = args.cases or list(SAMPLES)[1:]
     if args.write is not None and len(words) != 1:
@@ -144,8 +144,8 @@ def _check_places(args: argparse.Namespace) -> None:
 
 def _write_scene(path: str, scene: Scene, pair: tuple[Given, Given], found: Match) -> None:
     """The reference beside the proposal; InputError where there is none."""
-    from relgloss_view.picture.scene_file import SceneFile
-    from relgloss_view.picture.scene_writer import write_scene_file
+    from relgloss_view.picture.scene.scene_file import SceneFile
+    from relgloss_view.picture.scene.scene_writer import write_scene_file
 
     reference, sample = pair
     at = found.proposed
@@ -165,7 +165,7 @@ def _told(
     reference: Reference, found: list[Match], settings: list[str], gloss: str, by: str
 ) -> str:
     """The curves as columns, then each sample's proposal."""
-    from relgloss_view.operators.comparison import words_of
+    from relgloss_view.gloss.comparison import words_of
 
     case = reference.case
     lines = [
@@ -195,7 +195,7 @@ def _cell(found: Match, sigma: float) -> str:
 
 
 def _of_sample(m: Match, settings: str, reference: Reference, gloss: str) -> list[str]:
-    from relgloss_view.operators.comparison import words_of
+    from relgloss_view.gloss.comparison import words_of
 
     lines = [
         f"{m.case.label}: {words_of(gloss)} {m.gloss:.4g}, {m.gloss / reference.gloss:.3g} of the "

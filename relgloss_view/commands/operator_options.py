@@ -7,12 +7,12 @@ import dataclasses
 from collections.abc import Sequence
 from typing import Any
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.toml import AUTO
 from relgloss_view.operators.operator import Operator
 from relgloss_view.operators.registry import DEFAULT_OPERATOR, OPERATORS, make_operator
 from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
-from relgloss_view.picture.scene_file import AUTO
 
 SHOWS_C = ", ".join(name for name, kind in OPERATORS.items() if kind.uses_c)
 

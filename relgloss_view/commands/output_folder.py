@@ -7,8 +7,8 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
-from relgloss_view.errors import InputError
-from relgloss_view.text_input import read_text
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import read_text
 
 MAX_BYTES = 64 * 1024 * 1024  #: of a file that says whose a folder is
 

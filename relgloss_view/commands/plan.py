@@ -7,12 +7,12 @@ import dataclasses
 import json
 from typing import TYPE_CHECKING, Any
 
+from relgloss_view.base.reading import printable
 from relgloss_view.commands.scene_options import add_scene_options, scene_from
-from relgloss_view.text_input import printable
 
 if TYPE_CHECKING:
-    from relgloss_view.picture.planner import Advice, Choice
-    from relgloss_view.picture.proxy import Error
+    from relgloss_view.quality.planner import Advice, Choice
+    from relgloss_view.quality.proxy import Error
 
 #: What the stages are, for people.
 STAGES = {
@@ -50,7 +50,7 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Plan and tell."""
-    from relgloss_view.picture.planner import Tolerance, advise
+    from relgloss_view.quality.planner import Tolerance, advise
 
     scene, look, size = scene_from(args)
     given = {"p95": args.p95, "largest": args.largest}

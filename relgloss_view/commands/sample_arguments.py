@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import fault, printable
+from relgloss_view.gloss.comparison import Case
 from relgloss_view.material.files import load_material
-from relgloss_view.operators.comparison import Case
-from relgloss_view.picture.samples import SAMPLES, load_sample
-from relgloss_view.picture.scene import Look
-from relgloss_view.picture.scene_file import SceneSample
-from relgloss_view.text_input import fault, printable
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.samples import SAMPLES, load_sample
+from relgloss_view.picture.scene.scene_file import SceneSample
 
 METAVAR = "SAMPLE|MATERIAL.json[=SIGMA_N,C]"
 SETTINGS = re.compile(r"(.+)=([0-9.]+),([0-9.]+)(?:/([0-9.]+))?", re.DOTALL)

@@ -10,13 +10,14 @@ import shlex
 from collections.abc import Sequence
 from typing import Any
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.material.files import load_material
 from relgloss_view.picture.backends import BACKENDS
-from relgloss_view.picture.samples import DEFAULT_SAMPLE, SAMPLES, load_sample
-from relgloss_view.picture.scene import QUALITIES, Look, Scene
-from relgloss_view.picture.scene_file import TABLES, build, load_scene
-from relgloss_view.picture.view import check_size
+from relgloss_view.picture.model.view import check_size
+from relgloss_view.picture.scene.look import QUALITIES, Look
+from relgloss_view.picture.scene.samples import DEFAULT_SAMPLE, SAMPLES, load_sample
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.scene_file import TABLES, build, load_scene
 
 DEFAULT_SIZE = (512, 512)
 AUTO = "auto"

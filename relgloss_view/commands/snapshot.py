@@ -7,15 +7,11 @@ import json
 import sys
 from typing import Any
 
-from relgloss_view.atomic import check_writable
-from relgloss_view.commands.operator_options import (
-    add_operator_options,
-    operator_from,
-    shown_by,
-)
-from relgloss_view.commands.progress import Progress
+from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import Progress
+from relgloss_view.base.writing import check_writable
+from relgloss_view.commands.operator_options import add_operator_options, operator_from, shown_by
 from relgloss_view.commands.scene_options import add_scene_options, printable_command, scene_from
-from relgloss_view.text_input import printable
 
 BITS = (8, 16)
 
@@ -42,7 +38,7 @@ def add(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Draw, write, and say what was drawn."""
     from relgloss_view.picture.backends import open_renderer
-    from relgloss_view.picture.export import check_suffix, parameters, save_frame, warnings
+    from relgloss_view.picture.output.export import check_suffix, parameters, save_frame, warnings
 
     output = check_suffix(args.output)
     if args.bits is not None and output.suffix.lower() != ".png":

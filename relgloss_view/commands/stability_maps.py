@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from relgloss_view.atomic import whole_folder
-from relgloss_view.commands.progress import Progress
-from relgloss_view.text_input import printable
+from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import Progress
+from relgloss_view.base.writing import whole_folder
 
 FORMAT, VERSION = "relgloss-stability", 1
 RESULTS = "stability.json"
@@ -16,9 +16,10 @@ QUICK_CELLS = 12  #: along each side of a map
 
 def run(folder: Path, backend: str, *, quick: bool, as_json: bool) -> int:
     """Draw the maps beside the folder, and move the files in when the last is done."""
-    from relgloss_view.bench import stability, stability_figures
-    from relgloss_view.bench.machine import machine
-    from relgloss_view.picture.context import open_context
+    from relgloss_view.bench.speed.machine import machine
+    from relgloss_view.bench.stability import figures as stability_figures
+    from relgloss_view.bench.stability import maps as stability
+    from relgloss_view.picture.gpu.context import open_context
 
     with Progress("bench") as progress, whole_folder(folder, last=RESULTS) as temporary:
         ctx = open_context(backend)

@@ -7,7 +7,7 @@ import re
 import tomllib
 from typing import TYPE_CHECKING, Any
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 
 if TYPE_CHECKING:
     from relgloss_view.experiment.design.study import Study

@@ -8,14 +8,14 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from relgloss_view.atomic import check_writable
+from relgloss_view.base.errors import InputError, RelglossError
+from relgloss_view.base.reading import printable
+from relgloss_view.base.writing import check_writable
 from relgloss_view.commands.scene_options import size_of_text
-from relgloss_view.errors import InputError, RelglossError
-from relgloss_view.text_input import printable
 
 if TYPE_CHECKING:
-    from relgloss_view.viewer.app import App
-    from relgloss_view.viewer.jobs import Opened
+    from relgloss_view.viewer.files.jobs import Opened
+    from relgloss_view.viewer.shell.app import App
 
 DEFAULT_FRAMES = 3  #: the first settles the layout
 MOST_FRAMES = 100_000
@@ -72,10 +72,10 @@ def _screenshot(args: argparse.Namespace) -> int:
         raise InputError(f"--screenshot {named}: expected a name that ends in .png")
     check_writable(args.screenshot)
     opened = _opened(args.files)
-    from relgloss_view.viewer.app import App
-    from relgloss_view.viewer.layout_file import DEFAULT_SIZE
-    from relgloss_view.viewer.state import State
-    from relgloss_view.viewer.window import Window
+    from relgloss_view.viewer.shell.app import App
+    from relgloss_view.viewer.shell.window import Window
+    from relgloss_view.viewer.state.layout_file import DEFAULT_SIZE
+    from relgloss_view.viewer.state.state import State
 
     app = App(State.initial())
     _show(app, opened)
@@ -84,7 +84,7 @@ def _screenshot(args: argparse.Namespace) -> int:
     )
     tell_clamped(args, window.size)
     pixels = window.run(args.frames)
-    from relgloss_view.picture.export import save_rgb
+    from relgloss_view.picture.output.export import save_rgb
 
     save_rgb(pixels, args.screenshot, {})
     frames = "1 frame" if args.frames == 1 else f"{args.frames} frames"
@@ -93,13 +93,13 @@ def _screenshot(args: argparse.Namespace) -> int:
 
 
 def _interactive(args: argparse.Namespace) -> int:
-    from relgloss_view.viewer.app import App
-    from relgloss_view.viewer.layout_file import load_layout
-    from relgloss_view.viewer.places import config_folder
-    from relgloss_view.viewer.platform import check_display
-    from relgloss_view.viewer.session import Autosave, Restored, restore, session_file
-    from relgloss_view.viewer.state import State
-    from relgloss_view.viewer.window import Window
+    from relgloss_view.viewer.shell.app import App
+    from relgloss_view.viewer.shell.platform import check_display
+    from relgloss_view.viewer.shell.window import Window
+    from relgloss_view.viewer.state.layout_file import load_layout
+    from relgloss_view.viewer.state.places import config_folder
+    from relgloss_view.viewer.state.session import Autosave, Restored, restore, session_file
+    from relgloss_view.viewer.state.state import State
 
     check_display()
     opened = _opened(args.files)
@@ -134,8 +134,8 @@ def tell_clamped(args: argparse.Namespace, size: tuple[int, int]) -> None:
 
 def _opened(files: list[str]) -> list[Opened]:
     """What the files hold, before the window is there, so that a fault ends the command."""
-    from relgloss_view.commands.progress import Progress
-    from relgloss_view.viewer.jobs import OpenJob
+    from relgloss_view.base.terminal import Progress
+    from relgloss_view.viewer.files.jobs import OpenJob
 
     _check_files(files)
     opened = []
@@ -176,7 +176,7 @@ def _show(app: App, opened: list[Opened]) -> None:
 
 def _check_files(files: list[str]) -> None:
     """Raise InputError before the first is fitted, which takes a while."""
-    from relgloss_view.viewer.kinds import SCENE, likely_kind
+    from relgloss_view.picture.scene.file_kinds import SCENE, likely_kind
 
     scenes = [likely_kind(file) for file in files].count(SCENE)
     samples = len(files) - scenes

@@ -10,11 +10,11 @@ import re
 from collections.abc import Iterator
 from typing import Any, NoReturn
 
-from relgloss_view.atomic import whole_file
-from relgloss_view.bands import RGB, Bands
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import fault, printable, read_text, text
+from relgloss_view.base.writing import whole_file
 from relgloss_view.material.material import MAX_LOBES, Diffuse, FitRecord, Lobe, Material
-from relgloss_view.text_input import fault, printable, read_text, text
+from relgloss_view.measure.bands import RGB, Bands
 
 FORMAT = "relgloss-material"
 VERSION = 1

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view import text_input
-from relgloss_view.bands import Bands
+from relgloss_view.base import reading as text_input
+from relgloss_view.base.reading import fault
 from relgloss_view.material import brdf
-from relgloss_view.text_input import fault
+from relgloss_view.measure.bands import Bands
 
 Array = NDArray[np.float64]
 

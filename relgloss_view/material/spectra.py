@@ -17,10 +17,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view.bands import Bands
-from relgloss_view.errors import InputError
-from relgloss_view.resources import asset
-from relgloss_view.text_input import printable, read_text, unreadable
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable, read_text, unreadable
+from relgloss_view.base.resources import asset
+from relgloss_view.measure.bands import Bands
 
 Array = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view.bands import Bands
+from relgloss_view.measure.bands import Bands
 
 Array = NDArray[np.float64]
 

@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from relgloss_view.base.parameters import choice
 from relgloss_view.operators.operator import (
     Displayed,
     LightOperator,
@@ -14,8 +15,7 @@ from relgloss_view.operators.operator import (
     show_rgb,
     show_xyz,
 )
-from relgloss_view.picture.scene import choice
-from relgloss_view.picture.tone import GAMUT_TOLERANCE
+from relgloss_view.picture.model.tone import GAMUT_TOLERANCE
 
 CUTS = ("lightness", "rgb")
 

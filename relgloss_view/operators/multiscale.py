@@ -12,6 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from relgloss_view.base.parameters import choice, parameter, switch
 from relgloss_view.operators.operator import (
     DISPLAY_CD_M2,
     Array,
@@ -21,7 +22,6 @@ from relgloss_view.operators.operator import (
     show_xyz,
 )
 from relgloss_view.operators.pyramid import low_passes
-from relgloss_view.picture.scene import choice, parameter, switch
 
 #: XYZ to cones, equal-energy white at 1 (Hunt, Pointer and Estevez; Hunt 1995).
 CONES = np.array([[0.38971, 0.68898, -0.07868], [-0.22981, 1.18340, 0.04641], [0.0, 0.0, 1.0]])

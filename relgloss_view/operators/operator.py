@@ -16,12 +16,12 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view.picture import tone
+from relgloss_view.base.parameters import Checked
 from relgloss_view.picture.displayed import Displayed as Displayed
 from relgloss_view.picture.frame import Frame
-from relgloss_view.picture.scene import Checked
-from relgloss_view.picture.tone import DisplayModel
-from relgloss_view.picture.view import View
+from relgloss_view.picture.model import tone
+from relgloss_view.picture.model.tone import DisplayModel
+from relgloss_view.picture.model.view import View
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

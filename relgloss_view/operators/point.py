@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from relgloss_view.base.parameters import parameter
 from relgloss_view.operators.operator import (
     DISPLAY_CD_M2,
     Array,
@@ -15,7 +16,6 @@ from relgloss_view.operators.operator import (
     SceneLight,
     show_xyz,
 )
-from relgloss_view.picture.scene import parameter
 
 
 @dataclass(frozen=True)

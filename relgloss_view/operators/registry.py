@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
+from relgloss_view.base.reading import fault
 from relgloss_view.operators.clip import Clip
 from relgloss_view.operators.multiscale import Multiscale
 from relgloss_view.operators.neutral import Neutral
@@ -15,7 +16,6 @@ from relgloss_view.operators.split import Split
 from relgloss_view.operators.tumblin_rushmeier import TumblinRushmeier
 from relgloss_view.operators.ward import Ward
 from relgloss_view.operators.ward_histogram import WardHistogram
-from relgloss_view.text_input import fault
 
 #: The paper's own first.
 OPERATORS: dict[str, type[Operator]] = {

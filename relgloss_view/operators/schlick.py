@@ -7,9 +7,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from relgloss_view.base.parameters import parameter
 from relgloss_view.operators.operator import Array, SceneLight
 from relgloss_view.operators.point import PointOperator
-from relgloss_view.picture.scene import parameter
 
 #: Share of the lit pixels that are darker than the luminance taken as the darkest. The minimum
 #: itself lies at the terminator, where it follows the size of the pixels alone.

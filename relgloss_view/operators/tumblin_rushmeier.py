@@ -8,9 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from relgloss_view.base.parameters import parameter
 from relgloss_view.operators.operator import Array, SceneLight
 from relgloss_view.operators.point import PointOperator
-from relgloss_view.picture.scene import parameter
 
 #: cd/m2 of one lambert, 1/pi cd/cm2.
 LAMBERT_CD_M2 = 1e4 / math.pi

@@ -8,9 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from relgloss_view.base.parameters import choice, parameter
 from relgloss_view.operators.operator import Array, SceneLight
 from relgloss_view.operators.point import PointOperator
-from relgloss_view.picture.scene import choice, parameter
 
 BINS = 100
 TRIMMED_SHARE = 0.025  #: of the samples may stand above the ceiling when the loop ends

@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterator
 from typing import Protocol
 
 from relgloss_view.picture.frame import Frame
-from relgloss_view.picture.scene import Look, Scene
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
 
 BACKENDS = ("auto", "egl", "osmesa", "reference")
 
@@ -34,8 +35,8 @@ def open_renderer(
 
         yield ReferenceRenderer(progress)
         return
-    from relgloss_view.picture.context import open_context
-    from relgloss_view.picture.renderer import Renderer
+    from relgloss_view.picture.gpu.context import open_context
+    from relgloss_view.picture.gpu.passes import Renderer
 
     ctx = open_context(backend)
     try:

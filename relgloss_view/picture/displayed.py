@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view.picture import tone
-from relgloss_view.picture.tone import DisplayModel
+from relgloss_view.picture.model import tone
+from relgloss_view.picture.model.tone import DisplayModel
 
 
 @dataclass(frozen=True)

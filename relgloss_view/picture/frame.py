@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.material.spectra import illuminant
-from relgloss_view.picture import tone
 from relgloss_view.picture.method import EXACT, Method
-from relgloss_view.picture.plan import sample_count, samples_needed
-from relgloss_view.picture.scene import Look, Scene
+from relgloss_view.picture.model import tone
+from relgloss_view.picture.model.pixel_sampling import sample_count, samples_needed
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
 
 Floats = NDArray[np.floating[Any]]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
+from relgloss_view.base.parameters import Checked, choice, whole_number
 from relgloss_view.material.approximations import FRESNEL, SHADOWING
-from relgloss_view.picture.scene import Checked, choice, whole_number
 
 DIFFUSE = ("fitted", "oren-nayar", "eon", "qualitative", "lambert")
 FACETS = ("gaussian", "beckmann", "ggx")

@@ -9,13 +9,15 @@ from numpy.typing import NDArray
 
 from relgloss_view.material import brdf
 from relgloss_view.material.spectra import illuminant, xyz_weights
-from relgloss_view.picture import shape, tone
 from relgloss_view.picture.frame import Extremes, Frame, Scaling, scene_warnings
-from relgloss_view.picture.grain import grain_normal
-from relgloss_view.picture.light import front_white, lit_white
-from relgloss_view.picture.plan import as_drawn, sample_count
-from relgloss_view.picture.scene import Look, Scene
-from relgloss_view.picture.view import Size, View, check_size, float32
+from relgloss_view.picture.model import shape, tone
+from relgloss_view.picture.model.drawn import as_drawn
+from relgloss_view.picture.model.grain import grain_normal
+from relgloss_view.picture.model.light import front_white, lit_white
+from relgloss_view.picture.model.pixel_sampling import sample_count
+from relgloss_view.picture.model.view import Size, View, check_size, float32
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
 
 Array = NDArray[np.float64]
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from relgloss_view.bench import methods
-from relgloss_view.bench.chart import CHARTS, figure_of, write_chart
-from relgloss_view.bench.labels import spread
+from relgloss_view.bench.speed import methods
+from relgloss_view.bench.speed.chart import CHARTS, figure_of, write_chart
+from relgloss_view.bench.speed.labels import spread
 
 
 def made_up(entries=None, quick=False):

@@ -11,8 +11,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from relgloss_view.bench import errors, methods, run, scenes
-from relgloss_view.bench.errors import Truth
+from relgloss_view.bench.speed import errors, methods, run, scenes
+from relgloss_view.bench.speed.errors import Truth
 
 SIZE = (320, 180)
 CASES = {case.name: case for case in scenes.cases(SIZE)}

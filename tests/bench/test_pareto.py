@@ -3,7 +3,7 @@ from __future__ import annotations
 import itertools
 import random
 
-from relgloss_view.bench.pareto import pareto_front
+from relgloss_view.bench.speed.pareto import pareto_front
 
 
 def test_a_made_up_front():

@@ -6,11 +6,12 @@ import sys
 import numpy as np
 import pytest
 
-from relgloss_view.bench import mitsuba_runner, peers, scenes, scientist
-from relgloss_view.bench.mitsuba_runner import MitsubaPeer, llvm_libraries, open_peer
-from relgloss_view.errors import RelglossError
+from relgloss_view.base.errors import RelglossError
+from relgloss_view.bench.peers import mitsuba_runner, peers, scientist
+from relgloss_view.bench.peers.mitsuba_runner import MitsubaPeer, llvm_libraries, open_peer
+from relgloss_view.bench.speed import scenes
 from relgloss_view.picture.reference import ReferenceRenderer
-from relgloss_view.picture.scene import Look
+from relgloss_view.picture.scene.look import Look
 
 SIZE = (96, 54)
 CASES = {case.name: case for case in scenes.cases(SIZE)}
@@ -118,7 +119,7 @@ def test_mitsuba_draws_the_same_cylinder(ctx):
     """The object covers as much of its picture as of ours, and takes turns with it."""
     mi = pytest.importorskip("mitsuba")
     mi.set_variant("scalar_rgb")
-    from relgloss_view.bench.mitsuba_peer import world
+    from relgloss_view.bench.peers.mitsuba_peer import world
 
     case = CASES["matte-coated az50"]
     asked = mitsuba_runner.scene_for_mitsuba(case, SIZE)

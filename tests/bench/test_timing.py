@@ -7,12 +7,12 @@ from functools import partial
 
 import pytest
 
-from relgloss_view.bench import scenes, tasks
-from relgloss_view.bench.floor import FillFloor
-from relgloss_view.bench.passes import believed, time_passes
-from relgloss_view.bench.pixels import fit_line, size_of, time_pixels
-from relgloss_view.bench.timing import Times, take_turns
-from relgloss_view.errors import RelglossError
+from relgloss_view.base.errors import RelglossError
+from relgloss_view.bench.speed import scenes, tasks
+from relgloss_view.bench.speed.floor import FillFloor
+from relgloss_view.bench.speed.passes import believed, time_passes
+from relgloss_view.bench.speed.pixels import fit_line, size_of, time_pixels
+from relgloss_view.bench.speed.timing import Times, take_turns
 from relgloss_view.picture.method import EXACT, Method
 
 SIZE = (160, 90)
@@ -162,7 +162,7 @@ def test_sizes_hold_about_so_many_pixels():
 
 
 def test_sizes_that_the_device_cannot_hold_are_skipped(ctx, monkeypatch):
-    from relgloss_view.bench import pixels
+    from relgloss_view.bench.speed import pixels
 
     case = CASES["matte-coated az50"]
     monkeypatch.setattr(pixels, "available_bytes", lambda: 2_000_000)

@@ -9,8 +9,8 @@ import json
 import pytest
 
 from relgloss_view import cli
-from relgloss_view.bench import measure, methods, report, run
-from relgloss_view.bench.chart import CHARTS
+from relgloss_view.bench.speed import measure, methods, report, run
+from relgloss_view.bench.speed.chart import CHARTS
 from relgloss_view.picture.method import Method
 
 FILES = {*CHARTS, report.TABLE, report.RESULTS}
@@ -29,7 +29,7 @@ def _small(monkeypatch):
         variants=(),
     )
     monkeypatch.setattr(measure, "QUICK", small)
-    monkeypatch.setattr("relgloss_view.bench.peers.STIMULI_SIZE", (48, 48))
+    monkeypatch.setattr("relgloss_view.bench.peers.peers.STIMULI_SIZE", (48, 48))
     monkeypatch.setattr("relgloss_view.commands.bench.GRID_SIZE", (32, 32))
 
 
@@ -123,7 +123,7 @@ def test_an_interruption_leaves_nothing(tmp_path, monkeypatch, capsys, stage):
 
 
 def test_a_method_that_a_scene_refuses_is_told_and_the_rest_goes_on(tmp_path, monkeypatch, capsys):
-    from relgloss_view.errors import InputError
+    from relgloss_view.base.errors import InputError
 
     real = run.Drawers.of
 

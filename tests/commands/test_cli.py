@@ -16,9 +16,10 @@ import numpy as np
 import pytest
 from PIL import Image, ImageCms
 
-from relgloss_view import __version__, cli
+from relgloss_view import cli
+from relgloss_view.base.resources import asset
+from relgloss_view.base.version import __version__
 from relgloss_view.material.files import load_material, material_to_dict, save_material
-from relgloss_view.resources import asset
 
 OpenEXR = pytest.importorskip("OpenEXR")
 PAPER = str(asset("papers", "art-coated.csv"))
@@ -340,7 +341,7 @@ class TestGrid:
     def test_what_is_not_finished_leaves_nothing(
         self, capsys, tmp_path, monkeypatch, exists, frames
     ):
-        from relgloss_view.picture.writers import Writers
+        from relgloss_view.picture.output.writers import Writers
 
         folder = tmp_path / "deep" / "stimuli"
         if exists:
@@ -413,7 +414,7 @@ class TestDoctor:
 
 
 def test_interrupted(capsys, tmp_path, monkeypatch):
-    from relgloss_view.picture import export
+    from relgloss_view.picture.output import export
 
     def interrupt(*_):
         raise KeyboardInterrupt

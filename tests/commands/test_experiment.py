@@ -18,7 +18,7 @@ from PIL import Image
 from relgloss_view import cli
 from relgloss_view.experiment.design.study_file import load_study
 from relgloss_view.experiment.session.records import read_record
-from relgloss_view.picture.scene_file import load_scene
+from relgloss_view.picture.scene.scene_file import load_scene
 
 ROOT = Path(cli.__file__).parents[1]
 SMALL = ("--set", "screen.width_px=64", "--set", "screen.height_px=64")
@@ -109,8 +109,8 @@ class TestSimulate:
         assert len(record.answers) == 24
 
     def test_without_opengl_no_file_is_made(self, folder, capsys, monkeypatch):
-        from relgloss_view.errors import GLUnavailableError
-        from relgloss_view.picture import context
+        from relgloss_view.base.errors import GLUnavailableError
+        from relgloss_view.picture.gpu import context
 
         def none(backend):
             raise GLUnavailableError("no OpenGL")

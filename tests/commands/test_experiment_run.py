@@ -102,8 +102,10 @@ class TestWhoIsLed:
             def run(self):
                 pass
 
-        monkeypatch.setattr("relgloss_view.viewer.platform.open_platform", lambda headless: None)
-        monkeypatch.setattr("relgloss_view.viewer.window.Window", Unseen)
+        monkeypatch.setattr(
+            "relgloss_view.viewer.shell.platform.open_platform", lambda headless: None
+        )
+        monkeypatch.setattr("relgloss_view.viewer.shell.window.Window", Unseen)
 
     @pytest.fixture(params=["full", "adaptive"])
     def session(self, request, tmp_path):

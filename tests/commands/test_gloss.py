@@ -9,11 +9,11 @@ import materials
 import pytest
 
 from relgloss_view import cli
+from relgloss_view.base.resources import asset
+from relgloss_view.gloss.meter.meter import gloss_readings, specular_gloss
 from relgloss_view.material.files import load_material, material_to_dict, save_material
-from relgloss_view.material.gloss_meter import gloss_readings, specular_gloss
 from relgloss_view.material.material import Lobe
-from relgloss_view.picture.samples import SAMPLES, load_sample
-from relgloss_view.resources import asset
+from relgloss_view.picture.scene.samples import SAMPLES, load_sample
 
 PAPER = str(asset("papers", "art-coated.csv"))
 FITTED = str(asset("materials", "art-coated.json"))
@@ -84,7 +84,7 @@ def test_fit_beside_its_table(capsys):
     fit, table = samples(capsys, FITTED, PAPER)
     assert table["kind"] == "table"
     for key in ("gloss-20", "gloss-60"):
-        # 1.5 % of noise a geometry; see tests/material/test_gloss_meter.py.
+        # 1.5 % of noise a geometry; see tests/gloss/test_gloss_meter.py.
         assert table["readings"][key]["value"] == pytest.approx(
             fit["readings"][key]["value"], rel=0.03
         )

@@ -10,7 +10,7 @@ from PIL import Image
 from test_cli import refused, run
 
 from relgloss_view.material.files import save_material
-from relgloss_view.picture.scene_file import read_scene_file
+from relgloss_view.picture.scene.scene_file import read_scene_file
 
 SMALL = ("--size", "64x64")
 

@@ -12,8 +12,9 @@ from test_cli import refused, run
 
 from relgloss_view.operators.registry import OPERATORS, make_operator
 from relgloss_view.picture.backends import open_renderer
-from relgloss_view.picture.samples import load_sample
-from relgloss_view.picture.scene import Look, Scene
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.samples import load_sample
+from relgloss_view.picture.scene.scene import Scene
 
 OpenEXR = pytest.importorskip("OpenEXR")
 SMALL = ("--sample", "art-coated", "--sigma-n", 1, "--size", "48x40")

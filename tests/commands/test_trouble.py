@@ -13,9 +13,9 @@ import materials
 import pytest
 
 from relgloss_view import cli
+from relgloss_view.base.resources import asset
 from relgloss_view.material.files import material_to_dict, save_material
 from relgloss_view.material.material import Material
-from relgloss_view.resources import asset
 
 PAPER = str(asset("papers", "art-coated.csv"))
 RELGLOSS = [sys.executable, "-m", "relgloss_view.cli"]

@@ -18,10 +18,10 @@ import pytest
 from PIL import Image
 
 from relgloss_view import cli
+from relgloss_view.base.resources import asset
 from relgloss_view.material.files import load_material, material_to_dict, save_material
-from relgloss_view.resources import asset
-from relgloss_view.viewer.state import Sample, State
-from relgloss_view.viewer.state_file import save_state
+from relgloss_view.viewer.state.state import Sample, State
+from relgloss_view.viewer.state.state_file import save_state
 
 ROOT = Path(cli.__file__).parents[1]
 DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")
@@ -145,7 +145,7 @@ class TestScreenshot:
 
 
 def _largest_side():
-    from relgloss_view.viewer.platform import held_size
+    from relgloss_view.viewer.shell.platform import held_size
 
     width, height = held_size((20000, 20000))
     assert width == height
@@ -236,7 +236,8 @@ class TestBadInput:
 
         monkeypatch.setenv("RELGLOSS_HOME", str(folder.parent / "kept"))
         monkeypatch.chdir(folder)
-        monkeypatch.setitem(sys.modules, "relgloss_view.viewer.window", None)  # can't be imported
+        # None can't be imported.
+        monkeypatch.setitem(sys.modules, "relgloss_view.viewer.shell.window", None)
         return run
 
     @pytest.mark.parametrize(

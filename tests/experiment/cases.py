@@ -12,8 +12,8 @@ from relgloss_view.experiment.design.study import Procedure, Study, StudySample
 from relgloss_view.experiment.design.study import Screen as Pictures
 from relgloss_view.experiment.observers.percept import Percepts
 from relgloss_view.experiment.session.flow import Flow, Screen
-from relgloss_view.picture.samples import load_sample
-from relgloss_view.picture.scene_file import SceneSample
+from relgloss_view.picture.scene.samples import load_sample
+from relgloss_view.picture.scene.scene_file import SceneSample
 
 
 def built_in(name):

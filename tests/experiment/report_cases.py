@@ -16,8 +16,8 @@ from relgloss_view.experiment.observers.simulation import run_observers
 from relgloss_view.experiment.session.pool import read_pool
 from relgloss_view.experiment.session.store import Store
 from relgloss_view.experiment.verdict.analysis import Options, analyse
-from relgloss_view.picture.samples import load_sample
-from relgloss_view.picture.scene_file import SceneSample
+from relgloss_view.picture.scene.samples import load_sample
+from relgloss_view.picture.scene.scene_file import SceneSample
 
 SMALL = Grid((0.0, 1.0, 2.0), (1 / 6, 2 / 6, 3 / 6))
 PERCEPT_A_STEP = np.array([0.45, 0.06])  #: log gloss, grain

@@ -6,10 +6,10 @@ import materials
 import numpy as np
 import pytest
 
-from relgloss_view.bands import RGB
 from relgloss_view.material import brdf
 from relgloss_view.material.albedo import directional_albedo
 from relgloss_view.material.material import Diffuse, Lobe, Material
+from relgloss_view.measure.bands import RGB
 
 ANGLES_DEG = [0.0, 30.0, 60.0, 75.0, 85.0]
 
@@ -55,7 +55,7 @@ def test_a_lobe_of_twice_the_strength_passes_one_at_grazing_incidence():
 
 
 def test_a_fit_that_makes_light_says_so():
-    from relgloss_view.material.fitting.evidence import with_energy_warning
+    from relgloss_view.fitting.evidence import with_energy_warning
     from relgloss_view.material.material import FitRecord
 
     def told(strength):

@@ -6,9 +6,9 @@ import materials
 import numpy as np
 import pytest
 
-from relgloss_view.bands import RGB, Bands
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material
+from relgloss_view.measure.bands import RGB, Bands
 
 GRAY = (0.5, 0.5, 0.5)
 

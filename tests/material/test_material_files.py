@@ -10,10 +10,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from relgloss_view.bands import RGB
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.material.files import load_material, material_to_dict, save_material
 from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material
+from relgloss_view.measure.bands import RGB
 
 
 def test_round_trip(tmp_path):

@@ -11,8 +11,8 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+from relgloss_view.fitting import describe_fit, fit_material
 from relgloss_view.material.files import load_material
-from relgloss_view.material.fitting import describe_fit, fit_material
 from relgloss_view.measure import gonio
 from relgloss_view.measure.readers import read_measurement
 

@@ -8,10 +8,10 @@ import sys
 import numpy as np
 import pytest
 
-from relgloss_view.bands import RGB, Bands
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.material import spectra
-from relgloss_view.picture.scene_file import load_scene
+from relgloss_view.measure.bands import RGB, Bands
+from relgloss_view.picture.scene.scene_file import load_scene
 
 colour = pytest.importorskip("colour")
 

@@ -9,15 +9,9 @@ import numpy as np
 import pytest
 from files import GCMS, GENERIC, rgl_fields, tensor_file
 
-from relgloss_view.errors import InputError
-from relgloss_view.measure.readers import (
-    csv_table,
-    merl,
-    read_measurement,
-)
-from relgloss_view.measure.readers import (
-    tensor_file as container,
-)
+from relgloss_view.base.errors import InputError
+from relgloss_view.measure.readers import csv_table, merl, read_measurement
+from relgloss_view.measure.readers import tensor_file as container
 
 
 def swap(old, new, text=GCMS):

@@ -7,8 +7,8 @@ import pytest
 from files import merl_file
 from scipy.spatial.transform import Rotation
 
-from relgloss_view.bands import RGB
 from relgloss_view.measure import table
+from relgloss_view.measure.bands import RGB
 from relgloss_view.measure.readers import merl, read_measurement
 
 SCALE = np.array([1 / 1500, 1.15 / 1500, 1.66 / 1500])

@@ -10,7 +10,7 @@ from files import GCMS, GENERIC, rgl_fields, tensor_file
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.measure import table
 from relgloss_view.measure.readers import read_measurement
 

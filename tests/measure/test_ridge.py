@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from rgl_data import rgl_file
 
-from relgloss_view.measure import gonio, ridge, screen, table
+from relgloss_view.measure import gonio, ridge, table
+from relgloss_view.measure import screening as screen
 from relgloss_view.measure.readers import rgl
 
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from files import GCMS, GENERIC
 
-from relgloss_view.bands import RGB
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.measure import gonio, table
+from relgloss_view.measure.bands import RGB
 from relgloss_view.measure.readers import read_measurement
 from relgloss_view.measure.readers.gcms import write_gcms_csv
 

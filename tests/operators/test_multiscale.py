@@ -28,8 +28,10 @@ from relgloss_view.operators.multiscale import (
     transducer_inverse,
 )
 from relgloss_view.operators.pyramid import BANDS_CPD, enlarge, low_pass_sd_deg, low_passes
-from relgloss_view.picture.difference import delta_e_2000
-from relgloss_view.picture.scene import Lamp, Look, Scene
+from relgloss_view.picture.model.difference import delta_e_2000
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Lamp
 
 
 def planes(seed=1, shape=(53, 70), top=3.0):

@@ -11,12 +11,14 @@ import pytest
 from lights import HP5_WHITE, Y_N, gray, scene_light
 from materials import paper
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.operators.clip import Clip
 from relgloss_view.operators.operator import SceneLight
 from relgloss_view.operators.registry import DEFAULT_OPERATOR, OPERATORS, make_operator
-from relgloss_view.picture import tone
-from relgloss_view.picture.scene import Display, Eye, Look, Scene
+from relgloss_view.picture.model import tone
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Display, Eye
 
 LIGHT_OPERATORS = [name for name in OPERATORS if name != "split"]
 
@@ -48,7 +50,7 @@ class TestRegistry:
             make_operator("clip", {"c": 1})
 
     def test_importing_them_is_light(self):
-        code = "import relgloss_view.operators.registry, relgloss_view.operators.measures, sys; "
+        code = "import relgloss_view.operators.registry, relgloss_view.gloss.shown, sys; "
         code += "print('scipy' in sys.modules)"
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
         assert done.stdout.strip() == "False"

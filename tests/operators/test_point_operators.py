@@ -18,13 +18,9 @@ from relgloss_view.operators.registry import make_operator
 from relgloss_view.operators.schlick import Schlick, rational
 from relgloss_view.operators.tumblin_rushmeier import TumblinRushmeier, brightness_law
 from relgloss_view.operators.ward import Ward, contrast_scale
-from relgloss_view.operators.ward_histogram import (
-    WardHistogram,
-    adjusted_curve,
-    visible_difference,
-)
-from relgloss_view.picture.scene import Display
-from relgloss_view.picture.tone import DisplayModel
+from relgloss_view.operators.ward_histogram import WardHistogram, adjusted_curve, visible_difference
+from relgloss_view.picture.model.tone import DisplayModel
+from relgloss_view.picture.scene.setup import Display
 
 POINT_OPERATORS = ("tumblin-rushmeier", "ward", "schlick", "ward-histogram")
 

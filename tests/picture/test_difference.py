@@ -6,13 +6,16 @@ import glsl
 import numpy as np
 import pytest
 
-from relgloss_view.picture import tone
-from relgloss_view.picture.difference import delta_e_2000
-from relgloss_view.picture.renderer import Request, draw_difference, draw_overlay
-from relgloss_view.picture.renderer.passes import Renderer
-from relgloss_view.picture.samples import load_sample
-from relgloss_view.picture.scene import Display, Lamp, Look, Scene
-from relgloss_view.picture.tone import DisplayModel
+from relgloss_view.picture.gpu.overlays import draw_difference, draw_overlay
+from relgloss_view.picture.gpu.passes import Renderer
+from relgloss_view.picture.gpu.request import Request
+from relgloss_view.picture.model import tone
+from relgloss_view.picture.model.difference import delta_e_2000
+from relgloss_view.picture.model.tone import DisplayModel
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.samples import load_sample
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Display, Lamp
 
 #: Sharma, Wu, Dalal 2005, table 1: pairs chosen for the formula's corners.
 PUBLISHED = [

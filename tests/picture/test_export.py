@@ -11,11 +11,13 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from relgloss_view.errors import InputError
-from relgloss_view.picture.export import LAYERS, parameters, save_frame
-from relgloss_view.picture.scene import Display, Look, Scene
-from relgloss_view.picture.sheet import contact_sheet, thumbnail
-from relgloss_view.picture.tone import DisplayModel, encode
+from relgloss_view.base.errors import InputError
+from relgloss_view.picture.model.tone import DisplayModel, encode
+from relgloss_view.picture.output.contact_sheet import contact_sheet, thumbnail
+from relgloss_view.picture.output.export import LAYERS, parameters, save_frame
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Display
 
 OpenEXR = pytest.importorskip("OpenEXR")
 

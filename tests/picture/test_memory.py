@@ -3,14 +3,14 @@ import sys
 
 import pytest
 
-from relgloss_view.picture.renderer.memory import bytes_per_pixel, device_bytes
+from relgloss_view.picture.gpu.memory import bytes_per_pixel, device_bytes
 
 #: A software driver keeps textures in the process's own memory, where they can be seen.
 GROWTH = """
 import sys
-from relgloss_view.picture.context import open_context
-from relgloss_view.picture.renderer import Renderer
-from relgloss_view.picture.samples import load_sample
+from relgloss_view.picture.gpu.context import open_context
+from relgloss_view.picture.gpu.passes import Renderer
+from relgloss_view.picture.scene.samples import load_sample
 from relgloss_view.picture.scene import Look, Scene
 
 def resident():

@@ -6,8 +6,10 @@ import materials
 import numpy as np
 import pytest
 
-from relgloss_view.picture.scene import Eye, Lamp, Look, Scene, Shape
-from relgloss_view.picture.view import View
+from relgloss_view.picture.model.view import View
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Eye, Lamp, Shape
 
 mi = pytest.importorskip("mitsuba")
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from relgloss_view.picture import noise
+from relgloss_view.picture.model import noise
 
 SIDE = 1024
 SIGMA = float(np.radians(2.0))

@@ -12,12 +12,20 @@ import pytest
 from PIL import Image, ImageCms
 
 from relgloss_view import cli
-from relgloss_view.errors import InputError
-from relgloss_view.picture import png16
-from relgloss_view.picture.export import digital, save_frame, save_pair, save_rgb, srgb_profile
-from relgloss_view.picture.png16 import write_png16
-from relgloss_view.picture.samples import load_sample
-from relgloss_view.picture.scene import Display, Look, Scene
+from relgloss_view.base.errors import InputError
+from relgloss_view.picture.output import png16
+from relgloss_view.picture.output.export import (
+    digital,
+    save_frame,
+    save_pair,
+    save_rgb,
+    srgb_profile,
+)
+from relgloss_view.picture.output.png16 import write_png16
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.samples import load_sample
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Display
 
 mitsuba.set_variant("scalar_rgb")
 TEXT = {"Software": "relgloss", "Parameters": '{"name": "光沢 é", "n": 1}', "Command": "a\nb"}

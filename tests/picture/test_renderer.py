@@ -12,13 +12,15 @@ import materials
 import numpy as np
 import pytest
 
-from relgloss_view.errors import InputError, RelglossError
+from relgloss_view.base.errors import InputError, RelglossError
 from relgloss_view.material.material import Diffuse, Lobe
-from relgloss_view.picture import tone
 from relgloss_view.picture.backends import open_renderer
-from relgloss_view.picture.renderer import Renderer
-from relgloss_view.picture.samples import SAMPLES, load_sample
-from relgloss_view.picture.scene import Display, Eye, Lamp, Look, Scene, Shape
+from relgloss_view.picture.gpu.passes import Renderer
+from relgloss_view.picture.model import tone
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.samples import SAMPLES, load_sample
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
 
 colour = pytest.importorskip("colour")
 
@@ -207,7 +209,7 @@ class TestNoise:
         assert len(np.unique(np.round(tilt, 6))) < 60
 
     def test_zero_sigma_is_the_noise_free_picture_bit_for_bit(self, renderer, monkeypatch):
-        from relgloss_view.picture import plan
+        from relgloss_view.picture.gpu import variant as plan
 
         scene = Scene(materials.paper("matte"))
         smooth = renderer.render(scene, Look(), SMALL)
@@ -349,7 +351,7 @@ class TestPasses:
             _ = kept.normal
 
     def test_refused_memory_leaves_a_usable_renderer(self, renderer, monkeypatch):
-        from relgloss_view.picture.renderer.targets import Targets
+        from relgloss_view.picture.gpu.targets import Targets
 
         original = Targets._texture
 
@@ -434,8 +436,8 @@ class TestPasses:
         np.testing.assert_array_equal(again.display, wanted)
 
     def test_missing_uniform_and_broken_shader_are_told(self, renderer):
-        from relgloss_view.picture.renderer.targets import SHADE
-        from relgloss_view.picture.shader import ShaderError
+        from relgloss_view.picture.gpu.shader import ShaderError
+        from relgloss_view.picture.gpu.targets import SHADE
 
         renderer.render(Scene(materials.paper("cast")), Look(), SMALL)
         target = renderer.targets.framebuffer(SHADE)
@@ -650,8 +652,8 @@ import imgui_bundle, glfw  # in this order both use the bundle's own GLFW
 sys.path.insert(0, sys.argv[1])
 import materials
 from relgloss_view.picture.backends import open_renderer
-from relgloss_view.picture.context import attach
-from relgloss_view.picture.renderer import Renderer
+from relgloss_view.picture.gpu.context import attach
+from relgloss_view.picture.gpu.passes import Renderer
 from relgloss_view.picture.scene import Look, Scene
 glfw.init_hint(glfw.PLATFORM, glfw.PLATFORM_NULL)
 assert glfw.init()
@@ -694,7 +696,7 @@ class TestBounds:
 
     @pytest.mark.parametrize("kind", ["cylinder", "sphere", "plane", "box"])
     def test_no_pixel_outside_shows_the_object(self, renderer, monkeypatch, kind):
-        from relgloss_view.picture import view as views
+        from relgloss_view.picture.model import view as views
 
         rng = np.random.default_rng(3)
         for _ in range(12):
@@ -756,7 +758,7 @@ class TestBounds:
         ],
     )
     def test_very_near_and_very_far(self, renderer, monkeypatch, shape, eye):
-        from relgloss_view.picture import view as views
+        from relgloss_view.picture.model import view as views
 
         scene = Scene(load_sample("uncoated"), shape, eye=eye)
         size = (300, 250)
@@ -778,7 +780,7 @@ class TestFaultsInBetween:
     def test_next_picture_is_right(self, ctx, renderer, monkeypatch, failing, kind):
         import moderngl
 
-        from relgloss_view.picture.shader import ShaderError
+        from relgloss_view.picture.gpu.shader import ShaderError
 
         scene, look = Scene(load_sample("matte-coated")), Look(sigma_n_deg=1.0, c_fraction=0.5)
         fresh = Renderer(ctx)

@@ -8,10 +8,12 @@ import materials
 import numpy as np
 import pytest
 
-from relgloss_view.errors import InputError
-from relgloss_view.picture.scene import Display, Eye, Lamp, Look, Scene, Shape, polar_point
-from relgloss_view.picture.scene_file import load_scene, read_scene_file
-from relgloss_view.picture.view import FILL, View
+from relgloss_view.base.errors import InputError
+from relgloss_view.picture.model.view import FILL, View
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.scene_file import load_scene, read_scene_file
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape, polar_point
 
 PARTS = (Shape, Lamp, Eye, Display, Look)
 

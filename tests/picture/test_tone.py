@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from relgloss_view.errors import InputError
-from relgloss_view.picture import tone
+from relgloss_view.base.errors import InputError
 from relgloss_view.picture.frame import Extremes, Scaling
-from relgloss_view.picture.scene import Display, Look
+from relgloss_view.picture.model import tone
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.setup import Display
 
 colour = pytest.importorskip("colour")
 

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from relgloss_view.material import brdf
-from relgloss_view.picture import noise, shape, tone
-from relgloss_view.picture.scene import Display
+from relgloss_view.picture.model import noise, shape, tone
+from relgloss_view.picture.scene.setup import Display
 
 
 def float32(values):

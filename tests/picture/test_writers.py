@@ -2,11 +2,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from relgloss_view.errors import InputError
-from relgloss_view.picture.export import save_frame
-from relgloss_view.picture.samples import load_sample
-from relgloss_view.picture.scene import Look, Scene
-from relgloss_view.picture.writers import WAITING, Writers
+from relgloss_view.base.errors import InputError
+from relgloss_view.picture.output.export import save_frame
+from relgloss_view.picture.output.writers import WAITING, Writers
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.samples import load_sample
+from relgloss_view.picture.scene.scene import Scene
 
 SIZE = (60, 40)
 

@@ -6,8 +6,7 @@ import dataclasses
 
 from hypothesis import strategies as st
 
-from relgloss_view.bands import RGB, Bands
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.material.material import (
     ALBEDO_MAX,
     INDEX_RANGE,
@@ -19,8 +18,11 @@ from relgloss_view.material.material import (
     Material,
 )
 from relgloss_view.material.spectra import SHIPPED_ILLUMINANTS
+from relgloss_view.measure.bands import RGB, Bands
 from relgloss_view.picture.method import Method
-from relgloss_view.picture.scene import Display, Eye, Lamp, Look, Scene, Shape
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
 
 #: Few bands: what a picture does depends on them by three sums alone.
 BANDS = (RGB, Bands(tuple(float(w) for w in range(400, 701, 50))))

@@ -9,14 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from relgloss_view.bands import Bands
+from relgloss_view.fitting import fit_material
 from relgloss_view.material import brdf, spectra
-from relgloss_view.material.fitting import fit_material
-from relgloss_view.measure import gonio, ridge, screen, table
+from relgloss_view.measure import gonio, ridge, table
+from relgloss_view.measure import screening as screen
+from relgloss_view.measure.bands import Bands
 from relgloss_view.operators.multiscale import Multiscale
 from relgloss_view.operators.operator import SceneLight
-from relgloss_view.picture.scene import Display
-from relgloss_view.picture.tone import DisplayModel
+from relgloss_view.picture.model.tone import DisplayModel
+from relgloss_view.picture.scene.setup import Display
 
 colour = pytest.importorskip("colour")
 
@@ -30,7 +31,7 @@ def _helpers(path):
     return module
 
 
-fit_cases = _helpers("material/fit_cases.py")
+fit_cases = _helpers("fitting/fit_cases.py")
 #: Five of the fifteen incidence planes.
 SMALL = fit_cases.GRID[np.isin(fit_cases.GRID[:, 0], (-60.0, -40.0, -20.0, 10.0, 30.0))]
 COARSE = fit_cases.COARSE[np.isin(fit_cases.COARSE[:, 0], (-60.0, -40.0, -20.0, 10.0, 30.0))]

@@ -14,8 +14,10 @@ import pytest
 from both import finite
 
 from relgloss_view.material.material import Lobe
-from relgloss_view.picture import noise, shape
-from relgloss_view.picture.scene import Eye, Lamp, Look, Scene, Shape
+from relgloss_view.picture.model import noise, shape
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Eye, Lamp, Shape
 
 SMALL = (64, 48)
 Z = np.array([0.0, 0.0, 1.0])
@@ -223,7 +225,7 @@ import sys, numpy as np
 sys.path.insert(0, sys.argv[1])
 import materials
 from relgloss_view.picture.backends import open_renderer
-from relgloss_view.picture.renderer.evaluate import evaluate
+from relgloss_view.picture.gpu.evaluate import evaluate
 from relgloss_view.picture.scene import Look, Scene
 with open_renderer("egl") as r:
     cell = np.random.default_rng(0).integers(0, 2**32, (5000, 3)).astype(np.uint32)

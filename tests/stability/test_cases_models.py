@@ -15,11 +15,12 @@ import numpy as np
 import pytest
 from both import Z, diffuse, direction, finite, hemisphere, lobe
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.material import brdf
 from relgloss_view.material.albedo import directional_albedo
 from relgloss_view.material.material import S_DEG_DRAWN, Lobe
-from relgloss_view.picture.scene import Look, Scene
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
 
 SMALL = (64, 48)
 

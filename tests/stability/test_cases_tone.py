@@ -10,12 +10,14 @@ import numpy as np
 import pytest
 from both import finite
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.material.material import Lobe
-from relgloss_view.picture import light, tone
 from relgloss_view.picture.frame import Extremes, Scaling
 from relgloss_view.picture.method import Method
-from relgloss_view.picture.scene import Display, Eye, Lamp, Look, Scene, Shape
+from relgloss_view.picture.model import light, tone
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
 
 SMALL = (64, 48)
 WHITE = np.array([1.0168, 1.0, 0.6761])
@@ -70,8 +72,8 @@ def test_case_12_no_step_where_the_branches_of_lightness_meet(ctx, root):
     The slope at 216/24389 is 903.3; L* carries 116 times the error of a root of 0.207, which is
     held to these shares elsewhere (tests/material/test_approximations.py).
     """
-    from relgloss_view.picture.plan import CUBE_ROOT_CODES
-    from relgloss_view.picture.renderer.targets import Targets
+    from relgloss_view.picture.gpu.targets import Targets
+    from relgloss_view.picture.gpu.variant import CUBE_ROOT_CODES
 
     y = (tone.LAB_EPSILON * np.linspace(0.999, 1.001, 4001)).astype(np.float32)
     shader = glsl.evaluate(

@@ -12,15 +12,19 @@ import materials
 import numpy as np
 import pytest
 
-from relgloss_view.bench import grain_errors, stability
+from relgloss_view.base.resources import data_root
+from relgloss_view.bench.stability import grain_errors
+from relgloss_view.bench.stability import maps as stability
 from relgloss_view.material import approximations, brdf
 from relgloss_view.material.material import Lobe
-from relgloss_view.picture import domains, tone
-from relgloss_view.picture.domains import DOMAINS, QUANTITIES, outside, survey
 from relgloss_view.picture.method import Method
-from relgloss_view.picture.samples import load_sample
-from relgloss_view.picture.scene import Eye, Lamp, Look, Scene, Shape
-from relgloss_view.resources import data_root
+from relgloss_view.picture.model import tone
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.samples import load_sample
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Eye, Lamp, Shape
+from relgloss_view.quality import domains
+from relgloss_view.quality.domains import DOMAINS, QUANTITIES, outside, survey
 
 SLACK = 0.25
 BEYOND = 1.0 + SLACK

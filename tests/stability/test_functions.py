@@ -12,9 +12,10 @@ import pytest
 from both import finite
 
 from relgloss_view.material import approximations, brdf
-from relgloss_view.picture import plan, tone
-from relgloss_view.picture.renderer.targets import Targets
-from relgloss_view.picture.scene import Display
+from relgloss_view.picture.gpu import variant as plan
+from relgloss_view.picture.gpu.targets import Targets
+from relgloss_view.picture.model import tone
+from relgloss_view.picture.scene.setup import Display
 
 COUNT = 250_000
 

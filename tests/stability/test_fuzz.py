@@ -12,10 +12,13 @@ import numpy as np
 import pytest
 from materials import paper
 
+from relgloss_view.picture.gpu.passes import Renderer
+from relgloss_view.picture.gpu.programs import Programs
 from relgloss_view.picture.method import Method
-from relgloss_view.picture.renderer import Programs, Renderer
-from relgloss_view.picture.samples import load_sample
-from relgloss_view.picture.scene import Display, Eye, Lamp, Look, Scene, Shape
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.samples import load_sample
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
 
 STAGES = ("diffuse", "specular", "lab", "light", "display", "normal", "tilted_normal", "point_m")
 COUNTS = ("clip_count", "out_of_gamut_count", "c")
@@ -129,7 +132,7 @@ def test_what_came_before_changes_nothing_at_length(ctx, seed):
 
 def test_a_stale_pass_would_be_seen(ctx, monkeypatch):
     """Control: a renderer that believes that pass 1 still holds is found out."""
-    from relgloss_view.picture.renderer.held import Held
+    from relgloss_view.picture.gpu.held import Held
 
     honest = Held.stale
 

@@ -9,11 +9,13 @@ import pytest
 from PIL import Image
 
 from relgloss_view import cli
-from relgloss_view.bench import grain_errors, model_errors, stability, stability_figures
-from relgloss_view.bench.stability_figures import PAGES
+from relgloss_view.bench.stability import figures as stability_figures
+from relgloss_view.bench.stability import grain_errors, model_errors
+from relgloss_view.bench.stability import maps as stability
+from relgloss_view.bench.stability.figures import PAGES
 from relgloss_view.commands import stability_maps
 from relgloss_view.material import approximations, brdf
-from relgloss_view.picture import noise
+from relgloss_view.picture.model import noise
 
 
 class TestErrors:

@@ -14,12 +14,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from materials import paper
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.material.spectra import illuminant, xyz_weights
+from relgloss_view.picture.gpu.passes import Renderer
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.reference import ReferenceRenderer
-from relgloss_view.picture.renderer import Renderer
-from relgloss_view.picture.scene import Look, Scene
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
 
 QUICK = settings(
     max_examples=120,

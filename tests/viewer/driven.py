@@ -170,8 +170,8 @@ class Driven:
 
 @contextlib.contextmanager
 def viewer(folder, run):
-    from relgloss_view.viewer.app import App
-    from relgloss_view.viewer.state import State
+    from relgloss_view.viewer.shell.app import App
+    from relgloss_view.viewer.state.state import State
 
     app = App(State.initial())
     app.layout.hidden = not run.get("panels", False)  # other panels cost time
@@ -182,7 +182,7 @@ def main(folder: Path) -> None:
     import numpy as np
     from imgui_bundle import hello_imgui, imgui
 
-    from relgloss_view.viewer.window import Window
+    from relgloss_view.viewer.shell.window import Window
 
     run = json.loads((folder / "run.json").read_text(encoding="utf-8"))
     sys.path.insert(0, str(Path(__file__).parent))

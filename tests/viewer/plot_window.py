@@ -41,17 +41,17 @@ def models(names: set[str]) -> dict:
     sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
     import materials
 
+    from relgloss_view.base.resources import asset
     from relgloss_view.material.material import Lobe
     from relgloss_view.measure.readers import read_measurement
-    from relgloss_view.picture.context import open_context
-    from relgloss_view.picture.renderer import Renderer
-    from relgloss_view.picture.samples import load_sample
-    from relgloss_view.picture.scene import Eye
-    from relgloss_view.resources import asset
-    from relgloss_view.viewer.model import Model
-    from relgloss_view.viewer.plot_data.lightness import Lightness
-    from relgloss_view.viewer.plot_data.readout import Stages
-    from relgloss_view.viewer.state import Sample, Side, State
+    from relgloss_view.picture.gpu.context import open_context
+    from relgloss_view.picture.gpu.passes import Renderer
+    from relgloss_view.picture.scene.samples import load_sample
+    from relgloss_view.picture.scene.setup import Eye
+    from relgloss_view.viewer.plots.lightness import Lightness
+    from relgloss_view.viewer.plots.readout import Stages
+    from relgloss_view.viewer.state.model import Model
+    from relgloss_view.viewer.state.state import Sample, Side, State
 
     start = State.initial()
 
@@ -162,8 +162,8 @@ def _window(case: dict, model) -> tuple[np.ndarray, dict]:
 
     import glfw  # isort: skip  (the bundle's own library has to be the first)
 
-    from relgloss_view.viewer import theme
     from relgloss_view.viewer.panels import reflection
+    from relgloss_view.viewer.shell import theme
 
     shows = [
         importlib.import_module(f"relgloss_view.viewer.panels.{name}").show

@@ -8,13 +8,14 @@ from pathlib import Path
 import materials
 from hypothesis import strategies as st
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.resources import asset
 from relgloss_view.material.files import load_material, save_material
 from relgloss_view.material.spectra import SHIPPED_ILLUMINANTS
-from relgloss_view.picture.samples import SAMPLES
-from relgloss_view.picture.scene import Display, Eye, Lamp, Look, Shape
-from relgloss_view.resources import asset
-from relgloss_view.viewer.state import Presentation, Sample, Side, State
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.samples import SAMPLES
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
+from relgloss_view.viewer.state.state import Presentation, Sample, Side, State
 
 #: Names that files may have, and that quoting, TOML and argparse have to stand.
 NAMES = (

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from relgloss_view.picture.view import MAX_PIXELS, MAX_SIDE_PX, View, check_size
-from relgloss_view.viewer.arrangement import (
+from relgloss_view.picture.model.view import MAX_PIXELS, MAX_SIDE_PX, View, check_size
+from relgloss_view.viewer.drawing.arrangement import (
     Arrangement,
     arranged,
     as_shown,
@@ -18,7 +18,7 @@ from relgloss_view.viewer.arrangement import (
     drawable,
     seen_by,
 )
-from relgloss_view.viewer.state import COMPARE_MODES, Presentation, State
+from relgloss_view.viewer.state.state import COMPARE_MODES, Presentation, State
 
 PANE = (1001, 600)
 WHOLE = (0, 0, *PANE)

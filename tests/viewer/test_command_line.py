@@ -14,11 +14,11 @@ import states
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from relgloss_view.base.errors import InputError
 from relgloss_view.cli import _parser
 from relgloss_view.commands.scene_options import scene_from
-from relgloss_view.errors import InputError
-from relgloss_view.viewer.command_line import snapshot_command
-from relgloss_view.viewer.state import SIDES, Sample, State
+from relgloss_view.viewer.state.command_line import snapshot_command
+from relgloss_view.viewer.state.state import SIDES, Sample, State
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,8 @@ import sys
 import driven
 import pytest
 
-from relgloss_view.errors import InputError
-from relgloss_view.viewer import folders
+from relgloss_view.base.errors import InputError
+from relgloss_view.viewer.files import folders
 from relgloss_view.viewer.panels.dialog import native_available
 
 ODD = "a\n  b\udcff.json"
@@ -169,7 +169,7 @@ def leaves_haploscopic_mode_to_be_seen(hand, found):
 
 
 def shows_progress_and_cancels(hand, found):
-    from relgloss_view.viewer import files
+    from relgloss_view.viewer.files import desk as files
 
     real, files.OpenJob = files.OpenJob, driven.FakeJob
     made = driven.FakeJob.made

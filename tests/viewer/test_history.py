@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from relgloss_view.errors import InputError
-from relgloss_view.picture.samples import SAMPLES
-from relgloss_view.viewer import history
-from relgloss_view.viewer.history import History
-from relgloss_view.viewer.model import LONGEST_NOTE, NOTES_KEPT, Model
-from relgloss_view.viewer.state import SIDES, Sample, State
+from relgloss_view.base.errors import InputError
+from relgloss_view.picture.scene.samples import SAMPLES
+from relgloss_view.viewer.state import history
+from relgloss_view.viewer.state.history import History
+from relgloss_view.viewer.state.model import LONGEST_NOTE, NOTES_KEPT, Model
+from relgloss_view.viewer.state.state import SIDES, Sample, State
 
 INITIAL = State.initial()
 

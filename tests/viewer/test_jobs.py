@@ -14,18 +14,18 @@ from pathlib import Path
 import materials
 import pytest
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.resources import asset
+from relgloss_view.fitting import fit_material
 from relgloss_view.material.files import load_material, save_material
-from relgloss_view.material.fitting import fit_material
 from relgloss_view.measure.readers import read_measurement
-from relgloss_view.resources import asset
-from relgloss_view.viewer import jobs
-from relgloss_view.viewer.fit_process import FitProcess
-from relgloss_view.viewer.jobs import OpenJob
-from relgloss_view.viewer.kinds import MATERIAL, MEASUREMENT, SCENE, kind_of
-from relgloss_view.viewer.own_materials import keep_material, safe_name
-from relgloss_view.viewer.state import Sample, State
-from relgloss_view.viewer.state_file import load_state, save_state
+from relgloss_view.picture.scene.file_kinds import MATERIAL, MEASUREMENT, SCENE, kind_of
+from relgloss_view.viewer.files import jobs
+from relgloss_view.viewer.files.fit_process import FitProcess
+from relgloss_view.viewer.files.jobs import OpenJob
+from relgloss_view.viewer.files.own_materials import keep_material, safe_name
+from relgloss_view.viewer.state.state import Sample, State
+from relgloss_view.viewer.state.state_file import load_state, save_state
 
 TABLE = asset("papers", "matte-coated.csv")
 LIMIT_S = 60.0
@@ -293,7 +293,7 @@ class TestCancelling:
     def test_a_running_fit_does_not_keep_the_program(self, home):
         """Without close, too: the interpreter ends under the thread."""
         code = (
-            "import sys, threading; from relgloss_view.viewer.jobs import OpenJob\n"
+            "import sys, threading; from relgloss_view.viewer.files.jobs import OpenJob\n"
             "began = threading.Event(); job = OpenJob(sys.argv[1], began.set)\n"
             "began.wait(60); assert not job.done; print('left')"
         )
@@ -306,7 +306,7 @@ class TestFitProcess:
     def test_this_process_loads_no_scipy(self):
         """It costs more than a picture does."""
         code = (
-            "import sys; from relgloss_view.viewer.jobs import OpenJob\n"
+            "import sys; from relgloss_view.viewer.files.jobs import OpenJob\n"
             "job = OpenJob(sys.argv[1], lambda: None); job.wait(60); assert job.result, job.fault\n"
             "print('scipy' in sys.modules)"
         )
@@ -335,7 +335,7 @@ class TestFitProcess:
     def test_it_ends_with_the_window(self, tmp_path):
         """A window that was killed leaves no fit running."""
         code = (
-            "import sys, threading; from relgloss_view.viewer.jobs import OpenJob\n"
+            "import sys, threading; from relgloss_view.viewer.files.jobs import OpenJob\n"
             "began = threading.Event(); job = OpenJob(sys.argv[1], began.set); began.wait(60)\n"
             "print(job._fit._process.pid, flush=True); threading.Event().wait()"
         )

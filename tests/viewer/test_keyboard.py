@@ -10,7 +10,7 @@ import glfw
 import pytest
 from x_server import LONGEST_S, environment, hand, needs_server, running, until
 
-from relgloss_view.viewer.keyboard import Keyboard
+from relgloss_view.viewer.shell.keyboard import Keyboard
 
 CTRL, SHIFT = glfw.KEY_LEFT_CONTROL, glfw.KEY_RIGHT_SHIFT
 E, Q = glfw.KEY_E, glfw.KEY_Q
@@ -129,7 +129,7 @@ def test_chords_reach_a_window_whose_frames_are_slow(tmp_path, guarded):
 def main(guarded):
     from imgui_bundle import imgui
 
-    from relgloss_view.viewer import window
+    from relgloss_view.viewer.shell import window
 
     class Slow:
         """Tells of chords; each frame takes long, so that one gets all of it."""

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from relgloss_view.errors import InputError
-from relgloss_view.viewer import layout_file
-from relgloss_view.viewer.layout_file import WindowLayout, load_layout, save_layout
+from relgloss_view.base.errors import InputError
+from relgloss_view.viewer.state import layout_file
+from relgloss_view.viewer.state.layout_file import WindowLayout, load_layout, save_layout
 
 FIRST = WindowLayout()
 sides = st.integers(layout_file.SMALLEST, layout_file.LARGEST)

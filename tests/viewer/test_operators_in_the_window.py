@@ -13,7 +13,7 @@ import pytest
 from PIL import Image
 
 from relgloss_view import cli
-from relgloss_view.viewer.state import State
+from relgloss_view.viewer.state.state import State
 
 LOOK = "//Look"
 
@@ -63,7 +63,7 @@ def shows_an_operator(hand, found):
 
 
 def is_exported(hand, found):
-    from relgloss_view.viewer.exporting import Order, write
+    from relgloss_view.viewer.files.exporting import Order, write
 
     model = hand.model
 
@@ -104,7 +104,7 @@ def stays_while_c_moves_and_waits_for_the_hand(hand, found):
 
 
 def swaps_with_the_sides_and_is_undone(hand, found):
-    from relgloss_view.viewer.actions import ACTIONS
+    from relgloss_view.viewer.shell.actions import ACTIONS
 
     next(action for action in ACTIONS if action.text == "Swap sides").run(hand.app)
     hand.frames(2)
@@ -245,7 +245,7 @@ def test_it_goes_with_its_side(window):
 
 
 def test_it_is_kept_with_the_session(tmp_path):
-    from relgloss_view.viewer.state_file import load_state, save_state
+    from relgloss_view.viewer.state.state_file import load_state, save_state
 
     state = State.initial().with_part("presentation", reference_operator="ward")
     save_state(tmp_path / "s.toml", state)

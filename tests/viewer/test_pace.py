@@ -11,8 +11,8 @@ import random
 
 import pytest
 
-from relgloss_view.viewer import pace
-from relgloss_view.viewer.pace import BUDGET_S, SCALES, Pace
+from relgloss_view.viewer.drawing import pace
+from relgloss_view.viewer.drawing.pace import BUDGET_S, SCALES, Pace
 
 FRAMES = 60
 

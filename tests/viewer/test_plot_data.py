@@ -8,20 +8,22 @@ import materials
 import numpy as np
 import pytest
 
-from relgloss_view.bands import RGB
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.material import brdf
 from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material
+from relgloss_view.measure.bands import RGB
 from relgloss_view.measure.gonio import direction, gcms_directions
 from relgloss_view.measure.table import KEPT, NEGATIVE, SATURATED, Measurement
-from relgloss_view.picture.export import save_frame
 from relgloss_view.picture.frame import Extremes, Frame, Scaling
-from relgloss_view.picture.samples import load_sample
-from relgloss_view.picture.scene import Display, Eye, Lamp, Look, Scene, Shape
-from relgloss_view.viewer.plot_data import reflection
-from relgloss_view.viewer.plot_data.lightness import BINS, Lightness
-from relgloss_view.viewer.plot_data.memory import PerFrame, Recent, light_of
-from relgloss_view.viewer.plot_data.readout import Stages, half_vector_deg
+from relgloss_view.picture.output.export import save_frame
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.samples import load_sample
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
+from relgloss_view.viewer.plots import reflection
+from relgloss_view.viewer.plots.lightness import BINS, Lightness
+from relgloss_view.viewer.plots.memory import PerFrame, Recent, light_of
+from relgloss_view.viewer.plots.readout import Stages, half_vector_deg
 
 SIZE = (96, 80)
 GLOSSY = Lobe((1.0,), 3.0)
@@ -453,11 +455,11 @@ def test_plots_load_no_heavy_library():
 
     code = (
         "import sys\n"
-        "from relgloss_view.viewer.plot_data import lightness, readout, reflection\n"
+        "from relgloss_view.viewer.plots import lightness, readout, reflection\n"
         "from relgloss_view.viewer.panels import fit, inspector, lightness, reflection\n"
         "print(*sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     loaded = {name.split(".")[0] for name in done.stdout.split()}
     assert not loaded & {"scipy", "matplotlib", "colour", "moderngl", "OpenEXR", "PIL"}
-    assert "relgloss_view.material.fitting" not in done.stdout
+    assert "relgloss_view.fitting" not in done.stdout

@@ -9,8 +9,8 @@ import plot_window
 import pytest
 from plot_window import PANELS, STRIP
 
-from relgloss_view.picture.samples import load_sample
-from relgloss_view.resources import asset
+from relgloss_view.base.resources import asset
+from relgloss_view.picture.scene.samples import load_sample
 from relgloss_view.viewer.panels import plots, polar
 from relgloss_view.viewer.panels.fit import facts
 

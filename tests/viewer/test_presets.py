@@ -9,10 +9,19 @@ import states
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from relgloss_view.errors import InputError
-from relgloss_view.picture.scene import Look
-from relgloss_view.viewer import presets
-from relgloss_view.viewer.presets import Preset, add, built_in, find, load, remove, rename, save
+from relgloss_view.base.errors import InputError
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.viewer.state import presets
+from relgloss_view.viewer.state.presets import (
+    Preset,
+    add,
+    built_in,
+    find,
+    load,
+    remove,
+    rename,
+    save,
+)
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ def names(memory):
 
 def presets(hand, found):
     from relgloss_view.viewer.panels import presets as panel
-    from relgloss_view.viewer.presets import presets_file
+    from relgloss_view.viewer.state.presets import presets_file
 
     memory, file = panel.memory, presets_file()
     for shown in hand.app.layout.panels:

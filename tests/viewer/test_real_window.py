@@ -28,7 +28,7 @@ from x_server import (
     until,
 )
 
-from relgloss_view.viewer.session import restore
+from relgloss_view.viewer.state.session import restore
 
 WINDOW = "1280x800"
 FRAMES = 8
@@ -63,9 +63,9 @@ def drawn(folder, display, *, sigma_n_deg=2.0):
 
 
 def main(out, sigma_n_deg, headless):
-    from relgloss_view.viewer.app import App
-    from relgloss_view.viewer.state import State
-    from relgloss_view.viewer.window import Window
+    from relgloss_view.viewer.shell.app import App
+    from relgloss_view.viewer.shell.window import Window
+    from relgloss_view.viewer.state.state import State
 
     class Timeless(App):
         """The status line tells the time of a frame, which no two windows share."""

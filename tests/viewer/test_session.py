@@ -13,11 +13,11 @@ from pathlib import Path
 import pytest
 import states
 
-from relgloss_view.errors import InputError
-from relgloss_view.viewer import places, session
-from relgloss_view.viewer.session import Autosave, Restored, restore
-from relgloss_view.viewer.state import State
-from relgloss_view.viewer.state_file import load_state, save_state
+from relgloss_view.base.errors import InputError
+from relgloss_view.viewer.state import places, session
+from relgloss_view.viewer.state.session import Autosave, Restored, restore
+from relgloss_view.viewer.state.state import State
+from relgloss_view.viewer.state.state_file import load_state, save_state
 
 LIMIT_S = 60.0
 
@@ -195,7 +195,7 @@ class TestRestore:
 
 WRITER = """
 import sys
-from relgloss_view.viewer.session import Autosave
+from relgloss_view.viewer.state.session import Autosave
 from relgloss_view.viewer.state import State
 autosave, seed = Autosave(sys.argv[1]), int(sys.argv[2])
 initial = State.initial()

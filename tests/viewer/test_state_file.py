@@ -13,12 +13,12 @@ import states
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.material.files import load_material
-from relgloss_view.picture.scene import Look
-from relgloss_view.picture.scene_file import load_scene
-from relgloss_view.viewer.state import Sample, State
-from relgloss_view.viewer.state_file import load_state, save_state
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene_file import load_scene
+from relgloss_view.viewer.state.state import Sample, State
+from relgloss_view.viewer.state.state_file import load_state, save_state
 
 
 @pytest.fixture(scope="module")

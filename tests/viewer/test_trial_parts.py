@@ -7,14 +7,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.design.study_file import load_study
 from relgloss_view.experiment.session.flow import Flow, Progress, Screen
 from relgloss_view.experiment.session.store import Store
-from relgloss_view.picture.scene import Display
-from relgloss_view.viewer.arrangement import centred
-from relgloss_view.viewer.painting import surround_gray
-from relgloss_view.viewer.state import Presentation
+from relgloss_view.picture.scene.setup import Display
+from relgloss_view.viewer.drawing.arrangement import centred
+from relgloss_view.viewer.drawing.painting import surround_gray
+from relgloss_view.viewer.state.state import Presentation
 from relgloss_view.viewer.trials import category_strip, ink, keys, pages, placement
 from relgloss_view.viewer.trials.device import read_profile
 from relgloss_view.viewer.trials.experimenter_line import OperatorLine, goes_on

@@ -19,8 +19,8 @@ from relgloss_view.experiment.design.stimuli import digest_of, draw_reference, d
 from relgloss_view.experiment.design.study import Procedure, Screen, Study, StudySample
 from relgloss_view.experiment.design.trial_order import planned_trials
 from relgloss_view.experiment.session.flow import EARLIEST_S
-from relgloss_view.picture.samples import load_sample
-from relgloss_view.picture.scene_file import SceneSample
+from relgloss_view.picture.scene.samples import load_sample
+from relgloss_view.picture.scene.scene_file import SceneSample
 
 SIZE = (640, 480)
 OBSERVER = "O07"

@@ -10,7 +10,7 @@ import driven
 import numpy as np
 import pytest
 
-from relgloss_view.viewer.state import COMPARE_MODES
+from relgloss_view.viewer.state.state import COMPARE_MODES
 
 SIZE = (1000, 760)
 LOOK, SCENE, SAMPLE = "//Look", "//Scene", "//Sample"
@@ -313,7 +313,7 @@ def survives_lost_objects(hand, found):
 
 
 def draws_smaller_while_too_slow(hand, found):
-    from relgloss_view.viewer import pace
+    from relgloss_view.viewer.drawing import pace
 
     hand.until(lambda: not hand.model.dragging)
     hand.frames(3)

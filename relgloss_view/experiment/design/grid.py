@@ -12,9 +12,9 @@ import re
 from dataclasses import dataclass
 from fractions import Fraction
 
-from relgloss_view.errors import InputError
-from relgloss_view.picture.scene import Look
-from relgloss_view.text_input import fault, number
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import fault, number
+from relgloss_view.picture.scene.look import Look
 
 SIGMA_N_DEG = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
 C_SIXTHS = (1, 2, 3, 4, 5, 6)

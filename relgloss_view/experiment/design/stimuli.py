@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from relgloss_view.experiment.design.grid import Setting
 from relgloss_view.experiment.design.study import Study
-from relgloss_view.picture.export import parameters
 from relgloss_view.picture.frame import Frame
+from relgloss_view.picture.output.export import parameters
 
 if TYPE_CHECKING:
     from relgloss_view.picture.backends import FrameRenderer

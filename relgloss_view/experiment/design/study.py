@@ -9,24 +9,15 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.parameters import Checked, choice, parameter, switch, whole_number
+from relgloss_view.base.reading import fault, text
 from relgloss_view.experiment.design.grid import Grid, Setting
-from relgloss_view.picture.scene import (
-    Checked,
-    Display,
-    Eye,
-    Lamp,
-    Look,
-    Scene,
-    Shape,
-    choice,
-    parameter,
-    switch,
-    whole_number,
-)
-from relgloss_view.picture.scene_file import SceneSample
-from relgloss_view.picture.view import check_size
-from relgloss_view.text_input import fault, text
+from relgloss_view.picture.model.view import check_size
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.scene_file import SceneSample
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
 
 CATEGORIES = ("close", "slightly close", "fair", "slightly far", "far")  #: Ishii et al.
 MOST_CATEGORIES = 9  #: one digit key each

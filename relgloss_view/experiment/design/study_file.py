@@ -14,25 +14,23 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import fault, numbers_of, printable
+from relgloss_view.base.resources import asset
+from relgloss_view.base.toml import build_part, entries, read_toml
 from relgloss_view.experiment.design.grid import Grid, share_of
 from relgloss_view.experiment.design.study import Adaptive, Procedure, Screen, Study, StudySample
 from relgloss_view.material.files import material_from_dict, material_to_dict
 from relgloss_view.material.spectra import is_lamp_name
-from relgloss_view.picture.samples import DEFAULT_SAMPLE, SAMPLES
-from relgloss_view.picture.scene import Look
-from relgloss_view.picture.scene_file import (
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.samples import DEFAULT_SAMPLE, SAMPLES
+from relgloss_view.picture.scene.scene_file import (
     TABLES,
     SceneSample,
     build,
-    build_part,
     lamp_beside,
     read_sample,
-    read_toml,
 )
-from relgloss_view.picture.scene_writer import entries
-from relgloss_view.resources import asset
-from relgloss_view.text_input import fault, numbers_of, printable
 
 MAX_BYTES = 1024 * 1024
 EXPECTED = "a study file (TOML)"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.design.trial_order import Trial
 from relgloss_view.experiment.observers.percept import Percepts
 from relgloss_view.experiment.observers.population import Population, SimulatedObserver

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from relgloss_view.base.reading import printable
 from relgloss_view.experiment.design.grid import Setting
 from relgloss_view.experiment.session.pool import Member, Pool
 from relgloss_view.experiment.session.records import PERSON, SIMULATED, Observer, Record
-from relgloss_view.text_input import printable
 
 
 def answerers(pool: Pool) -> Iterator[tuple[Record, Observer, Member]]:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from relgloss_view.material.fitting.report import INK, STYLE
+from relgloss_view.fitting.report import INK, STYLE
 
 DPI = 130
 PAPER = "#f4f4f4"  #: of plots: bright, and gray enough to stand on the page

@@ -7,7 +7,8 @@ import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import read_text
 from relgloss_view.experiment.report.file_names import file_names
 from relgloss_view.experiment.report.page import report_page
 from relgloss_view.experiment.report.plots import write_plots
@@ -15,7 +16,6 @@ from relgloss_view.experiment.report.results import as_numbers
 from relgloss_view.experiment.report.scenes import write_scenes
 from relgloss_view.experiment.report.tables import write_tables
 from relgloss_view.experiment.verdict.analysis import Analysis
-from relgloss_view.text_input import read_text
 
 PAGE, RESULTS = "report.html", "results.json"  #: results.json says whose a folder is
 MAX_BYTES = 64 * 1024 * 1024

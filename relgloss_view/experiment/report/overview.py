@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from relgloss_view.base.reading import printable
 from relgloss_view.experiment.design.grid import Grid, Setting, share_words
 from relgloss_view.experiment.report import figures
 from relgloss_view.experiment.report.answerers import people, truths
@@ -12,8 +13,7 @@ from relgloss_view.experiment.report.chosen_setting import Choice, Interval, cho
 from relgloss_view.experiment.report.panels import EDGE_IN, heading, legend
 from relgloss_view.experiment.report.sentences import SHORT, label_of
 from relgloss_view.experiment.verdict.analysis import Analysis
-from relgloss_view.material.fitting.report import FAINT, INK, MUTED
-from relgloss_view.text_input import printable
+from relgloss_view.fitting.report import FAINT, INK, MUTED
 
 NAMES_IN, PANEL_IN, GAP_IN, WORDS_IN, ROW_IN = 2.3, 2.5, 0.3, 1.75, 0.34
 AXIS_IN, FOOT_IN = 0.45, 0.75

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from relgloss_view import __version__
+from relgloss_view.base.reading import printable
+from relgloss_view.base.version import __version__
 from relgloss_view.experiment.report import sentences
 from relgloss_view.experiment.report.answerers import path_words, people, silent
 from relgloss_view.experiment.report.chosen_setting import choice_by, chosen, values_of
@@ -18,7 +19,6 @@ from relgloss_view.experiment.report.glossary import terms
 from relgloss_view.experiment.report.plots import OVERVIEW, Plot
 from relgloss_view.experiment.report.results import counts_of
 from relgloss_view.experiment.verdict.analysis import Analysis, SampleResult
-from relgloss_view.text_input import printable
 
 #: Neutral grays, as everywhere beside pictures that are judged.
 STYLE = """

@@ -13,7 +13,7 @@ from relgloss_view.experiment.report import figures
 from relgloss_view.experiment.report.chosen_setting import Array, Choice
 from relgloss_view.experiment.report.sentences import label_of, sentence
 from relgloss_view.experiment.verdict.analysis import Analysis, SampleResult
-from relgloss_view.material.fitting.report import INK, MUTED
+from relgloss_view.fitting.report import INK, MUTED
 
 CELL_IN, LEAST_IN, MOST_IN = 0.62, 1.1, (4.6, 3.9)  #: of a cell; of a panel
 BESIDE = 0.72  #: the size of panels that stand beside others

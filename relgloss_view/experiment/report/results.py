@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from relgloss_view import __version__
+from relgloss_view.base.version import __version__
 from relgloss_view.experiment.design.grid import Grid, Setting
 from relgloss_view.experiment.report.answerers import made, path_words, silent, truths
 from relgloss_view.experiment.report.chosen_setting import (

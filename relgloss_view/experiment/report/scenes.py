@@ -9,10 +9,10 @@ from relgloss_view.experiment.report.chosen_setting import chosen
 from relgloss_view.experiment.verdict.analysis import Analysis
 from relgloss_view.material.files import save_material
 from relgloss_view.material.spectra import is_lamp_name
-from relgloss_view.picture.samples import SAMPLES, load_sample
-from relgloss_view.picture.scene import Lamp
-from relgloss_view.picture.scene_file import SceneFile, SceneSample
-from relgloss_view.picture.scene_writer import write_scene_file
+from relgloss_view.picture.scene.samples import SAMPLES, load_sample
+from relgloss_view.picture.scene.scene_file import SceneFile, SceneSample
+from relgloss_view.picture.scene.scene_writer import write_scene_file
+from relgloss_view.picture.scene.setup import Lamp
 
 LAMP = "lamp.csv"
 MATERIAL = ".material.json"  #: after the name

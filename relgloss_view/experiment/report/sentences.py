@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from relgloss_view.base.reading import printable
 from relgloss_view.experiment.design.grid import Grid, Setting, share_words
 from relgloss_view.experiment.design.study import GRAIN, RATIO
 from relgloss_view.experiment.report.answerers import path_words, people, silent, truths
@@ -19,7 +20,6 @@ from relgloss_view.experiment.verdict.full_grid import (
     RIDGE,
 )
 from relgloss_view.experiment.verdict.screening import ObserverResult
-from relgloss_view.text_input import printable
 
 SHORT = {
     BEST: "best",

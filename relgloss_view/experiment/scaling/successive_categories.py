@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]

@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
 from relgloss_view.experiment.design.study import Procedure, Study
 from relgloss_view.experiment.session.records import SIMULATED, Answer, Record, read_record
 from relgloss_view.material.spectra import is_lamp_name
-from relgloss_view.picture.scene import Lamp
-from relgloss_view.text_input import printable
+from relgloss_view.picture.scene.setup import Lamp
 
 Ints = NDArray[np.int64]
 #: What of a study may differ between files that are pooled: how it was led, not what was judged.

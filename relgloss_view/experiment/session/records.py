@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
 from relgloss_view.experiment.design.study import QUESTIONS, Study
 from relgloss_view.experiment.design.study_file import study_from_dict
 from relgloss_view.experiment.design.trial_order import Trial
 from relgloss_view.experiment.session import session_file
-from relgloss_view.text_input import printable
 
 PERSON, SIMULATED = "person", "simulated"
 

@@ -15,9 +15,9 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from relgloss_view.atomic import fresh_file
-from relgloss_view.errors import InputError
-from relgloss_view.text_input import check_regular, printable
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import check_regular, printable
+from relgloss_view.base.writing import fresh_file
 
 APPLICATION_ID = 0x52476C45  #: "RGlE"
 VERSION = 1

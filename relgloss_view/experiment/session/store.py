@@ -16,8 +16,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from relgloss_view import __version__
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
+from relgloss_view.base.version import __version__
 from relgloss_view.experiment.design.study import Study
 from relgloss_view.experiment.design.study_file import study_digest, study_to_dict
 from relgloss_view.experiment.design.trial_order import Trial
@@ -30,7 +31,6 @@ from relgloss_view.experiment.session.records import (
     read_observers,
     read_study,
 )
-from relgloss_view.text_input import printable
 
 LONGEST_NAME = 40
 

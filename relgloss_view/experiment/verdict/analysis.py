@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.design.study import ADAPTIVE, RATIO
 from relgloss_view.experiment.scaling.fine_grid import FineGrid
 from relgloss_view.experiment.scaling.ordinal import OrdinalScale, ordinal_scale

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import check_regular, unreadable
 from relgloss_view.measure.quantity import BRDF, known
 from relgloss_view.measure.readers import csv_table, gcms, generic, merl, rgl, tensor_file
 from relgloss_view.measure.table import Measurement
-from relgloss_view.text_input import check_regular, unreadable
 
 __all__ = ["read_measurement"]
 

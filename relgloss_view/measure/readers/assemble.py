@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from relgloss_view.bands import Bands
-from relgloss_view.errors import InputError
-from relgloss_view.measure import screen
+from relgloss_view.base.errors import InputError
+from relgloss_view.measure import screening as screen
+from relgloss_view.measure.bands import Bands
 from relgloss_view.measure.gonio import spherical, tabulated_grid
 from relgloss_view.measure.quantity import to_radiance_factor
 from relgloss_view.measure.readers.csv_table import TextTable

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 
 Array = NDArray[np.float64]
 

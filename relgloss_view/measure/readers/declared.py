@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.measure import quantity as quantities
 from relgloss_view.measure.gonio import GAMMA_S_DEG
 from relgloss_view.measure.readers.csv_table import TextTable

@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from relgloss_view.bands import RGB
-from relgloss_view.errors import InputError
-from relgloss_view.measure import screen
+from relgloss_view.base.errors import InputError
+from relgloss_view.measure import screening as screen
+from relgloss_view.measure.bands import RGB
 from relgloss_view.measure.readers.assemble import (
     evaluate_above,
     require_samples,

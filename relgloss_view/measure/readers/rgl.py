@@ -14,9 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from relgloss_view.bands import RGB
-from relgloss_view.errors import InputError
-from relgloss_view.measure import screen, table
+from relgloss_view.base.errors import InputError
+from relgloss_view.measure import screening as screen
+from relgloss_view.measure import table
+from relgloss_view.measure.bands import RGB
 from relgloss_view.measure.readers import tensor_file
 from relgloss_view.measure.readers.assemble import (
     evaluate_above,

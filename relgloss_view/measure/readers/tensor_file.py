@@ -10,7 +10,7 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 
 MAGIC = b"tensor_file\x00"
 #: The largest files of the database (anisotropic, spectral) stay below this.

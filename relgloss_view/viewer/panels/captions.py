@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 from imgui_bundle import ImVec2, imgui
 
-from relgloss_view.picture import tone
-from relgloss_view.picture.scene import Display
-from relgloss_view.picture.tone import DisplayModel
-from relgloss_view.picture.view import View
-from relgloss_view.text_input import printable
-from relgloss_view.viewer.arrangement import Arrangement
-from relgloss_view.viewer.model import Model
-from relgloss_view.viewer.state import DIFFERENCE, WIPE
-from relgloss_view.viewer.theme import em, gray
+from relgloss_view.base.reading import printable
+from relgloss_view.picture.model import tone
+from relgloss_view.picture.model.tone import DisplayModel
+from relgloss_view.picture.model.view import View
+from relgloss_view.picture.scene.setup import Display
+from relgloss_view.viewer.drawing.arrangement import Arrangement
+from relgloss_view.viewer.shell.theme import em, gray
+from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.state import DIFFERENCE, WIPE
 
 LONGEST_NAME = 40  #: characters
 LEGEND_EM = (14.0, 0.8)

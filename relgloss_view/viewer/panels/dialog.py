@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from relgloss_view.viewer.folders import with_suffix
+from relgloss_view.viewer.files.folders import with_suffix
 from relgloss_view.viewer.panels.own_dialog import OwnDialog, Question
 
 VARIABLE = "RELGLOSS_DIALOG"

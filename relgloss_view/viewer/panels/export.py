@@ -6,11 +6,10 @@ import os
 
 from imgui_bundle import imgui
 
-from relgloss_view.errors import InputError, RelglossError
-from relgloss_view.picture.view import MAX_SIDE_PX, Size, check_size
-from relgloss_view.text_input import printable
-from relgloss_view.viewer import widgets
-from relgloss_view.viewer.exporting import (
+from relgloss_view.base.errors import InputError, RelglossError
+from relgloss_view.base.reading import printable
+from relgloss_view.picture.model.view import MAX_SIDE_PX, Size, check_size
+from relgloss_view.viewer.files.exporting import (
     BOTH,
     EXR,
     FORMATS,
@@ -21,14 +20,15 @@ from relgloss_view.viewer.exporting import (
     suffix_of,
     write,
 )
-from relgloss_view.viewer.folders import NameField, check_place, meant, with_suffix
-from relgloss_view.viewer.model import Model
-from relgloss_view.viewer.own_materials import safe_name
+from relgloss_view.viewer.files.folders import NameField, check_place, meant, with_suffix
+from relgloss_view.viewer.files.own_materials import safe_name
 from relgloss_view.viewer.panels import floating
 from relgloss_view.viewer.panels.dialog import FileDialogs
 from relgloss_view.viewer.panels.own_dialog import Question
-from relgloss_view.viewer.state import DIFFERENCE
-from relgloss_view.viewer.theme import em
+from relgloss_view.viewer.shell import widgets
+from relgloss_view.viewer.shell.theme import em
+from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.state import DIFFERENCE
 
 TITLE = "Export"
 ON_SCREEN, TYPED = "as on the screen", "other"

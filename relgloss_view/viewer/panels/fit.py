@@ -6,12 +6,12 @@ from typing import Any
 
 from imgui_bundle import ImVec2, imgui
 
+from relgloss_view.base.reading import printable
 from relgloss_view.material.material import FitRecord, Material
-from relgloss_view.text_input import printable
-from relgloss_view.viewer import widgets
-from relgloss_view.viewer.model import Model
 from relgloss_view.viewer.panels import plots
-from relgloss_view.viewer.theme import em
+from relgloss_view.viewer.shell import widgets
+from relgloss_view.viewer.shell.theme import em
+from relgloss_view.viewer.state.model import Model
 
 NARROW_EM = 52.0  #: below this width the facts lie under the table
 WHOLE_TABLE_EM = 28.0  #: a narrower table tells the verdicts in tooltips

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from imgui_bundle import ImVec2, imgui
 
-from relgloss_view.viewer.theme import em
+from relgloss_view.viewer.shell.theme import em
 
 WIDEST, HIGHEST = 0.94, 0.88  #: shares of the program's window
 

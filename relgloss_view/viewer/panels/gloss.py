@@ -6,19 +6,19 @@ from dataclasses import dataclass, field
 
 from imgui_bundle import ImVec2, imgui
 
-from relgloss_view.errors import InputError
-from relgloss_view.material.gloss_meter import Reading, hypothetical, main_lobe
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
+from relgloss_view.gloss.meter.meter import Reading, hypothetical, main_lobe
 from relgloss_view.material.material import Material
-from relgloss_view.text_input import printable
-from relgloss_view.viewer import widgets
-from relgloss_view.viewer.background import Outcome
-from relgloss_view.viewer.glosses import Glosses, Readings
-from relgloss_view.viewer.model import Model
-from relgloss_view.viewer.own_materials import keep_material
+from relgloss_view.viewer.files.background import Outcome
+from relgloss_view.viewer.files.own_materials import keep_material
 from relgloss_view.viewer.panels import plots
-from relgloss_view.viewer.places import data_folder
-from relgloss_view.viewer.state import SIDES, Sample
-from relgloss_view.viewer.theme import em
+from relgloss_view.viewer.plots.gloss_readings import Glosses, Readings
+from relgloss_view.viewer.shell import widgets
+from relgloss_view.viewer.shell.theme import em
+from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.places import data_folder
+from relgloss_view.viewer.state.state import SIDES, Sample
 
 NARROW_EM = 34.0  #: below this width the slider lies under the readings
 TABLE_SHARE = 0.6

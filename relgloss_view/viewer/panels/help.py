@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
-from relgloss_view.viewer.actions import ACTIONS, MOUSE
 from relgloss_view.viewer.panels import floating
-from relgloss_view.viewer.theme import em
+from relgloss_view.viewer.shell.actions import ACTIONS, MOUSE
+from relgloss_view.viewer.shell.theme import em
 
 if TYPE_CHECKING:
-    from relgloss_view.viewer.app import App
+    from relgloss_view.viewer.shell.app import App
 
 TITLE = "Keys and mouse"
 WIDTH_EM = 62.0

@@ -8,14 +8,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from imgui_bundle import ImVec2, imgui
 
-from relgloss_view.errors import RelglossError
-from relgloss_view.viewer import widgets
-from relgloss_view.viewer.model import Model
+from relgloss_view.base.errors import RelglossError
 from relgloss_view.viewer.panels import plots
-from relgloss_view.viewer.plot_data.memory import PerFrame
-from relgloss_view.viewer.plot_data.readout import Patch, Readout, Stages
-from relgloss_view.viewer.state import SIDES
-from relgloss_view.viewer.theme import em, gray
+from relgloss_view.viewer.plots.memory import PerFrame
+from relgloss_view.viewer.plots.readout import Patch, Readout, Stages
+from relgloss_view.viewer.shell import widgets
+from relgloss_view.viewer.shell.theme import em, gray
+from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.state import SIDES
 
 RADIUS = 4  #: pixels to each side of the one that is looked at
 NARROW_EM = 46.0  #: below this width the pixels lie under the numbers

@@ -7,15 +7,15 @@ from dataclasses import dataclass, field
 import numpy as np
 from imgui_bundle import imgui, implot
 
-from relgloss_view.errors import RelglossError
+from relgloss_view.base.errors import RelglossError
 from relgloss_view.picture.frame import Frame
-from relgloss_view.viewer import widgets
-from relgloss_view.viewer.model import Model
 from relgloss_view.viewer.panels import plots
-from relgloss_view.viewer.plot_data.lightness import BINS, Histogram, Lightness, Line
-from relgloss_view.viewer.plot_data.memory import PerFrame, light_of
-from relgloss_view.viewer.state import SIDES
-from relgloss_view.viewer.theme import em
+from relgloss_view.viewer.plots.lightness import BINS, Histogram, Lightness, Line
+from relgloss_view.viewer.plots.memory import PerFrame, light_of
+from relgloss_view.viewer.shell import widgets
+from relgloss_view.viewer.shell.theme import em
+from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.state import SIDES
 
 TOP_LSTAR = 120.0
 #: As many pixels stand for all while a hand drags; 50 000 take a third of a millisecond.

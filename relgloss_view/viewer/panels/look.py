@@ -5,10 +5,10 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 from relgloss_view.operators.registry import OPERATORS
-from relgloss_view.picture.scene import Look
-from relgloss_view.viewer import widgets
-from relgloss_view.viewer.model import Model
-from relgloss_view.viewer.state import SIDES
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.viewer.shell import widgets
+from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.state import SIDES
 
 SIGMA_N_HAND_DEG = 3.0  #: the paper's range; typing reaches further
 

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
-from relgloss_view.viewer.actions import ACTIONS, Action
-from relgloss_view.viewer.layout_file import FONT_SCALES
-from relgloss_view.viewer.state import OVERLAYS
-from relgloss_view.viewer.widgets import sentence, tooltip
+from relgloss_view.viewer.shell.actions import ACTIONS, Action
+from relgloss_view.viewer.shell.widgets import sentence, tooltip
+from relgloss_view.viewer.state.layout_file import FONT_SCALES
+from relgloss_view.viewer.state.state import OVERLAYS
 
 if TYPE_CHECKING:
-    from relgloss_view.viewer.app import App
+    from relgloss_view.viewer.shell.app import App
 
 MENUS = ("File", "Edit", "View", "Help")
 

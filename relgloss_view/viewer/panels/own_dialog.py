@@ -8,10 +8,9 @@ from dataclasses import dataclass
 
 from imgui_bundle import ImVec2, imgui
 
-from relgloss_view.errors import InputError
-from relgloss_view.text_input import printable
-from relgloss_view.viewer import widgets
-from relgloss_view.viewer.folders import (
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
+from relgloss_view.viewer.files.folders import (
     Entry,
     Listing,
     NameField,
@@ -24,7 +23,8 @@ from relgloss_view.viewer.folders import (
 )
 from relgloss_view.viewer.panels import floating
 from relgloss_view.viewer.panels.rows import fitting, row
-from relgloss_view.viewer.theme import em
+from relgloss_view.viewer.shell import widgets
+from relgloss_view.viewer.shell.theme import em
 
 LONGEST_SHOWN = 120  #: characters of a name in the list
 

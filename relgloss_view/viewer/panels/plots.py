@@ -12,10 +12,10 @@ import numpy as np
 from imgui_bundle import ImVec2, ImVec4, imgui, implot
 from numpy.typing import NDArray
 
-from relgloss_view.viewer import widgets
-from relgloss_view.viewer.model import Model
-from relgloss_view.viewer.state import SIDES
-from relgloss_view.viewer.theme import CURVES, PANEL, QUIET, em, gray
+from relgloss_view.viewer.shell import widgets
+from relgloss_view.viewer.shell.theme import CURVES, PANEL, QUIET, em, gray
+from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.state import SIDES
 
 Array = NDArray[np.float64]
 T = TypeVar("T")

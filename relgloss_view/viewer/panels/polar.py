@@ -9,8 +9,8 @@ import numpy as np
 from imgui_bundle import ImVec2, implot
 
 from relgloss_view.viewer.panels import plots
-from relgloss_view.viewer.plot_data.reflection import Points, to_polar
-from relgloss_view.viewer.theme import QUIET, em, gray
+from relgloss_view.viewer.plots.reflection import Points, to_polar
+from relgloss_view.viewer.shell.theme import QUIET, em, gray
 
 GRID = gray(1.0, 0.13)
 SMALL_EM = 6.0  #: a smaller radius has room for few labels

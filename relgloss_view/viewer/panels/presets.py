@@ -7,14 +7,15 @@ from dataclasses import dataclass
 
 from imgui_bundle import imgui
 
-from relgloss_view.errors import InputError
-from relgloss_view.picture.scene import Look
-from relgloss_view.text_input import printable
-from relgloss_view.viewer import presets, widgets
-from relgloss_view.viewer.model import Model
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
+from relgloss_view.picture.scene.look import Look
 from relgloss_view.viewer.panels.rows import fitting, row, small_width
-from relgloss_view.viewer.presets import Preset, Presets
-from relgloss_view.viewer.theme import em
+from relgloss_view.viewer.shell import widgets
+from relgloss_view.viewer.shell.theme import em
+from relgloss_view.viewer.state import presets
+from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.presets import Preset, Presets
 
 NEW = ""  #: the name of what is being named for the first time; no preset is called so
 

@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from imgui_bundle import imgui, implot
 
-from relgloss_view.errors import RelglossError
+from relgloss_view.base.errors import RelglossError
 from relgloss_view.measure.table import Measurement
-from relgloss_view.viewer import widgets
-from relgloss_view.viewer.model import Model
 from relgloss_view.viewer.panels import plots, polar
-from relgloss_view.viewer.plot_data import reflection
-from relgloss_view.viewer.plot_data.reflection import Albedo, Points, Slice
-from relgloss_view.viewer.theme import em
+from relgloss_view.viewer.plots import reflection
+from relgloss_view.viewer.plots.reflection import Albedo, Points, Slice
+from relgloss_view.viewer.shell import widgets
+from relgloss_view.viewer.shell.theme import em
+from relgloss_view.viewer.state.model import Model
 
 NARROW_EM = 28.0  #: below this width the plots lie in tabs
 #: 1/sr, the foot of a logarithmic plot: a black of 0.3 %.

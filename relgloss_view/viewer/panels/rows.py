@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from imgui_bundle import ImVec2, imgui
 
-from relgloss_view.viewer.theme import em
+from relgloss_view.viewer.shell.theme import em
 
 LEAST_NAME_EM = 8.0  #: of a name before what stands beside it gives way
 

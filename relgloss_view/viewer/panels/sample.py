@@ -6,14 +6,14 @@ from pathlib import Path
 
 from imgui_bundle import imgui
 
-from relgloss_view.picture.samples import SAMPLES
-from relgloss_view.text_input import printable
-from relgloss_view.viewer import widgets
-from relgloss_view.viewer.files import FileDesk
-from relgloss_view.viewer.model import Model
+from relgloss_view.base.reading import printable
+from relgloss_view.picture.scene.samples import SAMPLES
+from relgloss_view.viewer.files.desk import FileDesk
 from relgloss_view.viewer.panels import presets
 from relgloss_view.viewer.panels.look import side_tabs
-from relgloss_view.viewer.state import Sample
+from relgloss_view.viewer.shell import widgets
+from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.state import Sample
 
 LONGEST = 60  #: characters of a name
 LONGEST_WARNING = 240

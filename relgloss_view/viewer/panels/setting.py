@@ -9,11 +9,12 @@ from typing import Any
 from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.material.spectra import SHIPPED_ILLUMINANTS
-from relgloss_view.picture.scene import Display, Eye, Lamp, Shape
-from relgloss_view.viewer import camera, widgets
-from relgloss_view.viewer.model import Model
-from relgloss_view.viewer.state import Presentation
-from relgloss_view.viewer.theme import em, gray
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
+from relgloss_view.viewer.drawing import camera
+from relgloss_view.viewer.shell import widgets
+from relgloss_view.viewer.shell.theme import em, gray
+from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.state import Presentation
 
 DIAL_EM = 7.0
 

@@ -8,15 +8,15 @@ from dataclasses import dataclass
 
 from imgui_bundle import ImVec2, imgui
 
-from relgloss_view.picture.view import Size
-from relgloss_view.viewer import camera
-from relgloss_view.viewer.arrangement import Arrangement, Canvas, Rect, as_shown
-from relgloss_view.viewer.model import Model
-from relgloss_view.viewer.painting import painted
+from relgloss_view.picture.model.view import Size
+from relgloss_view.viewer.drawing import camera
+from relgloss_view.viewer.drawing.arrangement import Arrangement, Canvas, Rect, as_shown
+from relgloss_view.viewer.drawing.painting import painted
+from relgloss_view.viewer.drawing.pictures import Shown
 from relgloss_view.viewer.panels import captions
-from relgloss_view.viewer.pictures import Shown
-from relgloss_view.viewer.state import WIPE, State
-from relgloss_view.viewer.theme import em, gray
+from relgloss_view.viewer.shell.theme import em, gray
+from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.state import WIPE, State
 
 HANDLE_EM = 0.8  #: width of what takes hold of the wipe's edge
 

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 from imgui_bundle import ImVec2, imgui
 
-from relgloss_view.picture.export import warnings
-from relgloss_view.viewer.theme import POPUP, em, gray
-from relgloss_view.viewer.widgets import tooltip
+from relgloss_view.picture.output.export import warnings
+from relgloss_view.viewer.shell.theme import POPUP, em, gray
+from relgloss_view.viewer.shell.widgets import tooltip
 
 if TYPE_CHECKING:
-    from relgloss_view.viewer.app import App
+    from relgloss_view.viewer.shell.app import App
 
 NOTE_S = 12.0  #: that a message stays in the line; it stays in the list behind it
 LINE_EM = 1.75

@@ -9,21 +9,21 @@ from typing import Any
 
 from imgui_bundle import imgui
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.design.study import GRAIN, QUESTIONS
 from relgloss_view.experiment.session.flow import Flow, Screen
 from relgloss_view.experiment.session.records import Observer
 from relgloss_view.experiment.session.store import Store
-from relgloss_view.picture.view import Size
-from relgloss_view.viewer.arrangement import Arrangement, Canvas
-from relgloss_view.viewer.painting import surround_gray
+from relgloss_view.picture.model.view import Size
+from relgloss_view.viewer.drawing.arrangement import Arrangement, Canvas
+from relgloss_view.viewer.drawing.painting import surround_gray
+from relgloss_view.viewer.shell.window import Window
 from relgloss_view.viewer.trials import keys, pages, placement
 from relgloss_view.viewer.trials.category_strip import Scale
 from relgloss_view.viewer.trials.device import Profile, screen_of, stay_open
 from relgloss_view.viewer.trials.experimenter_line import OperatorLine, Tell, goes_on
 from relgloss_view.viewer.trials.ink import Ink
 from relgloss_view.viewer.trials.pair import Pair
-from relgloss_view.viewer.window import Window
 
 #: Screens after which pictures come: they are drawn while these show.
 _BEFORE_TRIALS = (Screen.INSTRUCTIONS, Screen.OBJECT, Screen.ADAPTATION, Screen.PAUSE, Screen.GAP)

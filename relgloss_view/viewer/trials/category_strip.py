@@ -8,8 +8,8 @@ from collections.abc import Callable, Sequence
 from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.experiment.design.study import ALWAYS, ON_DEMAND
-from relgloss_view.picture.view import Size
-from relgloss_view.viewer.theme import gray
+from relgloss_view.picture.model.view import Size
+from relgloss_view.viewer.shell.theme import gray
 from relgloss_view.viewer.trials.ink import Ink
 
 REST_S, FADE_S = 1.5, 0.3  #: from the last movement until it fades, and how long that takes

@@ -11,10 +11,10 @@ from typing import Any
 from imgui_bundle import hello_imgui  # first: it brings the GLFW that glfw finds; isort: skip
 import glfw
 
-from relgloss_view.errors import InputError
-from relgloss_view.text_input import printable, read_bytes
-from relgloss_view.viewer.platform import monitor_of, pixel_pitch_m
-from relgloss_view.viewer.window import Window
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable, read_bytes
+from relgloss_view.viewer.shell.platform import monitor_of, pixel_pitch_m
+from relgloss_view.viewer.shell.window import Window
 
 MOST_BYTES = 16 * 1024 * 1024
 EXPECTED = "the display's ICC profile (.icc or .icm)"

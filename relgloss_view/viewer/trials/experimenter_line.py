@@ -5,10 +5,10 @@ from __future__ import annotations
 import statistics
 from collections.abc import Callable
 
+from relgloss_view.base.reading import printable
 from relgloss_view.experiment.session.flow import Flow, Screen, judged
 from relgloss_view.experiment.session.records import Observer
 from relgloss_view.experiment.session.store import Store
-from relgloss_view.text_input import printable
 
 FEWEST = 3  #: times between answers from which the time left is told
 RECENT = 40  #: times that count: observers get faster

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.design.stimuli import digest_of, told_of
 from relgloss_view.experiment.design.study import Study
 from relgloss_view.experiment.design.trial_order import Trial
 from relgloss_view.experiment.session.store import Store
-from relgloss_view.picture.scene import Look
-from relgloss_view.picture.scene_file import SceneSample
-from relgloss_view.picture.view import Size
-from relgloss_view.viewer.arrangement import Arrangement, Canvas
-from relgloss_view.viewer.painting import painted
-from relgloss_view.viewer.pictures import Pictures, Shown
-from relgloss_view.viewer.state import Sample, Side, State
+from relgloss_view.picture.model.view import Size
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene_file import SceneSample
+from relgloss_view.viewer.drawing.arrangement import Arrangement, Canvas
+from relgloss_view.viewer.drawing.painting import painted
+from relgloss_view.viewer.drawing.pictures import Pictures, Shown
+from relgloss_view.viewer.state.state import Sample, Side, State
 from relgloss_view.viewer.trials.placement import presentation_of
 
 

@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 
 from relgloss_view.experiment.design.study import ALWAYS, GRAIN, Study
-from relgloss_view.picture.view import Size
-from relgloss_view.viewer.arrangement import Arrangement, centred
-from relgloss_view.viewer.state import Presentation
+from relgloss_view.picture.model.view import Size
+from relgloss_view.viewer.drawing.arrangement import Arrangement, centred
+from relgloss_view.viewer.state.state import Presentation
 from relgloss_view.viewer.trials.category_strip import FIELD_HEIGHT
 from relgloss_view.viewer.trials.pages import text_px
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from cases import study
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.design.coordinates import (
     coordinates,
     from_steps,

@@ -9,7 +9,8 @@ import tomllib
 import pytest
 import tomli_w
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.resources import asset
 from relgloss_view.experiment.design.study import CATEGORIES
 from relgloss_view.experiment.design.study_file import (
     built_in_file,
@@ -19,9 +20,8 @@ from relgloss_view.experiment.design.study_file import (
     study_to_dict,
 )
 from relgloss_view.material.files import save_material
-from relgloss_view.picture.samples import load_sample
-from relgloss_view.picture.scene import Look
-from relgloss_view.resources import asset
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.samples import load_sample
 
 
 def written(folder, text, name="study.toml"):

@@ -22,7 +22,7 @@ from report_cases import (
     without_answers,
 )
 
-from relgloss_view.atomic import whole_folder
+from relgloss_view.base.writing import whole_folder
 from relgloss_view.cli import main
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.design.study import StudySample
@@ -38,7 +38,7 @@ from relgloss_view.experiment.report.maps import level_of
 from relgloss_view.experiment.report.panels import panels
 from relgloss_view.experiment.verdict.analysis import Options, analyse
 from relgloss_view.experiment.verdict.full_grid import CHANCE
-from relgloss_view.picture.scene_file import SceneSample, read_scene_file
+from relgloss_view.picture.scene.scene_file import SceneSample, read_scene_file
 
 OF_SAMPLE = ("-bounds.png", "-closeness.png", "-winners.png", ".toml")
 LABEL = "$x_1$ <b>& \"quoted\" '紙'</b> \\frac"

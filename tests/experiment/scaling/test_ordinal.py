@@ -8,7 +8,7 @@ from scipy.special import ndtr, ndtri
 from scipy.stats import norm
 from statsmodels.miscmodels.ordinal_model import OrderedModel
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.scaling.ordinal import RIDGE, _Loss, fit_cumulative, ordinal_scale
 from relgloss_view.experiment.scaling.successive_categories import successive_categories
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.scaling.successive_categories import successive_categories
 
 #: Closeness, mean 0, and bounds: no share of theirs is below Phi(-4) = 3e-5, so that clipping at

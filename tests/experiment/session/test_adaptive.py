@@ -9,13 +9,7 @@ from scipy.stats import norm
 
 from relgloss_view.experiment.design.coordinates import coordinates, grid_steps
 from relgloss_view.experiment.design.grid import Grid
-from relgloss_view.experiment.session.adaptive import (
-    FIRST_BOUNDS,
-    LAPSE,
-    SLOPES,
-    WIDTHS,
-    Posterior,
-)
+from relgloss_view.experiment.session.adaptive import FIRST_BOUNDS, LAPSE, SLOPES, WIDTHS, Posterior
 from relgloss_view.experiment.session.flow import Screen
 from relgloss_view.experiment.session.store import Store
 from relgloss_view.experiment.verdict.adaptive import judged_adaptively

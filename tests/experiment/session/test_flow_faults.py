@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import pytest
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.design.study import Procedure, Study, StudySample
 from relgloss_view.experiment.session.flow import Flow, Screen
 from relgloss_view.experiment.session.store import Store
-from relgloss_view.picture.samples import load_sample
-from relgloss_view.picture.scene_file import SceneSample
+from relgloss_view.picture.scene.samples import load_sample
+from relgloss_view.picture.scene.scene_file import SceneSample
 
 
 class Clock:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from cases import answer, answer_all, percepts, replaced, started, study
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.design.grid import Grid, Setting
 from relgloss_view.experiment.design.study import Procedure
 from relgloss_view.experiment.design.study import Screen as Pictures
@@ -21,7 +21,8 @@ from relgloss_view.experiment.session.pool import read_pool
 from relgloss_view.experiment.session.records import read_record
 from relgloss_view.experiment.session.store import Store
 from relgloss_view.experiment.verdict.analysis import Options, analyse
-from relgloss_view.picture.scene import Display, Eye, Lamp, Look
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp
 
 SMALL = Grid((0.0, 2.0), (0.5, 1.0))
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from cases import answer, answer_all, replaced, standing, started, study
 
-from relgloss_view.errors import InputError
+from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.session import session_file
 from relgloss_view.experiment.session.records import SIMULATED, read_record
@@ -85,7 +85,7 @@ class TestOneProgramAlone:
     def test_second_process_is_refused(self, file):
         code = (
             "import sys; from relgloss_view.experiment.session.store import Store\n"
-            "from relgloss_view.errors import InputError\n"
+            "from relgloss_view.base.errors import InputError\n"
             "try: Store(sys.argv[1])\n"
             "except InputError as error: print(error)\n"
             "else: print('opened')"
@@ -261,7 +261,7 @@ class TestNoRoom:
             f"import sys; sys.path.insert(0, {str(Path(__file__).parent.parent)!r})\n"
             "import resource, signal\n"
             "from cases import answer, started, study\n"
-            "from relgloss_view.errors import InputError\n"
+            "from relgloss_view.base.errors import InputError\n"
             "from relgloss_view.experiment.session.store import Store\n"
             "store = Store(sys.argv[1], study())\n"
             "flow = started(store)\n"

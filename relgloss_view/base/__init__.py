@@ -1,0 +1,1 @@
+"""The ground floor: parameters, errors, files, TOML, terminal, figures, pages."""

@@ -1,0 +1,74 @@
+"""Parameters: dataclass fields that declare their range, unit and meaning once.
+
+Files, options and controls of the window all take their limits from these declarations.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import numbers
+from dataclasses import dataclass, field
+from typing import Any
+
+from relgloss_view.base.reading import fault, number
+
+
+@dataclass(frozen=True)
+class Range:
+    """The values a parameter may take, and what it means."""
+
+    low: float
+    high: float
+    unit: str
+    meaning: str
+
+
+def parameter(default: float | None, low: float, high: float, unit: str, meaning: str) -> Any:
+    """A dataclass field with a declared range; one whose default is None may be left out."""
+    return _ranged(default, Range(low, high, unit, meaning), optional=default is None)
+
+
+def whole_number(
+    default: int, low: int, high: int, unit: str, meaning: str, *, optional: bool = False
+) -> Any:
+    """A dataclass field that takes whole numbers of a declared range; None too, if optional."""
+    return _ranged(default, Range(low, high, unit, meaning), whole=True, optional=optional)
+
+
+def _ranged(default: float | None, limits: Range, **flags: bool) -> Any:
+    return field(default=default, metadata={"range": limits, **flags})
+
+
+def choice(default: str, options: tuple[str, ...], meaning: str) -> Any:
+    """A dataclass field that takes one of a few names."""
+    return field(default=default, metadata={"options": options, "meaning": meaning})
+
+
+def switch(default: bool, meaning: str) -> Any:
+    """A dataclass field that is on or off."""
+    return field(default=default, metadata={"switch": True, "meaning": meaning})
+
+
+class Checked:
+    """Checks every declared range when a value is made."""
+
+    def __post_init__(self) -> None:
+        for f in dataclasses.fields(self):  # type: ignore[arg-type]
+            value = getattr(self, f.name)
+            place = f"{type(self).__name__.lower()}.{f.name}"
+            allowed = f.metadata.get("range")
+            if allowed is not None and not (value is None and f.metadata.get("optional", False)):
+                _check_range(place, value, allowed, whole=f.metadata.get("whole", False))
+            options = f.metadata.get("options")
+            if options is not None and value not in options:
+                fault(place, f"one of {', '.join(options)}", value)
+            if f.metadata.get("switch") and not isinstance(value, bool):
+                fault(place, "true or false", value)
+
+
+def _check_range(place: str, value: object, allowed: Range, *, whole: bool) -> None:
+    unit = f" {allowed.unit}" if allowed.unit else ""
+    expected = f"{allowed.low:.10g} to {allowed.high:.10g}{unit}"
+    if whole and not isinstance(value, numbers.Integral):
+        fault(place, f"a whole number, {expected}", value)
+    number(value, place, expected, allowed.low, allowed.high)

@@ -1,0 +1,122 @@
+"""What comes from outside: files read within bounds, numbers checked, text made fit to print."""
+
+from __future__ import annotations
+
+import json
+import math
+import numbers
+import os
+import stat
+from pathlib import Path
+from typing import NoReturn
+
+from relgloss_view.base.errors import InputError
+
+SHOWN = 60  #: characters of a wrong value that a message shows
+
+
+def check_regular(path: str | os.PathLike[str], expected: str) -> Path:
+    """The path, if it is a regular file; InputError that says what else it is.
+
+    Devices never end and pipes may never begin, so neither is opened.
+    """
+    try:
+        if not os.fspath(path):
+            raise InputError(f"an empty file name; give the name of {expected}")
+        mode = os.stat(path).st_mode
+    except (OSError, ValueError) as error:
+        raise unreadable(path, error, expected) from None
+    if not stat.S_ISREG(mode):
+        kind = "a folder" if stat.S_ISDIR(mode) else "not a regular file"
+        raise InputError(f"{path}: this is {kind}; give {expected}")
+    return Path(path)
+
+
+def read_text(path: str | os.PathLike[str], most_bytes: int, expected: str) -> str:
+    """The UTF-8 text of a regular file of at most `most_bytes`, a byte order mark left off.
+
+    `expected` says what the file should be, as in "a scene file (TOML)". Raises InputError.
+    """
+    file, data = Path(path), read_bytes(path, most_bytes, expected)
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{file}: byte {error.start}: not UTF-8 text; give {expected} saved as UTF-8"
+        ) from None
+
+
+def read_bytes(path: str | os.PathLike[str], most_bytes: int, expected: str) -> bytes:
+    """The bytes of a regular file of at most `most_bytes`; InputError as read_text."""
+    file = check_regular(path, expected)
+    try:
+        with file.open("rb") as opened:
+            data = opened.read(most_bytes + 1)
+    except OSError as error:
+        raise unreadable(file, error, expected) from None
+    if len(data) > most_bytes:
+        raise InputError(f"{file}: larger than {most_bytes} bytes; give {expected}")
+    return data
+
+
+def unreadable(
+    path: str | os.PathLike[str], error: OSError | ValueError, expected: str
+) -> InputError:
+    """The fault of a file that can't be read; a ValueError is a name that no file can have."""
+    reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+    return InputError(f"{path}: can't be read ({reason}); check the name, give {expected}")
+
+
+def printable(text: object, limit: int = 200) -> str:
+    """Outside text on one line of at most `limit` characters, control characters made visible."""
+    line = " ".join(str(text)[: 4 * limit].split())
+    line = "".join(c if c.isprintable() else _escape(c) for c in line)
+    return line if len(line) <= limit else line[: limit - 3] + "..."
+
+
+def _escape(character: str) -> str:
+    return character.encode("unicode_escape").decode("ascii")
+
+
+def fault(place: str, expected: str, found: object) -> NoReturn:
+    """Raise InputError 'PLACE: expected ..., found ...'."""
+    try:
+        shown = json.dumps(found, default=str)
+    except (ValueError, RecursionError):  # an int too long to print, a list too deep
+        shown = f"a value of type {type(found).__name__} that is too large to show"
+    raise InputError(f"{place}: expected {expected}, found {printable(shown, SHOWN)}")
+
+
+def number(value: object, place: str, expected: str, low: float, high: float) -> float:
+    """A finite number from `low` to `high`, as a float; InputError otherwise."""
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        fault(place, expected, value)
+    try:
+        result = float(value)
+    except OverflowError:
+        fault(place, expected, value)
+    if not (math.isfinite(result) and low <= result <= high):
+        fault(place, expected, value)
+    return result
+
+
+def numbers_of(
+    values: object, place: str, expected: str, low: float, high: float
+) -> tuple[float, ...]:
+    """A list of such numbers as a tuple; InputError names the first that is wrong."""
+    if isinstance(values, str | bytes) or not hasattr(values, "__iter__"):
+        fault(place, f"a list, each {expected}", values)
+    return tuple(
+        number(value, f"{place}[{k}]", expected, low, high) for k, value in enumerate(values)
+    )
+
+
+def text(value: object, place: str) -> str:
+    """A text that can be written as UTF-8; InputError otherwise."""
+    if not isinstance(value, str):
+        fault(place, "a text", value)
+    try:
+        value.encode("utf-8")
+    except UnicodeEncodeError:
+        fault(place, "a text without lone surrogates", value)
+    return value

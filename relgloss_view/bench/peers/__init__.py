@@ -1,0 +1,1 @@
+"""Other programs that draw the same picture."""

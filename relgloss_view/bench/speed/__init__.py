@@ -1,0 +1,1 @@
+"""Time against error for each way of drawing."""

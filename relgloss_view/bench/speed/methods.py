@@ -1,0 +1,149 @@
+"""The rows of the chart: each way of drawing that is held against the exact one.
+
+A further row is an entry of ROWS: a name, a group, a label, and what builds the Method and the Look
+of a scene.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from relgloss_view.picture.method import EXACT, Method
+from relgloss_view.picture.model.view import Size
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.quality.planner import advise
+
+#: Scene, its look and the picture's size -> how it is drawn.
+Builder = Callable[[Scene, Look, Size], tuple[Method, Look]]
+
+DEFAULT, AUTO, EVERYTHING = "default", "auto", "everything"
+#: In the chart's order.
+GROUPS = {
+    "default": "default: everything exact",
+    "auto": "quality auto",
+    "diffuse": "diffuse model",
+    "lobes": "specular lobes",
+    "fresnel": "Fresnel",
+    "shadowing": "shadowing G",
+    "facets": "facets D",
+    "lamp": "lamp",
+    "grain": "grain",
+    "samples": "samples a pixel",
+    "numbers": "numbers",
+    "c_max": "c_max",
+    "combined": "combinations",
+}
+
+
+@dataclass(frozen=True)
+class Row:
+    """One way of drawing. `build` gives its method and look for a scene, a look and a size."""
+
+    name: str
+    group: str
+    label: str
+    build: Builder
+    grainy: bool = False  #: compared under grain, sigma_N at least scenes.GRAINY_DEG
+    own_c: bool = False  #: drawn with the c it finds, for c_max is what differs
+    quick: bool = False  #: part of --quick
+    charted: bool = True  #: what draws the same as another row would hide it
+
+    def __post_init__(self) -> None:
+        if self.group not in GROUPS:
+            raise ValueError(f"{self.name}: no group {self.group!r}")
+
+
+def method(**fields: object) -> Builder:
+    """What draws every scene by one method that differs from the exact one in these fields."""
+    chosen = dataclasses.replace(EXACT, **fields)  # type: ignore[arg-type]
+    return lambda scene, look, size: (chosen, look)
+
+
+def sampled(samples: int, **fields: object) -> Builder:
+    """The same with so many samples along each side of a pixel."""
+    chosen = dataclasses.replace(EXACT, **fields)  # type: ignore[arg-type]
+    return lambda scene, look, size: (chosen, dataclasses.replace(look, samples=samples))
+
+
+def planned(scene: Scene, look: Look, size: Size) -> tuple[Method, Look]:
+    """What quality auto takes for a scene."""
+    return advise(scene, look, size).method, look
+
+
+CHEAPEST = {
+    "diffuse": "lambert",
+    "lobes": 1,
+    "fresnel": "constant",
+    "shadowing": "none",
+    "facets": "beckmann",
+    "noise": "none",
+    "lamp": "distant",
+    "cube_root": "table",
+}
+GAME = {
+    "diffuse": "lambert",
+    "lobes": 1,
+    "fresnel": "schlick",
+    "facets": "ggx",
+    "lamp": "distant",
+}
+
+ROWS: list[Row] = [
+    Row(DEFAULT, "default", "default", method(), quick=True),
+    Row(AUTO, "auto", "quality auto", planned, quick=True),
+    Row(
+        EVERYTHING,
+        "default",
+        "everything, needed or not",
+        method(absent="drawn", kept="all"),
+        quick=True,
+        charted=False,
+    ),
+    Row("lambert", "diffuse", "Lambert", method(diffuse="lambert"), quick=True),
+    Row("qualitative", "diffuse", "qualitative Oren-Nayar", method(diffuse="qualitative")),
+    Row("eon", "diffuse", "EON", method(diffuse="eon"), quick=True),
+    Row("oren-nayar", "diffuse", "full Oren-Nayar", method(diffuse="oren-nayar"), charted=False),
+    Row("lobes-0", "lobes", "no lobe", method(lobes=0), quick=True),
+    Row("lobes-1", "lobes", "1 lobe", method(lobes=1), quick=True),
+    Row("schlick", "fresnel", "Schlick", method(fresnel="schlick"), quick=True),
+    Row("constant-f", "fresnel", "constant F", method(fresnel="constant"), quick=True),
+    Row("no-g", "shadowing", "no G", method(shadowing="none"), quick=True),
+    Row("beckmann", "facets", "Beckmann", method(facets="beckmann")),
+    Row("ggx", "facets", "GGX", method(facets="ggx"), quick=True),
+    Row("distant", "lamp", "distant lamp", method(lamp="distant"), quick=True),
+    Row("grain-drawn", "grain", "grain on both", method(), grainy=True, charted=False),
+    Row("grain-specular", "grain", "grain on lobes only", method(noise="specular"), grainy=True),
+    Row("grain-mean", "grain", "mean of the grain", method(noise="mean"), grainy=True, quick=True),
+    Row("grain-none", "grain", "no grain", method(noise="none"), grainy=True, quick=True),
+    Row("samples-4", "samples", "4 samples", sampled(2), quick=True),
+    Row("samples-16", "samples", "16 samples", sampled(4)),
+    Row("bands", "numbers", "band by band", method(bands="each"), quick=True),
+    Row("float16", "numbers", "float16", method(targets="float16"), quick=True),
+    Row("root-power", "numbers", "root by pow", method(cube_root="power")),
+    Row("root-table", "numbers", "root by table", method(cube_root="table")),
+    Row("kept-all", "numbers", "XYZ kept too", method(kept="all")),
+    Row("gamut-clip", "numbers", "RGB clipped", method(gamut="clip")),
+    Row("c-sparse", "c_max", "c_max of every 4th", method(c_max="sparse"), own_c=True),
+    Row("c-eq4", "c_max", "c_max by eq. 4", method(c_max="eq4"), own_c=True, quick=True),
+    Row("c-once", "c_max", "c_max without grain", method(c_max="once"), own_c=True, grainy=True),
+    Row("lean", "combined", "EON, no G", method(diffuse="eon", shadowing="none")),
+    Row(
+        "leaner",
+        "combined",
+        "Lambert, 1 lobe, no G",
+        method(diffuse="lambert", lobes=1, shadowing="none"),
+    ),
+    Row("game", "combined", "Lambert, GGX, Schlick, distant", method(**GAME)),
+    Row("cheapest", "combined", "cheapest of everything", method(**CHEAPEST), quick=True),
+    Row(
+        "mean-4", "combined", "mean of the grain, 4 samples", sampled(2, noise="mean"), grainy=True
+    ),
+]
+
+
+def rows(*, quick: bool) -> tuple[Row, ...]:
+    """The rows of a run."""
+    return tuple(row for row in ROWS if row.quick or not quick)

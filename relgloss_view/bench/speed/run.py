@@ -1,0 +1,253 @@
+"""A run of the chart: errors of every row on every scene, then their times, in turns."""
+
+from __future__ import annotations
+
+import dataclasses
+import statistics
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import moderngl
+
+from relgloss_view.base.errors import RelglossError
+from relgloss_view.bench.speed import errors, tasks
+from relgloss_view.bench.speed.errors import Truth
+from relgloss_view.bench.speed.floor import FillFloor
+from relgloss_view.bench.speed.methods import AUTO, DEFAULT, EVERYTHING, Row
+from relgloss_view.bench.speed.pareto import pareto_front
+from relgloss_view.bench.speed.scenes import Case
+from relgloss_view.bench.speed.timing import PER_VISIT, Task, take_turns
+from relgloss_view.picture.gpu.passes import Renderer
+from relgloss_view.picture.gpu.programs import Programs
+from relgloss_view.picture.method import Method
+from relgloss_view.picture.model.view import Size
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
+
+Progress = Callable[[float, str], object]
+
+#: dE2000 below which pictures are one and the same: their digital values are.
+NO_ERROR = 0.01
+#: What an axis of the grain or of the samples is, in the end, an approximation of.
+FURTHER_TRUTHS = {"grain-mean": "mean", "samples-4": "area", "samples-16": "area"}
+Found = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How much of it."""
+
+    size: Size
+    error_size: Size
+    frames: int
+    grains: int  #: seeds that the mean of the grain is taken over
+
+
+class Drawers:
+    """A renderer for each kind of target, so that taking turns allocates nothing."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self.ctx = ctx
+        self.programs = Programs(ctx)
+        self._renderers: dict[tuple[str, str], Renderer] = {}
+
+    def of(self, method: Method) -> Renderer:
+        """The renderer that draws by a method."""
+        kind = (method.targets, method.kept)
+        if kind not in self._renderers:
+            self._renderers[kind] = Renderer(self.ctx, self.programs)
+        return self._renderers[kind]
+
+    def release(self) -> None:
+        """Free everything on the device."""
+        for renderer in self._renderers.values():
+            renderer.release()
+        self.programs.release()
+
+
+def run_case(
+    drawers: Drawers, case: Case, rows: Sequence[Row], plan: Plan, progress: Progress
+) -> tuple[Found, list[Found]]:
+    """A scene: what is said of it, and one result a row."""
+    truths = _truths(case, rows, plan)
+    results = []
+    for k, row in enumerate(rows):
+        progress(0.4 * k / len(rows), f"{case.name}: error, {row.label}")
+        results.append(_error(drawers, case, row, truths[row.grainy], plan))
+    floor = FillFloor(drawers.ctx, plan.size)
+    timed: list[Task] = [tasks.Floor(floor)]
+    try:
+        for row in rows:
+            truth = truths[row.grainy]
+            method, look = row.build(truth.scene, truth.look, plan.size)
+            pictures = tasks.pass_1_changed(truth.scene, look, method, PER_VISIT + 1)
+            renderer = drawers.of(method)
+            timed.append(tasks.Drawing(row.name, renderer, plan.size, pictures, method))
+        times = take_turns(
+            timed,
+            plan.frames,
+            progress=lambda share: progress(0.4 + 0.6 * share, f"{case.name}: times"),
+        )
+    finally:
+        floor.release()
+    floor_ms = times["floor"].median
+    assert floor_ms is not None
+    for row, result in zip(rows, results, strict=True):
+        found = times[row.name]
+        result.update(found.as_dict())
+        result["floors"] = found.over(times["floor"])
+        result["of_default"] = found.over(times[DEFAULT])
+    return _scene_facts(case, truths[False], plan, floor_ms), results
+
+
+def _truths(case: Case, rows: Sequence[Row], plan: Plan) -> dict[bool, Truth]:
+    plain = Truth.of(case.scene, case.look, plan.error_size)
+    grainy = case.grainy()
+    if not any(row.grainy for row in rows) or grainy.look == case.look:
+        return {False: plain, True: plain}
+    return {False: plain, True: Truth.of(grainy.scene, grainy.look, plan.error_size)}
+
+
+def _error(drawers: Drawers, case: Case, row: Row, truth: Truth, plan: Plan) -> Found:
+    method, look = row.build(truth.scene, truth.look, plan.size)
+    result: Found = {
+        "scene": case.name,
+        "method": row.name,
+        "group": row.group,
+        "label": row.label,
+        "sigma_n_deg": look.sigma_n_deg,
+        "samples_per_pixel": look.samples**2 if look.samples else None,
+        "stages": dataclasses.asdict(method),
+        "error": None,
+    }
+    renderer = drawers.of(method)
+    try:
+        frame = renderer.render(truth.scene, look, truth.size, method)
+        result["c_max"] = frame.c_max
+        if row.own_c:
+            own = dataclasses.replace(look, c=errors.shown_c(frame.c_max))
+            frame = renderer.render(truth.scene, own, truth.size, method)
+        result["error"] = truth.errors(frame).as_dict()
+        further = FURTHER_TRUTHS.get(row.name)
+        if further == "area":
+            finest = errors.finely_sampled(renderer, truth)
+            result["error_against_area"] = finest.errors_of(
+                errors.shown_lab(renderer.render(truth.scene, look, truth.size, method))
+            ).as_dict()
+        elif further is not None:
+            apart, mean = errors.mean_of_grains(renderer, truth, range(plan.grains))
+            shown = errors.shown_lab(renderer.render(truth.scene, look, truth.size, method))
+            result["error_against_mean"] = mean.errors_of(shown).as_dict()
+            result["mean_halves_apart"] = apart.as_dict()
+    except RelglossError as error:
+        result["fault"] = str(error)
+    return result
+
+
+def _scene_facts(case: Case, truth: Truth, plan: Plan, floor_ms: float) -> Found:
+    return {
+        "scene": case.name,
+        "paper": case.paper,
+        "lamp_azimuth_deg": case.scene.lamp.azimuth_deg,
+        "sigma_n_deg": case.look.sigma_n_deg,
+        "c": truth.look.c,
+        "c_max": truth.c_max,
+        "coverage": float(truth.on_object.mean()),
+        "highlight": float(truth.highlight.mean()),
+        "floor_ms": floor_ms,
+    }
+
+
+def time_changes(drawers: Drawers, case: Case, size: Size, frames: int) -> Found:
+    """What a frame takes where c, sigma_N, or the lamp alone has changed, beside the floor."""
+    look = dataclasses.replace(case.look, c=1.0)
+    renderer = drawers.of(Method())
+    floor = FillFloor(drawers.ctx, size)
+    count = PER_VISIT + 1
+
+    def changing(name: str, pictures: list[tuple[Scene, Look]]) -> tasks.Drawing:
+        return tasks.Drawing(name, renderer, size, pictures)
+
+    try:
+        times = take_turns(
+            [
+                tasks.Floor(floor),
+                changing("c", tasks.c_changed(case.scene, look, count)),
+                changing("sigma_n", tasks.sigma_n_changed(case.scene, look, count)),
+                changing("lamp", tasks.lamp_moved(case.scene, look, count)),
+            ],
+            frames,
+        )
+    finally:
+        floor.release()
+    found: Found = {"scene": case.name}
+    for name, timed in times.items():
+        found[name] = {**timed.as_dict(), "floors": timed.over(times["floor"])}
+    return found
+
+
+def summary(rows: Sequence[Row], results: Sequence[Found]) -> list[Found]:
+    """One entry a row over all scenes: the median time, the worst error, and the Pareto front."""
+    entries: list[Found] = []
+    for row in rows:
+        of_row = [result for result in results if result["method"] == row.name]
+        drawn = [r for r in of_row if r["error"] is not None and r["floors"] is not None]
+        if not drawn:
+            continue
+        p95 = [r["error"]["worst_p95"] for r in drawn]
+        of_part = {
+            f"{part}_p95": max((s["p95"] for r in drawn if (s := r["error"][part])), default=None)
+            for part in ("object", "highlight")
+        }
+        c_max = [abs(v) for r in drawn if (v := r["error"]["c_max"]) is not None]
+        entries.append(
+            {
+                "method": row.name,
+                "group": row.group,
+                "label": row.label,
+                "scenes": len(drawn),
+                "ms": statistics.median(r["ms"] for r in drawn),
+                "floors": statistics.median(r["floors"] for r in drawn),
+                "worst_p95": max(p95),
+                **of_part,
+                "median_p95": statistics.median(p95),
+                "worst_max": max(s["max"] for r in drawn for s in _spreads(r)),
+                "worst_c_max": max(c_max, default=None),
+                "default": row.name == DEFAULT,
+                "charted": row.charted,
+            }
+        )
+    charted = [entry for entry in entries if entry["charted"]]
+    front = pareto_front([(e["floors"], max(e["worst_p95"], NO_ERROR)) for e in charted])
+    for entry in entries:
+        entry["front"] = any(entry is charted[k] for k in front)
+    return entries
+
+
+def auto_against_default(results: Sequence[Found]) -> list[Found]:
+    """Of each scene: how many times faster quality auto is than the default, and its errors.
+
+    And than what draws everything, needed or not, and keeps it all.
+    """
+    found = []
+    everything = {r["scene"]: r["of_default"] for r in results if r["method"] == EVERYTHING}
+    for auto in results:
+        if auto["method"] != AUTO or not (auto["error"] and auto["of_default"]):
+            continue
+        whole = everything.get(auto["scene"])
+        found.append(
+            {
+                "scene": auto["scene"],
+                "faster": 1.0 / auto["of_default"],
+                "faster_than_everything": whole / auto["of_default"] if whole else None,
+                "worst_p95": auto["error"]["worst_p95"],
+                "worst_max": max(s["max"] for s in _spreads(auto)),
+            }
+        )
+    return found
+
+
+def _spreads(result: Found) -> list[Found]:
+    error = result["error"]
+    return [error[part] for part in ("object", "highlight") if error[part] is not None]

@@ -1,0 +1,66 @@
+"""A fit in words and a table, for the terminal."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from relgloss_view.base.reading import printable
+from relgloss_view.material.material import Material
+
+
+def describe_fit(material: Material) -> str:
+    """The candidates, the chosen model, its unknowns with standard errors, and the warnings."""
+    fit = material.fit
+    if fit is None:
+        return f"{printable(material.name)}: not fitted, its parameters were given"
+    source = printable(material.source) + (" [synthetic]" if material.synthetic else "")
+    lines = [printable(material.name), f"  source     {source}", ""]
+    lines.append(f"  {'model':26}{'unknowns':>9}{'held-out error':>22}{'median':>9}  ")
+    for c in fit.candidates:
+        mark = "*" if c["name"] == fit.chosen else " "
+        error = f"{c['cv_mean']:.2%} +- {c['cv_se']:.2%}"
+        median = f"{c['median_relative_error']:.1%}"
+        lines.append(
+            f"{mark} {c['name']:26}{c['parameters']:>9}{error:>22}{median:>9}  {c['verdict']}"
+        )
+    lines.append("")
+    se = fit.standard_errors
+    albedo = np.asarray(material.diffuse.albedo)
+    lines.append(
+        f"  diffuse    {material.diffuse.model}, albedo {albedo.min():.3f}-{albedo.max():.3f}"
+    )
+    if material.diffuse.sigma_deg > 0.0:
+        lines.append(
+            f"  sigma      {material.diffuse.sigma:.3f} rad "
+            f"({material.diffuse.sigma_deg:.2f} deg, se {se.get('sigma_deg', 0.0):.2g})"
+        )
+    for k, lobe in enumerate(material.specular):
+        strength = np.asarray(lobe.strength)
+        shown = (
+            f"{strength[0]:.4g}"
+            if len(strength) == 1
+            else (f"{strength.min():.4g}-{strength.max():.4g} over the bands")
+        )
+        error = width_error(material, k, "se ")
+        lines.append(
+            f"  lobe {k + 1}     s {lobe.s_deg:.3g} deg"
+            + (f" ({error})" if error else "")
+            + f", strength {shown}, n {lobe.refractive_index:.3g}"
+        )
+    r = fit.residuals
+    lines.append(
+        f"  residual   median {r['median_relative_error']:.1%}, p90 {r['p90_relative_error']:.1%}, "
+        f"{r['samples']} samples"
+        + "".join(f", {count} left out ({why})" for why, count in r["left_out"].items())
+    )
+    lines.append(f"  quality    {fit.quality} ({fit.seconds:.2f} s)")
+    lines += [f"  warning    {printable(text, 300)}" for text in material.warnings]
+    return "\n".join(lines)
+
+
+def width_error(material: Material, lobe: int, sign: str) -> str:
+    """The standard error of a lobe's width after `sign`; a width at its limit has none."""
+    if material.specular[lobe].at_the_limit:
+        return "at the limit"
+    errors = material.fit.standard_errors.get("s_deg", []) if material.fit else []
+    return f"{sign}{errors[lobe]:.2g}" if lobe < len(errors) else ""

@@ -1,0 +1,104 @@
+"""What a rung predicts and how far that is from the samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.fitting.samples import Samples
+from relgloss_view.fitting.shapes import Geometry, diffuse_columns, lobe_columns
+
+Array = NDArray[np.float64]
+
+TAU = 0.03  #: logarithmic residual where the loss leaves the square: a good instrument's worst
+SOFT_L1, REDESCENDING = 1.0, 0.25  #: shapes of the loss: of the search, of the last refinement
+LOG_S_RANGE = (float(np.log(np.radians(0.05))), float(np.log(np.radians(40.0))))
+T_MAX = 0.49  #: sigma = 0.7 rad, the end of Oren and Nayar's own range
+#: A freed index below 1.3 would reflect 60 times more at grazing than head on.
+INDEX_RANGE = (1.3, 10.0)
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One model of the ladder."""
+
+    name: str
+    rough: bool = True
+    lobes: int = 0
+    spectral: bool = False  #: each band has its own lobe strengths
+    free_index: bool = False
+
+    def parameters(self, bands: int) -> int:
+        """Number of unknowns in `bands` bands."""
+        strengths = self.lobes * (bands if self.spectral else 1)
+        index = 1 if self.free_index and self.lobes else 0
+        return bands + int(self.rough) + self.lobes + strengths + index
+
+
+@dataclass(frozen=True)
+class State:
+    """The unknowns. `kd` (B,), `ks` (J, B): a neutral lobe repeats its strength."""
+
+    t: float  #: sigma^2
+    log_s: Array  #: (J,), ln of radians
+    n: Array  #: (J,), refractive indices
+    kd: Array
+    ks: Array
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A state and its mean loss over the samples."""
+
+    state: State
+    loss: float
+    converged: bool = True
+
+
+def predict(g: Geometry, state: State) -> Array:
+    """Radiance factors (N, B) as the instrument would see them, through its apertures."""
+    first, second, _, _ = diffuse_columns(g, state.t)
+    value = np.multiply.outer(first, state.kd) + np.multiply.outer(second, state.kd**2)
+    for j, log_s in enumerate(state.log_s):
+        value += np.multiply.outer(lobe_columns(g, float(log_s), float(state.n[j]))[0], state.ks[j])
+    return np.asarray(value)
+
+
+def log_residual(samples: Samples, model: Array) -> Array:
+    """(N, B), log of model over measured, both above the floor."""
+    return np.log((model + samples.floor) / (samples.value + samples.floor))
+
+
+def error_size(residual: Array) -> Array:
+    """Soft-L1, in units of the logarithmic residual: about |r| far out. Scores the candidates."""
+    return TAU * (np.sqrt(1.0 + (residual / TAU) ** 2) - 1.0)
+
+
+def mean_error(samples: Samples, model: Array) -> float:
+    """Weighted mean of `error_size` over all values."""
+    size = error_size(log_residual(samples, model))
+    return float(np.sum(samples.weight * size) / np.sum(samples.weight))
+
+
+def robust(residual: Array, alpha: float = SOFT_L1) -> Array:
+    """The loss that a refinement descends, in units of TAU^2: Barron 2019 of shape `alpha` > 0.
+
+    alpha = 1 is soft-L1. With less, samples that no model reaches (the foot of a film's lobe,
+    grazing backscatter) bend the part that it does reach less.
+    """
+    z = (residual / TAU) ** 2 / abs(alpha - 2.0)
+    return np.asarray(abs(alpha - 2.0) / alpha * ((1.0 + z) ** (0.5 * alpha) - 1.0))
+
+
+def influence(residual: Array, alpha: float = SOFT_L1) -> Array:
+    """Weight of a residual in the normal equations: slope of `robust` over residual, x TAU^2."""
+    z = (residual / TAU) ** 2 / abs(alpha - 2.0)
+    return np.asarray((1.0 + z) ** (0.5 * alpha - 1.0))
+
+
+def mean_loss(samples: Samples, model: Array, alpha: float = SOFT_L1) -> float:
+    """Weighted mean of `robust` over all values."""
+    residual = log_residual(samples, model)
+    return float(np.sum(samples.weight * robust(residual, alpha)) / np.sum(samples.weight))

@@ -1,0 +1,277 @@
+"""The page that shows a fit: what was measured, what was fitted, why this model, what to doubt."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.base.reading import printable
+from relgloss_view.base.writing import whole_file
+from relgloss_view.fitting import curves, slices
+from relgloss_view.fitting.describe import width_error
+from relgloss_view.fitting.samples import usable_rows
+from relgloss_view.material.material import Material
+from relgloss_view.measure.table import Measurement
+
+Array = NDArray[np.float64]
+
+INK, MUTED, FAINT, ACCENT = "#1b1f24", "#66707a", "#d9dee3", "#b3261e"
+#: Words of the warning that says the quality.
+VERDICT = ("no model describes", "unidentifiable", "poor")
+BADGE = {"good": "#2e7d4f", "poor": ACCENT, "unidentifiable": "#b26a00"}
+STYLE: Any = {
+    "font.size": 8.0,
+    "font.family": "DejaVu Sans",
+    "axes.edgecolor": MUTED,
+    "axes.labelcolor": INK,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.titlesize": 9.0,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.grid": True,
+    "grid.color": FAINT,
+    "grid.linewidth": 0.5,
+    "xtick.color": MUTED,
+    "ytick.color": MUTED,
+    "legend.frameon": False,
+    "legend.fontsize": 7.0,
+}
+
+
+def write_fit_report(material: Material, measurement: Measurement, path: str | Path) -> None:
+    """Write a one-page PNG of a fitted material beside the measurement it was fitted to.
+
+    matplotlib is imported here, without its window system. Raises ValueError for a material
+    without a fit; the file appears whole or not at all.
+    """
+    fit = material.fit
+    if fit is None:
+        raise ValueError(f"{material.name} was not fitted")
+    from matplotlib import rc_context
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    with rc_context(STYLE):
+        figure = Figure(figsize=(13.2, 9.0), dpi=120, facecolor="white")
+        FigureCanvasAgg(figure)
+        grid = figure.add_gridspec(
+            3,
+            6,
+            left=0.055,
+            right=0.98,
+            top=0.86,
+            bottom=0.06,
+            wspace=0.85,
+            hspace=0.42,
+            height_ratios=(1.15, 1.0, 0.95),
+        )
+        table = slices.prepare(material, measurement, usable_rows(measurement))
+        _heading(figure, material)
+        _plane(figure.add_subplot(grid[0, :4]), material, table)
+        _spectra(figure.add_subplot(grid[0, 4:]), material)
+        _ridge(figure.add_subplot(grid[1, :2]), material, table)
+        _tilt(figure.add_subplot(grid[1, 2:4]), material, table)
+        _residuals(figure.add_subplot(grid[1, 4:]), table)
+        _candidates(figure.add_subplot(grid[2, 1:4]), fit.candidates, fit.chosen)
+        _facts(figure.add_subplot(grid[2, 4:]), material)
+        with whole_file(path) as temporary, warnings.catch_warnings():
+            # A name in a script that DejaVu lacks shows boxes; that is no fault.
+            warnings.filterwarnings("ignore", message="Glyph", category=UserWarning)
+            figure.savefig(temporary, format="png")
+
+
+def _heading(figure: Any, material: Material) -> None:
+    fit = material.fit
+    assert fit is not None
+    # Names hold dollar signs too: nothing from outside is mathematics.
+    name, source = printable(material.name, 60), printable(material.source, 150)
+    figure.text(0.055, 0.955, name, fontsize=16, weight="bold", color=INK, parse_math=False)
+    figure.text(0.055, 0.93, source, fontsize=8, color=MUTED, parse_math=False)
+    badges = [(fit.quality.upper(), BADGE[fit.quality])]
+    if material.synthetic:
+        badges.append(("SYNTHETIC, NOT MEASURED", "#5b4b9a"))
+    x = 0.98
+    for text, colour in badges:
+        drawn = figure.text(
+            x,
+            0.957,
+            text,
+            ha="right",
+            fontsize=9,
+            weight="bold",
+            color="white",
+            bbox={"boxstyle": "round,pad=0.4", "facecolor": colour, "edgecolor": "none"},
+        )
+        x -= 0.0075 * len(str(drawn.get_text())) + 0.02
+    # The verdict first; there is room for two lines.
+    told = sorted(material.warnings, key=lambda text: not any(sign in text for sign in VERDICT))
+    if len(told) > 2:
+        told = [told[0], f"and {len(told) - 1} more, listed in the material file"]
+    for k, text in enumerate(told):
+        place = 0.908 - 0.016 * k
+        shown = f"! {printable(text, 170)}"
+        figure.text(0.055, place, shown, fontsize=8, color=ACCENT, parse_math=False)
+
+
+def _logarithmic(axis: Any) -> None:
+    """A logarithmic radiance factor, its ticks at 1, 2 and 5 in plain numbers."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axis.set_yscale("log")
+    axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=9))
+    axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.yaxis.set_minor_formatter(NullFormatter())
+
+
+def _colours(count: int) -> list[Any]:
+    from matplotlib import colormaps
+
+    return [colormaps["viridis"](x) for x in np.linspace(0.0, 0.85, max(count, 1))]
+
+
+def _plane(axis: Any, material: Material, table: slices.Table) -> None:
+    axis.set_title(f"Mirror plane, {table.label}")
+    chosen = slices.some(table.incidences(), 5)
+    angle = slices.receiver_angles(chosen, material)
+    for incidence, colour in zip(chosen, _colours(len(chosen)), strict=True):
+        x, y = table.plane(incidence)
+        axis.plot(x, y, "o", ms=3.0, mew=0.0, color=colour, alpha=0.75)
+        lamp, receiver = curves.in_plane(incidence, angle)
+        fitted = curves.seen(material, lamp, receiver, table.aperture_sd_deg)[:, table.band]
+        axis.plot(angle, fitted, lw=1.0, color=colour, label=f"{incidence:g}°")
+    _logarithmic(axis)
+    axis.set_xlabel("receiver angle, mirror side positive (deg)")
+    axis.set_ylabel("radiance factor")
+    axis.legend(title="incidence; points measured, lines fitted", ncols=5, loc="upper left")
+
+
+def _ridge(axis: Any, material: Material, table: slices.Table) -> None:
+    axis.set_title("Across the mirror direction")
+    chosen = slices.some(table.incidences(), 5)
+    offset = np.linspace(-6.0, 6.0, 241)
+    for incidence, colour in zip(chosen, _colours(len(chosen)), strict=True):
+        x, y = table.plane(incidence)
+        near = np.abs(x - incidence) <= 6.0
+        axis.plot(x[near] - incidence, y[near], "o", ms=3.0, mew=0.0, color=colour, alpha=0.8)
+        lamp, receiver = curves.in_plane(incidence, np.minimum(incidence + offset, 88.0))
+        fitted = curves.seen(material, lamp, receiver, table.aperture_sd_deg)[:, table.band]
+        axis.plot(offset, fitted, lw=1.0, color=colour)
+    _logarithmic(axis)
+    axis.set_xlabel("receiver off the mirror direction (deg)")
+    axis.set_ylabel("radiance factor")
+
+
+def _tilt(axis: Any, material: Material, table: slices.Table) -> None:
+    axis.set_title("Out of the plane")
+    chosen = slices.some(table.tilt_angles(), 4)
+    for theta, colour in zip(chosen, _colours(len(chosen)), strict=True):
+        x, y = table.tilt(theta)
+        axis.plot(x, y, "o", ms=3.0, mew=0.0, color=colour, alpha=0.8)
+        lamp, receiver = table.tilt_directions(theta)
+        fitted = curves.seen(material, lamp, receiver, table.aperture_sd_deg)[:, table.band]
+        half = np.degrees(np.sqrt(curves.facing(lamp, receiver).delta2))
+        axis.plot(half, fitted, lw=1.0, color=colour, label=f"{theta:g}°")
+    _logarithmic(axis)
+    axis.set_xlabel("half-vector from the normal (deg)")
+    axis.legend(title=table.tilt_label, ncols=2, loc="upper right")
+
+
+def _residuals(axis: Any, table: slices.Table) -> None:
+    axis.set_title("Residuals, all bands")
+    x, y = table.residuals()
+    axis.axhspan(-5.0, 5.0, color="#2e7d4f", alpha=0.08, lw=0)
+    axis.plot(x, np.clip(y, -60.0, 60.0), ".", ms=1.6, color=INK, alpha=0.25, rasterized=True)
+    axis.axhline(0.0, lw=0.7, color=INK)
+    axis.set_ylim(-63.0, 63.0)
+    axis.set_xlabel("half-vector from the normal (deg)")
+    axis.set_ylabel("fitted over measured, minus 1 (%)")
+
+
+def _candidates(axis: Any, candidates: tuple[dict[str, Any], ...], chosen: str) -> None:
+    axis.set_title("Candidates: error on planes left out, one standard error")
+    place = np.arange(len(candidates))[::-1]
+    for y, c in zip(place, candidates, strict=True):
+        picked = c["name"] == chosen
+        mean, se = 100.0 * c["cv_mean"], 100.0 * c["cv_se"]
+        colour = BADGE["good"] if picked else "#aab3bb"
+        axis.barh(y, mean, height=0.62, color=colour)
+        axis.plot([max(mean - se, 0.3 * mean), mean + se], [y, y], color=INK, lw=0.9)
+        text = f"{mean:.3g} %   {c['parameters']} unknowns   {c['verdict']}"
+        axis.text(
+            1.08 * (mean + se),
+            y,
+            text,
+            va="center",
+            fontsize=6.6,
+            color=INK if picked else MUTED,
+            weight="bold" if picked else "normal",
+        )
+    top = 100.0 * max(c["cv_mean"] + c["cv_se"] for c in candidates)
+    low = 100.0 * min(c["cv_mean"] for c in candidates)
+    axis.set_xscale("log")
+    axis.set_xlim(0.5 * low, top * (top / (0.5 * low)) ** 0.9)
+    ticks = [t for t in (0.01, 0.1, 1.0, 10.0, 100.0) if 0.5 * low <= t <= 1.2 * top]
+    axis.set_xticks(ticks, [f"{t:g}" for t in ticks])
+    axis.minorticks_off()
+    axis.set_yticks(place, [c["name"] for c in candidates])
+    axis.set_xlabel("logarithmic error, about relative error (%)")
+    axis.grid(visible=False, axis="y")
+
+
+def _spectra(axis: Any, material: Material) -> None:
+    axis.set_title("Diffuse albedo and lobe strengths")
+    rgb = material.bands.is_rgb
+    x = np.arange(3) if rgb else material.bands.centres_nm()
+    style = "o-"
+    axis.plot(x, material.diffuse.albedo, style, ms=3.0, lw=1.2, color="#2e7d4f", label="albedo")
+    for k, lobe in enumerate(material.specular):
+        strength = lobe.per_band(material.bands.count)
+        axis.plot(
+            x,
+            strength,
+            lw=1.2,
+            ls="--",
+            color=_colours(3)[k],
+            label=f"lobe {k + 1}, s = {lobe.s_deg:.3g}°",
+        )
+    axis.set_ylim(bottom=0.0)
+    if rgb:
+        axis.set_xticks(x, list(material.bands.labels))
+    else:
+        axis.set_xlabel("wavelength (nm)")
+    axis.legend(loc="best")
+
+
+def _facts(axis: Any, material: Material) -> None:
+    fit = material.fit
+    assert fit is not None
+    axis.set_axis_off()
+    r, se = fit.residuals, fit.standard_errors
+    lines = [f"chosen: {fit.chosen}", f"diffuse: {material.diffuse.model}"]
+    if material.diffuse.sigma_deg:
+        lines[-1] += f", sigma {material.diffuse.sigma:.3f} rad"
+    for k, lobe in enumerate(material.specular):
+        error = width_error(material, k, "± ")
+        strength = float(np.mean(lobe.strength))
+        index = f"n {lobe.refractive_index:.3g}"
+        lines.append(f"lobe {k + 1}: s {lobe.s_deg:.3g}° {error}, k {strength:.3g}, {index}")
+    if not material.specular and "no_lobe" in fit.bounds:
+        upper = fit.bounds["no_lobe"]["largest_strength_upper"]
+        lines.append("no lobe" + (f"; strength at most {upper:.2g}" if upper else ""))
+    lines.append(
+        f"median error {r['median_relative_error']:.1%}, 90th percentile "
+        f"{r['p90_relative_error']:.1%}"
+    )
+    near, far = (r[k]["median_relative_error"] for k in ("near_mirror", "far"))
+    parts = [f"{n} {v:.1%}" for n, v in (("near mirror", near), ("elsewhere", far)) if v]
+    lines.append(", ".join(parts))
+    lines.append(f"{r['samples']} samples; aperture sd {r['aperture_sd_deg']} deg")
+    lines += [f"{count} left out: {reason}" for reason, count in r["left_out"].items()]
+    lines.append(se.get("method", ""))
+    axis.text(0.0, 1.0, "\n".join(lines), va="top", fontsize=7.6, linespacing=1.5, color=INK)

@@ -1,0 +1,1 @@
+"""Gloss of samples and pictures: meters, what a display shows, matching, comparison."""

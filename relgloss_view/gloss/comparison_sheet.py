@@ -1,0 +1,160 @@
+"""A comparison as one picture: samples across, operators down, each with its numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from relgloss_view.gloss.comparison import (
+    BROKEN,
+    KEPT,
+    NONE,
+    TIED,
+    Cell,
+    Comparison,
+    Row,
+    Settled,
+    title_of,
+    words_of,
+)
+from relgloss_view.picture.output.contact_sheet import INK_GRAY, PAPER_GRAY, Pixels
+
+MUTED_GRAY = 208
+LINE_GRAY = 140
+HELD = "\u00a0"  #: a space at which no line ends
+MEASURES = {"peak_contrast": "peak contrast", "contrast_gloss": "99th percentile"}
+VERDICTS = {
+    KEPT: "order kept",
+    TIED: "order tied",
+    BROKEN: "order broken",
+    NONE: "no order",
+}
+
+
+def number(value: float | None, digits: int = 1) -> str:
+    """A number of a table; a dash where there is none."""
+    return "-" if value is None else f"{value:.{digits}f}"
+
+
+def body_words(row: Row) -> str:
+    """What became of the body's colour."""
+    if row.body_difference is None:
+        return "no body to judge the colour of"
+    told = "kept" if row.body_kept else "drifts"
+    return f"body colour {told}: dE2000 up to {row.body_difference:.2f}"
+
+
+@dataclass
+class _Pen:
+    """Writes lines downwards from a place, wrapped to a width."""
+
+    draw: Any
+    x: float
+    y: float
+    width: float
+
+    def write(self, text: str, font: Any, gray: int = INK_GRAY) -> None:
+        for line in self._wrapped(text, font):
+            shown = line.replace(HELD, " ")
+            self.draw.text((self.x, self.y), shown, fill=(gray,) * 3, font=font)
+            self.y += 1.35 * font.size
+
+    def skip(self, pixels: float) -> None:
+        self.y += pixels
+
+    def _wrapped(self, text: str, font: Any) -> list[str]:
+        lines: list[str] = []
+        for word in text.split(" "):
+            longer = f"{lines[-1]} {word}" if lines else word
+            if lines and font.getlength(longer) <= self.width:
+                lines[-1] = longer
+            else:
+                lines.append(word)
+        return lines
+
+
+def comparison_sheet(comparison: Comparison, title: str, note: str) -> Pixels:
+    """The sheet's pixels (H, W, 3); text is gray, so that nothing coloured stands by a picture."""
+    from PIL import Image, ImageDraw, ImageFont
+
+    height, width = _size(comparison)
+    text_px = max(12, min(18, width // 20))
+    head_px = round(1.6 * text_px)
+    small, large, head = (ImageFont.load_default(k) for k in (text_px, 1.2 * text_px, head_px))
+    cell = max(width, round(14 * text_px))
+    gap, side = 2 * text_px, round(20 * text_px)
+    line = 1.35 * text_px
+    top, caption = round(3.4 * head_px + 5.2 * line), round(4.6 * line)
+    row_height = max(height + caption, round(13 * line)) + gap
+    sheet = Image.new(
+        "RGB",
+        (
+            round(gap + side + len(comparison.samples) * (cell + gap) + gap),
+            round(top + len(comparison.rows) * row_height + 2 * line),
+        ),
+        (PAPER_GRAY,) * 3,
+    )
+    draw = ImageDraw.Draw(sheet)
+    _Pen(draw, gap, 0.8 * head_px, sheet.width - 2 * gap).write(title, head)
+    x_of = [2 * gap + side + k * (cell + gap) for k in range(len(comparison.samples))]
+    for x, settled in zip(x_of, comparison.samples, strict=True):
+        _heading(_Pen(draw, x, 2.9 * head_px, cell), settled, comparison, (large, small))
+    for n, row in enumerate(comparison.rows):
+        y = top + n * row_height
+        draw.line((gap, y - 0.5 * gap, sheet.width - gap, y - 0.5 * gap), fill=(LINE_GRAY,) * 3)
+        _operator(_Pen(draw, gap, y, side), row, (large, small))
+        for x, settled in zip(x_of, comparison.samples, strict=True):
+            shown = row.cells[settled.case.label]
+            sheet.paste(Image.fromarray(shown.picture), (round(x), round(y)))
+            _caption(_Pen(draw, x, y + height + 0.3 * line, cell + gap), shown, small)
+    _Pen(draw, gap, sheet.height - 1.7 * line, sheet.width).write(note, small, MUTED_GRAY)
+    return np.asarray(sheet)
+
+
+def _size(comparison: Comparison) -> tuple[int, int]:
+    """Height and width of the largest picture."""
+    shapes = [cell.picture.shape for row in comparison.rows for cell in row.cells.values()]
+    return max(s[0] for s in shapes), max(s[1] for s in shapes)
+
+
+def _heading(pen: _Pen, settled: Settled, comparison: Comparison, fonts: tuple[Any, Any]) -> None:
+    large, small = fonts
+    look = settled.case.look
+    pen.write(settled.case.label, large)
+    gloss = number(settled.gloss[comparison.gloss], 3 if comparison.gloss[-1] == "s" else 1)
+    pen.write(f"{words_of(comparison.gloss)}: {gloss}", small, MUTED_GRAY)
+    share = "" if settled.c_max is None else f" = {settled.c / settled.c_max:.3g} c_max"
+    pen.write(f"sigma_N {look.sigma_n_deg:g} deg", small, MUTED_GRAY)
+    pen.write(f"c {settled.c:.3g}{share} (split)", small, MUTED_GRAY)
+
+
+def _operator(pen: _Pen, row: Row, fonts: tuple[Any, Any]) -> None:
+    large, small = fonts
+    pen.write(title_of(row.operator), large)
+    pen.write(row.operator.meaning, small, MUTED_GRAY)
+    for name, words in MEASURES.items():
+        order = row.orders[name]
+        tau = "" if order.tau is None else f" (tau {order.tau:.2f})"
+        pen.skip(0.5 * small.size)
+        pen.write(f"{words}: {VERDICTS[order.verdict]}{tau}", small)
+        if order.ranks:
+            held = order.words.replace(" >", f"{HELD}>").replace(" =", f"{HELD}=")
+            pen.write(held, small, MUTED_GRAY)
+    pen.skip(0.5 * small.size)
+    pen.write(body_words(row), small)
+
+
+def _caption(pen: _Pen, shown: Cell, small: Any) -> None:
+    found = shown.measures
+    clipped = None if found.clipped_share is None else 100.0 * found.clipped_share
+    pen.write(
+        f"peak {number(found.peak_contrast)}, p99 {number(found.contrast_gloss)}, "
+        f"grain {number(found.graininess)}",
+        small,
+    )
+    pen.write(
+        f"sharp {number(found.sharpness, 0)}/deg, clipped {number(clipped)} %", small, MUTED_GRAY
+    )
+    pen.write(f"body dE2000 {number(found.body_difference, 2)}", small, MUTED_GRAY)

@@ -1,0 +1,1 @@
+"""What a gloss meter would read."""

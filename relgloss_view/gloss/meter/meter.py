@@ -1,0 +1,236 @@
+"""What a gloss meter would read on a material, and the lobe width that gives a wanted reading.
+
+Readings are luminous: spectra are weighted with CIE illuminant C and V(lambda), as gloss meters
+are. Definitions, apertures, sources and limits are in docs/gloss.md.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
+from relgloss_view.gloss.meter.geometry import (
+    DISTINCTNESS,
+    HAZE,
+    SPECULAR,
+    Meter,
+    Window,
+    diffuse_flux,
+    lobe_flux,
+)
+from relgloss_view.gloss.meter.uncertainty import fitted_steps, standard_error
+from relgloss_view.material import brdf, spectra
+from relgloss_view.material.albedo import directional_albedo
+from relgloss_view.material.material import S_DEG_DRAWN, S_DEG_MAX, Lobe, Material
+from relgloss_view.measure.bands import Bands
+
+Array = NDArray[np.float64]
+
+ILLUMINANT = "C"
+METERS = (*SPECULAR.values(), HAZE, DISTINCTNESS)
+FERWERDA = "Pellacini, Ferwerda, Greenberg 2000"
+#: Widths at which a reading is looked at before its root is refined.
+WIDTHS_TRIED = 33
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One number that an instrument or a formula gives, or why it gives none."""
+
+    key: str
+    name: str
+    standard: str
+    value: float | None
+    #: What the fit's standard errors imply for it; None where the fit gives none.
+    standard_error: float | None = None
+    #: The part of the value that the diffuse reflection gives; None where it is no sum of parts.
+    diffuse: float | None = None
+    reason: str = ""  #: why there is no value
+    note: str = ""  #: what to know about the value
+
+
+def gloss_readings(material: Material) -> tuple[Reading, ...]:
+    """Specular gloss at 20, 60, 85 and 75 degrees, haze, distinctness, Ferwerda's c and d.
+
+    Raises InputError where the material's fit holds standard errors that are no numbers.
+    """
+    steps = fitted_steps(material)
+
+    def read(
+        key: str, name: str, standard: str, number_of: Callable[[Material], float | None], why: str
+    ) -> Reading:
+        value = number_of(material)
+        if value is None:
+            return Reading(key, name, standard, None, reason=why)
+        return Reading(key, name, standard, value, standard_error(number_of, steps))
+
+    def metered(meter: Meter) -> Reading:
+        reading = read(
+            meter.key,
+            meter.name,
+            meter.standard,
+            lambda varied: _metered(varied, meter),
+            "nothing is reflected there",
+        )
+        if meter is DISTINCTNESS:
+            return reading
+        body = dataclasses.replace(material, specular=())
+        return dataclasses.replace(reading, diffuse=_metered(body, meter))
+
+    no_lobe = "there is no specular lobe"
+    return (
+        *(metered(meter) for meter in METERS),
+        read("contrast-gloss", "contrast gloss c", FERWERDA, _contrast, ""),
+        read("distinctness", "distinctness d", FERWERDA, _sharpness, no_lobe),
+    )
+
+
+def specular_gloss(material: Material, angle_deg: float) -> float:
+    """Reading at 20, 60, 85 (ISO 2813, ASTM D523) or 75 degrees (TAPPI T 480), in gloss units."""
+    value = _metered(material, meter_at(angle_deg))
+    assert value is not None  # only distinctness can be undefined
+    return value
+
+
+def meter_at(angle_deg: float) -> Meter:
+    """The specular meter of an angle; InputError where no standard here has one."""
+    for angle, meter in SPECULAR.items():
+        if angle == angle_deg:
+            return meter
+    angles = ", ".join(f"{angle:g}" for angle in sorted(SPECULAR))
+    raise InputError(f"gloss at {angle_deg:g} degrees: expected one of {angles} degrees")
+
+
+def luminous_weights(bands: Bands) -> Array:
+    """Weights (B,) of a luminous reflectance: illuminant C times V(lambda), summing to one."""
+    return np.asarray(spectra.xyz_weights(bands, spectra.illuminant(ILLUMINANT))[:, 1])
+
+
+def from_fluxes(meter: Meter, fluxes: list[float]) -> float | None:
+    """A meter's reading from the shares in its windows; None for the ratio of nothing.
+
+    Gloss and haze are relative to the black glass in the specular window; distinctness is
+    100 (1 - R(0.3) / R(0)), R(0.3) the mean of both sides.
+    """
+    if meter is DISTINCTNESS:
+        middle, *sides = fluxes
+        return 100.0 * max(0.0, 1.0 - float(np.mean(sides)) / middle) if middle > 0.0 else None
+    return 100.0 * sum(fluxes) / meter.mirror_flux(meter.glass)
+
+
+def _metered(material: Material, meter: Meter) -> float | None:
+    return from_fluxes(meter, [_flux(material, meter, window) for window in meter.windows])
+
+
+def _flux(material: Material, meter: Meter, window: Window) -> float:
+    """Luminous share of the light that a material sends into a window."""
+    weight, body = luminous_weights(material.bands), material.diffuse
+    first, second = diffuse_flux(meter, window, body.model, body.sigma)
+    total = first * (weight @ np.asarray(body.albedo)) + second * (
+        weight @ material.second_albedo()
+    )
+    for lobe in material.visible_lobes():
+        share = lobe_flux(meter, window, lobe.s_deg, lobe.refractive_index)
+        total += share * _luminous_strength(material, lobe)
+    return float(total)
+
+
+def _luminous_strength(material: Material, lobe: Lobe) -> float:
+    return float(luminous_weights(material.bands) @ lobe.per_band(material.bands.count))
+
+
+def _contrast(material: Material) -> float:
+    """Contrast gloss c = cbrt(rho_s + rho_d / 2) - cbrt(rho_d / 2), Pellacini et al. 2000.
+
+    rho_d and rho_s are the luminous diffuse and specular albedo at normal incidence.
+    """
+    weight = luminous_weights(material.bands)
+    diffuse, specular = (float(weight @ part[0]) for part in directional_albedo(material, 0.0))
+    return float(np.cbrt(specular + 0.5 * diffuse) - np.cbrt(0.5 * diffuse))
+
+
+def _sharpness(material: Material) -> float | None:
+    """Distinctness d = 1 - alpha, Pellacini et al. 2000, alpha = sqrt(2) s of the main lobe."""
+    main = main_lobe(material)
+    if main is None:
+        return None
+    return 1.0 - float(np.sqrt(2.0) * np.radians(material.specular[main].s_deg))
+
+
+def main_lobe(material: Material) -> int | None:
+    """Index of the lobe with the highest peak; None where nothing shines."""
+
+    def peak(lobe: Lobe) -> float:
+        normal = float(brdf.fresnel_dielectric(1.0, lobe.refractive_index))
+        return _luminous_strength(material, lobe) * normal / max(lobe.s_deg, S_DEG_DRAWN) ** 2
+
+    peaks = [peak(lobe) for lobe in material.specular]
+    return int(np.argmax(peaks)) if peaks and max(peaks) > 0.0 else None
+
+
+# --- the other way round: a material that no one has measured ------------------------------------
+
+
+def lobe_width_for(material: Material, angle_deg: float, reading: float) -> float:
+    """Width s_deg of the main lobe with which a material reads `reading` at an angle.
+
+    All else stays as it is, so the width is hypothetical. InputError where no width that can be
+    drawn gives the reading; it says what can be reached.
+    """
+    from scipy.optimize import brentq
+
+    meter, main = meter_at(angle_deg), main_lobe(material)
+    name = printable(material.name, 60)
+    if not np.isfinite(reading):
+        raise InputError(f"gloss of {reading:g}: expected a number of gloss units")
+    if main is None:
+        raise InputError(f"{name}: has no specular lobe whose width could be changed")
+
+    def excess(log_s: float) -> float:
+        return (
+            specular_gloss(_with_width(material, main, float(np.exp(log_s))), angle_deg) - reading
+        )
+
+    widths = np.linspace(np.log(S_DEG_DRAWN), np.log(S_DEG_MAX), WIDTHS_TRIED)
+    found = np.array([excess(log_s) for log_s in widths])
+    crossing = np.flatnonzero((found[:-1] >= 0.0) != (found[1:] >= 0.0))
+    if not len(crossing):
+        low, high = (float(end) + reading for end in (found.min(), found.max()))
+        raise InputError(
+            f"{name}: no lobe width reads {reading:g} at {meter.angle_deg:g} degrees; from "
+            f"{S_DEG_MAX:g} to {S_DEG_DRAWN:g} degrees it reads {low:.3g} to {high:.3g}"
+        )
+    k = crossing[0]
+    return float(np.exp(brentq(excess, widths[k], widths[k + 1], xtol=1e-10)))
+
+
+def hypothetical(material: Material, angle_deg: float, reading: float) -> Material:
+    """The material with the lobe width that gives a reading; name and source say it is made up.
+
+    It has no fit: what was fitted is another material.
+    """
+    s_deg = lobe_width_for(material, angle_deg, reading)
+    main = main_lobe(material)
+    assert main is not None
+    wanted = f"{reading:g} gloss units at {angle_deg:g} degrees"
+    kind = "synthetic, hypothetical" if material.synthetic else "hypothetical"
+    changed = _with_width(material, main, s_deg)
+    return dataclasses.replace(
+        changed,
+        name=f"{material.name}, hypothetical: {wanted}",
+        source=f"{kind}: width of lobe {main + 1} set from {material.specular[main].s_deg:.4g} to "
+        f"{s_deg:.4g} degrees to read {wanted}; made from {material.name} ({material.source})",
+        fit=None,
+    )
+
+
+def _with_width(material: Material, k: int, s_deg: float) -> Material:
+    lobe = dataclasses.replace(material.specular[k], s_deg=min(s_deg, S_DEG_MAX))
+    lobes = (*material.specular[:k], lobe, *material.specular[k + 1 :])
+    return dataclasses.replace(material, specular=lobes)

@@ -1,0 +1,218 @@
+"""Numbers of a displayed picture: how glossy it looks, and what became of the body's colour.
+
+Defined in docs/operators.md. Which pixels count follows from the scene alone, so that they are the
+same for every operator.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.operators.clip import Clip
+from relgloss_view.operators.operator import Displayed, SceneLight
+from relgloss_view.picture.frame import Frame
+from relgloss_view.picture.model.difference import delta_e_2000
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+BRIGHT_QUANTILE = 0.99
+HIGHLIGHT_LSTAR = 1.0  #: a highlight adds at least this much to L*, the body at most
+HIGHLIGHT_GRAINS = 2.0  #: sd of the mean over grains by which highlight and body are parted
+LIT_LSTAR = 1.0  #: below this L_d* there is no body colour to speak of
+EYE_SD_DEG = 1.0 / 30.0  #: two arc minutes, a little more than the eye blurs
+BLUR_REACH = 3.0  #: standard deviations of a filter that must lie on the object
+ORDER_TIE_LSTAR = 1.0  #: contrast glosses this close are a tie
+
+
+@dataclass(frozen=True)
+class Regions:
+    """Which pixels of a picture show what, (H, W) each."""
+
+    whole: Mask  #: the object covers all of the pixel
+    body: Mask  #: diffuse, lit
+    highlight: Mask  #: specular
+    pixels_per_degree: float
+    grain_px: float  #: side of a grain of the surface, at least a pixel
+
+    @classmethod
+    def of(cls, frame: Frame) -> Regions:
+        """The regions of a frame; an L_s* of `HIGHLIGHT_LSTAR` parts body and highlight.
+
+        It is a mean over a few grains: a dark grain in a highlight belongs to the highlight.
+        """
+        from scipy.ndimage import gaussian_filter
+
+        whole = frame.coverage >= 1.0
+        l_d, l_s = frame.split
+        scale = SceneLight.of(frame).pixels_per_degree
+        look, eye = frame.look, frame.scene.eye
+        if look.grain == "screen":
+            grain = float(look.grain_px)
+        else:
+            grain = math.degrees(math.atan(1e-3 * look.grain_mm / eye.distance_m)) * scale
+        grain = max(grain, 1.0)
+        specular = gaussian_filter(np.asarray(l_s, dtype=np.float64), HIGHLIGHT_GRAINS * grain)
+        shines = specular >= HIGHLIGHT_LSTAR
+        return cls(whole, whole & ~shines & (l_d >= LIT_LSTAR), whole & shines, scale, grain)
+
+
+@dataclass(frozen=True)
+class Measures:
+    """Numbers of one displayed picture; None where it has no pixel that they could be taken of."""
+
+    contrast_gloss: float | None  #: L*
+    peak_contrast: float | None  #: L*
+    graininess: float | None  #: L*
+    sharpness: float | None  #: L* per degree
+    clipped_share: float | None  #: of the object's pixels
+    body_difference: float | None  #: CIEDE2000, median
+
+
+def measure(frame: Frame, picture: Displayed) -> Measures:
+    """All measures of what an operator made of a frame."""
+    regions = Regions.of(frame)
+    lightness = picture.lab[..., 0]
+    on_object = frame.on_object
+    return Measures(
+        contrast_gloss(lightness, regions),
+        peak_contrast(lightness, regions),
+        graininess(lightness, regions),
+        sharpness(lightness, regions),
+        float(np.mean(picture.clipped[on_object])) if np.any(on_object) else None,
+        body_difference(picture, Clip().draw(frame), regions),
+    )
+
+
+def contrast_gloss(lightness: Array, regions: Regions) -> float | None:
+    """99th percentile of L* over the object less its median.
+
+    Hunter's contrast gloss is highlight against surroundings; here as a difference of L*, since
+    Ferwerda, Pellacini and Greenberg 2001 found it to follow a difference of cube roots. It does
+    not see a highlight on less than a hundredth of the object; peak_contrast does.
+    """
+    if not np.any(regions.whole):
+        return None
+    low, high = np.quantile(lightness[regions.whole], (0.5, BRIGHT_QUANTILE))
+    return float(high - low)
+
+
+def peak_contrast(lightness: Array, regions: Regions) -> float | None:
+    """Largest L* over the object, as sharp as the eye sees it, less the median.
+
+    The same contrast of the highlight's peak, however small the highlight is.
+    """
+    from scipy.ndimage import gaussian_filter
+
+    sd = EYE_SD_DEG * regions.pixels_per_degree
+    inside = _away_from_edges(regions.whole, regions.whole, BLUR_REACH * sd)
+    if not np.any(inside):
+        return None
+    blurred = gaussian_filter(lightness, sd, mode="nearest")
+    return float(np.max(blurred[inside]) - np.median(lightness[regions.whole]))
+
+
+def graininess(lightness: Array, regions: Regions) -> float | None:
+    """Standard deviation of L* around the grain's frequency, over the highlights.
+
+    The band lies about one cycle in two grains, along both axes at once: what varies along one
+    axis only, as an upright highlight does, is no grain (after Immerkaer 1996, whose mask does the
+    same at one pixel). Normalised so that independent grains give their standard deviation.
+    """
+    inside = _away_from_edges(regions.highlight, regions.whole, 2.0 * regions.grain_px)
+    if not np.any(inside):
+        return None
+    band = _grain_band(lightness, regions.grain_px)
+    side = max(1, round(regions.grain_px))
+    size = 16 * side
+    one = np.zeros((size, size))
+    one[size // 2 : size // 2 + side, size // 2 : size // 2 + side] = 1.0
+    # Each pixel sees the grains at all offsets alike, so this is the variance that unit grains get.
+    response = float(np.sum(_grain_band(one, regions.grain_px) ** 2)) / side**2
+    return float(np.sqrt(np.mean(band[inside] ** 2) / response))
+
+
+def _grain_band(values: Array, grain_px: float) -> Array:
+    from scipy.ndimage import gaussian_filter1d
+
+    fine, coarse = 0.35 * grain_px, 0.7 * grain_px
+    for axis in (0, 1):
+        passed = [gaussian_filter1d(values, sd, axis=axis, mode="nearest") for sd in (fine, coarse)]
+        values = np.asarray(passed[0] - passed[1])
+    return values
+
+
+def sharpness(lightness: Array, regions: Regions) -> float | None:
+    """Largest slope of L* in and beside the highlights, in L* per degree of the eye's field.
+
+    The picture is blurred by two arc minutes first, since a slope finer than that is not seen and
+    depends on where pixels fall. Grain has slopes too, and raises it.
+    """
+    from scipy.ndimage import binary_dilation, gaussian_filter
+
+    sd = EYE_SD_DEG * regions.pixels_per_degree
+    reach = max(1, math.ceil(BLUR_REACH * sd))
+    near = binary_dilation(regions.highlight, iterations=reach)
+    inside = _away_from_edges(near & regions.whole, regions.whole, BLUR_REACH * sd)
+    if not (np.any(inside) and min(lightness.shape) > 1):
+        return None
+    down, right = np.gradient(gaussian_filter(lightness, sd, mode="nearest"))
+    return float(np.max(np.hypot(down, right)[inside])) * regions.pixels_per_degree
+
+
+def _away_from_edges(region: Mask, whole: Mask, reach_px: float) -> Mask:
+    """The part of a region where a filter of this reach sees nothing but the object."""
+    from scipy.ndimage import binary_erosion
+
+    steps = max(1, math.ceil(reach_px))
+    return np.asarray(region & binary_erosion(whole, iterations=steps))
+
+
+def body_difference(picture: Displayed, colorimetric: Displayed, regions: Regions) -> float | None:
+    """Median CIEDE2000 difference of the body from its colorimetric reproduction, both as shown."""
+    if not np.any(regions.body):
+        return None
+    difference = delta_e_2000(picture.lab[regions.body], colorimetric.lab[regions.body])
+    return float(np.median(difference))
+
+
+def ranks(values: Mapping[str, float], tie: float = 0.0) -> dict[str, int]:
+    """Rank of each value, 0 the largest; neighbours in the order closer than `tie` share one.
+
+    The names come in order of rank.
+    """
+    names = sorted(values, key=lambda name: -values[name])
+    found: dict[str, int] = {}
+    rank = 0
+    for k, name in enumerate(names):
+        if k and (gap := values[names[k - 1]] - values[name]) > 0.0 and gap >= tie:
+            rank = k
+        found[name] = rank
+    return found
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """How two orders of the same things agree."""
+
+    tau: float | None  #: Kendall's tau-b, 1 the same order; None where one of them is all ties
+    same: bool  #: no pair is exchanged and none is tied that the truth tells apart
+
+
+def agreement(shown: Mapping[str, float], truth: Mapping[str, float], tie: float) -> Agreement:
+    """Whether shown values put things in the order of the true ones; `tie` is of the shown."""
+    from scipy.stats import kendalltau
+
+    names = list(truth)
+    first, second = ranks(shown, tie), ranks(truth)
+    pairs = [(first[name], second[name]) for name in names]
+    if len({a for a, _ in pairs}) < 2 or len({b for _, b in pairs}) < 2:
+        return Agreement(None, False)
+    tau = float(kendalltau(*zip(*pairs, strict=True)).statistic)
+    same = all((a[0] < b[0]) == (a[1] < b[1]) for a in pairs for b in pairs if a[1] != b[1])
+    return Agreement(tau, same)

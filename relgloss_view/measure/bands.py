@@ -1,0 +1,70 @@
+"""Bands: the channels that a measurement and a material share."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.base.reading import fault, numbers_of
+
+#: No instrument reads reflectance outside; a header in micrometres or picometres falls outside too.
+WAVELENGTH_RANGE_NM = (100.0, 3000.0)
+FINEST_STEP_NM = 0.5
+
+
+@dataclass(frozen=True)
+class Bands:
+    """Spectral bands by their centres in nanometres, or the three channels of linear sRGB.
+
+    wavelengths_nm is None for linear sRGB; otherwise two or more, at least FINEST_STEP_NM apart.
+    """
+
+    wavelengths_nm: tuple[float, ...] | None = None
+
+    def __post_init__(self) -> None:
+        if self.wavelengths_nm is None:
+            return
+        place = "wavelengths_nm"
+        low, high = WAVELENGTH_RANGE_NM
+        expected = f"a wavelength in nm, {low:g} to {high:g}"
+        centres = numbers_of(self.wavelengths_nm, place, expected, low, high)
+        steps = [b - a for a, b in itertools.pairwise(centres)]
+        if not steps or min(steps) <= 0.0:
+            fault(place, "two or more wavelengths, increasing", list(centres))
+        if min(steps) < FINEST_STEP_NM:
+            k = steps.index(min(steps))
+            fault(
+                f"{place}[{k + 1}]",
+                f"wavelengths at least {FINEST_STEP_NM:g} nm apart",
+                list(centres[k : k + 2]),
+            )
+        object.__setattr__(self, place, centres)
+
+    @property
+    def is_rgb(self) -> bool:
+        """Whether the channels are linear sRGB reflectances."""
+        return self.wavelengths_nm is None
+
+    @property
+    def count(self) -> int:
+        """Number of channels."""
+        return 3 if self.wavelengths_nm is None else len(self.wavelengths_nm)
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """A short name for each channel: '550 nm', or 'R', 'G', 'B'."""
+        if self.wavelengths_nm is None:
+            return ("R", "G", "B")
+        return tuple(f"{w:g} nm" for w in self.wavelengths_nm)
+
+    def centres_nm(self) -> NDArray[np.float64]:
+        """The band centres as an array; raises ValueError for linear sRGB."""
+        if self.wavelengths_nm is None:
+            raise ValueError("linear sRGB channels have no wavelengths")
+        return np.asarray(self.wavelengths_nm, dtype=np.float64)
+
+
+RGB = Bands()

@@ -1,0 +1,26 @@
+"""What a frame is asked to be."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+from relgloss_view.picture.method import EXACT, Method
+from relgloss_view.picture.model.view import Size
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class Request:
+    """What a frame was asked to be."""
+
+    scene: Scene
+    look: Look
+    size: Size
+    method: Method = EXACT
+
+    def without_grain(self) -> Request:
+        """The same, its surface smooth, whatever c."""
+        look = dataclasses.replace(self.look, sigma_n_deg=0.0, c=None, c_fraction=None)
+        return dataclasses.replace(self, look=look)

@@ -1,0 +1,152 @@
+"""The targets of the passes: made once a size, checked, cleared where a pass does not reach."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.base.errors import InputError, RelglossError
+from relgloss_view.picture.frame import Extremes
+from relgloss_view.picture.gpu.context import max_texture_size
+from relgloss_view.picture.model.tone import OFF_OBJECT
+from relgloss_view.picture.model.view import Size
+
+PARTS = ("diffuse", "specular")
+SHADE = (*PARTS, "split")
+SPLIT = ("split",)
+TONE = ("display",)
+LIGHT = ("light", "lab")
+GEOMETRY = ("normal", "tilted_normal", "point_m")
+OVERLAY = ("overlay",)
+LARGEST_HALF = 65504.0
+LARGEST_WHITE = 1.5  #: no white's X or Z is larger beside a Y of one
+TABLE_STEPS = 256  #: as in cube_root.glsl
+#: What says that a pixel shows nothing of the object, for a pass that draws inside its bounds only.
+CLEARED = {
+    "diffuse": (0.0, 0.0, 0.0, 0.0),
+    "specular": (0.0, 0.0, 0.0, 0.0),
+    "split": (OFF_OBJECT, 0.0, 0.0, 0.0),
+}
+#: The targets that hold 8-bit numbers; the others hold floats.
+EIGHT_BIT = ("display", "overlay")
+
+
+class Targets:
+    """The textures that passes write and read, all of one size, and framebuffers over them."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self.ctx = ctx
+        self.size: Size | None = None
+        self.numbers = "float32"  #: that pass 1 writes
+        self._textures: dict[str, moderngl.Texture] = {}
+        self._framebuffers: dict[tuple[str, ...], moderngl.Framebuffer] = {}
+        self._table: moderngl.Texture | None = None
+        # Bound while others are freed: a bound framebuffer can't be freed where no screen exists.
+        self._parking = ctx.framebuffer([ctx.texture((1, 1), 4)])
+
+    def resize(self, size: Size, numbers: str = "float32") -> bool:
+        """Make room for pictures of a size; returns whether everything drawn so far is gone.
+
+        Raises InputError where the device can't hold it, and holds nothing then.
+        """
+        if (size, numbers) == (self.size, self.numbers):
+            return False
+        limit = max_texture_size(self.ctx)
+        if max(size) > limit:
+            raise InputError(
+                f"size {size[0]}x{size[1]}: this device draws at most {limit} pixels a side; "
+                "give a smaller --size or --backend reference"
+            )
+        self.release()
+        self.size, self.numbers = size, numbers
+        try:
+            self.framebuffer(SPLIT)
+        except BaseException:  # whatever went wrong, nothing half made is kept
+            self.release()
+            raise
+        return True
+
+    def check_fits(self, extremes: Extremes) -> None:
+        """InputError where what was drawn passes the largest number of the targets."""
+        brightest = (extremes.brightest_l_d + extremes.brightest_l_s + 16.0) / 116.0
+        if self.numbers == "float16" and not brightest**3 * LARGEST_WHITE < LARGEST_HALF:
+            raise InputError(
+                f"targets float16: the highlight is {brightest**3:.3g} times as bright as the "
+                f"white, and they hold {LARGEST_HALF:g} at most; draw with float32"
+            )
+
+    def names(self) -> list[int]:
+        """OpenGL's names of the textures."""
+        return [int(texture.glo) for texture in self._textures.values()]
+
+    def texture(self, name: str) -> moderngl.Texture:
+        """The texture of a target that has been drawn."""
+        return self._textures[name]
+
+    def framebuffer(self, names: tuple[str, ...]) -> moderngl.Framebuffer:
+        """What a pass that writes these targets draws into; made when first asked for."""
+        if names not in self._framebuffers:
+            assert self.size is not None
+            made: dict[str, moderngl.Texture] = {}
+            try:
+                for name in names:
+                    if name not in self._textures:
+                        made[name] = self._texture(self.size, name)
+                known = self._textures | made
+                self._framebuffers[names] = self.ctx.framebuffer([known[name] for name in names])
+            except BaseException:
+                for texture in made.values():
+                    texture.release()
+                raise
+            self._textures |= made
+        return self._framebuffers[names]
+
+    def read(self, name: str) -> NDArray[Any]:
+        """A target's contents, (H, W, components), rows from the top."""
+        texture = self._textures[name]
+        data = texture.read(alignment=1)
+        if self.ctx.error != "GL_NO_ERROR":
+            raise RelglossError(f"{name}: the device failed while the picture was read back")
+        kind = {"f1": np.uint8, "f2": np.float16}.get(texture.dtype, np.float32)
+        shape = (texture.height, texture.width, texture.components)
+        return np.frombuffer(data, dtype=kind).reshape(shape)[::-1]
+
+    def cube_root_table(self) -> moderngl.Texture:
+        """Cube roots from 1 to 8, each with the next one, for the method that looks them up."""
+        if self._table is None:
+            roots = np.cbrt(np.linspace(1.0, 8.0, TABLE_STEPS + 1))
+            pairs = np.stack([roots, np.append(roots[1:], roots[-1])], axis=-1).astype(np.float32)
+            self._table = self.ctx.texture((len(pairs), 1), 2, pairs.tobytes(), dtype="f4")
+            self._table.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        return self._table
+
+    def release(self) -> None:
+        """Free everything that a size needs."""
+        self._parking.use()
+        for framebuffer in self._framebuffers.values():
+            framebuffer.release()
+        for texture in self._textures.values():
+            texture.release()
+        self._framebuffers.clear()
+        self._textures.clear()
+        self.size = None
+
+    def _texture(self, size: Size, name: str) -> moderngl.Texture:
+        refused = InputError(
+            f"size {size[0]}x{size[1]}: the device has no memory for it; give a smaller --size"
+        )
+        dtype = "f1" if name in EIGHT_BIT else "f4"
+        if name in SHADE and self.numbers == "float16":
+            dtype = "f2"
+        try:
+            texture = self.ctx.texture(size, 4, dtype=dtype)
+        except moderngl.Error as error:
+            raise refused from error
+        if self.ctx.error != "GL_NO_ERROR":  # moderngl itself raises on few of these
+            texture.release()
+            raise refused
+        texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        return texture

@@ -1,0 +1,96 @@
+"""Scene and look as the numbers that the shaders take."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from relgloss_view.material import brdf
+from relgloss_view.material.approximations import mean_lobe, plain_lobe
+from relgloss_view.material.spectra import illuminant, xyz_weights
+from relgloss_view.picture.gpu.programs import Uniforms
+from relgloss_view.picture.method import Method
+from relgloss_view.picture.model.drawn import drawn_diffuse, drawn_facets, drawn_lobes
+from relgloss_view.picture.model.tone import DisplayModel
+from relgloss_view.picture.model.view import View
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
+
+
+def view_uniforms(scene: Scene, view: View) -> Uniforms:
+    """Eye, lamp and object."""
+    return {
+        "eye_m": view.eye_m,
+        "view_right": view.right,
+        "view_up": view.up,
+        "view_forward": view.forward,
+        "pixel_step": view.pixel_step,
+        "view_shift": view.shift,
+        "size_px": view.size,
+        "half_extent_m": scene.shape.half_extent_m(),
+        "lamp_m": scene.lamp.position_m,
+    }
+
+
+#: Of a variant that reads none of them; a linker may keep them all the same.
+NO_GRAIN: Uniforms = {"sigma_n": 0.0, "grains_per_px": 1.0, "grain_m": 1.0, "seed": 0}
+
+
+def grain_uniforms(look: Look) -> Uniforms:
+    """The tilt of the normals and its cells."""
+    return {
+        "sigma_n": np.radians(look.sigma_n_deg),
+        "grains_per_px": 1.0 / look.grain_px,
+        "grain_m": look.grain_mm * 1e-3,
+        "seed": look.seed,
+    }
+
+
+NO_LOBE = (1.0, 0.0, 1.5, 0.0)  #: reflects nothing, where one is drawn all the same
+
+
+def material_uniforms(scene: Scene, look: Look, method: Method) -> Uniforms:
+    """The material's spectra folded into XYZ under the scene's lamp, and its lobes' shapes."""
+    material, lamp = scene.material, illuminant(scene.lamp.illuminant)
+    weights = xyz_weights(material.bands, lamp)
+    model = drawn_diffuse(material, method)
+    albedo = np.asarray(material.diffuse.albedo)
+    second = brdf.second_albedo(model, albedo, material.diffuse.sigma)
+    strength, shape = np.zeros((2, material.bands.count)), np.tile(NO_LOBE, (2, 1))
+    blurred = drawn_facets(look, method) == "mean-gaussian"
+    for k, lobe in enumerate(drawn_lobes(material, method)):
+        strength[k] = lobe.per_band(material.bands.count)
+        shape[k] = (
+            mean_lobe(lobe.s, lobe.refractive_index, math.radians(look.sigma_n_deg), look.noise_law)
+            if blurred
+            else plain_lobe(lobe.s, lobe.refractive_index)
+        )
+    folded: Uniforms = {
+        "diffuse_terms": brdf.diffuse_terms(model, material.diffuse.sigma),
+        "lobe_shape": shape,
+        "per_white": 1.0 / lamp.white_xyz(),
+        "albedo_xyz": albedo @ weights,
+        "second_albedo_xyz": second @ weights,
+        "lobe_strength_xyz": strength @ weights,
+    }
+    if method.bands == "folded":
+        return folded
+    reflectance = np.stack([albedo, second, *strength], axis=-1)
+    return {**folded, "band_weights": weights, "band_reflectance": reflectance}
+
+
+def white_uniform(scene: Scene) -> Uniforms:
+    """The white of the scene's lamp."""
+    return {"white": illuminant(scene.lamp.illuminant).white_xyz()}
+
+
+def display_uniforms(scene: Scene) -> Uniforms:
+    """The display."""
+    display = DisplayModel.of(scene.display)
+    return {
+        "display_white": display.white,
+        "rgb_from_xyz": display.rgb_from_xyz.T,  # columns first
+        "display_curve": display.curve,
+        "background_light": display.background_light,
+    }

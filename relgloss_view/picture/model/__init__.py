@@ -1,0 +1,1 @@
+"""The numpy twins of the shader libraries, in float64."""

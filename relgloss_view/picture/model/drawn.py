@@ -1,0 +1,40 @@
+"""What is drawn of a material: the models and lobes that a look and a method leave of it."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from relgloss_view.material.material import Lobe, Material
+from relgloss_view.picture import method
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
+
+
+def as_drawn(scene: Scene, look: Look) -> Scene:
+    """The scene with the diffuse model that the look forces, if it forces one."""
+    diffuse = scene.material.diffuse
+    if look.diffuse_model in ("fitted", diffuse.model):
+        return scene
+    material = dataclasses.replace(
+        scene.material, diffuse=dataclasses.replace(diffuse, model=look.diffuse_model)
+    )
+    return dataclasses.replace(scene, material=material)
+
+
+def drawn_diffuse(material: Material, chosen: method.Method) -> str:
+    """The model that draws the diffuse part."""
+    model = material.diffuse.model if chosen.diffuse == "fitted" else chosen.diffuse
+    return "lambert" if material.diffuse.sigma_deg == 0.0 else model
+
+
+def drawn_lobes(material: Material, chosen: method.Method) -> tuple[Lobe, ...]:
+    """The lobes that are drawn: those that reflect anything, the strongest of them."""
+    lobes = material.visible_lobes()
+    strongest = sorted(range(len(lobes)), key=lambda k: -max(lobes[k].strength))[: chosen.lobes]
+    return tuple(lobe for k, lobe in enumerate(lobes) if k in strongest)
+
+
+def drawn_facets(look: Look, chosen: method.Method) -> str:
+    """The facets' distribution; under grain that is drawn as its mean, that mean."""
+    blurred = chosen.noise == "mean" and look.sigma_n_deg > 0.0
+    return "mean-gaussian" if blurred and chosen.facets == "gaussian" else chosen.facets

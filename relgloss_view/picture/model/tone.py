@@ -1,0 +1,181 @@
+"""CIELAB split, scaling, gamut and display. The twin of shaders/tone.glsl, in float64.
+
+Ishii et al., eqs. 1-4, with CIE 15's piecewise lightness. XYZ is relative to Y_n.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.material.spectra import rgb_to_xyz_matrix, white_from_xy
+from relgloss_view.picture.scene.setup import Display
+
+Array = NDArray[np.float64]
+
+LAB_EPSILON = 216.0 / 24389.0
+LAB_KAPPA = 24389.0 / 27.0
+GAMUT_TOLERANCE = 1e-4
+CLIP_TOLERANCE = 1e-3
+BISECTIONS = 16
+OFF_OBJECT = -60000.0  #: L_d* of a pixel that shows nothing of the object
+#: Below this L_s* no one sees a highlight, and c_max says nothing.
+NO_LOBE_LSTAR = 0.5
+
+
+def lab_f(t: Array) -> Array:
+    """CIE 15's f, value and slope continuous."""
+    return np.where(t > LAB_EPSILON, np.cbrt(t), (LAB_KAPPA * t + 16.0) / 116.0)
+
+
+def lab_f_inverse(f: Array) -> Array:
+    """Inverse of lab_f."""
+    return np.where(f > 6.0 / 29.0, f**3, (116.0 * f - 16.0) / LAB_KAPPA)
+
+
+def lightness(y: Array) -> Array:
+    """L* of a relative luminance: 0 at 0, 100 at 1."""
+    return np.where(y > LAB_EPSILON, 116.0 * np.cbrt(y) - 16.0, LAB_KAPPA * y)
+
+
+def lab_from_xyz(xyz: Array, white: Array) -> Array:
+    """L*, a*, b* of XYZ (..., 3) against a white (3,)."""
+    f = lab_f(xyz / white)
+    return np.stack(
+        [
+            lightness(xyz[..., 1] / white[1]),
+            500.0 * (f[..., 0] - f[..., 1]),
+            200.0 * (f[..., 1] - f[..., 2]),
+        ],
+        axis=-1,
+    )
+
+
+def xyz_from_lab(lab: Array, white: Array) -> Array:
+    """XYZ (..., 3) of L*, a*, b* against a white (3,)."""
+    f = (lab[..., 0] + 16.0) / 116.0
+    return white * np.stack(
+        [
+            lab_f_inverse(f + lab[..., 1] / 500.0),
+            lab_f_inverse(f),
+            lab_f_inverse(f - lab[..., 2] / 200.0),
+        ],
+        axis=-1,
+    )
+
+
+def split_lightness(y_diffuse: Array, y_specular: Array) -> tuple[Array, Array]:
+    """L_d* and L_s*: the diffuse part's lightness, and its increase by the specular one (eq. 1)."""
+    diffuse = lightness(y_diffuse)
+    return diffuse, lightness(y_diffuse + y_specular) - diffuse
+
+
+def split_lab(diffuse: Array, specular: Array, white: Array) -> Array:
+    """(L_d*, L_s*, a*, b*), (..., 4), of diffuse and specular XYZ (..., 3) against a white (3,)."""
+    l_d, l_s = split_lightness(diffuse[..., 1], specular[..., 1])
+    chromatic = lab_from_xyz(diffuse + specular, white)[..., 1:]
+    return np.concatenate([l_d[..., None], l_s[..., None], chromatic], axis=-1)
+
+
+def scaled_lab(split: Array, c: float) -> Array:
+    """L~*, a*, b* (..., 3) of (L_d*, L_s*, a*, b*), the specular part scaled by c (eqs. 2-3)."""
+    return np.concatenate([split[..., :1] + c * split[..., 1:2], split[..., 2:]], axis=-1)
+
+
+def false_colour(lightness_: Array) -> Array:
+    """(..., 3), a Lab colour for each lightness, its hue turning from violet to yellow."""
+    share = np.clip(lightness_ / 100.0, 0.0, 1.0)
+    angle = 5.4 - 3.8 * share
+    return np.stack([100.0 * share, 45.0 * np.cos(angle), 45.0 * np.sin(angle)], axis=-1)
+
+
+def largest_c(l_diffuse: Array, l_specular: Array) -> Array:
+    """The largest c that each pixel can show; 1e30 where nothing is specular."""
+    seen = l_specular > 1e-6
+    return np.where(seen, (100.0 - l_diffuse) / np.where(seen, l_specular, 1.0), 1e30)
+
+
+def in_gamut(rgb: Array) -> NDArray[np.bool_]:
+    """Whether linear RGB lies in the display's cube."""
+    return np.asarray(np.all((rgb >= -GAMUT_TOLERANCE) & (rgb <= 1.0 + GAMUT_TOLERANCE), axis=-1))
+
+
+@dataclass(frozen=True)
+class DisplayModel:
+    """The numbers of a display that both renderers use."""
+
+    white: Array  #: XYZ, Y = 1
+    xyz_from_rgb: Array  #: (3, 3)
+    rgb_from_xyz: Array  #: (3, 3)
+    transfer: str
+    gamut: str
+    curve: tuple[float, float, float, float]  #: gain, offset, gamma, flare
+    background_light: float  #: linear, relative to white
+
+    @classmethod
+    def of(cls, display: Display) -> DisplayModel:
+        """Derive the numbers from the declared display; not to be written to, they are shared."""
+        return _model_of(display)
+
+
+@lru_cache(maxsize=16)
+def _model_of(display: Display) -> DisplayModel:
+    xyz_from_rgb = rgb_to_xyz_matrix(display.primaries_xy, display.white_xy)
+    rgb_from_xyz = np.asarray(np.linalg.inv(xyz_from_rgb), dtype=np.float64)
+    arrays = white_from_xy(display.white_xy), xyz_from_rgb, rgb_from_xyz
+    for array in arrays:
+        array.setflags(write=False)
+    return DisplayModel(
+        *arrays,
+        display.transfer,
+        display.gamut,
+        (display.gain, display.offset, display.gamma, display.flare),
+        float(lab_f_inverse(np.array((display.background_lstar + 16.0) / 116.0))),
+    )
+
+
+def display_rgb(lab: Array, display: DisplayModel) -> tuple[Array, NDArray[np.bool_]]:
+    """Linear display RGB (..., 3) of Lab colours relative to the display's white, and which fit.
+
+    Out of gamut, 'chroma' holds L* and hue and reduces chroma by bisection to the gamut's edge;
+    'clip' cuts each channel.
+    """
+
+    def rgb_of(lightness_: Array, chromatic: Array) -> Array:
+        xyz = xyz_from_lab(np.concatenate([lightness_, chromatic], axis=-1), display.white)
+        return np.asarray(xyz @ display.rgb_from_xyz.T)
+
+    bounded = np.clip(lab[..., :1], 0.0, 100.0)
+    rgb = rgb_of(bounded, lab[..., 1:])
+    inside = in_gamut(rgb)
+    if not np.all(inside) and display.gamut == "chroma":
+        held, chroma = bounded[~inside], lab[..., 1:][~inside]
+        low, high = np.zeros(len(held)), np.ones(len(held))
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (low + high)
+            fits = in_gamut(rgb_of(held, middle[:, None] * chroma))
+            low, high = np.where(fits, middle, low), np.where(fits, high, middle)
+        rgb[~inside] = rgb_of(held, low[:, None] * chroma)
+    return np.clip(rgb, 0.0, 1.0), inside
+
+
+def srgb_encode(light: Array) -> Array:
+    """Digital values 0..1 of linear light 0..1 (IEC 61966-2-1:1999)."""
+    return np.where(
+        light <= 0.0031308,
+        12.92 * light,
+        1.055 * np.power(np.maximum(light, 0.0031308), 1.0 / 2.4) - 0.055,
+    )
+
+
+def encode(rgb: Array, display: DisplayModel) -> Array:
+    """Digital values 0..1: sRGB, or the inverse of (gain d + offset)^gamma + flare (Berns 1996)."""
+    if display.transfer == "srgb":
+        return srgb_encode(rgb)
+    gain, offset, gamma, flare = display.curve
+    white = (gain + offset) ** gamma + flare
+    light = np.maximum(rgb * white - flare, 0.0)
+    return np.asarray(np.clip((np.power(light, 1.0 / gamma) - offset) / gain, 0.0, 1.0))

@@ -1,0 +1,180 @@
+"""Pixels to rays. The twin of shaders/view.glsl."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Eye, Shape
+
+Array = NDArray[np.float64]
+Floats = NDArray[np.floating[Any]]
+Size = tuple[int, int]  #: width, height in pixels
+#: left, bottom, right, top in pixels, counted from the bottom left as OpenGL does
+Box = tuple[int, int, int, int]
+
+WIDE = (2.0, 2.0)  #: tangents of a wide angle, where the eye stands among the object's points
+FILL = 0.8  #: share of the picture's height or width that a framed object takes
+BOUNDS_MARGIN_PX = 2.0
+ROUNDING = 1e-6  #: of the shader's rays, tangents
+#: A circle of 180 points spans 0.015 % less than the circle that it stands for.
+BOUNDS_EXCESS = 1e-3
+MAX_SIDE_PX = 16384
+MAX_PIXELS = 36 * 1024 * 1024  #: above 8K UHD; an EXR of it takes 4 GB of memory while written
+
+
+def check_size(size: Size) -> Size:
+    """The size, if a picture can have it; InputError otherwise."""
+    width, height = size
+    largest = max(size)
+    if min(size) < 1 or largest > MAX_SIDE_PX or width * height > MAX_PIXELS:
+        raise InputError(
+            f"size {width}x{height}: expected 1 to {MAX_SIDE_PX} pixels a side and at most "
+            f"{MAX_PIXELS} in all; give --size WxH"
+        )
+    return size
+
+
+@dataclass(frozen=True)
+class View:
+    """The eye's frame, rounded to float32 so that every renderer starts from the same numbers."""
+
+    eye_m: Array
+    right: Array
+    up: Array
+    forward: Array
+    pixel_step: float  #: tangent of a pixel's angle at the centre of the picture
+    shift: tuple[float, float]  #: of the picture's centre to the right and up, tangents
+    size: Size
+    bounds: Box  #: no pixel outside shows the object
+
+    @classmethod
+    def of(cls, scene: Scene, size: Size) -> View:
+        """The view of a scene: through the object's centre, upright, framing the object."""
+        return view_of(scene.shape, scene.eye, size)
+
+    def rays(self, rows: slice, place: tuple[float, float] = (0.5, 0.5)) -> Array:
+        """Rays through a place inside each pixel of some rows, (R, W, 3), not of unit length."""
+        width, height = self.size
+        columns = np.arange(width) + (place[0] - 0.5)
+        return self.rays_at(columns[None, :], np.arange(height)[rows, None] + (place[1] - 0.5))
+
+    def rays_at(self, column: Floats, row: Floats) -> Array:
+        """Rays through the centres of pixels, (..., 3), not of unit length."""
+        width, height = self.size
+        x = (column + 0.5 * (1 - width)) * self.pixel_step + self.shift[0]
+        y = (row + 0.5 * (1 - height)) * self.pixel_step - self.shift[1]
+        return np.asarray(self.forward + x[..., None] * self.right - y[..., None] * self.up)
+
+
+@lru_cache(maxsize=64)
+def view_of(shape: Shape, eye: Eye, size: Size) -> View:
+    """View.of, for a shape and an eye."""
+    place = eye.position_m
+    forward = -place / np.linalg.norm(place)
+    azimuth = np.radians(eye.azimuth_deg)
+    right = np.array([np.cos(azimuth), 0.0, -np.sin(azimuth)])
+    up = np.cross(right, forward)
+    width, height = size
+    extent = _extent(shape, place, right, up, forward)
+    if eye.field_of_view_deg is None:
+        across, tall = extent or WIDE
+        step = max(across / width, tall / height) / FILL
+    else:
+        step = 2.0 * np.tan(0.5 * np.radians(eye.field_of_view_deg)) / height
+    shift = (float(np.float32(eye.shift_right)), float(np.float32(eye.shift_up)))
+    return View(
+        eye_m=_round(place),
+        right=_round(right),
+        up=_round(up),
+        forward=_round(forward),
+        pixel_step=float(np.float32(step)),
+        shift=shift,
+        size=size,
+        bounds=_bounds(shape, place, (right, up, forward), extent, step, shift, size),
+    )
+
+
+def _bounds(
+    shape: Shape,
+    place: Array,
+    frame: tuple[Array, Array, Array],
+    extent: tuple[float, float] | None,
+    step: float,
+    shift: tuple[float, float],
+    size: Size,
+) -> Box:
+    """The pixels that an object can reach; the margins cover all rounding."""
+    if extent is None or _close(shape, place, frame[2]):
+        return 0, 0, *size
+    right, up, forward = (_round(v) for v in frame)
+    # Rounding turns the eye's frame a little, by many pixels of a tiny and distant object.
+    depth = -_round(place) @ forward
+    centres = (-_round(place) @ right / depth, -_round(place) @ up / depth)
+    box = []
+    for tangents, at, moved, count in zip(extent, centres, shift, size, strict=True):
+        centre, half = 0.5 * count + (at - moved) / step, 0.5 * tangents / step
+        reach = half * (1.0 + BOUNDS_EXCESS) + BOUNDS_MARGIN_PX + ROUNDING / step
+        low, high = np.clip([centre - reach, centre + reach], 0, count)
+        box.append((int(np.floor(low)), int(np.ceil(high))))
+    (left, right_px), (bottom, top) = box
+    return left, bottom, right_px, top
+
+
+def _close(shape: Shape, place: Array, forward: Array) -> bool:
+    """Whether a rim comes so near the eye that points on it no longer stand for what is between."""
+    if shape.kind != "cylinder":
+        return False
+    return bool(np.min((_outline(shape) - place) @ forward) < 0.25 * shape.half_extent_m()[0])
+
+
+def float32(vector: Array) -> Array:
+    """The numbers that a GPU starts from, so that all draw the same scene."""
+    return vector.astype(np.float32).astype(np.float64)
+
+
+def _round(vector: Array) -> Array:
+    """Those numbers, not to be written to, since views are shared."""
+    rounded = float32(vector)
+    rounded.setflags(write=False)
+    return rounded
+
+
+def _extent(
+    shape: Shape, eye: Array, right: Array, up: Array, forward: Array
+) -> tuple[float, float] | None:
+    """Tangents of the angles that the object spans across and up, symmetrically about the axis.
+
+    None where the eye is among the object's points, so that any angle serves.
+    """
+    distance = float(np.linalg.norm(eye))
+    if shape.kind == "sphere":
+        radius = 0.5 * shape.diameter_m
+        if distance <= radius:
+            return None
+        angle = 2.0 * radius / np.sqrt(distance**2 - radius**2)
+        return angle, angle
+    outline = _outline(shape)
+    depth = (outline - eye) @ forward
+    if np.min(depth) <= 1e-6:
+        return None
+    across = np.abs((outline - eye) @ right) / depth
+    tall = np.abs((outline - eye) @ up) / depth
+    return 2.0 * float(np.max(across)), 2.0 * float(np.max(tall))
+
+
+def _outline(shape: Shape) -> Array:
+    """Points whose hull is the object: a box's corners, a cylinder's rims."""
+    half = shape.half_extent_m()
+    if shape.kind == "cylinder":
+        turn = np.linspace(0.0, 2.0 * np.pi, 180, endpoint=False)
+        rim = np.stack([np.sin(turn), np.ones_like(turn), np.cos(turn)], axis=-1)
+        return np.concatenate([rim * half, rim * half * (1.0, -1.0, 1.0)])
+    signs = (-1.0, 1.0)
+    return np.array([[sx, sy, sz] for sx in signs for sy in signs for sz in signs]) * half

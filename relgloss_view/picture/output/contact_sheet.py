@@ -1,0 +1,77 @@
+"""Contact sheets: pictures in rows and columns on the neutral surround, each with its caption."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.picture.displayed import Displayed
+from relgloss_view.picture.frame import Frame
+from relgloss_view.picture.model.tone import DisplayModel, encode
+
+Pixels = NDArray[np.uint8]
+
+PAPER_GRAY = 119  #: sRGB of L* 50
+INK_GRAY = 245
+
+
+def thumbnail(frame: Frame, longest_px: int, shown: Displayed | None = None) -> Pixels:
+    """The frame's picture shrunk by whole steps, averaged in light, where grain keeps its mean.
+
+    `shown` is what another operator than the split shows of it.
+    """
+    step = max(1, -(-max(frame.size) // longest_px))
+    if step == 1:
+        return frame.display if shown is None else shown.digital
+    width, height = (n // step * step for n in frame.size)
+    light = (frame if shown is None else shown).light[:height, :width]
+    mean = np.zeros((height // step, width // step, 3))
+    for y in range(step):
+        for x in range(step):
+            mean += light[y::step, x::step]
+    mean /= step * step
+    digital = encode(mean, DisplayModel.of(frame.scene.display))
+    return np.asarray(np.floor(255.0 * digital + 0.5).astype(np.uint8))
+
+
+def contact_sheet(
+    rows: Sequence[Sequence[Pixels]],
+    captions: Sequence[Sequence[str]],
+    title: str = "",
+    note: str = "",
+) -> Pixels:
+    """Equal-sized 8-bit pictures (H, W, 3) on one sheet; returns its pixels (H, W, 3).
+
+    Text is gray, so that nothing coloured stands near a picture.
+    """
+    from PIL import Image, ImageDraw, ImageFont
+
+    height, width = rows[0][0].shape[:2]
+    text_px = max(11, min(18, width // 14))
+    font = ImageFont.load_default(text_px)
+    heading = ImageFont.load_default(round(1.4 * text_px))
+    gap, caption_px = max(8, width // 24), round(1.9 * text_px)
+    top = round(3.2 * text_px) if title else gap
+    bottom = round(2.6 * text_px) if note else gap
+    columns = max(len(row) for row in rows)
+    sheet = Image.new(
+        "RGB",
+        (
+            gap + columns * (width + gap),
+            top + len(rows) * (height + caption_px + gap) - gap + bottom,
+        ),
+        (PAPER_GRAY,) * 3,
+    )
+    pen = ImageDraw.Draw(sheet)
+    ink = (INK_GRAY,) * 3
+    pen.text((gap, (top - 1.4 * text_px) / 2), title, fill=ink, font=heading)
+    for r, (row, texts) in enumerate(zip(rows, captions, strict=True)):
+        for k, (picture, text) in enumerate(zip(row, texts, strict=True)):
+            x, y = gap + k * (width + gap), top + r * (height + caption_px + gap)
+            sheet.paste(Image.fromarray(np.ascontiguousarray(picture)), (x, y))
+            place = (x + width / 2, y + height + caption_px / 2)
+            pen.text(place, text, fill=ink, font=font, anchor="mm")
+    pen.text((gap, sheet.height - bottom / 2), note, fill=ink, font=font, anchor="lm")
+    return np.asarray(sheet)

@@ -1,0 +1,118 @@
+"""What kind of file something is, told from what it holds and never from its name."""
+
+from __future__ import annotations
+
+import codecs
+import os
+import re
+import tomllib
+from pathlib import Path
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import check_regular, printable, unreadable
+from relgloss_view.material.files import FORMAT
+from relgloss_view.material.files import MAX_BYTES as MAX_MATERIAL_BYTES
+from relgloss_view.measure.readers import read_measurement
+from relgloss_view.picture.scene.scene_file import MAX_BYTES as MAX_SCENE_BYTES
+from relgloss_view.picture.scene.scene_file import PAIR_TABLES, TABLES
+
+SCENE, MATERIAL, MEASUREMENT = "scene", "material", "measurement"
+EXPECTED = "a scene (TOML), a material (JSON) or a measurement (CSV, .bsdf, .binary)"
+HEAD_BYTES = 4096
+FEWEST_DELIMITERS = 3  #: three angles and a band
+_SCENE_TABLES = ("sample", *TABLES, *PAIR_TABLES)
+#: A line that only a scene has, so that a scene with a mistake is told as one.
+_SCENE_LINE = re.compile(rf"^[ \t]*\[({'|'.join(_SCENE_TABLES)})(\.look)?\]", re.MULTILINE)
+
+
+def kind_of(path: str | os.PathLike[str]) -> str:
+    """SCENE, MATERIAL or MEASUREMENT; InputError, one line, for anything else.
+
+    A measurement is read to the end, for nothing less tells that it can be.
+    """
+    kind = likely_kind(path)
+    if kind == MEASUREMENT:
+        read_measurement(Path(path))
+    return kind
+
+
+def likely_kind(path: str | os.PathLike[str]) -> str:
+    """The kind of a file from its beginning; what is left over is a measurement or its reader says
+    why it is none. Raises InputError for what is nothing at all.
+    """
+    file = check_regular(path, EXPECTED)
+    head = _beginning(file, HEAD_BYTES)
+    if not head:
+        raise InputError(f"{file}: the file is empty; give {EXPECTED}")
+    if b"\x00" in head:  # a binary format, or UTF-16: its reader knows them
+        return MEASUREMENT
+    text = head.lstrip(b"\xef\xbb\xbf \t\r\n")
+    if text.startswith((b"{", b"[{")):
+        _check_material(file)
+        return MATERIAL
+    if _is_scene(file):
+        return SCENE
+    _check_table(file)
+    return MEASUREMENT
+
+
+def _check_material(file: Path) -> None:
+    """InputError where a JSON file is too large for a material or says nothing of being one."""
+    data = _beginning(file, MAX_MATERIAL_BYTES + 1)
+    if len(data) <= MAX_MATERIAL_BYTES and FORMAT.encode() in data:
+        return
+    raise InputError(
+        f"{file}: this looks like JSON, but not like a material, which says "
+        f'"format": "{FORMAT}"; give {EXPECTED}'
+    )
+
+
+def _is_scene(file: Path) -> bool:
+    """Whether a text file is a scene; InputError for TOML that has nothing of one."""
+    data = _beginning(file, MAX_SCENE_BYTES + 1)
+    if len(data) > MAX_SCENE_BYTES:
+        _check_text(file, data)
+        return False
+    try:
+        text = data.decode("utf-8-sig")
+        content = tomllib.loads(text)
+    except UnicodeDecodeError:
+        return False
+    except (ValueError, RecursionError):
+        return _SCENE_LINE.search(text) is not None
+    if not content:
+        raise InputError(f"{file}: nothing but space and comments; give {EXPECTED}")
+    if not set(content) & set(_SCENE_TABLES):
+        raise InputError(
+            f"{file}: this is TOML, but no scene: found [{printable(next(iter(content)), 40)}], "
+            f"expected tables of {', '.join(_SCENE_TABLES)}"
+        )
+    return True
+
+
+def _check_table(file: Path) -> None:
+    """InputError where the first line of a text that says anything is no header of a table."""
+    for line in _beginning(file, MAX_SCENE_BYTES).lstrip(b"\xef\xbb\xbf").splitlines():
+        if line.strip() and not line.lstrip().startswith(b"#"):
+            if max(line.count(delimiter) for delimiter in b",;\t") < FEWEST_DELIMITERS:
+                raise InputError(f"{file}: a text, but neither scene nor table; give {EXPECTED}")
+            return
+
+
+def _check_text(file: Path, beginning: bytes) -> None:
+    """InputError where a large file does not begin as text, before all of it is read."""
+    try:
+        codecs.getincrementaldecoder("utf-8")().decode(beginning)
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{file}: byte {error.start}: neither UTF-8 text nor a known binary format; "
+            f"give {EXPECTED}"
+        ) from None
+
+
+def _beginning(file: Path, count: int) -> bytes:
+    try:
+        with file.open("rb") as opened:
+            return opened.read(count)
+    except OSError as error:
+        raise unreadable(file, error, EXPECTED) from None

@@ -1,0 +1,101 @@
+"""Scene files (TOML): written so that reading them gives back exactly what was written."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable, text
+from relgloss_view.base.toml import entries, plain, write_toml
+from relgloss_view.material.spectra import is_lamp_name
+from relgloss_view.picture.scene.samples import SAMPLES
+from relgloss_view.picture.scene.scene_file import TABLES, SceneFile, SceneSample
+
+
+def write_scene_file(
+    path: str | os.PathLike[str], content: SceneFile, *, forgiving: bool = False
+) -> None:
+    """Write a scene file, whole or not at all; InputError where that fails.
+
+    Files under the scene file's folder are named relative to it, others by their absolute path. A
+    sample that is in no file, one whose file is gone and a name that is not UTF-8 are faults; when
+    forgiving, they are left out or written all the same, so that the rest is kept.
+    """
+    folder = Path(path).absolute().parent
+    try:
+        tables = _tables(content, folder, forgiving)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+    write_toml(path, tables)
+
+
+def check_sample(sample: SceneSample) -> None:
+    """InputError where nothing could bring this sample back: no name, no file, or no longer."""
+    shown = printable(sample.material.name, 60)
+    if sample.name is not None:
+        if sample.name not in SAMPLES:
+            raise InputError(f"sample {sample.name!r}: expected one of {', '.join(SAMPLES)}")
+    elif sample.file is None:
+        raise InputError(f"the sample {shown!r} is in no file; save its material first")
+    elif not os.path.isfile(sample.file):
+        raise InputError(
+            f"the material file of the sample {shown!r} is gone: {printable(sample.file)}; put it "
+            "back, or take another sample"
+        )
+
+
+def _tables(content: SceneFile, folder: Path, forgiving: bool) -> dict[str, Any]:
+    tables = {"sample": _sample("sample", content.sample, folder, forgiving)}
+    tables["look"] = entries(content.look)
+    of_reference: dict[str, Any] = {}
+    if content.reference is not None:
+        of_reference |= _sample("reference", content.reference, folder, forgiving)
+    if content.reference_look is not None:
+        of_reference["look"] = entries(content.reference_look)
+    if of_reference:
+        tables["reference"] = of_reference
+    tables |= {name: entries(getattr(content, name)) for name in TABLES if name != "look"}
+    lamp = content.lamp.illuminant
+    if not is_lamp_name(lamp):
+        _put(tables["lamp"], "illuminant", _place(lamp, folder), "lamp", forgiving)
+    if content.presentation:
+        tables["presentation"] = {k: plain(v) for k, v in content.presentation.items()}
+    return tables
+
+
+def _sample(place: str, sample: SceneSample, folder: Path, forgiving: bool) -> dict[str, Any]:
+    table: dict[str, Any] = {}
+    try:
+        check_sample(sample)
+    except InputError as error:
+        if not forgiving:
+            raise InputError(f"[{place}]: {error}") from error
+    if sample.name is not None:
+        table["name"] = sample.name
+    elif sample.file is not None:
+        _put(table, "material", _place(sample.file, folder), place, forgiving)
+    if table and sample.table is not None:
+        _put(table, "table", _place(sample.table, folder), place, forgiving)
+    return table
+
+
+def _put(table: dict[str, Any], key: str, name: str, place: str, forgiving: bool) -> None:
+    """Set an entry to a file's name, if that can be text; half a name is worse than none."""
+    table.pop(key, None)
+    try:
+        table[key] = text(name, f"{place}.{key}")
+    except InputError as error:
+        if not forgiving:
+            raise InputError(f"{error}; its name is not UTF-8, so rename the file") from error
+
+
+def _place(file: str, folder: Path) -> str:
+    """A file's name as the scene file gives it: relative where it lies under its folder."""
+    path = Path(file).absolute()
+    inside = path.relative_to(folder) if path.is_relative_to(folder) else path
+    if inside is path or ".." in inside.parts:
+        return str(path)
+    name = inside.as_posix()
+    return f"./{name}" if is_lamp_name(name) else name  # a lamp file named as a lamp is

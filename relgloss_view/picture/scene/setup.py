@@ -1,0 +1,166 @@
+"""Setup: the shape, lamp, eye and display of a scene, as frozen values with their ranges.
+
+World axes: right-handed, y up, the object at the origin, the cylinder's axis is y. An azimuth is
+measured about y from +z towards +x, an elevation from the horizontal plane towards +y; the default
+eye, at azimuth 0, looks along -z.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.parameters import Checked, choice, parameter
+from relgloss_view.base.reading import fault
+
+Array = NDArray[np.float64]
+
+SHAPES = ("cylinder", "sphere", "plane", "box")
+
+
+@dataclass(frozen=True)
+class Shape(Checked):
+    """The object, centred at the origin. The cylinder and the sphere have a diameter."""
+
+    kind: str = choice("cylinder", SHAPES, "the object's form")
+    diameter_m: float = parameter(0.085, 1e-3, 10.0, "m", "of the cylinder and the sphere")
+    height_m: float = parameter(0.10, 1e-3, 10.0, "m", "along y: cylinder, plane and box")
+    width_m: float = parameter(0.085, 1e-3, 10.0, "m", "along x: plane and box")
+    depth_m: float = parameter(0.085, 1e-3, 10.0, "m", "along z: box")
+
+    def half_extent_m(self) -> Array:
+        """Half the bounding box, (3,)."""
+        radius = 0.5 * self.diameter_m
+        if self.kind == "cylinder":
+            return np.array([radius, 0.5 * self.height_m, radius])
+        if self.kind == "sphere":
+            return np.array([radius, radius, radius])
+        depth = 0.5 * self.depth_m if self.kind == "box" else 0.0
+        return np.array([0.5 * self.width_m, 0.5 * self.height_m, depth])
+
+    def contains(self, point_m: Array) -> bool:
+        """Whether a point is inside the object (a plane has no inside)."""
+        x, y, z = point_m
+        radius = 0.5 * self.diameter_m
+        if self.kind == "plane":
+            return False
+        if self.kind == "sphere":
+            return bool(x * x + y * y + z * z <= radius * radius)
+        if self.kind == "cylinder":
+            return bool(x * x + z * z <= radius * radius and abs(y) <= 0.5 * self.height_m)
+        return bool(np.all(np.abs(point_m) <= self.half_extent_m()))
+
+
+def polar_point(azimuth_deg: float, elevation_deg: float, distance_m: float) -> Array:
+    """World position at an azimuth, elevation and distance from the object's centre, (3,)."""
+    azimuth, elevation = math.radians(azimuth_deg), math.radians(elevation_deg)
+    across = distance_m * math.cos(elevation)
+    return np.array(
+        [across * math.sin(azimuth), distance_m * math.sin(elevation), across * math.cos(azimuth)]
+    )
+
+
+Y_N_PLACES = ("maximum", "front")  #: its brightest pixel, or the point that faces the eye
+
+
+@dataclass(frozen=True)
+class Lamp(Checked):
+    """A point lamp, as bright as makes a white standard in the object's place show Y_n."""
+
+    azimuth_deg: float = parameter(50.0, -180.0, 180.0, "deg", "0 is the default eye, 90 its right")
+    elevation_deg: float = parameter(0.0, -90.0, 90.0, "deg", "above the horizontal plane")
+    distance_m: float = parameter(1.0, 1e-3, 1e3, "m", "from the object's centre")
+    luminance_cd_m2: float = parameter(110.0, 1e-3, 1e6, "cd/m2", "Y_n: of the perfect diffuser")
+    y_n: str = choice("maximum", Y_N_PLACES, "where the perfect diffuser shows Y_n")
+    illuminant: str = "HP5"  #: a name that spectra.illuminant knows, or a two-column file
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not isinstance(self.illuminant, str):
+            fault("lamp.illuminant", "a name", self.illuminant)
+
+    @property
+    def position_m(self) -> Array:
+        """World position, (3,)."""
+        return polar_point(self.azimuth_deg, self.elevation_deg, self.distance_m)
+
+
+@dataclass(frozen=True)
+class Eye(Checked):
+    """The eye looks at the object's centre; the picture is in perspective.
+
+    A shift slides the picture's frame sideways, as a view camera's lens does: it moves what is
+    shown without turning anything.
+    """
+
+    azimuth_deg: float = parameter(0.0, -180.0, 180.0, "deg", "0 looks along -z")
+    elevation_deg: float = parameter(0.0, -90.0, 90.0, "deg", "above the horizontal plane")
+    distance_m: float = parameter(0.6, 1e-3, 1e3, "m", "from the object's centre")
+    #: Angle of view across the height of the picture; None frames the object.
+    field_of_view_deg: float | None = parameter(
+        None, 1e-3, 170.0, "deg", "across the height of the picture; none frames the object"
+    )
+    shift_right: float = parameter(
+        0.0, -100.0, 100.0, "", "of the picture's centre, as the tangent of an angle"
+    )
+    shift_up: float = parameter(0.0, -100.0, 100.0, "", "see shift_right")
+
+    @property
+    def position_m(self) -> Array:
+        """World position, (3,)."""
+        return polar_point(self.azimuth_deg, self.elevation_deg, self.distance_m)
+
+
+GAMUTS = ("chroma", "clip")  #: reduce chroma at held L* and hue, or cut RGB
+MIN_GAMUT_AREA = 1e-3  #: twice the triangle's area in the xy diagram; sRGB has 0.22
+
+
+def _is_table(value: object, rows: int) -> bool:
+    return isinstance(value, tuple) and len(value) == rows
+
+
+def _is_xy(value: object) -> bool:
+    """Whether a value is a chromaticity that a light can have."""
+    if not (isinstance(value, tuple) and len(value) == 2):
+        return False
+    if any(isinstance(v, bool) or not isinstance(v, int | float) for v in value):
+        return False
+    x, y = value
+    return bool(x >= 0.0 and y > 0.0 and x + y <= 1.0)
+
+
+@dataclass(frozen=True)
+class Display(Checked):
+    """The monitor: its white shows L* = 100. sRGB, or primaries with gain, offset and gamma."""
+
+    transfer: str = choice("srgb", ("srgb", "gain-offset-gamma"), "how RGB becomes light")
+    gamut: str = choice("chroma", GAMUTS, "what is done with colours it can't show")
+    gain: float = parameter(1.0, 0.1, 10.0, "", "light = (gain d + offset)^gamma + flare")
+    offset: float = parameter(0.0, -0.5, 0.5, "", "see gain")
+    gamma: float = parameter(2.2, 0.5, 5.0, "", "see gain")
+    flare: float = parameter(0.0, 0.0, 0.2, "", "see gain")
+    primaries_xy: tuple[tuple[float, float], ...] = ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06))
+    white_xy: tuple[float, float] = (0.3127, 0.3290)
+    background_lstar: float = parameter(50.0, 0.0, 100.0, "L*", "neutral surround of the object")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.gain + self.offset <= 0.0 or max(self.offset, 0.0) >= self.gain + self.offset:
+            raise InputError(
+                f"display.gain {self.gain:g} with display.offset {self.offset:g}: white is no "
+                "brighter than black; expected gain + offset above 0 and above offset"
+            )
+        if not (_is_table(self.primaries_xy, 3) and all(_is_xy(xy) for xy in self.primaries_xy)):
+            raise InputError(
+                "display.primaries_xy: expected three chromaticities, as [[x, y], ...]"
+            )
+        if not _is_xy(self.white_xy):
+            raise InputError("display.white_xy: expected a chromaticity, as [x, y]")
+        (rx, ry), (gx, gy), (bx, by) = self.primaries_xy
+        area = (gx - rx) * (by - ry) - (bx - rx) * (gy - ry)
+        if abs(area) < MIN_GAMUT_AREA:
+            raise InputError("display.primaries_xy: the three primaries lie on a line")

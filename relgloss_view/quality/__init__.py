@@ -1,0 +1,1 @@
+"""How little of the model is enough for a scene."""

@@ -1,0 +1,1 @@
+"""From the state to pictures in the pane."""

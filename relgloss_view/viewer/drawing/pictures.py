@@ -1,0 +1,202 @@
+"""Pictures: the state of the window drawn by the one renderer, for the pane.
+
+Each side has its own renderer, so that a slider of one side leaves the other alone, and a second
+one for smaller pictures while something is dragged. All share one set of programs.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from relgloss_view.base.errors import RelglossError
+from relgloss_view.picture.frame import Frame
+from relgloss_view.picture.gpu.context import max_texture_size
+from relgloss_view.picture.gpu.overlays import draw_difference, draw_overlay
+from relgloss_view.picture.gpu.passes import Renderer
+from relgloss_view.picture.gpu.programs import Programs
+from relgloss_view.picture.gpu.targets import OVERLAY, TONE
+from relgloss_view.picture.gpu.variant import Plan
+from relgloss_view.picture.model.drawn import as_drawn
+from relgloss_view.picture.model.view import Size
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.viewer.drawing.arrangement import Arrangement, as_shown
+from relgloss_view.viewer.drawing.uploads import Uploads
+from relgloss_view.viewer.state.state import DIFFERENCE, SIDES, State
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A picture on the device: the name of its framebuffer, its size, and its numbers."""
+
+    framebuffer: int
+    size: Size
+    frame: Frame
+
+
+class Pictures:
+    """Draws both sides of a state; what has not changed is not drawn again."""
+
+    def __init__(self, ctx: Any) -> None:
+        self.ctx = ctx
+        self._programs = Programs(ctx)
+        self._full = {side: Renderer(ctx, self._programs) for side in SIDES}
+        self._draft = {side: Renderer(ctx, self._programs) for side in SIDES}
+        for side in SIDES:  # what quality "auto" has chosen is held across both
+            self._draft[side].planner = self._full[side].planner
+        self._warm = Renderer(ctx, self._programs)
+        self._warmed: set[object] = set()
+        self.uploads = Uploads(ctx)
+        self._enlarged = False  #: whether the renderer that warms up has drawn something large
+        limit = max_texture_size(ctx)
+        self.largest: Size = (limit, limit)
+
+    @property
+    def drawn(self) -> dict[str, dict[str, int]]:
+        """How often each pass was drawn so far, by side."""
+        return {
+            side: {
+                name: count + self._draft[side].draws[name]
+                for name, count in self._full[side].draws.items()
+            }
+            for side in SIDES
+        }
+
+    @property
+    def compiled(self) -> int:
+        """How many programs were compiled so far."""
+        return self._programs.compiled
+
+    def draw(
+        self,
+        state: State,
+        arrangement: Arrangement,
+        scale: float,
+        pixel_pitch_m: float | None,
+        *,
+        moving: bool = False,
+    ) -> tuple[dict[str, Shown], dict[str, str]]:
+        """The pictures that the state asks for, by side, and what went wrong with the others.
+
+        scale: below 1 while something is dragged; the picture is then drawn that much smaller.
+        moving: something is dragged, so that quality "auto" keeps to its choice.
+        """
+        size = _scaled(arrangement.size, scale)
+        state = as_shown(state, size, _pitch(pixel_pitch_m, arrangement.size, size))
+        renderers = self._full if scale == 1.0 else self._draft
+        for renderer in renderers.values():
+            renderer.planner.moving = moving
+        shown: dict[str, Shown] = {}
+        faults: dict[str, str] = {}
+        for side in SIDES:  # the one that flip hides too: panels show its numbers
+            try:
+                shown[side] = self._draw_side(renderers[side], state, side, size)
+            except RelglossError as error:
+                faults[side] = str(error)
+        if _wants_difference(state) and len(shown) == len(SIDES):
+            first, second = (
+                renderers[side].request(
+                    state.scene(side), state.side(side).look, size, shown[side].frame.method
+                )
+                for side in SIDES
+            )
+            try:
+                draw_difference(
+                    renderers["reference"],
+                    renderers["test"],
+                    (first, second),
+                    state.presentation.difference_max,
+                )
+                name = renderers["test"].framebuffer_name(OVERLAY)
+                shown["test"] = Shown(name, size, shown["test"].frame)
+            except RelglossError as error:
+                faults["test"] = str(error)
+        return shown, faults
+
+    def warm(self, state: State) -> bool:
+        """Compile what the sliders of a state can reach; returns whether anything was to do."""
+        if self._enlarged:
+            self._enlarged = False
+            self._warmed.clear()  # and its next small picture frees the large one
+        for side in SIDES:
+            scene, look = state.scene(side), state.side(side).look
+            variant = _variant(scene, look)
+            if variant in self._warmed:
+                continue
+            self._warm.prepare(scene, look)
+            self._warmed.add(variant)
+            return True
+        return False
+
+    def render_at(self, state: State, side: str, size: Size) -> Frame:
+        """A side's picture at any size; fetch its numbers before the next one is asked for."""
+        self._enlarged = True
+        return self._warm.render(state.scene(side), state.side(side).look, size)
+
+    def lost(self, is_texture: Callable[[int], bool]) -> bool:
+        """Whether the device has refused something since this was last asked, or lost a texture.
+
+        A texture that was deleted goes on in its framebuffer: pictures show, but can't be read.
+        """
+        if self.ctx.error != "GL_NO_ERROR":
+            return True
+        renderers = (*self._full.values(), *self._draft.values())
+        names = [name for r in renderers for name in r.targets.names()]
+        return not all(is_texture(name) for name in (*names, *self.uploads.names()))
+
+    def abandon(self) -> None:
+        """Forget objects that may no longer be there."""
+        with contextlib.suppress(Exception):  # whatever a lost object raises
+            self.release()
+        _ = self.ctx.error
+
+    def release(self) -> None:
+        """Free everything on the device."""
+        for renderer in (*self._full.values(), *self._draft.values(), self._warm):
+            renderer.release()
+        self.uploads.release()
+        self._programs.release()
+        self._warmed.clear()
+
+    def _draw_side(self, renderer: Renderer, state: State, side: str, size: Size) -> Shown:
+        scene, look = state.scene(side), state.side(side).look
+        frame = renderer.render(scene, look, size)
+        overlay = state.presentation.overlay
+        if overlay == "none" or state.presentation.haploscopic:
+            return Shown(renderer.framebuffer_name(TONE), size, frame)
+        draw_overlay(renderer, scene, look, size, overlay, frame.method)
+        return Shown(renderer.framebuffer_name(OVERLAY), size, frame)
+
+
+def _variant(scene: Scene, look: Look) -> object:
+    """What decides which programs a scene and a look can need."""
+    tilted = dataclasses.replace(look, sigma_n_deg=1.0)
+    return Plan.of(as_drawn(scene, look), tilted), scene.display.gamut, scene.display.transfer
+
+
+def _wants_difference(state: State) -> bool:
+    presentation = state.presentation
+    return presentation.compare == DIFFERENCE and not presentation.haploscopic
+
+
+def passes_since(before: dict[str, dict[str, int]], after: dict[str, dict[str, int]]) -> list[str]:
+    """The passes that were drawn between two looks at Pictures.drawn, as 'side pass'."""
+    return [
+        f"{side} {name}"
+        for side, counts in after.items()
+        for name, count in counts.items()
+        if count > before[side][name]
+    ]
+
+
+def _scaled(size: Size, scale: float) -> Size:
+    return max(1, round(size[0] * scale)), max(1, round(size[1] * scale))
+
+
+def _pitch(pixel_pitch_m: float | None, full: Size, drawn: Size) -> float | None:
+    """Size of a drawn pixel on the monitor."""
+    return pixel_pitch_m * full[1] / drawn[1] if pixel_pitch_m else None

@@ -1,0 +1,220 @@
+"""The desk: files come in and go out here; nothing that takes time holds up the window."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from imgui_bundle import ImVec2, imgui
+from numpy.typing import NDArray
+
+from relgloss_view.base.reading import printable
+from relgloss_view.viewer.drawing.arrangement import as_shown
+from relgloss_view.viewer.files.jobs import Opened, OpenJob
+from relgloss_view.viewer.files.own_materials import safe_name
+from relgloss_view.viewer.panels import floating
+from relgloss_view.viewer.panels.dialog import FileDialogs
+from relgloss_view.viewer.panels.export import Export
+from relgloss_view.viewer.panels.own_dialog import Question
+from relgloss_view.viewer.shell import widgets
+from relgloss_view.viewer.state.command_line import snapshot_command
+from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.session import Autosave
+from relgloss_view.viewer.state.state_file import save_state
+
+TICK_S = 0.1  #: between looks at a running job
+QUICK_S = 0.3  #: a job that ends sooner shows no window
+SCENE_SUFFIXES = (".toml",)
+OPEN_SUFFIXES = (".toml", ".json", ".csv", ".txt", ".bsdf", ".binary")
+PROGRESS = "Opening"
+
+
+class FileDesk:
+    """Opens, saves, exports, copies, and keeps the session if it is given one."""
+
+    def __init__(self, model: Model, wake: Callable[[], None]) -> None:
+        self.model = model
+        self.session: Autosave | None = None
+        self.scene_path: str | None = None  #: of the scene that was opened or saved last
+        self.dialogs = FileDialogs()
+        self._export = Export(model, self.dialogs)
+        self._wake = wake
+        self._waiting: list[tuple[str, str]] = []  #: paths, and the side each is for
+        self._job: OpenJob | None = None
+        self._job_side = ""
+        self._began_s = 0.0
+
+    # --- what can be asked for ----------------------------------------------------------------
+
+    def open(self) -> None:
+        """Ask for a file and open it."""
+        self._ask(Question("Open file", self.open_path, OPEN_SUFFIXES))
+
+    def open_path(self, path: str) -> None:
+        """Open a file in the background; a sample is for the side that is active now."""
+        self._waiting.append((os.fspath(path), self.model.active_side))
+        self._wake()
+
+    def save(self) -> None:
+        """Save the scene where it was opened or saved last, or ask where."""
+        if self.scene_path is None:
+            self.save_as()
+        else:
+            self._save_to(self.scene_path)
+
+    def save_as(self) -> None:
+        """Ask for a place and save the scene there."""
+        name = "pair.toml"
+        if self.scene_path is not None:
+            folder, name = os.path.split(self.scene_path)
+            self.dialogs.folder = folder
+        self._ask(Question("Save scene as", self._save_to, SCENE_SUFFIXES, True, name))
+
+    def export(self) -> None:
+        """Show the window that writes pictures."""
+        self._leave_haploscopic()
+        self._export.open()
+
+    def export_view(self) -> None:
+        """Ask for a place and write what the pane shows there: overlay, wipe and all."""
+        self._ask(Question("Export view", self._write_view, (".png",), True, "view.png"))
+
+    def _write_view(self, path: str) -> None:
+        def take(pixels: NDArray[np.uint8]) -> None:
+            from relgloss_view.picture.output.export import save_rgb
+
+            shown = dataclasses.asdict(self.model.state.presentation)
+            text = {"Software": "relgloss", "Presentation": json.dumps(shown)}
+            if self.model.attempt(lambda: save_rgb(pixels, path, text)):
+                self.model.say(f"written: {path}, the pane as it was shown")
+
+        self.model.take_view = take
+        self._wake()
+
+    def copy_command(self) -> None:
+        """Copy the line that draws the active side's picture without a window."""
+        model = self.model
+        side = model.active_side
+
+        def copy() -> None:
+            state = as_shown(model.state, model.picture_size, model.pixel_pitch_m)
+            name = f"{safe_name(state.side(side).sample.material.name)}.png"
+            imgui.set_clipboard_text(snapshot_command(state, side, model.picture_size, name))
+            width, height = model.picture_size
+            model.say(f"copied: the command that draws the {side} picture, {width}x{height}")
+
+        model.attempt(copy)
+
+    # --- in every frame -----------------------------------------------------------------------
+
+    def each_frame(self) -> None:
+        """Take what has been opened, begin what waits, keep the session."""
+        if self._job is not None and self._job.done:
+            job, self._job = self._job, None
+            self._take(job)
+        if self._job is None and self._waiting:
+            path, self._job_side = self._waiting.pop(0)
+            self._began_s = time.monotonic()
+            self._job = OpenJob(path, self._wake)
+        if self.session is not None:
+            self.session.note(self.model.state)
+            if self.session.due(time.monotonic()):
+                self.model.attempt(self.session.save)
+
+    def show(self) -> None:
+        """Draw dialogs, progress and the export window."""
+        self.dialogs.show()
+        self._export.show()
+        if self._job is not None and time.monotonic() - self._began_s >= QUICK_S:
+            self._show_progress(self._job)
+
+    def due_s(self) -> float | None:
+        """Seconds until a frame is needed without an event; None if nothing is under way."""
+        found = [self.dialogs.due_s(), self._export.due_s()]
+        if self._job is not None or self._waiting:
+            found.append(TICK_S)
+        if self.session is not None:
+            found.append(self.session.due_in(time.monotonic()))
+        return min((due for due in found if due is not None), default=None)
+
+    def close(self) -> None:
+        """End what runs and keep the session; the window is about to close."""
+        self._waiting.clear()
+        self.dialogs.close()
+        if self._job is not None:
+            self._job.close()
+            self._job = None
+        if self.session is not None:
+            self.session.note(self.model.state)
+            self.model.attempt(self.session.save)
+
+    # --- how ----------------------------------------------------------------------------------
+
+    def _ask(self, question: Question) -> None:
+        self._leave_haploscopic()
+        self.dialogs.ask(question)
+
+    def _leave_haploscopic(self) -> None:
+        """A window over the pictures can't be seen while only they show."""
+        if self.model.state.presentation.haploscopic:
+            self.model.set_part("presentation", haploscopic=False)
+
+    def _save_to(self, path: str) -> None:
+        def write() -> None:
+            save_state(path, self.model.state)
+            self.scene_path = path
+            self.model.say(f"saved {path}")
+
+        self.model.attempt(write)
+
+    def _take(self, job: OpenJob) -> None:
+        name = printable(Path(job.path).name, 80)
+        if job.fault is not None:
+            self.model.say(job.fault, fault=True)
+        elif job.result is not None:
+            self._apply(job.result, name)
+        elif job.cancelled:
+            self.model.say(f"cancelled: {name}")
+
+    def _apply(self, opened: Opened, name: str) -> None:
+        model = self.model
+        model.change(opened.applied(model.state, self._job_side))
+        if opened.state is not None:
+            self.scene_path = opened.path
+            model.say(f"opened the scene {name}")
+            return
+        assert opened.sample is not None
+        if opened.measurement is not None and opened.sample.table is not None:
+            model.measurements[opened.sample.table] = opened.measurement
+        fit = opened.sample.material.fit
+        told = f"fitted {name}" if opened.measurement is not None else f"opened {name}"
+        if opened.measurement is not None and fit is not None:
+            told += f": {fit.quality}"
+        model.say(f"{told}; it is the {self._job_side} sample now")
+        if opened.warning:
+            model.say(opened.warning, fault=True)
+
+    def _show_progress(self, job: OpenJob) -> None:
+        fraction, text = job.progress
+        flags = imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_focus_on_appearing
+        _, stays = floating.begin(PROGRESS, 26.0, flags=flags, top_em=4.0)
+        doing = "Fitting" if fraction > 0.0 else "Reading"
+        imgui.text_unformatted(f"{doing} {printable(Path(job.path).name, 40)}")
+        imgui.progress_bar(fraction, ImVec2(-1.0, 0.0), f"{100.0 * fraction:.0f} %")
+        imgui.text_disabled(printable(text, 60) + self._queue())
+        if widgets.button("Cancel", "stop; nothing changes and no file is left") or not stays:
+            job.cancel()
+        if self._waiting:
+            imgui.same_line()
+            if widgets.button("Cancel all", "those that wait, too"):
+                self._waiting.clear()
+                job.cancel()
+        imgui.end()
+
+    def _queue(self) -> str:
+        return f"; {len(self._waiting)} more to come" if self._waiting else ""

@@ -1,0 +1,157 @@
+"""Opening a file in the background: a scene, a material, or a measurement, which is fitted first.
+
+A thread does it and leaves the fit itself to a process (see fit_process.py). What is cancelled is
+done with at once and leaves no file.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from relgloss_view.base.errors import FitCancelled, InputError, RelglossError
+from relgloss_view.material.files import load_material
+from relgloss_view.measure.table import Measurement
+from relgloss_view.picture.scene.file_kinds import MATERIAL, SCENE, likely_kind
+from relgloss_view.viewer.files.fit_process import FitProcess
+from relgloss_view.viewer.files.own_materials import keep_material
+from relgloss_view.viewer.state.places import data_folder
+from relgloss_view.viewer.state.state import Sample, State
+from relgloss_view.viewer.state.state_file import load_state
+
+
+@dataclass(frozen=True)
+class Opened:
+    """What a file held: a whole state, or a sample, with its measurement where it was fitted."""
+
+    path: str
+    state: State | None = None
+    sample: Sample | None = None
+    measurement: Measurement | None = None
+    warning: str = ""  #: why a fitted sample could not be kept in a file
+
+    def applied(self, state: State, side: str) -> State:
+        """The state with it: a scene takes the place of everything, a sample that of a side's."""
+        if self.state is not None:
+            return self.state
+        assert self.sample is not None
+        return state.with_sample(side, self.sample)
+
+
+class OpenJob:
+    """Opens one file in a thread of its own, which begins at once.
+
+    `wake` is called from that thread at each progress and at the end, and must not raise; the first
+    call may come before the constructor returns. Until the job is `done`, result and fault are
+    None; then one of them is set, unless it was cancelled.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], wake: Callable[[], None]) -> None:
+        self.path = str(Path(path).absolute())
+        self.progress: tuple[float, str] = (0.0, "reading")  #: share done, and what is being done
+        self.result: Opened | None = None
+        self.fault: str | None = None  #: one line
+        self._wake = wake
+        self._fit: FitProcess | None = None
+        self._done = threading.Event()
+        self._cancelled = threading.Event()
+        self._ending = threading.Lock()  # a job ends once: finished, failed or cancelled
+        self._thread = threading.Thread(target=self._run, name="open", daemon=True)
+        self._thread.start()
+
+    @property
+    def done(self) -> bool:
+        """Whether the job has ended: finished, failed or cancelled."""
+        return self._done.is_set()
+
+    @property
+    def cancelled(self) -> bool:
+        """Whether the job was cancelled before it ended."""
+        return self._cancelled.is_set()
+
+    def cancel(self) -> None:
+        """End the job now, with neither result nor fault. Nothing happens to one that is done."""
+        with self._ending:
+            if self.done:
+                return
+            self._cancelled.set()
+            self._done.set()
+            if self._fit is not None:
+                self._fit.stop()
+        self._wake()
+
+    def wait(self, limit_s: float) -> bool:
+        """Wait for the end of the job's thread; returns whether it came."""
+        self._thread.join(limit_s)
+        return not self._thread.is_alive()
+
+    def close(self, limit_s: float = 1.0) -> None:
+        """Cancel, and give the thread a moment to clean up. It never keeps the program alive."""
+        self.cancel()
+        self.wait(limit_s)
+
+    def _run(self) -> None:
+        result, fault = None, None
+        try:
+            result = self._open()
+        except FitCancelled:
+            return
+        except RelglossError as error:
+            fault = str(error)
+        except MemoryError:
+            fault = f"{self.path}: not enough memory; thin out the table or close other programs"
+        except Exception as error:
+            # The window must not wait for ever for a job that has met a mistake of the program.
+            traceback.print_exc()
+            fault = f"{self.path}: the program failed on this file ({type(error).__name__})"
+        with self._ending:
+            if self.cancelled:
+                self._drop(result)
+                return
+            self.result, self.fault = result, fault
+            self._done.set()
+        self._wake()
+
+    def _open(self) -> Opened:
+        kind = likely_kind(self.path)
+        if kind == SCENE:
+            return Opened(self.path, state=load_state(self.path))
+        if kind == MATERIAL:
+            return Opened(self.path, sample=Sample(load_material(self.path), file=self.path))
+        return self._fitted()
+
+    def _fitted(self) -> Opened:
+        """Fit, and keep the material in a file, so that scenes and commands can name it."""
+        with self._ending:
+            if self.cancelled:
+                raise FitCancelled("the fit was cancelled")
+            self._fit = FitProcess(self.path)
+        material, measurement = self._fit.run(self._report)
+        self._report(1.0, "saving")
+        try:
+            file = keep_material(material, data_folder() / "materials")
+        except InputError as error:
+            # The fit is worth showing all the same.
+            sample = Sample(material, table=self.path)
+            warning = f"the fitted material is not kept: {error}"
+            return Opened(self.path, None, sample, measurement, warning)
+        # Read again, it is equal to what a session or a scene gives back.
+        sample = Sample(load_material(file), file=str(file), table=self.path)
+        return Opened(self.path, None, sample, measurement)
+
+    def _report(self, fraction: float, text: str) -> None:
+        if self.cancelled:
+            raise FitCancelled("the fit was cancelled")
+        self.progress = (fraction, text)
+        self._wake()
+
+    def _drop(self, result: Opened | None) -> None:
+        """Remove the material that was saved while the job was being cancelled."""
+        if result is None or result.measurement is None or result.sample is None:
+            return
+        if result.sample.file is not None:
+            Path(result.sample.file).unlink(missing_ok=True)

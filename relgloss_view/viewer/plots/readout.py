@@ -1,0 +1,146 @@
+"""The numbers of one pixel, and the pixels around it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.picture.frame import Frame
+from relgloss_view.picture.model import tone
+
+Array = NDArray[np.float64]
+Floats = NDArray[Any]
+Triple = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Readout:
+    """One pixel of a frame. What only the object has is None off it."""
+
+    on_object: bool
+    display_rgb: tuple[int, int, int]  #: 8 bits
+    diffuse_cd_m2: float = 0.0
+    specular_cd_m2: float = 0.0
+    xyz: Triple = (0.0, 0.0, 0.0)  #: diffuse and specular together, relative to Y_n
+    l_d: float = 0.0
+    l_s: float = 0.0  #: before scaling
+    lab: Triple = (0.0, 0.0, 0.0)  #: L~*, a*, b*, before it is cut and mapped into the gamut
+    half_deg: float | None = None  #: half-vector from the smooth normal, at the pixel's centre
+    half_tilted_deg: float | None = None  #: from the normal after the grain's tilt
+    clipped: bool = False
+    out_of_gamut: bool = False
+
+
+@dataclass(frozen=True)
+class Patch:
+    """The pixels around one, row 0 the top; those beyond the picture are marked."""
+
+    rgb: NDArray[np.uint8]  #: (N, N, 3)
+    lstar: Array  #: (N, N), L~* as shown: at most 100, the surround's off the object
+    inside: NDArray[np.bool_]  #: (N, N)
+
+
+@dataclass(frozen=True)
+class Stages:
+    """Every stage of a frame that a readout needs, fetched at once."""
+
+    frame_size: tuple[int, int]
+    y_n_cd_m2: float
+    diffuse: Floats
+    specular: Floats
+    lab: Floats
+    display: NDArray[np.uint8]
+    normal: Floats
+    tilted_normal: Floats
+    point_m: Floats
+    on_object: NDArray[np.bool_]
+    clipped: NDArray[np.bool_]
+    out_of_gamut: NDArray[np.bool_]
+    lamp_m: Array
+    eye_m: Array
+    background_lstar: float
+
+    @classmethod
+    def of(cls, frame: Frame) -> Stages:
+        """Fetch them."""
+        return cls(
+            frame.size,
+            frame.y_n_cd_m2,
+            frame.diffuse,
+            frame.specular,
+            frame.lab,
+            frame.display,
+            frame.normal,
+            frame.tilted_normal,
+            frame.point_m,
+            frame.on_object,
+            frame.clipped,
+            frame.out_of_gamut,
+            frame.scene.lamp.position_m,
+            frame.scene.eye.position_m,
+            frame.scene.display.background_lstar,
+        )
+
+    def read(self, column: int, row: int) -> Readout | None:
+        """The pixel at a column from the left and a row from the top; None beyond the picture."""
+        height, width = self.on_object.shape
+        if not (0 <= column < width and 0 <= row < height):
+            return None
+        at = row, column
+        r, g, b = (int(v) for v in self.display[at])
+        if not self.on_object[at]:
+            return Readout(False, (r, g, b))
+        diffuse, specular = (s[at].astype(np.float64) for s in (self.diffuse, self.specular))
+        l_d, l_s = tone.split_lightness(diffuse[1], specular[1])
+        return Readout(
+            True,
+            (r, g, b),
+            float(diffuse[1]) * self.y_n_cd_m2,
+            float(specular[1]) * self.y_n_cd_m2,
+            _triple(diffuse + specular),
+            float(l_d),
+            float(l_s),
+            _triple(self.lab[at]),
+            self._half_deg(self.normal, at),
+            self._half_deg(self.tilted_normal, at),
+            clipped=bool(self.clipped[at]),
+            out_of_gamut=bool(self.out_of_gamut[at]),
+        )
+
+    def _half_deg(self, normal: Floats, at: tuple[int, int]) -> float | None:
+        return half_vector_deg(normal[at], self.point_m[at], self.lamp_m, self.eye_m)
+
+    def patch(self, column: int, row: int, radius: int = 4) -> Patch:
+        """The pixels within `radius` of one, to each side."""
+        height, width = self.on_object.shape
+        rows = np.arange(row - radius, row + radius + 1)
+        columns = np.arange(column - radius, column + radius + 1)
+        inside = ((rows >= 0) & (rows < height))[:, None] & (columns >= 0) & (columns < width)
+        place = np.ix_(np.clip(rows, 0, height - 1), np.clip(columns, 0, width - 1))
+        shown = np.minimum(self.lab[..., 0][place].astype(np.float64), 100.0)
+        lstar = np.where(self.on_object[place], shown, self.background_lstar)
+        return Patch(self.display[place], lstar, inside)
+
+
+def half_vector_deg(normal: Floats, point_m: Floats, lamp_m: Array, eye_m: Array) -> float | None:
+    """Angle between a normal and the half-vector of lamp and eye as the point sees them, degrees.
+
+    None where there is no normal, or where lamp and eye stand opposite.
+    """
+    n = np.asarray(normal, dtype=np.float64)
+    to_lamp, to_eye = (place - np.asarray(point_m, dtype=np.float64) for place in (lamp_m, eye_m))
+    lengths = np.linalg.norm(to_lamp), np.linalg.norm(to_eye)
+    if not np.any(n) or not all(lengths):
+        return None
+    h = to_lamp / lengths[0] + to_eye / lengths[1]
+    if np.linalg.norm(h) < 1e-7:
+        return None
+    return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(n, h)), np.dot(n, h))))
+
+
+def _triple(values: Floats) -> Triple:
+    x, y, z = (float(v) for v in values)
+    return x, y, z

@@ -1,0 +1,1 @@
+"""The window itself: platform, keyboard, layout, actions, the loop."""

@@ -1,0 +1,288 @@
+"""The program of the window: state, panels and pictures brought together, frame by frame."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from imgui_bundle import imgui
+
+from relgloss_view.base.writing import make_folder
+from relgloss_view.picture.frame import Frame
+from relgloss_view.picture.model.view import Size
+from relgloss_view.viewer.drawing.arrangement import arranged, as_shown
+from relgloss_view.viewer.drawing.operated import OperatedPictures
+from relgloss_view.viewer.drawing.pace import Pace
+from relgloss_view.viewer.drawing.painting import surround_gray
+from relgloss_view.viewer.drawing.pictures import Pictures, passes_since
+from relgloss_view.viewer.files.desk import FileDesk
+from relgloss_view.viewer.files.tables import Tables
+from relgloss_view.viewer.panels import (
+    fit,
+    gloss,
+    help,
+    inspector,
+    lightness,
+    look,
+    menu,
+    reflection,
+    sample,
+    setting,
+    stage,
+    status,
+)
+from relgloss_view.viewer.plots.gloss_readings import Glosses
+from relgloss_view.viewer.shell import actions
+from relgloss_view.viewer.shell.layout import BELOW, BELOW_RIGHT, RIGHT, Layout, Panel
+from relgloss_view.viewer.shell.window import Window
+from relgloss_view.viewer.state.layout_file import WindowLayout, save_layout
+from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.state import State
+
+#: What the interface takes after the pictures, on a software driver and a large window.
+INTERFACE_S = 0.008
+LAYOUT_S = 1.0  #: between looks at what there is to keep of the layout
+
+
+class App:
+    """One window with its model. See window.Program for what is called when."""
+
+    def __init__(self, state: State) -> None:
+        self.model: Model = Model(state)
+        self.files: FileDesk = FileDesk(self.model, self.wake)
+        self._tables = Tables(self.model, self.wake)
+        self._operated = OperatedPictures(self.wake)
+        self._glosses = Glosses(self.wake)
+        self.pace = Pace()
+        self.layout: Layout = Layout(
+            [
+                Panel("Look", RIGHT, lambda: look.show(self.model)),
+                Panel("Scene", RIGHT, lambda: setting.show(self.model)),
+                Panel("Sample", RIGHT, lambda: sample.show(self.model, self.files)),
+                Panel("Lightness", BELOW, lambda: lightness.show(self.model)),
+                Panel("Reflection", BELOW, lambda: reflection.show(self.model)),
+                Panel("Fit", BELOW, lambda: fit.show(self.model)),
+                Panel("Gloss", BELOW, lambda: gloss.show(self.model, self._glosses)),
+                Panel("Pixel", BELOW_RIGHT, lambda: inspector.show(self.model)),
+            ]
+        )
+        self.pictures: Pictures | None = None
+        self.flip_held = False  #: a key or a button shows the other picture
+        self.staged: stage.Staged | None = None  #: the pictures of the present frame
+        self.stage_origin = (0.0, 0.0)  #: upper left corner of their pane, pixels of the screen
+        self.kept_layout = WindowLayout()
+        self._layout_path: Path | None = None
+        self.helping = False  #: whether the overview of keys shows
+        self._window: Window | None = None
+        self._frame_began_s = 0.0
+        self._lost = False
+        self._layout_kept_s = 0.0
+        self._held_at_s = 0.0  #: when the hand last held something
+
+    # --- the life of the window ---------------------------------------------------------------
+
+    def start(self, ctx: Any, window: Window) -> None:
+        """The context is there."""
+        self.pictures = Pictures(ctx)
+        self._window = window
+        self.model.render_at = self._render_at
+        if self.kept_layout.docking:
+            imgui.load_ini_settings_from_memory(self.kept_layout.docking)
+
+    def frame(self) -> None:
+        """Build the interface and draw the pictures."""
+        assert self.pictures is not None
+        assert self._window is not None
+        self._frame_began_s = time.perf_counter()
+        if self.pictures.lost(self._window.is_texture) or self._lost:
+            self._lost = False
+            self.rebuild()
+        actions.take_keys(self)
+        self.files.each_frame()
+        self._tables.each_frame()
+        self._note_hand()
+        presentation = self.model.state.presentation
+        if presentation.haploscopic:
+            self.layout.show_alone(self._show_stage)
+        else:
+            top = menu.show(self)
+            bottom = status.height()
+            self.layout.show(self._show_stage, top, bottom)
+            status.show(self)
+            self.files.show()
+            help.show(self)
+        self._window.to_screen()  # pictures were drawn, and panels fetched numbers
+
+    def after_frame(self, frame_s: float) -> bool:
+        """Learn from the frame; whether another is needed at once."""
+        assert self.pictures is not None
+        self.model.frame_s = frame_s
+        io = imgui.get_io()
+        now_s = time.monotonic()
+        if io.want_save_ini_settings or now_s - self._layout_kept_s > LAYOUT_S:
+            io.want_save_ini_settings = False
+            self._layout_kept_s = now_s
+            self.model.attempt(self.save_layout)
+        if self.pictures.ctx.error != "GL_NO_ERROR":
+            self._lost = True  # told by the next frame, which makes everything again
+            return True
+        if self.model.dragging:
+            return True
+        warmed = self.pictures.warm(self.model.state)
+        assert self._window is not None
+        self._window.to_screen()
+        return warmed
+
+    def wait_s(self) -> float | None:
+        """How long nothing needs to be drawn."""
+        return 0.05 if self.model.held else self.files.due_s()
+
+    def dropped(self, paths: list[str]) -> None:
+        """Files were dropped on the window."""
+        for path in paths:
+            self.files.open_path(path)
+
+    def finish(self) -> None:
+        """The context is about to go."""
+        self.files.close()
+        self.model.attempt(self.save_layout)
+        if self.pictures is not None:
+            self.pictures.release()
+
+    def wake(self) -> None:
+        """Have a frame drawn soon; from any thread."""
+        if self._window is not None:
+            self._window.wake()
+
+    def quit(self) -> None:
+        """Leave after this frame."""
+        if self._window is not None:
+            self._window.close()
+
+    def keep_layout(self, path: Path, kept: WindowLayout) -> None:
+        """Take over the layout of the last run, and write this one's to a file when it changes."""
+        self._layout_path, self.kept_layout = path, kept
+        self.layout.hidden = kept.hidden
+        for panel in self.layout.panels:
+            panel.visible = panel.title not in kept.closed
+
+    def save_layout(self) -> None:
+        """Write the layout, if it is kept and has changed. Raises InputError."""
+        if self._layout_path is None or self._window is None:
+            return
+        layout = WindowLayout(
+            size=self._window.size_now(),
+            font_scale=self._window.font_scale,
+            closed=tuple(p.title for p in self.layout.panels if not p.visible),
+            hidden=self.layout.hidden,
+            docking=imgui.save_ini_settings_to_memory(),
+        )
+        if layout != self.kept_layout:
+            make_folder(self._layout_path.parent)
+            save_layout(self._layout_path, layout)
+            self.kept_layout = layout
+
+    def set_font_scale(self, scale: float) -> None:
+        """Show the interface's text at another size."""
+        if self._window is not None:
+            self._window.set_font_scale(scale)
+
+    @property
+    def font_scale(self) -> float:
+        """Size of the interface's text, times its normal size."""
+        return 1.0 if self._window is None else self._window.font_scale
+
+    def rebuild(self) -> None:
+        """The device lost what was on it: make everything again; the next frame is the same."""
+        assert self.pictures is not None
+        ctx = self.pictures.ctx
+        self.pictures.abandon()
+        self.model.frames = {}
+        self.pictures = Pictures(ctx)
+        self.model.say("the graphics device lost its objects; everything was made again")
+
+    # --- one frame ----------------------------------------------------------------------------
+
+    def _note_hand(self) -> None:
+        """What the hand holds now; its gesture ends when it lets go, and not between two clicks."""
+        model = self.model
+        pressed = any(imgui.is_mouse_down(button) for button in range(3))
+        active = imgui.is_any_item_active()
+        now_s = time.monotonic()
+        apart = now_s - self._held_at_s > imgui.get_io().mouse_double_click_time
+        if apart and not active and not model.held:
+            model.history.end_gesture()
+        if pressed or active:
+            self._held_at_s = now_s
+        model.dragging = (pressed and active) or model.held
+        if model.dragging:
+            self.pace.drag()
+        else:
+            self.pace.rest()
+
+    def _show_stage(self) -> None:
+        canvas = stage.show(self.model, self._draw_pictures)
+        assert self._window is not None
+        self._window.surround = surround_gray(self.model.state.display)
+        self._window.canvas = canvas
+        asked = self.model.take_view is not None and not self.model.draft
+        self._window.below = self._give_view if asked and self.staged is not None else None
+
+    def _draw_pictures(self, pane: Size) -> stage.Staged | None:
+        assert self.pictures is not None
+        assert self._window is not None
+        model = self.model
+        state = model.state
+        if self.flip_held:
+            state = state.with_part("presentation", flipped=not state.presentation.flipped)
+        arrangement = arranged(pane, state.presentation, largest=self.pictures.largest)
+        if arrangement is None:
+            self.staged = None
+            return None
+        at = imgui.get_cursor_screen_pos()
+        self.stage_origin = (at.x, at.y)
+        model.picture_size = arrangement.size
+        asked = int(state.presentation.gap_px)
+        model.gap_px = asked if arrangement.gap_px is None else arrangement.gap_px
+        pitch = self._window.pixel_pitch_m()
+        model.pixel_pitch_m = pitch
+        before = self.pictures.drawn
+        shown, faults = self.pictures.draw(
+            state, arrangement, self.pace.scale, pitch, moving=model.dragging
+        )
+        model.redrawn = passes_since(before, self.pictures.drawn) or model.redrawn
+        if model.dragging:
+            # What c_max is read from has been waited for; the wait for a monitor is not counted.
+            taken_s = time.perf_counter() - self._frame_began_s
+            self.pace.measured(taken_s + INTERFACE_S)
+        model.draft = self.pace.scale < 1.0
+        model.frames = {side: s.frame for side, s in shown.items()}
+        at_rest = not (model.dragging or model.draft)
+        shown, model.operated = self._operated.replaced(
+            state, shown, self.pictures, at_rest=at_rest
+        )
+        for fault in faults.values():
+            model.say_once(fault, fault=True)
+        self.staged = stage.Staged(arrangement, shown, faults)
+        return self.staged
+
+    def _give_view(self, screen: Any, height: int) -> None:
+        """Hand over what the pane shows, without the interface."""
+        take, self.model.take_view = self.model.take_view, None
+        if take is None or self.staged is None:
+            return
+        rects = self.staged.arrangement.rects.values()
+        wide, tall = max(x + w for x, _, w, _ in rects), max(y + h for _, y, _, h in rects)
+        left, top = (int(v) for v in self.stage_origin)
+        box = (left, height - top - tall, wide, tall)
+        data = screen.read(viewport=box, components=3, alignment=1)
+        take(np.frombuffer(data, dtype=np.uint8).reshape(tall, wide, 3)[::-1])
+
+    def _render_at(self, side: str, size: Size) -> Frame:
+        """A side's picture at another size than the screen's. Raises RelglossError."""
+        assert self.pictures is not None
+        model = self.model
+        state = as_shown(model.state, model.picture_size, model.pixel_pitch_m)
+        return self.pictures.render_at(state, side, size)

@@ -1,0 +1,170 @@
+"""Where the panels stand: a dock space, its first arrangement, and hiding all without losing it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from imgui_bundle import ImVec2, imgui
+
+from relgloss_view.viewer.shell.theme import em
+
+internal = imgui.internal
+
+RIGHT, BELOW, BELOW_RIGHT = "right", "below", "below right"
+RIGHT_EM = 22.0  #: width of the column of controls
+BELOW_EM = 16.0  #: height of the strip of plots
+#: Of the window's width and height: the pictures stay the largest thing in it.
+LEAST_SHARE, MOST_SHARE = 0.15, (0.36, 0.42)
+STAGE = "Pictures"
+_STAGE_FLAGS = (
+    imgui.WindowFlags_.no_decoration
+    | imgui.WindowFlags_.no_docking
+    | imgui.WindowFlags_.no_background
+    | imgui.WindowFlags_.no_bring_to_front_on_focus
+    | imgui.WindowFlags_.no_move
+    | imgui.WindowFlags_.no_saved_settings
+    | imgui.WindowFlags_.no_scroll_with_mouse
+)
+PIXEL_SHARE = 0.36  #: of the strip below
+
+
+@dataclass
+class Panel:
+    """A window of the program: its title, its place at first, and what draws it."""
+
+    title: str
+    place: str
+    show: Callable[[], None]
+    visible: bool = True
+    docked: bool = False  #: whether it stood in the dock space when it was last drawn
+
+
+class Layout:
+    """The panels around the stage, which fills what they leave."""
+
+    def __init__(self, panels: list[Panel]) -> None:
+        self.panels = panels
+        self.hidden = False  #: all of them, by one key
+        self._arrange_again = False
+        self._new = True
+        self._focus: list[str] = []
+
+    def reset(self) -> None:
+        """Show every panel where it stood at first."""
+        self.hidden = False
+        self._arrange_again = True
+        for panel in self.panels:
+            panel.visible = True
+
+    def focus(self, title: str) -> None:
+        """Bring a panel to the front, shown if it was not."""
+        self.hidden = False
+        next(p for p in self.panels if p.title == title).visible = True
+        self._focus.append(title)
+
+    def show(self, stage: Callable[[], None], top_px: float, bottom_px: float) -> None:
+        """Draw panels and stage between the menu bar and the status line."""
+        viewport = imgui.get_main_viewport()
+        place = ImVec2(viewport.pos.x, viewport.pos.y + top_px)
+        size = ImVec2(viewport.size.x, max(viewport.size.y - top_px - bottom_px, 1.0))
+        if self._new:
+            # Windows that stay at the back stand before those of their kind that come later: the
+            # mouse must find the stage before the dock space behind it.
+            imgui.begin(STAGE, None, _STAGE_FLAGS)
+            imgui.end()
+            self._new = False
+        space = self._dock_space(place, size)
+        if not self.hidden:
+            for panel in self.panels:
+                if panel.visible:
+                    self._show_panel(panel)
+            node = internal.dock_builder_get_central_node(space)
+            if node is not None and node.size.x >= 1.0 and node.size.y >= 1.0:
+                place, size = node.pos, node.size
+        self._show_stage(stage, place, size)
+
+    def show_alone(self, stage: Callable[[], None]) -> None:
+        """Draw the stage over the whole window; the panels are kept as they are."""
+        hidden, self.hidden = self.hidden, True
+        self.show(stage, 0.0, 0.0)
+        self.hidden = hidden
+
+    def _dock_space(self, place: ImVec2, size: ImVec2) -> int:
+        flags = imgui.WindowFlags_
+        imgui.set_next_window_pos(place)
+        imgui.set_next_window_size(size)
+        imgui.push_style_var(imgui.StyleVar_.window_padding, ImVec2(0.0, 0.0))
+        imgui.begin(
+            "##dock",
+            None,
+            flags.no_decoration
+            | flags.no_docking
+            | flags.no_background
+            | flags.no_bring_to_front_on_focus
+            | flags.no_nav_focus
+            | flags.no_move
+            | flags.no_saved_settings,
+        )
+        imgui.pop_style_var()
+        space = int(imgui.get_id("space"))
+        if self._arrange_again or internal.dock_builder_get_node(space) is None:
+            self._arrange(space, size)
+            self._arrange_again = False
+        node_flags = imgui.DockNodeFlags_.passthru_central_node
+        if self.hidden:
+            node_flags |= imgui.DockNodeFlags_.keep_alive_only
+        imgui.dock_space(space, ImVec2(0.0, 0.0), node_flags)
+        imgui.end()
+        return space
+
+    def _arrange(self, space: int, size: ImVec2) -> None:
+        """The arrangement of the first start: controls on the right, plots below the pictures."""
+        internal.dock_builder_remove_node(space)
+        internal.dock_builder_add_node(space, internal.DockNodeFlagsPrivate_.dock_space)
+        internal.dock_builder_set_node_size(space, size)
+        right = _share(em(RIGHT_EM), size.x, MOST_SHARE[0])
+        split = internal.dock_builder_split_node(space, imgui.Dir.right, right)
+        nodes = {RIGHT: split.id_at_dir}
+        below = _share(em(BELOW_EM), size.y, MOST_SHARE[1])
+        split = internal.dock_builder_split_node(split.id_at_opposite_dir, imgui.Dir.down, below)
+        strip = internal.dock_builder_split_node(split.id_at_dir, imgui.Dir.right, PIXEL_SHARE)
+        nodes |= {BELOW: strip.id_at_opposite_dir, BELOW_RIGHT: strip.id_at_dir}
+        for panel in self.panels:
+            internal.dock_builder_dock_window(panel.title, nodes[panel.place])
+        internal.dock_builder_finish(space)
+        # The first panel of each place is the one that shows.
+        seen: set[str] = set()
+        for panel in self.panels:
+            if panel.place not in seen:
+                seen.add(panel.place)
+                self._focus.append(panel.title)
+
+    def _show_panel(self, panel: Panel) -> None:
+        if panel.title in self._focus:
+            imgui.set_next_window_focus()
+            self._focus.remove(panel.title)
+        imgui.set_next_window_size(ImVec2(em(26.0), em(20.0)), imgui.Cond_.first_use_ever)
+        flags = imgui.WindowFlags_.no_collapse
+        if panel.docked:  # the window's own colour is the panels'
+            flags |= imgui.WindowFlags_.no_background
+        opened, stays = imgui.begin(panel.title, True, flags)
+        panel.docked = imgui.is_window_docked()
+        if opened:
+            panel.show()
+        imgui.end()
+        panel.visible = bool(stays)
+
+    def _show_stage(self, stage: Callable[[], None], place: ImVec2, size: ImVec2) -> None:
+        imgui.set_next_window_pos(place)
+        imgui.set_next_window_size(size)
+        for variable in (imgui.StyleVar_.window_padding, imgui.StyleVar_.window_min_size):
+            imgui.push_style_var(variable, ImVec2(0.0, 0.0))
+        imgui.begin(STAGE, None, _STAGE_FLAGS)
+        imgui.pop_style_var(2)
+        stage()
+        imgui.end()
+
+
+def _share(wanted: float, whole: float, most: float) -> float:
+    return min(max(wanted / max(whole, 1.0), LEAST_SHARE), most)

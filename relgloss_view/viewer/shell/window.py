@@ -1,0 +1,294 @@
+"""The window: one OpenGL context, one loop that draws only when something happened.
+
+With a display it is a real window; without one it is the same program on GLFW's null platform,
+where nothing is seen but everything is drawn: for screenshots and tests.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import sys
+import time
+from collections.abc import Callable
+from typing import Any, Protocol
+
+# imgui_bundle first: it brings the GLFW that the glfw module then finds, so that both use one.
+from imgui_bundle import hello_imgui, imgui, immapp  # isort: skip
+import glfw
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.picture.gpu.context import Blitter, Offscreen, attach, texture_probe
+from relgloss_view.viewer.drawing.arrangement import Canvas
+from relgloss_view.viewer.shell import theme
+from relgloss_view.viewer.shell.keyboard import Keyboard, listen
+from relgloss_view.viewer.shell.platform import (
+    held_size,
+    load,
+    no_window,
+    open_platform,
+    pixel_pitch_m,
+    quiet_errors,
+    terminating,
+)
+
+TITLE = "relgloss"
+#: After an event: frames at once, for the interface to settle, then some for tooltips, then none.
+SETTLING_FRAMES = 4
+TOOLTIP_S, TOOLTIP_STEP_S = 1.2, 0.1
+CURSOR_STEP_S = 0.4  #: while a text is being typed
+LONGEST_WAIT_S = 0.5  #: a signal, such as Ctrl-C, is noticed between waits
+NULL_STEP_S = 0.01  #: the null platform has no events to wait for
+
+
+class Program(Protocol):
+    """What a window runs."""
+
+    def start(self, ctx: Any, window: Window) -> None:
+        """The context is there; called once, before the first frame."""
+
+    def frame(self) -> None:
+        """Build the interface and draw the pictures."""
+
+    def after_frame(self, frame_s: float) -> bool:
+        """Called after each frame with the time it took; whether another is needed at once."""
+
+    def wait_s(self) -> float | None:
+        """How long nothing needs to be drawn if no event comes; None for as long as it likes."""
+
+    def dropped(self, paths: list[str]) -> None:
+        """Files were dropped on the window."""
+
+    def finish(self) -> None:
+        """The context is about to go."""
+
+
+class Window:
+    """Runs a program until it or its user ends it."""
+
+    def __init__(
+        self,
+        program: Program,
+        size: tuple[int, int] = (1280, 800),
+        *,
+        headless: bool = False,
+        font_scale: float = 1.0,
+        tune: Callable[[hello_imgui.RunnerParams], None] | None = None,
+    ) -> None:
+        """size: in pixels, held to what can be drawn. tune: a last word on the parameters."""
+        self.program = program
+        self.size = held_size(size)
+        self.headless = headless
+        self.font_scale = font_scale
+        self._tune = tune
+        #: What is painted below the interface, and the gray of the surround. It is cleared and
+        #: copied: to blend it as the interface does takes a software driver several times as long.
+        self.canvas = Canvas()
+        self.surround = 0.0
+        #: Called when all but the interface stands there, with the surface and its height.
+        self.below: Callable[[Any, int], None] | None = None
+        self._blitter: Blitter | None = None
+        self._keyboard: Keyboard | None = None
+        #: Whether the device still knows a texture by this name.
+        self.is_texture: Callable[[int], bool] = lambda name: True
+        self.handle: Any = None  #: what GLFW knows it by
+        self._screen: Any = None  #: what the interface is drawn on
+        self._drawn = 0
+        self._awake_until = 0.0
+        self._settling = SETTLING_FRAMES
+        self._started = False
+        self._error: BaseException | None = None
+
+    def run(self, frames: int | None = None) -> NDArray[np.uint8]:
+        """Draw so many frames, or until the window is closed; returns the last one, (H, W, 3).
+
+        Raises GLUnavailableError where no window can be opened.
+        """
+        open_platform(self.headless)
+        params = self._params()
+        try:
+            with quiet_errors() as told:
+                immapp.manual_render.setup_from_runner_params(
+                    params, immapp.AddOnsParams(with_implot=True)
+                )
+        except (RuntimeError, SystemError) as error:
+            raise no_window(told, self.headless) from error
+        try:
+            with terminating(self.close):
+                self._loop(params, frames)
+        except BaseException as error:
+            # After an error the interface asserts that what it cut short was not finished: the
+            # first one is the cause.
+            self._error = self._error or error
+        finally:
+            if self._started:
+                self.program.finish()
+                self.to_screen()  # the last picture of the window is read from it
+            with contextlib.suppress(*((RuntimeError,) if self._error is not None else ())):
+                immapp.manual_render.tear_down()
+        if self._error is not None:
+            raise self._error
+        return np.asarray(hello_imgui.final_app_window_screenshot())
+
+    def to_screen(self) -> None:
+        """Direct drawing to the window again after pictures were drawn."""
+        self._screen.use()
+
+    def close(self) -> None:
+        """End the loop after this frame."""
+        hello_imgui.get_runner_params().app_shall_exit = True
+
+    def wake(self) -> None:
+        """Have a frame drawn soon; may be called from any thread."""
+        self._settling = max(self._settling, 1)
+        if not self.headless:
+            glfw.post_empty_event()
+
+    def size_now(self) -> tuple[int, int]:
+        """Width and height of the window, pixels."""
+        size = imgui.get_io().display_size
+        return int(size.x), int(size.y)
+
+    def set_font_scale(self, scale: float) -> None:
+        """Show text, and all that is measured by it, at another size."""
+        style = imgui.get_style()
+        style.font_scale_main = scale
+        theme.apply(scale)
+        self.font_scale = scale
+
+    def pixel_pitch_m(self) -> float | None:
+        """Size of a pixel of the monitor that the window is on, as the monitor reports it."""
+        if self.headless:
+            return None
+        return pixel_pitch_m(self.handle)
+
+    def _loop(self, params: hello_imgui.RunnerParams, frames: int | None) -> None:
+        while not params.app_shall_exit and self._error is None:
+            if frames is not None and self._drawn >= frames:
+                break
+            if frames is None and not self._wait():
+                continue
+            began = time.perf_counter()
+            immapp.manual_render.render()
+            if self._started and self._error is None:
+                again = self.program.after_frame(time.perf_counter() - began)
+                self._settling = max(self._settling - 1, int(again))
+            if self._keyboard is not None and self._keyboard.next_frame():
+                self._settling = SETTLING_FRAMES
+            self._drawn += 1
+
+    def _wait(self) -> bool:
+        """Sleep for a while, or until something happens; returns whether a frame is needed."""
+        if self._settling > 0:
+            return True
+        now = time.monotonic()
+        needed_in = [self.program.wait_s()]
+        if now < self._awake_until:
+            needed_in.append(TOOLTIP_STEP_S)
+        if imgui.get_io().want_text_input:
+            needed_in.append(CURSOR_STEP_S)
+        due = min((max(wait, 1e-3) for wait in needed_in if wait is not None), default=None)
+        limit = LONGEST_WAIT_S if due is None else min(due, LONGEST_WAIT_S)
+        if self.headless:
+            time.sleep(min(limit, NULL_STEP_S))
+            return True
+        glfw.wait_events_timeout(limit)
+        if time.monotonic() - now < 0.98 * limit:  # an event ended the wait
+            self._settling = SETTLING_FRAMES
+            self._awake_until = time.monotonic() + TOOLTIP_S
+            return True
+        return due is not None and due <= limit
+
+    def _params(self) -> hello_imgui.RunnerParams:
+        params = hello_imgui.RunnerParams()
+        params.app_window_params.window_title = TITLE
+        geometry = params.app_window_params.window_geometry
+        geometry.size = self.size
+        geometry.window_size_measure_mode = hello_imgui.WindowSizeMeasureMode.screen_coords
+        params.imgui_window_params.default_imgui_window_type = (
+            hello_imgui.DefaultImGuiWindowType.no_default_window
+        )
+        params.imgui_window_params.background_color = theme.gray(theme.PANEL)
+        params.ini_disable = True  # the program keeps its own, never in the working directory
+        params.fps_idling.enable_idling = False
+        params.fps_idling.vsync_to_monitor = not self.headless
+        options = params.renderer_backend_options.open_gl_options
+        options.major_version, options.minor_version = 3, 3
+        options.glsl_version = "330"
+        options.use_core_profile = True
+        options.use_forward_compat = sys.platform == "darwin"
+        options.anti_aliasing_samples = 0  # the interface smooths its own lines
+        callbacks = params.callbacks
+        callbacks.load_additional_fonts = self._load_font
+        callbacks.setup_imgui_style = theme.apply
+        callbacks.post_init = self._start
+        callbacks.show_gui = self._frame
+        callbacks.before_imgui_render = lambda: self._guarded(self._fill)
+        if self._tune is not None:
+            self._tune(params)
+        return params
+
+    def _load_font(self) -> None:
+        hello_imgui.load_font("fonts/Roboto/Roboto-Regular.ttf", theme.FONT_PX)
+
+    def _start(self) -> None:
+        self._guarded(self._attach)
+
+    def _attach(self) -> None:
+        self.set_font_scale(self.font_scale)
+        library: Any = hello_imgui  # its annotations leave the address out
+        address = library.get_glfw_window_address()
+        handle = ctypes.cast(address, ctypes.POINTER(glfw._GLFWwindow))
+        self.handle = handle
+        if self.headless:  # the library holds windows to the size of a monitor, which is not there
+            glfw.set_window_size(handle, *self.size)
+        on_drop: Any = lambda _, paths: self._dropped(list(paths))  # noqa: E731 - annotated wrongly
+        glfw.set_drop_callback(handle, on_drop)
+        self._keyboard = listen(handle, address)
+        ctx = attach(load)
+        self.is_texture = texture_probe(load)
+        self._screen = Offscreen(ctx) if self.headless else ctx.screen
+        self._blitter = Blitter(load)
+        self._fit_screen()
+        self.program.start(ctx, self)
+        self._started = True
+
+    def _dropped(self, paths: list[str]) -> None:
+        self._guarded(lambda: self.program.dropped(paths))
+
+    def _frame(self) -> None:
+        if self._started and self._error is None:
+            self._fit_screen()
+            self._guarded(self.program.frame)
+
+    def _fit_screen(self) -> None:
+        """Where there is no display, give the surface the window's size: its own may be smaller."""
+        if self.headless and self._screen.resize(self.size_now()):
+            self._screen.clear(theme.PANEL, theme.PANEL, theme.PANEL, 1.0)
+
+    def _fill(self) -> None:
+        gray, height = self.surround, self.size_now()[1]
+        for left, top, width, tall in self.canvas.surround:
+            if width > 0 and tall > 0:
+                self._screen.clear(
+                    gray, gray, gray, 1.0, viewport=(left, height - top - tall, width, tall)
+                )
+        assert self._blitter is not None
+        for copy in self.canvas.copies:
+            left, top, width, tall = copy.place
+            place = (left, height - top - tall, left + width, height - top)
+            self._blitter.copy(
+                copy.framebuffer, copy.box, self._screen.glo, place, smooth=copy.scaled
+            )
+        self.to_screen()
+        self.canvas = Canvas()
+        if self.below is not None:
+            self.below(self._screen, height)
+
+    def _guarded(self, action: Callable[[], None]) -> None:
+        """An exception must not pass through the window library; the loop raises it instead."""
+        try:
+            action()
+        except BaseException as error:
+            self._error = error

@@ -1,0 +1,1 @@
+"""What the window shows, as values: no OpenGL, no window library."""

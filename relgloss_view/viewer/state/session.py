@@ -1,0 +1,155 @@
+"""The session: what the window showed last, kept while it is open and found again after any end.
+
+It is a scene file in state_folder(), replaced whole each time, so that a program killed at any
+moment leaves the one before. Of two windows the last to write wins.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import check_regular, unreadable
+from relgloss_view.base.writing import make_folder
+from relgloss_view.viewer.state.places import state_folder
+from relgloss_view.viewer.state.state import State
+from relgloss_view.viewer.state.state_file import load_state, save_state
+
+WAIT_S = 0.5  #: from a change until it is written
+WAIT_AFTER_FAULT_S = 30.0
+LEFTOVER_S = 60.0  #: age from which a temporary file has nobody any more who would finish it
+MOST_DAMAGED = 99
+MOST_BLANK_BYTES = 4096
+
+
+def session_file() -> Path:
+    """Where the session is kept."""
+    return state_folder() / "session.toml"
+
+
+class Autosave:
+    """Writes the state soon after it changes.
+
+    The loop calls `note` in every frame, `save` when it is `due` and when the window closes. A
+    state that was restored is given as `written`: until it changes, the file that it came from
+    stays, with the names of materials that could not be had today.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], written: State | None = None) -> None:
+        self.path = Path(path)
+        self._noted: State | None = written
+        self._written: State | None = written
+        self._due_s: float | None = None  #: None until `due` has seen the change
+        self._fault = ""
+
+    def note(self, state: State) -> None:
+        """Remember the present state; costs nothing while it is the same object."""
+        self._noted = state
+
+    @property
+    def changed(self) -> bool:
+        """Whether the noted state is not yet in the file."""
+        return self._noted is not self._written and self._noted != self._written
+
+    def due_in(self, now_s: float) -> float | None:
+        """Seconds until a save is due, 0 when it is; None where nothing has changed."""
+        if not self.changed:
+            self._written = self._noted  # equal: from now on the same object, too
+            self._due_s = None
+            return None
+        if self._due_s is None:
+            self._due_s = now_s + WAIT_S
+        return max(self._due_s - now_s, 0.0)
+
+    def due(self, now_s: float) -> bool:
+        """Whether it is time to save, by a clock such as time.monotonic()."""
+        return self.due_in(now_s) == 0.0
+
+    def save(self, now_s: float | None = None) -> None:
+        """Write what is noted, if it has changed.
+
+        InputError where that fails, each reason told once; it is tried again half a minute later.
+        """
+        if not self.changed or self._noted is None:
+            return
+        state = self._noted
+        try:
+            make_folder(self.path.parent)
+            save_state(self.path, state, forgiving=True)
+        except InputError as error:
+            now_s = time.monotonic() if now_s is None else now_s
+            self._due_s = now_s + WAIT_AFTER_FAULT_S
+            if str(error) == self._fault:
+                return
+            self._fault = str(error)
+            raise InputError(f"the session is not kept: {error}") from error
+        self._written, self._due_s, self._fault = state, None, ""
+
+
+@dataclass(frozen=True)
+class Restored:
+    """What was found of a session, and what there is to say about it."""
+
+    state: State | None = None
+    messages: tuple[str, ...] = ()
+
+
+def restore(path: str | os.PathLike[str]) -> Restored:
+    """The session of a file; no state where there is none or it is damaged. Raises nothing.
+
+    A material or lamp that is gone is replaced by the initial state's, and said. A damaged file is
+    moved aside beside itself, so that nothing of it is lost.
+    """
+    path = Path(path)
+    _sweep(path)
+    if not os.path.lexists(path):
+        return Restored()
+    try:
+        with check_regular(path, "a session").open("rb") as file:
+            if not file.read(MOST_BLANK_BYTES).strip(b"\0 \r\n"):
+                return Restored()  # what some file systems leave when the power goes
+    except OSError as error:
+        return Restored(None, (str(unreadable(path, error, "a session")),))
+    except InputError as error:
+        return Restored(None, (str(error),))
+    stood_in: list[str] = []
+    try:
+        return Restored(load_state(path, stood_in), tuple(stood_in))
+    except InputError as error:
+        return Restored(None, (f"{error}; {_move_aside(path)}",))
+
+
+def _move_aside(path: Path) -> str:
+    """Move a damaged session out of the way of the next one; returns what became of it."""
+    for number in range(1, MOST_DAMAGED + 1):
+        name = f"{path.stem}-damaged{f'-{number}' if number > 1 else ''}{path.suffix}"
+        aside = path.with_name(name)
+        if os.path.lexists(aside) and number < MOST_DAMAGED:
+            continue
+        try:
+            os.replace(path, aside)
+        except OSError as error:
+            return f"it can't be moved aside ({error.strerror}); starting afresh"
+        return f"it is kept as {name}; starting afresh"
+    raise AssertionError("the last name is always taken")
+
+
+def _sweep(path: Path) -> None:
+    """Remove what a killed program left of a file that it was writing."""
+    with contextlib.suppress(OSError):
+        for leftover in _leftovers(path):
+            with contextlib.suppress(OSError):
+                if time.time() - leftover.stat().st_mtime > LEFTOVER_S:
+                    leftover.unlink()
+
+
+def _leftovers(path: Path) -> Iterator[Path]:
+    """The temporary files of atomic.whole_file for this path."""
+    for entry in path.parent.iterdir():
+        if entry.name.startswith(f".{path.stem}.") and entry.suffix == path.suffix:
+            yield entry

@@ -1,0 +1,130 @@
+"""State: everything that a user sets in the window, as one frozen value.
+
+Undo, the session file and the decision what to draw again all work on it. No OpenGL, no window.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any
+
+from relgloss_view.base.parameters import Checked, choice, parameter, switch
+from relgloss_view.material.material import Material
+from relgloss_view.operators.registry import DEFAULT_OPERATOR, OPERATORS
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.samples import DEFAULT_SAMPLE, SAMPLES, load_sample
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
+
+SIDES = ("reference", "test")
+DEFAULT_REFERENCE = "cast-coated"
+
+SIDE_BY_SIDE, WIPE, FLIP, DIFFERENCE = "side by side", "wipe", "flip", "difference"
+COMPARE_MODES = (SIDE_BY_SIDE, WIPE, FLIP, DIFFERENCE)
+OVERLAYS = (
+    "none",
+    "clipped",
+    "out of gamut",
+    "lightness",
+    "diffuse only",
+    "specular only",
+    "normals",
+)
+
+
+@dataclass(frozen=True)
+class Presentation(Checked):
+    """How the two pictures are shown; nothing of it changes the light in them."""
+
+    compare: str = choice(SIDE_BY_SIDE, COMPARE_MODES, "how the two pictures are laid out")
+    overlay: str = choice("none", OVERLAYS, "what is shown over or instead of the picture")
+    wipe: float = parameter(0.5, 0.0, 1.0, "", "share of the width that shows the reference")
+    flipped: bool = switch(False, "whether flip shows the test picture")
+    difference_max: float = parameter(10.0, 0.5, 100.0, "dE2000", "top of the difference scale")
+    haploscopic: bool = switch(False, "only the two pictures on a neutral surround, no text")
+    mirror: bool = switch(False, "swap the pictures left and right and mirror each")
+    gap_px: float = parameter(24.0, 0.0, 2000.0, "px", "between the two pictures")
+    life_size: bool = switch(False, "show the object at its physical size on this monitor")
+    reference_operator: str = choice(DEFAULT_OPERATOR, tuple(OPERATORS), "the reference's tones")
+    test_operator: str = choice(DEFAULT_OPERATOR, tuple(OPERATORS), "the test picture's tones")
+
+    def operator(self, side: str) -> str:
+        """The tone-mapping operator of a side, one of SIDES."""
+        name: str = getattr(self, f"{side}_operator")
+        return name
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A material and where it comes from. A built-in one has a name, any other a file."""
+
+    material: Material
+    name: str | None = None  #: of the built-in samples
+    file: str | None = None  #: the material file; draws the sample again
+    table: str | None = None  #: the measurement that it was fitted to in this window
+
+    @classmethod
+    def built_in(cls, name: str) -> Sample:
+        """A built-in sample; InputError for a name that is none."""
+        return cls(load_sample(name), name=name)
+
+
+@dataclass(frozen=True)
+class Side:
+    """One of the two pictures: a sample and how it is to look."""
+
+    sample: Sample
+    look: Look
+
+
+@dataclass(frozen=True)
+class State:
+    """Two sides under one lamp, seen by one eye."""
+
+    reference: Side
+    test: Side
+    shape: Shape = Shape()
+    lamp: Lamp = Lamp()
+    eye: Eye = Eye()
+    display: Display = Display()
+    presentation: Presentation = Presentation()
+
+    @classmethod
+    def initial(cls) -> State:
+        """The paper's reference beside the default sample, both at their published settings."""
+        reference, test = (
+            Side(Sample.built_in(name), SAMPLES[name].look())
+            for name in (DEFAULT_REFERENCE, DEFAULT_SAMPLE)
+        )
+        return cls(reference, test)
+
+    def side(self, name: str) -> Side:
+        """A side by its name, one of SIDES."""
+        side: Side = getattr(self, name)
+        return side
+
+    def scene(self, name: str) -> Scene:
+        """What a side's renderer draws."""
+        material = self.side(name).sample.material
+        return Scene(material, self.shape, self.lamp, self.eye, self.display)
+
+    def with_part(self, name: str, **changes: Any) -> State:
+        """The state with entries of one part changed: shape, lamp, eye, display, presentation."""
+        part = dataclasses.replace(getattr(self, name), **changes)
+        changed: dict[str, Any] = {name: part}
+        return dataclasses.replace(self, **changed)
+
+    def with_look(self, name: str, **changes: Any) -> State:
+        """The state with entries of a side's look changed."""
+        side = self.side(name)
+        look = dataclasses.replace(side.look, **changes)
+        return self._with_side(name, dataclasses.replace(side, look=look))
+
+    def with_sample(self, name: str, sample: Sample) -> State:
+        """The state with another sample on a side; its look stays."""
+        return self._with_side(name, dataclasses.replace(self.side(name), sample=sample))
+
+    def _with_side(self, name: str, side: Side) -> State:
+        changed: dict[str, Any] = {name: side}
+        return dataclasses.replace(self, **changed)

@@ -1,0 +1,67 @@
+"""A State as a scene file: what `relgloss snapshot --scene` draws, and the reference beside it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.toml import build_part, entries
+from relgloss_view.picture.scene.scene_file import SceneFile, SceneSample, read_scene_file
+from relgloss_view.picture.scene.scene_writer import write_scene_file
+from relgloss_view.viewer.state.state import Presentation, Sample, Side, State
+
+
+def load_state(path: str | os.PathLike[str], stood_in: list[str] | None = None) -> State:
+    """The state that a scene file holds; InputError names the file and the entry.
+
+    A file without [reference] gets the initial state's. With a list `stood_in`, materials and lamps
+    that can't be had are replaced by those of the initial state, and the list is told.
+    """
+    content = read_scene_file(Path(path).absolute(), stood_in)
+    try:
+        presentation = build_part(Presentation, "presentation", dict(content.presentation))
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+    reference = State.initial().reference
+    return State(
+        Side(
+            _sample(content.reference) if content.reference is not None else reference.sample,
+            content.reference_look if content.reference_look is not None else reference.look,
+        ),
+        Side(_sample(content.sample), content.look),
+        content.shape,
+        content.lamp,
+        content.eye,
+        content.display,
+        presentation,
+    )
+
+
+def save_state(path: str | os.PathLike[str], state: State, *, forgiving: bool = False) -> None:
+    """Write a state as a scene file, whole or not at all; load_state gives it back exactly.
+
+    InputError where the place can't be written, or a sample is in no file or its file is gone; when
+    forgiving, such a sample is no fault, and load_state with `stood_in` replaces it.
+    """
+    content = SceneFile(
+        scene_sample(state.test.sample),
+        state.test.look,
+        state.shape,
+        state.lamp,
+        state.eye,
+        state.display,
+        scene_sample(state.reference.sample),
+        state.reference.look,
+        entries(state.presentation),
+    )
+    write_scene_file(path, content, forgiving=forgiving)
+
+
+def scene_sample(sample: Sample) -> SceneSample:
+    """A side's sample as a scene file gives it."""
+    return SceneSample(sample.material, sample.name, sample.file, sample.table)
+
+
+def _sample(sample: SceneSample) -> Sample:
+    return Sample(sample.material, sample.name, sample.file, sample.table)

@@ -1,0 +1,38 @@
+"""Real samples: the RGL material database on a 10-degree grid plus the mirror scan."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from rgl_data import rgl_file
+
+from relgloss_view.fitting import fit_material
+from relgloss_view.measure.readers import read_measurement
+
+#: Median relative error over samples and channels inside the gamut of sRGB.
+FIGURES = {"paper_white": 0.02, "satin_rosaline": 0.06, "cg_sunflower": 0.06}
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_median_relative_error(name: str) -> None:
+    measurement = read_measurement(rgl_file(name))
+    material = fit_material(measurement)
+    assert material.fit is not None
+    assert material.fit.quality == "good"
+    kept = measurement.kept
+    diffuse, specular = material.evaluate(measurement.to_lamp[kept], measurement.to_receiver[kept])
+    model = np.pi * (diffuse + specular)
+    value = measurement.radiance_factor[kept]
+    inside = np.median(value, axis=0) > 0.0  # sunflower yellow has no blue in sRGB
+    relative = np.abs(model - value)[:, inside] / value[:, inside]
+    assert np.median(relative) <= FIGURES[name]
+    # The record tells the same.
+    said = material.fit.residuals["median_relative_error"]
+    assert np.median(relative) == pytest.approx(said, rel=1e-3)
+
+
+def test_a_colour_shifting_flake_film_is_poor() -> None:
+    material = fit_material(read_measurement(rgl_file("vch_golden_yellow")))
+    assert material.fit is not None
+    assert material.fit.quality == "poor"
+    assert any("no model describes" in text for text in material.warnings)

@@ -1,0 +1,87 @@
+"""The report of a fit: a picture and a text that say what was found and what to doubt."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import fit_cases
+import numpy as np
+import pytest
+from PIL import Image
+
+from relgloss_view.fitting import describe_fit, fit_material, write_fit_report
+from relgloss_view.material.material import Diffuse, Material
+from relgloss_view.measure.bands import RGB
+
+GRID = fit_cases.GRID[np.isin(fit_cases.GRID[:, 0], (-60.0, -40.0, -20.0, 10.0, 30.0))]
+
+
+@pytest.mark.parametrize("lobes", [(), ((2.5, 0.9),)])
+@pytest.mark.parametrize("rgb", [False, True])
+def test_a_page_is_written(lobes: tuple[tuple[float, object], ...], rgb: bool, tmp_path) -> None:
+    value = fit_cases.truth(lobes, 0.2, albedo=(0.05, 0.3, 0.5), grid=GRID)
+    measurement = fit_cases.measured(value, grid=GRID)
+    if rgb:
+        measurement = replace(measurement, bands=RGB, gamma_s_deg=None)
+    material = fit_material(measurement, model="lobe" if rgb else "auto")
+    write_fit_report(material, measurement, tmp_path / "page.png")
+    assert [p.name for p in tmp_path.iterdir()] == ["page.png"]
+    with Image.open(tmp_path / "page.png") as page:
+        assert page.width >= 1500
+        assert page.height >= 1000
+        pixels = np.asarray(page.convert("L"))
+    assert 0.01 < np.mean(pixels < 128) < 0.3  # drawn on, not drowned
+
+
+def test_the_text_holds_the_evidence() -> None:
+    measurement = fit_cases.measured(fit_cases.truth(((2.5, 0.9),), grid=GRID), grid=GRID)
+    measurement = replace(measurement, warnings=("the ridge lies elsewhere",))
+    material = fit_material(measurement)
+    assert material.fit is not None
+    text = describe_fit(material)
+    for part in ("[synthetic]", "* lobe", "two-lobes", "sigma", "quality    good", "ridge lies"):
+        assert part in text, text
+    assert all(len(line) < 130 for line in text.splitlines())
+
+
+def test_names_are_not_formulas_nor_commands(tmp_path) -> None:
+    """A dollar sign is not mathematics, a control character no command, a script no fault."""
+    measurement = fit_cases.measured(fit_cases.truth(grid=GRID), grid=GRID)
+    name = "5 $ a$_^{ \x1b[31m red\n紙 " + 300 * "x"
+    measurement = replace(measurement, name=name, source=name, warnings=(name,))
+    material = fit_material(measurement, model="lambert")
+    write_fit_report(material, measurement, tmp_path / "page.png")
+    text = describe_fit(material)
+    assert "\x1b" not in text
+    assert all(len(line) < 320 for line in text.splitlines())
+    assert text.splitlines()[1].startswith("  source")
+
+
+def test_a_given_material_has_no_evidence(tmp_path) -> None:
+    material = Material("card", "given", RGB, Diffuse("lambert", (0.5, 0.5, 0.5)))
+    assert "not fitted" in describe_fit(material)
+    measurement = fit_cases.measured(fit_cases.truth(grid=GRID), grid=GRID)
+    with pytest.raises(ValueError, match="not fitted"):
+        write_fit_report(material, measurement, tmp_path / "page.png")
+
+
+def test_plotting_is_imported_only_for_the_report() -> None:
+    code = (
+        "import sys, relgloss_view.fitting; "
+        "assert 'matplotlib' not in sys.modules and 'scipy' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=Path(__file__).parent)
+
+
+def test_a_width_at_its_limit_claims_no_error() -> None:
+    """A fit that stopped at the widest lobe has no spread there; "+- 0" would promise exactness."""
+    from relgloss_view.fitting.describe import width_error
+    from relgloss_view.picture.scene.samples import load_sample
+
+    material = load_sample("uncoated")
+    assert material.specular[1].s_deg == 40.0
+    assert width_error(material, 1, "se ") == "at the limit"
+    assert width_error(material, 0, "se ").startswith("se 0.")
