@@ -14,7 +14,8 @@ from relgloss_view.experiment.report import figures
 from relgloss_view.experiment.report.chosen_setting import Array, Choice, choice_by, chosen
 from relgloss_view.experiment.report.panels import EDGE_IN, heading
 from relgloss_view.experiment.report.sentences import BY, label_of
-from relgloss_view.experiment.verdict.analysis import Analysis, SampleResult, Scale
+from relgloss_view.experiment.scaling.bootstrap import ScaleValues
+from relgloss_view.experiment.verdict.analysis import Analysis, SampleResult
 from relgloss_view.fitting.report import INK, MUTED
 
 LEAST_ROWS, MOST_ROWS = 4, 48  #: settings, the closest ones; scale.csv has all
@@ -57,7 +58,7 @@ def write_bounds(path: Path, result: SampleResult, analysis: Analysis) -> None:
         figures.save(figure, path)
 
 
-def _panel(axes: Any, scale: Scale, choice: Choice, grid: Grid, rows: int) -> None:
+def _panel(axes: Any, scale: ScaleValues, choice: Choice, grid: Grid, rows: int) -> None:
     figures.bare(axes)
     order = np.argsort(-np.where(scale.answered, scale.scale, -np.inf), kind="stable")
     order = order[: min(rows, int(np.sum(scale.answered)))]
@@ -106,7 +107,7 @@ def _row(
     axes.plot(places[1], row, "|", color=INK, ms=5.5, mew=0.9, zorder=6)
 
 
-def _limits(scale: Scale, order: Any) -> tuple[float, float]:
+def _limits(scale: ScaleValues, order: Any) -> tuple[float, float]:
     """From the least to the largest of what is shown, and room for the end categories."""
     bounds = -scale.probit.bounds[np.isfinite(scale.probit.bounds)]
     values = scale.scale[order]
@@ -122,7 +123,7 @@ def _limits(scale: Scale, order: Any) -> tuple[float, float]:
     return low - room, high + room
 
 
-def _categories(axes: Any, scale: Scale, across: tuple[float, float]) -> None:
+def _categories(axes: Any, scale: ScaleValues, across: tuple[float, float]) -> None:
     """Which category a setting of some closeness is put in most likely, 1 being close."""
     bounds = -scale.probit.bounds  # along closeness they fall
     places = [across[1], *bounds, across[0]]

@@ -21,9 +21,10 @@ from relgloss_view.experiment.report.chosen_setting import (
     values_of,
 )
 from relgloss_view.experiment.report.sentences import notes, sentence, untold
+from relgloss_view.experiment.scaling.bootstrap import ScaleValues
 from relgloss_view.experiment.session.pool import Pool
 from relgloss_view.experiment.session.records import Record
-from relgloss_view.experiment.verdict.analysis import JOINT, Analysis, SampleResult, Scale
+from relgloss_view.experiment.verdict.analysis import JOINT, Analysis, SampleResult
 
 FORMAT, VERSION = "relgloss-experiment-results", 1
 
@@ -190,7 +191,7 @@ def _question(
     return found
 
 
-def _fit(scale: Scale) -> dict[str, Any]:
+def _fit(scale: ScaleValues) -> dict[str, Any]:
     """Bounds lie along distance: a setting as far as a bound is called nearer half of the time."""
     low = high = None
     if scale.bounds_interval is not None:

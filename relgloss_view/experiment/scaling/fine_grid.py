@@ -78,6 +78,22 @@ class FineGrid:
         return shape_of(self.points, smooth[best] - smooth <= Z_95 * sd)
 
 
+@dataclass(frozen=True)
+class Smooth:
+    """Closeness on the points of a fine grid: (points,), and its draws (B, points)."""
+
+    fine: FineGrid
+    closeness: Array
+    draws: Array | None
+
+    def plus(self, other: Smooth) -> Smooth:
+        """Both together, as when both have to be right."""
+        draws = None
+        if self.draws is not None and other.draws is not None:
+            draws = self.draws + other.draws
+        return Smooth(self.fine, self.closeness + other.closeness, draws)
+
+
 def shape_of(points: Array, as_good: Bools) -> Shape:
     """The form of a set of points of a regular fine grid: (F, 2) in steps, (F,) of them."""
     inside = points[as_good]

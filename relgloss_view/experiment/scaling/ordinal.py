@@ -172,7 +172,7 @@ def fit_cumulative(
     loss = _Loss(held, matrix[answered], penalty, link)
     counted = counted_bounds(used)
     tolerance = SLOPE_TOLERANCE * max(1.0, float(held.sum()) / 1000.0)
-    found = minimize(
+    optimum = minimize(
         loss.value,
         _first(loss, counted, start),
         method="trust-exact",
@@ -185,14 +185,14 @@ def fit_cumulative(
         },
     )
     limits = np.full(counted.shape, np.nan)
-    limits[counted] = found.x[: loss.limits]
+    limits[counted] = optimum.x[: loss.limits]
     return CumulativeFit(
         bounds=spread_bounds(limits, used),
-        coefficients=np.asarray(found.x[loss.limits :]),
-        log_likelihood=loss.log_likelihood(found.x),
-        iterations=int(found.nit),
-        converged=bool(np.linalg.norm(found.jac) < NEAR_ENOUGH * tolerance),
-        information=loss.hessian(found.x),
+        coefficients=np.asarray(optimum.x[loss.limits :]),
+        log_likelihood=loss.log_likelihood(optimum.x),
+        iterations=int(optimum.nit),
+        converged=bool(np.linalg.norm(optimum.jac) < NEAR_ENOUGH * tolerance),
+        information=loss.hessian(optimum.x),
         used=used,
     )
 
@@ -214,17 +214,53 @@ def _first(loss: _Loss, counted: NDArray[np.bool_], start: tuple[Array, Array] |
     return np.concatenate([limits if fits else pooled, coefficients])
 
 
+class CategoryShares:
+    """Probabilities of categories cut at u (..., K-1), and how the loss of counts changes with u.
+
+    Category k lies between u[k-1] and u[k]. The share of an inner category is a difference of two
+    tails, taken on the side where both are small: nothing is lost to cancellation, however far out.
+    """
+
+    def __init__(self, u: Array, link: Link) -> None:
+        left, right, log_density, self._turn = _law(u, link)
+        upper = u[..., :-1] + u[..., 1:] > 0.0
+        large = np.where(upper, right[..., :-1], left[..., 1:])
+        small = np.where(upper, right[..., 1:], left[..., :-1])
+        inner = large + np.log(np.maximum(-np.expm1(small - large), LEAST_SHARE))
+        #: Natural logarithms of the probabilities, (..., K).
+        self.log_p: Array = np.concatenate([left[..., :1], inner, right[..., -1:]], axis=-1)
+        self._high = np.exp(log_density - self.log_p[..., :-1])  # f(u[k]) / P(category k)
+        self._low = np.exp(log_density - self.log_p[..., 1:])  # f(u[k]) / P(category k+1)
+
+    def slopes(self, counts: Array) -> Array:
+        """First derivatives by u of minus the log-likelihood of counts (..., K); (..., K-1)."""
+        return np.asarray(counts[..., 1:] * self._low - counts[..., :-1] * self._high)
+
+    def curvatures(self, counts: Array) -> tuple[Array, Array]:
+        """Second derivatives: by each u (..., K-1), and by each two neighbours (..., K-2)."""
+        high, low, turn = self._high, self._low, self._turn
+        own = counts[..., :-1] * high * (high - turn) + counts[..., 1:] * low * (low + turn)
+        return own, -counts[..., 1:-1] * high[..., 1:] * low[..., :-1]
+
+
+def row_sums(own: Array, beside: Array) -> Array:
+    """Row sums of the tridiagonal matrices of `CategoryShares.curvatures`, (..., K-1)."""
+    rows = own.copy()
+    rows[..., :-1] += beside
+    rows[..., 1:] += beside
+    return rows
+
+
 class _Loss:
     """Minus the log-likelihood plus the ridge's part, as a function of bounds and coefficients.
 
-    With u[k] = bounds[k] - design @ coefficients, category k lies between u[k-1] and u[k].
+    The categories of a cell are cut at u[k] = bounds[k] - design @ coefficients.
     """
 
     def __init__(self, counts: Array, design: Array, ridge: Array, link: Link) -> None:
         self.counts, self.design, self.ridge, self.link = counts, design, ridge, link
         self.limits = counts.shape[1] - 1
-        self._below, self._above = counts[:, :-1], counts[:, 1:]  # of each bound
-        self._at: Array | None = None
+        self._last: tuple[Array, CategoryShares] | None = None
 
     def value(self, x: Array) -> float:
         """The loss; infinite where bounds are out of order."""
@@ -235,13 +271,11 @@ class _Loss:
 
     def log_likelihood(self, x: Array) -> float:
         """Without the ridge's part."""
-        self._prepare(x)
-        return float(np.sum(self.counts * self._log_p))
+        return float(np.sum(self.counts * self._shares(x).log_p))
 
     def gradient(self, x: Array) -> Array:
         """First derivatives, (limits + p,)."""
-        self._prepare(x)
-        slope = self._above * self._low - self._below * self._high
+        slope = self._shares(x).slopes(self.counts)
         b = x[self.limits :]
         return np.concatenate(
             [slope.sum(axis=0), self.ridge * b - self.design.T @ slope.sum(axis=1)]
@@ -249,42 +283,25 @@ class _Loss:
 
     def hessian(self, x: Array) -> Array:
         """Second derivatives, (limits + p, limits + p). Within a cell they are tridiagonal."""
-        self._prepare(x)
-        high, low, turn = self._high, self._low, self._turn
-        own = self._below * high * (high - turn) + self._above * low * (low + turn)
-        next_ = -self.counts[:, 1:-1] * high[:, 1:] * low[:, :-1]
-        rows = own.copy()
-        rows[:, :-1] += next_
-        rows[:, 1:] += next_
+        own, beside = self._shares(x).curvatures(self.counts)
+        rows = row_sums(own, beside)
         n, design = self.limits, self.design
-        found = np.empty((n + design.shape[1],) * 2)
-        found[:n, :n] = np.diag(own.sum(axis=0))
+        hessian = np.empty((n + design.shape[1],) * 2)
+        hessian[:n, :n] = np.diag(own.sum(axis=0))
         k = np.arange(n - 1)
-        found[k, k + 1] = found[k + 1, k] = next_.sum(axis=0)
-        found[:n, n:] = -(rows.T @ design)
-        found[n:, :n] = found[:n, n:].T
-        found[n:, n:] = design.T @ (rows.sum(axis=1)[:, None] * design)
-        found[n:, n:] += np.diag(self.ridge)
-        return found
+        hessian[k, k + 1] = hessian[k + 1, k] = beside.sum(axis=0)
+        hessian[:n, n:] = -(rows.T @ design)
+        hessian[n:, :n] = hessian[:n, n:].T
+        hessian[n:, n:] = design.T @ (rows.sum(axis=1)[:, None] * design)
+        hessian[n:, n:] += np.diag(self.ridge)
+        return hessian
 
-    def _prepare(self, x: Array) -> None:
-        """What value and derivatives share at x.
-
-        The share of an inner category is a difference of two tails, taken on the side where both
-        are small: nothing is lost to cancellation, however far out.
-        """
-        if self._at is not None and np.array_equal(x, self._at):
-            return
-        u = x[: self.limits] - (self.design @ x[self.limits :])[:, None]
-        left, right, log_density, self._turn = _law(u, self.link)
-        upper = u[:, :-1] + u[:, 1:] > 0.0
-        large = np.where(upper, right[:, :-1], left[:, 1:])
-        small = np.where(upper, right[:, 1:], left[:, :-1])
-        inner = large + np.log(np.maximum(-np.expm1(small - large), LEAST_SHARE))
-        self._log_p = np.concatenate([left[:, :1], inner, right[:, -1:]], axis=1)
-        self._high = np.exp(log_density - self._log_p[:, :-1])  # f(u[k]) / P(category k)
-        self._low = np.exp(log_density - self._log_p[:, 1:])  # f(u[k]) / P(category k+1)
-        self._at = x.copy()
+    def _shares(self, x: Array) -> CategoryShares:
+        """The probabilities at x, which value and derivatives share."""
+        if self._last is None or not np.array_equal(x, self._last[0]):
+            u = x[: self.limits] - (self.design @ x[self.limits :])[:, None]
+            self._last = x.copy(), CategoryShares(u, self.link)
+        return self._last[1]
 
 
 def _law(u: Array, link: Link) -> tuple[Array, Array, Array, Array]:

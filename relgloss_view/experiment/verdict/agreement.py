@@ -77,8 +77,6 @@ def kendall_w(ratings: ArrayLike) -> float | None:
     where each observer always gave the same answer. Kendall and Babington Smith, The problem of m
     rankings (1939).
     """
-    from scipy.stats import rankdata
-
     table = _table(ratings)
     table = table[:, np.all(np.isfinite(table), axis=0)]
     observers, stimuli = table.shape
@@ -86,7 +84,7 @@ def kendall_w(ratings: ArrayLike) -> float | None:
         return None
     # Over all ranks: the observers' own sums of squares are what full agreement would reach; ties
     # lower them, which is the usual correction.
-    ranks = np.asarray(rankdata(table, axis=1)) - 0.5 * (stimuli + 1)
+    ranks = _mid_ranks(table) - 0.5 * (stimuli + 1)
     most = observers * np.sum(np.square(ranks))
     return float(np.sum(np.square(ranks.sum(axis=0))) / most) if most else None
 
@@ -105,8 +103,6 @@ def relation_to_others(
     answers at random, or against the others. It depends on nothing but the answers, whatever
     their order, and the seed. Observers and the seed are not negative.
     """
-    from scipy.stats import rankdata
-
     who, what, answer = _answers(observer, stimulus, category)
     found = []
     for number, mine in _by_observer(who):
@@ -118,8 +114,8 @@ def relation_to_others(
         mine = mine[count[what[mine]] > 0.0]
         # Twice a mid-rank is a whole number, so that sums of products are exact and ties are ties.
         # Means that are equal fractions may differ in the last bit.
-        own = 2.0 * np.asarray(rankdata(answer[mine]))
-        others = 2.0 * np.asarray(rankdata(np.round(mean[what[mine]], 9)))
+        own = 2.0 * _mid_ranks(answer[mine])
+        others = 2.0 * _mid_ranks(np.round(mean[what[mine]], 9))
         spread = np.var(own) * np.var(others) if mine.size >= FEWEST_ANSWERS else 0.0
         if not spread:
             found.append(Relation(number, None, None))
@@ -147,8 +143,6 @@ def no_difference_p(
     the observer saw. With one answer to each stimulus by each observer this is Friedman's test
     (1937) with its exact law. At least 1/(permutations + 1); 1 where nothing can differ.
     """
-    from scipy.stats import rankdata
-
     who, what, answer = _answers(observer, stimulus, category)
     if not who.size:
         return 1.0
@@ -156,13 +150,21 @@ def no_difference_p(
     generator = np.random.default_rng(seed)
     sums = np.zeros((1 + permutations, size))  # the first row is what was answered
     for _, mine in _by_observer(who):
-        ranks = (np.asarray(rankdata(answer[mine])) - 0.5 * (mine.size + 1)) / mine.size
+        ranks = (_mid_ranks(answer[mine]) - 0.5 * (mine.size + 1)) / mine.size
         rows = np.tile(ranks, (1 + permutations, 1))
         rows[1:] = generator.permuted(rows[1:], axis=1)
         sums += rows @ np.eye(size)[what[mine]]
     between = np.square(sums) @ (1.0 / np.bincount(what))
     as_large = np.sum(between[1:] >= between[0] - TIE * np.max(between))
     return float((1.0 + as_large) / (1.0 + permutations))
+
+
+def _mid_ranks(values: Array) -> Array:
+    """Ranks from 1 along the last axis; equal values share the mean of their ranks."""
+    if values.ndim > 1:
+        return np.array([_mid_ranks(row) for row in values])
+    _, place, often = np.unique(values, return_inverse=True, return_counts=True)
+    return np.asarray((np.cumsum(often) - 0.5 * (often - 1.0))[place])
 
 
 def _table(ratings: ArrayLike) -> Array:

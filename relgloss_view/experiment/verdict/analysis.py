@@ -12,53 +12,25 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.design.study import ADAPTIVE, RATIO
+from relgloss_view.experiment.scaling.bootstrap import ScaleValues, observer_weights, scale_values
 from relgloss_view.experiment.scaling.fine_grid import FineGrid
-from relgloss_view.experiment.scaling.ordinal import OrdinalScale, ordinal_scale
-from relgloss_view.experiment.scaling.successive_categories import (
-    SuccessiveScale,
-    Zero,
-    successive_categories,
-)
-from relgloss_view.experiment.scaling.unfolding import fit_unfolding
+from relgloss_view.experiment.scaling.successive_categories import Zero
 from relgloss_view.experiment.session.adaptive import Posterior
-from relgloss_view.experiment.session.pool import Answers, Pool
+from relgloss_view.experiment.session.pool import Pool
 from relgloss_view.experiment.verdict.adaptive import AdaptiveVerdict, judged_adaptively
 from relgloss_view.experiment.verdict.agreement import (
     kendall_w,
     krippendorff_alpha,
     no_difference_p,
 )
-from relgloss_view.experiment.verdict.full_grid import LEVEL, Smooth, Verdict, judged
+from relgloss_view.experiment.verdict.full_grid import LEVEL, Verdict, judged
 from relgloss_view.experiment.verdict.screening import ObserverResult, judged_observers
-
-Array = NDArray[np.float64]
 
 DRAWS = 1000
 MOST_DRAWS = 20_000  #: each keeps the smooth fit of a fine grid: about half a gigabyte
 JOINT = "both"  #: the ratio and the grain together
-
-
-@dataclass(frozen=True)
-class Scale:
-    """Closeness of the settings to one question, larger is closer, and how sure it is."""
-
-    question: str
-    probit: OrdinalScale
-    torgerson: SuccessiveScale
-    answered: NDArray[np.bool_]  #: (J,), settings that somebody judged
-    interval: Array | None  #: (2, J), 95 %, of the probit scale
-    bounds_interval: Array | None  #: (2, K-1)
-    draws: Array | None  #: (B, J), of the probit scale; the mean is 0 in each
-    smooth: Smooth  #: the smooth fit
-
-    @property
-    def scale(self) -> Array:
-        """(J,), the probit scale, NaN without answers."""
-        return np.where(self.answered, self.probit.scale, np.nan)
 
 
 @dataclass(frozen=True)
@@ -69,7 +41,7 @@ class SampleResult:
     answers: int
     observers: int  #: who answered about it
     p: dict[str, float]  #: by question, and JOINT: of such answers where settings do not differ
-    scales: tuple[Scale, ...]  #: one a question
+    scales: tuple[ScaleValues, ...]  #: one a question
     verdicts: dict[str, Verdict]  #: by question; JOINT too where both were asked
     adaptive: AdaptiveVerdict | None  #: of an adaptive study
     alpha: float | None  #: Krippendorff's, ordinal
@@ -168,7 +140,7 @@ def _sample(
         posterior = Posterior(study.grid, len(study.categories))
         posterior.update(list(zip(ratio.setting.tolist(), ratio.category.tolist(), strict=True)))
         adaptive = judged_adaptively(posterior, study.grid, level)
-    weights = _resampled(ratio, options)
+    weights = observer_weights(ratio, options.draws, options.seed)
     questions = [q for q in study.questions if len(np.unique(pool.answers(sample, q).category)) > 1]
     scales = []
     fine = FineGrid(study.grid)
@@ -178,7 +150,17 @@ def _sample(
             progress((k + done) / len(questions))
 
         answers = pool.answers(sample, question)
-        scales.append(_scale(fine, question, answers, weights, options, share))
+        scales.append(
+            scale_values(
+                fine,
+                question,
+                answers,
+                weights,
+                observer_effects=options.observer_effects,
+                zero=options.zero,
+                progress=share,
+            )
+        )
     by_question = {q: pool.answers(sample, q) for q in questions}
     p = {
         q: no_difference_p(a.observer, a.setting, a.category, options.seed)
@@ -214,84 +196,3 @@ def _sample(
         krippendorff_alpha(ratings),
         kendall_w(ratings[np.any(np.isfinite(ratings), axis=1)]),
     )
-
-
-def _resampled(answers: Answers, options: Options) -> Array | None:
-    """(draws, observers) how often each observer is drawn; None where there is but one.
-
-    Drawn from those who answered about the sample.
-    """
-    present = np.unique(answers.observer)
-    draws = options.draws
-    if len(present) < 2 or draws < 1:
-        return None
-    random = np.random.default_rng(options.seed)
-    number = len(present)
-    weights = np.zeros((draws, answers.observers))
-    weights[:, present] = random.multinomial(number, np.full(number, 1.0 / number), size=draws)
-    return weights
-
-
-def _scale(
-    fine: FineGrid,
-    question: str,
-    answers: Answers,
-    weights: Array | None,
-    options: Options,
-    progress: Callable[[float], object],
-) -> Scale:
-    counts, observer_effects = answers.counts(), options.observer_effects
-    pooled = counts.sum(axis=0)
-    probit = ordinal_scale(
-        counts if observer_effects else pooled, observer_effects=observer_effects
-    )
-    try:
-        torgerson = successive_categories(pooled, options.zero)
-    except InputError:  # every proportion is 0 or 1, and those are left out
-        nothing = np.full(len(pooled), np.nan)
-        torgerson = SuccessiveScale(nothing, np.full(pooled.shape[1] - 1, np.nan))
-    answered = pooled.sum(axis=1) > 0.0
-    unfolding = fit_unfolding(fine.grid, pooled)
-    closeness = unfolding.closeness(fine.points)
-    if weights is None:
-        smooth = Smooth(fine, closeness, None)
-        return Scale(question, probit, torgerson, answered, None, None, None, smooth)
-    drawn = np.full((len(weights), len(pooled)), np.nan)
-    bounds = np.full((len(weights), pooled.shape[1] - 1), np.nan)
-    surfaces = np.zeros((len(weights), len(fine.points)))
-    for k, weight in enumerate(weights):
-        if k % 20 == 0:
-            progress(k / len(weights))
-        weighted = weight[:, None, None] * counts
-        total = weighted.sum(axis=0)
-        surfaces[k] = fit_unfolding(fine.grid, total, unfolding).closeness(fine.points)
-        try:
-            fit = ordinal_scale(
-                weighted if observer_effects else total,
-                observer_effects=observer_effects,
-                start=probit,
-            )
-        except InputError:
-            continue  # those drawn gave one answer only: nothing is told apart
-        drawn[k] = np.where(total.sum(axis=1) > 0.0, fit.scale, np.nan)
-        bounds[k] = fit.bounds
-    return Scale(
-        question,
-        probit,
-        torgerson,
-        answered,
-        _interval(drawn),
-        _interval(bounds),
-        drawn,
-        Smooth(fine, closeness, surfaces),
-    )
-
-
-def _interval(draws: Array) -> Array:
-    """(2, n) ends of the central 95 % of draws (B, n); NaN where no draw has a value."""
-    found = np.full((2, draws.shape[1]), np.nan)
-    for k, column in enumerate(draws.T):
-        there = column[np.isfinite(column)]
-        if there.size:
-            found[:, k] = np.quantile(there, (0.025, 0.975))
-    return found

@@ -12,9 +12,9 @@ from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.scaling.fine_grid import (
     POINT_LIKE,
     RIDGE_LIKE,
-    FineGrid,
     Optimum,
     Shape,
+    Smooth,
 )
 
 Array = NDArray[np.float64]
@@ -47,22 +47,6 @@ class Verdict:
     def declared(self) -> bool:
         """Whether a setting is called the best."""
         return self.status == BEST
-
-
-@dataclass(frozen=True)
-class Smooth:
-    """Closeness on the points of a fine grid: (points,), and its draws (B, points)."""
-
-    fine: FineGrid
-    closeness: Array
-    draws: Array | None
-
-    def plus(self, other: Smooth) -> Smooth:
-        """Both together, as when both have to be right."""
-        draws = None
-        if self.draws is not None and other.draws is not None:
-            draws = self.draws + other.draws
-        return Smooth(self.fine, self.closeness + other.closeness, draws)
 
 
 def judged(

@@ -4,25 +4,25 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.optimize import check_grad
+from scipy.optimize import check_grad, lsq_linear, minimize
 from scipy.special import ndtr
 
 from relgloss_view.experiment.design.coordinates import coordinates
 from relgloss_view.experiment.design.grid import Grid
-from relgloss_view.experiment.scaling.fine_grid import FineGrid, shape_of
-from relgloss_view.experiment.scaling.unfolding import ROUND, _Loss, fit_unfolding
-from relgloss_view.experiment.verdict.full_grid import (
-    BEST,
-    BROAD,
-    CHANCE,
-    FEW,
-    RIDGE,
-    Smooth,
-    judged,
+from relgloss_view.experiment.scaling.bounded_minima import steps_within
+from relgloss_view.experiment.scaling.fine_grid import FineGrid, Smooth, shape_of
+from relgloss_view.experiment.scaling.unfolding import (
+    ROUND,
+    UnfoldingLoss,
+    fit_unfolding,
+    unfolding_draws,
 )
+from relgloss_view.experiment.verdict.full_grid import BEST, BROAD, CHANCE, FEW, RIDGE, judged
 
 GRID = Grid()
 BOUNDS = np.array([0.9, 1.8, 2.8, 3.9])
+#: Parameters of a fit, none of them at a limit.
+INSIDE = np.array([2.2, 3.1, 0.1, 0.2, 0.3, 0.9, 0.1, 0.2, -0.1, 0.2, -0.3])
 
 
 def exact_counts(grid, ideal, slopes, shear=0.0, number=1e4, bounds=BOUNDS):
@@ -59,24 +59,94 @@ class TestFit:
 
     def test_gradient(self):
         counts = np.random.default_rng(0).integers(0, 5, (42, 5)).astype(float)
-        loss = _Loss(GRID, counts)
-        at = np.array([2.2, 3.1, 0.1, 0.2, 0.3, 0.9, 0.1, 0.2, -0.1, 0.2, -0.3])
-        value, gradient = loss(at)
+        loss = UnfoldingLoss(GRID, counts)
+        value, gradient = loss(INSIDE)
         # Two-sided differences of a loss near 400 in steps of 1.5e-8: 1e-6 of its slope.
-        off = check_grad(lambda p: loss(p)[0], lambda p: loss(p)[1], at)
+        off = check_grad(lambda p: loss(p)[0], lambda p: loss(p)[1], INSIDE)
         assert off < 1e-5 * np.linalg.norm(gradient)
         assert value > 0.0
 
-    def test_warm_start_ends_where_a_cold_one_does(self):
+    def test_expected_curvature(self):
+        """Counts that the model expects: expected second derivatives are the second derivatives.
+
+        Those of the distances themselves have no share then (Fisher 1925).
+        """
+        share = UnfoldingLoss(GRID, np.ones((42, 5)))._shares(INSIDE)[0]
+        loss = UnfoldingLoss(GRID, 15.0 * share.T)
+        # Central differences of slopes near 1e2: an error of step^2 x 1e3, and 1e-14 / step.
+        steps = 1e-5 * np.eye(len(INSIDE))
+        turn = np.array([(loss(INSIDE + s)[1] - loss(INSIDE - s)[1]) / 2e-5 for s in steps])
+        _, _, information = loss.scoring(INSIDE)
+        np.testing.assert_allclose(information, turn, atol=1e-5 * np.max(turn))
+        # Control: other counts have another curvature.
+        other = UnfoldingLoss(GRID, 15.0 * share.T[::-1])
+        off = np.array([(other(INSIDE + s)[1] - other(INSIDE - s)[1]) / 2e-5 for s in steps])
+        assert np.max(np.abs(information - off)) > 0.1 * np.max(turn)
+
+    def test_many_fits_are_those_of_one(self):
+        random = np.random.default_rng(0)
+        counts = random.integers(0, 5, (3, 42, 5)).astype(float)
+        at = INSIDE + 0.1 * random.standard_normal((3, 11))
+        together = UnfoldingLoss(GRID, counts).scoring(at)
+        for k in range(3):
+            alone = UnfoldingLoss(GRID, counts[k]).scoring(at[k])
+            for ours, theirs in zip(together, alone, strict=True):
+                np.testing.assert_allclose(ours[k], theirs, rtol=1e-12, atol=1e-10)
+
+
+class TestDraws:
+    def test_end_where_searches_from_nothing_do(self):
         random = np.random.default_rng(2)
         counts = exact_counts(GRID, (2.3, 3.1), (0.8, 1.2), number=15)
-        first = fit_unfolding(GRID, counts)
-        for _ in range(5):
-            drawn = random.poisson(counts).astype(float)
-            warm, cold = fit_unfolding(GRID, drawn, first), fit_unfolding(GRID, drawn)
-            assert warm.loss == pytest.approx(cold.loss, abs=0.05)
-            np.testing.assert_allclose(ideal_of(warm), ideal_of(cold), atol=0.15)
+        drawn = random.poisson(counts, (8, 42, 5)).astype(float)
+        ends = unfolding_draws(GRID, drawn, fit_unfolding(GRID, counts))
+        losses = UnfoldingLoss(GRID, drawn)(ends)[0]
+        for end, loss, one in zip(ends, losses, drawn, strict=True):
+            alone = fit_unfolding(GRID, one)
+            # Searches end where a step promises 1e-6: a thousandth of a standard error.
+            assert loss == pytest.approx(alone.loss, abs=1e-4)
+            np.testing.assert_allclose(end[:2], ideal_of(alone), atol=0.01)
 
+    @pytest.mark.parametrize("ideal", [(2.3, 3.1), (0.0, 5.0), (6.0, 0.3)])
+    def test_no_search_of_scipy_ends_lower(self, ideal):
+        """SLSQP from the same start, an optimiser of another kind; ideals on edges of the grid."""
+        random = np.random.default_rng(4)
+        counts = exact_counts(GRID, ideal, (0.7, 1.1), shear=0.2, number=15)
+        start = fit_unfolding(GRID, counts)
+        drawn = random.poisson(counts, (12, 42, 5)).astype(float)
+        ends = unfolding_draws(GRID, drawn, start)
+        limits = np.array(UnfoldingLoss(GRID, counts).limits)
+        assert np.all((ends >= limits[:, 0]) & (ends <= limits[:, 1]))
+        for end, one in zip(ends, drawn, strict=True):
+            loss = UnfoldingLoss(GRID, one)
+            best = minimize(
+                loss, start.parameters, jac=True, method="SLSQP", bounds=limits,
+                options={"ftol": 1e-9, "maxiter": 500},
+            )  # fmt: skip
+            assert loss(end)[0] <= best.fun + 1e-4
+
+    def test_steps_between_limits(self):
+        """Bounded least squares by scipy on the same quadratics."""
+        random = np.random.default_rng(1)
+        root = random.standard_normal((40, 6, 6))
+        matrix = root @ root.swapaxes(1, 2) + 0.3 * np.eye(6)
+        slope = 3.0 * random.standard_normal((40, 6))
+        low, high = -random.random((40, 6)), random.random((40, 6))
+        low[::2, 0] = 0.0
+        steps = steps_within(slope, matrix, low, high)
+        assert np.all((steps >= low) & (steps <= high))
+        lowered = lowest = 0.0
+        for k in range(40):
+            upper = np.linalg.cholesky(matrix[k]).T
+            best = lsq_linear(upper, -np.linalg.solve(upper.T, slope[k]), (low[k], high[k])).x
+            ours, theirs = (x @ (slope[k] + 0.5 * matrix[k] @ x) for x in (steps[k], best))
+            assert ours < 0.0
+            lowered, lowest = lowered + ours, lowest + theirs
+        # Nearly all of what the best steps would give; a search needs no more.
+        assert lowest - 1e-6 <= lowered <= 0.98 * lowest
+
+
+class TestHardCounts:
     @pytest.mark.parametrize(
         "grid",
         [

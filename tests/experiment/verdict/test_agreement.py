@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.stats import friedmanchisquare, kstest, spearmanr
+from scipy.stats import friedmanchisquare, kstest, rankdata, spearmanr
 
 from relgloss_view.experiment.verdict.agreement import (
+    _mid_ranks,
     kendall_w,
     krippendorff_alpha,
     no_difference_p,
@@ -231,3 +232,9 @@ class TestNoDifference:
     def test_arrays_of_other_lengths(self):
         with pytest.raises(ValueError, match="shapes"):
             no_difference_p([0, 1], [0], [0, 1], seed=1)
+
+
+def test_mid_ranks_are_those_of_scipy():
+    values = np.random.default_rng(0).integers(0, 4, (6, 11)).astype(float)
+    np.testing.assert_array_equal(_mid_ranks(values), rankdata(values, axis=1))
+    np.testing.assert_array_equal(_mid_ranks(values[0]), rankdata(values[0]))
