@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relgloss_view.experiment.design.coordinates import coordinates
-from relgloss_view.experiment.design.grid import Grid, Setting
+from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.scaling.fine_grid import Shape
 from relgloss_view.experiment.verdict.adaptive import AdaptiveVerdict
 from relgloss_view.experiment.verdict.analysis import JOINT, SampleResult
 from relgloss_view.experiment.verdict.full_grid import CHANCE, Verdict, edges_of
+from relgloss_view.picture.scene.setting import Setting
 
 Array = NDArray[np.float64]
 Interval = tuple[float, float]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.base.version import __version__
-from relgloss_view.experiment.design.grid import Grid, Setting
+from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.report.answerers import made, path_words, silent, truths
 from relgloss_view.experiment.report.chosen_setting import (
     Array,
@@ -25,6 +25,7 @@ from relgloss_view.experiment.scaling.bootstrap import ScaleValues
 from relgloss_view.experiment.session.pool import Pool
 from relgloss_view.experiment.session.records import Record
 from relgloss_view.experiment.verdict.analysis import JOINT, Analysis, SampleResult
+from relgloss_view.picture.scene.setting import Setting
 
 FORMAT, VERSION = "relgloss-experiment-results", 1
 

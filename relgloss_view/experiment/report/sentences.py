@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from relgloss_view.base.reading import printable
-from relgloss_view.experiment.design.grid import Grid, Setting, share_words
+from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.design.study import GRAIN, RATIO
 from relgloss_view.experiment.report.answerers import path_words, people, silent, truths
 from relgloss_view.experiment.report.chosen_setting import Choice, Interval, choice_by, chosen
@@ -20,6 +20,7 @@ from relgloss_view.experiment.verdict.full_grid import (
     RIDGE,
 )
 from relgloss_view.experiment.verdict.screening import ObserverResult
+from relgloss_view.picture.scene.setting import Setting, share_words
 
 SHORT = {
     BEST: "best",

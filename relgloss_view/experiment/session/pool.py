@@ -7,6 +7,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -130,11 +131,9 @@ def _check_no_copy(first: Record, other: Record) -> None:
 
 def _check_same(first: Record, other: Record) -> None:
     """InputError where other answers are to other questions."""
-    for field in dataclasses.fields(Study):
-        name = field.name
-        if name in MAY_DIFFER:
-            continue
-        ours, theirs = getattr(first.study, name), getattr(other.study, name)
+    theirs_by_name = _judged_parts(other.study)
+    for name, ours in _judged_parts(first.study).items():
+        theirs = theirs_by_name[name]
         if name == "samples":
             ours, theirs = ([(s.label, s.sample.material) for s in x] for x in (ours, theirs))
         elif name == "procedure":
@@ -149,6 +148,13 @@ def _check_same(first: Record, other: Record) -> None:
                 f"{printable(other.path)}: its study has another {name.replace('_', ' ')} than "
                 f"{printable(first.path)}; analyse them apart"
             )
+
+
+def _judged_parts(study: Study) -> dict[str, Any]:
+    """What decides what is judged, by name; shape, lamp, eye and display each by itself."""
+    names = [field.name for field in dataclasses.fields(Study)]
+    parts = {name: getattr(study, name) for name in names if name not in (*MAY_DIFFER, "setup")}
+    return parts | study.setup.parts()
 
 
 def _lamp(lamp: Lamp) -> str:

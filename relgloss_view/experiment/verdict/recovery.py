@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.experiment.design.coordinates import grid_steps
-from relgloss_view.experiment.design.grid import Grid, Setting
+from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.design.study import Study
 from relgloss_view.experiment.observers.percept import Percepts, see_study, see_truths
 from relgloss_view.experiment.observers.population import Population
@@ -29,6 +29,7 @@ from relgloss_view.experiment.session.store import Store
 from relgloss_view.experiment.verdict.analysis import Options, SampleResult, analyse
 from relgloss_view.experiment.verdict.full_grid import BEST
 from relgloss_view.picture.backends import FrameRenderer
+from relgloss_view.picture.scene.setting import Setting
 
 NEIGHBOUR_STEPS = 1.0  #: along each axis: the truth lies in the chosen cell or one beside it
 EXACT_STEPS = 0.5

@@ -17,8 +17,9 @@ from relgloss_view.experiment.design.coordinates import (
     grid_steps,
     to_steps,
 )
-from relgloss_view.experiment.design.grid import Grid, Setting, share_of, share_words
+from relgloss_view.experiment.design.grid import Grid, share_of
 from relgloss_view.experiment.design.trial_order import planned_trials, sample_order, williams_row
+from relgloss_view.picture.scene.setting import Setting, share_words
 
 THREE = ("art-coated", "matte-coated", "uncoated")
 

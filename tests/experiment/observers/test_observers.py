@@ -8,7 +8,7 @@ from cases import Clock, answer, percepts, standing, started, study
 from scipy.special import ndtr
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.experiment.design.grid import Grid, Setting
+from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.design.stimuli import digest_of, draw_reference, draw_stimulus
 from relgloss_view.experiment.observers.percept import percept_of, see_study
 from relgloss_view.experiment.observers.population import (
@@ -21,7 +21,8 @@ from relgloss_view.experiment.observers.simulation import Given, run_observers
 from relgloss_view.experiment.observers.truth import ANYWHERE, CELLS, PUBLISHED, truths_of
 from relgloss_view.experiment.session.store import Store
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.samples import SAMPLES
+from relgloss_view.picture.scene.sample import SAMPLES
+from relgloss_view.picture.scene.setting import Setting
 
 SMALL = Grid((0.0, 2.0), (0.5, 1.0))
 THREE = ("art-coated", "matte-coated", "uncoated")

@@ -22,7 +22,6 @@ from report_cases import (
     without_answers,
 )
 
-from relgloss_view.experiment.design.grid import Setting
 from relgloss_view.experiment.report import sentences
 from relgloss_view.experiment.report.answerers import people, silent, truths
 from relgloss_view.experiment.report.chosen_setting import chosen, nearest_shares
@@ -32,6 +31,7 @@ from relgloss_view.experiment.report.tables import ANSWER_COLUMNS, SCALE_COLUMNS
 from relgloss_view.experiment.session.records import PERSON, Observer
 from relgloss_view.experiment.verdict.analysis import JOINT, Options, analyse
 from relgloss_view.experiment.verdict.full_grid import BROAD, CHANCE, RIDGE
+from relgloss_view.picture.scene.setting import Setting
 
 
 def rows_of(path):

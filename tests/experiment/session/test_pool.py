@@ -11,7 +11,7 @@ import pytest
 from cases import answer, answer_all, percepts, replaced, started, study
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.experiment.design.grid import Grid, Setting
+from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.design.study import Procedure
 from relgloss_view.experiment.design.study import Screen as Pictures
 from relgloss_view.experiment.observers.population import Population
@@ -22,7 +22,8 @@ from relgloss_view.experiment.session.records import read_record
 from relgloss_view.experiment.session.store import Store
 from relgloss_view.experiment.verdict.analysis import Options, analyse
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp
+from relgloss_view.picture.scene.setting import Setting
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Setup
 
 SMALL = Grid((0.0, 2.0), (0.5, 1.0))
 
@@ -58,9 +59,9 @@ def test_two_files_are_one_study(tmp_path):
         ({"samples": study(("uncoated",)).samples}, "another samples"),
         ({"look": Look(grain="surface")}, "another look"),
         ({"reference_look": Look(c_fraction=0.5)}, "another reference look"),
-        ({"lamp": Lamp(azimuth_deg=60)}, "another lamp"),
-        ({"eye": Eye(distance_m=0.7)}, "another eye"),
-        ({"display": Display(gamma=2.0)}, "another display"),
+        ({"setup": Setup(lamp=Lamp(azimuth_deg=60))}, "another lamp"),
+        ({"setup": Setup(eye=Eye(distance_m=0.7))}, "another eye"),
+        ({"setup": Setup(display=Display(gamma=2.0))}, "another display"),
         ({"screen": Pictures(width_px=97)}, "another screen"),
         ({"procedure": Procedure(ask_grain=True)}, "another procedure"),
         ({"procedure": Procedure(design="adaptive")}, "another procedure"),
