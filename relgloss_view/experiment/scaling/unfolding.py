@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from relgloss_view.experiment.design.coordinates import coordinates
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.scaling.bounded_minima import minima_within
-from relgloss_view.experiment.session.adaptive import LAPSE
+from relgloss_view.experiment.session.posterior import LAPSE
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from relgloss_view.experiment.design.study import ADAPTIVE
 from relgloss_view.experiment.design.trial_order import Trial, planned_trials
-from relgloss_view.experiment.session.adaptive import Chooser
+from relgloss_view.experiment.session.adaptive_choice import AdaptiveChoice
 from relgloss_view.experiment.session.records import Observer
 from relgloss_view.experiment.session.store import Store
 
@@ -61,7 +61,7 @@ class Flow:
         self.study = store.study
         self._clock = clock
         self._adaptive = self.study.procedure.design == ADAPTIVE
-        self._chooser = Chooser(self.study)
+        self._chooser = AdaptiveChoice(self.study)
         if not self._adaptive and not store.trials(observer):
             store.plan(observer, planned_trials(self.study, observer.number))
         self.trial: Trial | None = None
@@ -255,7 +255,7 @@ def nothing_left(store: Store, observer: Observer) -> bool:
         return False
     if store.study.procedure.design != ADAPTIVE:
         return True
-    return Chooser(store.study).next(observer.number, store.answers()) is None
+    return AdaptiveChoice(store.study).next(observer.number, store.answers()) is None
 
 
 def _first_open(store: Store, observer: Observer) -> tuple[Trial, str] | None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from relgloss_view.experiment.design.coordinates import coordinates, to_steps
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.scaling.fine_grid import BROAD_SHARE
-from relgloss_view.experiment.session.adaptive import INTERVAL, Estimate, Posterior
+from relgloss_view.experiment.session.posterior import INTERVAL, Estimate, Posterior
 from relgloss_view.experiment.verdict.full_grid import BEST, BROAD, CHANCE, RIDGE
 
 Array = NDArray[np.float64]

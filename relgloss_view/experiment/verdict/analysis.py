@@ -17,8 +17,8 @@ from relgloss_view.experiment.design.study import ADAPTIVE, RATIO
 from relgloss_view.experiment.scaling.bootstrap import ScaleValues, observer_weights, scale_values
 from relgloss_view.experiment.scaling.fine_grid import FineGrid
 from relgloss_view.experiment.scaling.successive_categories import Zero
-from relgloss_view.experiment.session.adaptive import Posterior
 from relgloss_view.experiment.session.pool import Pool
+from relgloss_view.experiment.session.posterior import Posterior
 from relgloss_view.experiment.verdict.adaptive import AdaptiveVerdict, judged_adaptively
 from relgloss_view.experiment.verdict.agreement import (
     kendall_w,

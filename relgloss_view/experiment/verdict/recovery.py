@@ -23,8 +23,8 @@ from relgloss_view.experiment.observers.population import Population
 from relgloss_view.experiment.observers.simulation import run_observers
 from relgloss_view.experiment.observers.truth import truths_of
 from relgloss_view.experiment.scaling.fine_grid import Optimum
-from relgloss_view.experiment.session.adaptive import Estimate
 from relgloss_view.experiment.session.pool import read_pool
+from relgloss_view.experiment.session.posterior import Estimate
 from relgloss_view.experiment.session.store import Store
 from relgloss_view.experiment.verdict.analysis import Options, SampleResult, analyse
 from relgloss_view.experiment.verdict.full_grid import BEST

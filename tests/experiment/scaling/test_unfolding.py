@@ -32,7 +32,7 @@ def exact_counts(grid, ideal, slopes, shear=0.0, number=1e4, bounds=BOUNDS):
     d = np.sqrt(ROUND + u**2 + (slopes[1] * apart[:, 1]) ** 2)
     cumulative = ndtr(bounds - d[:, None])
     edges = np.concatenate([np.zeros((len(d), 1)), cumulative, np.ones((len(d), 1))], axis=1)
-    from relgloss_view.experiment.session.adaptive import LAPSE
+    from relgloss_view.experiment.session.posterior import LAPSE
 
     categories = len(bounds) + 1
     return number * ((1.0 - LAPSE) * np.diff(edges, axis=1) + LAPSE / categories)

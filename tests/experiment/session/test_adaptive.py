@@ -9,8 +9,14 @@ from scipy.stats import norm
 
 from relgloss_view.experiment.design.coordinates import coordinates, grid_steps
 from relgloss_view.experiment.design.grid import Grid
-from relgloss_view.experiment.session.adaptive import FIRST_BOUNDS, LAPSE, SLOPES, WIDTHS, Posterior
 from relgloss_view.experiment.session.flow import Screen
+from relgloss_view.experiment.session.posterior import (
+    FIRST_BOUNDS,
+    LAPSE,
+    SLOPES,
+    WIDTHS,
+    Posterior,
+)
 from relgloss_view.experiment.session.store import Store
 from relgloss_view.experiment.verdict.adaptive import judged_adaptively
 from relgloss_view.experiment.verdict.full_grid import BEST, BROAD, CHANCE, RIDGE

@@ -1,10 +1,9 @@
-"""Adaptive studies: what has been answered decides which setting is judged next.
+"""Where the right setting of a sample lies, given the answers of an adaptive study.
 
-An observer judges how far a setting is from the one that is right for the sample; a posterior over
+An observer judges how far a setting is from the one that is right for the sample. A posterior over
 where that lies is kept on a grid, with an ordinal probit likelihood (Aitchison and Silvey 1957).
-The next setting is drawn by Thompson sampling (Thompson 1933): the nearest to a point of the
-posterior. Nothing is assumed of pictures: how fast the judged distance grows along sigma_N and
-along log c, and where the categories end, are unknowns with priors of their own, integrated out.
+Nothing is assumed of pictures: how fast the judged distance grows along sigma_N and along log c,
+and where the categories end, are unknowns with priors of their own, integrated out.
 """
 
 from __future__ import annotations
@@ -18,13 +17,9 @@ from numpy.typing import NDArray
 
 from relgloss_view.experiment.design.coordinates import coordinates, from_steps
 from relgloss_view.experiment.design.grid import Grid
-from relgloss_view.experiment.design.study import RATIO, Study
-from relgloss_view.experiment.design.trial_order import Trial, sample_order
-from relgloss_view.experiment.session.records import Answer
 
 Array = NDArray[np.float64]
 
-OF_CHOICES = 4  #: what a seed is for; see order.py
 PER_STEP = 4  #: points of the posterior a step of the grid
 #: Judged distance per step of the grid, in units of the observers' noise, along each axis. The
 #: least is that of a ridge.
@@ -165,47 +160,3 @@ def _interval(marginal: Array, places: Array) -> tuple[float, float]:
     high = np.interp(tails + INTERVAL, reached, edges)
     shortest = int(np.argmin(high - low))
     return float(low[shortest]), float(high[shortest])
-
-
-class Chooser:
-    """Chooses the trials of an adaptive study; keeps what it has worked out between them."""
-
-    def __init__(self, study: Study) -> None:
-        self._study = study
-        self._posteriors: dict[int, Posterior] = {}
-
-    def next(self, ordinal: int, answers: Sequence[Answer]) -> Trial | None:
-        """The next trial of an observer from all observers' answers; None when all is asked.
-
-        A sample is through when this observer has seen `adaptive.trials` of it, or when all
-        observers together have told enough.
-        """
-        study = self._study
-        own = [a for a in answers if a.observer == ordinal and a.question == RATIO]
-        position = 1 + max((a.trial.position for a in own), default=-1)
-        for sample in sample_order(study, ordinal):
-            seen = [a.trial.setting for a in own if a.trial.sample == sample]
-            if len(seen) >= study.adaptive.trials:
-                continue
-            posterior = self.posterior(sample, answers)
-            width = study.adaptive.interval_steps
-            if max(posterior.estimate().width_steps) <= width:
-                continue
-            seed = [study.procedure.seed, OF_CHOICES, ordinal, position]
-            setting = posterior.draw(np.random.default_rng(seed))
-            return Trial(position, sample, setting, seen.count(setting))
-        return None
-
-    def posterior(self, sample: int, answers: Sequence[Answer]) -> Posterior:
-        """The posterior of a sample from all answers about its ratio of gloss."""
-        if sample not in self._posteriors:
-            self._posteriors[sample] = Posterior(self._study.grid, len(self._study.categories))
-        found = self._posteriors[sample]
-        found.update(
-            [
-                (a.trial.setting, a.category)
-                for a in answers
-                if a.trial.sample == sample and a.question == RATIO
-            ]
-        )
-        return found
