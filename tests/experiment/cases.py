@@ -98,3 +98,12 @@ def replaced(made, **changes):
 
 
 MIDDLE = Setting(1.5, 0.5)
+
+
+def index_of(grid, setting):
+    """Which setting of a grid this is, but for rounding; None where the grid does not have it."""
+    for k, other in enumerate(grid.settings):
+        apart = (other.sigma_n_deg - setting.sigma_n_deg, other.c_fraction - setting.c_fraction)
+        if np.max(np.abs(apart)) < 1e-9:
+            return k
+    return None

@@ -18,7 +18,6 @@ from relgloss_view.picture.scene.setting import Setting
 SIGMA_N_DEG = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
 C_SIXTHS = (1, 2, 3, 4, 5, 6)
 MOST_SETTINGS = 400  #: an observer's day has an end, and so has a fit of as many means
-SAME = 1e-9  #: settings closer than this are one
 
 
 @dataclass(frozen=True)
@@ -56,14 +55,6 @@ class Grid:
     def settings(self) -> tuple[Setting, ...]:
         """All of them, c changing fastest."""
         return tuple(Setting(s, c) for s in self.sigma_n_deg for c in self.c_fraction)
-
-    def index(self, setting: Setting) -> int | None:
-        """Which of the settings this is; None where the grid does not have it."""
-        for k, other in enumerate(self.settings):
-            near = abs(other.sigma_n_deg - setting.sigma_n_deg) < SAME
-            if near and abs(other.c_fraction - setting.c_fraction) < SAME:
-                return k
-        return None
 
 
 def share_of(value: object, place: str) -> float:

@@ -9,7 +9,6 @@ and unused categories as in successive.py.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -36,9 +35,8 @@ RIDGE = PRIOR_SD**-2
 SLOPE_TOLERANCE = 1e-5
 NEAR_ENOUGH = 100.0
 MOST_STEPS = 200
-FIRST_RADIUS = 10.0  #: of the search; resampled answers move 42 values by about 2 together
+FIRST_RADIUS = 10.0  #: of the search, dispersions of all values together
 LEAST_GAP = 1e-9  #: between bounds, within the search
-OPEN = 1e-12  #: curvature, of the greatest, that is rounding of none
 #: Of a category within a tail: bounds in order keep 1e-10, and slopes at others can be squared.
 LEAST_SHARE = 1e-30
 
@@ -50,29 +48,7 @@ class CumulativeFit:
     bounds: Array  #: (K-1,), never decreasing; NaN beyond the end categories in use
     coefficients: Array  #: (p,)
     log_likelihood: float  #: natural, sum over answers, without the ridge's part
-    iterations: int
     converged: bool
-    information: Array  #: second derivatives of the penalised loss, bounds that differ first
-    used: NDArray[np.bool_]  #: (K,), which categories hold an answer
-
-    @cached_property
-    def covariance(self) -> Array | None:
-        """Of bounds, then coefficients, (K-1+p, K-1+p): the inverse of the information.
-
-        With a ridge that is the posterior's. NaN where a bound is; None where the answers and the
-        ridge leave a direction open.
-        """
-        curvatures = np.linalg.eigvalsh(self.information)
-        if curvatures[0] <= OPEN * curvatures[-1]:
-            return None
-        inverse = np.linalg.inv(self.information)
-        counted = counted_bounds(self.used)
-        place = np.where(counted, np.cumsum(counted) - 1.0, np.nan)
-        rest = np.arange(np.sum(counted), len(inverse), dtype=np.float64)
-        index = np.concatenate([spread_bounds(place, self.used), rest])
-        known = np.isfinite(index)
-        number = np.where(known, index, 0.0).astype(np.intp)
-        return np.where(np.outer(known, known), inverse[np.ix_(number, number)], np.nan)
 
 
 @dataclass(frozen=True)
@@ -86,7 +62,6 @@ class OrdinalScale:
     bounds: Array  #: (K-1,), along distance, never decreasing; NaN beyond the end categories in use
     log_likelihood: float  #: natural, sum over answers, without the ridge's part
     observers: Array | None  #: (O,), how much farther each calls everything, mean 0
-    iterations: int
     converged: bool
 
 
@@ -95,15 +70,14 @@ def ordinal_scale(
     *,
     ridge: float = RIDGE,
     observer_effects: bool = False,
-    start: OrdinalScale | None = None,
 ) -> OrdinalScale:
     """The most likely scale of counts (J stimuli, K categories) or (O observers, J, K), probit.
 
     Without `observer_effects` observers are pooled; with them each has a location of its own. The
     ridge is the inverse variance of a normal prior of mean 0 on each scale value and location
     (`PRIOR_SD`); it keeps finite a stimulus that always got the same end category, and places one
-    without answers at 0. With a ridge of 0 such values only tell where the search ended. `start`
-    is a scale of similar counts, to begin from. InputError as `fit_cumulative`.
+    without answers at 0. With a ridge of 0 such values only show where the search ended.
+    InputError as `fit_cumulative`.
     """
     table = np.asarray(counts, dtype=np.float64)
     if table.ndim != 3 and (observer_effects or table.ndim != 2):
@@ -120,11 +94,7 @@ def ordinal_scale(
         observers = 0
         table = table.sum(axis=0) if table.ndim == 3 else table
         design = np.eye(stimuli)
-    before = None
-    if start is not None:
-        locations = np.zeros(observers) if start.observers is None else start.observers
-        before = (start.bounds, np.concatenate([-start.scale, locations[:observers]]))
-    fit = fit_cumulative(table.reshape(-1, categories), design, ridge=ridge, start=before)
+    fit = fit_cumulative(table.reshape(-1, categories), design, ridge=ridge)
     # The likelihood knows only differences; at the optimum the ridge has made both means 0, but
     # for what the search left.
     distances, locations = fit.coefficients[:stimuli], fit.coefficients[stimuli:]
@@ -134,7 +104,6 @@ def ordinal_scale(
         bounds=fit.bounds - middle - bias,
         log_likelihood=fit.log_likelihood,
         observers=locations - bias if observers else None,
-        iterations=fit.iterations,
         converged=fit.converged,
     )
 
@@ -145,16 +114,14 @@ def fit_cumulative(
     *,
     ridge: ArrayLike = 0.0,
     link: Link = "probit",
-    start: tuple[Array, Array] | None = None,
 ) -> CumulativeFit:
     """Maximum likelihood of counts (cells, K) under a design (cells, p).
 
     F is the standard normal or the standard logistic distribution. `ridge`, one for all or (p,),
     adds ridge/2 coefficient^2 to the loss; without it a coefficient that separates the categories
     stops where the likelihood no longer tells, and a design that leaves a direction open stays
-    where it began in that direction. Unused categories are merged with their neighbours. `start`
-    holds bounds and coefficients to begin from; bounds that do not fit the categories in use are
-    begun anew. InputError where the counts are not counts or all lie in one category.
+    where it began in that direction. Unused categories are merged with their neighbours. InputError
+    where the counts are not counts or all lie in one category.
     """
     from scipy.optimize import minimize
 
@@ -174,7 +141,7 @@ def fit_cumulative(
     tolerance = SLOPE_TOLERANCE * max(1.0, float(held.sum()) / 1000.0)
     optimum = minimize(
         loss.value,
-        _first(loss, counted, start),
+        _first(loss),
         method="trust-exact",
         jac=loss.gradient,
         hess=loss.hessian,
@@ -190,28 +157,18 @@ def fit_cumulative(
         bounds=spread_bounds(limits, used),
         coefficients=np.asarray(optimum.x[loss.limits :]),
         log_likelihood=loss.log_likelihood(optimum.x),
-        iterations=int(optimum.nit),
         converged=bool(np.linalg.norm(optimum.jac) < NEAR_ENOUGH * tolerance),
-        information=loss.hessian(optimum.x),
-        used=used,
     )
 
 
-def _first(loss: _Loss, counted: NDArray[np.bool_], start: tuple[Array, Array] | None) -> Array:
-    """Where the search begins: `start`, or bounds of the pooled counts and coefficients of 0."""
+def _first(loss: _Loss) -> Array:
+    """Where the search begins: bounds of the pooled counts, and coefficients of 0."""
     from scipy.special import ndtri
 
     share = np.cumsum(loss.counts.sum(axis=0))
     share = share[:-1] / share[-1]
     pooled = ndtri(share) if loss.link == "probit" else np.log(share / (1.0 - share))
-    if start is None:
-        return np.concatenate([pooled, np.zeros(loss.design.shape[1])])
-    bounds, coefficients = start
-    if bounds.shape != counted.shape or coefficients.shape != loss.design.shape[1:]:
-        raise ValueError(f"a start of shapes {bounds.shape} and {coefficients.shape}")
-    limits = bounds[counted]
-    fits = bool(np.all(np.isfinite(limits)) and np.all(np.diff(limits) > LEAST_GAP))
-    return np.concatenate([limits if fits else pooled, coefficients])
+    return np.concatenate([pooled, np.zeros(loss.design.shape[1])])
 
 
 class CategoryShares:

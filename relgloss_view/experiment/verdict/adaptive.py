@@ -29,11 +29,6 @@ class AdaptiveVerdict:
     as_good: NDArray[np.bool_]  #: settings nearest to the points of the 95 % region
     posterior: Array  #: (fine sigma_N, fine c), probability
 
-    @property
-    def declared(self) -> bool:
-        """Whether a setting is called the best."""
-        return self.status == BEST
-
 
 def judged_adaptively(posterior: Posterior, grid: Grid, level: float) -> AdaptiveVerdict:
     """The verdict; nothing is best where the answers are by chance with more than `level`."""

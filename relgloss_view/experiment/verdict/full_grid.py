@@ -43,11 +43,6 @@ class Verdict:
     edges: tuple[str, ...]  #: of the grid on which the leading setting lies
     smooth: Array  #: (fine sigma_N, fine c), closeness of the smooth fit
 
-    @property
-    def declared(self) -> bool:
-        """Whether a setting is called the best."""
-        return self.status == BEST
-
 
 def judged(
     grid: Grid,

@@ -30,8 +30,8 @@ def test_the_papers_grid():
     assert grid.sigma_n_deg == (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
     assert [share_words(c) for c in grid.c_fraction] == ["1/6", "2/6", "3/6", "4/6", "5/6", "6/6"]
     assert len(grid.settings) == len(grid) == 42
-    assert grid.settings[grid.index(Setting(2.0, 2 / 6))] == Setting(2.0, 2 / 6)
-    assert grid.index(Setting(2.1, 2 / 6)) is None
+    assert Setting(2.0, 2 / 6) in grid.settings
+    assert Setting(2.1, 2 / 6) not in grid.settings
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cases import Clock, answer, percepts, standing, started, study
+from cases import Clock, answer, index_of, percepts, standing, started, study
 from scipy.special import ndtr
 
 from relgloss_view.base.errors import InputError
@@ -53,7 +53,7 @@ class TestPercepts:
         made, found = seen
         for k, truth in enumerate(found.truths):
             np.testing.assert_array_equal(
-                found.targets[k], found.stimuli[k, made.grid.index(truth)]
+                found.targets[k], found.stimuli[k, index_of(made.grid, truth)]
             )
 
     def test_no_highlight_is_finite(self, renderer):
@@ -101,12 +101,12 @@ class TestTruths:
     def test_by_chance(self):
         made = study(THREE)
         drawn = [truths_of(made, CELLS, {}, seed) for seed in range(60)]
-        indices = {made.grid.index(t) for three in drawn for t in three}
+        indices = {index_of(made.grid, t) for three in drawn for t in three}
         assert None not in indices
         assert len(indices) > 35  # 180 draws of 42: all but one are missed with p < 1e-4
         free = [t for seed in range(20) for t in truths_of(made, ANYWHERE, {}, seed)]
         assert all(0 <= t.sigma_n_deg <= 3 and 1 / 6 - 1e-9 <= t.c_fraction <= 1 for t in free)
-        assert all(made.grid.index(t) is None for t in free)
+        assert all(index_of(made.grid, t) is None for t in free)
 
     def test_given(self):
         assert truths_of(study(), CELLS, {"matte-coated": Setting(1.1, 0.4)}, 0) == (

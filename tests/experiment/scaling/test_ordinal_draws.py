@@ -25,10 +25,10 @@ def study(rng, answers=2):
     return counts, weights[:, :, None, None] * counts
 
 
-def one_by_one(drawn, start, observer_effects):
+def one_by_one(drawn, observer_effects):
     for counts in drawn:
         table = counts if observer_effects else counts.sum(axis=0)
-        yield ordinal_scale(table, observer_effects=observer_effects, start=start)
+        yield ordinal_scale(table, observer_effects=observer_effects)
 
 
 def slope_at(counts, scale, bounds):
@@ -49,7 +49,7 @@ def test_are_those_of_one_after_another(rng, observer_effects):
     table = counts if observer_effects else counts.sum(axis=0)
     start = ordinal_scale(table, observer_effects=observer_effects)
     draws = ordinal_draws(drawn, start, observer_effects=observer_effects)
-    for k, fit in enumerate(one_by_one(drawn, start, observer_effects)):
+    for k, fit in enumerate(one_by_one(drawn, observer_effects)):
         assert draws.scale[k] == pytest.approx(fit.scale, abs=2e-4)
         assert draws.bounds[k] == pytest.approx(fit.bounds, abs=2e-4, nan_ok=True)
     # Control: the resamplings differ by far more than that.
@@ -105,7 +105,7 @@ def test_unused_categories_and_settings_without_answers(rng):
     drawn[4, :, :, 1:] = 0.0  # one category: nothing is scaled
     start = ordinal_scale(counts.sum(axis=0))
     draws = ordinal_draws(drawn[:5], start, observer_effects=False)
-    for k, fit in enumerate(one_by_one(drawn[:3], start, False)):
+    for k, fit in enumerate(one_by_one(drawn[:3], False)):
         assert draws.scale[k] == pytest.approx(fit.scale, abs=2e-4)
         assert draws.bounds[k] == pytest.approx(fit.bounds, abs=2e-4, nan_ok=True)
     assert np.isnan(draws.bounds[0, 0])

@@ -71,7 +71,7 @@ def test_without_answers_nothing_is_known():
     np.testing.assert_allclose(weights, 1.0 / len(weights))
     assert posterior.chance() == pytest.approx(0.5)
     verdict = judged_adaptively(posterior, GRID, 0.01)
-    assert not verdict.declared
+    assert verdict.status != BEST
 
 
 def test_finds_the_ideal_with_60_answers():
@@ -145,7 +145,7 @@ class TestVerdict:
         assert RIDGE not in statuses
         assert statuses.count(BEST) <= 1
         empty = judged_adaptively(Posterior(grid, 5), grid, 0.01)
-        assert not empty.declared
+        assert empty.status != BEST
 
     def test_a_line_of_settings_has_a_best(self):
         grid = Grid((1.0,), GRID.c_fraction)
