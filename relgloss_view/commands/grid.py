@@ -90,7 +90,7 @@ def _draw(
     progress: Progress,
 ) -> dict[str, Any]:
     """Draw pictures, contact sheet and manifest into a folder; returns the manifest."""
-    from relgloss_view.experiment.grid import C_SIXTHS, SIGMA_N_DEG
+    from relgloss_view.experiment.design.grid import C_SIXTHS, SIGMA_N_DEG
     from relgloss_view.picture.output.contact_sheet import contact_sheet, thumbnail
     from relgloss_view.picture.output.parameters import parameters
     from relgloss_view.picture.output.png import save_rgb
