@@ -3,6 +3,7 @@ import dataclasses
 import materials
 import numpy as np
 import pytest
+from pictures import assert_same_pixels
 
 from relgloss_view.picture.gpu.passes import Renderer
 from relgloss_view.picture.method import EXACT, Method
@@ -200,7 +201,7 @@ def test_what_a_scene_has_not_may_be_drawn_and_shows_nothing(renderer):
     smooth, look = Scene(materials.flat(0.4), Shape(diameter_m=0.125, height_m=0.075)), Look()
     drawn = renderer.render(smooth, look, SIZE, Method(absent="drawn"))
     everything = drawn.display.copy()
-    np.testing.assert_array_equal(everything, renderer.render(smooth, look, SIZE).display)
+    assert_same_pixels(everything, renderer.render(smooth, look, SIZE).display)
 
 
 @pytest.mark.parametrize(
@@ -227,7 +228,7 @@ def test_a_frame_is_of_its_own_method(renderer):
     _ = first.display  # draws it again
     again = renderer.render(drawn, look, SIZE, Method(noise="none"))
     assert again.method == first.method != other.method
-    np.testing.assert_array_equal(again.display, first.display)
+    assert_same_pixels(again.display, first.display)
 
 
 def test_normals_are_those_that_are_drawn(renderer):

@@ -226,7 +226,7 @@ sys.path.insert(0, sys.argv[1])
 import materials
 from relgloss_view.picture.backends import open_renderer
 from relgloss_view.picture.gpu.evaluate import evaluate
-from relgloss_view.picture.scene import Look, Scene
+from relgloss_view import Look, Scene
 with open_renderer("egl") as r:
     cell = np.random.default_rng(0).integers(0, 2**32, (5000, 3)).astype(np.uint32)
     body = "result = uvec4(cell_hash(ivec3(h.xyz), 3u), 0u);"
