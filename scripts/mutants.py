@@ -48,6 +48,7 @@ HEART = {
         ("relgloss_view/material/brdf.py", "shaders/brdf.glsl"),
         (
             "tests/picture/test_twins.py::TestBrdf",
+            "tests/picture/test_any_shape.py",
             "tests/material/test_albedo.py",
             "tests/material/test_approximations.py",
             "tests/material/test_brdf.py",
@@ -58,6 +59,7 @@ HEART = {
         ("relgloss_view/picture/model/noise.py", "shaders/noise.glsl"),
         (
             "tests/picture/test_twins.py::TestNoise",
+            "tests/picture/test_any_shape.py",
             "tests/picture/test_noise.py",
             "tests/stability/test_functions.py",
         ),
@@ -66,6 +68,8 @@ HEART = {
         ("relgloss_view/picture/model/tone.py", "shaders/tone.glsl"),
         (
             "tests/picture/test_twins.py::TestTone",
+            "tests/picture/test_tone_shader.py",
+            "tests/picture/test_any_shape.py",
             "tests/picture/test_tone.py",
             "tests/stability/test_functions.py",
         ),
@@ -74,6 +78,8 @@ HEART = {
         ("relgloss_view/picture/model/shape.py", "shaders/shape.glsl"),
         (
             "tests/picture/test_twins.py::TestShape",
+            "tests/picture/test_shape.py",
+            "tests/picture/test_any_shape.py",
             "tests/picture/test_mitsuba.py",
         ),
     ),
@@ -140,7 +146,31 @@ class Equivalent:
         return place and self.new in ("", one.new)
 
 
-EQUIVALENTS: tuple[Equivalent, ...] = ()
+_MISS = "the hit of a ray that misses means nothing; whoever reads it looks at `found` first"
+_ORDER = "the quadrature has converged to rounding; one node more or less changes nothing"
+EQUIVALENTS = (
+    Equivalent(
+        "relgloss_view/material/brdf.py",
+        "return np.polynomial.legendre.leggauss(96)",
+        "96",
+        "",
+        _ORDER,
+    ),
+    Equivalent(
+        "relgloss_view/picture/model/shape.py",
+        "n = np.where(found[..., None], n, np.array([0.0, 0.0, 1.0]))",
+        "0.0",
+        "",
+        _MISS,
+    ),
+    Equivalent(
+        "shaders/shape.glsl",
+        "float root = sqrt(max(discriminant, 0.0));",
+        "max(discriminant, 0.0)",
+        "",
+        _MISS,
+    ),
+)
 
 
 @dataclass(frozen=True)
@@ -186,7 +216,8 @@ def missing() -> list[str]:
 def draw(part: str, count: int, seed: int) -> list[Mutant]:
     """`count` faults of a part, spread over its files by the number of places in each."""
     places = {file: candidates(file) for file in HEART[part].files}
-    total, drawn = sum(map(len, places.values())), []
+    total = sum(map(len, places.values()))
+    drawn: list[Mutant] = []
     for k, (file, groups) in enumerate(places.items()):
         last = k == len(places) - 1
         share = count - len(drawn) if last else round(count * len(groups) / total)

@@ -13,7 +13,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-#: Constants below this size are thresholds or guards of a division: they become 1,000 times larger,
+#: Constants up to this size are thresholds or guards of a division: they become 1,000 times larger,
 #: since a tenth more changes nothing that anybody could see.
 GUARD = 1e-3
 #: Constants above this size stand for infinity; they become 1.
@@ -59,7 +59,7 @@ def _other_numbers(value: float) -> list[float]:
         return [1.0 - value]
     if abs(value) >= HUGE:
         return [1.0]
-    return [value * 1000.0] if abs(value) < GUARD else [value * 1.1]
+    return [value * 1000.0] if abs(value) <= GUARD else [value * 1.1]
 
 
 # --- Python ---------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ import sys
 from relgloss_view.picture.gpu.context import open_context
 from relgloss_view.picture.gpu.passes import Renderer
 from relgloss_view.picture.scene.samples import load_sample
-from relgloss_view.picture.scene import Look, Scene
+from relgloss_view import Look, Scene
 
 def resident():
     with open("/proc/self/statm") as file:
