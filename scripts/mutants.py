@@ -24,6 +24,7 @@ import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -222,9 +223,8 @@ def draw(part: str, count: int, seed: int) -> list[Mutant]:
         last = k == len(places) - 1
         share = count - len(drawn) if last else round(count * len(groups) / total)
         rng = random.Random(f"{seed} {Path(file).name}")
-        rng.shuffle(groups)
         mine: list[Mutant] = []
-        for group in groups:
+        for group in rng.sample(groups, len(groups)):
             if len(mine) == share:
                 break
             fault = rng.choice(group)
@@ -235,6 +235,7 @@ def draw(part: str, count: int, seed: int) -> list[Mutant]:
     return drawn
 
 
+@lru_cache
 def candidates(file: str) -> list[list[Mutation]]:
     """The faults of a file, by place, without those known to be equivalent."""
     groups = []
@@ -252,10 +253,14 @@ def line_of(file: str, fault: Mutation) -> str:
 
 
 def compiles(one: Mutant) -> bool:
-    """Whether a faulty GLSL library is one that a compiler accepts (Python was tried before)."""
-    if not one.file.endswith(".glsl"):
-        return True
+    """Whether a compiler accepts the faulty file: one that none accepts tests nothing."""
     text = one.fault.applied((ROOT / one.file).read_text(encoding="utf-8"))
+    if one.file.endswith(".py"):
+        try:
+            compile(text, one.file, "exec")
+        except SyntaxError:
+            return False
+        return True
     included = re.compile(r'^#include "([\w.]+)"$', re.MULTILINE)
     while included.search(text):
         text = included.sub(lambda m: (ROOT / "shaders" / m[1]).read_text(encoding="utf-8"), text)

@@ -102,12 +102,7 @@ def _python(text: str) -> Iterator[Mutation]:
     for node, new in finder.faults:
         start = offset(node.lineno, node.col_offset)
         end = offset(node.end_lineno or node.lineno, node.end_col_offset or 0)
-        one = Mutation(node.lineno, start, end, text[start:end], new)
-        try:
-            compile(one.applied(text), "mutant", "exec")
-        except SyntaxError:
-            continue
-        yield one
+        yield Mutation(node.lineno, start, end, text[start:end], new)
 
 
 class _Finder(ast.NodeVisitor):
@@ -292,6 +287,14 @@ def _glsl(text: str) -> Iterator[Mutation]:
                 return k
         raise ValueError("a bracket is not closed")
 
+    def statement_end(k: int) -> int | None:
+        """The semicolon behind a statement; None in the head of a loop."""
+        depth = 0
+        while tokens[k][0] != ";" and depth >= 0:
+            depth += {"(": 1, ")": -1}.get(tokens[k][0], 0)
+            k += 1
+        return k if depth == 0 else None
+
     begin = 0  # of the statement
     for k, token in enumerate(tokens):
         kind, word, (start, end) = token.lastgroup, token[0], token.span()
@@ -327,8 +330,8 @@ def _glsl(text: str) -> Iterator[Mutation]:
             elif word in _MARKS and value_before:
                 yield fault(start, end, _MARKS[word])
             if len(word) == 2 and word[1] == "=" and word[0] in "+-*/^":
-                stop = next(j for j in range(k, len(tokens)) if tokens[j][0] in (";", ")"))
-                if tokens[stop][0] == ";":
+                stop = statement_end(k)
+                if stop is not None:
                     yield fault(tokens[begin].start(), tokens[stop].start(), "")
         if word in (";", "{", "}"):
             begin = k + 1

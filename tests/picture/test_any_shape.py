@@ -1,4 +1,4 @@
-"""The numpy twins promise arrays of any leading shape: a block of inputs gives the block of results.
+"""The numpy twins promise arrays of any leading shape: a block of inputs gives a block of results.
 
 Each function is its own oracle here: what it gives for a list of inputs, tested elsewhere, it must
 give for the same inputs arranged as a block.
