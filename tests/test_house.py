@@ -154,6 +154,7 @@ class TestShaders:
         assert names - twins == alone
 
     def test_no_shader_text_in_python(self):
+        assert "gl_FragCoord" in (ROOT / "shaders" / "evaluate.frag").read_text(encoding="utf-8")
         for path in modules():
             assert "gl_FragCoord" not in path.read_text(encoding="utf-8")
 
