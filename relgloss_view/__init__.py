@@ -29,13 +29,16 @@ if TYPE_CHECKING:
     from relgloss_view.picture.frame import Frame as Frame
     from relgloss_view.picture.output.export import save_frame as save_frame
     from relgloss_view.picture.scene.look import Look as Look
-    from relgloss_view.picture.scene.samples import SAMPLES as SAMPLES
-    from relgloss_view.picture.scene.samples import load_sample as load_sample
+    from relgloss_view.picture.scene.sample import SAMPLES as SAMPLES
+    from relgloss_view.picture.scene.sample import Sample as Sample
+    from relgloss_view.picture.scene.sample import load_sample as load_sample
     from relgloss_view.picture.scene.scene import Scene as Scene
     from relgloss_view.picture.scene.scene_file import load_scene as load_scene
+    from relgloss_view.picture.scene.setting import Setting as Setting
     from relgloss_view.picture.scene.setup import Display as Display
     from relgloss_view.picture.scene.setup import Eye as Eye
     from relgloss_view.picture.scene.setup import Lamp as Lamp
+    from relgloss_view.picture.scene.setup import Setup as Setup
     from relgloss_view.picture.scene.setup import Shape as Shape
 
 _HOMES = {
@@ -51,11 +54,12 @@ _HOMES = {
     "picture.backends": ("open_renderer",),
     "picture.output.export": ("save_frame",),
     "picture.frame": ("Frame",),
-    "picture.scene.samples": ("SAMPLES", "load_sample"),
+    "picture.scene.sample": ("SAMPLES", "Sample", "load_sample"),
     "picture.scene.look": ("Look",),
     "picture.scene.scene": ("Scene",),
     "picture.scene.scene_file": ("load_scene",),
-    "picture.scene.setup": ("Display", "Eye", "Lamp", "Shape"),
+    "picture.scene.setting": ("Setting",),
+    "picture.scene.setup": ("Display", "Eye", "Lamp", "Setup", "Shape"),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = ["__version__", *sorted(_HOME_OF)]

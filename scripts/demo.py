@@ -23,7 +23,7 @@ def main(folder_name: str) -> int:
     pictures, captions = [], []
     with rg.open_renderer() as renderer:
         for name, matched in rg.SAMPLES.items():
-            look = dataclasses.replace(matched.look(), samples=SAMPLES_A_SIDE)
+            look = dataclasses.replace(rg.Look().at(matched), samples=SAMPLES_A_SIDE)
             frame = renderer.render(rg.Scene(rg.load_sample(name)), look, SIZE)
             options = f"--sample {name} --matched --samples {SAMPLES_A_SIDE}"
             command = f"relgloss snapshot {options} -o {name}.png"

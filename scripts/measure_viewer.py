@@ -143,10 +143,10 @@ def soak(frames: int) -> None:
     from imgui_bundle import hello_imgui  # isort: skip - before glfw, so that both use one library
     import glfw
 
-    from relgloss_view.picture.scene.samples import SAMPLES
+    from relgloss_view.picture.scene.sample import SAMPLES, Sample
     from relgloss_view.viewer.shell.app import App
     from relgloss_view.viewer.shell.window import Window
-    from relgloss_view.viewer.state.state import Sample, State
+    from relgloss_view.viewer.state.state import State
 
     rng = random.Random(1)
     resize_every, switch_every = max(frames // RESIZES, 1), max(frames // SWITCHES, 1)

@@ -332,14 +332,15 @@ class Copy:
     def kills(self, one: Mutant, limit_s: float) -> bool:
         """Whether a test fails, or never ends, with a fault."""
         path = self.folder / one.file
-        original = ROOT / one.file
+        text, times = path.read_text(encoding="utf-8"), path.stat()
         try:
-            path.write_text(one.fault.applied(original.read_text(encoding="utf-8")), "utf-8")
+            path.write_text(one.fault.applied(text), "utf-8")
             self._clock += 10
             os.utime(path, (self._clock, self._clock))
             return self._test(HEART[one.part].tests, limit_s, keep_bytecode=True)[0] != 0
         finally:
-            shutil.copy2(original, path)
+            path.write_text(text, "utf-8")
+            os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
             shutil.rmtree(self.folder / ".hypothesis", ignore_errors=True)
 
     def _test(

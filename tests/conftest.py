@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import hypothesis
 import moderngl
 import numpy as np
 import pytest
@@ -11,6 +12,10 @@ import pytest
 from relgloss_view.picture.gpu.context import make_current, open_context
 from relgloss_view.picture.gpu.passes import Renderer
 from relgloss_view.picture.reference import ReferenceRenderer
+
+# How long an example takes says something of the machine, and nothing of the program.
+hypothesis.settings.register_profile("relgloss", deadline=None)
+hypothesis.settings.load_profile("relgloss")
 
 
 @pytest.fixture(autouse=True)

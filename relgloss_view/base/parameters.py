@@ -23,25 +23,48 @@ class Range:
     meaning: str
 
 
-def parameter(default: float | None, low: float, high: float, unit: str, meaning: str) -> Any:
-    """A dataclass field with a declared range; one whose default is None may be left out."""
-    return _ranged(default, Range(low, high, unit, meaning), optional=default is None)
+def parameter(
+    default: float | None,
+    low: float,
+    high: float,
+    unit: str,
+    meaning: str,
+    *,
+    option: str | None = None,
+) -> Any:
+    """A dataclass field for a number of a declared range, `low` to `high` in `unit`.
+
+    Where the default is None, the entry may be left out. `option` is its flag on the command line.
+    """
+    limits = Range(low, high, unit, meaning)
+    return _ranged(default, limits, option, optional=default is None)
 
 
 def whole_number(
-    default: int, low: int, high: int, unit: str, meaning: str, *, optional: bool = False
+    default: int,
+    low: int,
+    high: int,
+    unit: str,
+    meaning: str,
+    *,
+    optional: bool = False,
+    option: str | None = None,
 ) -> Any:
     """A dataclass field that takes whole numbers of a declared range; None too, if optional."""
-    return _ranged(default, Range(low, high, unit, meaning), whole=True, optional=optional)
+    limits = Range(low, high, unit, meaning)
+    return _ranged(default, limits, option, whole=True, optional=optional)
 
 
-def _ranged(default: float | None, limits: Range, **flags: bool) -> Any:
-    return field(default=default, metadata={"range": limits, **flags})
+def _ranged(default: float | None, limits: Range, option: str | None, **flags: bool) -> Any:
+    return field(default=default, metadata={"range": limits, "option": option, **flags})
 
 
-def choice(default: str, options: tuple[str, ...], meaning: str) -> Any:
+def choice(
+    default: str, options: tuple[str, ...], meaning: str, *, option: str | None = None
+) -> Any:
     """A dataclass field that takes one of a few names."""
-    return field(default=default, metadata={"options": options, "meaning": meaning})
+    metadata = {"options": options, "meaning": meaning, "option": option}
+    return field(default=default, metadata=metadata)
 
 
 def switch(default: bool, meaning: str) -> Any:

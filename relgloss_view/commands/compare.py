@@ -29,7 +29,7 @@ def add(commands: Any) -> None:
     from relgloss_view.commands.sample_arguments import METAVAR
     from relgloss_view.gloss.comparison import DEFAULT_GLOSS, GLOSSES
     from relgloss_view.operators.registry import OPERATORS
-    from relgloss_view.picture.scene.samples import SAMPLES
+    from relgloss_view.picture.scene.sample import SAMPLES
 
     parser = commands.add_parser(
         "compare",
@@ -79,7 +79,7 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.commands.sample_arguments import given_samples
     from relgloss_view.gloss.comparison import as_numbers, compare
     from relgloss_view.picture.backends import open_renderer
-    from relgloss_view.picture.scene.samples import SAMPLES
+    from relgloss_view.picture.scene.sample import SAMPLES
 
     outputs = _checked_outputs(args.output)
     operators = operators_of(args.operators)

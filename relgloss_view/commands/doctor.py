@@ -94,7 +94,7 @@ def _draw_on(name: str) -> dict[str, Any]:
     from relgloss_view.picture.gpu.passes import Renderer
     from relgloss_view.picture.reference import ReferenceRenderer
     from relgloss_view.picture.scene.look import Look
-    from relgloss_view.picture.scene.samples import DEFAULT_SAMPLE, load_sample
+    from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, load_sample
     from relgloss_view.picture.scene.scene import Scene
 
     scene, look, size = Scene(load_sample(DEFAULT_SAMPLE)), Look(sigma_n_deg=1.0), (96, 96)

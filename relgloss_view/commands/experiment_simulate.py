@@ -15,9 +15,9 @@ from relgloss_view.commands.study_options import add_study_options, study_from
 from relgloss_view.picture.backends import BACKENDS
 
 if TYPE_CHECKING:
-    from relgloss_view.experiment.grid import Setting
     from relgloss_view.experiment.observers import Population
     from relgloss_view.experiment.study import Study
+    from relgloss_view.picture.scene.setting import Setting
 
 OBSERVERS = 15  #: as in the paper
 MOST_OBSERVERS, MOST_STUDIES = 1000, 10_000
@@ -115,8 +115,9 @@ def _population(args: argparse.Namespace) -> Population:
 
 def _truths(args: argparse.Namespace) -> tuple[str, dict[str, Setting]]:
     """What was said of the truths: how they are chosen, and those that are given."""
-    from relgloss_view.experiment.grid import Setting, share_of
+    from relgloss_view.experiment.grid import share_of
     from relgloss_view.experiment.truth import CHOICES, PUBLISHED
+    from relgloss_view.picture.scene.setting import Setting
 
     choice, given = PUBLISHED, {}
     for word in args.truth:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 def add(commands: Any) -> None:
     """Declare the command."""
-    from relgloss_view.picture.scene.samples import SAMPLES
+    from relgloss_view.picture.scene.sample import SAMPLES
 
     parser = commands.add_parser(
         "gloss",
@@ -86,13 +86,13 @@ def _read(name: str, args: argparse.Namespace) -> dict[str, Any]:
     """Name, source, readings and warnings of a built-in sample, a material or a table."""
     from relgloss_view.gloss.meter.table import table_readings
     from relgloss_view.measure.readers import read_measurement
-    from relgloss_view.picture.scene import file_kinds as kinds
-    from relgloss_view.picture.scene.samples import SAMPLES
+    from relgloss_view.picture.scene import file_kinds
+    from relgloss_view.picture.scene.sample import SAMPLES
 
-    kind = kinds.MATERIAL if name in SAMPLES else kinds.likely_kind(name)
-    if kind == kinds.SCENE:
+    kind = file_kinds.MATERIAL if name in SAMPLES else file_kinds.likely_kind(name)
+    if kind == file_kinds.SCENE:
         raise InputError(f"{name}: this is a scene; give a material, a table or a built-in paper")
-    if kind == kinds.MATERIAL:
+    if kind == file_kinds.MATERIAL:
         return _of_material(name, _material(name))
     table = read_measurement(name, quantity=args.quantity, gamma_s_deg=args.gamma_s_deg)
     return _found("table", table, table_readings(table), table.warnings)
@@ -131,7 +131,7 @@ def _hypothetical(args: argparse.Namespace) -> dict[str, Any]:
 
 def _material(name: str) -> Material:
     from relgloss_view.material.files import load_material
-    from relgloss_view.picture.scene.samples import SAMPLES, load_sample
+    from relgloss_view.picture.scene.sample import SAMPLES, load_sample
 
     return load_sample(name) if name in SAMPLES else load_material(name)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,7 +21,13 @@ from relgloss_view.commands.operator_options import (
     shown_by,
 )
 from relgloss_view.commands.output_folder import own_folder
-from relgloss_view.commands.scene_options import add_scene_options, printable_command, scene_from
+from relgloss_view.commands.scene_options import (
+    add_scene_options,
+    printable_command,
+    scene_from,
+    scene_words_of,
+)
+from relgloss_view.picture.scene.setting import Setting
 
 if TYPE_CHECKING:
     from relgloss_view.operators.operator import Operator
@@ -85,7 +90,7 @@ def _draw(
     progress: Progress,
 ) -> dict[str, Any]:
     """Draw pictures, contact sheet and manifest into a folder; returns the manifest."""
-    from relgloss_view.experiment.grid import C_SIXTHS, SIGMA_N_DEG, Setting
+    from relgloss_view.experiment.grid import C_SIXTHS, SIGMA_N_DEG
     from relgloss_view.picture.output.contact_sheet import contact_sheet, thumbnail
     from relgloss_view.picture.output.export import parameters, save_rgb
 
@@ -101,9 +106,8 @@ def _draw(
         for sixths in scales:
             name = f"sigma_{sigma_n_deg:.1f}" + (f"_c_{sixths}of6.png" if sixths else ".png")
             progress(len(stimuli) / total, name)
-            variant = dataclasses.replace(look, sigma_n_deg=sigma_n_deg, c=None, c_fraction=None)
-            if sixths is not None:
-                variant = Setting(sigma_n_deg, sixths / 6).look(look)
+            variant = look.at(Setting(sigma_n_deg, (sixths or 6) / 6))
+            variant = variant if sixths else variant.without_c()
             frame = renderer.render(scene, variant, size)
             shown = shown_by(operator, frame)
             command = _command(args, sigma_n_deg, sixths, name)
@@ -165,14 +169,7 @@ def _varying(numbers: dict[str, Any]) -> dict[str, Any]:
 
 def _command(args: argparse.Namespace, sigma_n_deg: float, sixths: int | None, name: str) -> str:
     """The snapshot that draws the same stimulus."""
-    words = ["snapshot"]
-    for option in ("sample", "material", "scene", "seed", "samples"):
-        value = getattr(args, option)
-        words += [f"--{option}", str(value)] if value is not None else []
-    for setting in args.set:
-        words += ["--set", setting]
-    width, height = args.size
-    words += [*operator_words(args), "--size", f"{width}x{height}", "--backend", args.backend]
+    words = ["snapshot", *scene_words_of(args), *operator_words(args)]
     words += ["--sigma-n", f"{sigma_n_deg:g}"]
     words += ["--c-fraction", repr(sixths / 6)] if sixths else []
     return printable_command([*words, "-o", name])

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from relgloss_view.commands.sample_arguments import Given
     from relgloss_view.gloss.match import Match, Point, Reference
     from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setting import Setting
 
 CAVEAT = (
     "A starting point for the eye: one number can't fix two parameters; the experiment decides."
@@ -30,7 +31,7 @@ def add(commands: Any) -> None:
     from relgloss_view.commands.sample_arguments import METAVAR
     from relgloss_view.gloss.comparison import DEFAULT_GLOSS, GLOSSES
     from relgloss_view.gloss.match import DEFAULT_MEASURE, MEASURES
-    from relgloss_view.picture.scene.samples import SAMPLES
+    from relgloss_view.picture.scene.sample import SAMPLES
 
     first, *others = SAMPLES
     parser = commands.add_parser(
@@ -86,7 +87,7 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.gloss.match import as_numbers, match, reference_of
     from relgloss_view.gloss.match_plot import write_match_plot
     from relgloss_view.picture.backends import open_renderer
-    from relgloss_view.picture.scene.samples import SAMPLES
+    from relgloss_view.picture.scene.sample import SAMPLES
 
     words = args.cases or list(SAMPLES)[1:]
     if args.write is not None and len(words) != 1:
@@ -149,15 +150,10 @@ def _write_scene(path: str, scene: Scene, pair: tuple[Given, Given], found: Matc
 
     reference, sample = pair
     at = found.proposed
-    if at is None:
+    if at is None or at.c_fraction is None:
         raise InputError(f"--write {path}: no setting of {found.case.label} keeps the ratio")
-    look = dataclasses.replace(
-        found.case.look, sigma_n_deg=at.sigma_n_deg, c=None, c_fraction=at.c_fraction
-    )
-    content = SceneFile(
-        sample.sample, look, scene.shape, scene.lamp, scene.eye, scene.display,
-        reference.sample, reference.case.look,
-    )  # fmt: skip
+    look = found.case.look.at(Setting(at.sigma_n_deg, at.c_fraction))
+    content = SceneFile(sample.sample, look, scene.setup, reference.sample, reference.case.look)
     write_scene_file(path, content)
 
 

@@ -13,6 +13,7 @@ from relgloss_view.operators.operator import Operator
 from relgloss_view.operators.registry import DEFAULT_OPERATOR, OPERATORS, make_operator
 from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
+from relgloss_view.picture.scene.options import read_value
 
 SHOWS_C = ", ".join(name for name, kind in OPERATORS.items() if kind.uses_c)
 
@@ -43,8 +44,6 @@ def operator_from(args: argparse.Namespace) -> Operator:
 
 def read_settings(operator: str, settings: Sequence[str]) -> dict[str, Any]:
     """Parameters of an operator from words such as local=0.3."""
-    from relgloss_view.commands.scene_options import read_value
-
     optional = {f.name: f.default is None for f in dataclasses.fields(OPERATORS[operator])}
     found: dict[str, Any] = {}
     for setting in settings:
@@ -76,7 +75,7 @@ def shown_by(operator: Operator, frame: Frame) -> Displayed | None:
         return None
     shown = operator.draw(frame)
     told = []
-    if not operator.uses_c and not (frame.look.c is None and frame.look.c_fraction is None):
+    if not operator.uses_c and frame.look != frame.look.without_c():
         told.append(f"{operator.name} takes no account of c, which is the split's")
     if frame.look.quality == AUTO:
         told.append(

@@ -11,10 +11,9 @@ from pathlib import Path
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import fault, printable
 from relgloss_view.gloss.comparison import Case
-from relgloss_view.material.files import load_material
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.samples import SAMPLES, load_sample
-from relgloss_view.picture.scene.scene_file import SceneSample
+from relgloss_view.picture.scene.sample import SAMPLES, Sample
+from relgloss_view.picture.scene.setting import Setting
 
 METAVAR = "SAMPLE|MATERIAL.json[=SIGMA_N,C]"
 SETTINGS = re.compile(r"(.+)=([0-9.]+),([0-9.]+)(?:/([0-9.]+))?", re.DOTALL)
@@ -25,7 +24,7 @@ class Given:
     """A sample as it was given."""
 
     case: Case
-    sample: SceneSample  #: as a scene file names it
+    sample: Sample  #: as a scene file names it
     settings: str  #: "given", "published", or none: sigma_N 0 and c_max
 
 
@@ -41,17 +40,14 @@ def given_sample(word: str, look: Look) -> Given:
     start = name.rpartition("=")[0]
     if not built_in and (start in SAMPLES or (Path(start).is_file() and not Path(name).exists())):
         fault(printable(name), "SIGMA_N,C after the sample, such as =2.0,1/3", name[len(start) :])
-    material = load_sample(name) if built_in else load_material(name)
-    sigma_n_deg, fraction = 0.0, 1.0
+    sample = Sample.built_in(name) if built_in else Sample.from_file(name)
+    setting = SAMPLES[name] if built_in else Setting()
     if match:
-        sigma_n_deg, fraction = _settings(word, match[2], match[3], match[4])
-    elif built_in:
-        sigma_n_deg, fraction = SAMPLES[name].sigma_n_deg, SAMPLES[name].c_fraction
-    look = dataclasses.replace(look, sigma_n_deg=sigma_n_deg, c=None, c_fraction=fraction)
+        setting = _setting(word, match[2], match[3], match[4])
+    look = look.at(setting)
     label = name if built_in else printable(Path(name).stem, 40)
-    sample = SceneSample(material, name=name) if built_in else SceneSample(material, file=name)
     settings = "given" if match else "published" if built_in else ""
-    return Given(Case(label, material, look), sample, settings)
+    return Given(Case(label, sample.material, look), sample, settings)
 
 
 def given_samples(words: Sequence[str], look: Look) -> list[Given]:
@@ -67,9 +63,9 @@ def given_samples(words: Sequence[str], look: Look) -> list[Given]:
     return found
 
 
-def _settings(word: str, sigma_n: str, share: str, of: str | None) -> tuple[float, float]:
+def _setting(word: str, sigma_n: str, share: str, of: str | None) -> Setting:
     try:
-        return float(sigma_n), float(share) / float(of or 1)
+        return Setting(float(sigma_n), float(share) / float(of or 1))
     except (ValueError, ZeroDivisionError) as error:
         raise InputError(
             f"{word}: expected SAMPLE=SIGMA_N,C such as matte-coated=2.0,2/6"

@@ -6,7 +6,6 @@ degrees by 0.5, c from c_max/6 to c_max by c_max/6.
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 import re
 from dataclasses import dataclass
@@ -14,31 +13,12 @@ from fractions import Fraction
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import fault, number
-from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.setting import Setting
 
 SIGMA_N_DEG = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
 C_SIXTHS = (1, 2, 3, 4, 5, 6)
 MOST_SETTINGS = 400  #: an observer's day has an end, and so has a fit of as many means
 SAME = 1e-9  #: settings closer than this are one
-
-
-@dataclass(frozen=True)
-class Setting:
-    """What is judged: grain, and contrast gloss as a share of the picture's own c_max."""
-
-    sigma_n_deg: float
-    c_fraction: float
-
-    def look(self, base: Look) -> Look:
-        """A look with this setting; all else is the base's."""
-        return dataclasses.replace(
-            base, sigma_n_deg=self.sigma_n_deg, c=None, c_fraction=self.c_fraction
-        )
-
-    @property
-    def words(self) -> str:
-        """The setting as people read it, such as '2 deg, 2/6 c_max'."""
-        return f"{self.sigma_n_deg:.3g} deg, {share_words(self.c_fraction)} c_max"
 
 
 @dataclass(frozen=True)
@@ -84,14 +64,6 @@ class Grid:
             if near and abs(other.c_fraction - setting.c_fraction) < SAME:
                 return k
         return None
-
-
-def share_words(fraction: float) -> str:
-    """A share of c_max as people read it: '5/6' where it is of sixths, otherwise in decimals."""
-    sixths = 6.0 * fraction
-    if abs(sixths - round(sixths)) < 1e-6:
-        return f"{round(sixths)}/6"
-    return f"{fraction:.3g}"
 
 
 def share_of(value: object, place: str) -> float:

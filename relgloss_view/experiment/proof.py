@@ -18,7 +18,7 @@ import numpy as np
 from relgloss_view.experiment.adaptive import Estimate
 from relgloss_view.experiment.analysis import Options, SampleResult, analyse
 from relgloss_view.experiment.coordinates import grid_steps
-from relgloss_view.experiment.grid import Grid, Setting
+from relgloss_view.experiment.grid import Grid
 from relgloss_view.experiment.observers import Population
 from relgloss_view.experiment.percept import Percepts, see_study, see_truths
 from relgloss_view.experiment.pool import read_pool
@@ -29,6 +29,7 @@ from relgloss_view.experiment.surface import Optimum
 from relgloss_view.experiment.truth import truths_of
 from relgloss_view.experiment.verdict import BEST
 from relgloss_view.picture.backends import FrameRenderer
+from relgloss_view.picture.scene.setting import Setting
 
 NEIGHBOUR_STEPS = 1.0  #: along each axis: the truth lies in the chosen cell or one beside it
 EXACT_STEPS = 0.5

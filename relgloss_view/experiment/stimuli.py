@@ -5,10 +5,10 @@ from __future__ import annotations
 import hashlib
 from typing import TYPE_CHECKING, Any
 
-from relgloss_view.experiment.grid import Setting
 from relgloss_view.experiment.study import Study
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.output.export import parameters
+from relgloss_view.picture.scene.setting import Setting
 
 if TYPE_CHECKING:
     from relgloss_view.picture.backends import FrameRenderer

@@ -12,12 +12,13 @@ from dataclasses import dataclass
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.parameters import Checked, choice, parameter, switch, whole_number
 from relgloss_view.base.reading import fault, text
-from relgloss_view.experiment.grid import Grid, Setting
+from relgloss_view.experiment.grid import Grid
 from relgloss_view.picture.model.view import check_size
 from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.scene_file import SceneSample
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
+from relgloss_view.picture.scene.setting import Setting
+from relgloss_view.picture.scene.setup import Setup
 
 CATEGORIES = ("close", "slightly close", "fair", "slightly far", "far")  #: Ishii et al.
 MOST_CATEGORIES = 9  #: one digit key each
@@ -57,7 +58,7 @@ class StudySample:
     """A sample that is judged; its label names it, unique in the study."""
 
     label: str
-    sample: SceneSample
+    sample: Sample
 
 
 @dataclass(frozen=True)
@@ -108,7 +109,7 @@ class Study:
     """A subjective evaluation by relative gloss (Ishii et al., steps 1 to 6)."""
 
     samples: tuple[StudySample, ...]
-    reference: SceneSample
+    reference: Sample
     reference_look: Look = Look(c_fraction=1.0)
     title: str = "Relative gloss"
     grid: Grid = Grid()
@@ -118,10 +119,7 @@ class Study:
     procedure: Procedure = Procedure()
     adaptive: Adaptive = Adaptive()
     screen: Screen = Screen()
-    shape: Shape = Shape()
-    lamp: Lamp = Lamp()
-    eye: Eye = Eye()
-    display: Display = Display()
+    setup: Setup = Setup()
     look: Look = Look()  #: of the test pictures; its sigma_N and c are the grid's
 
     def __post_init__(self) -> None:
@@ -144,7 +142,7 @@ class Study:
                 )
         # All of them can be drawn: a fault shows before an observer does.
         for setting in (self.grid.settings[0], self.grid.settings[-1]):
-            setting.look(self.look)
+            self.look.at(setting)
 
     @property
     def guide(self) -> str:
@@ -170,10 +168,10 @@ class Study:
 
     def test_look(self, setting: Setting) -> Look:
         """How a test picture is to look."""
-        return setting.look(self.look)
+        return self.look.at(setting)
 
-    def _scene(self, sample: SceneSample) -> Scene:
-        return Scene(sample.material, self.shape, self.lamp, self.eye, self.display)
+    def _scene(self, sample: Sample) -> Scene:
+        return Scene(sample.material, self.setup)
 
     def with_procedure(self, **changes: object) -> Study:
         """The study with entries of its procedure changed."""

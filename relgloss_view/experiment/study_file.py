@@ -23,14 +23,9 @@ from relgloss_view.experiment.study import Adaptive, Procedure, Screen, Study, S
 from relgloss_view.material.files import material_from_dict, material_to_dict
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.samples import DEFAULT_SAMPLE, SAMPLES
-from relgloss_view.picture.scene.scene_file import (
-    TABLES,
-    SceneSample,
-    build,
-    lamp_beside,
-    read_sample,
-)
+from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, SAMPLES, Sample
+from relgloss_view.picture.scene.scene_file import TABLES, build, lamp_beside, read_sample
+from relgloss_view.picture.scene.setup import Setup
 
 MAX_BYTES = 1024 * 1024
 EXPECTED = "a study file (TOML)"
@@ -94,7 +89,8 @@ def _study(content: Mapping[str, Any], folder: Path) -> Study:
         grid=_grid(_entries(content, "grid", ("sigma_n_deg", "c_fraction"))),
         **words,
         **{name: build_part(kind, name, content.get(name, {})) for name, kind in PARTS.items()},
-        **parts,
+        look=parts.pop("look"),
+        setup=Setup(**parts),
     )
 
 
@@ -109,7 +105,7 @@ def _entries(content: Mapping[str, Any], table: str, known: tuple[str, ...]) -> 
     return dict(values)
 
 
-def _reference(values: object, folder: Path) -> tuple[SceneSample, Look]:
+def _reference(values: object, folder: Path) -> tuple[Sample, Look]:
     """The sample and look of the reference picture: those of the paper where nothing is said."""
     if not isinstance(values, dict):
         fault("[reference]", "a table", values)
@@ -162,7 +158,7 @@ def _grid(values: Mapping[str, Any]) -> Grid:
 
 def study_to_dict(study: Study) -> dict[str, Any]:
     """The study as JSON holds it, whole: materials and a lamp's table are inside it."""
-    lamp = study.lamp.illuminant
+    lamp = study.setup.lamp.illuminant
     return {
         "study": {name: _plain(getattr(study, name)) for name in WORDS},
         "samples": [
@@ -172,7 +168,9 @@ def study_to_dict(study: Study) -> dict[str, Any]:
             **_sample_to_dict(study.reference), "look": entries(study.reference_look)
         },
         "grid": {name: list(getattr(study.grid, name)) for name in ("sigma_n_deg", "c_fraction")},
-        **{name: entries(getattr(study, name)) for name in (*PARTS, *TABLES)},
+        **{name: entries(getattr(study, name)) for name in PARTS},
+        **{name: entries(part) for name, part in study.setup.parts().items()},
+        "look": entries(study.look),
         "lamp_table": None if is_lamp_name(lamp) else Path(lamp).read_text(encoding="utf-8-sig"),
     }  # fmt: skip
 
@@ -196,7 +194,8 @@ def study_from_dict(content: Mapping[str, Any], lamp_folder: Path) -> Study:
         grid=Grid(**{name: tuple(values) for name, values in content["grid"].items()}),
         **words,
         **{name: build_part(kind, name, content[name]) for name, kind in PARTS.items()},
-        **parts,
+        look=parts.pop("look"),
+        setup=Setup(**parts),
     )
 
 
@@ -210,14 +209,14 @@ def study_digest(content: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(seen, sort_keys=True).encode("utf-8")).hexdigest()
 
 
-def _sample_to_dict(sample: SceneSample) -> dict[str, Any]:
+def _sample_to_dict(sample: Sample) -> dict[str, Any]:
     file = None if sample.file is None else str(Path(sample.file).absolute())
     return {"name": sample.name, "file": file, "material": material_to_dict(sample.material)}
 
 
-def _sample_from_dict(content: Mapping[str, Any]) -> SceneSample:
+def _sample_from_dict(content: Mapping[str, Any]) -> Sample:
     material = material_from_dict(content["material"])
-    return SceneSample(material, name=content["name"], file=content["file"])
+    return Sample(material, name=content["name"], file=content["file"])
 
 
 def _plain(value: object) -> object:

@@ -9,9 +9,9 @@ import numpy as np
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.experiment.coordinates import from_steps, to_steps
-from relgloss_view.experiment.grid import Setting
 from relgloss_view.experiment.study import Study
-from relgloss_view.picture.scene.samples import SAMPLES
+from relgloss_view.picture.scene.sample import SAMPLES
+from relgloss_view.picture.scene.setting import Setting
 
 PUBLISHED, CELLS, ANYWHERE = "published", "cells", "anywhere"
 CHOICES = (PUBLISHED, CELLS, ANYWHERE)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view.base import reading as text_input
+from relgloss_view.base import reading
 from relgloss_view.base.reading import fault
 from relgloss_view.material import brdf
 from relgloss_view.measure.bands import Bands
@@ -43,9 +43,9 @@ class Diffuse:
         if self.model not in DIFFUSE_MODELS:
             fault("model", f"one of {', '.join(DIFFUSE_MODELS)}", self.model)
         expected = f"an albedo, 0 to {ALBEDO_MAX:g}"
-        albedo = text_input.numbers_of(self.albedo, "albedo", expected, 0.0, ALBEDO_MAX)
+        albedo = reading.numbers_of(self.albedo, "albedo", expected, 0.0, ALBEDO_MAX)
         expected = f"an angle in degrees, 0 to {SIGMA_DEG_MAX:.1f}"
-        sigma_deg = text_input.number(self.sigma_deg, "sigma_deg", expected, 0.0, SIGMA_DEG_MAX)
+        sigma_deg = reading.number(self.sigma_deg, "sigma_deg", expected, 0.0, SIGMA_DEG_MAX)
         _settle(self, albedo=albedo, sigma_deg=sigma_deg)
 
     @property
@@ -64,13 +64,13 @@ class Lobe:
 
     def __post_init__(self) -> None:
         expected = f"a number from 0 to {STRENGTH_MAX:g}"
-        strength = text_input.numbers_of(self.strength, "strength", expected, 0.0, STRENGTH_MAX)
+        strength = reading.numbers_of(self.strength, "strength", expected, 0.0, STRENGTH_MAX)
         low, high = INDEX_RANGE
         expected = f"a refractive index, {low:g} to {high:g}"
-        index = text_input.number(self.refractive_index, "refractive_index", expected, low, high)
+        index = reading.number(self.refractive_index, "refractive_index", expected, low, high)
         expected = f"a lobe width above 0 and at most {S_DEG_MAX:g} degrees"
         above_zero = math.nextafter(0.0, 1.0)
-        s_deg = text_input.number(self.s_deg, "s_deg", expected, above_zero, S_DEG_MAX)
+        s_deg = reading.number(self.s_deg, "s_deg", expected, above_zero, S_DEG_MAX)
         _settle(self, strength=strength, refractive_index=index, s_deg=s_deg)
 
     @property
@@ -112,7 +112,7 @@ class FitRecord:
         if self.quality not in QUALITIES:
             fault("quality", f"one of {', '.join(QUALITIES)}", self.quality)
         for k, warning in enumerate(self.warnings):
-            text_input.text(warning, f"warnings[{k}]")
+            reading.text(warning, f"warnings[{k}]")
 
 
 #: Words of a warning that says a quality already, and the warning where none does.
@@ -135,8 +135,8 @@ class Material:
     fit: FitRecord | None = None
 
     def __post_init__(self) -> None:
-        text_input.text(self.name, "name")
-        text_input.text(self.source, "source")
+        reading.text(self.name, "name")
+        reading.text(self.source, "source")
         count = self.bands.count
         if len(self.diffuse.albedo) != count:
             fault("diffuse.albedo", f"{count} values, one a band", len(self.diffuse.albedo))

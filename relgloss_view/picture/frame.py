@@ -17,6 +17,7 @@ from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.pixel_sampling import sample_count, samples_needed
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setting import FULL_SHARE
 
 Floats = NDArray[np.floating[Any]]
 
@@ -69,15 +70,12 @@ class Scaling:
                 raise InputError(f"c_max: {text}; --c VALUE draws it clipped")
             return cls(look.c, None, None, (text,))
         if extremes.l_s_max < tone.NO_LOBE_LSTAR:
-            ignored = look.c_fraction not in (None, 1.0)
+            ignored = look.setting.c_fraction != FULL_SHARE
             told = ("no pixel shows a highlight: c_max has no value, and c is 1",)
             return cls(1.0 if look.c is None else look.c, None, None, told if ignored else ())
         at_brightest = (100.0 - extremes.brightest_l_d) / max(extremes.brightest_l_s, 1e-6)
         c_max = max(at_brightest if eq4 else extremes.smallest_ratio, 0.0)
-        if look.c is not None:
-            c = look.c
-        else:
-            c = (1.0 if look.c_fraction is None else look.c_fraction) * c_max
+        c = look.setting.scaling(c_max)
         warnings = []
         if c > 1.0 + 1e-9:
             warnings.append(f"c = {c:.3g} is above 1: the picture exaggerates the contrast gloss")

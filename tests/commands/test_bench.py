@@ -111,7 +111,9 @@ def test_sizes_that_no_object_fills_are_refused(tmp_path, capsys, size, told):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("stage", ["run.time_changes", "chart.write_chart", "peers.time_scientist"])
+@pytest.mark.parametrize(
+    "stage", ["speed.run.time_changes", "speed.chart.write_chart", "peers.peers.time_scientist"]
+)
 def test_an_interruption_leaves_nothing(tmp_path, monkeypatch, capsys, stage):
     def interrupt(*_, **__):
         raise KeyboardInterrupt

@@ -13,7 +13,7 @@ from relgloss_view.base.resources import asset
 from relgloss_view.gloss.meter.meter import gloss_readings, specular_gloss
 from relgloss_view.material.files import load_material, material_to_dict, save_material
 from relgloss_view.material.material import Lobe
-from relgloss_view.picture.scene.samples import SAMPLES, load_sample
+from relgloss_view.picture.scene.sample import SAMPLES, load_sample
 
 PAPER = str(asset("papers", "art-coated.csv"))
 FITTED = str(asset("materials", "art-coated.json"))

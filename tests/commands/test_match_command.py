@@ -53,7 +53,7 @@ def test_written_scene_is_the_pair(capsys, tmp_path):
     assert content.look.c_fraction == pytest.approx(proposed["c_fraction"])
     assert (content.sample.name, content.reference.name) == ("matte-coated", "cast-coated")
     assert content.reference_look.c_fraction == 1.0
-    assert content.lamp.azimuth_deg == 40.0
+    assert content.setup.lamp.azimuth_deg == 40.0
     picture = tmp_path / "a.png"
     assert run(capsys, "snapshot", "--scene", scene, *SMALL, "-o", picture)[0] == 0
 

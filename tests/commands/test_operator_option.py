@@ -13,7 +13,7 @@ from test_cli import refused, run
 from relgloss_view.operators.registry import OPERATORS, make_operator
 from relgloss_view.picture.backends import open_renderer
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.samples import load_sample
+from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
 
 OpenEXR = pytest.importorskip("OpenEXR")

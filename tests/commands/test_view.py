@@ -20,7 +20,8 @@ from PIL import Image
 from relgloss_view import cli
 from relgloss_view.base.resources import asset
 from relgloss_view.material.files import load_material, material_to_dict, save_material
-from relgloss_view.viewer.state.state import Sample, State
+from relgloss_view.picture.scene.sample import Sample
+from relgloss_view.viewer.state.state import State
 from relgloss_view.viewer.state.state_file import save_state
 
 ROOT = Path(cli.__file__).parents[1]

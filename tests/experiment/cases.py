@@ -8,16 +8,16 @@ import itertools
 import numpy as np
 
 from relgloss_view.experiment.flow import Flow, Screen
-from relgloss_view.experiment.grid import Grid, Setting
+from relgloss_view.experiment.grid import Grid
 from relgloss_view.experiment.percept import Percepts
 from relgloss_view.experiment.study import Procedure, Study, StudySample
 from relgloss_view.experiment.study import Screen as Pictures
-from relgloss_view.picture.scene.samples import load_sample
-from relgloss_view.picture.scene.scene_file import SceneSample
+from relgloss_view.picture.scene.sample import Sample, load_sample
+from relgloss_view.picture.scene.setting import Setting
 
 
 def built_in(name):
-    return SceneSample(load_sample(name), name=name)
+    return Sample(load_sample(name), name=name)
 
 
 def study(samples=("matte-coated",), grid=None, size_px=96, **procedure):

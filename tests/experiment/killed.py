@@ -12,10 +12,11 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from cases import percepts, study
 
-from relgloss_view.experiment.grid import Grid, Setting
+from relgloss_view.experiment.grid import Grid
 from relgloss_view.experiment.observers import Population
 from relgloss_view.experiment.simulation import run_observers
 from relgloss_view.experiment.store import Store
+from relgloss_view.picture.scene.setting import Setting
 
 SEED = 3
 TRUTHS = (Setting(1.0, 0.5), Setting(2.0, 0.8))

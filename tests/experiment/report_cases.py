@@ -9,22 +9,22 @@ import numpy as np
 
 from relgloss_view.experiment.analysis import Options, analyse
 from relgloss_view.experiment.coordinates import coordinates, to_steps
-from relgloss_view.experiment.grid import Grid, Setting
+from relgloss_view.experiment.grid import Grid
 from relgloss_view.experiment.observers import Population
 from relgloss_view.experiment.percept import Percepts
 from relgloss_view.experiment.pool import read_pool
 from relgloss_view.experiment.simulation import run_observers
 from relgloss_view.experiment.store import Store
 from relgloss_view.experiment.study import CATEGORIES, Study, StudySample
-from relgloss_view.picture.scene.samples import load_sample
-from relgloss_view.picture.scene.scene_file import SceneSample
+from relgloss_view.picture.scene.sample import Sample, load_sample
+from relgloss_view.picture.scene.setting import Setting
 
 SMALL = Grid((0.0, 1.0, 2.0), (1 / 6, 2 / 6, 3 / 6))
 PERCEPT_A_STEP = np.array([0.45, 0.06])  #: log gloss, grain
 
 
 def built_in(name):
-    return SceneSample(load_sample(name), name=name)
+    return Sample(load_sample(name), name=name)
 
 
 def study_of(labels=("matte", "rough"), grid=SMALL, categories=CATEGORIES, **procedure):

@@ -10,8 +10,7 @@ from relgloss_view.experiment.flow import Flow, Screen
 from relgloss_view.experiment.grid import Grid
 from relgloss_view.experiment.store import Store
 from relgloss_view.experiment.study import Procedure, Study, StudySample
-from relgloss_view.picture.scene.samples import load_sample
-from relgloss_view.picture.scene.scene_file import SceneSample
+from relgloss_view.picture.scene.sample import Sample, load_sample
 
 
 class Clock:
@@ -26,8 +25,8 @@ class Clock:
 def flow(tmp_path):
     """At the first stimulus of an adaptive study, a second after it came."""
     study = Study(
-        samples=(StudySample("uncoated", SceneSample(load_sample("uncoated"), name="uncoated")),),
-        reference=SceneSample(load_sample("cast-coated"), name="cast-coated"),
+        samples=(StudySample("uncoated", Sample(load_sample("uncoated"), name="uncoated")),),
+        reference=Sample(load_sample("cast-coated"), name="cast-coated"),
         grid=Grid((0.0, 2.0), (0.5, 1.0)),
         procedure=Procedure(adaptation_min=0.0, gap_s=0.5, design="adaptive"),
     )

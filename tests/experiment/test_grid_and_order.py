@@ -12,8 +12,9 @@ from cases import study
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.coordinates import coordinates, from_steps, grid_steps, to_steps
-from relgloss_view.experiment.grid import Grid, Setting, share_of, share_words
+from relgloss_view.experiment.grid import Grid, share_of
 from relgloss_view.experiment.order import planned_trials, sample_order, williams_row
+from relgloss_view.picture.scene.setting import Setting, share_words
 
 THREE = ("art-coated", "matte-coated", "uncoated")
 

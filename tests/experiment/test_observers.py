@@ -8,7 +8,7 @@ from cases import Clock, answer, percepts, standing, started, study
 from scipy.special import ndtr
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.experiment.grid import Grid, Setting
+from relgloss_view.experiment.grid import Grid
 from relgloss_view.experiment.observers import KINDS, Population, SimulatedObserver, usual_bounds
 from relgloss_view.experiment.percept import percept_of, see_study
 from relgloss_view.experiment.simulation import Given, run_observers
@@ -16,7 +16,8 @@ from relgloss_view.experiment.stimuli import digest_of, draw_reference, draw_sti
 from relgloss_view.experiment.store import Store
 from relgloss_view.experiment.truth import ANYWHERE, CELLS, PUBLISHED, truths_of
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.samples import SAMPLES
+from relgloss_view.picture.scene.sample import SAMPLES
+from relgloss_view.picture.scene.setting import Setting
 
 SMALL = Grid((0.0, 2.0), (0.5, 1.0))
 THREE = ("art-coated", "matte-coated", "uncoated")

@@ -13,7 +13,7 @@ from cases import answer, answer_all, percepts, replaced, started, study
 from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.analysis import Options, analyse
 from relgloss_view.experiment.flow import Screen
-from relgloss_view.experiment.grid import Grid, Setting
+from relgloss_view.experiment.grid import Grid
 from relgloss_view.experiment.observers import Population
 from relgloss_view.experiment.pool import read_pool
 from relgloss_view.experiment.records import read_record
@@ -22,6 +22,7 @@ from relgloss_view.experiment.store import Store
 from relgloss_view.experiment.study import Procedure
 from relgloss_view.experiment.study import Screen as Pictures
 from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.picture.scene.setup import Display, Eye, Lamp
 
 SMALL = Grid((0.0, 2.0), (0.5, 1.0))

@@ -38,7 +38,8 @@ from relgloss_view.experiment.report.writing import (
 )
 from relgloss_view.experiment.study import StudySample
 from relgloss_view.experiment.verdict import CHANCE
-from relgloss_view.picture.scene.scene_file import SceneSample, read_scene_file
+from relgloss_view.picture.scene.sample import Sample
+from relgloss_view.picture.scene.scene_file import read_scene_file
 
 OF_SAMPLE = ("-bounds.png", "-closeness.png", "-winners.png", ".toml")
 LABEL = "$x_1$ <b>& \"quoted\" '紙'</b> \\frac"
@@ -153,15 +154,15 @@ class TestScenes:
     def test_materials_and_lamp_move_with_the_folder(self, tmp_path):
         lamp = tmp_path / "mine.csv"
         lamp.write_text("\n".join(f"{w},{100 + w / 10}" for w in range(380, 781, 5)))
-        own = SceneSample(materials.paper("matte"), file="gone/matte.json")
+        own = Sample(materials.paper("matte"), file="gone/matte.json")
         # A material that was built in once, and is another today.
-        old = SceneSample(materials.paper("art"), name="art-coated")
+        old = Sample(materials.paper("art"), name="art-coated")
         study = study_of()
         study = dataclasses.replace(
             study,
             samples=(StudySample("mine", own), StudySample("reference", old)),
-            reference=SceneSample(materials.paper("cast"), file="gone/cast.json"),
-            lamp=dataclasses.replace(study.lamp, illuminant=str(lamp)),
+            reference=Sample(materials.paper("cast"), file="gone/cast.json"),
+            setup=study.setup.with_entries("lamp", illuminant=str(lamp)),
         )
         analysis = analyse(pool_of(study_of(("mine", "reference"))), Options(5))
         pool = dataclasses.replace(analysis.pool, study=study)
@@ -171,7 +172,7 @@ class TestScenes:
         scene = read_scene_file(tmp_path / "elsewhere" / "mine.toml")
         assert scene.sample.material == own.material
         assert scene.reference.material == study.reference.material
-        assert Path(scene.lamp.illuminant) == tmp_path / "elsewhere" / "lamp.csv"
+        assert Path(scene.setup.lamp.illuminant) == tmp_path / "elsewhere" / "lamp.csv"
         assert (
             read_scene_file(tmp_path / "elsewhere/reference.toml").sample.material == old.material
         )

@@ -23,7 +23,6 @@ from report_cases import (
 )
 
 from relgloss_view.experiment.analysis import JOINT, Options, analyse
-from relgloss_view.experiment.grid import Setting
 from relgloss_view.experiment.records import PERSON, Observer
 from relgloss_view.experiment.report import words
 from relgloss_view.experiment.report.choice import chosen, nearest_shares
@@ -32,6 +31,7 @@ from relgloss_view.experiment.report.numbers import FORMAT, as_numbers
 from relgloss_view.experiment.report.tables import ANSWER_COLUMNS, SCALE_COLUMNS, write_tables
 from relgloss_view.experiment.report.who import people, silent, truths
 from relgloss_view.experiment.verdict import BROAD, CHANCE, RIDGE
+from relgloss_view.picture.scene.setting import Setting
 
 
 def rows_of(path):

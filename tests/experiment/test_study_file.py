@@ -21,7 +21,7 @@ from relgloss_view.experiment.study_file import (
 )
 from relgloss_view.material.files import save_material
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.samples import load_sample
+from relgloss_view.picture.scene.sample import load_sample
 
 
 def written(folder, text, name="study.toml"):
@@ -107,7 +107,7 @@ def test_everything_that_may_be_said(tmp_path):
     again = study_from_dict(content, tmp_path / "elsewhere")
     assert study_digest(study_to_dict(again)) == study_digest(content)
     assert again.samples[0].sample.material == study.samples[0].sample.material
-    with open(again.lamp.illuminant, encoding="utf-8") as lamp:
+    with open(again.setup.lamp.illuminant, encoding="utf-8") as lamp:
         assert lamp.read() == asset("spectra", "D65.csv").read_text(encoding="utf-8")
 
 

@@ -79,7 +79,7 @@ def test_plotting_is_imported_only_for_the_report() -> None:
 def test_a_width_at_its_limit_claims_no_error() -> None:
     """A fit that stopped at the widest lobe has no spread there; "+- 0" would promise exactness."""
     from relgloss_view.fitting.describe import width_error
-    from relgloss_view.picture.scene.samples import load_sample
+    from relgloss_view.picture.scene.sample import load_sample
 
     material = load_sample("uncoated")
     assert material.specular[1].s_deg == 40.0

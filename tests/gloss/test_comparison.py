@@ -23,7 +23,7 @@ from relgloss_view.gloss.comparison_sheet import comparison_sheet
 from relgloss_view.gloss.shown import Measures
 from relgloss_view.operators.registry import make_operator
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.samples import SAMPLES, load_sample
+from relgloss_view.picture.scene.sample import SAMPLES, load_sample
 from relgloss_view.picture.scene.scene import Scene
 
 REAL = {"a": 90.0, "b": 60.0, "c": 30.0}
@@ -64,7 +64,7 @@ def papers(request):
     """The four papers at the published settings, as `relgloss compare` shows them."""
     from relgloss_view.picture.backends import open_renderer
 
-    cases = [Case(name, load_sample(name), look.look()) for name, look in SAMPLES.items()]
+    cases = [Case(name, load_sample(name), Look().at(setting)) for name, setting in SAMPLES.items()]
     operators = [make_operator(name) for name in ("split", "clip", "multiscale")]
     with open_renderer("egl") as renderer:
         yield compare(renderer, cases, operators, Scene(cases[0].material), (256, 256))
@@ -119,7 +119,7 @@ def test_lamp_from_the_side_makes_clipped_matte_the_largest_highlight(renderer):
     """What the paper saw: three papers reach white, and matte on the largest area."""
     from relgloss_view.picture.scene.setup import Lamp
 
-    cases = [Case(name, load_sample(name), look.look()) for name, look in SAMPLES.items()]
+    cases = [Case(name, load_sample(name), Look().at(setting)) for name, setting in SAMPLES.items()]
     scene = Scene(cases[0].material, lamp=Lamp(azimuth_deg=100.0))
     (clip,) = compare(renderer, cases, [make_operator("clip")], scene, (256, 256)).rows
     assert clip.orders["peak_contrast"].words.count("=") == 2

@@ -28,7 +28,7 @@ from relgloss_view.material import brdf
 from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material
 from relgloss_view.measure.bands import RGB, Bands
 from relgloss_view.measure.readers import read_measurement
-from relgloss_view.picture.scene.samples import SAMPLES, load_sample
+from relgloss_view.picture.scene.sample import SAMPLES, load_sample
 
 METERS = (*SPECULAR.values(), HAZE, DISTINCTNESS)
 

@@ -25,7 +25,7 @@ from relgloss_view.gloss.match_plot import write_match_plot
 from relgloss_view.gloss.shown import measure
 from relgloss_view.operators.split import Split
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.samples import SAMPLES, load_sample
+from relgloss_view.picture.scene.sample import SAMPLES, load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Eye
 
@@ -34,7 +34,7 @@ HOW = {"gloss": "gloss-75", "by": "peak-contrast"}
 
 
 def case(name):
-    return Case(name, load_sample(name), SAMPLES[name].look())
+    return Case(name, load_sample(name), Look().at(SAMPLES[name]))
 
 
 @pytest.fixture

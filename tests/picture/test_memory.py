@@ -10,8 +10,9 @@ GROWTH = """
 import sys
 from relgloss_view.picture.gpu.context import open_context
 from relgloss_view.picture.gpu.passes import Renderer
-from relgloss_view.picture.scene.samples import load_sample
-from relgloss_view import Look, Scene
+from relgloss_view.picture.scene.sample import load_sample
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
 
 def resident():
     with open("/proc/self/statm") as file:

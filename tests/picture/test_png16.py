@@ -23,7 +23,7 @@ from relgloss_view.picture.output.export import (
 )
 from relgloss_view.picture.output.png16 import write_png16
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.samples import load_sample
+from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Display
 

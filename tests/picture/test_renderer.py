@@ -19,7 +19,7 @@ from relgloss_view.picture.backends import open_renderer
 from relgloss_view.picture.gpu.passes import Renderer
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.samples import SAMPLES, load_sample
+from relgloss_view.picture.scene.sample import SAMPLES, load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
 
@@ -209,15 +209,15 @@ class TestNoise:
         assert len(np.unique(np.round(tilt, 6))) < 60
 
     def test_zero_sigma_is_the_noise_free_picture_bit_for_bit(self, renderer, monkeypatch):
-        from relgloss_view.picture.gpu import variant as plan
+        from relgloss_view.picture.gpu import variant
 
         scene = Scene(materials.paper("matte"))
         smooth = renderer.render(scene, Look(), SMALL)
         wanted = {name: getattr(smooth, name).copy() for name in ("diffuse", "specular", "display")}
         # The noisy variant itself, given a sigma of zero.
-        original = plan.Plan.of.__func__
+        original = variant.Plan.of.__func__
         monkeypatch.setattr(
-            plan.Plan,
+            variant.Plan,
             "of",
             classmethod(lambda cls, *a: dataclasses.replace(original(cls, *a), noise="paper")),
         )
@@ -568,7 +568,8 @@ import sys, numpy as np
 sys.path.insert(0, sys.argv[1])
 import materials
 from relgloss_view.picture.backends import open_renderer
-from relgloss_view import Look, Scene
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
 with open_renderer(sys.argv[2]) as renderer:
     out = {"device": np.array(str(renderer.ctx.info["GL_RENDERER"]))}
     for name in ("cast", "uncoated"):
@@ -654,7 +655,8 @@ import materials
 from relgloss_view.picture.backends import open_renderer
 from relgloss_view.picture.gpu.context import attach
 from relgloss_view.picture.gpu.passes import Renderer
-from relgloss_view import Look, Scene
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
 glfw.init_hint(glfw.PLATFORM, glfw.PLATFORM_NULL)
 assert glfw.init()
 for hint, value in ((glfw.CONTEXT_CREATION_API, glfw.EGL_CONTEXT_API),
@@ -709,7 +711,7 @@ class TestBounds:
                 shift_right=rng.uniform(-0.1, 0.1),
                 shift_up=rng.uniform(-0.1, 0.1),
             )
-            scene = Scene(load_sample("uncoated"), Shape(kind=kind), eye=eye)
+            scene = Scene(load_sample("uncoated"), shape=Shape(kind=kind), eye=eye)
             size = (61, 47)
             bounded = renderer.render(scene, Look(), size)
             with monkeypatch.context() as whole:
@@ -760,7 +762,7 @@ class TestBounds:
     def test_very_near_and_very_far(self, renderer, monkeypatch, shape, eye):
         from relgloss_view.picture.model import view as views
 
-        scene = Scene(load_sample("uncoated"), shape, eye=eye)
+        scene = Scene(load_sample("uncoated"), shape=shape, eye=eye)
         size = (300, 250)
         bounded = renderer.render(scene, Look(), size)
         assert np.sum(bounded.on_object) > 100

@@ -6,7 +6,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.picture.output.export import save_frame
 from relgloss_view.picture.output.writers import WAITING, Writers
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.samples import load_sample
+from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
 
 SIZE = (60, 40)

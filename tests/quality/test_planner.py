@@ -11,7 +11,7 @@ from relgloss_view.picture.method import EXACT
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.difference import delta_e_2000
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.samples import SAMPLES, load_sample
+from relgloss_view.picture.scene.sample import SAMPLES, load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
 from relgloss_view.quality import planner
@@ -24,7 +24,7 @@ WIDE = Shape(diameter_m=0.125, height_m=0.075)
 
 
 def scene(sample="matte-coated", azimuth_deg=50.0):
-    return Scene(load_sample(sample), WIDE, Lamp(azimuth_deg=azimuth_deg))
+    return Scene(load_sample(sample), shape=WIDE, lamp=Lamp(azimuth_deg=azimuth_deg))
 
 
 def matched(sample):
@@ -129,7 +129,7 @@ class TestChoices:
         assert set(advice.method.differences()) <= {"gamut", "c_max"}
 
     def test_what_a_scene_has_not_is_no_stage(self):
-        without = Scene(materials.flat(), WIDE)
+        without = Scene(materials.flat(), shape=WIDE)
         assert not {"lobes", "fresnel", "shadowing", "c_max", "diffuse", "noise"} & set(
             chosen(advise(without, Look(), SIZE))
         )
@@ -140,8 +140,8 @@ class TestChoices:
         paper = materials.paper("matte")
         seen = Scene(
             dataclasses.replace(paper, diffuse=Diffuse("oren-nayar", paper.diffuse.albedo, 25.0)),
-            WIDE,
-            Lamp(azimuth_deg=110.0),
+            shape=WIDE,
+            lamp=Lamp(azimuth_deg=110.0),
         )
         unseen = dataclasses.replace(
             seen,
@@ -168,11 +168,11 @@ class TestChoices:
 
     def test_what_no_c_can_show_is_refused(self):
         with pytest.raises(InputError, match="c_max"):
-            advise(Scene(materials.flat(1.5), WIDE), Look(), SIZE)
+            advise(Scene(materials.flat(1.5), shape=WIDE), Look(), SIZE)
 
     @pytest.mark.parametrize("shape", ["sphere", "plane", "box"])
     def test_every_shape(self, shape):
-        drawn = Scene(load_sample("uncoated"), Shape(kind=shape))
+        drawn = Scene(load_sample("uncoated"), shape=Shape(kind=shape))
         assert DEFAULT_TOLERANCE.holds(advise(drawn, Look(sigma_n_deg=1.0), (200, 150)).error)
 
 
@@ -218,7 +218,7 @@ class TestPlanner:
         assert advise(scene(), self.AUTO, SIZE) == advise(scene(), self.AUTO, SIZE)
 
     def test_what_cannot_be_shown_is_left_to_the_drawing(self):
-        white = Scene(materials.flat(1.5), WIDE)
+        white = Scene(materials.flat(1.5), shape=WIDE)
         assert Planner().method(white, Look(quality="auto"), SIZE) == EXACT
 
     def test_a_moving_slider_does_not_flicker(self):

@@ -11,7 +11,7 @@ from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.difference import delta_e_2000
 from relgloss_view.picture.reference import ReferenceRenderer
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.samples import SAMPLES, load_sample
+from relgloss_view.picture.scene.sample import SAMPLES, load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Eye, Lamp, Shape
 from relgloss_view.quality.proxy import HIGHLIGHT_LSTAR, Proxy
@@ -24,7 +24,9 @@ FIXED = {"y_n": "front"}
 
 def scene(sample="matte-coated", azimuth_deg=50.0, **shape):
     wide = {"diameter_m": 0.125, "height_m": 0.075, **shape}
-    return Scene(load_sample(sample), Shape(**wide), Lamp(azimuth_deg=azimuth_deg, **FIXED))
+    return Scene(
+        load_sample(sample), shape=Shape(**wide), lamp=Lamp(azimuth_deg=azimuth_deg, **FIXED)
+    )
 
 
 def shown_lab(frame):
@@ -198,7 +200,7 @@ def test_nothing_seen_is_empty():
 
 
 def test_what_a_scene_has_not_may_be_drawn_and_shows_nothing(renderer):
-    smooth, look = Scene(materials.flat(0.4), Shape(diameter_m=0.125, height_m=0.075)), Look()
+    smooth, look = Scene(materials.flat(0.4), shape=Shape(diameter_m=0.125, height_m=0.075)), Look()
     drawn = renderer.render(smooth, look, SIZE, Method(absent="drawn"))
     everything = drawn.display.copy()
     assert_same_pixels(everything, renderer.render(smooth, look, SIZE).display)
@@ -214,7 +216,7 @@ def test_what_a_scene_has_not_may_be_drawn_and_shows_nothing(renderer):
 )
 def test_a_highlight_on_the_last_row_is_seen(renderer, shape, lamp, sample):
     """c_max is set there: within 2 %, where a row missed made it 20 % and more."""
-    drawn = Scene(load_sample(sample), Shape(**shape), Lamp(*lamp))
+    drawn = Scene(load_sample(sample), shape=Shape(**shape), lamp=Lamp(*lamp))
     size = (320, 180)
     frame = renderer.render(drawn, Look(), size)
     _, c = Proxy(drawn, Look(), size)._scaled(*Proxy(drawn, Look(), size)._light(EXACT), EXACT)
@@ -245,7 +247,7 @@ def test_grain_that_mirrors_the_lamp_may_leave_the_gamut():
 
 @pytest.mark.parametrize("size", [(61, 47), (65, 49), (33, 18)])
 def test_pixels_of_the_object_are_counted(renderer, size):
-    plane = Scene(load_sample("matte-coated"), Shape("plane", width_m=1.0, height_m=1.0))
+    plane = Scene(load_sample("matte-coated"), shape=Shape("plane", width_m=1.0, height_m=1.0))
     for drawn in (plane, dataclasses.replace(plane, eye=Eye(field_of_view_deg=5.0))):
         frame = renderer.render(drawn, Look(), size)
         assert frame.object_pixels == np.sum(frame.on_object) > 0
@@ -263,6 +265,6 @@ def test_c_alone_draws_the_tone_pass_alone_by_every_c_max(renderer):
 def test_a_lamp_on_the_surface_lights_the_rest(renderer):
     # One pixel may be the lamp's own point; the others are drawn.
     lamp = Lamp(azimuth_deg=0.0, distance_m=0.04)
-    touched = Scene(load_sample("matte-coated"), Shape("sphere", diameter_m=0.08), lamp)
+    touched = Scene(load_sample("matte-coated"), shape=Shape("sphere", diameter_m=0.08), lamp=lamp)
     frame = renderer.render(touched, Look(c=1.0), (65, 65))
     assert np.all(np.isfinite(frame.lab))

@@ -131,7 +131,7 @@ def test_case_21_one_grain_a_cell_whatever_the_window(ctx, renderer, reference):
     # A plane that faces the eye; the eye's shift slides the picture: a tile of the whole.
     scene = Scene(
         materials.paper("matte"),
-        Shape(kind="plane"),
+        shape=Shape(kind="plane"),
         eye=Eye(field_of_view_deg=12.0),
     )
     look = Look(sigma_n_deg=2.0, grain="surface", grain_mm=8.0)
@@ -226,7 +226,8 @@ sys.path.insert(0, sys.argv[1])
 import materials
 from relgloss_view.picture.backends import open_renderer
 from relgloss_view.picture.gpu.evaluate import evaluate
-from relgloss_view import Look, Scene
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
 with open_renderer("egl") as r:
     cell = np.random.default_rng(0).integers(0, 2**32, (5000, 3)).astype(np.uint32)
     body = "result = uvec4(cell_hash(ivec3(h.xyz), 3u), 0u);"
@@ -264,10 +265,12 @@ def test_case_37_lamp_or_eye_out_of_place(renderer, reference, kind):
     material = materials.paper("matte")
     inside = 0.02
     cases = {
-        "lamp behind": Scene(material, Shape(kind), Lamp(azimuth_deg=180.0)),
-        "lamp inside": Scene(material, Shape(kind), Lamp(distance_m=inside, azimuth_deg=10.0)),
-        "lamp at the centre": Scene(material, Shape(kind), Lamp(distance_m=1e-3)),
-        "eye inside": Scene(material, Shape(kind), eye=Eye(distance_m=inside)),
+        "lamp behind": Scene(material, shape=Shape(kind), lamp=Lamp(azimuth_deg=180.0)),
+        "lamp inside": Scene(
+            material, shape=Shape(kind), lamp=Lamp(distance_m=inside, azimuth_deg=10.0)
+        ),
+        "lamp at the centre": Scene(material, shape=Shape(kind), lamp=Lamp(distance_m=1e-3)),
+        "eye inside": Scene(material, shape=Shape(kind), eye=Eye(distance_m=inside)),
     }
     for name, scene in cases.items():
         for one in (renderer, reference):
@@ -292,9 +295,9 @@ class TestFoundHere:
         """Lamp and eye from a millimetre to a kilometre: finite, and the twin sees the same."""
         scene = Scene(
             materials.paper("matte"),
-            Shape(kind),
-            Lamp(distance_m=distance_m, azimuth_deg=30.0, elevation_deg=20.0),
-            Eye(distance_m=distance_m, elevation_deg=10.0),
+            shape=Shape(kind),
+            lamp=Lamp(distance_m=distance_m, azimuth_deg=30.0, elevation_deg=20.0),
+            eye=Eye(distance_m=distance_m, elevation_deg=10.0),
         )
         frame, truth = (
             one.render(scene, Look(sigma_n_deg=1.0, c=0.5), SMALL) for one in (renderer, reference)
@@ -310,7 +313,7 @@ class TestFoundHere:
     def test_strongest_grain_on_every_shape(self, renderer, reference, kind, grain):
         """sigma_N = 10 degrees: tilts up to 58 degrees."""
         look = Look(sigma_n_deg=10.0, grain=grain, grain_mm=0.5, c=0.5)
-        scene = Scene(materials.paper("cast"), Shape(kind), eye=Eye(elevation_deg=15.0))
+        scene = Scene(materials.paper("cast"), shape=Shape(kind), eye=Eye(elevation_deg=15.0))
         for one in (renderer, reference):
             frame = one.render(scene, look, SMALL)
             assert finite(frame.diffuse, frame.specular, frame.lab, frame.tilted_normal)

@@ -34,7 +34,9 @@ def split(ctx, diffuse, specular):
 def mirror_scene(lobe, **options):
     """A plane whose middle pixel, of an odd picture, sees the lamp's mirror image."""
     lamp, eye = Lamp(azimuth_deg=25.0, distance_m=0.6), Eye(azimuth_deg=-25.0)
-    return Scene(materials.flat(0.3, (lobe,)), Shape(kind="plane"), lamp, eye, **options)
+    return Scene(
+        materials.flat(0.3, (lobe,)), shape=Shape(kind="plane"), lamp=lamp, eye=eye, **options
+    )
 
 
 def test_case_10_black_and_lit_from_behind(ctx, renderer, reference):

@@ -13,14 +13,13 @@ import numpy as np
 import pytest
 
 from relgloss_view.base.resources import data_root
-from relgloss_view.bench.stability import grain_errors
-from relgloss_view.bench.stability import maps as stability
+from relgloss_view.bench.stability import grain_errors, maps
 from relgloss_view.material import approximations, brdf
 from relgloss_view.material.material import Lobe
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.samples import load_sample
+from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Eye, Lamp, Shape
 from relgloss_view.quality import domains
@@ -30,10 +29,10 @@ SLACK = 0.25
 BEYOND = 1.0 + SLACK
 #: Those of the figures, and angles that the boxes of the grain lead to.
 SUBJECTS = (
-    *(s for s in stability.SUBJECTS if s.key is not None),
-    stability.grain("mean", 55.0),
-    stability.grain("mean", 85.0),
-    stability.grain("none", 85.0),
+    *(s for s in maps.SUBJECTS if s.key is not None),
+    maps.grain("mean", 55.0),
+    maps.grain("mean", 85.0),
+    maps.grain("none", 85.0),
 )
 #: Widths and sigma_N for the grain, whose quadrature takes its time.
 GRAIN_S_DEG = np.array([0.1, 1.0, 4.0, 8.0, 15.0, 20.0, 40.0])
@@ -101,7 +100,7 @@ def test_inside_its_domain_a_choice_holds(computed, subject):
 
 @pytest.mark.slow
 def test_inside_its_domain_a_choice_holds_on_the_whole_map(ctx):
-    for made in stability.all_maps(ctx):
+    for made in maps.all_maps(ctx):
         if made.subject.domain is not None:
             worst = np.max(made.error[made.inside], initial=0.0)
             assert worst <= made.subject.domain.bound, made.subject.name
@@ -252,7 +251,7 @@ class TestOutside:
     @pytest.mark.parametrize("kind", ["cylinder", "sphere", "plane", "box"])
     def test_the_survey_is_what_a_picture_shows(self, renderer, kind):
         """The half angle over the pixels, and the brightest of them from above."""
-        scene = Scene(materials.paper("matte"), Shape(kind), Lamp(azimuth_deg=40.0))
+        scene = Scene(materials.paper("matte"), shape=Shape(kind), lamp=Lamp(azimuth_deg=40.0))
         found = survey(scene, Look(), Method())
         frame = renderer.render(scene, Look(c=0.1), (200, 200))
         point = frame.point_m.astype(np.float64)

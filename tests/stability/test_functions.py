@@ -12,7 +12,7 @@ import pytest
 from both import finite
 
 from relgloss_view.material import approximations, brdf
-from relgloss_view.picture.gpu import variant as plan
+from relgloss_view.picture.gpu import variant
 from relgloss_view.picture.gpu.targets import Targets
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.scene.setup import Display
@@ -74,9 +74,9 @@ def test_lobes(ctx, facets, shadowing, fresnel):
         "result = vec4(v, v * max(f.mu_i, 0.0), f.delta2, f.t);"
     )
     defines = {
-        "FACETS": plan.FACET_CODES[facets],
-        "SHADOWING": plan.SHADOWING_CODES[shadowing],
-        "FRESNEL": plan.FRESNEL_CODES[fresnel],
+        "FACETS": variant.FACET_CODES[facets],
+        "SHADOWING": variant.SHADOWING_CODES[shadowing],
+        "FRESNEL": variant.FRESNEL_CODES[fresnel],
     }
     found = glsl.evaluate(ctx, ["brdf.glsl"], body, inputs, defines=defines)
     assert finite(found)
@@ -90,7 +90,7 @@ def test_diffuse_models(ctx, model):
     sigmas = np.concatenate([[0.0, 1.0], 10.0 ** rng.uniform(-9, 0, 200)])
     terms = np.array([brdf.diffuse_terms(model, float(s)) for s in sigmas])
     inputs = directions(4) | {"terms": terms[rng.integers(0, len(terms), COUNT)]}
-    code = plan.DIFFUSE_CODES[model]
+    code = variant.DIFFUSE_CODES[model]
     body = (
         "Facing f = facing(n.xyz, i.xyz, o.xyz);"
         f"vec2 v = diffuse_shapes({code}, f, terms); result = vec4(v, v * max(f.mu_i, 0.0));"
@@ -101,7 +101,7 @@ def test_diffuse_models(ctx, model):
     assert np.mean(found[:, 0] > 0.0) > 0.1
 
 
-@pytest.mark.parametrize("root", list(plan.CUBE_ROOT_CODES))
+@pytest.mark.parametrize("root", list(variant.CUBE_ROOT_CODES))
 @pytest.mark.parametrize("gamut", ["CHROMA", "CLIP"])
 @pytest.mark.parametrize("transfer", ["SRGB", "GAIN_OFFSET_GAMMA"])
 def test_from_light_to_display(ctx, root, gamut, transfer):
@@ -130,7 +130,7 @@ def test_from_light_to_display(ctx, root, gamut, transfer):
         ["tone.glsl"],
         body,
         inputs,
-        defines={"CUBE_ROOT": plan.CUBE_ROOT_CODES[root]},
+        defines={"CUBE_ROOT": variant.CUBE_ROOT_CODES[root]},
         samplers={"cube_root_table": Targets(ctx).cube_root_table()},
     )
     assert finite(found)

@@ -16,7 +16,7 @@ from relgloss_view.picture.gpu.passes import Renderer
 from relgloss_view.picture.gpu.programs import Programs
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.samples import load_sample
+from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
 

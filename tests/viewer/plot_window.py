@@ -46,12 +46,12 @@ def models(names: set[str]) -> dict:
     from relgloss_view.measure.readers import read_measurement
     from relgloss_view.picture.gpu.context import open_context
     from relgloss_view.picture.gpu.passes import Renderer
-    from relgloss_view.picture.scene.samples import load_sample
+    from relgloss_view.picture.scene.sample import Sample, load_sample
     from relgloss_view.picture.scene.setup import Eye
     from relgloss_view.viewer.plots.lightness import Lightness
     from relgloss_view.viewer.plots.readout import Stages
     from relgloss_view.viewer.state.model import Model
-    from relgloss_view.viewer.state.state import Sample, Side, State
+    from relgloss_view.viewer.state.state import Side, State
 
     start = State.initial()
 
@@ -65,7 +65,7 @@ def models(names: set[str]) -> dict:
         elif name == "no lobes":
             state = start.with_sample("test", Sample(materials.flat(0.4)))
         elif name == "nothing seen":
-            state = replace(start, eye=Eye(distance_m=0.01))
+            state = start.placed(eye=Eye(distance_m=0.01))
         elif name == "one pixel":
             size = (1, 1)
         elif name == "poor fit":

@@ -13,9 +13,9 @@ from relgloss_view.base.resources import asset
 from relgloss_view.material.files import load_material, save_material
 from relgloss_view.material.spectra import SHIPPED_ILLUMINANTS
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.samples import SAMPLES
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
-from relgloss_view.viewer.state.state import Presentation, Sample, Side, State
+from relgloss_view.picture.scene.sample import SAMPLES, Sample
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Setup, Shape
+from relgloss_view.viewer.state.state import Presentation, Side, State
 
 #: Names that files may have, and that quoting, TOML and argparse have to stand.
 NAMES = (
@@ -101,9 +101,8 @@ def states(samples=(), lamps=()):
         State,
         side,
         side,
-        parts(Shape),
-        parts(Lamp, illuminant=lamp_names),
-        parts(Eye),
-        parts(Display),
+        st.builds(
+            Setup, parts(Shape), parts(Lamp, illuminant=lamp_names), parts(Eye), parts(Display)
+        ),
         parts(Presentation),
     )

@@ -213,8 +213,8 @@ class TestLifeSize:
     LIFE = STATE.with_part("presentation", life_size=True)
 
     def test_only_where_it_is_asked_for_and_the_monitor_tells(self):
-        assert seen_by(self.STATE, (400, 300), 2.5e-4) is self.STATE.eye
-        assert seen_by(self.LIFE, (400, 300), None) is self.LIFE.eye
+        assert seen_by(self.STATE, (400, 300), 2.5e-4) is self.STATE.setup.eye
+        assert seen_by(self.LIFE, (400, 300), None) is self.LIFE.setup.eye
         assert as_shown(self.STATE, (400, 300), 2.5e-4) is self.STATE
         assert as_shown(self.LIFE, (400, 300), None) is self.LIFE
 
@@ -223,11 +223,11 @@ class TestLifeSize:
         """The cylinder's 100 mm, also in a picture that is drawn smaller and shown enlarged."""
         pitch, size = 1.5e-4 * shrunk, (600 // shrunk, 500 // shrunk)
         shown = as_shown(self.LIFE, size, pitch)
-        assert shown.eye != self.LIFE.eye
-        assert dataclasses.replace(shown, eye=self.LIFE.eye) == self.LIFE
+        assert shown.setup.eye != self.LIFE.setup.eye
+        assert shown.placed(eye=self.LIFE.setup.eye) == self.LIFE
         view = View.of(shown.scene("test"), size)
-        tall_px = 0.10 / shown.eye.distance_m / view.pixel_step
+        tall_px = 0.10 / shown.setup.eye.distance_m / view.pixel_step
         assert tall_px * pitch == pytest.approx(0.10, rel=1e-6)
         other = View.of(self.LIFE.scene("test"), size)  # the control: framed, it has not
-        framed_px = 0.10 / shown.eye.distance_m / other.pixel_step
+        framed_px = 0.10 / shown.setup.eye.distance_m / other.pixel_step
         assert framed_px * pitch != pytest.approx(0.10, rel=0.1)

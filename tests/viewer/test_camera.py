@@ -33,7 +33,7 @@ round_shapes = st.sampled_from([Shape(), Shape("sphere")])  # their outlines are
 
 
 def scene_of(eye, shape=None):
-    return Scene(MATERIAL, shape or Shape(), eye=eye)
+    return Scene(MATERIAL, shape=shape or Shape(), eye=eye)
 
 
 def ray_at(view, place):

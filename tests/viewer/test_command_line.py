@@ -17,8 +17,9 @@ from hypothesis import strategies as st
 from relgloss_view.base.errors import InputError
 from relgloss_view.cli import _parser
 from relgloss_view.commands.scene_options import scene_from
+from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.viewer.state.command_line import snapshot_command
-from relgloss_view.viewer.state.state import SIDES, Sample, State
+from relgloss_view.viewer.state.state import SIDES, State
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +56,7 @@ def test_it_is_short_where_nothing_was_changed():
     command = snapshot_command(State.initial(), "test", (300, 200), "a.png")
     assert command == (
         "relgloss snapshot --sample matte-coated --sigma-n 2.0 --c-fraction 0.3333333333333333 "
-        "--seed 0 --samples 1 --size 300x200 -o a.png"
+        "--seed 0 --samples 1 --quality exact --size 300x200 -o a.png"
     )
 
 
@@ -63,11 +64,11 @@ def test_gain_and_offset_that_agree_only_together():
     """Neither may be set alone where the other stands at its default or a scene file's value."""
     state = State.initial().with_part("display", gain=0.3, offset=-0.2)
     command = snapshot_command(state, "test", (8, 8), "a.png")
-    assert drawn_by(command)[0][0].display == state.display
+    assert drawn_by(command)[0][0].display == state.setup.display
     swapped = command.replace("display.gain=0.3", "X").replace("display.offset=-0.2", "Y")
     swapped = swapped.replace("X", "display.offset=-0.2").replace("Y", "display.gain=0.3")
     assert swapped != command
-    assert drawn_by(swapped)[0][0].display == state.display
+    assert drawn_by(swapped)[0][0].display == state.setup.display
 
 
 def test_a_relative_file_is_named_in_full(tmp_path, monkeypatch):

@@ -11,12 +11,13 @@ from driven import FakeJob
 
 from relgloss_view.base.resources import asset
 from relgloss_view.material.files import load_material, save_material
+from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.viewer.files import desk as files
 from relgloss_view.viewer.files.desk import FileDesk
 from relgloss_view.viewer.files.jobs import Opened
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.session import Autosave
-from relgloss_view.viewer.state.state import Sample, State
+from relgloss_view.viewer.state.state import State
 from relgloss_view.viewer.state.state_file import load_state, save_state
 
 LIMIT_S = 60.0

@@ -9,7 +9,7 @@ import pytest
 
 from relgloss_view.gloss.meter.meter import specular_gloss
 from relgloss_view.material.files import load_material
-from relgloss_view.picture.scene.samples import load_sample
+from relgloss_view.picture.scene.sample import load_sample
 
 GLOSS = "//Gloss"
 

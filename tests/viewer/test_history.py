@@ -9,11 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.picture.scene.samples import SAMPLES
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.sample import SAMPLES, Sample
 from relgloss_view.viewer.state import history
 from relgloss_view.viewer.state.history import History
 from relgloss_view.viewer.state.model import LONGEST_NOTE, NOTES_KEPT, Model
-from relgloss_view.viewer.state.state import SIDES, Sample, State
+from relgloss_view.viewer.state.state import SIDES, State
 
 INITIAL = State.initial()
 
@@ -35,7 +36,7 @@ class TestState:
         assert INITIAL.reference.sample.name == "cast-coated"
         assert INITIAL.test.sample.name == "matte-coated"
         for side in SIDES:
-            assert INITIAL.side(side).look == SAMPLES[INITIAL.side(side).sample.name].look()
+            assert INITIAL.side(side).look == Look().at(SAMPLES[INITIAL.side(side).sample.name])
 
     def test_changes_touch_one_thing(self):
         other = Sample.built_in("uncoated")
@@ -46,8 +47,8 @@ class TestState:
             assert changed.side(side).look == dataclasses.replace(INITIAL.side(side).look, seed=4)
             assert changed.scene(side).material == other.material
         moved = INITIAL.with_part("lamp", azimuth_deg=10.0)
-        assert moved.lamp.azimuth_deg == 10.0
-        assert dataclasses.replace(moved, lamp=INITIAL.lamp) == INITIAL
+        assert moved.setup.lamp.azimuth_deg == 10.0
+        assert moved.placed(lamp=INITIAL.setup.lamp) == INITIAL
 
     def test_ranges_hold(self):
         with pytest.raises(InputError, match=r"presentation\.wipe"):

@@ -20,11 +20,12 @@ from relgloss_view.fitting import fit_material
 from relgloss_view.material.files import load_material, save_material
 from relgloss_view.measure.readers import read_measurement
 from relgloss_view.picture.scene.file_kinds import MATERIAL, MEASUREMENT, SCENE, kind_of
+from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.viewer.files import jobs
 from relgloss_view.viewer.files.fit_process import FitProcess
 from relgloss_view.viewer.files.jobs import OpenJob
 from relgloss_view.viewer.files.own_materials import keep_material, safe_name
-from relgloss_view.viewer.state.state import Sample, State
+from relgloss_view.viewer.state.state import State
 from relgloss_view.viewer.state.state_file import load_state, save_state
 
 TABLE = asset("papers", "matte-coated.csv")

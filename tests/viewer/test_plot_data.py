@@ -17,7 +17,7 @@ from relgloss_view.measure.table import KEPT, NEGATIVE, SATURATED, Measurement
 from relgloss_view.picture.frame import Extremes, Frame, Scaling
 from relgloss_view.picture.output.export import save_frame
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.samples import load_sample
+from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
 from relgloss_view.viewer.plots import reflection
@@ -298,7 +298,7 @@ class TestReadout:
     def test_out_of_gamut(self, renderer):
         """Pure green of a wide gamut can't be shown on sRGB; a gray can."""
         green = Material("", "", RGB, Diffuse("lambert", (0.0, 0.5, 0.0)))
-        scene = Scene(green, Shape("plane"), Lamp(azimuth_deg=0.0))
+        scene = Scene(green, shape=Shape("plane"), lamp=Lamp(azimuth_deg=0.0))
         narrow = replace(
             scene, display=Display(primaries_xy=((0.5, 0.35), (0.32, 0.45), (0.2, 0.2)))
         )
@@ -319,7 +319,7 @@ class TestReadout:
     @pytest.mark.parametrize("azimuth", [0.0, 40.0, -80.0])
     def test_half_vector_of_a_plane_seen_head_on(self, renderer, azimuth):
         """At the plane's middle the half-vector lies halfway between eye (0) and lamp."""
-        scene = Scene(materials.flat(), Shape("plane"), Lamp(azimuth_deg=azimuth))
+        scene = Scene(materials.flat(), shape=Shape("plane"), lamp=Lamp(azimuth_deg=azimuth))
         odd = (65, 65)  # a pixel's centre lies at the middle
         got = Stages.of(renderer.render(scene, Look(), odd)).read(32, 32)
         assert got.half_deg == pytest.approx(abs(azimuth) / 2.0, abs=1e-3)

@@ -10,7 +10,7 @@ import pytest
 from plot_window import PANELS, STRIP
 
 from relgloss_view.base.resources import asset
-from relgloss_view.picture.scene.samples import load_sample
+from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.viewer.panels import plots, polar
 from relgloss_view.viewer.panels.fit import facts
 

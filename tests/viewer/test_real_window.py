@@ -170,7 +170,7 @@ def session(folder):
 def azimuth(folder):
     """Where the eye of the kept session stands; None where none is kept."""
     state = restore(session(folder)).state
-    return None if state is None else state.eye.azimuth_deg
+    return None if state is None else state.setup.eye.azimuth_deg
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")

@@ -196,7 +196,7 @@ class TestRestore:
 WRITER = """
 import sys
 from relgloss_view.viewer.state.session import Autosave
-from relgloss_view.viewer.state import State
+from relgloss_view.viewer.state.state import State
 autosave, seed = Autosave(sys.argv[1]), int(sys.argv[2])
 initial = State.initial()
 print("ready", flush=True)

@@ -16,8 +16,9 @@ from hypothesis import strategies as st
 from relgloss_view.base.errors import InputError
 from relgloss_view.material.files import load_material
 from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.picture.scene.scene_file import load_scene
-from relgloss_view.viewer.state.state import Sample, State
+from relgloss_view.viewer.state.state import State
 from relgloss_view.viewer.state.state_file import load_state, save_state
 
 
@@ -66,7 +67,7 @@ def test_files_move_with_their_scene(tmp_path):
     moved = load_state(there / "s.toml")
     assert moved.test.sample.file == str(there / "papers" / "plain.json")
     assert moved.test.sample.table == str(there / "t")
-    assert moved.lamp.illuminant == str(there / "FL2")
+    assert moved.setup.lamp.illuminant == str(there / "FL2")
     # What lies elsewhere is named in full.
     (tmp_path / "c").mkdir()
     save_state(tmp_path / "c" / "s.toml", moved)
@@ -218,7 +219,7 @@ class TestForgiving:
         assert loaded.reference.sample == initial.reference.sample
         assert loaded.test.look == state.test.look
         assert loaded.reference.look == state.reference.look
-        assert loaded.lamp == dataclasses.replace(state.lamp, illuminant="HP5")
+        assert loaded.setup.lamp == dataclasses.replace(state.setup.lamp, illuminant="HP5")
         assert len(told) == 3
         for line, name in zip(told, ("lamp.csv", "plain.json", "two words.json"), strict=True):
             assert name in line
@@ -232,7 +233,7 @@ class TestForgiving:
         save_state(tmp_path / "s.toml", state, forgiving=True)
         loaded = load_state(tmp_path / "s.toml")
         assert loaded.reference.look == state.reference.look
-        assert loaded.lamp.azimuth_deg == 3.0
+        assert loaded.setup.lamp.azimuth_deg == 3.0
         assert loaded.test.sample == State.initial().test.sample
 
     def test_a_wrong_value_is_still_wrong(self, tmp_path):

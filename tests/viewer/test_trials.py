@@ -19,8 +19,7 @@ from relgloss_view.experiment.grid import Grid
 from relgloss_view.experiment.order import planned_trials
 from relgloss_view.experiment.stimuli import digest_of, draw_reference, draw_stimulus
 from relgloss_view.experiment.study import Procedure, Screen, Study, StudySample
-from relgloss_view.picture.scene.samples import load_sample
-from relgloss_view.picture.scene.scene_file import SceneSample
+from relgloss_view.picture.scene.sample import Sample, load_sample
 
 SIZE = (640, 480)
 OBSERVER = "O07"
@@ -34,11 +33,9 @@ PICTURE = 64
 def small_study(screen=None, procedure=None, samples=("uncoated",), instructions=None):
     """Papers, one if not told, at four settings, in small pictures and without waiting."""
     return Study(
-        samples=tuple(
-            StudySample(name, SceneSample(load_sample(name), name=name)) for name in samples
-        ),
+        samples=tuple(StudySample(name, Sample(load_sample(name), name=name)) for name in samples),
         instructions=instructions,
-        reference=SceneSample(load_sample("cast-coated"), name="cast-coated"),
+        reference=Sample(load_sample("cast-coated"), name="cast-coated"),
         grid=Grid((0.0, 2.0), (0.5, 1.0)),
         procedure=Procedure(**{"adaptation_min": 0.0, "gap_s": GAP_S} | (procedure or {})),
         screen=Screen(PICTURE, PICTURE, **(screen or {})),

@@ -100,21 +100,21 @@ def turns_moves_and_zooms(hand, found):
     place = middle(hand)
     steps = len(model.history._past)
     hand.drag(place, (60.0, 24.0))
-    found["turned"] = [model.state.eye.azimuth_deg, model.state.eye.elevation_deg]
+    found["turned"] = [model.state.setup.eye.azimuth_deg, model.state.setup.eye.elevation_deg]
     found["width"] = model.picture_size[0]
     hand.drag(place, (0.0, 30.0), button=1)
-    found["moved"] = model.state.eye.shift_up
+    found["moved"] = model.state.setup.eye.shift_up
     found["steps"] = len(model.history._past) - steps
     hand.turn_wheel(place, 3)
     hand.until(lambda: not model.held)
-    found["zoomed"] = model.state.eye.field_of_view_deg
-    before = model.state.lamp.azimuth_deg
+    found["zoomed"] = model.state.setup.eye.field_of_view_deg
+    before = model.state.setup.lamp.azimuth_deg
     hand.drag(place, (40.0, 0.0), keys=int(imgui.Key.mod_ctrl))
-    found["lamp"] = model.state.lamp.azimuth_deg - before
+    found["lamp"] = model.state.setup.lamp.azimuth_deg - before
     hand.ctx.mouse_move_to_pos(place)
     hand.ctx.mouse_double_click(0)
     hand.frames(2)
-    found["reset"] = [model.state.eye.azimuth_deg, model.state.eye.field_of_view_deg]
+    found["reset"] = [model.state.setup.eye.azimuth_deg, model.state.setup.eye.field_of_view_deg]
 
 
 def draws_only_what_changed(hand, found):
@@ -231,8 +231,10 @@ def shows_the_pictures_themselves(hand, found):
     model = hand.model
     before = model.state
     hand.ctx.mouse_teleport_to_pos((5.0, 5.0))  # the engine draws the mouse
-    eye = dataclasses.replace(before.eye, azimuth_deg=20.0, elevation_deg=12.0, shift_right=0.02)
-    model.change(dataclasses.replace(before, eye=eye))
+    eye = dataclasses.replace(
+        before.setup.eye, azimuth_deg=20.0, elevation_deg=12.0, shift_right=0.02
+    )
+    model.change(before.placed(eye=eye))
     model.set_look("test", sigma_n_deg=1.0)
     model.set_part("display", background_lstar=37.0)
 
@@ -344,7 +346,7 @@ def pins_a_pixel(hand, found):
     from imgui_bundle import imgui
 
     place = middle(hand)
-    eye = hand.model.state.eye
+    eye = hand.model.state.setup.eye
     hand.ctx.key_down(int(imgui.Key.mod_alt))
     hand.ctx.mouse_move_to_pos(place)
     hand.ctx.mouse_click(0)
@@ -352,7 +354,7 @@ def pins_a_pixel(hand, found):
     hand.frames(2)
     found["pinned"] = [*hand.model.pinned]
     found["size"] = [*hand.model.picture_size]
-    found["still"] = hand.model.state.eye == eye
+    found["still"] = hand.model.state.setup.eye == eye
     hand.model.pinned = None
 
 

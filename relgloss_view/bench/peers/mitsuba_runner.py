@@ -111,7 +111,7 @@ class MitsubaPeer:
 
 def program(variant: str) -> list[str]:
     """The command that serves a variant's frames."""
-    return [sys.executable, "-m", "relgloss_view.bench.peers.peers.mitsuba_peer", variant]
+    return [sys.executable, "-m", "relgloss_view.bench.peers.mitsuba_peer", variant]
 
 
 def open_peer(variant: str, case: Case, size: Size) -> MitsubaPeer:

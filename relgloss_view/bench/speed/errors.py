@@ -18,6 +18,7 @@ from relgloss_view.picture.model.view import Size
 from relgloss_view.picture.reference import ReferenceRenderer
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setting import Setting
 
 Array = NDArray[np.float64]
 
@@ -81,8 +82,8 @@ class Truth:
     def of(cls, scene: Scene, look: Look, size: Size) -> Truth:
         """Draw it; c follows from its c_max."""
         renderer = ReferenceRenderer()
-        first = renderer.render(scene, dataclasses.replace(look, c=None, c_fraction=1.0), size)
-        look = dataclasses.replace(look, c=shown_c(first.c_max), c_fraction=None)
+        first = renderer.render(scene, look.at(Setting(look.sigma_n_deg)), size)
+        look = look.at(Setting(look.sigma_n_deg, c=shown_c(first.c_max)))
         white = illuminant(scene.lamp.illuminant).white_xyz()
         diffuse, specular = (np.asarray(v, np.float64) for v in (first.diffuse, first.specular))
         lab = lab_of_light(scene, diffuse, specular, white, shown_c(first.c_max))

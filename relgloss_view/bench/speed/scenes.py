@@ -12,9 +12,9 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.picture.model import shape
 from relgloss_view.picture.model.view import Size, View, check_size
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.samples import SAMPLES, load_sample
+from relgloss_view.picture.scene.sample import SAMPLES, load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Eye, Lamp, Shape
+from relgloss_view.picture.scene.setup import Eye, Lamp, Setup, Shape
 
 AZIMUTHS_DEG = (50.0, 110.0)
 COVERAGE = 0.64  #: share of the frame that the object is made to fill
@@ -48,7 +48,7 @@ def cases(size: Size) -> tuple[Case, ...]:
         Case(
             f"{paper} az{azimuth:g}",
             paper,
-            Scene(load_sample(paper), form, Lamp(azimuth_deg=azimuth), eye),
+            Scene(load_sample(paper), Setup(form, Lamp(azimuth_deg=azimuth), eye)),
             Look(sigma_n_deg=matched.sigma_n_deg),
         )
         for paper, matched in SAMPLES.items()
@@ -88,4 +88,4 @@ def _coverage(form: Shape, eye: Eye, size: Size) -> float:
 
 
 def _bare(form: Shape, eye: Eye) -> Scene:
-    return Scene(load_sample(next(iter(SAMPLES))), form, eye=eye)
+    return Scene(load_sample(next(iter(SAMPLES))), shape=form, eye=eye)

@@ -91,7 +91,7 @@ def lamp_moved(scene: Scene, look: Look, count: int) -> list[tuple[Scene, Look]]
         dataclasses.replace(scene.lamp, azimuth_deg=scene.lamp.azimuth_deg * (1.0 + NUDGE * k))
         for k in range(count)
     ]
-    return [(dataclasses.replace(scene, lamp=lamp), look) for lamp in lamps]
+    return [(scene.placed(lamp=lamp), look) for lamp in lamps]
 
 
 def _repainted(scene: Scene, k: int) -> Scene:

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from relgloss_view.experiment.adaptive_verdict import AdaptiveVerdict
 from relgloss_view.experiment.analysis import JOINT, SampleResult
 from relgloss_view.experiment.coordinates import coordinates
-from relgloss_view.experiment.grid import Grid, Setting
+from relgloss_view.experiment.grid import Grid
 from relgloss_view.experiment.surface import Shape
 from relgloss_view.experiment.verdict import CHANCE, Verdict, edges_of
+from relgloss_view.picture.scene.setting import Setting
 
 Array = NDArray[np.float64]
 Interval = tuple[float, float]

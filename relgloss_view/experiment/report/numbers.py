@@ -11,7 +11,7 @@ import numpy as np
 
 from relgloss_view.base.version import __version__
 from relgloss_view.experiment.analysis import JOINT, Analysis, SampleResult, Scale
-from relgloss_view.experiment.grid import Grid, Setting
+from relgloss_view.experiment.grid import Grid
 from relgloss_view.experiment.pool import Pool
 from relgloss_view.experiment.records import Record
 from relgloss_view.experiment.report.choice import (
@@ -24,6 +24,7 @@ from relgloss_view.experiment.report.choice import (
 )
 from relgloss_view.experiment.report.who import made, path_words, silent, truths
 from relgloss_view.experiment.report.words import notes, sentence, untold
+from relgloss_view.picture.scene.setting import Setting
 
 FORMAT, VERSION = "relgloss-experiment-results", 1
 

@@ -7,13 +7,14 @@ from typing import Any
 
 from relgloss_view.base.reading import printable
 from relgloss_view.experiment.analysis import Analysis
-from relgloss_view.experiment.grid import Grid, Setting, share_words
+from relgloss_view.experiment.grid import Grid
 from relgloss_view.experiment.report import paint
 from relgloss_view.experiment.report.choice import Choice, Interval, chosen
 from relgloss_view.experiment.report.panels import EDGE_IN, heading, legend
 from relgloss_view.experiment.report.who import people, truths
 from relgloss_view.experiment.report.words import SHORT, label_of
 from relgloss_view.fitting.report import FAINT, INK, MUTED
+from relgloss_view.picture.scene.setting import Setting, share_words
 
 NAMES_IN, PANEL_IN, GAP_IN, WORDS_IN, ROW_IN = 2.3, 2.5, 0.3, 1.75, 0.34
 AXIS_IN, FOOT_IN = 0.45, 0.75

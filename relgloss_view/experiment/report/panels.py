@@ -9,11 +9,12 @@ import numpy as np
 
 from relgloss_view.experiment.analysis import Analysis, SampleResult
 from relgloss_view.experiment.coordinates import coordinates, from_steps, grid_steps
-from relgloss_view.experiment.grid import Grid, Setting, share_words
+from relgloss_view.experiment.grid import Grid
 from relgloss_view.experiment.report import paint
 from relgloss_view.experiment.report.choice import Array, Choice
 from relgloss_view.experiment.report.words import label_of, sentence
 from relgloss_view.fitting.report import INK, MUTED
+from relgloss_view.picture.scene.setting import Setting, share_words
 
 CELL_IN, LEAST_IN, MOST_IN = 0.62, 1.1, (4.6, 3.9)  #: of a cell; of a panel
 BESIDE = 0.72  #: the size of panels that stand beside others

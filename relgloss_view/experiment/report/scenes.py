@@ -9,8 +9,8 @@ from relgloss_view.experiment.analysis import Analysis
 from relgloss_view.experiment.report.choice import chosen
 from relgloss_view.material.files import save_material
 from relgloss_view.material.spectra import is_lamp_name
-from relgloss_view.picture.scene.samples import SAMPLES, load_sample
-from relgloss_view.picture.scene.scene_file import SceneFile, SceneSample
+from relgloss_view.picture.scene.sample import SAMPLES, Sample, load_sample
+from relgloss_view.picture.scene.scene_file import SceneFile
 from relgloss_view.picture.scene.scene_writer import write_scene_file
 from relgloss_view.picture.scene.setup import Lamp
 
@@ -32,17 +32,14 @@ def write_scenes(
     written = {label: choice for label, choice in choices.items() if choice.shown}
     if not written:
         return {}
-    lamp = _lamp_in(folder, study.lamp)
+    lamp = _lamp_in(folder, study.setup.lamp)
     reference = _sample_in(folder, study.reference, of_reference)
     found = {}
     for label, choice in written.items():
         content = SceneFile(
             _sample_in(folder, samples[label], names[label]),
             study.test_look(choice.setting),
-            study.shape,
-            lamp,
-            study.eye,
-            study.display,
+            dataclasses.replace(study.setup, lamp=lamp),
             reference,
             study.reference_look,
         )
@@ -51,17 +48,17 @@ def write_scenes(
     return found
 
 
-def _sample_in(folder: Path, sample: SceneSample, name: str) -> SceneSample:
+def _sample_in(folder: Path, sample: Sample, name: str) -> Sample:
     """The sample as a scene in the folder names it.
 
     A session keeps the material that was judged: where the built-in one of today is another, that
     one counts.
     """
     if sample.name in SAMPLES and load_sample(sample.name) == sample.material:
-        return SceneSample(sample.material, name=sample.name)
+        return Sample(sample.material, name=sample.name)
     file = folder / f"{name}{MATERIAL}"
     save_material(sample.material, file)
-    return SceneSample(sample.material, file=str(file))
+    return Sample(sample.material, file=str(file))
 
 
 def _lamp_in(folder: Path, lamp: Lamp) -> Lamp:

@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterator
 
 from relgloss_view.base.reading import printable
-from relgloss_view.experiment.grid import Setting
 from relgloss_view.experiment.pool import Member, Pool
 from relgloss_view.experiment.records import PERSON, SIMULATED, Observer, Record
+from relgloss_view.picture.scene.setting import Setting
 
 
 def answerers(pool: Pool) -> Iterator[tuple[Record, Observer, Member]]:

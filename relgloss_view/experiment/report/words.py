@@ -6,13 +6,14 @@ import numpy as np
 
 from relgloss_view.base.reading import printable
 from relgloss_view.experiment.analysis import JOINT, Analysis, SampleResult
-from relgloss_view.experiment.grid import Grid, Setting, share_words
+from relgloss_view.experiment.grid import Grid
 from relgloss_view.experiment.people import ObserverResult
 from relgloss_view.experiment.pool import Pool
 from relgloss_view.experiment.report.choice import Choice, Interval, choice_by, chosen
 from relgloss_view.experiment.report.who import path_words, people, silent, truths
 from relgloss_view.experiment.study import GRAIN, RATIO
 from relgloss_view.experiment.verdict import BEST, BROAD, CHANCE, FEW, FEWEST_OBSERVERS, RIDGE
+from relgloss_view.picture.scene.setting import Setting, share_words
 
 SHORT = {
     BEST: "best",

@@ -9,6 +9,7 @@ from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.model.view import Size
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setting import Setting
 
 
 @dataclass(frozen=True)
@@ -22,5 +23,5 @@ class Request:
 
     def without_grain(self) -> Request:
         """The same, its surface smooth, whatever c."""
-        look = dataclasses.replace(self.look, sigma_n_deg=0.0, c=None, c_fraction=None)
+        look = self.look.at(Setting())
         return dataclasses.replace(self, look=look)

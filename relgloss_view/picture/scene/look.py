@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
+from typing import Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.parameters import Checked, choice, parameter, whole_number
 from relgloss_view.material.material import DIFFUSE_MODELS
+from relgloss_view.picture.scene.setting import FULL_SHARE, Setting
 
 GRAINS = ("screen", "surface")
 NOISE_LAWS = ("paper", "tangent")
@@ -18,33 +21,75 @@ NOISY_LOBES = ("both", "specular")
 class Look(Checked):
     """What is tuned by eye: graininess sigma_N and the scaling c of the specular L*.
 
-    c is given either as a value or as a fraction of the exact c_max; both None means c_max.
+    c is given either as a value or as a share of the exact c_max; both None means c_max. `setting`
+    reads them and `at` changes them together.
     """
 
     sigma_n_deg: float = parameter(
-        0.0, 0.0, 10.0, "deg", "graininess: standard deviation of the tilt of the surface normal"
+        0.0,
+        0.0,
+        10.0,
+        "deg",
+        "graininess: standard deviation of the tilt of the surface normal",
+        option="--sigma-n",
     )
     c: float | None = parameter(
-        None, 0.0, 1e4, "", "contrast gloss: scales the specular part of L*"
+        None, 0.0, 1e4, "", "contrast gloss: scales the specular part of L*", option="--c"
     )
     c_fraction: float | None = parameter(
-        None, 0.0, 10.0, "", "contrast gloss as a share of c_max, the most that the display shows"
+        None,
+        0.0,
+        10.0,
+        "",
+        "contrast gloss as a share of c_max, the most that the display shows",
+        option="--c-fraction",
     )
     grain: str = choice("screen", GRAINS, "what a grain is fixed to")
     grain_px: int = whole_number(1, 1, 1024, "px", "side of a screen grain")
     grain_mm: float = parameter(0.2, 0.001, 100.0, "mm", "side of a surface grain")
     noise_law: str = choice("paper", NOISE_LAWS, "distribution of the tilt")
     noisy_lobes: str = choice("both", NOISY_LOBES, "which reflections see the tilt")
-    seed: int = whole_number(0, 0, 2**31 - 1, "", "of the grain")
+    seed: int = whole_number(0, 0, 2**31 - 1, "", "seed of the grain", option="--seed")
     #: None takes as many as the narrowest lobe needs. One samples the pixel's centre, so that
     #: each number of a picture can be computed again from the point and normal that go with it.
     samples: int | None = whole_number(
-        1, 1, 16, "", "samples along each side of a pixel", optional=True
+        1, 1, 16, "", "samples along each side of a pixel", optional=True, option="--samples"
     )
     diffuse_model: str = choice("fitted", ("fitted", *DIFFUSE_MODELS), "draws the diffuse part")
-    quality: str = choice("exact", QUALITIES, "draws the whole model, or what this scene needs")
+    quality: str = choice(
+        "exact",
+        QUALITIES,
+        "draws the whole model, or what this scene needs (see `relgloss plan`)",
+        option="--quality",
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.c is not None and self.c_fraction is not None:
             raise InputError("look: give c or c_fraction, not both")
+
+    @property
+    def setting(self) -> Setting:
+        """sigma_N and c of this look; without either form of c, the share is 1."""
+        share = FULL_SHARE if self.c_fraction is None else self.c_fraction
+        return Setting(self.sigma_n_deg, share, self.c)
+
+    def at(self, setting: Setting) -> Look:
+        """The look with another sigma_N and c; InputError where they are out of range."""
+        share = setting.c_fraction if setting.c is None else None
+        return dataclasses.replace(
+            self, sigma_n_deg=setting.sigma_n_deg, c=setting.c, c_fraction=share
+        )
+
+    def with_entries(self, **entries: Any) -> Look:
+        """The look with some entries changed; one form of c takes the place of the other.
+
+        Raises InputError where a value is out of its range.
+        """
+        forms = {"c", "c_fraction"} & set(entries)
+        dropped = dict.fromkeys({"c", "c_fraction"} - forms) if len(forms) == 1 else {}
+        return dataclasses.replace(self, **{**dropped, **entries})
+
+    def without_c(self) -> Look:
+        """The look that asks for no c, for what c does not change."""
+        return dataclasses.replace(self, c=None, c_fraction=None)

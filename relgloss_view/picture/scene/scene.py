@@ -2,18 +2,60 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
+from typing import Any
 
 from relgloss_view.material.material import Material
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Setup, Shape
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Scene:
-    """What stands where: the sample's material on a shape, lamp, eye and display."""
+    """What one picture shows: a material, and the setup that surrounds it.
+
+    material: of the sample. setup: shape, lamp, eye and display; each may also be given by itself
+    and then replaces the setup's, as in `Scene(material, lamp=Lamp(azimuth_deg=50))`.
+    """
 
     material: Material
-    shape: Shape = Shape()
-    lamp: Lamp = Lamp()
-    eye: Eye = Eye()
-    display: Display = Display()
+    setup: Setup
+
+    def __init__(
+        self,
+        material: Material,
+        setup: Setup | None = None,
+        *,
+        shape: Shape | None = None,
+        lamp: Lamp | None = None,
+        eye: Eye | None = None,
+        display: Display | None = None,
+    ) -> None:
+        parts = {"shape": shape, "lamp": lamp, "eye": eye, "display": display}
+        replaced: dict[str, Any] = {k: part for k, part in parts.items() if part is not None}
+        object.__setattr__(self, "material", material)
+        object.__setattr__(self, "setup", dataclasses.replace(setup or Setup(), **replaced))
+
+    def placed(self, **parts: Shape | Lamp | Eye | Display) -> Scene:
+        """The scene with whole parts of its setup replaced, as in `placed(lamp=Lamp())`."""
+        return Scene(self.material, self.setup.placed(**parts))
+
+    @property
+    def shape(self) -> Shape:
+        """The object's form and size."""
+        return self.setup.shape
+
+    @property
+    def lamp(self) -> Lamp:
+        """The lamp that lights it."""
+        return self.setup.lamp
+
+    @property
+    def eye(self) -> Eye:
+        """The eye that sees it."""
+        return self.setup.eye
+
+    @property
+    def display(self) -> Display:
+        """The display that shows it."""
+        return self.setup.display

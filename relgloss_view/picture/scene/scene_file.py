@@ -12,19 +12,15 @@ from typing import Any
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable, text
 from relgloss_view.base.toml import build_part, read_toml, table_of
-from relgloss_view.material.files import load_material
-from relgloss_view.material.material import Material
 from relgloss_view.material.spectra import illuminant, is_lamp_name
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.samples import DEFAULT_SAMPLE, load_sample
+from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, Sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
+from relgloss_view.picture.scene.setup import Lamp, Setup
 
+#: The tables of a scene file and what they hold: the parts of the setup, and the look.
 TABLES: dict[str, type[Any]] = {
-    "shape": Shape,
-    "lamp": Lamp,
-    "eye": Eye,
-    "display": Display,
+    **{name: type(part) for name, part in Setup().parts().items()},
     "look": Look,
 }
 #: Of a pair of pictures. What [presentation] holds is the window's own business.
@@ -35,32 +31,19 @@ EXPECTED = "a scene file (TOML)"
 
 
 @dataclass(frozen=True)
-class SceneSample:
-    """A sample as a scene file gives it: built in, by name, or in a file."""
-
-    material: Material
-    name: str | None = None  #: of a built-in sample
-    file: str | None = None  #: the material file
-    table: str | None = None  #: the measurement that it was fitted to; not opened here
-
-
-@dataclass(frozen=True)
 class SceneFile:
     """What a scene file says. Without a reference, or without its look, those are None."""
 
-    sample: SceneSample
+    sample: Sample
     look: Look
-    shape: Shape = Shape()
-    lamp: Lamp = Lamp()
-    eye: Eye = Eye()
-    display: Display = Display()
-    reference: SceneSample | None = None
+    setup: Setup = Setup()
+    reference: Sample | None = None
     reference_look: Look | None = None
     presentation: Mapping[str, Any] = field(default_factory=dict)  #: as it stands there
 
     def scene(self) -> Scene:
         """What the sample's picture shows."""
-        return Scene(self.sample.material, self.shape, self.lamp, self.eye, self.display)
+        return Scene(self.sample.material, self.setup)
 
 
 def load_scene(path: str | os.PathLike[str]) -> tuple[Scene, Look]:
@@ -100,12 +83,14 @@ def _scene_file(content: Mapping[str, Any], folder: Path, stood_in: list[str] | 
     elif of_reference:
         reference_look = Look()
     parts["lamp"] = lamp_beside(parts["lamp"], folder, stood_in)
+    look = parts.pop("look")
     sample = read_sample("sample", content.get("sample", {}), folder, stood_in)
     if sample is None:
-        sample = SceneSample(load_sample(DEFAULT_SAMPLE), name=DEFAULT_SAMPLE)
+        sample = Sample.built_in(DEFAULT_SAMPLE)
     return SceneFile(
         sample,
-        **parts,
+        look,
+        Setup(**parts),
         reference=read_sample("reference", of_reference, folder, stood_in),
         reference_look=reference_look,
         presentation=presentation,
@@ -114,7 +99,7 @@ def _scene_file(content: Mapping[str, Any], folder: Path, stood_in: list[str] | 
 
 def read_sample(
     place: str, entries: object, folder: Path, stood_in: list[str] | None
-) -> SceneSample | None:
+) -> Sample | None:
     """The sample of a table with SAMPLE_ENTRIES; files are taken from `folder`.
 
     None where the table names none or, with a list `stood_in`, one that is not there. InputError.
@@ -133,9 +118,8 @@ def read_sample(
     table = str(folder / entries["table"]) if "table" in entries else None
     try:
         if "material" in entries:
-            file = str(folder / entries["material"])
-            return SceneSample(load_material(file), file=file, table=table)
-        return SceneSample(load_sample(entries["name"]), name=entries["name"], table=table)
+            return Sample.from_file(str(folder / entries["material"]), table)
+        return dataclasses.replace(Sample.built_in(entries["name"]), table=table)
     except InputError as error:
         if stood_in is None:
             raise

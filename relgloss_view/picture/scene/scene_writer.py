@@ -10,8 +10,8 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable, text
 from relgloss_view.base.toml import entries, plain, write_toml
 from relgloss_view.material.spectra import is_lamp_name
-from relgloss_view.picture.scene.samples import SAMPLES
-from relgloss_view.picture.scene.scene_file import TABLES, SceneFile, SceneSample
+from relgloss_view.picture.scene.sample import SAMPLES, Sample
+from relgloss_view.picture.scene.scene_file import SceneFile
 
 
 def write_scene_file(
@@ -31,7 +31,7 @@ def write_scene_file(
     write_toml(path, tables)
 
 
-def check_sample(sample: SceneSample) -> None:
+def check_sample(sample: Sample) -> None:
     """InputError where nothing could bring this sample back: no name, no file, or no longer."""
     shown = printable(sample.material.name, 60)
     if sample.name is not None:
@@ -56,8 +56,8 @@ def _tables(content: SceneFile, folder: Path, forgiving: bool) -> dict[str, Any]
         of_reference["look"] = entries(content.reference_look)
     if of_reference:
         tables["reference"] = of_reference
-    tables |= {name: entries(getattr(content, name)) for name in TABLES if name != "look"}
-    lamp = content.lamp.illuminant
+    tables |= {name: entries(part) for name, part in content.setup.parts().items()}
+    lamp = content.setup.lamp.illuminant
     if not is_lamp_name(lamp):
         _put(tables["lamp"], "illuminant", _place(lamp, folder), "lamp", forgiving)
     if content.presentation:
@@ -65,7 +65,7 @@ def _tables(content: SceneFile, folder: Path, forgiving: bool) -> dict[str, Any]
     return tables
 
 
-def _sample(place: str, sample: SceneSample, folder: Path, forgiving: bool) -> dict[str, Any]:
+def _sample(place: str, sample: Sample, folder: Path, forgiving: bool) -> dict[str, Any]:
     table: dict[str, Any] = {}
     try:
         check_sample(sample)

@@ -7,8 +7,10 @@ eye, at azimuth 0, looks along -z.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -164,3 +166,33 @@ class Display(Checked):
         area = (gx - rx) * (by - ry) - (bx - rx) * (gy - ry)
         if abs(area) < MIN_GAMUT_AREA:
             raise InputError("display.primaries_xy: the three primaries lie on a line")
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What surrounds a sample in a picture: its shape, the lamp, the eye and the display.
+
+    Its fields have the names of their tables in a scene file.
+    """
+
+    shape: Shape = Shape()
+    lamp: Lamp = Lamp()
+    eye: Eye = Eye()
+    display: Display = Display()
+
+    def with_entries(self, part: str, **entries: Any) -> Setup:
+        """The setup with entries of one part changed, such as lamp and azimuth_deg.
+
+        Raises InputError where a value is out of its range.
+        """
+        changed: dict[str, Any] = {part: dataclasses.replace(getattr(self, part), **entries)}
+        return dataclasses.replace(self, **changed)
+
+    def placed(self, **parts: Shape | Lamp | Eye | Display) -> Setup:
+        """The setup with whole parts replaced, as in `placed(eye=Eye())`."""
+        changes: dict[str, Any] = dict(parts)
+        return dataclasses.replace(self, **changes)
+
+    def parts(self) -> dict[str, Any]:
+        """Shape, lamp, eye and display by name."""
+        return {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}

@@ -140,11 +140,11 @@ def bare(pane: Size, covered: list[Rect]) -> list[Rect]:
 def seen_by(state: State, size: Size, pixel_pitch_m: float | None) -> Eye:
     """The eye that a picture is drawn with: at life size the monitor decides its angle."""
     if state.presentation.life_size and pixel_pitch_m:
-        return life_sized(state.eye, pixel_pitch_m, size)
-    return state.eye
+        return life_sized(state.setup.eye, pixel_pitch_m, size)
+    return state.setup.eye
 
 
 def as_shown(state: State, size: Size, pixel_pitch_m: float | None) -> State:
     """The state with the eye that pictures of this size are drawn with."""
     eye = seen_by(state, size, pixel_pitch_m)
-    return state if eye == state.eye else dataclasses.replace(state, eye=eye)
+    return state if eye == state.setup.eye else state.placed(eye=eye)

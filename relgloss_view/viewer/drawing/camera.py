@@ -108,7 +108,7 @@ def _shifted(eye: Eye, shift: Point, scene: Scene, step: float, size: Size) -> E
     The point of the picture's inner part that is nearest to the object's centre shows the object;
     a shift that goes further is made as much shorter as that takes.
     """
-    view = View.of(dataclasses.replace(scene, eye=eye), size)
+    view = View.of(scene.placed(eye=eye), size)
     extent = scene.shape.half_extent_m()
     inner = [0.5 * INNER * count * step for count in size]
 

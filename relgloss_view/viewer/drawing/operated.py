@@ -97,7 +97,7 @@ class OperatedPictures:
 
 def _what_counts(frame: Frame) -> object:
     """What an operator's picture depends on; c is the split's."""
-    return frame.scene, dataclasses.replace(frame.look, c=None, c_fraction=None), frame.size
+    return frame.scene, frame.look.without_c(), frame.size
 
 
 def _work(name: str, frame: Frame) -> Callable[[], Displayed]:

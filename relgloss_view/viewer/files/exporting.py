@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import os
 from dataclasses import dataclass
 
@@ -142,7 +141,7 @@ def _commands(model: Model, order: Order, frames: dict[str, Frame]) -> tuple[dic
     commands, missing = {}, ""
     for side, frame in frames.items():
         # The eye as it was drawn with: life size and another size change it.
-        state = dataclasses.replace(model.state, eye=frame.scene.eye)
+        state = model.state.placed(eye=frame.scene.eye)
         name = os.path.basename(order.path)
         name = _named(name, side) if order.picture == BOTH else name
         try:

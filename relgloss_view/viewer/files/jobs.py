@@ -14,13 +14,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from relgloss_view.base.errors import FitCancelled, InputError, RelglossError
-from relgloss_view.material.files import load_material
 from relgloss_view.measure.table import Measurement
 from relgloss_view.picture.scene.file_kinds import MATERIAL, SCENE, likely_kind
+from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.viewer.files.fit_process import FitProcess
 from relgloss_view.viewer.files.own_materials import keep_material
 from relgloss_view.viewer.state.places import data_folder
-from relgloss_view.viewer.state.state import Sample, State
+from relgloss_view.viewer.state.state import State
 from relgloss_view.viewer.state.state_file import load_state
 
 
@@ -121,7 +121,7 @@ class OpenJob:
         if kind == SCENE:
             return Opened(self.path, state=load_state(self.path))
         if kind == MATERIAL:
-            return Opened(self.path, sample=Sample(load_material(self.path), file=self.path))
+            return Opened(self.path, sample=Sample.from_file(self.path))
         return self._fitted()
 
     def _fitted(self) -> Opened:
@@ -140,7 +140,7 @@ class OpenJob:
             warning = f"the fitted material is not kept: {error}"
             return Opened(self.path, None, sample, measurement, warning)
         # Read again, it is equal to what a session or a scene gives back.
-        sample = Sample(load_material(file), file=str(file), table=self.path)
+        sample = Sample.from_file(str(file), self.path)
         return Opened(self.path, None, sample, measurement)
 
     def _report(self, fraction: float, text: str) -> None:

@@ -29,8 +29,8 @@ def show(
 ) -> None:
     """Write over the surround of each picture; what would not fit is left out."""
     presentation = model.state.presentation
-    ink = _ink(model.state.display)
-    paper = _paper(model.state.display)
+    ink = _ink(model.state.setup.display)
+    paper = _paper(model.state.setup.display)
     for side, rect in arrangement.rects.items():
         left, top, width, height = rect
         lines = _lines(model, side, faults)
@@ -50,7 +50,9 @@ def show(
     if presentation.compare == DIFFERENCE:
         _legend(painter, corner, ink, ("0", f"{presentation.difference_max:g} dE2000"), None)
     elif presentation.overlay == "lightness":
-        _legend(painter, corner, ink, ("0", "100 L*"), _lightness_colours(model.state.display))
+        _legend(
+            painter, corner, ink, ("0", "100 L*"), _lightness_colours(model.state.setup.display)
+        )
 
 
 def _lines(model: Model, side: str, faults: dict[str, str]) -> list[str]:

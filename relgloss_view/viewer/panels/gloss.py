@@ -10,6 +10,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.gloss.meter.meter import Reading, hypothetical, main_lobe
 from relgloss_view.material.material import Material
+from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.viewer.files.background import Outcome
 from relgloss_view.viewer.files.own_materials import keep_material
 from relgloss_view.viewer.panels import plots
@@ -18,7 +19,7 @@ from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import em
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.places import data_folder
-from relgloss_view.viewer.state.state import SIDES, Sample
+from relgloss_view.viewer.state.state import SIDES
 
 NARROW_EM = 34.0  #: below this width the slider lies under the readings
 TABLE_SHARE = 0.6

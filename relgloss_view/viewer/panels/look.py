@@ -6,6 +6,7 @@ from imgui_bundle import imgui
 
 from relgloss_view.operators.registry import OPERATORS
 from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.state import SIDES
@@ -55,28 +56,26 @@ def _scaling(model: Model, side: str, look: Look) -> None:
     frame = model.frames.get(side)
     c_max = frame.c_max if frame else None
     c = frame.c if frame else None
-    fraction = look.c_fraction if look.c_fraction is not None else 1.0
-    if look.c is not None:
-        fraction = look.c / c_max if c_max else 1.0
+    setting = look.setting
+    fraction = setting.c_fraction
+    if setting.c is not None:
+        fraction = setting.c / c_max if c_max else 1.0
     changed, value = widgets.slider(
         "c / c_max", Look, "c_fraction", fraction, high=1.0, default=1.0, digits="%.3f"
     )
     if changed:
-        model.set_look(side, gesture=f"{side} c", c=None, c_fraction=value)
+        model.set_setting(side, Setting(setting.sigma_n_deg, value), gesture=f"{side} c")
     absolute = c if c is not None else 1.0
     top = max(1.0, c_max or 1.0)
     changed, value = widgets.slider(
         "c", Look, "c", absolute, high=top, default=c_max or 1.0, digits="%.4g"
     )
     if changed:
-        model.set_look(side, gesture=f"{side} c", c=value, c_fraction=None)
+        model.set_setting(side, Setting(setting.sigma_n_deg, c=value), gesture=f"{side} c")
     widgets.label("")
-    locked = look.c is None and look.c_fraction in (None, 1.0)
+    locked = setting == Setting(setting.sigma_n_deg)
     if widgets.checkbox("lock c to c_max", locked, "as bright as the monitor can show"):
-        if locked:
-            model.set_look(side, c=c, c_fraction=None)
-        else:
-            model.set_look(side, c=None, c_fraction=1.0)
+        model.set_setting(side, Setting(setting.sigma_n_deg, c=c if locked else None))
     widgets.label("c_max")
     imgui.align_text_to_frame_padding()
     imgui.text_unformatted("no highlight" if c_max is None else f"{c_max:.4g}")

@@ -10,6 +10,7 @@ from imgui_bundle import imgui
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.setting import share_words
 from relgloss_view.viewer.panels.rows import fitting, row, small_width
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import em
@@ -54,17 +55,9 @@ def show(model: Model) -> None:
 def _built_in(model: Model, preset: Preset) -> None:
     published = preset.look
     look = model.state.side(model.active_side).look
-    on = look.c is None and (look.sigma_n_deg, look.c_fraction) == (
-        published.sigma_n_deg,
-        published.c_fraction,
-    )
-    if row(preset.name, preset.name, on, beside=_numbers(published)):
-        model.set_look(
-            model.active_side,
-            sigma_n_deg=published.sigma_n_deg,
-            c=None,
-            c_fraction=published.c_fraction,
-        )
+    active = look.setting == published.setting
+    if row(preset.name, preset.name, active, beside=_numbers(published)):
+        model.set_setting(model.active_side, published.setting)
     widgets.tooltip(
         f"What the paper's observers chose for {preset.name} paper: {_numbers(published)}. "
         "The rest of the look stays."
@@ -165,11 +158,7 @@ def _attempt(action: Callable[[], Presets]) -> bool:
 def _numbers(look: Look) -> str:
     if look.c is not None:
         return f"σN {look.sigma_n_deg:.3g}°, c {look.c:.3g}"
-    fraction = 1.0 if look.c_fraction is None else look.c_fraction
-    sixths = 6.0 * fraction
-    whole = abs(sixths - round(sixths)) < 1e-9
-    share = f"{round(sixths)}/6" if whole else f"{fraction:.3g}"
-    return f"σN {look.sigma_n_deg:.3g}°, {share} of c_max"
+    return f"σN {look.sigma_n_deg:.3g}°, {share_words(look.setting.c_fraction)} of c_max"
 
 
 def _told(look: Look) -> str:

@@ -7,13 +7,12 @@ from pathlib import Path
 from imgui_bundle import imgui
 
 from relgloss_view.base.reading import printable
-from relgloss_view.picture.scene.samples import SAMPLES
+from relgloss_view.picture.scene.sample import SAMPLES, Sample
 from relgloss_view.viewer.files.desk import FileDesk
 from relgloss_view.viewer.panels import presets
 from relgloss_view.viewer.panels.look import side_tabs
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.state.model import Model
-from relgloss_view.viewer.state.state import Sample
 
 LONGEST = 60  #: characters of a name
 LONGEST_WARNING = 240

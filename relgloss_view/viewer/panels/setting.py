@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from typing import Any
 
@@ -46,19 +45,19 @@ def show(model: Model) -> None:
     _dial(model)
     _sliders(model, "lamp", Lamp, _LAMP)
     _illuminant(model)
-    changed, place = widgets.choice("Yn at", Lamp, "y_n", model.state.lamp.y_n)
+    changed, place = widgets.choice("Yn at", Lamp, "y_n", model.state.setup.lamp.y_n)
     if changed:
         model.set_part("lamp", y_n=place)
     imgui.separator_text("Object")
-    changed, kind = widgets.choice("shape", Shape, "kind", model.state.shape.kind)
+    changed, kind = widgets.choice("shape", Shape, "kind", model.state.setup.shape.kind)
     if changed:
         model.set_part("shape", kind=kind)
-    rows = tuple((t, n, {**_SIZE_REACH, **o}) for t, n, o in _SIZES[model.state.shape.kind])
+    rows = tuple((t, n, {**_SIZE_REACH, **o}) for t, n, o in _SIZES[model.state.setup.shape.kind])
     _sliders(model, "shape", Shape, rows)
     imgui.separator_text("Eye")
     _sliders(model, "eye", Eye, _EYE)
     if widgets.button("Reset camera", "frame the object from the front"):
-        model.change(dataclasses.replace(model.state, eye=camera.framed(model.state.eye)))
+        model.change(model.state.placed(eye=camera.framed(model.state.setup.eye)))
     imgui.separator_text("Display and surround")
     surround: tuple[Row, ...] = (("surround", "background_lstar", {"digits": "%.0f"}),)
     _sliders(model, "display", Display, surround)
@@ -66,7 +65,7 @@ def show(model: Model) -> None:
     _sliders(model, "presentation", Presentation, rows)
     rows = (("dE2000 top", "difference_max", {"digits": "%.1f", "high": 50.0}),)
     _sliders(model, "presentation", Presentation, rows)
-    changed, gamut = widgets.choice("gamut", Display, "gamut", model.state.display.gamut)
+    changed, gamut = widgets.choice("gamut", Display, "gamut", model.state.setup.display.gamut)
     if changed:
         model.set_part("display", gamut=gamut)
 
@@ -84,7 +83,7 @@ def _sliders(model: Model, part: str, owner: type, rows: tuple[Row, ...]) -> Non
 
 
 def _illuminant(model: Model) -> None:
-    present = model.state.lamp.illuminant
+    present = model.state.setup.lamp.illuminant
     options = (*SHIPPED_ILLUMINANTS, *(() if present in SHIPPED_ILLUMINANTS else (present,)))
     told = "Spectrum of the lamp: CIE illuminants; a scene file may name a two-column table."
     changed, name = widgets.combo("illuminant", options, present, told)
@@ -105,11 +104,11 @@ def _dial(model: Model) -> None:
         "The lamp seen from above; the eye stands below. Drag it around the object; "
         "Shift+drag up and down sets its elevation; a double click resets it."
     )
-    lamp = model.state.lamp
+    lamp = model.state.setup.lamp
     centre = ImVec2(origin.x + 0.5 * size, origin.y + 0.5 * size)
     if resetting:
         lamp = camera.placed(lamp, Lamp().azimuth_deg, Lamp().elevation_deg)
-        model.change(dataclasses.replace(model.state, lamp=lamp), gesture="lamp dial")
+        model.change(model.state.placed(lamp=lamp), gesture="lamp dial")
     elif active and not imgui.is_item_activated():
         io = imgui.get_io()
         mouse = imgui.get_mouse_pos()
@@ -119,7 +118,7 @@ def _dial(model: Model) -> None:
         elif math.hypot(mouse.x - centre.x, mouse.y - centre.y) > 0.1 * size:
             azimuth = math.degrees(math.atan2(mouse.x - centre.x, mouse.y - centre.y))
             lamp = camera.placed(lamp, azimuth, lamp.elevation_deg)
-        model.change(dataclasses.replace(model.state, lamp=lamp), gesture="lamp dial")
+        model.change(model.state.placed(lamp=lamp), gesture="lamp dial")
     _draw_dial(model, centre, 0.5 * size)
 
 
@@ -140,7 +139,7 @@ def _draw_dial(model: Model, centre: ImVec2, radius: float) -> None:
         turn = math.radians(azimuth_deg)
         return ImVec2(centre.x + away * math.sin(turn), centre.y + away * math.cos(turn))
 
-    eye, lamp = model.state.eye, model.state.lamp
+    eye, lamp = model.state.setup.eye, model.state.setup.lamp
     at = place(eye.azimuth_deg, eye.elevation_deg)
     painter.add_circle(at, 0.075 * radius, ink(0.62), 24, 1.5)
     painter.add_circle_filled(at, 0.03 * radius, ink(0.62), 12)

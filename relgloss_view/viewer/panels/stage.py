@@ -93,7 +93,7 @@ def _take_hand(model: Model, origin: ImVec2, pane: Size, staged: Staged, edge: i
         _wheel(model, at, rect[2:])
         if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
             state = model.state.with_part("presentation", life_size=False)
-            model.change(dataclasses.replace(state, eye=camera.framed(state.eye)))
+            model.change(state.placed(eye=camera.framed(state.setup.eye)))
             return
     # On the frame of the press the mouse may have come from far away.
     if active and not imgui.is_item_activated():
@@ -107,7 +107,7 @@ def _wheel(model: Model, at: tuple[float, float], size: Size) -> None:
         return
     eye = camera.zoomed(_shown_state(model, size).scene(model.active_side), notches, at, size)
     state = model.state.with_part("presentation", life_size=False)
-    model.change(dataclasses.replace(state, eye=eye), gesture="zoom")
+    model.change(state.placed(eye=eye), gesture="zoom")
     model.hold()
 
 
@@ -122,18 +122,18 @@ def _drag(model: Model, size: Size) -> None:
     state = model.state
     left = imgui.is_mouse_down(imgui.MouseButton_.left)
     if left and io.key_ctrl:
-        lamp = camera.turned(state.lamp, moved, size)
-        model.change(dataclasses.replace(state, lamp=lamp), gesture="lamp in the picture")
+        lamp = camera.turned(state.setup.lamp, moved, size)
+        model.change(state.placed(lamp=lamp), gesture="lamp in the picture")
     elif left and not (io.key_shift or io.key_alt):
-        eye = camera.orbited(state.eye, moved, size)
-        model.change(dataclasses.replace(state, eye=eye), gesture="orbit")
+        eye = camera.orbited(state.setup.eye, moved, size)
+        model.change(state.placed(eye=eye), gesture="orbit")
     elif not io.key_alt:
         shown = _shown_state(model, size)
         eye = camera.panned(shown.scene(model.active_side), moved, size)
         if state.presentation.life_size:  # its angle is the monitor's, not the eye's
-            angle_deg = state.eye.field_of_view_deg
+            angle_deg = state.setup.eye.field_of_view_deg
             eye = dataclasses.replace(eye, field_of_view_deg=angle_deg)
-        model.change(dataclasses.replace(state, eye=eye), gesture="pan")
+        model.change(state.placed(eye=eye), gesture="pan")
 
 
 def _shown_state(model: Model, size: Size) -> State:

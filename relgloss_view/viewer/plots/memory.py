@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import weakref
 from collections.abc import Callable, Hashable
 from typing import Generic, TypeVar
@@ -15,8 +14,8 @@ T = TypeVar("T")
 
 def light_of(frame: Frame) -> object:
     """What the light of a frame depends on, before scaling and display: equal where it is equal."""
-    scene = dataclasses.replace(frame.scene, display=Display())
-    return scene, dataclasses.replace(frame.look, c=None, c_fraction=None), frame.size
+    scene = frame.scene.placed(display=Display())
+    return scene, frame.look.without_c(), frame.size
 
 
 class PerFrame(Generic[T]):

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
+from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.viewer.drawing import camera
 from relgloss_view.viewer.state.state import (
     COMPARE_MODES,
@@ -103,12 +104,14 @@ def _swap(app: App) -> None:
 
 
 def _at_c_max(app: App) -> None:
-    app.model.set_look(app.model.active_side, c=None, c_fraction=1.0)
+    side = app.model.active_side
+    sigma_n_deg = app.model.state.side(side).look.sigma_n_deg
+    app.model.set_setting(side, Setting(sigma_n_deg))
 
 
 def _reset_view(app: App) -> None:
     state = app.model.state.with_part("presentation", life_size=False)
-    app.model.change(dataclasses.replace(state, eye=camera.framed(state.eye)))
+    app.model.change(state.placed(eye=camera.framed(state.setup.eye)))
 
 
 def _reset_all(app: App) -> None:

@@ -225,7 +225,7 @@ class App:
     def _show_stage(self) -> None:
         canvas = stage.show(self.model, self._draw_pictures)
         assert self._window is not None
-        self._window.surround = surround_gray(self.model.state.display)
+        self._window.surround = surround_gray(self.model.state.setup.display)
         self._window.canvas = canvas
         asked = self.model.take_view is not None and not self.model.draft
         self._window.below = self._give_view if asked and self.staged is not None else None

@@ -16,8 +16,10 @@ from relgloss_view.measure.table import Measurement
 from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model.view import Size
+from relgloss_view.picture.scene.sample import Sample
+from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.viewer.state.history import History
-from relgloss_view.viewer.state.state import Sample, State
+from relgloss_view.viewer.state.state import State
 
 
 @dataclass(frozen=True)
@@ -107,6 +109,10 @@ class Model:
     def set_look(self, side: str, gesture: object = None, **changes: Any) -> None:
         """Change entries of a side's look."""
         self.change(self.state.with_look(side, **changes), gesture)
+
+    def set_setting(self, side: str, setting: Setting, gesture: object = None) -> None:
+        """Change sigma_N and c of a side."""
+        self.change(self.state.with_setting(side, setting), gesture)
 
     def set_sample(self, side: str, sample: Sample) -> None:
         """Put another sample on a side."""

@@ -16,7 +16,7 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.toml import entries, read_toml, write_toml
 from relgloss_view.base.writing import make_folder
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.samples import SAMPLES
+from relgloss_view.picture.scene.sample import SAMPLES
 from relgloss_view.picture.scene.scene_file import MAX_BYTES, build
 from relgloss_view.viewer.state.places import config_folder
 
@@ -52,7 +52,7 @@ def presets_file() -> Path:
 
 def built_in() -> Presets:
     """The settings that the paper's observers chose for each kind of paper."""
-    return tuple(Preset(name, matched.look()) for name, matched in SAMPLES.items())
+    return tuple(Preset(name, Look().at(setting)) for name, setting in SAMPLES.items())
 
 
 def load(path: str | os.PathLike[str]) -> Presets:

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from relgloss_view.base.parameters import Checked, choice, parameter, switch
-from relgloss_view.material.material import Material
 from relgloss_view.operators.registry import DEFAULT_OPERATOR, OPERATORS
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.samples import DEFAULT_SAMPLE, SAMPLES, load_sample
+from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, SAMPLES, Sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
+from relgloss_view.picture.scene.setting import Setting
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Setup, Shape
 
 SIDES = ("reference", "test")
 DEFAULT_REFERENCE = "cast-coated"
@@ -56,21 +56,6 @@ class Presentation(Checked):
 
 
 @dataclass(frozen=True)
-class Sample:
-    """A material and where it comes from. A built-in one has a name, any other a file."""
-
-    material: Material
-    name: str | None = None  #: of the built-in samples
-    file: str | None = None  #: the material file; draws the sample again
-    table: str | None = None  #: the measurement that it was fitted to in this window
-
-    @classmethod
-    def built_in(cls, name: str) -> Sample:
-        """A built-in sample; InputError for a name that is none."""
-        return cls(load_sample(name), name=name)
-
-
-@dataclass(frozen=True)
 class Side:
     """One of the two pictures: a sample and how it is to look."""
 
@@ -84,17 +69,14 @@ class State:
 
     reference: Side
     test: Side
-    shape: Shape = Shape()
-    lamp: Lamp = Lamp()
-    eye: Eye = Eye()
-    display: Display = Display()
+    setup: Setup = Setup()
     presentation: Presentation = Presentation()
 
     @classmethod
     def initial(cls) -> State:
         """The paper's reference beside the default sample, both at their published settings."""
         reference, test = (
-            Side(Sample.built_in(name), SAMPLES[name].look())
+            Side(Sample.built_in(name), Look().at(SAMPLES[name]))
             for name in (DEFAULT_REFERENCE, DEFAULT_SAMPLE)
         )
         return cls(reference, test)
@@ -106,20 +88,29 @@ class State:
 
     def scene(self, name: str) -> Scene:
         """What a side's renderer draws."""
-        material = self.side(name).sample.material
-        return Scene(material, self.shape, self.lamp, self.eye, self.display)
+        return Scene(self.side(name).sample.material, self.setup)
 
-    def with_part(self, name: str, **changes: Any) -> State:
+    def with_part(self, name: str, **entries: Any) -> State:
         """The state with entries of one part changed: shape, lamp, eye, display, presentation."""
-        part = dataclasses.replace(getattr(self, name), **changes)
-        changed: dict[str, Any] = {name: part}
-        return dataclasses.replace(self, **changed)
+        if name == "presentation":
+            changed = dataclasses.replace(self.presentation, **entries)
+            return dataclasses.replace(self, presentation=changed)
+        return dataclasses.replace(self, setup=self.setup.with_entries(name, **entries))
+
+    def placed(self, **parts: Shape | Lamp | Eye | Display) -> State:
+        """The state with whole parts of the setup replaced, as in `placed(eye=Eye())`."""
+        return dataclasses.replace(self, setup=self.setup.placed(**parts))
 
     def with_look(self, name: str, **changes: Any) -> State:
         """The state with entries of a side's look changed."""
         side = self.side(name)
         look = dataclasses.replace(side.look, **changes)
         return self._with_side(name, dataclasses.replace(side, look=look))
+
+    def with_setting(self, name: str, setting: Setting) -> State:
+        """The state with another sigma_N and c on a side."""
+        side = self.side(name)
+        return self._with_side(name, dataclasses.replace(side, look=side.look.at(setting)))
 
     def with_sample(self, name: str, sample: Sample) -> State:
         """The state with another sample on a side; its look stays."""

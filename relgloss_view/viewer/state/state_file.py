@@ -7,9 +7,9 @@ from pathlib import Path
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.toml import build_part, entries
-from relgloss_view.picture.scene.scene_file import SceneFile, SceneSample, read_scene_file
+from relgloss_view.picture.scene.scene_file import SceneFile, read_scene_file
 from relgloss_view.picture.scene.scene_writer import write_scene_file
-from relgloss_view.viewer.state.state import Presentation, Sample, Side, State
+from relgloss_view.viewer.state.state import Presentation, Side, State
 
 
 def load_state(path: str | os.PathLike[str], stood_in: list[str] | None = None) -> State:
@@ -26,14 +26,11 @@ def load_state(path: str | os.PathLike[str], stood_in: list[str] | None = None) 
     reference = State.initial().reference
     return State(
         Side(
-            _sample(content.reference) if content.reference is not None else reference.sample,
+            content.reference if content.reference is not None else reference.sample,
             content.reference_look if content.reference_look is not None else reference.look,
         ),
-        Side(_sample(content.sample), content.look),
-        content.shape,
-        content.lamp,
-        content.eye,
-        content.display,
+        Side(content.sample, content.look),
+        content.setup,
         presentation,
     )
 
@@ -45,23 +42,11 @@ def save_state(path: str | os.PathLike[str], state: State, *, forgiving: bool = 
     forgiving, such a sample is no fault, and load_state with `stood_in` replaces it.
     """
     content = SceneFile(
-        scene_sample(state.test.sample),
+        state.test.sample,
         state.test.look,
-        state.shape,
-        state.lamp,
-        state.eye,
-        state.display,
-        scene_sample(state.reference.sample),
+        state.setup,
+        state.reference.sample,
         state.reference.look,
         entries(state.presentation),
     )
     write_scene_file(path, content, forgiving=forgiving)
-
-
-def scene_sample(sample: Sample) -> SceneSample:
-    """A side's sample as a scene file gives it."""
-    return SceneSample(sample.material, sample.name, sample.file, sample.table)
-
-
-def _sample(sample: SceneSample) -> Sample:
-    return Sample(sample.material, sample.name, sample.file, sample.table)

@@ -53,7 +53,7 @@ class Trials:
         self._failed: dict[str, str] = {}  #: what could not be done and was not since, and why
         self._profile, self._tell = profile, tell
         study = store.study
-        self._ink = Ink.on(study.display)
+        self._ink = Ink.on(study.setup.display)
         self._scale = Scale(study.screen.scale, time.perf_counter)
         self._digits: list[tuple[int, ...]] = []
         self._window: Window | None = None
@@ -73,7 +73,7 @@ class Trials:
         io.config_flags &= ~int(imgui.ConfigFlags_.nav_enable_keyboard)  # keys are answers here
         stay_open(window)
         self._window = window
-        window.surround = surround_gray(self.store.study.display)
+        window.surround = surround_gray(self.store.study.setup.display)
         run = self.store.begin_run(
             self.observer,
             str(ctx.info["GL_RENDERER"]),

@@ -11,12 +11,10 @@ from relgloss_view.experiment.stimuli import digest_of, told_of
 from relgloss_view.experiment.store import Store
 from relgloss_view.experiment.study import Study
 from relgloss_view.picture.model.view import Size
-from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.scene_file import SceneSample
 from relgloss_view.viewer.drawing.arrangement import Arrangement, Canvas
 from relgloss_view.viewer.drawing.painting import painted
 from relgloss_view.viewer.drawing.pictures import Pictures, Shown
-from relgloss_view.viewer.state.state import Sample, Side, State
+from relgloss_view.viewer.state.state import Side, State
 from relgloss_view.viewer.trials.room import presentation_of
 
 
@@ -24,18 +22,11 @@ def state_of(study: Study, trial: Trial) -> State:
     """What the two renderers draw in a trial."""
     look = study.test_look(study.grid.settings[trial.setting])
     return State(
-        _side(study.reference, study.reference_look),
-        _side(study.samples[trial.sample].sample, look),
-        study.shape,
-        study.lamp,
-        study.eye,
-        study.display,
+        Side(study.reference, study.reference_look),
+        Side(study.samples[trial.sample].sample, look),
+        study.setup,
         presentation_of(study),
     )
-
-
-def _side(sample: SceneSample, look: Look) -> Side:
-    return Side(Sample(sample.material, sample.name, sample.file, sample.table), look)
 
 
 class Pair:

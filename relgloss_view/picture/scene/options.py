@@ -1,0 +1,193 @@
+"""Options: what a command line says of a picture, in one table.
+
+An option of the command line, its entry in a scene file, its control in the window and its words
+in a copied command all come from the declaration of one field, as `option="--seed"` in look.py.
+Entries without an option of their own are set by `--set TABLE.ENTRY=VALUE`.
+"""
+
+from __future__ import annotations
+
+import ast
+import dataclasses
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.parameters import Range
+from relgloss_view.base.reading import printable
+from relgloss_view.base.toml import AUTO, plain
+from relgloss_view.material.spectra import is_lamp_name
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.sample import Sample
+from relgloss_view.picture.scene.scene_file import TABLES, build
+from relgloss_view.picture.scene.scene_writer import check_sample
+from relgloss_view.picture.scene.setting import Setting
+from relgloss_view.picture.scene.setup import Setup
+
+SET = "--set"
+
+
+@dataclass(frozen=True)
+class Option:
+    """An option of the command line that sets one entry of a scene file."""
+
+    flag: str  #: such as --sigma-n
+    table: str  #: of the scene file
+    entry: str
+    field: dataclasses.Field[Any]
+
+    @property
+    def name(self) -> str:
+        """The attribute of parsed arguments that holds the option's value."""
+        return self.flag.removeprefix("--").replace("-", "_")
+
+    @property
+    def choices(self) -> tuple[str, ...] | None:
+        """The names that the option takes; None for a number."""
+        names: tuple[str, ...] | None = self.field.metadata.get("options")
+        return names
+
+    @property
+    def takes_auto(self) -> bool:
+        """Whether "auto" leaves the choice to the program, where the entry is None.
+
+        An entry whose default is None is left out instead.
+        """
+        return bool(self.field.metadata.get("optional")) and self.field.default is not None
+
+    @property
+    def help(self) -> str:
+        """A sentence about the entry with its range and default."""
+        metadata = self.field.metadata
+        if self.choices is not None:
+            return f"{_sentence(metadata['meaning'])} (default {self.field.default})"
+        limits: Range = metadata["range"]
+        unit = f" {limits.unit}" if limits.unit else ""
+        text = f"{_sentence(limits.meaning)}, {limits.low:.10g} to {limits.high:.10g}{unit}"
+        if self.takes_auto:
+            text += f", or {AUTO}: as many as the highlight needs"
+        default = self.field.default
+        return text if default is None else f"{text} (default {default:g})"
+
+    def read(self, text: str) -> float | int | str | None:
+        """The option's value from its word; ValueError where the word is no number."""
+        if self.choices is not None:
+            return text
+        if self.takes_auto and text == AUTO:
+            return None
+        return int(text) if self.field.metadata.get("whole") else float(text)
+
+    def words(self, value: object) -> list[str]:
+        """The option as words of a command line that set the entry to this value."""
+        return [self.flag, AUTO if value is None else str(plain(value))]
+
+
+def _sentence(meaning: str) -> str:
+    return meaning[:1].upper() + meaning[1:]
+
+
+#: Every option that sets an entry of a scene file, in the order of the tables.
+OPTIONS = tuple(
+    Option(f.metadata["option"], table, f.name, f)
+    for table, kind in TABLES.items()
+    for f in dataclasses.fields(kind)
+    if f.metadata.get("option")
+)
+#: The entries that a setting holds, which a grid varies by itself.
+SETTING_ENTRIES = tuple(f.name for f in dataclasses.fields(Setting))
+
+
+def with_settings(setup: Setup, look: Look, settings: Sequence[str]) -> tuple[Setup, Look]:
+    """Setup and look after words such as lamp.azimuth_deg=80; InputError names a wrong one.
+
+    All entries of a table are set together: on the way from one display to another, gain and offset
+    may contradict each other.
+    """
+    parts: dict[str, Any] = {**setup.parts(), "look": look}
+    changed: dict[str, dict[str, Any]] = {}
+    for setting in settings:
+        match = re.fullmatch(r"(\w+)\.(\w+)=(.*)", setting, re.DOTALL)
+        if match is None or match[1] not in TABLES:
+            raise InputError(
+                f"--set {setting}: expected TABLE.ENTRY=VALUE with a table of {', '.join(TABLES)}"
+            )
+        table, entry, text = match.groups()
+        present = {f.name: getattr(parts[table], f.name) for f in dataclasses.fields(parts[table])}
+        changed.setdefault(table, present)[entry] = read_value(text)
+    parts |= {table: build(table, values) for table, values in changed.items()}
+    look = parts.pop("look")
+    return Setup(**parts), look
+
+
+def with_options(setup: Setup, look: Look, values: Mapping[str, Any]) -> tuple[Setup, Look]:
+    """Setup and look after options, by flag; InputError where a value is out of its range."""
+    changed: dict[str, dict[str, Any]] = {}
+    for option in OPTIONS:
+        if option.flag in values:
+            changed.setdefault(option.table, {})[option.entry] = values[option.flag]
+    look = look.with_entries(**changed.pop("look", {}))
+    for table, entries in changed.items():
+        setup = setup.with_entries(table, **entries)
+    return setup, look
+
+
+def scene_words(setup: Setup, look: Look) -> list[str]:
+    """Words of a command line that make this setup and look, exactly.
+
+    Entries with an option are always stated; of the others, those that are not the default. A
+    lamp's file is named in full. Raises InputError where its name is not UTF-8.
+    """
+    parts = {**setup.parts(), "look": look}
+    words: list[str] = []
+    for option in OPTIONS:
+        value = getattr(parts[option.table], option.entry)
+        if value is not None or option.takes_auto:
+            words += option.words(value)
+    stated = {(option.table, option.entry) for option in OPTIONS}
+    for table, part in parts.items():
+        for f in dataclasses.fields(part):
+            value = getattr(part, f.name)
+            if value != f.default and (table, f.name) not in stated:
+                words += [SET, f"{table}.{f.name}={written_value(value, f.name)}"]
+    return words
+
+
+def sample_words(sample: Sample) -> list[str]:
+    """Words that name the sample; InputError where no file holds it or the file is gone."""
+    check_sample(sample)
+    if sample.name is not None:
+        return ["--sample", sample.name]
+    file = pasted_name(str(Path(str(sample.file)).absolute()))
+    # A value that begins as an option does is joined to its option.
+    return [f"--material={file}"] if file.startswith("-") else ["--material", file]
+
+
+def read_value(text: str) -> object:
+    """The value of `--set`: a number, a list or a bare word."""
+    try:
+        return ast.literal_eval(text)
+    except (ValueError, TypeError, SyntaxError, MemoryError, RecursionError):
+        return text
+
+
+def written_value(value: object, entry: str = "") -> str:
+    """A value as `read_value` reads it back; a lamp's file is named in full."""
+    if not isinstance(value, str):
+        return AUTO if value is None else repr(plain(value))
+    if entry == "illuminant" and not is_lamp_name(value):
+        value = pasted_name(str(Path(value).absolute()))
+    return value if read_value(value) is value else repr(value)
+
+
+def pasted_name(name: str) -> str:
+    """A file's name that a line of text can hold; InputError where it is not UTF-8."""
+    try:
+        name.encode("utf-8")
+    except UnicodeEncodeError:
+        raise InputError(
+            f"{printable(name)}: not UTF-8, so no command can name it; rename the file"
+        ) from None
+    return name

@@ -1,0 +1,49 @@
+"""Sample: a material and its origin; the built-in papers with the paper's published settings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.resources import asset
+from relgloss_view.material.files import load_material
+from relgloss_view.material.material import Material
+from relgloss_view.picture.scene.setting import Setting
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A material and its origin. A built-in sample has a name; others come from a file."""
+
+    material: Material
+    name: str | None = None  #: of a built-in sample
+    file: str | None = None  #: the material file, from which the sample can be drawn again
+    table: str | None = None  #: the measured table that the material was fitted to
+
+    @classmethod
+    def built_in(cls, name: str) -> Sample:
+        """A built-in sample; InputError for any other name."""
+        return cls(load_sample(name), name=name)
+
+    @classmethod
+    def from_file(cls, file: str, table: str | None = None) -> Sample:
+        """The sample of a material file; InputError where it can't be read."""
+        return cls(load_material(file), file=file, table=table)
+
+
+#: In order of gloss, with the optima of the subjective evaluation (Ishii et al., "Results"). The
+#: first is the paper's reference, by its own choice at sigma_N 0 and c_max.
+SAMPLES = {
+    "cast-coated": Setting(0.0, 6 / 6),
+    "art-coated": Setting(0.0, 5 / 6),
+    "matte-coated": Setting(2.0, 2 / 6),
+    "uncoated": Setting(2.0, 1 / 6),
+}
+DEFAULT_SAMPLE = "matte-coated"
+
+
+def load_sample(name: str) -> Material:
+    """The fitted material of a built-in (synthetic) sample paper."""
+    if name not in SAMPLES:
+        raise InputError(f"sample {name!r}: expected one of {', '.join(SAMPLES)}")
+    return load_material(asset("materials", f"{name}.json"))
