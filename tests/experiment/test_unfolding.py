@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy import stats
 from scipy.optimize import check_grad
 from scipy.special import ndtr
 
-from relgloss_view.experiment.adaptive import LAPSE
 from relgloss_view.experiment.coordinates import coordinates
 from relgloss_view.experiment.grid import Grid
 from relgloss_view.experiment.surface import FineGrid, shape_of
@@ -60,53 +58,6 @@ class TestFit:
         off = check_grad(lambda p: loss(p)[0], lambda p: loss(p)[1], at)
         assert off < 1e-5 * np.linalg.norm(gradient)
         assert value > 0.0
-
-    def test_loss_is_the_posterior_s(self):
-        """Written out with scipy.stats: the model of docs/experiment.md and its priors."""
-        counts = np.random.default_rng(0).integers(0, 5, (42, 5)).astype(float)
-        loss = _Loss(GRID, counts)
-        places = coordinates(GRID)
-
-        def expected(p):
-            ideal, slopes, shear, bends = p[:2], np.exp(p[2:4]), p[4], p[-2:]
-            ends = places[-1]
-
-            def bent(point):
-                share = point / ends
-                return ends * (share + bends * share * (1.0 - share))
-
-            dx, dy = (bent(places) - bent(ideal)).T
-            distance = np.sqrt(ROUND + (slopes[0] * dx + shear * dy) ** 2 + (slopes[1] * dy) ** 2)
-            bounds = p[5] + np.concatenate([[0.0], np.cumsum(np.exp(p[6:-2]))])
-            below = stats.norm.cdf(bounds[None, :], loc=distance[:, None])
-            share = np.diff(np.pad(below, ((0, 0), (1, 1)), constant_values=(0, 1)), axis=1)
-            share = (1.0 - LAPSE) * share + LAPSE / 5
-            prior = stats.norm.logpdf(
-                p[2:], [-0.3, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-                [1.5, 1.5, 1.5, 3.0, 1.5, 1.5, 1.5, 0.4, 0.4],
-            )  # fmt: skip
-            return -np.sum(counts * np.log(share)) - np.sum(prior)
-
-        random = np.random.default_rng(1)
-        at = [
-            np.array([2.2, 3.1, *random.normal(0, 0.4, 3), 0.9, *random.normal(0, 0.3, 5)])
-            for _ in range(6)
-        ]
-        # The loss leaves out what does not depend on the parameters.
-        off = [loss(p)[0] - expected(p) for p in at]
-        np.testing.assert_allclose(off, off[0], rtol=1e-9)
-
-    @pytest.mark.parametrize("ideal", [(9.0, 3.0), (2.0, 8.0), (-3.0, 3.0), (2.0, -3.0)])
-    def test_an_ideal_beyond_the_grid_is_on_its_edge(self, ideal):
-        """The loss that a fit reports is that of its own parameters, which lie within limits."""
-        counts = exact_counts(GRID, ideal, (0.8, 1.0), number=30)
-        fit, loss = fit_unfolding(GRID, counts), _Loss(GRID, counts)
-        low, high = np.array(loss.limits).T
-        assert np.all((fit.parameters >= low) & (fit.parameters <= high))
-        assert fit.loss == pytest.approx(loss(fit.parameters)[0], abs=1e-6)
-        beyond = np.argmax(np.abs(np.array(ideal) - coordinates(GRID)[-1] / 2))
-        edge = coordinates(GRID)[-1][beyond] if ideal[beyond] > 0.0 else 0.0
-        assert ideal_of(fit)[beyond] == pytest.approx(edge, abs=1e-9)
 
     def test_warm_start_ends_where_a_cold_one_does(self):
         random = np.random.default_rng(2)
