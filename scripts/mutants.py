@@ -151,6 +151,20 @@ _MISS = "the hit of a ray that misses means nothing; whoever reads it looks at `
 _ORDER = "the quadrature has converged to rounding; one node more or less changes nothing"
 EQUIVALENTS = (
     Equivalent(
+        "relgloss_view/gloss/meter/geometry.py",
+        "x, wx = _gauss(SOURCE_NODES[0]) if half_x > 0.0",
+        "np.zeros(1)",
+        "",
+        "the one node of a source of no extent is multiplied by that extent, zero",
+    ),
+    Equivalent(
+        "relgloss_view/gloss/meter/geometry.py",
+        "y, wy = _gauss(SOURCE_NODES[1]) if half_y > 0.0",
+        "np.zeros(1)",
+        "",
+        "the one node of a source of no extent is multiplied by that extent, zero",
+    ),
+    Equivalent(
         "relgloss_view/material/spectra.py",
         "interval = np.clip(np.searchsorted(centres, grid",
         "count - 2",

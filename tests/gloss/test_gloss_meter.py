@@ -263,6 +263,11 @@ class TestReadings:
         assert 1.0 - d == pytest.approx(math.sqrt(2) * math.radians(1.0))
 
     def test_what_is_not_there_has_a_reason(self):
+        # The peak of a lobe is its strength times Fresnel's reflectance at normal incidence,
+        # ((n - 1) / (n + 1))^2, over its width squared: 0.018 against 0.5 x 0.184.
+        lobes = (Lobe((1.0,), 2.0, 1.3), Lobe((0.5,), 2.1, 2.5))
+        d = by_key(gloss_readings(materials.flat(0.5, lobes)))["distinctness"].value
+        assert d == pytest.approx(1.0 - math.sqrt(2.0) * math.radians(2.1))
         nothing = by_key(gloss_readings(materials.flat(0.0)))
         assert nothing["doi"].value is None
         assert nothing["distinctness"].value is None
