@@ -262,12 +262,14 @@ class TestReadings:
         d = by_key(gloss_readings(materials.flat(0.5, lobes)))["distinctness"].value
         assert 1.0 - d == pytest.approx(math.sqrt(2) * math.radians(1.0))
 
-    def test_what_is_not_there_has_a_reason(self):
+    def test_the_lobe_that_reflects_more_head_on_is_the_main_one(self):
         # The peak of a lobe is its strength times Fresnel's reflectance at normal incidence,
         # ((n - 1) / (n + 1))^2, over its width squared: 0.018 against 0.5 x 0.184.
         lobes = (Lobe((1.0,), 2.0, 1.3), Lobe((0.5,), 2.1, 2.5))
         d = by_key(gloss_readings(materials.flat(0.5, lobes)))["distinctness"].value
         assert d == pytest.approx(1.0 - math.sqrt(2.0) * math.radians(2.1))
+
+    def test_what_is_not_there_has_a_reason(self):
         nothing = by_key(gloss_readings(materials.flat(0.0)))
         assert nothing["doi"].value is None
         assert nothing["distinctness"].value is None
