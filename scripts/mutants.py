@@ -147,7 +147,7 @@ class Equivalent:
         return same and line.startswith(self.line) and self.new in ("", one.new)
 
 
-_MISS = "the hit of a ray that misses means nothing; whoever reads it looks at `found` first"
+_MISS = "the hit of a ray that misses is unspecified; callers check `found` first"
 _ORDER = "the quadrature has converged to rounding; one node more or less changes nothing"
 EQUIVALENTS = (
     Equivalent(
@@ -211,7 +211,7 @@ EQUIVALENTS = (
 
 @dataclass(frozen=True)
 class Mutant:
-    """One drawn fault of a file."""
+    """One fault of a file, chosen for the sample."""
 
     part: str
     file: str
@@ -236,11 +236,11 @@ def main() -> int:
         print("\n".join(f"scripts/mutants.py names {path}, which is missing" for path in faults))
         return 2
     parts = args.module or list(HEART)
-    drawn = [one for part in parts for one in draw(part, args.count // len(HEART), args.seed)]
+    sample = [one for part in parts for one in draw(part, args.count // len(HEART), args.seed)]
     if args.list:
-        print("\n".join(f"[{one.part}] {one}" for one in drawn))
+        print("\n".join(f"[{one.part}] {one}" for one in sample))
         return 0
-    return run(drawn, parts, args.jobs)
+    return run(sample, parts, args.jobs)
 
 
 def missing() -> list[str]:
@@ -253,10 +253,10 @@ def draw(part: str, count: int, seed: int) -> list[Mutant]:
     """`count` faults of a part, spread over its files by the number of places in each."""
     places = {file: candidates(file) for file in HEART[part].files}
     total = sum(map(len, places.values()))
-    drawn: list[Mutant] = []
+    sample: list[Mutant] = []
     for k, (file, groups) in enumerate(places.items()):
         last = k == len(places) - 1
-        share = count - len(drawn) if last else round(count * len(groups) / total)
+        share = count - len(sample) if last else round(count * len(groups) / total)
         rng = random.Random(f"{seed} {Path(file).name}")
         mine: list[Mutant] = []
         for group in rng.sample(groups, len(groups)):
@@ -266,8 +266,8 @@ def draw(part: str, count: int, seed: int) -> list[Mutant]:
             one = Mutant(part, file, line_of(file, fault), fault)
             if compiles(one):
                 mine.append(one)
-        drawn += mine
-    return drawn
+        sample += mine
+    return sample
 
 
 @lru_cache
@@ -315,7 +315,7 @@ class Copy:
             shutil.copytree(ROOT / name, folder / name, ignore=skip)
         for name in LINKED:
             (folder / name).symlink_to(ROOT / name)
-        self._clock = 1_000_000_000  # of faulty files: Python tells stale bytecode by the time
+        self._clock = 1_000_000_000  # of faulty files: Python recognises stale bytecode by the time
         environment = {"PYTHONPATH": str(folder)}
         environment |= {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
         self._runner = subprocess.Popen(
@@ -376,7 +376,7 @@ class Copy:
         return status, log.read_text(encoding="utf-8")
 
 
-def run(drawn: list[Mutant], parts: list[str], jobs: int) -> int:
+def run(sample: list[Mutant], parts: list[str], jobs: int) -> int:
     """Try every fault, print what survives and the table; the exit status."""
     with tempfile.TemporaryDirectory(prefix="relgloss-mutants-") as folder:
         everywhere = [Copy(Path(folder) / str(k)) for k in range(jobs)]
@@ -404,16 +404,18 @@ def run(drawn: list[Mutant], parts: list[str], jobs: int) -> int:
         with ThreadPoolExecutor(jobs) as pool:
             # Twice the time of the untouched tests, and a margin for a busy machine.
             limits = {p: 30.0 + 2.0 * s for p, s in zip(parts, pool.map(whole, parts), strict=True)}
-            results = list(pool.map(tried, drawn))
+            results = list(pool.map(tried, sample))
         for copy in everywhere:
             copy.close()
-    return report(drawn, results, parts)
+    return report(sample, results, parts)
 
 
-def report(drawn: list[Mutant], results: list[bool], parts: list[str]) -> int:
+def report(sample: list[Mutant], results: list[bool], parts: list[str]) -> int:
     """Print the table; 1 where too many survived."""
     print(f"\n{'module':12} {'mutants':>8} {'killed':>8} {'survived':>9} {'killed %':>9}")
-    rows = [(p, [k for one, k in zip(drawn, results, strict=True) if one.part == p]) for p in parts]
+    rows = [
+        (p, [k for one, k in zip(sample, results, strict=True) if one.part == p]) for p in parts
+    ]
     for name, killed in (*rows, ("all", results)):
         share = 100.0 * sum(killed) / max(len(killed), 1)
         print(
