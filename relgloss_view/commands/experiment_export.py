@@ -15,7 +15,7 @@ from relgloss_view.base.terminal import Progress
 from relgloss_view.base.version import __version__
 from relgloss_view.base.writing import whole_file, whole_folder
 from relgloss_view.commands.output_folder import own_folder
-from relgloss_view.picture.backends import BACKENDS
+from relgloss_view.quality.backends import BACKENDS
 
 if TYPE_CHECKING:
     from relgloss_view.experiment.pool import Pool
@@ -90,8 +90,8 @@ def _draw_stimuli(folder: Path, pool: Pool, backend: str) -> list[dict[str, Any]
     """Draw the reference and every setting of every sample; what the manifest says of each."""
     from relgloss_view.experiment.report.names import file_names
     from relgloss_view.experiment.stimuli import digest_of, draw_reference, draw_stimulus, told_of
-    from relgloss_view.picture.backends import open_renderer
     from relgloss_view.picture.output.writers import Writers
+    from relgloss_view.quality.backends import open_renderer
 
     study = pool.study
     shown: dict[tuple[int | None, int | None], set[str]] = {}

@@ -12,7 +12,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Progress
 from relgloss_view.commands.study_options import add_study_options, study_from
-from relgloss_view.picture.backends import BACKENDS
+from relgloss_view.quality.backends import BACKENDS
 
 if TYPE_CHECKING:
     from relgloss_view.experiment.observers import Population
@@ -139,7 +139,7 @@ def _session(args: argparse.Namespace, study: Study) -> int:
     from relgloss_view.experiment.simulation import Given, run_observers
     from relgloss_view.experiment.store import Store
     from relgloss_view.experiment.truth import truths_of
-    from relgloss_view.picture.backends import open_renderer
+    from relgloss_view.quality.backends import open_renderer
 
     population = _population(args)
     choice, given = _truths(args)
@@ -184,7 +184,7 @@ def _session(args: argparse.Namespace, study: Study) -> int:
 
 def _proof(args: argparse.Namespace, study: Study) -> int:
     from relgloss_view.experiment.proof import prove, summary
-    from relgloss_view.picture.backends import open_renderer
+    from relgloss_view.quality.backends import open_renderer
 
     population = _population(args)
     choice, given = _truths(args)

@@ -28,8 +28,8 @@ from relgloss_view.experiment.study import Study
 from relgloss_view.experiment.surface import Optimum
 from relgloss_view.experiment.truth import truths_of
 from relgloss_view.experiment.verdict import BEST
-from relgloss_view.picture.backends import FrameRenderer
 from relgloss_view.picture.scene.setting import Setting
+from relgloss_view.quality.backends import FrameRenderer
 
 NEIGHBOUR_STEPS = 1.0  #: along each axis: the truth lies in the chosen cell or one beside it
 EXACT_STEPS = 0.5

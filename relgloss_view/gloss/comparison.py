@@ -18,12 +18,13 @@ from relgloss_view.gloss.shown import ORDER_TIE_LSTAR, Measures, agreement, meas
 from relgloss_view.material.material import Material
 from relgloss_view.operators.operator import Operator
 from relgloss_view.picture.frame import Frame
-from relgloss_view.picture.output.export import SPLIT, is_srgb, warnings
+from relgloss_view.picture.output.parameters import SPLIT, warnings
+from relgloss_view.picture.output.png import is_srgb
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from relgloss_view.picture.backends import FrameRenderer
+    from relgloss_view.quality.backends import FrameRenderer
 
 #: Measures that pictures are put in order by: both, since one does not see narrow highlights.
 ORDERED_BY = ("contrast_gloss", "peak_contrast")

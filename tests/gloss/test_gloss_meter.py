@@ -414,10 +414,12 @@ class TestOtherWayRound:
         made = hypothetical(load_sample("matte-coated"), 60, 45.0)
         assert specular_gloss(made, 60) == pytest.approx(45.0, abs=1e-4)
         assert made.synthetic
+        assert made.hypothetical
         assert "hypothetical" in made.source
         assert "hypothetical" in made.name
         assert made.fit is None
-        real = dataclasses.replace(materials.paper("art"), source="measured, GCMS-4")
+        measured = {"source": "measured, GCMS-4", "synthetic": False}
+        real = dataclasses.replace(materials.paper("art"), **measured)
         assert hypothetical(real, 60, 20.0).source.startswith("hypothetical")
 
     @pytest.mark.parametrize("units", [0.0, -3.0, 95.0, 1e9])

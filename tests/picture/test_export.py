@@ -15,7 +15,9 @@ from PIL import Image
 from relgloss_view.base.errors import InputError
 from relgloss_view.picture.model.tone import DisplayModel, encode
 from relgloss_view.picture.output.contact_sheet import contact_sheet, thumbnail
-from relgloss_view.picture.output.export import LAYERS, parameters, save_frame
+from relgloss_view.picture.output.export import save_frame
+from relgloss_view.picture.output.exr import LAYERS
+from relgloss_view.picture.output.parameters import parameters
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Display

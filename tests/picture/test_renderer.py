@@ -15,13 +15,13 @@ from pictures import assert_same_pixels
 
 from relgloss_view.base.errors import InputError, RelglossError
 from relgloss_view.material.material import Diffuse, Lobe
-from relgloss_view.picture.backends import open_renderer
-from relgloss_view.picture.gpu.passes import Renderer
+from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import SAMPLES, load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
+from relgloss_view.quality.backends import open_renderer
 
 colour = pytest.importorskip("colour")
 
@@ -215,9 +215,9 @@ class TestNoise:
         smooth = renderer.render(scene, Look(), SMALL)
         wanted = {name: getattr(smooth, name).copy() for name in ("diffuse", "specular", "display")}
         # The noisy variant itself, given a sigma of zero.
-        original = variant.Plan.of.__func__
+        original = variant.Variant.of.__func__
         monkeypatch.setattr(
-            variant.Plan,
+            variant.Variant,
             "of",
             classmethod(lambda cls, *a: dataclasses.replace(original(cls, *a), noise="paper")),
         )
@@ -437,10 +437,10 @@ class TestPasses:
 
     def test_missing_uniform_and_broken_shader_are_told(self, renderer):
         from relgloss_view.picture.gpu.shader import ShaderError
-        from relgloss_view.picture.gpu.targets import SHADE
+        from relgloss_view.picture.gpu.targets import SPLIT
 
         renderer.render(Scene(materials.paper("cast")), Look(), SMALL)
-        target = renderer.targets.framebuffer(SHADE)
+        target = renderer.passes.targets.framebuffer(SPLIT)
         with pytest.raises(ShaderError, match=r"uniform '\w+' has no value"):
             renderer.programs.draw(
                 "tone.frag", {"TRANSFER": 0, "GAMUT": 0, "SAMPLED": 0}, {}, target
@@ -567,7 +567,7 @@ DRIVER_SCRIPT = """
 import sys, numpy as np
 sys.path.insert(0, sys.argv[1])
 import materials
-from relgloss_view.picture.backends import open_renderer
+from relgloss_view.quality.backends import open_renderer
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 with open_renderer(sys.argv[2]) as renderer:
@@ -652,9 +652,9 @@ import ctypes, sys, numpy as np
 import imgui_bundle, glfw  # in this order both use the bundle's own GLFW
 sys.path.insert(0, sys.argv[1])
 import materials
-from relgloss_view.picture.backends import open_renderer
+from relgloss_view.quality.backends import open_renderer
 from relgloss_view.picture.gpu.context import attach
-from relgloss_view.picture.gpu.passes import Renderer
+from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 glfw.init_hint(glfw.PLATFORM, glfw.PLATFORM_NULL)
@@ -802,7 +802,7 @@ class TestFaultsInBetween:
 
         with monkeypatch.context() as patch:
             if kind == "texture":
-                target = type(renderer.targets)
+                target = type(renderer.passes.targets)
                 patch.setattr(target, "_texture", broken(target._texture, InputError))
             else:
                 patch.setattr(

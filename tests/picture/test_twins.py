@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from relgloss_view.material import brdf
+from relgloss_view.picture.gpu import constants
 from relgloss_view.picture.model import noise, shape, tone
 from relgloss_view.picture.scene.setup import Display
 
@@ -58,7 +59,7 @@ def twin(directions):
 
 
 def shapes_of(model, sigma):
-    name = model.replace("-", "_").upper()
+    name = constants.glsl_name("DIFFUSE", model)
     terms = f"vec4{tuple(float(v) for v in brdf.diffuse_terms(model, sigma))}"
     return f"vec4(diffuse_shapes({name}, f, {terms}), 0, 0)"
 
@@ -197,11 +198,11 @@ class TestTone:
         rows = ",".join(str(v) for v in display.rgb_from_xyz.T.ravel())
         white = ",".join(str(v) for v in display.white)
         curve = ",".join(str(v) for v in display.curve)
-        code = {"srgb": "SRGB", "gain-offset-gamma": "GAIN_OFFSET_GAMMA"}[transfer]
+        code = constants.glsl_name("TRANSFER", transfer)
         result = glsl.evaluate(
             ctx,
             ["tone.glsl"],
-            f"bool inside; vec3 rgb = display_rgb({gamut.upper()}, v.xyz, vec3({white}),"
+            f"bool inside; vec3 rgb = display_rgb(GAMUT_{gamut.upper()}, v.xyz, vec3({white}),"
             f" mat3({rows}), inside);"
             f"result = vec4(encode({code}, rgb, vec4({curve})), inside ? 1 : 0);",
             {"v": lab},
@@ -223,7 +224,7 @@ class TestNoise:
         result = glsl.evaluate(
             ctx,
             ["noise.glsl"],
-            f"result = vec4(tilted(n.xyz, tilt_angles({law.upper()}, h.xyz, {sigma!r})), 0);",
+            f"result = vec4(tilted(n.xyz, tilt_angles(NOISE_{law.upper()}, h.xyz, {sigma!r})), 0);",
             {"n": n, "h": hashes},
         )
         expected = noise.tilted(n.astype(np.float64), noise.tilt_angles(law, hashes, sigma))
@@ -263,7 +264,7 @@ class TestShape:
         hit = shape.meet(kind, eye_m, ray.astype(np.float64), half)
         inputs = {"ray": ray}
         eye_text, half_text = (f"vec3{tuple(v.tolist())}" for v in (eye_m, half))
-        prelude = f"Hit hit = meet({kind.upper()}, {eye_text}, ray.xyz, {half_text});"
+        prelude = f"Hit hit = meet(SHAPE_{kind.upper()}, {eye_text}, ray.xyz, {half_text});"
         point = glsl.evaluate(
             ctx, ["shape.glsl"], prelude + "result = vec4(hit.point_m, hit.found ? 1 : 0);", inputs
         )
