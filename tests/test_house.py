@@ -82,10 +82,15 @@ def test_imports_point_down(path):
     ],
 )
 def test_libraries_keep_to_their_rooms(library, homes):
-    for path in modules():
-        place = str(path.relative_to(PACKAGE))
-        if any(name.split(".")[0] == library for name in imported(path)):
-            assert place.startswith(homes), f"{place} imports {library}"
+    places = [
+        str(path.relative_to(PACKAGE))
+        for path in modules()
+        if any(name.split(".")[0] == library for name in imported(path))
+    ]
+    for place in places:
+        assert place.startswith(homes), f"{place} imports {library}"
+    for home in homes:
+        assert any(place.startswith(home) for place in places), f"{home} imports no {library}"
 
 
 def test_modules_stay_small():
@@ -150,6 +155,7 @@ class TestShaders:
         assert names - twins == alone
 
     def test_no_shader_text_in_python(self):
+        assert "gl_FragCoord" in (ROOT / "shaders" / "evaluate.frag").read_text(encoding="utf-8")
         for path in modules():
             assert "gl_FragCoord" not in path.read_text(encoding="utf-8")
 

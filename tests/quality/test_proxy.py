@@ -3,6 +3,7 @@ import dataclasses
 import materials
 import numpy as np
 import pytest
+from pictures import assert_same_pixels
 
 from relgloss_view.bench.speed import methods
 from relgloss_view.picture.gpu.renderer import Renderer
@@ -207,7 +208,7 @@ def test_what_a_scene_has_not_may_be_drawn_and_shows_nothing(renderer):
     method, _ = methods.everything(smooth, look, SIZE)
     drawn = renderer.render(smooth, look, SIZE, method)
     everything = drawn.display.copy()
-    np.testing.assert_array_equal(everything, renderer.render(smooth, look, SIZE).display)
+    assert_same_pixels(everything, renderer.render(smooth, look, SIZE).display)
 
 
 @pytest.mark.parametrize(
@@ -234,7 +235,7 @@ def test_a_frame_is_of_its_own_method(renderer):
     _ = first.display  # draws it again
     again = renderer.render(drawn, look, SIZE, Method(noise="none"))
     assert again.method == first.method != other.method
-    np.testing.assert_array_equal(again.display, first.display)
+    assert_same_pixels(again.display, first.display)
 
 
 def test_normals_are_those_that_are_drawn(renderer):
