@@ -80,7 +80,7 @@ def test_imports_point_down(path):
         ("OpenEXR", ("picture/output/export.py",)),
         (
             "matplotlib",
-            ("fitting/", "gloss/match_plot.py", "experiment/report/", "bench/"),
+            ("base/figures.py", "fitting/", "experiment/report/", "bench/"),
         ),
         ("colour", ("material/spectra.py", "bench/peers/scientist.py")),
     ],
