@@ -46,7 +46,6 @@ def add(commands: Any) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "grid",
-        help="the 7 x 6 stimuli of a sample, a contact sheet and a manifest",
         description="Draw the paper's 42 stimuli of a sample: sigma_N 0 to 3 degrees by 0.5, "
         "c from c_max/6 to c_max. An operator that takes no account of c has 7.",
         epilog="example: relgloss grid --sample uncoated --size 512x512 -o stimuli",

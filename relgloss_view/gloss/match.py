@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.gloss.comparison import Case, computed_gloss
 from relgloss_view.gloss.shown import Regions, contrast_gloss, peak_contrast
 from relgloss_view.picture.frame import Frame
@@ -133,7 +134,7 @@ def match(
     by: str,
     grain_deg: float,
     settled: bool,
-    progress: Callable[[float, str], object] = lambda share, text: None,
+    progress: ProgressReport = no_progress,
 ) -> Match:
     """The curve of a sample; with `settled` its look is a setting to be held against the curve."""
     real = computed_gloss(case.material)[gloss] or 0.0
