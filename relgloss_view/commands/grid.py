@@ -7,9 +7,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Progress
 from relgloss_view.base.version import __version__
@@ -97,7 +95,7 @@ def _draw(
     scales: tuple[int | None, ...] = C_SIXTHS if operator.uses_c else (None,)
     total = len(SIGMA_N_DEG) * len(scales)
     stimuli: list[dict[str, Any]] = []
-    rows: list[list[NDArray[np.uint8]]] = []
+    rows: list[list[Bytes]] = []
     captions: list[list[str]] = []
     for sigma_n_deg in SIGMA_N_DEG:
         rows.append([])

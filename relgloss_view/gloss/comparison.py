@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.gloss.meter.meter import gloss_readings
 from relgloss_view.gloss.shown import ORDER_TIE_LSTAR, Measures, agreement, measure, ranks
@@ -48,7 +48,7 @@ class Case:
 class Cell:
     """One sample under one operator."""
 
-    picture: NDArray[np.uint8]  #: (H, W, 3), the object with a margin of its surround
+    picture: Bytes  #: (H, W, 3), the object with a margin of its surround
     measures: Measures
     warnings: tuple[str, ...]
 

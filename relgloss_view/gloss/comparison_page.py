@@ -5,10 +5,8 @@ from __future__ import annotations
 import io
 from html import escape
 
-import numpy as np
-from numpy.typing import NDArray
-
 from relgloss_view.base import pages
+from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.version import __version__
 from relgloss_view.gloss.comparison import Comparison, Row, Settled, title_of, words_of
 from relgloss_view.gloss.comparison_sheet import MEASURES, VERDICTS, body_words, number
@@ -113,7 +111,7 @@ def _rounded(value: float | None) -> str:
     return "-" if value is None else f"{value:.4g}"
 
 
-def _embedded(picture: NDArray[np.uint8], srgb: bool) -> str:
+def _embedded(picture: Bytes, srgb: bool) -> str:
     """A picture as a data URL, PNG."""
     from PIL import Image
 

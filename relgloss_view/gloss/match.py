@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import ProgressReport, no_progress
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from relgloss_view.picture.backends import FrameRenderer
 
 SIGMAS_N_DEG = tuple(0.25 * k for k in range(13))  #: the paper's range, twice as fine
-MEASURES: dict[str, Callable[[NDArray[np.float64], Regions], float | None]] = {
+MEASURES: dict[str, Callable[[Array, Regions], float | None]] = {
     "peak-contrast": peak_contrast,
     "contrast-gloss": contrast_gloss,
 }
