@@ -89,20 +89,20 @@ HEART = {
         ("tests/material/test_spectra.py",),
     ),
     "solver": Part(
-        ("relgloss_view/fitting/solver.py",),
+        ("relgloss_view/fitting/problem.py", "relgloss_view/fitting/descent.py"),
         (
+            "tests/fitting/test_fit_descent.py",
+            "tests/fitting/test_fit_verdict.py",
             "tests/fitting/test_fit_solver.py",
             "tests/fitting/test_fit.py",
-            "tests/fitting/test_fit_real.py",
-            "tests/material/test_sample_papers.py",
         ),
     ),
     "verdict": Part(
         ("relgloss_view/fitting/verdict.py", "relgloss_view/experiment/verdict.py"),
         (
+            "tests/fitting/test_fit_verdict.py",
             "tests/experiment/test_unfolding.py",
             "tests/fitting/test_fit.py",
-            "tests/experiment/test_pool.py",
         ),
     ),
     "ordinal": Part(
@@ -149,7 +149,38 @@ class Equivalent:
 
 _MISS = "the hit of a ray that misses is unspecified; callers check `found` first"
 _ORDER = "the quadrature has converged to rounding; one node more or less changes nothing"
+_BUDGET = "a budget of a search that ends long before; one more or less changes no result"
+_START = "where an iteration begins whose end does not depend on it"
 EQUIVALENTS = (
+    Equivalent("relgloss_view/fitting/descent.py", "TRIALS = 6", "6", "", _BUDGET),
+    Equivalent(
+        "relgloss_view/fitting/descent.py",
+        "damping = np.full(len(states), 1e-4)",
+        "1e-4",
+        "",
+        "where the damping begins; it follows the loss from then on",
+    ),
+    Equivalent(
+        "relgloss_view/fitting/problem.py",
+        "kd, ks = self._linear(values, weight, np.zeros(",
+        "np.zeros((len(columns), self.bands))",
+        "",
+        _START,
+    ),
+    Equivalent(
+        "relgloss_view/fitting/verdict.py",
+        "_LARGEST_STRENGTH = 1e4",
+        "1e4",
+        "11000.0",
+        "the upper end of a bisection, a thousand times what any sample reflects",
+    ),
+    Equivalent(
+        "shaders/noise.glsl",
+        "float radius = sqrt(max(-2.0 * log(u.x), 0.0));",
+        "max(-2.0 * log(u.x), 0.0)",
+        "(-2.0 * log(u.x))",
+        "guards against a driver whose logarithm is above 0 near 1; Mesa's never is",
+    ),
     Equivalent(
         "relgloss_view/gloss/meter/geometry.py",
         "x, wx = _gauss(SOURCE_NODES[0]) if half_x > 0.0",
