@@ -102,14 +102,36 @@ def test_architecture_names_every_module():
     assert shown == {folder.relative_to(ROOT).as_posix() for folder in folders}
 
 
-def test_every_entry_of_a_study_is_told():
+def study_entries_in(text):
+    """The (table, entry) pairs that the rows of docs/experiment.md describe."""
+    pairs, table = set(), ""
+    for row in re.findall(r"^\|(.*)\|$", text, re.M):
+        cells = [cell.strip() for cell in row.split("|")]
+        table = cells[0] or table
+        entries = re.split(r", | or ", cells[1])
+        pairs |= {(name.strip("[] "), entry) for name in table.split(", ") for entry in entries}
+    return pairs
+
+
+def test_the_page_of_the_experiment_has_every_entry_of_a_study():
     import dataclasses
 
-    from relgloss_view.experiment.study_file import PARTS, WORDS
+    from relgloss_view.experiment.design.grid import Grid
+    from relgloss_view.experiment.design.study_file import PARTS, WORDS
 
     text = (ROOT / "docs" / "experiment.md").read_text(encoding="utf-8")
-    for name in (*WORDS, *(f.name for kind in PARTS.values() for f in dataclasses.fields(kind))):
-        assert re.search(rf"\\| (.*, )?{name}(,| or| \\|)", text), name
+    kinds = {**PARTS, "grid": Grid}
+    expected = {("study", word) for word in WORDS} | {("samples", "label")}
+    expected |= {(name, f.name) for name, kind in kinds.items() for f in dataclasses.fields(kind)}
+    assert not expected - study_entries_in(text)
+    # Control: without the row of an entry that entry is missing.
+    rows = [row for row in text.splitlines(keepends=True) if row.startswith("| ")]
+    for table, entry in expected:
+        without = text
+        for row in rows:
+            if re.search(rf"(\| |, ){entry}( \||, )", row):
+                without = without.replace(row, "")
+        assert (table, entry) not in study_entries_in(without), entry
 
 
 def test_readme_python_runs(tmp_path):

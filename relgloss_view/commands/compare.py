@@ -33,7 +33,6 @@ def add(commands: Any) -> None:
 
     parser = commands.add_parser(
         "compare",
-        help="samples under operators side by side; whether the gloss order is kept",
         description="Draw samples under several tone-mapping operators on one sheet, measure what "
         "each shows (contrast, grain, sharpness, clipping, body colour) and say whether the order "
         "of the samples is that of the real materials' computed gloss.",

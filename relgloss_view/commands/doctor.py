@@ -29,7 +29,6 @@ def add(commands: Any) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "doctor",
-        help="the OpenGL in use, its limits, what is missing and how to get it",
         description="Look at this machine: libraries, OpenGL contexts, and a picture drawn on each "
         "and held against the float64 reference.",
         epilog="example: relgloss doctor --json",

@@ -36,7 +36,6 @@ def add(commands: Any) -> None:
     first, *others = SAMPLES
     parser = commands.add_parser(
         "match",
-        help="settings that keep a sample's ratio of gloss to a reference picture",
         description="For each sample the curve of (sigma_N, c) whose displayed gloss stands to the "
         "reference picture's as the material's computed gloss stands to the reference material's, "
         "and the point on it at the sample's own grain. " + CAVEAT,

@@ -20,7 +20,6 @@ def add(commands: Any) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "snapshot",
-        help="draw one picture without a window",
         description="Draw one picture of a sample, as PNG for eyes or OpenEXR for numbers.",
         epilog="example: relgloss snapshot --sample art-coated --sigma-n 0.5 --c-fraction 0.8 "
         "-o art.png",

@@ -6,9 +6,10 @@ Here the renderer is handed the planner, which chooses the method of pictures of
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Protocol
 
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
@@ -26,7 +27,7 @@ class FrameRenderer(Protocol):
 
 @contextlib.contextmanager
 def open_renderer(
-    backend: str = "auto", progress: Callable[[float, str], object] | None = None
+    backend: str = "auto", progress: ProgressReport = no_progress
 ) -> Iterator[FrameRenderer]:
     """A renderer for the length of a block; fetch a frame's stages inside the block.
 

@@ -124,7 +124,7 @@ def test_a_flake_film_is_poor() -> None:
 
 
 def test_a_poor_fit_may_be_unidentifiable_too() -> None:
-    """Both warnings go into the file, poor decides the quality, and only its warning explains it."""
+    """Both warnings go into the file; poor decides the quality and alone explains it."""
     value = fit_cases.truth(((0.3, 1.0),), grid=fit_cases.COARSE)
     i, o = fit_cases.directions(fit_cases.COARSE)
     stripes = 1.0 + 0.8 * np.sin(25.0 * i[:, 0]) * np.cos(18.0 * o[:, 0]) * np.cos(9.0 * i[:, 1])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import statistics
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,6 +13,7 @@ import moderngl
 import numpy as np
 
 from relgloss_view.base.errors import RelglossError
+from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.bench.speed.floor import FillFloor
 from relgloss_view.bench.speed.machine import available_bytes
 from relgloss_view.bench.speed.scenes import Case
@@ -67,7 +68,7 @@ def time_pixels(
     case: Case,
     megapixels: Sequence[float],
     frames: int,
-    progress: Callable[[float, str], object],
+    progress: ProgressReport,
 ) -> dict[str, Any]:
     """Frames of all passes but the white's at each size, going up, then down.
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import statistics
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import moderngl
 
 from relgloss_view.base.errors import RelglossError
+from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.bench.speed import errors, tasks
 from relgloss_view.bench.speed.errors import Truth
 from relgloss_view.bench.speed.floor import FillFloor
@@ -24,8 +25,6 @@ from relgloss_view.picture.method import Method
 from relgloss_view.picture.model.view import Size
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-
-Progress = Callable[[float, str], object]
 
 #: dE2000 below which pictures are one and the same: their digital values are.
 NO_ERROR = 0.01
@@ -67,7 +66,7 @@ class Drawers:
 
 
 def run_case(
-    drawers: Drawers, case: Case, rows: Sequence[Row], plan: Plan, progress: Progress
+    drawers: Drawers, case: Case, rows: Sequence[Row], plan: Plan, progress: ProgressReport
 ) -> tuple[Found, list[Found]]:
     """A scene: what is said of it, and one result a row."""
     truths = _truths(case, rows, plan)

@@ -11,8 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.gloss.meter.geometry import (
@@ -29,8 +29,6 @@ from relgloss_view.material import brdf, spectra
 from relgloss_view.material.albedo import directional_albedo
 from relgloss_view.material.material import S_DEG_DRAWN, S_DEG_MAX, Lobe, Material
 from relgloss_view.measure.bands import Bands
-
-Array = NDArray[np.float64]
 
 ILLUMINANT = "C"
 METERS = (*SPECULAR.values(), HAZE, DISTINCTNESS)
