@@ -16,7 +16,6 @@ import json
 import os
 import queue
 import random
-import re
 import shutil
 import subprocess
 import sys
@@ -98,25 +97,34 @@ HEART = {
         ),
     ),
     "verdict": Part(
-        ("relgloss_view/fitting/verdict.py", "relgloss_view/experiment/verdict.py"),
+        ("relgloss_view/fitting/verdict.py", "relgloss_view/experiment/verdict/full_grid.py"),
         (
+            "tests/experiment/verdict/test_full_grid.py",
+            "tests/experiment/verdict/test_full_grid_by_hand.py",
             "tests/fitting/test_fit_verdict.py",
-            "tests/experiment/test_unfolding.py",
             "tests/fitting/test_fit.py",
         ),
     ),
     "ordinal": Part(
-        ("relgloss_view/experiment/ordinal.py",),
         (
-            "tests/experiment/test_ordinal.py",
-            "tests/experiment/test_successive.py",
+            "relgloss_view/experiment/scaling/ordinal.py",
+            "relgloss_view/experiment/scaling/ordinal_draws.py",
+        ),
+        (
+            "tests/experiment/scaling/test_ordinal.py",
+            "tests/experiment/scaling/test_ordinal_draws.py",
+            "tests/experiment/scaling/test_successive_categories.py",
         ),
     ),
     "unfolding": Part(
-        ("relgloss_view/experiment/unfolding.py",),
         (
-            "tests/experiment/test_unfolding.py",
-            "tests/experiment/test_adaptive.py",
+            "relgloss_view/experiment/scaling/unfolding.py",
+            "relgloss_view/experiment/scaling/bounded_minima.py",
+        ),
+        (
+            "tests/experiment/scaling/test_unfolding_posterior.py",
+            "tests/experiment/scaling/test_unfolding.py",
+            "tests/experiment/session/test_adaptive.py",
         ),
     ),
     "gloss meter": Part(
@@ -152,6 +160,34 @@ _ORDER = "the quadrature has converged to rounding; one node more or less change
 _BUDGET = "a budget of a search that ends long before; one more or less changes no result"
 _START = "where an iteration begins whose end does not depend on it"
 EQUIVALENTS = (
+    Equivalent(
+        "relgloss_view/experiment/scaling/unfolding.py",
+        "self._ends = np.where(ends > 0.0, ends, 1.0)",
+        "0.0",
+        "1.0",
+        "an axis of one step has the end 1.0 either way; ends are whole numbers",
+    ),
+    Equivalent(
+        "relgloss_view/experiment/scaling/ordinal.py",
+        "MOST_STEPS = 200",
+        "200",
+        "",
+        _BUDGET,
+    ),
+    Equivalent(
+        "relgloss_view/experiment/scaling/ordinal.py",
+        "share = np.cumsum(loss.counts.sum(axis=0))",
+        "loss.counts.sum(axis=0)",
+        "(loss.counts.mean(axis=0))",
+        "the shares are divided by the last one, so a common factor drops out",
+    ),
+    Equivalent(
+        "relgloss_view/picture/model/shape.py",
+        "travel = np.where(facing, -eye_m[2] / np.where(facing, dz, -1.0), 0.0)",
+        "-1.0",
+        "(1.0)",
+        "a divisor whose quotient is not used",
+    ),
     Equivalent("relgloss_view/fitting/descent.py", "TRIALS = 6", "6", "", _BUDGET),
     Equivalent(
         "relgloss_view/fitting/descent.py",
@@ -208,13 +244,6 @@ EQUIVALENTS = (
         "1024",
         "",
         "a limit against huge files; nothing depends on its last digits",
-    ),
-    Equivalent(
-        "relgloss_view/experiment/unfolding.py",
-        "self._ends = np.where(ends > 0.0, ends, 1.0)",
-        "0.0",
-        "1.0",
-        "an axis of one step has the end 1.0 either way; ends are whole numbers",
     ),
     Equivalent(
         "relgloss_view/material/brdf.py",
@@ -327,13 +356,13 @@ def compiles(one: Mutant) -> bool:
         except SyntaxError:
             return False
         return True
-    included = re.compile(r'^#include "([\w.]+)"$', re.MULTILINE)
-    while included.search(text):
-        text = included.sub(lambda m: (ROOT / "shaders" / m[1]).read_text(encoding="utf-8"), text)
-    constants = "".join(f"#define {name} 0\n" for name in ("FRESNEL", "SHADOWING", "FACETS"))
-    stage = f"#version 330 core\n{constants}{text}\nvoid main() {{}}\n"
+    from relgloss_view.picture.gpu.shader import ShaderSource
+
+    constants = {"FRESNEL": 0, "SHADOWING": 0, "FACETS": 0}
+    stage = ShaderSource("mutant", constants, f"#version 330 core\n{text}\nvoid main() {{}}\n")
     command = ["glslangValidator", "--stdin", "-S", "frag"]
-    return subprocess.run(command, input=stage, capture_output=True, text=True).returncode == 0
+    done = subprocess.run(command, input=stage.text, capture_output=True, text=True)
+    return done.returncode == 0
 
 
 class Copy:
