@@ -118,7 +118,9 @@ def test_a_level_ray_above_a_cap_meets_nothing(ctx):
     eye, ray = np.array([0.3, 0.2, 0.0]), np.array([[-0.3, 0.0, 0.0]])
     assert not np.any(shape.meet("cylinder", eye, ray, HALF).found)
     assert np.all(shape.meet("cylinder", eye, ray - [0.0, 0.15, 0.0], HALF).found)
-    body = f"Hit hit = meet(SHAPE_CYLINDER, vec3(0.3, 0.2, 0.0), r.xyz, vec3{tuple(HALF.tolist())});"
+    body = (
+        f"Hit hit = meet(SHAPE_CYLINDER, vec3(0.3, 0.2, 0.0), r.xyz, vec3{tuple(HALF.tolist())});"
+    )
     rays = np.concatenate([ray, ray - [0.0, 0.15, 0.0]]).astype(np.float32)
     got = glsl.evaluate(
         ctx, ["shape.glsl"], body + "result = vec4(hit.found ? 1 : 0);", {"r": rays}
