@@ -69,15 +69,14 @@ def record_fit(fit: ChosenFit, judged: Verdict, seed: int) -> FitRecord:
         "refractive_index": judged.index,
         "no_lobe": judged.no_lobe,
     }
+    grounds = judged.warnings.get(judged.quality)
     return FitRecord(
         candidates=tuple(asdict(evidence) for evidence in _evidence(fit)),
         chosen=fit.best.name,
         residuals=asdict(judged.residuals),
         quality=judged.quality,
         warnings=(*fit.measurement.warnings, *judged.warnings.values()),
-        grounds=tuple(
-            text for quality, text in judged.warnings.items() if quality == judged.quality
-        ),
+        grounds=() if grounds is None else (grounds,),
         seed=seed,
         standard_errors=_present(asdict(verdict.standard_errors(fit.best))),
         bounds={name: asdict(bound) for name, bound in bounds.items() if bound is not None},

@@ -30,7 +30,7 @@ class Method(Checked):
     facets: str = choice("gaussian", FACETS, "how the facets' angles are distributed")
     noise: str = choice("drawn", NOISE, "the grain: as asked, on lobes only, its mean, or none")
     lamp: str = choice("point", LAMPS, "the lamp at its place, or far off in its direction")
-    targets: str = choice("float32", TARGETS, "numbers between the passes")
+    targets: str = choice("float32", TARGETS, "numbers of the split between the passes")
     c_max: str = choice(
         "exact", C_MAX, "over all pixels, a quarter of them, eq. 4, or the picture without grain"
     )

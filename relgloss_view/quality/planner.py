@@ -52,6 +52,7 @@ SAVINGS: dict[str, dict[str | int, float]] = {
     "lobes": {0: 12.0, 1: 6.0, 2: 0.0},
     "c_max": {"sparse": 10.0, "exact": 0.0},
     "gamut": {"clip": 9.0, "as asked": 0.0},
+    "targets": {"float16": 6.0, "float32": 0.0},
     "diffuse": {"lambert": 5.0, "qualitative": 4.0, "eon": 3.0, "fitted": 0.0},
     "fresnel": {"constant": 3.0, "schlick": 2.0, "exact": 0.0},
     "shadowing": {"none": 2.0, "v-groove": 0.0},
@@ -194,6 +195,8 @@ def _same(proxy: Proxy, tried: Method, method: Method, stage: str) -> bool:
     scene, look = proxy.scene, proxy.look
     if stage == "gamut":
         return scene.display.gamut == "clip"
+    if stage == "targets":
+        return False
     if stage == "c_max":
         return not drawn_lobes(scene.material, method)
     return Variant.of(scene, look, 1, tried) == Variant.of(scene, look, 1, method)

@@ -168,6 +168,8 @@ class Proxy:
         """(L_d*, L_s*, a*, b*), (N, 4), and the c that scales them."""
         white = illuminant(self.scene.lamp.illuminant).white_xyz()
         split = tone.split_lab(diffuse, specular, white)
+        if method.targets == "float16":
+            split = split.astype(np.float16).astype(np.float64)
         counted = np.ones(len(split), dtype=bool)
         if method.c_max == "sparse":
             left, bottom, *_ = self._view.bounds
