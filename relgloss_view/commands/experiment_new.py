@@ -35,6 +35,6 @@ def run(args: argparse.Namespace) -> int:
         raise InputError(f"-o {printable(named)}: expected a name that ends in .toml")
     with fresh_file(args.output) as temporary:
         temporary.write_bytes(built_in_file(BUILT_IN[0]).read_bytes())
-    shown = f"{printable(args.output)}: the paper's study"
-    print(json.dumps({"file": args.output}) if args.json else shown)
+    text = f"{printable(args.output)}: the paper's study"
+    print(json.dumps({"file": args.output}) if args.json else text)
     return 0

@@ -82,15 +82,15 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.viewer.shell.window import Window
     from relgloss_view.viewer.trials.app import Trials
     from relgloss_view.viewer.trials.device import full_screen, read_profile
-    from relgloss_view.viewer.trials.experimenter_line import goes_on
+    from relgloss_view.viewer.trials.experimenter_line import continues
 
     profile = None if args.display_profile is None else read_profile(args.display_profile)
     path, study = _session(args.study, args.output)
     open_platform(headless=False)  # where no window can show, no file is made
     with Store(path, study) as store:
         observer = _observer(store, args.observer, new=args.new)
-        told = goes_on(store, observer) or f"{printable(observer.name)} begins"
-        print(told, file=sys.stderr, flush=True)
+        notice = continues(store, observer) or f"{printable(observer.name)} begins"
+        print(notice, file=sys.stderr, flush=True)
         with Progress("experiment") as progress:
             program = Trials(store, observer, profile, progress)
             if args.window is None:
@@ -124,31 +124,31 @@ def _observer(store: Store, name: str | None, *, new: bool) -> Observer:
     return observer
 
 
-def _session(given: str, output: str | None) -> tuple[Path, Study | None]:
+def _session(argument: str, output: str | None) -> tuple[Path, Study | None]:
     """The session file, and its study; no study where the session file itself is given."""
     from relgloss_view.experiment.design.study_file import BUILT_IN, load_study
 
-    if _is_sqlite(given):
+    if _is_sqlite(argument):
         if output is not None:
             raise InputError(
-                f"{printable(given)}: is a session file, and goes on in itself; leave -o out, or "
-                "give its study file to begin another one"
+                f"{printable(argument)}: is a session file and is continued; leave -o out, or give "
+                "a study file to begin another session"
             )
-        return Path(given), None
-    study = load_study(given)
+        return Path(argument), None
+    study = load_study(argument)
     if output is not None:
         return Path(output), study
-    if given in BUILT_IN and not Path(given).exists():
+    if argument in BUILT_IN and not Path(argument).exists():
         raise InputError(
-            f"the built-in study {given!r} has no folder of yours beside it; say where the answers "
-            f"go: -o {given}{SUFFIX}"
+            f"the built-in study {argument!r} needs a place for its answers; give one, such as "
+            f"-o {argument}{SUFFIX}"
         )
-    return Path(given).with_suffix(SUFFIX), study
+    return Path(argument).with_suffix(SUFFIX), study
 
 
-def _is_sqlite(given: str) -> bool:
+def _is_sqlite(argument: str) -> bool:
     try:
-        path = Path(given)
+        path = Path(argument)
         if not path.is_file():
             return False
         with path.open("rb") as file:
@@ -159,8 +159,8 @@ def _is_sqlite(given: str) -> bool:
 
 def _tell(args: argparse.Namespace, path: Path, observer: str, answered: int, total: int) -> None:
     if args.json:
-        told = {"session": str(path), "observer": observer, "answered": answered, "total": total}
-        print(json.dumps(told))
+        content = {"session": str(path), "observer": observer, "answered": answered, "total": total}
+        print(json.dumps(content))
         return
     text = f"{printable(path)}: {printable(observer)} has judged {answered} of {total}"
     if answered < total:

@@ -6,6 +6,7 @@ import argparse
 import dataclasses
 import json
 import re
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.errors import InputError
@@ -17,6 +18,7 @@ from relgloss_view.picture.backends import BACKENDS
 if TYPE_CHECKING:
     from relgloss_view.experiment.design.study import Study
     from relgloss_view.experiment.observers.population import Population
+    from relgloss_view.experiment.verdict.recovery import Recovery
     from relgloss_view.picture.scene.setting import Setting
 
 OBSERVERS = 15  #: as in the paper
@@ -119,7 +121,7 @@ def _truths(args: argparse.Namespace) -> tuple[str, dict[str, Setting]]:
     from relgloss_view.experiment.observers.truth import CHOICES, PUBLISHED
     from relgloss_view.picture.scene.setting import Setting
 
-    choice, given = PUBLISHED, {}
+    choice, stated = PUBLISHED, {}
     for word in args.truth:
         match = TRUTH.fullmatch(word)
         if word in CHOICES:
@@ -130,22 +132,23 @@ def _truths(args: argparse.Namespace) -> tuple[str, dict[str, Setting]]:
                 f"matte-coated=2.0,2/6, or {', '.join(CHOICES)}"
             )
         else:
-            given[match[1]] = Setting(float(match[2]), share_of(match[3], f"--truth {word}"))
-    return choice, given
+            stated[match[1]] = Setting(float(match[2]), share_of(match[3], f"--truth {word}"))
+    return choice, stated
 
 
 def _session(args: argparse.Namespace, study: Study) -> int:
     from relgloss_view.experiment.observers.percept import see_study
-    from relgloss_view.experiment.observers.simulation import Given, run_observers
+    from relgloss_view.experiment.observers.simulation import StoredAnswer, run_observers
     from relgloss_view.experiment.observers.truth import truths_of
+    from relgloss_view.experiment.report.results import setting_numbers
     from relgloss_view.experiment.session.store import Store
     from relgloss_view.picture.backends import open_renderer
 
     population = _population(args)
-    choice, given = _truths(args)
-    truths = truths_of(study, choice, given, args.seed)
+    choice, stated = _truths(args)
+    truths = truths_of(study, choice, stated, args.seed)
 
-    def echo(answer: Given) -> None:
+    def echo(answer: StoredAnswer) -> None:
         trial = answer.trial
         print(
             answer.observer, trial.position, trial.sample, trial.setting, answer.question,
@@ -162,17 +165,17 @@ def _session(args: argparse.Namespace, study: Study) -> int:
         silent = (lambda answer: None) if not args.echo else echo
         run_observers(store, percepts, population, args.observers, args.seed, silent, progress)
         answers, observers = len(store.answers()), len(store.observers())
-    told = {
+    result = {
         "file": args.output,
         "observers": observers,
         "answers": answers,
         "truths": {
-            sample.label: dataclasses.asdict(truth)
+            sample.label: setting_numbers(truth)
             for sample, truth in zip(study.samples, truths, strict=True)
         },
     }
     if args.json:
-        print(json.dumps(told))
+        print(json.dumps(result))
     else:
         right = "; ".join(
             f"{printable(s.label)} {t.words}" for s, t in zip(study.samples, truths, strict=True)
@@ -183,41 +186,44 @@ def _session(args: argparse.Namespace, study: Study) -> int:
 
 
 def _proof(args: argparse.Namespace, study: Study) -> int:
-    from relgloss_view.experiment.verdict.recovery import prove, summary
+    from relgloss_view.experiment.report.results import recovery_numbers
+    from relgloss_view.experiment.verdict.recovery import run_studies
     from relgloss_view.picture.backends import open_renderer
 
     population = _population(args)
-    choice, given = _truths(args)
+    choice, stated = _truths(args)
     with Progress("simulate") as progress, open_renderer(args.backend) as renderer:
-        found = prove(
-            renderer, study, args.studies, args.observers, population, truth=choice, given=given,
+        recoveries = run_studies(
+            renderer, study, args.studies, args.observers, population, truth=choice, stated=stated,
             draws=args.draws, seed=args.seed, progress=progress,
         )  # fmt: skip
-    told = summary(found)
-    print(json.dumps(told) if args.json else _table(told, args))
+    print(json.dumps(recovery_numbers(recoveries)) if args.json else _table(recoveries, args))
     return 0
 
 
-def _table(told: dict[str, Any], args: argparse.Namespace) -> str:
+def _table(recoveries: Sequence[Recovery], args: argparse.Namespace) -> str:
+    from relgloss_view.experiment.verdict.recovery import recovery_shares, shares_by_sample
+
+    everything = recovery_shares(recoveries)
     heads = ("sample", "answers", "exact", "+-1", "median error", "sigma_N in", "c in", "declared")
     lines = [
         f"{args.studies} studies of {args.observers} observers, {args.kind}",
         "",
         f"{heads[0]:<20}" + "".join(f"{h:>14}" for h in heads[1:]),
     ]
-    for name, shares in {**told["samples"], "all": told["all"]}.items():
-        declared = shares["status"].get("best", 0) / shares["cases"]
+    for name, shares in {**shares_by_sample(recoveries), "all": everything}.items():
+        declared = shares.status.get("best", 0) / shares.cases
         cells = (
-            f"{shares['answers']:.0f}",
-            f"{100 * shares['exact']:.0f} %",
-            f"{100 * shares['near']:.0f} %",
-            f"{shares['median_error_steps']:.2f} steps",
-            _percent(shares["sigma_n_inside"]),
-            _percent(shares["c_inside"]),
+            f"{shares.answers:.0f}",
+            f"{100 * shares.exact:.0f} %",
+            f"{100 * shares.near:.0f} %",
+            f"{shares.median_error_steps:.2f} steps",
+            _percent(shares.sigma_n_inside),
+            _percent(shares.c_inside),
             f"{100 * declared:.0f} %",
         )
         lines.append(f"{printable(name, 20):<20}" + "".join(f"{cell:>14}" for cell in cells))
-    nothing = 100 * told["all"]["nothing_declared"]
+    nothing = 100 * everything.nothing_declared
     lines += [
         "",
         "exact, +-1: the leading setting is the one nearest to the truth, or beside it",

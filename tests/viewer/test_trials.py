@@ -59,7 +59,7 @@ def opened(folder, run):
 
 
 def screen(hand):
-    return hand.app.flow.screen.value
+    return hand.app.flow.phase.value
 
 
 def wait(hand, condition):
@@ -375,7 +375,7 @@ def one_press_takes_one_answer_back(hand, found):
 
 def a_key_is_for_what_stood_there(hand, found):
     """Pages that come in the frame of a key which they take too."""
-    from relgloss_view.experiment.session.flow import Screen as Shown
+    from relgloss_view.experiment.session.flow import Phase as Shown
     from relgloss_view.viewer.trials import keys
 
     flow = hand.app.flow
@@ -390,7 +390,7 @@ def a_key_is_for_what_stood_there(hand, found):
             tick()
             if keys.pressed(chords):
                 flow.tick = tick  # once
-                flow.screen = comes
+                flow.phase = comes
 
         flow.tick = comes_now
         press(hand, name)

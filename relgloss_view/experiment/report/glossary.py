@@ -9,7 +9,7 @@ def terms(analysis: Analysis) -> list[tuple[str, str]]:
     """Those that the report of this analysis uses."""
     adaptive = any(r.adaptive is not None for r in analysis.samples)
     both = any(JOINT in r.verdicts for r in analysis.samples)
-    found = [
+    entries = [
         (
             "c, c_max, sigma_N",
             "c scales the gloss of the picture and is given as a share of the largest that the "
@@ -72,14 +72,14 @@ def terms(analysis: Analysis) -> list[tuple[str, str]]:
         ),
     ]
     if both:
-        found.append(
+        entries.append(
             (
                 "by both together",
                 "The sum of the closeness by the ratio of gloss and by the grain; it decides.",
             )
         )
     if adaptive:
-        found.append(
+        entries.append(
             (
                 "posterior",
                 "In an adaptive study: how probable it is, given all answers, that the right "
@@ -87,4 +87,4 @@ def terms(analysis: Analysis) -> list[tuple[str, str]]:
                 "all answers as those of one observer.",
             )
         )
-    return found
+    return entries

@@ -24,7 +24,7 @@ from report_cases import (
 
 from relgloss_view.experiment.report import sentences
 from relgloss_view.experiment.report.answerers import people, silent, truths
-from relgloss_view.experiment.report.chosen_setting import chosen, nearest_shares
+from relgloss_view.experiment.report.chosen_setting import chosen_setting, nearest_shares
 from relgloss_view.experiment.report.file_names import file_names
 from relgloss_view.experiment.report.results import FORMAT, as_numbers
 from relgloss_view.experiment.report.tables import ANSWER_COLUMNS, SCALE_COLUMNS, write_tables
@@ -51,7 +51,7 @@ class TestSentences:
     def test_an_edge_says_what_lies_beyond(self):
         told = sentences.summary(usual())
         assert "largest sigma_N (a wider grid may find better), smallest c (a wider" in told
-        first = chosen(usual().samples[0], usual().pool.study.grid)
+        first = chosen_setting(usual().samples[0], usual().pool.study.grid)
         at_zero = dataclasses.replace(first, edges=("smallest sigma_N",))
         assert "no less grain" in sentences._edge_words(at_zero, usual().pool.study.grid)
 

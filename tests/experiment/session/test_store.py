@@ -43,8 +43,8 @@ def test_answers_come_back(file):
     record = read_record(file, file.parent)
     assert len(record.answers) == 8
     assert record.answers[0].response_s == pytest.approx(1.0)
-    assert record.runs[0]["device"] == "device"
-    assert record.runs[0]["ended_utc"] is not None
+    assert record.runs[0].device == "device"
+    assert record.runs[0].ended_utc is not None
 
 
 def test_each_answer_is_in_the_file_before_the_call_returns(file):
