@@ -30,14 +30,20 @@ def add(commands: Any) -> None:
         "export",
         help="the answers as a table, and the stimuli as pictures",
         description="Write every answer of session files as one table (CSV or JSON), or draw the "
-        "study's stimuli again, each held against what was on the observers' screen.",
+        "study's stimuli again and compare each with what the observers saw.",
         epilog="example: relgloss experiment export monday.sqlite -o answers.csv",
     )
-    parser.add_argument("files", metavar="FILE", nargs="+", help="session files of one study")
-    parser.add_argument("-o", "--output", metavar="OUT.csv|OUT.json", help="the table of answers")
-    parser.add_argument("--stimuli", metavar="FOLDER", help="where the stimuli go, as PNG")
-    parser.add_argument("--backend", choices=BACKENDS, default="auto", help="what draws")
-    parser.add_argument("--json", action="store_true", help="print what was written as JSON")
+    parser.add_argument("files", metavar="FILE", nargs="+", help="Session files of one study")
+    parser.add_argument(
+        "-o", "--output", metavar="OUT.csv|OUT.json", help="File for the table of answers"
+    )
+    parser.add_argument("--stimuli", metavar="FOLDER", help="Folder for the stimuli, as PNG")
+    parser.add_argument(
+        "--backend", choices=BACKENDS, default="auto", help="Renderer of the pictures"
+    )
+    parser.add_argument(
+        "--json", action="store_true", help="Print a list of the written files as JSON"
+    )
     parser.set_defaults(run=run, wrong_usage=parser.error)
 
 
@@ -148,6 +154,6 @@ def _words(stimuli: list[dict[str, Any]]) -> str:
     compared = [s for s in stimuli if s["as_shown"] is not None]
     other = [s["file"] for s in compared if not s["as_shown"]]
     if not compared:
-        return f"{drawn}; nobody has seen them in a window, so there is nothing to compare with"
+        return f"{drawn}; nobody has seen them in a window, so there is nothing to compare"
     same = f"{len(compared) - len(other)} of {len(compared)} that were shown are the same"
     return f"{drawn}; {same}, bit by bit" + (f" (not: {', '.join(other[:5])})" if other else "")

@@ -34,39 +34,49 @@ def add(commands: Any) -> None:
         "simulate",
         help="simulated observers with a known truth answer a study",
         description="Lead simulated observers through a study by the code that leads people, "
-        "without a window. They see the pictures as drawn, and each sample has a setting that is "
-        "right. A session file that is there already is gone on with. With --studies, that many "
-        "studies are run and analysed, and it is told how often the truth was found.",
+        "without a window. They see the pictures as drawn, and each sample has a right setting. An "
+        "existing session file is continued. --studies N runs and analyses N studies and reports "
+        "how often they found the truth.",
         epilog="example: relgloss experiment simulate paper -o trial.sqlite",
     )
     add_study_options(parser)
-    parser.add_argument("-o", "--output", metavar="FILE.sqlite", help="the session file")
+    parser.add_argument("-o", "--output", metavar="FILE.sqlite", help="Session file")
     parser.add_argument(
-        "--observers", metavar="N", type=int, default=OBSERVERS, help=f"default {OBSERVERS}"
+        "--observers",
+        metavar="N",
+        type=int,
+        default=OBSERVERS,
+        help=f"Number of observers (default {OBSERVERS})",
     )
-    parser.add_argument("--seed", metavar="N", type=int, default=0, help="of the observers")
+    parser.add_argument(
+        "--seed", metavar="N", type=int, default=0, help="Seed of the observers (default 0)"
+    )
     parser.add_argument(
         "--truth",
         metavar="SAMPLE=SIGMA_N,C|published|cells|anywhere",
         action="append",
         default=[],
-        help="the right setting of a sample, c as a share of c_max; or of all samples: published "
-        "(default), cells or anywhere (by chance, of the grid or of its range)",
+        help="Right setting of a sample, c as a share of c_max; or the choice for all samples: "
+        "published (default), or by chance from the grid (cells) or its range (anywhere)",
     )
     add_population_options(parser)
-    parser.add_argument("--studies", metavar="N", type=int, help="run and analyse so many studies")
+    parser.add_argument(
+        "--studies", metavar="N", type=int, help="Number of studies to run and analyse"
+    )
     parser.add_argument(
         "--draws",
         metavar="N",
         type=int,
         default=PROOF_DRAWS,
-        help=f"of the bootstrap in each of the --studies (default {PROOF_DRAWS})",
+        help=f"Number of resamplings in each of the --studies (default {PROOF_DRAWS})",
     )
     parser.add_argument(
-        "--echo", action="store_true", help="print each answer as soon as it is stored"
+        "--echo", action="store_true", help="Print each answer as soon as it is stored"
     )
-    parser.add_argument("--backend", choices=BACKENDS, default="auto", help="what draws")
-    parser.add_argument("--json", action="store_true", help="print the result as JSON")
+    parser.add_argument(
+        "--backend", choices=BACKENDS, default="auto", help="Renderer of the pictures"
+    )
+    parser.add_argument("--json", action="store_true", help="Print the result as JSON")
     parser.set_defaults(run=run, wrong_usage=parser.error)
 
 

@@ -172,12 +172,12 @@ class TestFirstPage:
             flow.confirm()  # who comes next has not agreed
             told = continues(store, store.observer("O01"))
             assert told == (
-                "O01 goes on: 0 of 126 are judged. Somebody else? Close the window (Ctrl+Q) and "
+                "O01 continues: 0 of 126 are judged. Somebody else? Close the window (Ctrl+Q) and "
                 "start with --new."
             )
             store.answer(flow.observer, flow.trial, "ratio", 1, 0.5, flow.run)
             told = continues(store, store.observer("O01"))
-            assert told.startswith("O01 goes on: 1 of 126 are judged.")
+            assert told.startswith("O01 continues: 1 of 126 are judged.")
             page = pages.page_of(self.flow(store), answered=True, note=told)
             assert (page.text, page.note) == (store.study.guide, told)
 

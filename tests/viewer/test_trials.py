@@ -92,8 +92,8 @@ def page(hand):
 
 
 LABELS = (
-    "I agree (Enter)", "I decline", "Go on (Enter)", "It stands there (Enter)",
-    "Go on (Enter or Space)", "End (Enter)", "Take the last answer back (Backspace)",
+    "I agree (Enter)", "I decline", "Continue (Enter)", "It is in place (Enter)",
+    "Continue (Enter or Space)", "End (Enter)", "Take the last answer back (Backspace)",
     "Close (Enter)", "Go back (Enter)", "End (Ctrl+Q)",
 )  # fmt: skip
 
@@ -554,8 +554,8 @@ def test_from_consent_to_the_first_trial(walk):
     got = walk[0]["leads_to_the_first_trial"]
     assert got["consent"] == ["consent", ["I agree (Enter)", "I decline"]]
     assert got["still"] == "consent"
-    assert got["instructions"] == ["instructions", ["Go on (Enter)"]]
-    assert got["object"] == ["object", ["It stands there (Enter)"]]
+    assert got["instructions"] == ["instructions", ["Continue (Enter)"]]
+    assert got["object"] == ["object", ["It is in place (Enter)"]]
     assert got["words on the page"] > 100
     assert got["gap"] == "gap"
     assert got["surround"] == [119, 119]  # sRGB of L* 50
@@ -638,7 +638,7 @@ def test_the_mouse_answers_while_it_moves(walk):
 
 def test_pause(walk):
     got = walk[0]["pauses"]
-    assert got["pause"] == ["pause", ["Go on (Enter or Space)"]]
+    assert got["pause"] == ["pause", ["Continue (Enter or Space)"]]
     assert len(got["rows"]) == 2
     assert got["same"]
 
@@ -693,7 +693,7 @@ def test_a_session_goes_on_and_ends(resumed):
         "start with --new."
     )
     assert got["last page"] == ["Thank you", ""]  # told once
-    assert got["object"] == ["It stands there (Enter)", "Take the last answer back (Backspace)"]
+    assert got["object"] == ["It is in place (Enter)", "Take the last answer back (Backspace)"]
     assert got["finished"] == ["End (Enter)", "Take the last answer back (Backspace)"]
     assert got["taken back"] == 1
     assert got["last"] == [3, "ratio", 0]
@@ -720,14 +720,14 @@ def test_a_key_is_for_what_stood_there(two):
 def test_the_first_page_says_whose_session_goes_on(two, tmp_path):
     """Also where the study has no instructions to show."""
     found, folder = two
-    assert found["one_press_takes_one_answer_back"]["begins"][1] == "The operator does this."
+    assert found["one_press_takes_one_answer_back"]["begins"][1] == "The experimenter does this."
     session = str(folder / "session.sqlite")
     got = driven_session("again", tmp_path, study=TWO, session=session)
     first, then = got["says_whose_session_goes_on"].values()
     assert first[:2] == ["instructions", "Relative gloss"]
     assert first[2].startswith(f"{OBSERVER} goes on: 2 of 8 are judged. Somebody else? ")
     assert then[0] == "object"
-    assert then[2] == "The operator does this."
+    assert then[2] == "The experimenter does this."
 
 
 def test_what_was_shown_is_kept(resumed, renderer):

@@ -1,4 +1,4 @@
-"""Who answered, in which file, and what simulated observers were told to be right."""
+"""Who answered, in which file, and what is right for simulated observers."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def made(pool: Pool) -> list[dict[str, object]]:
 
 
 def truths(pool: Pool) -> dict[str, Setting]:
-    """What is right for each sample, where all simulated observers were told the same."""
+    """What is right for each sample, where it is the same for all simulated observers."""
     settings: dict[str, Setting | None] = {}
     for details in made(pool):
         stored = details.get("truths")
@@ -64,7 +64,7 @@ def _setting(pair: object) -> Setting | None:
 
 
 def people(pool: Pool) -> str:
-    """How many of which kind answered, and how many of them are through."""
+    """How many of which kind answered, and how many of them have finished."""
     parts = []
     for kind, one, many in (
         (PERSON, "person", "persons"),
@@ -72,12 +72,12 @@ def people(pool: Pool) -> str:
     ):
         those = [m for m in pool.members if m.kind == kind]
         if those:
-            through = sum(m.ended for m in those)
+            finished = sum(m.ended for m in those)
             if len(those) == 1:
-                parts.append(f"1 {one}, {'through' if through else 'not through'}")
+                parts.append(f"1 {one}, {'finished' if finished else 'not finished'}")
             else:
-                all_ = "all" if through == len(those) else through
-                parts.append(f"{len(those)} {many}, {all_} through")
+                all_ = "all" if finished == len(those) else finished
+                parts.append(f"{len(those)} {many}, {all_} finished")
     return "; ".join(parts)
 
 

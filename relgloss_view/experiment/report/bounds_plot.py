@@ -170,7 +170,7 @@ def _foot(figure: Any, *, plain: bool, chosen_shown: bool) -> None:
         (_sign(figures.GOOD, "D", 4.0), "bound between two categories"),
         (_sign(MUTED, "o", 4.0), "setting" + ("" if plain else ", with 95 % interval")),
         (_sign(figures.MARK, "o", 5.6), "leading setting"),
-        (_sign(INK, "o", 4.4), "not told apart from it"),
+        (_sign(INK, "o", 4.4), "not significantly worse"),
         (Line2D([], [], color=INK, marker="|", ms=6.0, lw=0), "either by Torgerson's method"),
     ]
     if not chosen_shown:

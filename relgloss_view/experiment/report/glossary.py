@@ -43,8 +43,9 @@ def terms(analysis: Analysis) -> list[tuple[str, str]]:
             "The share of those resamplings in which a setting has the largest closeness.",
         ),
         (
-            "not told apart",
-            "Settings that are not worse than the leading one at 95 %, all comparisons together.",
+            "not significantly worse",
+            "Settings that are not worse than the leading one at 95 %, over all comparisons "
+            "together.",
         ),
         (
             "between grid points",
@@ -54,7 +55,7 @@ def terms(analysis: Analysis) -> list[tuple[str, str]]:
         (
             "a curve is as good",
             "The ratio of gloss alone is one number, sigma_N and c are two: settings along a curve "
-            "may have the same ratio. The grain, asked for too, tells them apart.",
+            "may have the same ratio. The grain, asked for too, separates them.",
         ),
         (
             "p of chance",

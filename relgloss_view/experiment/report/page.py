@@ -78,7 +78,7 @@ def report_page(
             for result in analysis.samples
         ),
         _observers(analysis),
-        "<h2>What the words mean</h2>",
+        "<h2>Glossary</h2>",
         "<dl>",
         *(f"<dt>{escape(term)}</dt><dd>{escape(said)}</dd>" for term, said in terms(analysis)),
         "</dl>",
@@ -211,10 +211,10 @@ def _observers(analysis: Analysis) -> str:
         for name in silent(analysis.pool)
     ]
     heads = (
-        "observer", "kind", "through", "answers", "median response, s", "follows the others",
-        "p of chance", "to look at",
+        "observer", "kind", "finished", "answers", "median response, s", "follows the others",
+        "p of chance", "to check",
     )  # fmt: skip
-    kept = "Everybody who answered is in the results; nobody is left out."
+    kept = "The results contain everybody who answered."
     rows_as_table = table(heads, rows, texts=(1, 7))
     return f'<h2>Observers</h2>\n<p class="muted">{kept}</p>\n{rows_as_table}'
 

@@ -152,7 +152,7 @@ def marks(
         if np.sum(choice.as_good) > 1:
             _outline(axes, choice.as_good.reshape(grid.shape))
             line = Line2D([], [], color=figures.MARK, lw=1.5, ls=figures.DASHES)
-            handles.append((line, "not told apart from it"))
+            handles.append((line, "not significantly worse"))
         row, column = divmod(choice.leading, columns)
         leading = _box(row, column, 1, 1, ec=figures.MARK, lw=2.4, zorder=4)
         leading.set_clip_on(False)

@@ -31,13 +31,13 @@ SHORT = {
     BEST: "best",
     RIDGE: "a curve is as good",
     BROAD: "many are as good",
-    CHANCE: "not told from chance",
-    FEW: "too few to say",
+    CHANCE: "may be chance",
+    FEW: "too few observers",
 }
 BY = {RATIO: "by the ratio of gloss", GRAIN: "by the grain", JOINT: "by both together"}
 MOST_NAMED = 7  #: settings, or sigma_N, that a sentence lists
 SIMULATED = (
-    "Simulated observers: these answers were computed, not given by people. They tell how well the "
+    "Simulated observers: these answers were computed, not given by people. They show how well the "
     "procedure finds a known truth, and nothing about real samples."
 )
 PARTLY_SIMULATED = (
@@ -57,7 +57,7 @@ def summary(analysis: Analysis) -> str:
     lines += [f"{label}: {why}" for label, why in unscaled(analysis).items()]
     remarks = observer_remarks(analysis)
     if remarks:
-        lines += ["", "observers to look at:", *(f"  {line}" for line in remarks)]
+        lines += ["", "observers to check:", *(f"  {line}" for line in remarks)]
     return "\n".join(lines)
 
 
@@ -76,7 +76,7 @@ def files(pool: Pool) -> list[str]:
         line = f"{path_words(record)}: {len(record.answers)} answers"
         line += f", {record.undone} taken back" if record.undone else ""
         if record.log_missing:
-            line += f"; {path_words(record)}-wal is not beside it: the last answers may be in that"
+            line += f"; {path_words(record)}-wal is not beside it: the last answers may be in it"
         lines.append(line)
     return lines
 
@@ -111,7 +111,7 @@ def _sentence(choice: ChosenSetting, result: SampleResult, grid: Grid) -> str:
     if choice.status == CHANCE:
         name = "probability" if choice.adaptive else "p"
         return (
-            "no setting is declared best: answers can't be told from chance "
+            "no setting is declared best: the answers may be by chance "
             f"({name} {choice.p_chance:.2g})"
         )
     if choice.status == FEW:
@@ -124,7 +124,7 @@ def _sentence(choice: ChosenSetting, result: SampleResult, grid: Grid) -> str:
     if choice.status == BROAD:
         share = float(np.mean(choice.as_good)) if choice.shape is None else choice.shape.share
         return (
-            f"no setting stands out: {percent(share)} of the grid is as good as the leading "
+            f"no setting is clearly best: {percent(share)} of the grid is as good as the leading "
             f"{leading}{_leads(choice)}"
         )
     return f"best {leading}{_leads(choice)}{_between(choice)}"
@@ -132,10 +132,10 @@ def _sentence(choice: ChosenSetting, result: SampleResult, grid: Grid) -> str:
 
 def _few(result: SampleResult) -> str:
     if result.observers == 1:
-        return "one observer: nothing can be said of other people"
+        return "one observer shows nothing about other people"
     if result.observers < FEWEST_OBSERVERS:
-        return f"{result.observers} observers are too few to tell how surely"
-    return "the observers were not resampled: how surely is not known"
+        return f"{result.observers} observers are too few to show how sure this is"
+    return "the observers were not resampled, so that nothing shows how sure this is"
 
 
 def _leads(choice: ChosenSetting) -> str:
@@ -203,17 +203,17 @@ def notes(result: SampleResult, analysis: Analysis) -> list[str]:
         return [*_by_question(result, study.grid), *_truth(result, analysis)]
     lines = []
     if choice.status == BEST and np.sum(choice.as_good) > 1:
-        lines.append(f"not told apart from it: {_others(choice, study.grid)}")
+        lines.append(f"not significantly worse: {_others(choice, study.grid)}")
     if choice.status == RIDGE and len(result.scales) == 1:
-        lines.append("the ratio alone leaves it open: ask for grain too (procedure.ask_grain)")
+        lines.append("the ratio alone can't decide: ask for grain too (procedure.ask_grain)")
     elif choice.status in (RIDGE, BROAD):
-        lines.append("more observers, or more repeats, would tell more")
+        lines.append("more observers or repeats would narrow it down")
     if result.observers == 1 and choice.status != FEW:
         lines.append(_few(result))
     if study.procedure.ask_grain and result.adaptive is not None:
         lines.append("the answers about grain take no part in an adaptive verdict")
     elif study.procedure.ask_grain and JOINT not in result.verdicts:
-        lines.append("by the ratio alone: the answers about grain are all the same, or not there")
+        lines.append("by the ratio alone: the answers about grain are missing or all the same")
     if choice.edges:
         lines.append(_edge_words(choice, study.grid))
     return [*lines, *_by_question(result, study.grid), *_truth(result, analysis)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import sqlite3
 from dataclasses import dataclass
@@ -128,8 +129,8 @@ def _record(
 
 def _run(*columns: Any) -> Run:
     """A row of the table, in the order of Run's fields; `screen` is JSON."""
-    *texts, screen = columns
-    return Run(*texts, json.loads(screen))
+    run = Run(*columns)
+    return dataclasses.replace(run, screen=json.loads(columns[-1]))
 
 
 def _check(record: Record) -> None:

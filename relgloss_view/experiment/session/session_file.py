@@ -161,7 +161,7 @@ def _reason(error: sqlite3.Error) -> str:
     if _is_lock(error):
         return "another program has this session open; close it first"
     if code & 0xFF == sqlite3.SQLITE_FULL:
-        return "the disk is full; make room and start again: all answers so far are kept"
+        return "the disk is full; make room and start again; all answers so far are kept"
     if code & 0xFF in (sqlite3.SQLITE_READONLY, sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_PERM):
         return "the file or its folder can't be written; choose another place with -o"
     if code & 0xFF == sqlite3.SQLITE_NOTADB:

@@ -55,7 +55,7 @@ class Store:
             if content is not None and study_digest(content) != digest:
                 raise InputError(
                     f"{printable(path)}: holds answers to another study, or to this one before it "
-                    "was edited; give another file with -o, or go on with "
+                    "was edited; give another file with -o, or continue with "
                     f"`relgloss experiment run {printable(path)}`"
                 )
         except BaseException:
@@ -110,7 +110,7 @@ class Store:
             if other.name == name:
                 if other.ended:
                     raise InputError(
-                        f"observer {name!r} is through with this study; give another name"
+                        f"observer {name!r} has finished this study; give another name"
                     )
                 return other
         return self._make_observer(name, kind, details)
@@ -124,7 +124,7 @@ class Store:
     def new_observer(
         self, kind: str = PERSON, details: Mapping[str, Any] | None = None
     ) -> Observer:
-        """A new observer under a free pseudonym, whoever is not through yet."""
+        """A new observer under a free pseudonym, whoever is not finished yet."""
         return self._make_observer(_free_name({o.name for o in self.observers()}), kind, details)
 
     def _make_observer(self, name: str, kind: str, details: Mapping[str, Any] | None) -> Observer:

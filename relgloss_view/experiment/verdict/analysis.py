@@ -104,7 +104,7 @@ def analyse(
             asked.append(sample)
         elif len(categories) == 1:
             name = study.categories[categories[0]]
-            untold[named.label] = f"all answers are {name!r}, which tells no setting from another"
+            untold[named.label] = f"all answers are {name!r}, which separates no settings"
         else:
             untold[named.label] = "nobody has judged it yet"
     results = []

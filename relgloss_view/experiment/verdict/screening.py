@@ -36,15 +36,15 @@ class ObserverResult:
                 "always the same answer" if self.always_same else "nobody to compare with"
             )
         elif self.answers < FEWEST_TO_TELL:
-            remarks.append("too few answers to tell them from chance")
+            remarks.append("too few answers to compare with chance")
         elif self.relation.p is not None and self.relation.p > RELATED:
             remarks.append(
-                f"answers can't be told from chance (p {self.relation.p:.2f}); they are left in"
+                f"the answers may be by chance (p {self.relation.p:.2f}); they are left in"
             )
         if self.median_response_s < QUICK_S:
             remarks.append(f"answers within {self.median_response_s:.2f} s")
         if not self.ended:
-            remarks.append("not through")
+            remarks.append("not finished")
         return tuple(remarks)
 
 

@@ -31,7 +31,7 @@ _NO_POINTER = (Phase.ADAPTATION, Phase.GAP, Phase.TRIAL)
 
 ANSWER_LOST = "This answer was NOT stored"
 UNDO_LOST = "The last answer could NOT be taken back"
-NEXT_UNKNOWN = "What was done is kept, but what comes next can't be found"
+NEXT_UNKNOWN = "The last step is kept, but the next one can't be found"
 NOT_KEPT = "The session can't be kept"
 NO_PICTURE = "The next pictures can't be shown"
 

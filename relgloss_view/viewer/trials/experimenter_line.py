@@ -28,7 +28,7 @@ def continues(store: Store, observer: Observer) -> str:
     if not (answered or observer.consented):
         return ""
     return (
-        f"{printable(observer.name)} goes on: {answered} of {total} are judged. Somebody else? "
+        f"{printable(observer.name)} continues: {answered} of {total} are judged. Somebody else? "
         "Close the window (Ctrl+Q) and start with --new."
     )
 

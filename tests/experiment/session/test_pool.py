@@ -186,7 +186,7 @@ class TestAnalysis:
                 answer(flow, category)
         analysis = self.analysed(tmp_path, made)
         assert sum(r.answers for r in analysis.samples) == 4 * 84 + 3
-        assert "not through" in analysis.observers[-1].told
+        assert "not finished" in analysis.observers[-1].told
 
     @pytest.mark.parametrize(
         "grid", [SMALL, Grid((1.0,), (0.2, 0.5, 1.0)), Grid((0.0, 1.0), (1.0,))]

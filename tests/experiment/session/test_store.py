@@ -108,11 +108,11 @@ class TestObservers:
         with Store(file, study(grid=SMALL)) as store:
             first = store.observer()
             assert (first.name, first.number) == ("O01", 0)
-            assert store.observer() == first  # not through yet
+            assert store.observer() == first  # not finished yet
             store.end(first)
             assert store.observer().name == "O02"
             assert store.observer("blue").number == 2
-            with pytest.raises(InputError, match="'O01' is through with this study"):
+            with pytest.raises(InputError, match="'O01' has finished this study"):
                 store.observer("O01")
 
     @pytest.mark.parametrize("name", ["", "  ", "a\nb", "x" * 41, "\x1b[31m"])
@@ -237,7 +237,7 @@ class TestNoRoom:
             except InputError as error:
                 told = str(error)
         assert told.endswith(
-            "the disk is full; make room and start again: all answers so far are kept"
+            "the disk is full; make room and start again; all answers so far are kept"
         )
         assert flow.trial == before  # it is still asked for
         return count
