@@ -15,7 +15,7 @@ from relgloss_view.base.terminal import Progress
 from relgloss_view.base.version import __version__
 from relgloss_view.base.writing import whole_file, whole_folder
 from relgloss_view.commands.output_folder import own_folder
-from relgloss_view.picture.backends import BACKENDS
+from relgloss_view.quality.backends import BACKENDS
 
 if TYPE_CHECKING:
     from relgloss_view.experiment.session.pool import Pool
@@ -101,8 +101,8 @@ def _draw_stimuli(folder: Path, pool: Pool, backend: str) -> list[dict[str, Any]
         frame_record,
     )
     from relgloss_view.experiment.report.file_names import file_names
-    from relgloss_view.picture.backends import open_renderer
     from relgloss_view.picture.output.writers import Writers
+    from relgloss_view.quality.backends import open_renderer
 
     study = pool.study
     digests: dict[tuple[int | None, int | None], set[str]] = {}

@@ -13,7 +13,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Progress
 from relgloss_view.commands.study_options import add_study_options, study_from
-from relgloss_view.picture.backends import BACKENDS
+from relgloss_view.quality.backends import BACKENDS
 
 if TYPE_CHECKING:
     from relgloss_view.experiment.design.study import Study
@@ -152,7 +152,7 @@ def _session(args: argparse.Namespace, study: Study) -> int:
     from relgloss_view.experiment.observers.truth import truths_of
     from relgloss_view.experiment.report.results import setting_numbers
     from relgloss_view.experiment.session.store import Store
-    from relgloss_view.picture.backends import open_renderer
+    from relgloss_view.quality.backends import open_renderer
 
     population = _population(args)
     choice, stated = _truths(args)
@@ -198,7 +198,7 @@ def _session(args: argparse.Namespace, study: Study) -> int:
 def _proof(args: argparse.Namespace, study: Study) -> int:
     from relgloss_view.experiment.report.results import recovery_numbers
     from relgloss_view.experiment.verdict.recovery import run_studies
-    from relgloss_view.picture.backends import open_renderer
+    from relgloss_view.quality.backends import open_renderer
 
     population = _population(args)
     choice, stated = _truths(args)

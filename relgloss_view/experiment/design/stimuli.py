@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 from relgloss_view.experiment.design.study import Study
 from relgloss_view.picture.frame import Frame
-from relgloss_view.picture.output.export import parameters
+from relgloss_view.picture.output.parameters import parameters
 from relgloss_view.picture.scene.setting import Setting
 
 if TYPE_CHECKING:
-    from relgloss_view.picture.backends import FrameRenderer
+    from relgloss_view.quality.backends import FrameRenderer
 
 
 def draw_stimulus(renderer: FrameRenderer, study: Study, sample: int, setting: int) -> Frame:

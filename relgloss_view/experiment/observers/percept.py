@@ -19,9 +19,9 @@ from relgloss_view.experiment.design.stimuli import draw_look
 from relgloss_view.experiment.design.study import Study
 from relgloss_view.gloss.shown import Regions, graininess, peak_contrast, sharpness
 from relgloss_view.operators.split import Split
-from relgloss_view.picture.backends import FrameRenderer
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.scene.setting import Setting
+from relgloss_view.quality.backends import FrameRenderer
 
 Array = NDArray[np.float64]
 

@@ -27,8 +27,8 @@ from relgloss_view.experiment.session.posterior import Estimate
 from relgloss_view.experiment.session.store import Store
 from relgloss_view.experiment.verdict.analysis import Options, SampleResult, analyse
 from relgloss_view.experiment.verdict.full_grid import BEST
-from relgloss_view.picture.backends import FrameRenderer
 from relgloss_view.picture.scene.setting import Setting
+from relgloss_view.quality.backends import FrameRenderer
 
 NEIGHBOUR_STEPS = 1.0  #: along each axis: the truth lies in the chosen cell or one beside it
 EXACT_STEPS = 0.5

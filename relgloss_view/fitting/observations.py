@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.fitting.shapes import Geometry, geometry
 from relgloss_view.measure.table import NEGATIVE, Measurement
 
 Array = NDArray[np.float64]
@@ -20,8 +21,8 @@ FLOOR_OF_MEDIAN = 0.02
 LEAST_FLOOR = 1e-9
 #: No surface's brightest direction is darker: light traps reach 1e-5.
 DARKEST = 1e-6
-#: A channel of linear sRGB at or below zero says "outside the gamut", not "nothing": it is held
-#: against the brightness of the same sample.
+#: A channel of linear sRGB at or below zero means "outside the gamut", not "nothing": it is
+#: compared with the brightness of the same sample.
 OUT_OF_GAMUT_SLACK = 0.1
 FEWEST_SAMPLES = 12
 SEARCH_BANDS = 5
@@ -30,11 +31,10 @@ FEWEST_GROUPS = 4
 
 
 @dataclass(frozen=True)
-class Samples:
-    """N geometries x B bands in radiance factors (pi times the BRDF)."""
+class Observations:
+    """N samples x B bands in radiance factors (pi times the BRDF), with their geometry."""
 
-    to_lamp: Array  #: (N, 3)
-    to_receiver: Array  #: (N, 3)
+    geometry: Geometry
     value: Array  #: (N, B), zero where there is no usable value
     floor: Array  #: (N, B), added to value and model before the logarithm
     weight: Array  #: (N, B), 0 where there is no usable value, else the band's share
@@ -42,21 +42,15 @@ class Samples:
     groups: int
 
     @property
-    def count(self) -> int:
-        """Number of geometries."""
-        return len(self.value)
-
-    @property
     def bands(self) -> int:
         """Number of bands."""
         return int(self.value.shape[1])
 
-    def subset(self, rows: NDArray[np.bool_]) -> Samples:
-        """The geometries marked in `rows`; groups keep their numbers."""
+    def subset(self, rows: NDArray[np.bool_]) -> Observations:
+        """The samples marked in `rows`; groups keep their numbers."""
         return replace(
             self,
-            to_lamp=self.to_lamp[rows],
-            to_receiver=self.to_receiver[rows],
+            geometry=self.geometry.subset(rows),
             value=self.value[rows],
             floor=self.floor[rows],
             weight=self.weight[rows],
@@ -79,7 +73,7 @@ def usable_rows(measurement: Measurement) -> NDArray[np.bool_]:
     return np.asarray(rows & facing)
 
 
-def prepare(measurement: Measurement, seed: int = 0) -> Samples:
+def prepare(measurement: Measurement, seed: int = 0) -> Observations:
     """The usable samples of a measurement.
 
     Raises InputError when too little is left to fit anything to.
@@ -106,9 +100,9 @@ def prepare(measurement: Measurement, seed: int = 0) -> Samples:
     group, groups = _groups(measurement.group[rows], seed)
     value = np.where(positive, value, 0.0)
     weight = np.where(usable, foreshortening(measurement, rows)[:, None] / value.shape[1], 0.0)
-    return Samples(
-        measurement.to_lamp[rows],
-        measurement.to_receiver[rows],
+    lamp, receiver = measurement.to_lamp[rows], measurement.to_receiver[rows]
+    return Observations(
+        geometry(lamp, receiver, measurement.aperture_sd_deg),
         value,
         floor,
         weight,
@@ -159,7 +153,7 @@ def _groups(group: NDArray[np.int64], seed: int) -> tuple[NDArray[np.int64], int
     return (order % count).astype(np.int64), count
 
 
-def compress(samples: Samples, most: int = SEARCH_BANDS) -> Samples:
+def compress(observations: Observations, most: int = SEARCH_BANDS) -> Observations:
     """Means over neighbouring bands, at most `most` of them.
 
     The model is linear in the albedos and strengths, so the mean over bands is again of the
@@ -167,21 +161,23 @@ def compress(samples: Samples, most: int = SEARCH_BANDS) -> Samples:
     nonlinear unknowns are shared by all bands, so the search may run on the means. Bands are cut
     into runs of about equal total variation of the spectrum, so that each run is of one colour.
     """
-    if samples.bands <= most:
-        return samples
-    seen = np.sum(samples.weight > 0.0, axis=0)
+    if observations.bands <= most:
+        return observations
+    seen = np.sum(observations.weight > 0.0, axis=0)
     bands = np.flatnonzero(seen > 0.5 * np.max(seen))
     if len(bands) <= most:
-        return samples
-    spectrum = np.array([np.median(samples.value[samples.weight[:, b] > 0.0, b]) for b in bands])
+        return observations
+    spectrum = np.array(
+        [np.median(observations.value[observations.weight[:, b] > 0.0, b]) for b in bands]
+    )
     change = np.abs(np.diff(np.log(spectrum + FLOOR)))
     # Half of the cut follows the spectrum, half the number of bands: flat spectra stay in runs too.
     position = np.concatenate([[0.0], np.cumsum(change / max(np.sum(change), 1e-9))])
     position = 0.5 * position + 0.5 * np.arange(len(bands)) / (len(bands) - 1)
     run = np.minimum((position * most).astype(int), most - 1)
     columns = [bands[run == k] for k in range(most) if np.any(run == k)]
-    value = np.stack([np.mean(samples.value[:, c], axis=1) for c in columns], axis=1)
-    floor = np.stack([np.mean(samples.floor[:, c], axis=1) for c in columns], axis=1)
-    whole = np.stack([np.all(samples.weight[:, c] > 0.0, axis=1) for c in columns], axis=1)
-    weight = np.stack([np.sum(samples.weight[:, c], axis=1) for c in columns], axis=1)
-    return replace(samples, value=value, floor=floor, weight=np.where(whole, weight, 0.0))
+    value = np.stack([np.mean(observations.value[:, c], axis=1) for c in columns], axis=1)
+    floor = np.stack([np.mean(observations.floor[:, c], axis=1) for c in columns], axis=1)
+    whole = np.stack([np.all(observations.weight[:, c] > 0.0, axis=1) for c in columns], axis=1)
+    weight = np.stack([np.sum(observations.weight[:, c], axis=1) for c in columns], axis=1)
+    return replace(observations, value=value, floor=floor, weight=np.where(whole, weight, 0.0))

@@ -62,5 +62,6 @@ def measured(
     bands = Bands(tuple(500.0 + 10.0 * np.arange(value.shape[1])))
     group = np.rint(grid[:, 0]).astype(np.int64)
     return Measurement(
-        "case", "synthetic", i, o, bands, value, reasons, group, gamma_s_deg=gonio.GAMMA_S_DEG
-    )
+        "case", "synthetic", i, o, bands, value, reasons, group,
+        gamma_s_deg=gonio.GAMMA_S_DEG, synthetic=True,
+    )  # fmt: skip
