@@ -137,7 +137,7 @@ class TestWhoIsLed:
 
     def test_the_last_one_goes_on_and_it_is_said(self, run, session):
         said = (
-            "O01 goes on: 2 of 4 are judged. Somebody else? Close the window (Ctrl+Q) and start "
+            "O01 continues: 2 of 4 are judged. Somebody else? Close the window (Ctrl+Q) and start "
             "with --new.\n"
         )
         assert run(session) == (0, said)
@@ -162,7 +162,7 @@ class TestWhoIsLed:
             self.judge(store, store.observer(), 2)
             assert nothing_left(store, store.observer())
         # By name, the last answer can still be taken back.
-        assert run(session, "--observer", "O01")[1].startswith("O01 goes on: 4 of 4")
+        assert run(session, "--observer", "O01")[1].startswith("O01 continues: 4 of 4")
         assert self.names(session) == [("O01", False)]
         assert run(session) == (0, "O02 begins\n")
         assert self.names(session) == [("O01", True), ("O02", False)]
