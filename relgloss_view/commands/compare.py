@@ -76,8 +76,8 @@ def run(args: argparse.Namespace) -> int:
     """Draw everything, write the sheets, and print the verdicts."""
     from relgloss_view.commands.sample_arguments import sample_arguments
     from relgloss_view.gloss.comparison import as_numbers, compare
-    from relgloss_view.picture.backends import open_renderer
     from relgloss_view.picture.scene.sample import SAMPLES
+    from relgloss_view.quality.backends import open_renderer
 
     outputs = _checked_outputs(args.output)
     operators = operators_of(args.operators)
@@ -144,7 +144,7 @@ def _write(comparison: Comparison, output: Path, command: str) -> None:
     from relgloss_view.base.version import __version__
     from relgloss_view.gloss.comparison_page import comparison_page
     from relgloss_view.gloss.comparison_sheet import comparison_sheet
-    from relgloss_view.picture.output.export import save_rgb
+    from relgloss_view.picture.output.png import save_rgb
 
     synthetic = all(drawn.sample.material.synthetic for drawn in comparison.samples)
     title = "Is the order of gloss kept? Samples across, operators down"

@@ -29,10 +29,10 @@ from relgloss_view.picture.scene.setting import Setting
 
 if TYPE_CHECKING:
     from relgloss_view.operators.operator import Operator
-    from relgloss_view.picture.backends import FrameRenderer
     from relgloss_view.picture.output.writers import Writers
     from relgloss_view.picture.scene.look import Look
     from relgloss_view.picture.scene.scene import Scene
+    from relgloss_view.quality.backends import FrameRenderer
 
 THUMBNAIL_PX = 200
 CAPTION_PX = 150  #: width of a picture that has room for c in its caption
@@ -64,8 +64,8 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Draw all stimuli beside the folder, and move them in when the last is done."""
-    from relgloss_view.picture.backends import open_renderer
     from relgloss_view.picture.output.writers import Writers
+    from relgloss_view.quality.backends import open_renderer
 
     folder = own_folder(args.output, {MANIFEST: FORMAT}, "grid")
     operator = operator_from(args)
@@ -94,9 +94,10 @@ def _draw(
     progress: Progress,
 ) -> dict[str, Any]:
     """Draw pictures, contact sheet and manifest into a folder; returns the manifest."""
-    from relgloss_view.experiment.grid import C_SIXTHS, SIGMA_N_DEG
+    from relgloss_view.experiment.design.grid import C_SIXTHS, SIGMA_N_DEG
     from relgloss_view.picture.output.contact_sheet import contact_sheet, thumbnail
-    from relgloss_view.picture.output.export import parameters, save_rgb
+    from relgloss_view.picture.output.parameters import parameters
+    from relgloss_view.picture.output.png import save_rgb
 
     renderer, writers, operator = by
     scales: tuple[int | None, ...] = C_SIXTHS if operator.uses_c else (None,)

@@ -92,8 +92,8 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.commands.sample_arguments import sample_argument, sample_arguments
     from relgloss_view.gloss.match import Criterion, as_numbers, match, reference_of
     from relgloss_view.gloss.match_plot import write_match_plot
-    from relgloss_view.picture.backends import open_renderer
     from relgloss_view.picture.scene.sample import SAMPLES
+    from relgloss_view.quality.backends import open_renderer
 
     words = args.sample_words or list(SAMPLES)[1:]
     if args.write is not None and len(words) != 1:

@@ -21,6 +21,7 @@ STAGES = {
     "lobes": "specular lobes, at most",
     "c_max": "c_max",
     "gamut": "out of gamut",
+    "targets": "numbers",
     "diffuse": "diffuse reflection",
     "fresnel": "Fresnel's factor",
     "shadowing": "shadowing G",

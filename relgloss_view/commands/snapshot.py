@@ -41,8 +41,9 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Draw, write, and print the sample and its setting."""
-    from relgloss_view.picture.backends import open_renderer
-    from relgloss_view.picture.output.export import check_suffix, parameters, save_frame, warnings
+    from relgloss_view.picture.output.export import check_suffix, save_frame
+    from relgloss_view.picture.output.parameters import parameters, warnings
+    from relgloss_view.quality.backends import open_renderer
 
     output = check_suffix(args.output)
     if args.bits is not None and output.suffix.lower() != ".png":
@@ -55,7 +56,7 @@ def run(args: argparse.Namespace) -> int:
         progress(0.5, operator.name)
         displayed = displayed_by(operator, frame)
         command = printable_command(args.argv)
-        save_frame(frame, output, command, bits=args.bits or 8, shown=displayed)
+        save_frame(frame, output, command, bits=args.bits or 8, displayed=displayed)
         numbers = parameters(frame, displayed)
     if args.json:
         print(json.dumps({"output": str(output), **numbers}))

@@ -91,7 +91,7 @@ def _screenshot(args: argparse.Namespace) -> int:
     )
     warn_if_clamped(args, window.size)
     pixels = window.run(args.frames)
-    from relgloss_view.picture.output.export import save_rgb
+    from relgloss_view.picture.output.png import save_rgb
 
     save_rgb(pixels, args.screenshot, {})
     frames = "1 frame" if args.frames == 1 else f"{args.frames} frames"

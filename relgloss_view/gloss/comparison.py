@@ -18,11 +18,12 @@ from relgloss_view.gloss.samples import DEFAULT_GLOSS, SampleLook, computed_glos
 from relgloss_view.gloss.shown import ORDER_TIE_LSTAR, Measures, agreement, measure, ranks
 from relgloss_view.operators.operator import Operator
 from relgloss_view.picture.frame import Frame
-from relgloss_view.picture.output.export import SPLIT, is_srgb, warnings
+from relgloss_view.picture.output.parameters import SPLIT, warnings
+from relgloss_view.picture.output.png import is_srgb
 from relgloss_view.picture.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from relgloss_view.picture.backends import FrameRenderer
+    from relgloss_view.quality.backends import FrameRenderer
 
 #: Measures by which pictures are ordered: both, since one does not see narrow highlights.
 ORDERED_BY = ("contrast_gloss", "peak_contrast")

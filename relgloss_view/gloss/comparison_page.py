@@ -115,7 +115,7 @@ def _embedded(picture: Bytes, srgb: bool) -> str:
     """A picture as a data URL, PNG."""
     from PIL import Image
 
-    from relgloss_view.picture.output.export import srgb_profile
+    from relgloss_view.picture.output.png import srgb_profile
 
     file = io.BytesIO()
     profile = {"icc_profile": srgb_profile()} if srgb else {}

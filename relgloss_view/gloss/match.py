@@ -26,7 +26,7 @@ from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from relgloss_view.picture.backends import FrameRenderer
+    from relgloss_view.quality.backends import FrameRenderer
 
 SIGMAS_N_DEG = tuple(0.25 * k for k in range(13))  #: the paper's range, twice as fine
 MEASURES: dict[str, Callable[[Array, Regions], float | None]] = {

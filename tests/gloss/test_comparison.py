@@ -67,7 +67,7 @@ def published():
 @pytest.fixture(scope="module")
 def papers(request):
     """The four papers at the published settings, as `relgloss compare` shows them."""
-    from relgloss_view.picture.backends import open_renderer
+    from relgloss_view.quality.backends import open_renderer
 
     samples = [
         SampleLook(name, load_sample(name), Look().at(setting)) for name, setting in SAMPLES.items()

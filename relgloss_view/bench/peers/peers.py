@@ -17,8 +17,8 @@ from relgloss_view.bench.speed import tasks
 from relgloss_view.bench.speed.floor import FillFloor
 from relgloss_view.bench.speed.scenes import Case, cases
 from relgloss_view.bench.speed.timing import PER_VISIT, Task, take_turns
-from relgloss_view.experiment.grid import Grid
-from relgloss_view.picture.gpu.passes import Renderer
+from relgloss_view.experiment.design.grid import Grid
+from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.method import EXACT
 from relgloss_view.picture.model.view import Size
 from relgloss_view.picture.reference import ReferenceRenderer

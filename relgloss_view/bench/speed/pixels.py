@@ -20,8 +20,8 @@ from relgloss_view.bench.speed.scenes import Case
 from relgloss_view.bench.speed.tasks import Drawing, Floor, pass_1_changed
 from relgloss_view.bench.speed.timing import PER_VISIT, Times, take_turns
 from relgloss_view.picture.gpu.memory import device_bytes
-from relgloss_view.picture.gpu.passes import Renderer
 from relgloss_view.picture.gpu.programs import Programs
+from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.method import EXACT
 from relgloss_view.picture.model.view import Size
 

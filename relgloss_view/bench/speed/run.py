@@ -19,8 +19,8 @@ from relgloss_view.bench.speed.methods import AUTO, DEFAULT, EVERYTHING, Row
 from relgloss_view.bench.speed.pareto import pareto_front
 from relgloss_view.bench.speed.scenes import Case
 from relgloss_view.bench.speed.timing import PER_VISIT, Task, take_turns
-from relgloss_view.picture.gpu.passes import Renderer
 from relgloss_view.picture.gpu.programs import Programs
+from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.model.view import Size
 from relgloss_view.picture.scene.look import Look
@@ -49,11 +49,11 @@ class Drawers:
     def __init__(self, ctx: moderngl.Context) -> None:
         self.ctx = ctx
         self.programs = Programs(ctx)
-        self._renderers: dict[tuple[str, str], Renderer] = {}
+        self._renderers: dict[object, Renderer] = {}
 
     def of(self, method: Method) -> Renderer:
         """The renderer that draws by a method."""
-        kind = (method.targets, method.kept)
+        kind = (method.targets, method.split, dict(method.variant).get("writes"))
         if kind not in self._renderers:
             self._renderers[kind] = Renderer(self.ctx, self.programs)
         return self._renderers[kind]

@@ -86,7 +86,7 @@ class FileDesk:
 
     def _write_view(self, path: str) -> None:
         def take(pixels: NDArray[np.uint8]) -> None:
-            from relgloss_view.picture.output.export import save_rgb
+            from relgloss_view.picture.output.png import save_rgb
 
             shown = dataclasses.asdict(self.model.state.presentation)
             text = {"Software": "relgloss", "Presentation": json.dumps(shown)}

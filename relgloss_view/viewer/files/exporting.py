@@ -12,7 +12,8 @@ from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model.drawn import as_drawn
 from relgloss_view.picture.model.view import Size
-from relgloss_view.picture.output.export import save_frame, save_pair
+from relgloss_view.picture.output.export import save_frame
+from relgloss_view.picture.output.png import save_pair
 from relgloss_view.viewer.drawing.arrangement import as_shown
 from relgloss_view.viewer.state.command_line import snapshot_command
 from relgloss_view.viewer.state.model import Model
@@ -95,11 +96,11 @@ def write(model: Model, order: Order) -> str:
             gap_px=model.gap_px,
             mirrored=presentation.mirror,
             bits=order.bits,
-            shown=(shown["reference"], shown["test"]),
+            displayed=(shown["reference"], shown["test"]),
         )
     else:
         for side, file in zip(order.sides, order.files, strict=True):
-            save_frame(frames[side], file, commands[side], bits=order.bits, shown=shown[side])
+            save_frame(frames[side], file, commands[side], bits=order.bits, displayed=shown[side])
     told = f"exported {' and '.join(order.files)}"
     return f"{told}; without a command: {missing}" if missing else told
 

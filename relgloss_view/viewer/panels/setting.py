@@ -72,7 +72,7 @@ def show(model: Model) -> None:
 
 def _sliders(model: Model, part: str, owner: type, rows: tuple[Row, ...]) -> None:
     for text, name, options in rows:
-        value = getattr(getattr(model.state, part), name)
+        value = getattr(model.state.part(part), name)
         changed, number = widgets.slider(text, owner, name, value, **options)
         if changed:
             model.attempt(
