@@ -8,13 +8,14 @@ from __future__ import annotations
 import dataclasses
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.experiment.design.coordinates import grid_steps
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.design.study import Study
@@ -63,7 +64,7 @@ def prove(
     given: Mapping[str, Setting],
     draws: int,
     seed: int = 0,
-    progress: Callable[[float, str], object] = lambda share, text: None,
+    progress: ProgressReport = no_progress,
 ) -> list[Found]:
     """Run so many studies, each with its own observers, order and, unless given, truth."""
     first = truths_of(study, truth, given, seed)
