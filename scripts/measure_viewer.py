@@ -51,7 +51,7 @@ def drag() -> None:
         def _note_hand(self) -> None:
             super()._note_hand()
             self.model.dragging = True
-            self.pace.scale = 1.0  # full resolution, whatever it takes
+            self.draft_scale.scale = 1.0  # full resolution, whatever it takes
 
         def frame(self) -> None:
             self.count += 1

@@ -31,13 +31,15 @@ def parameter(
     meaning: str,
     *,
     option: str | None = None,
+    label: str = "",
 ) -> Any:
     """A dataclass field for a number of a declared range, `low` to `high` in `unit`.
 
-    Where the default is None, the entry may be left out. `option` is its flag on the command line.
+    Where the default is None, the entry may be left out. `option` is its flag on the command line,
+    `label` its name in the window: a plain word, and the symbol behind it.
     """
     limits = Range(low, high, unit, meaning)
-    return _ranged(default, limits, option, optional=default is None)
+    return _ranged(default, limits, option, label, optional=default is None)
 
 
 def whole_number(
@@ -49,27 +51,37 @@ def whole_number(
     *,
     optional: bool = False,
     option: str | None = None,
+    label: str = "",
 ) -> Any:
     """A dataclass field that takes whole numbers of a declared range; None too, if optional."""
     limits = Range(low, high, unit, meaning)
-    return _ranged(default, limits, option, whole=True, optional=optional)
+    return _ranged(default, limits, option, label, whole=True, optional=optional)
 
 
-def _ranged(default: float | None, limits: Range, option: str | None, **flags: bool) -> Any:
-    return field(default=default, metadata={"range": limits, "option": option, **flags})
-
-
-def choice(
-    default: str, options: tuple[str, ...], meaning: str, *, option: str | None = None
+def _ranged(
+    default: float | None, limits: Range, option: str | None, label: str, **flags: bool
 ) -> Any:
-    """A dataclass field that takes one of a few names."""
-    metadata = {"options": options, "meaning": meaning, "option": option}
+    metadata = {"range": limits, "option": option, "label": label, **flags}
     return field(default=default, metadata=metadata)
 
 
-def switch(default: bool, meaning: str) -> Any:
+def choice(
+    default: str,
+    options: tuple[str, ...],
+    meaning: str,
+    *,
+    option: str | None = None,
+    label: str = "",
+) -> Any:
+    """A dataclass field that takes one of a few names."""
+    metadata = {"options": options, "meaning": meaning, "option": option, "label": label}
+    return field(default=default, metadata=metadata)
+
+
+def switch(default: bool, meaning: str, *, label: str = "") -> Any:
     """A dataclass field that is on or off."""
-    return field(default=default, metadata={"switch": True, "meaning": meaning})
+    metadata = {"switch": True, "meaning": meaning, "label": label}
+    return field(default=default, metadata=metadata)
 
 
 class Checked:

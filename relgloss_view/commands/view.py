@@ -14,7 +14,7 @@ from relgloss_view.base.writing import check_writable
 from relgloss_view.commands.scene_options import size_of_text
 
 if TYPE_CHECKING:
-    from relgloss_view.viewer.files.jobs import Opened
+    from relgloss_view.viewer.files.open_job import Opened
     from relgloss_view.viewer.shell.app import App
 
 DEFAULT_FRAMES = 3  #: the first settles the layout
@@ -118,7 +118,7 @@ def _interactive(args: argparse.Namespace) -> int:
     restored = Restored() if args.fresh or session_path is None else restore(session_path)
     app = App(restored.state or State.initial())
     for text in (*faults, *restored.messages):
-        app.model.say(text, fault=True)
+        app.model.report(text, fault=True)
     if session_path is not None:
         app.files.session = Autosave(session_path, app.model.state)
     _show(app, opened)
@@ -141,7 +141,7 @@ def warn_if_clamped(args: argparse.Namespace, size: tuple[int, int]) -> None:
 
 def _opened(files: list[str]) -> list[Opened]:
     """The content of the files, read before there is a window, so that a fault ends the command."""
-    from relgloss_view.viewer.files.jobs import OpenJob
+    from relgloss_view.viewer.files.open_job import OpenJob
 
     _check_files(files)
     opened = []
@@ -169,7 +169,7 @@ def _show(app: App, opened: list[Opened]) -> None:
             state = one.applied(state, "test")
             app.files.scene_path = one.path
         if one.warning:
-            app.model.say(one.warning, fault=True)
+            app.model.report(one.warning, fault=True)
     samples = [one for one in opened if one.sample is not None]
     sides = ("reference", "test") if len(samples) == 2 else ("test",)
     for side, one in zip(sides, samples, strict=False):

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 STRIP = (940, 230)
-PANELS = ("lightness", "reflection", "fit", "inspector")
+PANELS = ("lightness", "reflection", "fit", "pixel")
 PICTURE = (160, 120)
 PANEL_GRAY = 40  #: theme.PANEL in 8 bits
 
@@ -164,6 +164,7 @@ def _window(case: dict, model) -> tuple[np.ndarray, dict]:
 
     from relgloss_view.viewer.panels import reflection
     from relgloss_view.viewer.shell import theme
+    from relgloss_view.viewer.state.model import Pixel
 
     shows = [
         importlib.import_module(f"relgloss_view.viewer.panels.{name}").show
@@ -177,8 +178,8 @@ def _window(case: dict, model) -> tuple[np.ndarray, dict]:
     for name, value in case.get("reflection", {}).items():
         setattr(reflection._memory.of(model), name, value)
     model.picture_size = max((f.size for f in model.frames.values()), default=(1, 1))
-    model.pointer = tuple(case["pointer"]) if case.get("pointer") else None
-    model.pinned = tuple(case["pinned"]) if case.get("pinned") else None
+    model.pointer = Pixel(*case["pointer"]) if case.get("pointer") else None
+    model.pinned = Pixel(*case["pinned"]) if case.get("pinned") else None
     model.active_side = case.get("side", "test")
     model.history.undo()
     tables, frames = model.measurements, model.frames

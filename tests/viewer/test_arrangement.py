@@ -1,4 +1,4 @@
-"""Where the pictures stand in their pane; pictures and bare parts tile it, pixel by pixel."""
+"""Where the pictures are in their pane; pictures and bare parts tile it, pixel by pixel."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from relgloss_view.viewer.drawing.arrangement import (
     Arrangement,
     arranged,
     as_shown,
-    bare,
     drawable,
     seen_by,
 )
+from relgloss_view.viewer.drawing.canvas import bare
 from relgloss_view.viewer.state.state import COMPARE_MODES, Presentation, State
 
 PANE = (1001, 600)

@@ -12,7 +12,7 @@ import pytest
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.viewer.files import folders
-from relgloss_view.viewer.panels.dialog import native_available
+from relgloss_view.viewer.panels.file_dialogs import native_available
 
 ODD = "a\n  b\udcff.json"
 OPEN, SAVE = "//Open file", "//Save scene as"
@@ -169,7 +169,7 @@ def leaves_haploscopic_mode_to_be_seen(hand, found):
 
 
 def shows_progress_and_cancels(hand, found):
-    from relgloss_view.viewer.files import desk as files
+    from relgloss_view.viewer.shell import file_actions as files
 
     real, files.OpenJob = files.OpenJob, driven.FakeJob
     made = driven.FakeJob.made
@@ -368,7 +368,7 @@ def test_typed_names(monkeypatch, tmp_path):
 #: Asks as the window's loop does, and prints what came of it.
 ASKS = """
 import json, sys, time
-from relgloss_view.viewer.panels.dialog import FileDialogs, native_available
+from relgloss_view.viewer.panels.file_dialogs import FileDialogs, native_available
 from relgloss_view.viewer.panels.own_dialog import Question
 got, longest, asked = [], 0.0, FileDialogs()
 asked.ask(Question("Save scene as", got.append, (".toml",), True, "pair.toml"))

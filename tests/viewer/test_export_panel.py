@@ -26,13 +26,13 @@ def export(hand, picture, chosen, name):
     hand.frames(3)
     panel = hand.app.files._export
     if panel.picture != picture:
-        hand.choose(f"{WINDOW}/##picture", picture)
+        hand.choose(f"{WINDOW}/##Picture", picture)
     if panel.format != chosen:
-        hand.choose(f"{WINDOW}/##format", chosen)
-    hand.type(f"{WINDOW}/##file", name)
+        hand.choose(f"{WINDOW}/##Format", chosen)
+    hand.type(f"{WINDOW}/##File", name)
     hand.click(f"{WINDOW}/Export##go")
-    assert hand.until(lambda: panel._order is None)
-    return panel._told
+    assert hand.until(lambda: panel._request is None)
+    return panel._message
 
 
 def files(hand):
@@ -81,10 +81,10 @@ def another_size(hand, found):
     found["shown"] = list(hand.model.frames)
     hand.app.files.export()
     hand.frames(3)
-    hand.choose(f"{WINDOW}/##size", "other")
+    hand.choose(f"{WINDOW}/##Size", "other")
     hand.app.files._export.size = (97, 61)
     export(hand, "both", "PNG, 8 bits", "small.png")
-    hand.choose(f"{WINDOW}/##size", "as on the screen")
+    hand.choose(f"{WINDOW}/##Size", "as on the screen")
     export(hand, "test", "PNG, 8 bits", "unseen.png")
     hand.model.set_part("presentation", compare="side by side")
 
@@ -97,18 +97,18 @@ def asks_and_tells(hand, found):
     hand.click(f"{WINDOW}/Keep")
     found["kept"] = (hand.folder / "taken.png").read_bytes().decode()
     hand.click(f"{WINDOW}/Export##go", f"{WINDOW}/Replace")
-    assert hand.until(lambda: panel._order is None)
+    assert hand.until(lambda: panel._request is None)
     found["replaced"] = (hand.folder / "taken.png").read_bytes()[1:4].decode()
     before = files(hand)
     found["nowhere"] = export(hand, "test", "PNG, 8 bits", "nowhere/x.png")
     found["empty"] = export(hand, "test", "PNG, 8 bits", "")
     found["folder"] = export(hand, "test", "PNG, 8 bits", "folder.png")
-    hand.type(f"{WINDOW}/##file", "x")
-    hand.choose(f"{WINDOW}/##format", "OpenEXR")
+    hand.type(f"{WINDOW}/##File", "x")
+    hand.choose(f"{WINDOW}/##Format", "OpenEXR")
     found["suffix"] = panel.name.text
     found["none left"] = files(hand) == before
     # The dialog asks itself; what it has asked about is not asked about again.
-    hand.choose(f"{WINDOW}/##format", "PNG, 8 bits")
+    hand.choose(f"{WINDOW}/##Format", "PNG, 8 bits")
     hand.click(f"{WINDOW}/Choose...")
     hand.frames(3)
     hand.type("//Export to/##name", "taken.png", enter=True)
@@ -116,7 +116,7 @@ def asks_and_tells(hand, found):
     found["chosen"] = os.path.basename(panel.name.text)
     hand.click(f"{WINDOW}/Export##go")
     found["asked again"] = panel._replacing is not None
-    assert hand.until(lambda: panel._order is None)
+    assert hand.until(lambda: panel._request is None)
     hand.click(f"{WINDOW}/Close")
     found["open"] = panel._open
 
@@ -128,8 +128,8 @@ def odd_names(hand, found):
     panel._chosen(str(hand.folder / ODD))
     hand.frames(2)
     hand.click(f"{WINDOW}/Export##go")
-    assert hand.until(lambda: panel._order is None)
-    found["told"] = panel._told
+    assert hand.until(lambda: panel._request is None)
+    found["told"] = panel._message
     hand.click(f"{WINDOW}/Close")
 
 
@@ -137,17 +137,17 @@ def waits_for_the_full_picture(hand, found):
     """While the wheel turns pictures may be small; nothing small is written."""
     hand.app.files.export()
     hand.frames(3)
-    hand.type(f"{WINDOW}/##file", "full.png")
+    hand.type(f"{WINDOW}/##File", "full.png")
     panel = hand.app.files._export
     hand.model.hold()
-    hand.app.pace._step = 2  # half as wide, as after slow frames
+    hand.app.draft_scale._step = 2  # half as wide, as after slow frames
     panel._submit()
     told, drafts = set(), []
 
     def done():
-        told.add(panel._told)
+        told.add(panel._message)
         drafts.append(hand.model.draft)
-        return panel._order is None
+        return panel._request is None
 
     assert hand.until(done)
     found["told"] = sorted(told)

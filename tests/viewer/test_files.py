@@ -12,9 +12,9 @@ from driven import FakeJob
 from relgloss_view.base.resources import asset
 from relgloss_view.material.files import load_material, save_material
 from relgloss_view.picture.scene.sample import Sample
-from relgloss_view.viewer.files import desk as files
-from relgloss_view.viewer.files.desk import FileDesk
-from relgloss_view.viewer.files.jobs import Opened
+from relgloss_view.viewer.files.open_job import Opened
+from relgloss_view.viewer.shell import file_actions as files
+from relgloss_view.viewer.shell.file_actions import FileActions
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.session import Autosave
 from relgloss_view.viewer.state.state import State
@@ -31,7 +31,7 @@ def home(tmp_path, monkeypatch):
 
 @pytest.fixture
 def desk():
-    made = FileDesk(Model(State.initial()), lambda: None)
+    made = FileActions(Model(State.initial()), lambda: None)
     yield made
     made.close()
 

@@ -31,7 +31,7 @@ def worked_out(hand):
         time.sleep(0.01)
         memory, state = _memory.of(hand.model), hand.model.state
         return all(
-            hand.app._glosses.of(state.side(side).sample.material) is not None
+            hand.app._gloss_readings.of(state.side(side).sample.material) is not None
             and side in memory.last
             for side in ("reference", "test")
         )
@@ -54,25 +54,25 @@ def readings_of_both_sides(hand, found):
 
 def slider_makes_a_hypothetical(hand, found):
     model = hand.model
-    hand.ctx.item_input_value(control(hand, "##would be"), 25.0)
+    hand.ctx.item_input_value(control(hand, "##Wanted reading"), 25.0)
     hand.frames(2)
     sample = model.state.test.sample
     found["name"], found["source"] = sample.material.name, sample.material.source
     found["reads"] = specular_gloss(sample.material, 60)
     found["in no file"] = sample.file is None
-    hand.ctx.item_input_value(control(hand, "##would be"), 40.0)
+    hand.ctx.item_input_value(control(hand, "##Wanted reading"), 40.0)
     hand.frames(2)
     found["made from the measured one"] = model.state.test.sample.material.name
     hand.app.files.copy_command()
     found["command"] = [model.notes[-1].text, model.notes[-1].fault]
-    hand.click(control(hand, "keep"))
+    hand.click(control(hand, "Keep in a file"))
     hand.frames(2)
     found["file"] = model.state.test.sample.file
     worked_out(hand)
     hand.frames(3)
     hand.app.files.copy_command()
     found["command of kept"] = [model.notes[-1].text, model.notes[-1].fault]
-    hand.ctx.item_input_value(control(hand, "##would be"), 105.0)
+    hand.ctx.item_input_value(control(hand, "##Wanted reading"), 105.0)
     hand.frames(2)
     from relgloss_view.viewer.panels.gloss import _memory
 
@@ -87,7 +87,7 @@ def slider_makes_a_hypothetical(hand, found):
 
 def goes_back(hand, found):
     model = hand.model
-    hand.click(control(hand, "measured one"))
+    hand.click(control(hand, "Go back"))
     hand.frames(2)
     found["name"] = model.state.test.sample.name
     model.history.undo()

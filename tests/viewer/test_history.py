@@ -181,11 +181,11 @@ class TestModel:
 
     def test_notes_are_short_lines_and_not_too_many(self):
         model = Model(INITIAL)
-        model.say("two\nlines\x1b[31m" + "x" * 5000)
+        model.report("two\nlines\x1b[31m" + "x" * 5000)
         (note,) = model.notes
         assert note.text.isprintable()
         assert len(note.text) <= LONGEST_NOTE
         assert not note.fault
         for k in range(200):
-            model.say(str(k))
+            model.report(str(k))
         assert [n.text for n in model.notes] == [str(k) for k in range(200 - NOTES_KEPT, 200)]

@@ -37,16 +37,16 @@ def pane(hand, side="test"):
     taken = []
     hand.model.take_view = taken.append
     assert hand.until(lambda: bool(taken))
-    rects = hand.app.staged.arrangement.rects
+    rects = hand.app.drawn_pane.arrangement.rects
     left, top, width, height = rects[side]
     return taken[0][top : top + height, left : left + width]
 
 
 def shows_an_operator(hand, found):
     hand.frames(4)
-    found["told at first"] = dict(hand.model.operated)
+    found["told at first"] = dict(hand.model.operator_pictures)
     np.save(hand.folder / "split.npy", pane(hand))
-    hand.choose(f"{LOOK}/##operator", "clip")
+    hand.choose(f"{LOOK}/##Tone mapping (operator)", "clip")
     found["chosen"] = hand.model.state.presentation.test_operator
     assert settled(hand)
     hand.frames(2)
@@ -64,12 +64,14 @@ def shows_an_operator(hand, found):
 
 
 def is_exported(hand, found):
-    from relgloss_view.viewer.files.exporting import Order, write
+    from relgloss_view.viewer.files.picture_export import ExportRequest, write
 
     model = hand.model
 
     def save(picture, kind, name, size=None):
-        return hand.do(lambda: write(model, Order(picture, kind, str(hand.folder / name), size)))
+        return hand.do(
+            lambda: write(model, ExportRequest(picture, kind, str(hand.folder / name), size))
+        )
 
     found["told"] = save("test", "PNG, 8 bits", "test.png")
     save("test", "OpenEXR", "test.exr")
@@ -86,7 +88,7 @@ def stays_while_c_moves_and_waits_for_the_hand(hand, found):
     model.set_look("test", sigma_n_deg=0.3)
     model.hold()
     hand.frames(2)
-    found["while dragging"] = model.operated["test"].told
+    found["while dragging"] = model.operator_pictures["test"].reason
     pictures = {}
     for k in range(3):  # as a hand would, longer than the work takes
         model.hold()
@@ -97,10 +99,10 @@ def stays_while_c_moves_and_waits_for_the_hand(hand, found):
     found["again at rest"] = model.displayed("test").operator
     model.set_part("presentation", overlay="clipped")
     hand.frames(2)
-    found["overlay"] = model.operated["test"].told
+    found["overlay"] = model.operator_pictures["test"].reason
     model.set_part("presentation", overlay="none", compare="difference")
     hand.frames(2)
-    found["difference"] = model.operated["test"].told
+    found["difference"] = model.operator_pictures["test"].reason
     model.set_part("presentation", compare="side by side")
 
 

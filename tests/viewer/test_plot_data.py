@@ -21,8 +21,8 @@ from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
 from relgloss_view.viewer.plots import reflection
+from relgloss_view.viewer.plots.caches import PerFrame, Recent, light_of
 from relgloss_view.viewer.plots.lightness import BINS, Lightness
-from relgloss_view.viewer.plots.memory import PerFrame, Recent, light_of
 from relgloss_view.viewer.plots.readout import Stages, half_vector_deg
 
 SIZE = (96, 80)
@@ -456,7 +456,7 @@ def test_plots_load_no_heavy_library():
     code = (
         "import sys\n"
         "from relgloss_view.viewer.plots import lightness, readout, reflection\n"
-        "from relgloss_view.viewer.panels import fit, inspector, lightness, reflection\n"
+        "from relgloss_view.viewer.panels import fit, lightness, pixel, reflection\n"
         "print(*sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

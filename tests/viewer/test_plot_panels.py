@@ -11,7 +11,7 @@ from plot_window import PANELS, STRIP
 
 from relgloss_view.base.resources import asset
 from relgloss_view.picture.scene.sample import load_sample
-from relgloss_view.viewer.panels import plots, polar
+from relgloss_view.viewer.panels import plot_widgets, polar
 from relgloss_view.viewer.panels.fit import facts
 
 MODELS = (
@@ -39,9 +39,9 @@ CASES = [
     *(case(f"{panel} tiny", [panel], "built-in", size=(40, 30)) for panel in PANELS),
     case("all", list(PANELS), "built-in", size=(940, 920)),
     case("reference", ["lightness"], "built-in", side="reference"),
-    case("inspector nowhere", ["inspector"], "built-in", pointer=None),
-    case("inspector pinned", ["inspector"], "built-in", pinned=("test", 20, 60)),
-    case("inspector large", ["inspector"], "built-in", size=(1000, 560)),
+    case("pixel nowhere", ["pixel"], "built-in", pointer=None),
+    case("pixel pinned", ["pixel"], "built-in", pinned=("test", 20, 60)),
+    case("pixel large", ["pixel"], "built-in", size=(1000, 560)),
     case("polar", ["reflection"], "measured", reflection={"polar": True}),
     case("linear", ["reflection"], "measured", reflection={"logarithmic": False}),
     case("no table", ["reflection"], "measured", table=False),
@@ -74,12 +74,12 @@ def test_every_case_is_drawn_as_large_as_its_window(found):
         assert found[c["name"]]["picture"].shape == (height, width, 3), c["name"]
 
 
-@pytest.mark.parametrize("panel", ["lightness", "inspector"])
+@pytest.mark.parametrize("panel", ["lightness", "pixel"])
 def test_without_pictures_there_is_next_to_nothing(found, panel):
     """Negative control of everything below: what is counted as drawn is not there by itself."""
     empty, full = found[f"{panel} no frames"], found[f"{panel} built-in"]
     assert 5.0 * ink(empty) < ink(full)
-    assert (empty["items"], full["items"]) == (0, {"lightness": 7, "inspector": 0}[panel])
+    assert (empty["items"], full["items"]) == (0, {"lightness": 7, "pixel": 0}[panel])
 
 
 @pytest.mark.parametrize("model", ["built-in", "no fit", "no lobes", "measured"])
@@ -132,7 +132,7 @@ def test_all_panels_share_a_window(found):
 
 
 def test_the_interface_is_gray_and_the_pixels_are_not(found):
-    """Curves have a trace of hue, the inspector's green print has all of it."""
+    """Curves have a trace of hue, the pixel's green print has all of it."""
 
     def chroma(entry):
         return np.ptp(entry["picture"].astype(int), axis=-1)
@@ -140,15 +140,15 @@ def test_the_interface_is_gray_and_the_pixels_are_not(found):
     for panel in ("lightness", "reflection"):
         assert np.max(chroma(found[f"{panel} built-in"])) < 70
     assert np.max(chroma(found["fit built-in"])) <= 1
-    assert np.mean(chroma(found["inspector built-in"]) > 30) > 0.05
+    assert np.mean(chroma(found["pixel built-in"]) > 30) > 0.05
 
 
-def test_the_inspector_follows_the_mouse_and_a_pin(found):
-    pointed, pinned = found["inspector built-in"], found["inspector pinned"]
+def test_the_pixel_follows_the_mouse_and_a_pin(found):
+    pointed, pinned = found["pixel built-in"], found["pixel pinned"]
     assert differ(pointed, pinned) > 0.01
-    assert ink(found["inspector nowhere"]) < 0.5 * ink(pointed)
+    assert ink(found["pixel nowhere"]) < 0.5 * ink(pointed)
     # Large cells carry their L*: more than two inks in a cell's middle.
-    assert found["inspector large"]["vertices"] > found["inspector built-in"]["vertices"] + 500
+    assert found["pixel large"]["vertices"] > found["pixel built-in"]["vertices"] + 500
 
 
 def test_sides_scales_and_tables_show(found):
@@ -167,12 +167,12 @@ def test_a_lamp_that_has_gone_is_told(found):
 
 def test_a_drag_fetches_nothing_and_still_scales(found):
     """Nothing can be fetched from the frames of the drag; c shows all the same."""
-    for panel in ("lightness", "inspector"):
+    for panel in ("lightness", "pixel"):
         assert found[f"{panel} dragged"]["plots"] == found[f"{panel} built-in"]["plots"]
     assert found["lightness dragged"]["items"] == 7
     assert differ(found["lightness dragged"], found["lightness built-in"]) > 0.005
-    # The inspector's numbers hang on c itself: they are the old ones, and it says so.
-    waits = differ(found["inspector dragged"], found["inspector built-in"])
+    # The pixel's numbers hang on c itself: they are the old ones, and it says so.
+    waits = differ(found["pixel dragged"], found["pixel built-in"])
     assert 0.001 < waits < 0.02
 
 
@@ -185,15 +185,15 @@ def test_what_can_no_longer_be_fetched_is_told(found):
     ("peak", "top"), [(0.9, 1.0), (1.0, 2.0), (1.9, 2.0), (2.1, 5.0), (4.9, 10.0), (0.031, 0.05)]
 )
 def test_ends_of_scales_are_round(peak, top):
-    assert plots.nice_ceiling(peak) == pytest.approx(top)
-    assert plots.nice_ceiling(1e3 * peak) == pytest.approx(1e3 * top)
+    assert plot_widgets.nice_ceiling(peak) == pytest.approx(top)
+    assert plot_widgets.nice_ceiling(1e3 * peak) == pytest.approx(1e3 * top)
 
 
 def test_polar_distance_counts_decades():
-    scale = polar.Scale(100.0, 0.001)
+    scale = polar.RadialScale(100.0, 0.001)
     radius = scale.radius(np.array([1e-9, 0.001, 0.1, 100.0]))
     np.testing.assert_allclose(radius, [0.0, 0.0, 0.4, 1.0], atol=1e-12)
-    np.testing.assert_allclose(polar.Scale(4.0).radius(np.array([1.0, 4.0])), [0.25, 1.0])
+    np.testing.assert_allclose(polar.RadialScale(4.0).radius(np.array([1.0, 4.0])), [0.25, 1.0])
     assert all(0.0 < r <= 100.0 for r in scale.rings())
 
 
@@ -202,12 +202,15 @@ def test_facts_are_the_files():
     record = json.loads(asset("materials", "matte-coated.json").read_text(encoding="utf-8"))
     fit = record["fit"]
     material = load_sample("matte-coated")
-    told = dict(facts(material, material.fit))
-    assert told["chosen"] == fit["chosen"]
+    texts = {fact.title: fact.text for fact in facts(material, material.fit)}
+    assert texts["Chosen model"] == fit["chosen"]
     for k in range(2):
         lobe, errors = record["specular"][k], fit["standard_errors"]
-        assert f"s {lobe['s_deg']:.3g} deg ± {errors['s_deg'][k]:.2g}" in told[f"lobe {k + 1}"]
-    assert f"median {100 * fit['residuals']['median_relative_error']:.3g} %" in told["residuals"]
-    assert told["samples"].startswith(f"{fit['residuals']['samples']} used, 66 left out")
-    assert fit["standard_errors"]["method"] in told["errors"]
-    assert told["quality"].startswith("good")
+        assert (
+            f"width (s) {lobe['s_deg']:.3g} deg ± {errors['s_deg'][k]:.2g}"
+            in texts[f"Lobe {k + 1}"]
+        )
+    assert f"median {100 * fit['residuals']['median_relative_error']:.3g} %" in texts["Residuals"]
+    assert texts["Samples"].startswith(f"{fit['residuals']['samples']} used, 66 left out")
+    assert fit["standard_errors"]["method"] in texts["Errors"]
+    assert texts["Quality"].startswith("good")

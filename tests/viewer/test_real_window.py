@@ -78,7 +78,7 @@ def main(out, sigma_n_deg, headless):
     app = Timeless(State.initial().with_look("test", sigma_n_deg=sigma_n_deg))
     pixels = Window(app, (800, 600), headless=headless).run(FRAMES)
     left, top = (int(v) for v in app.stage_origin)
-    rects = [(left + x, top + y, w, h) for x, y, w, h in app.staged.arrangement.rects.values()]
+    rects = [(left + x, top + y, w, h) for x, y, w, h in app.drawn_pane.arrangement.rects.values()]
     np.savez(out, pixels=pixels, rects=rects)
 
 

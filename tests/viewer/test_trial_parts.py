@@ -13,7 +13,7 @@ from relgloss_view.experiment.session.flow import Flow, Progress, Screen
 from relgloss_view.experiment.session.store import Store
 from relgloss_view.picture.scene.setup import Display
 from relgloss_view.viewer.drawing.arrangement import centred
-from relgloss_view.viewer.drawing.painting import surround_gray
+from relgloss_view.viewer.drawing.canvas import surround_gray
 from relgloss_view.viewer.state.state import Presentation
 from relgloss_view.viewer.trials import category_strip, ink, keys, pages, placement
 from relgloss_view.viewer.trials.device import read_profile

@@ -10,10 +10,16 @@ import driven
 import numpy as np
 import pytest
 
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.viewer.shell.widgets import label_of
 from relgloss_view.viewer.state.state import COMPARE_MODES
 
 SIZE = (1000, 760)
 LOOK, SCENE, SAMPLE = "//Look", "//Scene", "//Sample"
+#: Labels that the look declares, as the engine reads them: a slash parts ids.
+SIGMA_N, C, C_SHARE, SEED = (
+    label_of(Look, name).replace("/", "\\/") for name in ("sigma_n_deg", "c", "c_fraction", "seed")
+)
 
 
 # --- scripts, run in the window's process ---------------------------------------------------------
@@ -21,7 +27,7 @@ LOOK, SCENE, SAMPLE = "//Look", "//Scene", "//Sample"
 
 def middle(hand, side="test"):
     """A place in the middle of a picture, on the screen."""
-    staged = hand.app.staged
+    staged = hand.app.drawn_pane
     left, top, width, height = staged.arrangement.rects[side]
     return left + width / 2, top + height / 2 + hand.app.stage_origin[1]
 
@@ -48,28 +54,28 @@ def starts_full_and_then_rests(hand, found):
 
 def tunes_the_look(hand, found):
     model = hand.model
-    hand.ctx.item_input_value(f"{LOOK}/##σN", 1.25)
+    hand.ctx.item_input_value(f"{LOOK}/##{SIGMA_N}", 1.25)
     hand.frames(2)
     found["typed"] = model.state.test.look.sigma_n_deg
-    hand.ctx.item_input_value(f"{LOOK}/##σN", 7.5)  # beyond the slider, inside the range
+    hand.ctx.item_input_value(f"{LOOK}/##{SIGMA_N}", 7.5)  # beyond the slider, inside the range
     hand.frames(2)
     found["beyond"] = model.state.test.look.sigma_n_deg
-    hand.ctx.item_input_value(f"{LOOK}/##σN", 99.0)
+    hand.ctx.item_input_value(f"{LOOK}/##{SIGMA_N}", 99.0)
     hand.frames(2)
     found["held"] = model.state.test.look.sigma_n_deg
     time.sleep(0.5)  # longer than a double click takes
     hand.frames(2)
     steps = len(model.history._past)
-    hand.double_click(f"{LOOK}/##σN")
+    hand.double_click(f"{LOOK}/##{SIGMA_N}")
     found["reset"] = model.state.test.look.sigma_n_deg
-    hand.ctx.item_input_value(f"{LOOK}/##c", 1.5)
+    hand.ctx.item_input_value(f"{LOOK}/##{C}", 1.5)
     hand.frames(2)
     found["c"] = [model.state.test.look.c, model.state.test.look.c_fraction]
     found["warned"] = [w for w in model.frames["test"].warnings if "above" in w]
-    hand.click(f"{LOOK}/lock c to c_max")
+    hand.click(f"{LOOK}/Stay at the highest")
     found["locked"] = [model.state.test.look.c, model.state.test.look.c_fraction]
     hand.click(f"{LOOK}/Reference")
-    hand.ctx.item_input_value(f"{LOOK}/##c \\/ c_max", 0.5)
+    hand.ctx.item_input_value(f"{LOOK}/##{C_SHARE}", 0.5)
     hand.frames(2)
     found["reference"] = model.state.reference.look.c_fraction
     found["steps"] = len(model.history._past) - steps
@@ -81,7 +87,7 @@ def takes_back_and_does_again(hand, found):
     model = hand.model
     ctrl = int(imgui.Key.mod_ctrl)
     began = model.state
-    hand.ctx.item_input_value(f"{LOOK}/##seed", 7)
+    hand.ctx.item_input_value(f"{LOOK}/##{SEED}", 7)
     hand.frames(2)
     changed = model.state
     hand.key(ctrl | int(imgui.Key.z))
@@ -175,17 +181,20 @@ def compares(hand, found):
     keys = imgui.Key
     for k, mode in enumerate(COMPARE_MODES):
         hand.key((keys._1, keys._2, keys._3, keys._4)[k])
-        found[mode] = [model.state.presentation.compare, sorted(hand.app.staged.arrangement.rects)]
+        found[mode] = [
+            model.state.presentation.compare,
+            sorted(hand.app.drawn_pane.arrangement.rects),
+        ]
     hand.key(keys._3)
     hand.ctx.key_down(keys.space)
     hand.frames(2)
-    found["flipped"] = sorted(hand.app.staged.arrangement.rects)
+    found["flipped"] = sorted(hand.app.drawn_pane.arrangement.rects)
     hand.ctx.key_up(keys.space)
     hand.frames(2)
-    found["back"] = sorted(hand.app.staged.arrangement.rects)
+    found["back"] = sorted(hand.app.drawn_pane.arrangement.rects)
     hand.key(keys._2)
     edge = model.state.presentation.wipe * sum(
-        r[2] for r in [hand.app.staged.arrangement.rects["test"]]
+        r[2] for r in [hand.app.drawn_pane.arrangement.rects["test"]]
     )
     top = hand.app.stage_origin[1]
     hand.drag((edge, top + 200.0), (80.0, 0.0))
@@ -243,12 +252,12 @@ def shows_the_pictures_themselves(hand, found):
         data = np.frombuffer(screen.read(components=3), dtype=np.uint8)
         pixels = data.reshape(screen.height, screen.width, 3)[::-1]
         left, top = (int(v) for v in hand.app.stage_origin)
-        width = max(r[0] + r[2] for r in hand.app.staged.arrangement.rects.values())
-        height = next(iter(hand.app.staged.arrangement.rects.values()))[3]
+        width = max(r[0] + r[2] for r in hand.app.drawn_pane.arrangement.rects.values())
+        height = next(iter(hand.app.drawn_pane.arrangement.rects.values()))[3]
         return pixels[top : top + height, left : left + width].copy()
 
     def expected(mirror):
-        arrangement = hand.app.staged.arrangement
+        arrangement = hand.app.drawn_pane.arrangement
         frames = {s: f.display for s, f in model.frames.items()}
         if mirror:
             frames = {s: d[:, ::-1] for s, d in frames.items()}

@@ -52,9 +52,16 @@ class Look(Checked):
         "deg",
         "graininess: standard deviation of the tilt of the surface normal",
         option="--sigma-n",
+        label="Graininess (sigma_N)",
     )
     c: float | None = parameter(
-        None, 0.0, 1e4, "", "contrast gloss: scales the specular part of L*", option="--c"
+        None,
+        0.0,
+        1e4,
+        "",
+        "contrast gloss: scales the specular part of L*",
+        option="--c",
+        label="Contrast gloss (c)",
     )
     c_fraction: float | None = parameter(
         None,
@@ -63,24 +70,57 @@ class Look(Checked):
         "",
         "contrast gloss as a share of c_max, the most that the display shows",
         option="--c-fraction",
+        label="Contrast gloss (c / c_max)",
     )
-    grain: str = choice("screen", GRAINS, "what a grain is fixed to")
-    grain_px: int = whole_number(1, 1, 1024, "px", "side of a screen grain")
-    grain_mm: float = parameter(0.2, 0.001, 100.0, "mm", "side of a surface grain")
-    noise_law: str = choice("paper", NOISE_LAWS, "distribution of the tilt")
-    noisy_lobes: str = choice("both", NOISY_LOBES, "which reflections see the tilt")
-    seed: int = whole_number(0, 0, 2**31 - 1, "", "seed of the grain", option="--seed")
+    grain: str = choice(
+        "screen",
+        GRAINS,
+        "fixed to the screen's pixels, or to the surface of the object",
+        label="Grain fixed to",
+    )
+    grain_px: int = whole_number(1, 1, 1024, "px", "side of a screen grain", label="Grain size")
+    grain_mm: float = parameter(
+        0.2, 0.001, 100.0, "mm", "side of a surface grain", label="Grain size"
+    )
+    noise_law: str = choice(
+        "paper",
+        NOISE_LAWS,
+        "paper: a Gaussian angle of uniform azimuth; tangent: two Gaussian components",
+        label="Tilt distribution",
+    )
+    noisy_lobes: str = choice(
+        "both",
+        NOISY_LOBES,
+        "both reflections, or only the specular one",
+        label="Tilted reflections",
+    )
+    seed: int = whole_number(
+        0, 0, 2**31 - 1, "", "seed of the grain", option="--seed", label="Random seed"
+    )
     #: None takes as many as the narrowest lobe needs. One samples the pixel's centre, so that
     #: each number of a picture can be computed again from the point and normal that go with it.
     samples: int | None = whole_number(
-        1, 1, 16, "", "samples along each side of a pixel", optional=True, option="--samples"
+        1,
+        1,
+        16,
+        "",
+        "samples along each side of a pixel",
+        optional=True,
+        option="--samples",
+        label="Samples per pixel side",
     )
-    diffuse_model: str = choice("fitted", ("fitted", *DIFFUSE_MODELS), "draws the diffuse part")
+    diffuse_model: str = choice(
+        "fitted",
+        ("fitted", *DIFFUSE_MODELS),
+        "as fitted, or a model with the same albedo",
+        label="Diffuse model",
+    )
     quality: str = choice(
         "exact",
         QUALITIES,
         "draws the whole model, or what this scene needs (see `relgloss plan`)",
         option="--quality",
+        label="Drawing quality",
     )
 
     def __post_init__(self) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -38,11 +38,17 @@ class Shape(Checked):
     True
     """
 
-    kind: str = choice("cylinder", SHAPES, "the object's form")
-    diameter_m: float = parameter(0.085, 1e-3, 10.0, "m", "of the cylinder and the sphere")
-    height_m: float = parameter(0.10, 1e-3, 10.0, "m", "along y: cylinder, plane and box")
-    width_m: float = parameter(0.085, 1e-3, 10.0, "m", "along x: plane and box")
-    depth_m: float = parameter(0.085, 1e-3, 10.0, "m", "along z: box")
+    kind: str = choice("cylinder", SHAPES, "the object's form", label="Form")
+    diameter_m: float = parameter(
+        0.085, 1e-3, 10.0, "m", "diameter of the cylinder and the sphere", label="Diameter"
+    )
+    height_m: float = parameter(
+        0.10, 1e-3, 10.0, "m", "height along y of the cylinder, plane and box", label="Height"
+    )
+    width_m: float = parameter(
+        0.085, 1e-3, 10.0, "m", "width along x of the plane and box", label="Width"
+    )
+    depth_m: float = parameter(0.085, 1e-3, 10.0, "m", "depth along z of the box", label="Depth")
 
     def half_extent_m(self) -> Array:
         """Half the bounding box, (3,)."""
@@ -102,12 +108,37 @@ class Lamp(Checked):
     [2.0, 0.0, 0.0]
     """
 
-    azimuth_deg: float = parameter(50.0, -180.0, 180.0, "deg", "0 is the default eye, 90 its right")
-    elevation_deg: float = parameter(0.0, -90.0, 90.0, "deg", "above the horizontal plane")
-    distance_m: float = parameter(1.0, 1e-3, 1e3, "m", "from the object's centre")
-    luminance_cd_m2: float = parameter(110.0, 1e-3, 1e6, "cd/m2", "Y_n: of the perfect diffuser")
-    y_n: str = choice("maximum", Y_N_PLACES, "where the perfect diffuser shows Y_n")
-    illuminant: str = "HP5"  #: a name that spectra.illuminant knows, or a two-column file
+    azimuth_deg: float = parameter(
+        50.0,
+        -180.0,
+        180.0,
+        "deg",
+        "0 is the direction of the default eye, 90 its right",
+        label="Lamp direction (azimuth)",
+    )
+    elevation_deg: float = parameter(
+        0.0, -90.0, 90.0, "deg", "above the horizontal plane", label="Lamp height (elevation)"
+    )
+    distance_m: float = parameter(
+        1.0, 1e-3, 1e3, "m", "distance from the object's centre", label="Lamp distance"
+    )
+    luminance_cd_m2: float = parameter(
+        110.0,
+        1e-3,
+        1e6,
+        "cd/m2",
+        "Y_n: luminance of the perfect diffuser",
+        label="White luminance (Y_n)",
+    )
+    y_n: str = choice(
+        "maximum",
+        Y_N_PLACES,
+        "maximum: the perfect diffuser shows Y_n in its brightest pixel; "
+        "front: at the point that faces the eye",
+        label="White taken from (Y_n)",
+    )
+    #: A name that spectra.illuminant knows, or a two-column file.
+    illuminant: str = field(default="HP5", metadata={"label": "Lamp spectrum"})
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -137,12 +168,23 @@ class Eye(Checked):
     [0.0, 0.0, 0.6]
     """
 
-    azimuth_deg: float = parameter(0.0, -180.0, 180.0, "deg", "0 looks along -z")
-    elevation_deg: float = parameter(0.0, -90.0, 90.0, "deg", "above the horizontal plane")
-    distance_m: float = parameter(0.6, 1e-3, 1e3, "m", "from the object's centre")
+    azimuth_deg: float = parameter(
+        0.0, -180.0, 180.0, "deg", "0 looks along -z", label="Eye direction (azimuth)"
+    )
+    elevation_deg: float = parameter(
+        0.0, -90.0, 90.0, "deg", "above the horizontal plane", label="Eye height (elevation)"
+    )
+    distance_m: float = parameter(
+        0.6, 1e-3, 1e3, "m", "distance from the object's centre", label="Eye distance"
+    )
     #: Angle of view across the height of the picture; None frames the object.
     field_of_view_deg: float | None = parameter(
-        None, 1e-3, 170.0, "deg", "across the height of the picture; none frames the object"
+        None,
+        1e-3,
+        170.0,
+        "deg",
+        "across the height of the picture; none frames the object",
+        label="Angle of view",
     )
     shift_right: float = parameter(
         0.0, -100.0, 100.0, "", "of the picture's centre, as the tangent of an angle"
@@ -196,14 +238,26 @@ class Display(Checked):
     """
 
     transfer: str = choice("srgb", TRANSFERS, "how RGB becomes light")
-    gamut: str = choice("chroma", GAMUTS, "what is done with colours it can't show")
+    gamut: str = choice(
+        "chroma",
+        GAMUTS,
+        "chroma: reduces the chroma of colours that the display can't show; clip: cuts RGB",
+        label="Out-of-gamut colours",
+    )
     gain: float = parameter(1.0, 0.1, 10.0, "", "light = (gain d + offset)^gamma + flare")
     offset: float = parameter(0.0, -0.5, 0.5, "", "see gain")
     gamma: float = parameter(2.2, 0.5, 5.0, "", "see gain")
     flare: float = parameter(0.0, 0.0, 0.2, "", "see gain")
     primaries_xy: tuple[tuple[float, float], ...] = ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06))
     white_xy: tuple[float, float] = (0.3127, 0.3290)
-    background_lstar: float = parameter(50.0, 0.0, 100.0, "L*", "neutral surround of the object")
+    background_lstar: float = parameter(
+        50.0,
+        0.0,
+        100.0,
+        "L*",
+        "lightness of the neutral surround of the pictures",
+        label="Surround lightness (L*)",
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()

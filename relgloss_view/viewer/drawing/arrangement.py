@@ -1,12 +1,11 @@
-"""Where the pictures stand in their pane, how large they are drawn, and which eye that takes."""
+"""Where the pictures are in their pane, how large they are drawn, and which eye that takes."""
 
 from __future__ import annotations
 
-import dataclasses
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
-from relgloss_view.picture.model.view import MAX_PIXELS, MAX_SIDE_PX, Box, Size
+from relgloss_view.picture.model.view import MAX_PIXELS, MAX_SIDE_PX, Size
 from relgloss_view.picture.scene.setup import Eye
 from relgloss_view.viewer.drawing.camera import life_sized
 from relgloss_view.viewer.state.state import DIFFERENCE, SIDE_BY_SIDE, WIPE, Presentation, State
@@ -22,11 +21,11 @@ class Arrangement:
     """
 
     size: Size
-    rects: dict[str, Rect]  #: by side, in the order in which they are shown
+    rects: dict[str, Rect]  #: by side, from left to right
 
     @property
     def gap_px(self) -> int | None:
-        """Between the pictures, where they stand side by side; otherwise None."""
+        """Between the pictures where they are side by side; otherwise None."""
         (left, _, width, _), *others = self.rects.values()
         gap = others[0][0] - left - width if others else -1
         return gap if gap >= 0 else None
@@ -35,33 +34,6 @@ class Arrangement:
     def complete(self) -> bool:
         """Whether each pixel of a picture is a pixel of the screen."""
         return all(rect[2:] == self.size for rect in self.rects.values())
-
-
-@dataclass(frozen=True)
-class Copy:
-    """A box of a picture's framebuffer (by name; pixels from its lower left) and where it goes."""
-
-    framebuffer: int
-    box: Box
-    place: Rect
-    scaled: bool
-
-
-@dataclass(frozen=True)
-class Canvas:
-    """What is painted below the interface: surround, and copies of pictures."""
-
-    surround: list[Rect] = field(default_factory=list)
-    copies: list[Copy] = field(default_factory=list)
-
-    def moved(self, right: int, down: int) -> Canvas:
-        """The same elsewhere."""
-
-        def move(rect: Rect) -> Rect:
-            return rect[0] + right, rect[1] + down, rect[2], rect[3]
-
-        copies = [dataclasses.replace(copy, place=move(copy.place)) for copy in self.copies]
-        return Canvas([move(rect) for rect in self.surround], copies)
 
 
 def arranged(
@@ -83,8 +55,8 @@ def arranged(
         rects = dict.fromkeys(sides, (0, 0, width, height))
     else:
         each = width
-        shown = "test" if mode == DIFFERENCE or presentation.flipped else "reference"
-        rects = {shown: (0, 0, width, height)}
+        side = "test" if mode == DIFFERENCE or presentation.flipped else "reference"
+        rects = {side: (0, 0, width, height)}
     if each < 1 or height < 1:
         return None
     return Arrangement(drawable((each, height), largest), rects)
@@ -114,27 +86,6 @@ def drawable(size: Size, largest: Size | None = None) -> Size:
         return size
     width, height = (max(1, int(side * scale + 1e-9)) for side in size)  # against rounding
     return width, height
-
-
-def bare(pane: Size, covered: list[Rect]) -> list[Rect]:
-    """The parts of a pane that no picture covers.
-
-    covered: rectangles that share no column, or that are the same.
-    """
-    parts: list[Rect] = []
-    width, height = pane
-    reached = 0
-    for left, top, wide, tall in sorted(covered):
-        left, right = max(left, reached), min(left + wide, width)
-        if right <= left:
-            continue
-        top, bottom = max(min(top, height), 0), max(min(top + tall, height), 0)
-        parts.append((reached, 0, left - reached, height))
-        parts.append((left, 0, right - left, top))
-        parts.append((left, bottom, right - left, height - bottom))
-        reached = right
-    parts.append((reached, 0, width - reached, height))
-    return [part for part in parts if part[2] > 0 and part[3] > 0]
 
 
 def seen_by(state: State, size: Size, pixel_pitch_m: float | None) -> Eye:

@@ -118,8 +118,8 @@ def _shifted(eye: Eye, shift: Point, scene: Scene, step: float, size: Size) -> E
         if right == 0.0 and up == 0.0:
             return max(abs(t) for t in held) <= FARTHEST_SHIFT
         ray = view.forward + right * view.right + up * view.up
-        found = meet(scene.shape.kind, view.eye_m, ray[None], extent).found[0]
-        return bool(found) and max(abs(t) for t in held) <= FARTHEST_SHIFT
+        meets = meet(scene.shape.kind, view.eye_m, ray[None], extent).found[0]
+        return bool(meets) and max(abs(t) for t in held) <= FARTHEST_SHIFT
 
     share = 1.0
     if not is_in_reach(share):

@@ -37,7 +37,7 @@ class Worker(Generic[K, T]):
         return self._thread is not None
 
     def start(self, key: K, work: Callable[[], T]) -> None:
-        """Begin a piece, known by its key; it must touch nothing of OpenGL."""
+        """Begin a piece, identified by its key; it must touch nothing of OpenGL."""
         self._thread = threading.Thread(
             target=self._run, args=(key, work), name="background", daemon=True
         )

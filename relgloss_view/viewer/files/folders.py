@@ -13,7 +13,7 @@ from relgloss_view.base.writing import check_target
 
 LONGEST_NAME, LONGEST_MESSAGE = 50, 300  #: characters
 LONGEST_TYPED = 4096
-MOST_ENTRIES = 20_000  #: that are listed; a folder with more is told to be one
+MOST_ENTRIES = 20_000  #: that are listed; the listing notes where there are more
 
 
 @dataclass(frozen=True)
@@ -36,18 +36,18 @@ class NameField:
     """A file's name in a text field, which can't show every name that a file can have."""
 
     def __init__(self, name: str = "") -> None:
-        self.text = ""  #: what stands in the field
+        self.text = ""  #: in the field
         self.put(name)
 
     def put(self, name: str) -> None:
         """Put a name into the field: escaped where it is not printable or not UTF-8."""
         self._exact = name
-        self.text = self._shown = printable(name, LONGEST_TYPED)
+        self.text = self._written = printable(name, LONGEST_TYPED)
 
     @property
     def value(self) -> str:
-        """The name that the field stands for: the one put there, unless it was changed."""
-        return self._exact if self.text == self._shown else self.text.strip()
+        """The name in the field: the one put there, unless it was changed."""
+        return self._exact if self.text == self._written else self.text.strip()
 
 
 def natural_key(name: str) -> tuple[tuple[int, int, str], ...]:
@@ -57,12 +57,12 @@ def natural_key(name: str) -> tuple[tuple[int, int, str], ...]:
 
 
 def listing(folder: str, suffixes: tuple[str, ...] = (), *, hidden: bool = False) -> Listing:
-    """What is in a folder: folders, and files with one of the suffixes (all where none is given).
+    """The contents of a folder: folders, and files with one of the suffixes (without any, all).
 
     Names that begin with a dot are left out unless `hidden`. InputError, one line, for a folder
     that can't be read.
     """
-    found: list[Entry] = []
+    entries: list[Entry] = []
     cut = False
     try:
         with os.scandir(folder) as inside:
@@ -70,14 +70,14 @@ def listing(folder: str, suffixes: tuple[str, ...] = (), *, hidden: bool = False
                 entry = _entry(item, suffixes, hidden)
                 if entry is None:
                     continue
-                if len(found) == MOST_ENTRIES:
+                if len(entries) == MOST_ENTRIES:
                     cut = True
                     break
-                found.append(entry)
+                entries.append(entry)
     except (OSError, ValueError) as error:
         raise unreadable(folder, error, "a folder that can be read") from None
-    found.sort(key=lambda entry: (not entry.is_folder, natural_key(entry.name), entry.name))
-    return Listing(tuple(found), cut)
+    entries.sort(key=lambda entry: (not entry.is_folder, natural_key(entry.name), entry.name))
+    return Listing(tuple(entries), cut)
 
 
 def meant(folder: str, typed: str) -> str:
@@ -110,8 +110,8 @@ def check_place(path: str) -> bool:
 def shortened(message: str, path: str) -> str:
     """A message in one line that names a path by its last part only, and not all of a long one."""
     name = os.path.basename(path) or path
-    shown = name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 1]}…"
-    return printable(message.replace(path, shown), LONGEST_MESSAGE)
+    part = name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 1]}…"
+    return printable(message.replace(path, part), LONGEST_MESSAGE)
 
 
 def with_suffix(path: str, suffixes: tuple[str, ...]) -> str:

@@ -1,4 +1,4 @@
-"""What stands beside the pictures: whose they are, their settings, what to doubt, the legends."""
+"""Captions of the pictures: sample, quality of the fit, setting, drawing; and the legends."""
 
 from __future__ import annotations
 
@@ -6,14 +6,19 @@ import numpy as np
 from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.base.reading import printable
+from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.tone import DisplayModel
 from relgloss_view.picture.model.view import View
 from relgloss_view.picture.scene.setup import Display
 from relgloss_view.viewer.drawing.arrangement import Arrangement
+from relgloss_view.viewer.panels.drawing_words import drawing_words, quality_words
 from relgloss_view.viewer.shell.theme import em, gray
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.state import DIFFERENCE, WIPE
+
+#: A line in one wording or several, the longest first.
+Line = tuple[str, ...]
 
 LONGEST_NAME = 40  #: characters
 LEGEND_EM = (14.0, 0.8)
@@ -37,15 +42,16 @@ def show(
         right = presentation.compare == WIPE and (side == "test") != presentation.mirror
         if height < 8 * em(1.0):
             continue
+        room = width * (0.5 if presentation.compare == WIPE else 1.0) - em(1)
         for k, line in enumerate(lines[: _room_above(model, side, height)]):
-            shown = _shortened(line, width * (0.5 if presentation.compare == WIPE else 1.0) - em(1))
+            text = _fitting(line, room)
             x = origin.x + left + em(0.6)
             if right:
-                x = origin.x + left + width - em(0.6) - imgui.calc_text_size(shown).x
+                x = origin.x + left + width - em(0.6) - imgui.calc_text_size(text).x
             place = ImVec2(x, origin.y + top + em(0.4) + k * imgui.get_text_line_height())
-            size = imgui.calc_text_size(shown)
+            size = imgui.calc_text_size(text)
             painter.add_rect_filled(place, ImVec2(place.x + size.x, place.y + size.y), paper)
-            painter.add_text(place, ink, shown)
+            painter.add_text(place, ink, text)
     corner = ImVec2(origin.x + em(0.6), origin.y + max(r[3] for r in arrangement.rects.values()))
     if presentation.compare == DIFFERENCE:
         _legend(painter, corner, ink, ("0", f"{presentation.difference_max:g} dE2000"), None)
@@ -55,36 +61,63 @@ def show(
         )
 
 
-def _lines(model: Model, side: str, faults: dict[str, str]) -> list[str]:
+def _lines(model: Model, side: str, faults: dict[str, str]) -> list[Line]:
     state = model.state
     sample = state.side(side).sample
     if side in faults:
-        return [f"{side}: not drawn", faults[side]]
+        return [(f"{side.capitalize()}: not drawn",), (faults[side],)]
     if state.presentation.compare == DIFFERENCE:
-        told = "difference of what is shown, reference against test"
-        return [f"{told}; by the split, both" if model.operated else told]
+        text = "Colour difference of the displayed pictures, test against reference"
+        return [(f"{text}; tone mapping: split" if model.operator_pictures else text,)]
     material = sample.material
     quality = f"fit {material.fit.quality}" if material.fit else "not fitted"
     if material.synthetic:
         quality = f"synthetic, {quality}"
     if material.hypothetical:
         quality = f"hypothetical, {quality}"
-    lines = [f"{side}, {quality}: {printable(material.name, LONGEST_NAME)}"]
-    frame, operated = model.frames.get(side), model.operated.get(side)
+    lines: list[Line] = [
+        (f"{side.capitalize()} ({quality}): {printable(material.name, LONGEST_NAME)}",)
+    ]
+    frame = model.frames.get(side)
     if frame is not None:
-        c_max = "no highlight" if frame.c_max is None else f"c_max {frame.c_max:.3g}"
-        scale = f"c {frame.c:.3g}   {c_max}"
-        if operated is not None:
-            name = state.presentation.operator(side)
-            scale = f"by {name}" if operated.displayed else f"the split; {name} {operated.told}"
-        lines.append(f"σN {frame.look.sigma_n_deg:.2f}°   {scale}")
-    if state.presentation.overlay != "none":
-        lines.append(f"shown: {state.presentation.overlay}")
+        lines.append(_setting(model, side, frame))
+        if state.presentation.overlay != "none":
+            lines.append((f"Overlay: {state.presentation.overlay}",))
+        words = drawing_words(frame.method)
+        lines.append((f"{words} ({frame.look.quality})", words, quality_words(frame)))
     return lines
 
 
+def _setting(model: Model, side: str, frame: Frame) -> Line:
+    """Graininess, and contrast gloss or the tone mapping in its place."""
+    sigma_n = f"{frame.look.sigma_n_deg:.2f}°"
+    picture = model.operator_pictures.get(side)
+    if picture is not None:
+        name = model.state.presentation.operator(side)
+        mapping = name if picture.displayed else f"split, as {name} {picture.reason}"
+        return (
+            f"Graininess (sigma_N) {sigma_n}, tone mapping: {mapping}",
+            f"sigma_N {sigma_n}, tone mapping: {mapping}",
+        )
+    c = f"{frame.c:.3g}"
+    highest = "no highlight" if frame.c_max is None else f"highest {frame.c_max:.3g}"
+    return (
+        f"Graininess (sigma_N) {sigma_n}, contrast gloss (c) {c}, {highest}",
+        f"sigma_N {sigma_n}, c {c}, {highest}",
+        f"sigma_N {sigma_n}, c {c}",
+    )
+
+
+def _fitting(line: Line, width: float) -> str:
+    """The longest wording that fits a width; the shortest one cut, where none does."""
+    for text in line:
+        if imgui.calc_text_size(text).x <= width:
+            return text
+    return _shortened(line[-1], width)
+
+
 def _room_above(model: Model, side: str, height: int) -> int:
-    """How many lines stand above the object; one at least."""
+    """How many lines there is room for above the object; one at least."""
     frame = model.frames.get(side)
     if frame is None:
         return 2
@@ -102,7 +135,7 @@ def _shortened(text: str, width: float) -> str:
 
 
 def _ink(display: Display) -> int:
-    """A gray that reads on the surround without standing out."""
+    """A gray that can be read on the surround without catching the eye."""
     dark = display.background_lstar >= 45.0
     return int(imgui.color_convert_float4_to_u32(gray(0.08 if dark else 0.75)))
 

@@ -1,35 +1,37 @@
-"""The evidence behind a fitted material: candidates, the chosen one and why, and what to doubt."""
+"""The evidence behind a fitted material: candidates, the chosen one and why, and warnings."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.base.reading import printable
 from relgloss_view.material.material import FitRecord, Material, Quality
-from relgloss_view.viewer.panels import plots
+from relgloss_view.viewer.panels import plot_widgets
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import em
 from relgloss_view.viewer.state.model import Model
 
 NARROW_EM = 52.0  #: below this width the facts lie under the table
-WHOLE_TABLE_EM = 28.0  #: a narrower table tells the verdicts in tooltips
+WHOLE_TABLE_EM = 28.0  #: a narrower table has the verdicts in tooltips
 QUALITY = {
     Quality.GOOD: "the model describes this sample",
     Quality.POOR: "the model does not describe this sample well",
-    Quality.UNIDENTIFIABLE: "the measurement leaves the lobe's width open",
+    Quality.UNIDENTIFIABLE: "the measurement does not determine the lobe's width",
 }
 COLUMNS = (
-    ("model", "A rung of the ladder of models that were tried."),
+    ("Model", "One of the models that were fitted, the simplest first."),
     (
-        "held-out error",
-        "Logarithmic error on groups of samples that were left out of the fit, about a relative "
-        "error, with one standard error.",
+        "Held-out error",
+        "Error on samples that were left out of the fit, about a relative error, with one standard "
+        "error.",
     ),
-    ("unknowns", "Numbers that were fitted."),
-    ("verdict", "Why it was chosen or not: the smallest that is as good held out."),
+    ("Parameters", "How many numbers were fitted."),
+    ("Verdict", "The simplest model is chosen that predicts the left-out samples as well as any."),
 )
+FACT_EM = 7.5  #: width of the column of titles
 LONGEST = 200  #: characters of a text from a file
 
 
@@ -37,12 +39,12 @@ def show(model: Model) -> None:
     """Draw the panel into the present window."""
     imgui.push_id("fit")
     try:
-        side = plots.side_switch(model)
+        side = plot_widgets.side_switch(model)
         material = model.state.side(side).sample.material
-        plots.beside(em(9))
+        plot_widgets.beside(em(9))
         imgui.align_text_to_frame_padding()
         if material.fit is None:
-            text = f"{printable(material.name, 60)}: not fitted, its parameters were given."
+            text = f"{printable(material.name, 60)}: not fitted; the file gives its parameters."
             widgets.wrapped(text, dim=True)
         else:
             _heading(material, material.fit)
@@ -53,13 +55,13 @@ def show(model: Model) -> None:
 
 def _heading(material: Material, fit: FitRecord) -> None:
     imgui.text_unformatted(printable(material.name, 60))
-    told = f"quality {fit.quality}"
-    plots.beside(imgui.calc_text_size(f"! {told}").x)
+    text = f"Fit quality: {fit.quality}"
+    plot_widgets.beside(imgui.calc_text_size(f"! {text}").x)
     if fit.quality == Quality.GOOD:
-        imgui.text_unformatted(told)
+        imgui.text_unformatted(text)
         widgets.tooltip(widgets.sentence(QUALITY[fit.quality]))
     else:
-        widgets.flag(told, QUALITY[fit.quality])
+        widgets.flag(text, QUALITY[fit.quality])
 
 
 def _body(material: Material, fit: FitRecord) -> None:
@@ -80,15 +82,17 @@ def _body(material: Material, fit: FitRecord) -> None:
 def _facts(material: Material, fit: FitRecord) -> None:
     for text in material.warnings:
         widgets.wrapped(f"! {printable(text, 2 * LONGEST)}")
-    for title, text in facts(material, fit):
-        widgets.quiet(title)
-        imgui.same_line(em(6.5))
-        widgets.wrapped(text)
+    for fact in facts(material, fit):
+        widgets.quiet(fact.title)
+        imgui.same_line(em(FACT_EM))
+        widgets.wrapped(fact.text)
 
 
 def _candidates(fit: FitRecord) -> None:
     if not fit.candidates:
-        widgets.wrapped(f"chosen: {printable(fit.chosen, LONGEST) or 'no candidates are kept'}")
+        widgets.wrapped(
+            f"Chosen: {printable(fit.chosen, LONGEST) or 'the file lists no candidates'}"
+        )
         return
     flags = imgui.TableFlags_.row_bg | imgui.TableFlags_.sizing_fixed_fit
     whole = imgui.get_content_region_avail().x >= em(WHOLE_TABLE_EM)
@@ -108,7 +112,7 @@ def _candidates(fit: FitRecord) -> None:
         name = str(candidate.get("name", ""))
         chosen = name == fit.chosen
         imgui.table_next_row()
-        say = imgui.text_unformatted if chosen else widgets.quiet
+        write = imgui.text_unformatted if chosen else widgets.quiet
         cells = (
             ("> " if chosen else "  ") + printable(name, 40),
             f"{_share(candidate.get('cv_mean'))} ± {_share(candidate.get('cv_se'))}",
@@ -117,7 +121,7 @@ def _candidates(fit: FitRecord) -> None:
         )
         for text in cells[:-1]:
             imgui.table_next_column()
-            say(text)
+            write(text)
             if not whole:
                 widgets.tooltip(widgets.sentence(cells[-1]))
         if whole:
@@ -126,45 +130,55 @@ def _candidates(fit: FitRecord) -> None:
     imgui.end_table()
 
 
-def facts(material: Material, fit: FitRecord) -> list[tuple[str, str]]:
-    """What was found, in words: a title and a text each."""
+@dataclass(frozen=True)
+class Fact:
+    """One line about a fit."""
+
+    title: str
+    text: str
+
+
+def facts(material: Material, fit: FitRecord) -> list[Fact]:
+    """A fit in words."""
     errors, residuals = fit.standard_errors, fit.residuals
-    found = [
-        ("quality", f"{fit.quality}: {QUALITY[fit.quality]}"),
-        ("source", printable(material.source, LONGEST)),
-        ("chosen", printable(fit.chosen, 60) or "-"),
-        ("diffuse", _diffuse(material, errors)),
-    ]
-    for k, lobe in enumerate(material.specular):
-        width = "at the limit" if lobe.at_the_limit else _error(errors, "s_deg", k)
-        strength = sum(lobe.strength) / len(lobe.strength)
-        found.append(
-            (
-                f"lobe {k + 1}",
-                f"s {lobe.s_deg:.3g} deg {width}, strength {strength:.3g} "
-                f"{_error(errors, 'strength', k)}, n {lobe.refractive_index:.3g}",
-            )
-        )
     near, far = (
         _inner(residuals, name).get("median_relative_error") for name in ("near_mirror", "far")
     )
-    found.append(
-        (
-            "residuals",
+    left_out = _inner(residuals, "left_out")
+    samples = f"{_plain(residuals.get('samples'))} used"
+    samples += "".join(
+        f", {_plain(count)} left out: {printable(str(reason), 60)}"
+        for reason, count in left_out.items()
+    )
+    listed = [
+        Fact("Quality", f"{fit.quality}: {QUALITY[fit.quality]}"),
+        Fact("Source", printable(material.source, LONGEST)),
+        Fact("Chosen model", printable(fit.chosen, 60) or "-"),
+        Fact("Diffuse", _diffuse(material, errors)),
+        *(Fact(f"Lobe {k + 1}", _lobe(material, errors, k)) for k in range(len(material.specular))),
+        Fact(
+            "Residuals",
             f"median {_share(residuals.get('median_relative_error'))}, 90th percentile "
             f"{_share(residuals.get('p90_relative_error'))}; near the mirror {_share(near)}, "
             f"elsewhere {_share(far)}",
-        )
-    )
-    left_out = _inner(residuals, "left_out")
-    text = f"{_plain(residuals.get('samples'))} used"
-    text += "".join(f", {_plain(n)} left out: {printable(str(w), 60)}" for w, n in left_out.items())
-    found.append(("samples", text))
-    found += [("bounds", text) for text in _bounds(fit)]
+        ),
+        Fact("Samples", samples),
+        *(Fact("Bounds", text) for text in _bounds(fit)),
+    ]
     method = errors.get("method")
     if method:
-        found.append(("errors", f"± one standard error, {printable(str(method), 80)}"))
-    return found
+        listed.append(Fact("Errors", f"± one standard error, {printable(str(method), 80)}"))
+    return listed
+
+
+def _lobe(material: Material, errors: dict[str, Any], k: int) -> str:
+    lobe = material.specular[k]
+    error = "at the limit" if lobe.at_the_limit else _error(errors, "s_deg", k)
+    strength = sum(lobe.strength) / len(lobe.strength)
+    return (
+        f"width (s) {lobe.s_deg:.3g} deg {error}, strength {strength:.3g} "
+        f"{_error(errors, 'strength', k)}, refractive index (n) {lobe.refractive_index:.3g}"
+    )
 
 
 def _diffuse(material: Material, errors: dict[str, Any]) -> str:
@@ -174,7 +188,7 @@ def _diffuse(material: Material, errors: dict[str, Any]) -> str:
     if _is_number(relative):
         text += f" ± {_share(relative)}"
     if material.diffuse.sigma_deg > 0.0:
-        text += f", sigma {material.diffuse.sigma_deg:.3g} deg"
+        text += f", roughness (sigma) {material.diffuse.sigma_deg:.3g} deg"
         if _is_number(errors.get("sigma_deg")):
             text += f" ± {errors['sigma_deg']:.2g}"
     return text
@@ -182,22 +196,22 @@ def _diffuse(material: Material, errors: dict[str, Any]) -> str:
 
 def _bounds(fit: FitRecord) -> list[str]:
     main = _inner(fit.bounds, "main_lobe")
-    told = []
+    bounds = []
     low, high = main.get("s_deg_lower"), main.get("s_deg_upper")
     if _is_number(low) or _is_number(high):
         ends = [f"{v:.4g}" if _is_number(v) else "open" for v in (low, high)]
-        told.append(f"s of the main lobe {ends[0]} to {ends[1]} deg")
+        bounds.append(f"width (s) of the main lobe {ends[0]} to {ends[1]} deg")
     upper = _inner(fit.bounds, "no_lobe").get("largest_strength_upper")
     if _is_number(upper):
-        told.append(f"no lobe; a strength of at most {upper:.2g}")
+        bounds.append(f"no specular lobe; its strength is at most {upper:.2g}")
     index = _inner(fit.bounds, "refractive_index")
     if index.get("held"):
         correlation = index.get("correlation_with_strength")
-        text = "n is held"
+        text = "the refractive index (n) is fixed"
         if _is_number(correlation):
             text += f"; its correlation with the strength is {correlation:.2g}"
-        told.append(text)
-    return told
+        bounds.append(text)
+    return bounds
 
 
 def _inner(table: dict[str, Any], name: str) -> dict[str, Any]:

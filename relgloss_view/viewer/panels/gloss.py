@@ -1,4 +1,4 @@
-"""What gloss meters would read on both samples, and what another reading would look like."""
+"""Gloss meters' readings of both samples, and the look of another reading."""
 
 from __future__ import annotations
 
@@ -13,14 +13,15 @@ from relgloss_view.material.material import Material
 from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.viewer.files.background import Outcome
 from relgloss_view.viewer.files.own_materials import keep_material
-from relgloss_view.viewer.panels import plots
-from relgloss_view.viewer.plots.gloss_readings import Glosses, Readings
+from relgloss_view.viewer.panels import plot_widgets
+from relgloss_view.viewer.plots.gloss_readings import GlossReadings, Readings
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import em
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.places import data_folder
 from relgloss_view.viewer.state.state import SIDES
 
+WANTED = "Wanted reading"
 NARROW_EM = 34.0  #: below this width the slider lies under the readings
 TABLE_SHARE = 0.6
 ANGLES_DEG = ("60", "20", "75", "85")
@@ -31,7 +32,7 @@ REMEMBERED = 64  #: materials made by the slider
 
 @dataclass(frozen=True)
 class _Made:
-    """A material that the slider made, and what it was made from."""
+    """A material that the slider made, and its base."""
 
     material: Material
     base: Sample
@@ -41,7 +42,7 @@ class _Made:
 
 @dataclass(frozen=True)
 class _Refused:
-    """A reading that can't be reached from what stands on a side, and why; the slider stays."""
+    """A reading that can't be reached from a side's material, and why; the slider stays."""
 
     material: Material
     angle: str
@@ -54,38 +55,40 @@ class _Memory:
     angle: str = ANGLES_DEG[0]
     made: list[_Made] = field(default_factory=list)
     refused: _Refused | None = None
-    last: dict[str, Readings] = field(default_factory=dict)  #: shown until new ones are there
+    last: dict[str, Readings] = field(default_factory=dict)  #: on display until new ones are there
 
 
-_memory = plots.Kept(_Memory)
+_memory = plot_widgets.Kept(_Memory)
 
 
-def show(model: Model, glosses: Glosses) -> None:
+def show(model: Model, gloss_readings: GlossReadings) -> None:
     """Draw the panel into the present window."""
     imgui.push_id("gloss")
     try:
-        found = {side: glosses.of(model.state.side(side).sample.material) for side in SIDES}
+        outcomes = {
+            side: gloss_readings.of(model.state.side(side).sample.material) for side in SIDES
+        }
         room = imgui.get_content_region_avail()
         if room.x < em(NARROW_EM):
-            _table(model, found)
-            _hypothetical(model, found)
+            _table(model, outcomes)
+            _hypothetical(model, outcomes)
             return
         if imgui.begin_child("readings", ImVec2(TABLE_SHARE * room.x, room.y)):
-            _table(model, found)
+            _table(model, outcomes)
         imgui.end_child()
         imgui.same_line(0.0, em(1.1))
         if imgui.begin_child("hypothetical", ImVec2(0.0, room.y)):
-            _hypothetical(model, found)
+            _hypothetical(model, outcomes)
         imgui.end_child()
     finally:
         imgui.pop_id()
 
 
-def _table(model: Model, found: dict[str, Outcome[Material, Readings] | None]) -> None:
+def _table(model: Model, outcomes: dict[str, Outcome[Material, Readings] | None]) -> None:
     """Both sides' readings, one a row; those of a sample just changed are faint."""
     memory = _memory.of(model)
     rows: dict[str, dict[str, Reading]] = {}
-    for side, outcome in found.items():
+    for side, outcome in outcomes.items():
         if outcome is not None and outcome.value is not None:
             memory.last[side] = outcome.value
         elif outcome is not None:
@@ -94,12 +97,12 @@ def _table(model: Model, found: dict[str, Outcome[Material, Readings] | None]) -
         for reading in memory.last.get(side, ()):
             rows.setdefault(reading.key, {})[side] = reading
     if not rows:
-        widgets.wrapped("being worked out" if None in found.values() else "no readings", dim=True)
+        widgets.wrapped("Being computed" if None in outcomes.values() else "No readings", dim=True)
         return
     flags = imgui.TableFlags_.row_bg | imgui.TableFlags_.sizing_stretch_prop
     if not imgui.begin_table("readings", 1 + len(SIDES), flags):
         return
-    for name, weight in (("meter", 2.0), *((side, 1.0) for side in SIDES)):
+    for name, weight in (("Meter", 2.0), *((side.capitalize(), 1.0) for side in SIDES)):
         imgui.table_setup_column(name, imgui.TableColumnFlags_.none, weight)
     imgui.table_headers_row()
     for of_side in rows.values():
@@ -111,7 +114,7 @@ def _table(model: Model, found: dict[str, Outcome[Material, Readings] | None]) -
         for side in SIDES:
             imgui.table_next_column()
             if side in of_side:
-                _cell(of_side[side], faint=found[side] is None)
+                _cell(of_side[side], faint=outcomes[side] is None)
     imgui.end_table()
 
 
@@ -123,26 +126,28 @@ def _cell(reading: Reading, *, faint: bool) -> None:
     error = reading.standard_error
     text = f"{reading.value:.3g}" + ("" if error is None else f" ± {error:.1g}")
     (widgets.quiet if faint else imgui.text_unformatted)(text)
-    told = reading.standard
+    lines = [reading.standard]
     if reading.diffuse is not None:
-        told += f"\n{reading.diffuse:.2g} of it is diffuse."
+        lines.append(f"The diffuse reflection gives {reading.diffuse:.2g} of it.")
     if error is not None:
-        told += "\nThe error is what the fit's standard errors imply."
-    widgets.tooltip(told + (f"\n{widgets.sentence(reading.note)}" if reading.note else ""))
+        lines.append("The error follows from the standard errors of the fit.")
+    if reading.note:
+        lines.append(widgets.sentence(reading.note))
+    widgets.tooltip("\n".join(lines))
 
 
-def _hypothetical(model: Model, found: dict[str, Outcome[Material, Readings] | None]) -> None:
+def _hypothetical(model: Model, outcomes: dict[str, Outcome[Material, Readings] | None]) -> None:
     """The slider the other way round, on the active side."""
     memory = _memory.of(model)
-    side = plots.side_switch(model)
+    side = plot_widgets.side_switch(model)
     sample = model.state.side(side).sample
     made = next((m for m in memory.made if m.material is sample.material), None)
     changed, angle = widgets.combo(
-        "reading at",
+        "Angle of the meter",
         ANGLES_DEG,
         memory.angle,
         "The angle of incidence; 75° is that of paper gloss.",
-        shown=IN_WORDS,
+        words=IN_WORDS,
     )
     if changed:
         memory.angle = angle
@@ -150,29 +155,29 @@ def _hypothetical(model: Model, found: dict[str, Outcome[Material, Readings] | N
     if refused is not None:
         same = refused.material is sample.material and refused.angle == memory.angle
         refused = memory.refused = refused if same else None
-    present = _present(memory, made, found[side])
+    present = _present(memory, made, outcomes[side])
     if present is None:
-        widgets.label("would be")
-        widgets.quiet("being worked out")
+        widgets.label(WANTED)
+        widgets.quiet("being computed")
         return
-    widgets.label("would be")
-    moved, value = imgui.slider_float("##would be", present, 0.0, TOP_UNITS, "%.1f units")
+    widgets.label(WANTED)
+    moved, value = imgui.slider_float(f"##{WANTED}", present, 0.0, TOP_UNITS, "%.1f units")
     widgets.tooltip(
-        "What would another reading look like? Changes the width of the lobe with the highest "
-        "peak, all else held. Ctrl-click types a value."
+        "Shows a sample of another reading: the width of the lobe with the highest peak changes, "
+        "all else stays. Ctrl+click to type a value."
     )
     if moved:
         _make(model, side, made.base if made else sample, value)
     if refused is not None:
         widgets.wrapped(f"! {refused.fault}")
     if made is not None:
-        _told(model, side, sample, made)
+        _remarks(model, side, sample, made)
 
 
 def _present(
     memory: _Memory, made: _Made | None, outcome: Outcome[Material, Readings] | None
 ) -> float | None:
-    """Where the slider stands: what was asked for, or what the material reads."""
+    """The slider's value: the reading that was asked for, or the material's."""
     if memory.refused is not None:
         return memory.refused.reading
     if made is not None and made.angle == memory.angle:
@@ -184,7 +189,7 @@ def _present(
 
 
 def _make(model: Model, side: str, base: Sample, reading: float) -> None:
-    """Put the material that would read so on a side; what can't be reached is said."""
+    """Put the material of a reading on a side; the panel shows why where there is none."""
     memory = _memory.of(model)
     try:
         material = hypothetical(base.material, float(memory.angle), reading)
@@ -199,25 +204,25 @@ def _make(model: Model, side: str, base: Sample, reading: float) -> None:
     model.change(state, gesture=f"{side} hypothetical")
 
 
-def _told(model: Model, side: str, sample: Sample, made: _Made) -> None:
-    """What stands on the side, and the ways out of it."""
+def _remarks(model: Model, side: str, sample: Sample, made: _Made) -> None:
+    """How the material was made, and buttons to keep it or go back."""
     k = main_lobe(made.base.material)
     if k is not None:
         widths = (made.base.material.specular[k].s_deg, made.material.specular[k].s_deg)
-        widgets.wrapped(f"lobe of {widths[0]:.3g}° made {widths[1]:.3g}°")
-    told = "hypothetical: no one has measured such a sample"
-    widgets.wrapped(told if sample.file else f"{told}; it is in no file yet", dim=True)
+        widgets.wrapped(f"Lobe width (s) {widths[0]:.3g}° changed to {widths[1]:.3g}°")
+    text = "Hypothetical: not a measured sample"
+    widgets.wrapped(text if sample.file else f"{text}, and in no file yet", dim=True)
     if widgets.button(
-        "keep", "write it to a file, so that scenes and commands can name it",
+        "Keep in a file", "writes it to a file, which scenes and commands can name",
         enabled=sample.file is None,
     ):  # fmt: skip
         model.attempt(lambda: _keep(model, side, made))
     imgui.same_line()
-    if widgets.button("measured one", "put back the sample that it was made from"):
+    if widgets.button("Go back", "brings back the sample that it was made from"):
         model.set_sample(side, made.base)
 
 
 def _keep(model: Model, side: str, made: _Made) -> None:
     file = keep_material(made.material, data_folder() / "materials")
     model.set_sample(side, Sample(made.material, file=str(file)))
-    model.say(f"written: {file}")
+    model.report(f"written: {file}")

@@ -14,8 +14,9 @@ if TYPE_CHECKING:
     from relgloss_view.viewer.shell.app import App
 
 TITLE = "Keys and mouse"
-WIDTH_EM = 62.0
-KEY_EM, MOUSE_EM = 7.5, 12.5  #: widths of the columns that name keys
+WIDTH_EM = 68.0
+#: Widths of the columns: keys, their actions, and what the mouse does where.
+KEY_EM, ACTION_EM, MOUSE_EM = 6.5, 11.0, 11.5
 
 
 def show(app: App) -> None:
@@ -24,24 +25,33 @@ def show(app: App) -> None:
         return
     opened, stays = floating.begin(TITLE, WIDTH_EM)
     if opened:
-        keys = [(a.key, f"{a.text}: {a.help}") for a in ACTIONS if a.key]
         beside = imgui.get_content_region_avail().x >= em(0.98 * WIDTH_EM - 2.0)
         if beside and imgui.begin_table("keys", 2, imgui.TableFlags_.sizing_fixed_fit):
             imgui.table_next_column()
-            _list(keys, KEY_EM)
+            _keys()
             imgui.table_next_column()
-            _list(list(MOUSE), MOUSE_EM)
+            _mouse()
             imgui.end_table()
         elif not beside:
-            _list(list(MOUSE), MOUSE_EM)
+            _mouse()
             imgui.separator()
-            _list(keys, KEY_EM)
+            _keys()
     imgui.end()
     app.helping = bool(stays)
 
 
-def _list(entries: list[tuple[str, str]], width_em: float) -> None:
-    for key, text in entries:
-        imgui.text_unformatted(key)
-        imgui.same_line(em(width_em))
-        imgui.text_disabled(text)
+def _keys() -> None:
+    for action in ACTIONS:
+        if action.key:
+            imgui.text_unformatted(action.key)
+            imgui.same_line(em(KEY_EM))
+            imgui.text_unformatted(action.text)
+            imgui.same_line(em(KEY_EM + ACTION_EM))
+            imgui.text_disabled(action.help)
+
+
+def _mouse() -> None:
+    for gesture, effect in MOUSE:
+        imgui.text_unformatted(gesture)
+        imgui.same_line(em(MOUSE_EM))
+        imgui.text_disabled(effect)

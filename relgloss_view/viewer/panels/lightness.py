@@ -9,16 +9,16 @@ from imgui_bundle import imgui, implot
 
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.picture.frame import Frame
-from relgloss_view.viewer.panels import plots
+from relgloss_view.viewer.panels import plot_widgets
+from relgloss_view.viewer.plots.caches import PerFrame, light_of
 from relgloss_view.viewer.plots.lightness import BINS, Histogram, Lightness, Line
-from relgloss_view.viewer.plots.memory import PerFrame, light_of
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import em
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.state import SIDES
 
 TOP_LSTAR = 120.0
-#: As many pixels stand for all while a hand drags; 50 000 take a third of a millisecond.
+#: As many pixels represent all while a hand drags; 50 000 take a third of a millisecond.
 PIXELS_IN_A_DRAG = 50_000
 LEAST_SHARE = 0.01  #: %, the histogram's foot
 NARROW_EM = 28.0  #: below this width the plots lie in tabs
@@ -50,7 +50,7 @@ class _Curves:
     c: float
 
 
-_memory = plots.Kept(_Memory)
+_memory = plot_widgets.Kept(_Memory)
 
 
 def show(model: Model) -> None:
@@ -66,7 +66,7 @@ def show(model: Model) -> None:
 
 def _show(model: Model) -> None:
     memory = _memory.of(model)
-    side = plots.side_switch(model)
+    side = plot_widgets.side_switch(model)
     if side not in model.frames:
         widgets.quiet("No picture yet.")
         return
@@ -76,34 +76,34 @@ def _show(model: Model) -> None:
         return
     _row_slider(memory, light)
     row = light.default_row if memory.row is None else memory.row
-    shown = {side: _curves(memory.sides[side], light, model.frames[side], row, model.dragging)}
-    beside = plots.other(side)
+    curves = {side: _curves(memory.sides[side], light, model.frames[side], row, model.dragging)}
+    beside = plot_widgets.other(side)
     if beside in model.frames:
         faint, _ = memory.sides[beside].light.get(model.frames[beside], dragging=model.dragging)
         if faint is not None:
             frame = model.frames[beside]
-            shown[beside] = _curves(memory.sides[beside], faint, frame, row, model.dragging)
-    _legend(side, shown)
-    plots.state_of_drag(current)
-    plots.of_the_split(model)
+            curves[beside] = _curves(memory.sides[beside], faint, frame, row, model.dragging)
+    _legend(side, curves)
+    plot_widgets.note_if_waiting(current)
+    plot_widgets.note_split(model)
     room = imgui.get_content_region_avail()
     if room.x < em(NARROW_EM):
-        _in_tabs(memory, side, shown, room.x)
+        _in_tabs(memory, side, curves, room.x)
         return
     left = 0.62 * room.x
-    _line_plot(memory, side, shown, left, room.y)
+    _line_plot(memory, side, curves, left, room.y)
     imgui.same_line(0.0, 0.0)
-    _histogram_plot(side, shown, room.x - left, room.y)
+    _histogram_plot(side, curves, room.x - left, room.y)
 
 
-def _in_tabs(memory: _Memory, side: str, shown: dict[str, _Curves], width: float) -> None:
+def _in_tabs(memory: _Memory, side: str, by_side: dict[str, _Curves], width: float) -> None:
     if not imgui.begin_tab_bar("plots"):
         return
-    if imgui.begin_tab_item("across the highlight")[0]:
-        _line_plot(memory, side, shown, width, imgui.get_content_region_avail().y)
+    if imgui.begin_tab_item("Across the highlight")[0]:
+        _line_plot(memory, side, by_side, width, imgui.get_content_region_avail().y)
         imgui.end_tab_item()
-    if imgui.begin_tab_item("distribution")[0]:
-        _histogram_plot(side, shown, width, imgui.get_content_region_avail().y)
+    if imgui.begin_tab_item("Distribution")[0]:
+        _histogram_plot(side, by_side, width, imgui.get_content_region_avail().y)
         imgui.end_tab_item()
     imgui.end_tab_bar()
 
@@ -112,7 +112,7 @@ def _row_slider(memory: _Memory, light: Lightness) -> None:
     height = light.y_diffuse.shape[0]
     following = memory.row is None
     row = min(light.default_row if memory.row is None else memory.row, height - 1)
-    plots.beside(em(10))
+    plot_widgets.beside(em(10))
     imgui.set_next_item_width(em(10))
     where = ", highlight" if following and light.highlight_row is not None else ""
     changed, moved = imgui.slider_int("##row", row, 0, max(height - 1, 0), f"row %d{where}")
@@ -121,8 +121,8 @@ def _row_slider(memory: _Memory, light: Lightness) -> None:
     if widgets.reset_by_double_click():
         memory.row = None
     widgets.tooltip(
-        "The row of pixels, from the top, along which L* is shown. Ctrl-click types a row; a "
-        "double click follows the row of the brightest specular pixel again."
+        "The row of pixels, from the top, along which the lightness is plotted. Ctrl+click to type "
+        "a row, double-click to follow the highlight again."
     )
 
 
@@ -138,82 +138,86 @@ def _curves(side: _Side, light: Lightness, frame: Frame, row: int, dragging: boo
     return _Curves(side.line, side.histogram, frame.c)
 
 
-def _legend(side: str, shown: dict[str, _Curves]) -> None:
-    curves = shown[side]
-    seen = curves.line.on_object
-    top = float(np.max(curves.line.plain[seen])) if np.any(seen) else 0.0
+def _legend(side: str, by_side: dict[str, _Curves]) -> None:
+    curves = by_side[side]
+    on_object = curves.line.on_object
+    top = float(np.max(curves.line.plain[on_object])) if np.any(on_object) else 0.0
     beyond = f" to {top:.0f}" if top > TOP_LSTAR else ""
     entries = [
-        ("scaled", plots.TOTAL),
-        ("L_d*", plots.DIFFUSE),
-        ("L_s*", plots.SPECULAR),
-        (f"c = 1{beyond}", plots.PLAIN),
+        ("picture (L*)", plot_widgets.TOTAL),
+        ("diffuse (L_d*)", plot_widgets.DIFFUSE),
+        ("specular (L_s*)", plot_widgets.SPECULAR),
+        (f"unscaled (c = 1){beyond}", plot_widgets.PLAIN),
     ]
-    if plots.other(side) in shown:
-        entries.append((plots.other(side), plots.OTHER))
-    plots.legend(entries)
+    if plot_widgets.other(side) in by_side:
+        entries.append((plot_widgets.other(side), plot_widgets.OTHER))
+    plot_widgets.legend(entries)
 
 
 def _line_plot(
-    memory: _Memory, side: str, shown: dict[str, _Curves], width: float, height: float
+    memory: _Memory, side: str, by_side: dict[str, _Curves], width: float, height: float
 ) -> None:
-    count = len(shown[side].line.l_d)
-    if plots.begin("line", width, height):
+    count = len(by_side[side].line.l_d)
+    if plot_widgets.begin("line", width, height):
         follow = count != memory.width
         memory.width = count
         across = "pixel column", 0.0, float(max(count, 2))
-        low = plots.axes(across, ("L*", 0.0, TOP_LSTAR), follow=follow)
-        plots.lightness_ticks(implot.ImAxis_.y1)
-        plots.level("limit", 100.0)
-        for name in (plots.other(side), side):
-            if name in shown:
-                _draw_line(shown[name], faint=name != side)
+        low = plot_widgets.axes(across, ("lightness (L*)", 0.0, TOP_LSTAR), follow=follow)
+        plot_widgets.lightness_ticks(implot.ImAxis_.y1)
+        plot_widgets.level("limit", 100.0)
+        for name in (plot_widgets.other(side), side):
+            if name in by_side:
+                _draw_line(by_side[name], faint=name != side)
         if low:
-            plots.label_inside("L*, columns")
-        plots.end()
+            plot_widgets.label_inside("L* by column")
+        plot_widgets.end()
 
 
 def _draw_line(curves: _Curves, *, faint: bool) -> None:
     line = curves.line
     x = np.arange(len(line.l_d), dtype=np.float64) + 0.5
 
-    def seen(values: plots.Array) -> plots.Array:
+    def on_object(values: plot_widgets.Array) -> plot_widgets.Array:
         return np.where(line.on_object, values, np.nan)
 
     if faint:
-        plots.line("scaled", x, seen(line.scaled(curves.c)), plots.TOTAL, faint=True)
+        plot_widgets.line(
+            "scaled", x, on_object(line.scaled(curves.c)), plot_widgets.TOTAL, faint=True
+        )
         return
-    plots.line("increase L_s*", x, seen(line.l_s), plots.SPECULAR, weight=1.2)
-    plots.line("plain", x, seen(line.plain), plots.PLAIN, weight=1.2)
-    plots.line("diffuse L_d*", x, seen(line.l_d), plots.DIFFUSE, weight=1.2)
-    plots.line("scaled", x, seen(line.scaled(curves.c)), plots.TOTAL)
+    plot_widgets.line("increase L_s*", x, on_object(line.l_s), plot_widgets.SPECULAR, weight=1.2)
+    plot_widgets.line("plain", x, on_object(line.plain), plot_widgets.PLAIN, weight=1.2)
+    plot_widgets.line("diffuse L_d*", x, on_object(line.l_d), plot_widgets.DIFFUSE, weight=1.2)
+    plot_widgets.line("scaled", x, on_object(line.scaled(curves.c)), plot_widgets.TOTAL)
 
 
-def _histogram_plot(side: str, shown: dict[str, _Curves], width: float, height: float) -> None:
-    if plots.begin("histogram", width, height):
-        clipped = shown[side].histogram.clipped
-        label = f"scaled L*; {100.0 * clipped:.2g} % above 100" if clipped else "scaled L*"
-        low = plots.axes((label, 0.0, TOP_LSTAR), ("% of object", LEAST_SHARE, 100.0))
+def _histogram_plot(side: str, by_side: dict[str, _Curves], width: float, height: float) -> None:
+    if plot_widgets.begin("histogram", width, height):
+        clipped = by_side[side].histogram.clipped
+        label = (
+            f"lightness (L*); {100.0 * clipped:.2g} % above 100" if clipped else "lightness (L*)"
+        )
+        low = plot_widgets.axes((label, 0.0, TOP_LSTAR), ("% of pixels", LEAST_SHARE, 100.0))
         implot.setup_axis_scale(implot.ImAxis_.y1, implot.Scale_.log10)
         ticks = [0.01, 0.1, 1.0, 10.0, 100.0]
         words = [f"{v:g}" for v in ticks]
         implot.setup_axis_ticks(implot.ImAxis_.y1, ticks, words)
-        plots.lightness_ticks(implot.ImAxis_.x1)
-        plots.level("limit", 100.0, across=False)
-        for name in (plots.other(side), side):
-            if name in shown:
-                _draw_histogram(shown[name].histogram, faint=name != side)
+        plot_widgets.lightness_ticks(implot.ImAxis_.x1)
+        plot_widgets.level("limit", 100.0, across=False)
+        for name in (plot_widgets.other(side), side):
+            if name in by_side:
+                _draw_histogram(by_side[name].histogram, faint=name != side)
         if low:
-            plots.label_inside("% of object, L*")
-        plots.end()
+            plot_widgets.label_inside("% of pixels by L*")
+        plot_widgets.end()
 
 
 def _draw_histogram(histogram: Histogram, *, faint: bool) -> None:
-    # A stair needs its last edge too; what is clipped stands just above 100.
+    # A stair needs its last edge too; the clipped share is just above 100.
     edges = np.arange(BINS + 3, dtype=np.float64)
     share = 100.0 * np.concatenate([histogram.share, [histogram.clipped, 0.0, 0.0]])
     share = np.maximum(share, 0.1 * LEAST_SHARE)
-    colour = plots.OTHER if faint else plots.TOTAL
+    colour = plot_widgets.OTHER if faint else plot_widgets.TOTAL
     weight = (1.0 if faint else 1.4) * em(1.0) / 15.0
     spec = implot.Spec(line_color=colour, line_weight=weight)
     implot.plot_stairs(f"scaled##{'faint' if faint else 'bold'}", edges, share, spec)

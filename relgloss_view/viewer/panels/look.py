@@ -1,17 +1,28 @@
-"""The look of a side: sigma_N, c, grain, quality; what people judge."""
+"""The look of a side: graininess, contrast gloss, grain and drawing; what people judge."""
 
 from __future__ import annotations
 
 from imgui_bundle import imgui
 
 from relgloss_view.operators.registry import OPERATORS
+from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.setting import Setting
+from relgloss_view.quality.planner import DEFAULT_TOLERANCE
+from relgloss_view.viewer.panels.drawing_words import drawing_words
 from relgloss_view.viewer.shell import widgets
+from relgloss_view.viewer.shell.widgets import Reach
 from relgloss_view.viewer.state.model import Model
-from relgloss_view.viewer.state.state import SIDES
+from relgloss_view.viewer.state.state import SIDES, Presentation
 
-SIGMA_N_HAND_DEG = 3.0  #: the paper's range; typing reaches further
+SIGMA_N_REACH = Reach(high=3.0, digits="%.2f")  #: the paper's range
+QUALITY_MEANINGS = {
+    "auto": "draws only as much of the model as this scene needs: the colour difference to the "
+    f"exact picture (CIEDE2000) is at most {DEFAULT_TOLERANCE.p95:g} for 95 % of the pixels, "
+    f"and {DEFAULT_TOLERANCE.largest:g} for any",
+    "exact": "draws the whole model, whatever the time",
+}
+SAMPLE_COUNTS = ("auto", "1", "2", "3", "4", "8", "16")
 
 
 def show(model: Model) -> None:
@@ -33,21 +44,14 @@ def side_tabs(model: Model) -> None:
     for k, side in enumerate(SIDES):
         if k:
             imgui.same_line()
-        active = side == model.active_side
-        style = imgui.get_style()
-        colour = imgui.Col_.button_active if active else imgui.Col_.button
-        imgui.push_style_color(imgui.Col_.button, style.color_(colour))
-        if imgui.button(side.capitalize(), (width, 0.0)):
+        if widgets.toggle(side.capitalize(), on=side == model.active_side, width=width):
             model.active_side = side
-        imgui.pop_style_color()
         widgets.tooltip(f"Tune the {side} picture.")
     imgui.spacing()
 
 
 def _sigma_n(model: Model, side: str, look: Look) -> None:
-    changed, value = widgets.slider(
-        "σN", Look, "sigma_n_deg", look.sigma_n_deg, high=SIGMA_N_HAND_DEG, digits="%.2f"
-    )
+    changed, value = widgets.slider(Look, "sigma_n_deg", look.sigma_n_deg, SIGMA_N_REACH)
     if changed:
         model.set_look(side, gesture=f"{side} sigma_n", sigma_n_deg=value)
 
@@ -60,103 +64,101 @@ def _scaling(model: Model, side: str, look: Look) -> None:
     fraction = setting.c_fraction
     if setting.c is not None:
         fraction = setting.c / c_max if c_max else 1.0
-    changed, value = widgets.slider(
-        "c / c_max", Look, "c_fraction", fraction, high=1.0, default=1.0, digits="%.3f"
-    )
+    reach = Reach(high=1.0, digits="%.3f")
+    changed, value = widgets.slider(Look, "c_fraction", fraction, reach, default=1.0)
     if changed:
         model.set_setting(side, Setting(setting.sigma_n_deg, value), gesture=f"{side} c")
     absolute = c if c is not None else 1.0
-    top = max(1.0, c_max or 1.0)
-    changed, value = widgets.slider(
-        "c", Look, "c", absolute, high=top, default=c_max or 1.0, digits="%.4g"
-    )
+    reach = Reach(high=max(1.0, c_max or 1.0), digits="%.4g")
+    changed, value = widgets.slider(Look, "c", absolute, reach, default=c_max or 1.0)
     if changed:
         model.set_setting(side, Setting(setting.sigma_n_deg, c=value), gesture=f"{side} c")
-    widgets.label("")
-    locked = setting == Setting(setting.sigma_n_deg)
-    if widgets.checkbox("lock c to c_max", locked, "as bright as the monitor can show"):
-        model.set_setting(side, Setting(setting.sigma_n_deg, c=c if locked else None))
-    widgets.label("c_max")
-    imgui.align_text_to_frame_padding()
-    imgui.text_unformatted("no highlight" if c_max is None else f"{c_max:.4g}")
+    _highest(model, side, setting, frame)
     if c is not None and c > 1.0 + 1e-9:
         widgets.label("")
-        widgets.flag("c > 1", "the picture exaggerates the contrast gloss")
+        widgets.flag("exaggerated (c > 1)", "the picture exaggerates the contrast gloss")
     if c is not None and c_max is not None and c > c_max * (1.0 + 1e-9):
         widgets.label("")
         widgets.flag("clipped", "c is above c_max: highlights are cut at L* 100")
 
 
+def _highest(model: Model, side: str, setting: Setting, frame: Frame | None) -> None:
+    """The highest contrast gloss that the display shows, and a box that holds c to it."""
+    c_max = frame.c_max if frame else None
+    widgets.label("Highest (c_max)")
+    imgui.align_text_to_frame_padding()
+    imgui.text_unformatted("no highlight" if c_max is None else f"{c_max:.4g}")
+    widgets.tooltip("The highest contrast gloss that the display shows without clipping.")
+    widgets.label("")
+    locked = setting == Setting(setting.sigma_n_deg)
+    if widgets.checkbox("Stay at the highest", locked, "holds c at c_max, whatever else changes"):
+        c = frame.c if frame else None
+        model.set_setting(side, Setting(setting.sigma_n_deg, c=c if locked else None))
+
+
 def _grain(model: Model, side: str, look: Look) -> None:
-    changed, kind = widgets.choice("fixed to", Look, "grain", look.grain)
+    changed, kind = widgets.choice(Look, "grain", look.grain)
     if changed:
         model.set_look(side, grain=kind)
     if look.grain == "screen":
-        changed, value = widgets.slider("cell", Look, "grain_px", look.grain_px, high=16)
+        changed, value = widgets.slider(Look, "grain_px", look.grain_px, Reach(high=16))
         name = "grain_px"
     else:
-        changed, value = widgets.slider(
-            "cell", Look, "grain_mm", look.grain_mm, low=0.02, high=5.0, logarithmic=True
-        )
+        reach = Reach(0.02, 5.0, logarithmic=True)
+        changed, value = widgets.slider(Look, "grain_mm", look.grain_mm, reach)
         name = "grain_mm"
     if changed:
         model.set_look(side, gesture=f"{side} cell", **{name: value})
-    changed, law = widgets.choice("tilt law", Look, "noise_law", look.noise_law)
+    changed, law = widgets.choice(Look, "noise_law", look.noise_law)
     if changed:
         model.set_look(side, noise_law=law)
-    changed, lobes = widgets.choice("tilts", Look, "noisy_lobes", look.noisy_lobes)
+    changed, lobes = widgets.choice(Look, "noisy_lobes", look.noisy_lobes)
     if changed:
         model.set_look(side, noisy_lobes=lobes)
-    changed, value = widgets.slider("seed", Look, "seed", look.seed, high=999)
+    changed, value = widgets.slider(Look, "seed", look.seed, Reach(high=999))
     if changed:
         model.set_look(side, gesture=f"{side} seed", seed=int(value))
 
 
 def _operator(model: Model, side: str) -> None:
-    """The tone mapping of a side, and what there is to know where it is not the split."""
+    """The tone mapping of a side, and a remark where it is not the split."""
     present = model.state.presentation.operator(side)
     kind = OPERATORS[present]
-    told = (
+    meaning = (
         f"How the light is brought to the display.\n{kind.title}: {kind.meaning} ({kind.source}). "
-        "Other operators than the split are worked out when nothing moves, with their default "
-        "parameters."
+        "Operators other than the split have their default parameters, and are computed when "
+        "nothing moves."
     )
-    changed, name = widgets.combo("operator", tuple(OPERATORS), present, told)
+    entry = f"{side}_operator"
+    text = widgets.label_of(Presentation, entry)
+    changed, name = widgets.combo(text, tuple(OPERATORS), present, meaning)
     if changed:
-        model.set_part("presentation", **{f"{side}_operator": name})
-    operated = model.operated.get(side)
-    if operated is not None and operated.displayed is None:
-        widgets.label("")
-        widgets.wrapped(f"{present} {operated.told}", dim=True)
+        model.set_part("presentation", **{entry: name})
+    picture = model.operator_pictures.get(side)
+    if picture is not None and picture.displayed is None:
+        widgets.wrapped(f"{present} {picture.reason}", dim=True)
     elif not kind.uses_c:
-        widgets.label("")
-        widgets.wrapped("c has no part in this picture", dim=True)
+        widgets.wrapped(f"{present} does not use the contrast gloss (c).", dim=True)
 
 
 def _drawing(model: Model, side: str, look: Look) -> None:
-    _operator(model, side)
-    changed, name = widgets.choice("quality", Look, "quality", look.quality)
+    text = widgets.label_of(Look, "quality")
+    changed, name = widgets.buttons(text, QUALITY_MEANINGS, look.quality)
     if changed:
         model.set_look(side, quality=name)
     frame = model.frames.get(side)
-    if look.quality == "auto" and frame is not None:
-        widgets.wrapped(_simplified(frame.method.differences()), dim=True)
-    changed, name = widgets.choice("diffuse", Look, "diffuse_model", look.diffuse_model)
+    if frame is not None:
+        widgets.wrapped(f"{drawing_words(frame.method)}.", dim=True)
+    _operator(model, side)
+    changed, name = widgets.choice(Look, "diffuse_model", look.diffuse_model)
     if changed:
         model.set_look(side, diffuse_model=name)
-    options = ("auto", "1", "2", "3", "4", "8", "16")
     present = "auto" if look.samples is None else str(look.samples)
     changed, name = widgets.combo(
-        "samples",
-        options if present in options else (*options, present),
+        widgets.label_of(Look, "samples"),
+        SAMPLE_COUNTS if present in SAMPLE_COUNTS else (*SAMPLE_COUNTS, present),
         present,
-        "Samples along each side of a pixel; auto takes what the narrowest highlight needs.",
+        "Samples along each side of a pixel; auto takes as many as the narrowest highlight needs.",
     )
     if changed:
         model.set_look(side, samples=None if name == "auto" else int(name))
-
-
-def _simplified(stages: dict[str, str | int]) -> str:
-    """What quality "auto" has chosen, in a line."""
-    told = ", ".join(f"{stage} {name}" for stage, name in stages.items())
-    return f"drawn simpler: {told}" if told else "nothing can be drawn simpler"

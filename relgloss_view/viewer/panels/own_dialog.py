@@ -22,7 +22,7 @@ from relgloss_view.viewer.files.folders import (
     with_suffix,
 )
 from relgloss_view.viewer.panels import floating
-from relgloss_view.viewer.panels.rows import fitting, row
+from relgloss_view.viewer.panels.list_rows import fitting, row
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import em
 
@@ -33,7 +33,7 @@ Key = imgui.Key
 
 @dataclass(frozen=True)
 class Question:
-    """What is asked: the dialog's title, which files, and what happens with the answer."""
+    """The dialog's title, the kinds of file, and the use of the answer."""
 
     title: str
     chosen: Callable[[str], object]
@@ -43,7 +43,7 @@ class Question:
 
 
 class OwnDialog:
-    """A window with a folder's files, a field for a name, and one line for what is wrong."""
+    """A window with a folder's files, a field for a name, and one line for a fault."""
 
     def __init__(self, question: Question, folder: str, name: str = "") -> None:
         self.question = question
@@ -51,7 +51,7 @@ class OwnDialog:
         self.name = NameField(name or question.name)
         self.answer: str | None = None
         self.raised = False  #: whether it comes to the front in the next frame
-        self._kept = self.name.value  #: what the field holds again once a folder was gone into
+        self._kept = self.name.value  #: for the field, once a folder is open
         self._on_folder = False  #: whether it holds the name of a folder that was clicked
         self._fault = ""
         self._replacing: str | None = None  #: a file that is there and may be replaced
@@ -78,7 +78,7 @@ class OwnDialog:
         return stays and not self._ended
 
     def submit(self) -> None:
-        """Take what stands in the field as the answer, if it can be one."""
+        """Take the field's text as the answer, if it can be one."""
         self._fault, self._replacing = "", None
         path = meant(self.folder, self.name.value)
         try:
@@ -145,19 +145,19 @@ class OwnDialog:
         key = (self.folder, self._all, self._hidden, changed)
         if self._listed is None or self._listed[0] != key:
             try:
-                found = listing(self.folder, self._suffixes(), hidden=self._hidden)
+                entries = listing(self.folder, self._suffixes(), hidden=self._hidden)
             except InputError as error:
-                found = Listing(())
+                entries = Listing(())
                 self._fault = shortened(str(error), self.folder)
-            self._listed = (key, found)
+            self._listed = (key, entries)
             self._selected = -1
         return self._listed[1]
 
     def _where(self) -> None:
-        if widgets.button("Up", "to the folder that holds this one"):
+        if widgets.button("Up", "opens the folder above"):
             self._go(os.path.dirname(self.folder))
         imgui.same_line()
-        if widgets.button("Home", "to your home folder"):
+        if widgets.button("Home", "opens your home folder"):
             self._go(os.path.expanduser("~"))
         imgui.same_line()
         imgui.align_text_to_frame_padding()
@@ -166,29 +166,29 @@ class OwnDialog:
         widgets.tooltip(printable(self.folder, 1000))
 
     def _files(self) -> None:
-        found = self._list()
+        listed = self._list()
         below = 3.0 * imgui.get_frame_height_with_spacing() + floating.text_height(self._message())
         height = imgui.get_content_region_avail().y - below
         imgui.begin_child("files", ImVec2(0.0, max(height, em(3.0))), imgui.ChildFlags_.borders)
         clipper = imgui.ListClipper()
-        clipper.begin(len(found.entries))
+        clipper.begin(len(listed.entries))
         if self._scroll and self._selected >= 0:
             clipper.include_item_by_index(self._selected)
         while clipper.step():
             for k in range(clipper.display_start, clipper.display_end):
-                self._entry(k, found.entries[k])
-        if not found.entries:
-            imgui.text_disabled("nothing to show here")
-        if found.cut:
-            imgui.text_disabled(f"and more: only {len(found.entries)} are listed")
+                self._entry(k, listed.entries[k])
+        if not listed.entries:
+            imgui.text_disabled("Nothing to show here.")
+        if listed.cut:
+            imgui.text_disabled(f"Only the first {len(listed.entries)} are listed.")
         self._scroll = False
         imgui.end_child()
 
     def _entry(self, k: int, entry: Entry) -> None:
-        shown = printable(entry.name, LONGEST_SHOWN) + ("/" if entry.is_folder else "")
+        text = printable(entry.name, LONGEST_SHOWN) + ("/" if entry.is_folder else "")
         flags = imgui.SelectableFlags_.allow_double_click
         imgui.push_id(k)
-        clicked = row(shown, shown, k == self._selected, flags=flags)
+        clicked = row(text, text, k == self._selected, flags=flags)
         imgui.pop_id()
         if self._scroll and k == self._selected:
             imgui.set_scroll_here_y()
@@ -214,11 +214,11 @@ class OwnDialog:
         flags = imgui.InputTextFlags_
         entered, text = imgui.input_text_with_hint(
             "##name",
-            "name of the file, or a whole path",
+            "name of the file, or a full path",
             self.name.text,
             flags.enter_returns_true | flags.auto_select_all | flags.elide_left,
         )
-        if text != self.name.text:  # what was said was about another name
+        if text != self.name.text:  # the message was about another name
             self.name.text, self._fault, self._replacing = text, "", None
             self._on_folder = False
         if entered:
@@ -227,38 +227,38 @@ class OwnDialog:
     def _message(self) -> str:
         if self._replacing is not None:
             name = printable(os.path.basename(self._replacing), 80)
-            return f"{name} is there already. Replace it?"
+            return f"{name} is already there. Replace it?"
         return f"! {self._fault}" if self._fault else ""
 
     def _buttons(self) -> None:
         if self.question.suffixes:
             words = ", ".join(suffix.lstrip(".") for suffix in self.question.suffixes)
-            if widgets.checkbox("All files", self._all, f"not only {words}"):
+            if widgets.checkbox("All files", self._all, f"lists every file, not only {words}"):
                 self._all = not self._all
             imgui.same_line()
-        if widgets.checkbox("Hidden", self._hidden, "names that begin with a dot, too"):
+        if widgets.checkbox("Hidden", self._hidden, "lists names that begin with a dot, too"):
             self._hidden = not self._hidden
         message = self._message()
         if message:
             widgets.wrapped(message)
         width = em(7.0)
         if self._replacing is not None:
-            if widgets.button("Replace", "write over the file that is there", width=width):
+            if widgets.button("Replace", "writes over the file that is there", width=width):
                 self.folder = os.path.dirname(self._replacing)
                 self._end(self._replacing)
             imgui.same_line()
-            if widgets.button("Keep it", "leave the file that is there as it is", width=width):
+            if widgets.button("Keep it", "leaves the file that is there as it is", width=width):
                 self._replacing = None
                 self._focus = 2
             return
         if widgets.button(
             "Save" if self.question.saving else "Open",
-            "take the file that is named above",
+            "takes the file that is named above",
             width=width,
         ):
             self.submit()
         imgui.same_line()
-        if widgets.button("Cancel", "close without choosing", width=width):
+        if widgets.button("Cancel", "closes without choosing", width=width):
             self._end(None)
 
     def _keys(self) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from imgui_bundle import ImVec2, implot
 
-from relgloss_view.viewer.panels import plots
+from relgloss_view.viewer.panels import plot_widgets
 from relgloss_view.viewer.plots.reflection import Points, to_polar
 from relgloss_view.viewer.shell.theme import QUIET, em, gray
 
@@ -18,13 +18,13 @@ RAYS_DEG = (-60.0, -30.0, 0.0, 30.0, 60.0)
 
 
 @dataclass(frozen=True)
-class Scale:
-    """What the distance from the centre means: BRDF in 1/sr at distance 1, and 0 if logarithmic."""
+class RadialScale:
+    """Distance from the centre: BRDF in 1/sr, `top` at distance 1, `foot` at 0 if logarithmic."""
 
     top: float
     foot: float | None = None
 
-    def radius(self, value: plots.Array) -> plots.Array:
+    def radius(self, value: plot_widgets.Array) -> plot_widgets.Array:
         """Distance from the centre."""
         if self.foot is None:
             return np.asarray(value / self.top)
@@ -40,15 +40,15 @@ class Scale:
 
 
 def draw(
-    curves: list[plots.Curve],
+    curves: list[plot_widgets.Curve],
     points: Points | None,
     incidence_deg: float,
-    scale: Scale,
+    scale: RadialScale,
     width: float,
     height: float,
 ) -> None:
     """Draw curves, x receiver angles in degrees and y BRDF in 1/sr, into a plot of its own."""
-    if not plots.begin("polar", width, height, decorated=False):
+    if not plot_widgets.begin("polar", width, height, decorated=False):
         return
     font = em(1.0)
     # The picture of a circle is round: both axes have the same units a pixel.
@@ -57,20 +57,20 @@ def draw(
     unit = 1.0 / max(min(0.5 * inner[0] - 2.5 * font, inner[1] - below - above), 1.0)
     half = 0.5 * inner[0] * unit
     ends = -below * unit, (inner[1] - below) * unit
-    plots.axes(("", -half, half), ("", *ends), follow=True, decorated=False)
+    plot_widgets.axes(("", -half, half), ("", *ends), follow=True, decorated=False)
     _grid(scale, unit)
     lamp = to_polar(np.full(2, -incidence_deg), np.array([0.0, 1.0]))
-    plots.line("lamp", lamp[1], lamp[0], plots.LIMIT, weight=1.4)
+    plot_widgets.line("lamp", lamp[1], lamp[0], plot_widgets.LIMIT, weight=1.4)
     for curve in curves:
         along, across = to_polar(curve.x, scale.radius(curve.y))
         replace(curve, x=across, y=along).draw()
     if points is not None:
         along, across = to_polar(points.receiver_deg, scale.radius(points.value))
-        plots.points("measured", across, along)
-    plots.end()
+        plot_widgets.points("measured", across, along)
+    plot_widgets.end()
 
 
-def _grid(scale: Scale, unit: float) -> None:
+def _grid(scale: RadialScale, unit: float) -> None:
     font = em(1.0)
     turn = np.linspace(-90.0, 90.0, 91)
     implot.push_style_color(implot.Col_.inlay_text, gray(QUIET))
@@ -78,7 +78,7 @@ def _grid(scale: Scale, unit: float) -> None:
     for value in scale.rings():
         radius = float(scale.radius(np.array([value]))[0])
         along, across = to_polar(turn, np.full(len(turn), radius))
-        plots.line(f"ring {value:g}", across, along, GRID, weight=1.0)
+        plot_widgets.line(f"ring {value:g}", across, along, GRID, weight=1.0)
         if not small:
             implot.plot_text(f"{value:g}", radius, 0.0, ImVec2(0.0, 0.75 * font))
     if small:
@@ -87,7 +87,7 @@ def _grid(scale: Scale, unit: float) -> None:
         implot.plot_text("1/sr", 0.0, 0.0, ImVec2(0.0, 0.75 * font))
     for angle in RAYS_DEG:
         along, across = to_polar(np.full(2, angle), np.array([0.0, 1.0]))
-        plots.line(f"ray {angle:g}", across, along, GRID, weight=1.0)
+        plot_widgets.line(f"ray {angle:g}", across, along, GRID, weight=1.0)
         if small and angle in (-30.0, 30.0):
             continue
         x, y = float(across[1]), float(along[1])

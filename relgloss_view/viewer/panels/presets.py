@@ -11,21 +11,21 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.setting import share_words
-from relgloss_view.viewer.panels.rows import fitting, row, small_width
+from relgloss_view.viewer.panels.list_rows import fitting, row, small_width
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import em
 from relgloss_view.viewer.state import presets
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.presets import Preset, Presets
 
-NEW = ""  #: the name of what is being named for the first time; no preset is called so
+NEW = ""  #: in place of a new preset's name; no preset is called so
 
 
 @dataclass
 class Memory:
-    """What the panel remembers between frames."""
+    """The panel's memory between frames."""
 
-    own: Presets | None = None  #: None until they are first shown
+    own: Presets | None = None  #: None until the panel is first drawn
     fault: str = ""
     naming: str | None = None  #: the preset that gets a name, or NEW
     name: str = ""
@@ -46,7 +46,9 @@ def show(model: Model) -> None:
         _own(model, preset)
     if memory.naming == NEW:
         _name_field(lambda name: _add(model, name), "Save")
-    elif widgets.button("Save as preset...", "keep the whole look of the active side under a name"):
+    elif widgets.button(
+        "Save as preset...", "keeps the whole look of the active side under a name"
+    ):
         _name(NEW)
     if memory.fault:
         widgets.wrapped(f"! {memory.fault}")
@@ -59,8 +61,8 @@ def _built_in(model: Model, preset: Preset) -> None:
     if row(preset.name, preset.name, active, beside=_numbers(published)):
         model.set_setting(model.active_side, published.setting)
     widgets.tooltip(
-        f"What the paper's observers chose for {preset.name} paper: {_numbers(published)}. "
-        "The rest of the look stays."
+        f"The choice of the paper's observers for {preset.name} paper: {_numbers(published)} "
+        "(graininess and contrast gloss). The rest of the look stays."
     )
 
 
@@ -77,18 +79,18 @@ def _own(model: Model, preset: Preset) -> None:
         width = max(imgui.get_content_region_avail().x - right - space, em(3.0))
         if row("apply", preset.name, on, width=width):
             model.change(model.state.with_look(model.active_side, **vars(preset.look)))
-        widgets.tooltip(f"{preset.name}: {_told(preset.look)}.")
+        widgets.tooltip(f"{preset.name}: {_words(preset.look)}.")
         imgui.same_line()
-        if widgets.small_button("Rename", "give the preset another name"):
+        if widgets.small_button("Rename", "gives the preset another name"):
             _name(preset.name)
         imgui.same_line()
-        if widgets.small_button("Delete", "remove the preset; asks first"):
+        if widgets.small_button("Delete", "removes the preset; asks first"):
             memory.removing, memory.naming = preset.name, None
     imgui.pop_id()
 
 
 def _name(naming: str) -> None:
-    """Ask for a name; the present one is suggested."""
+    """Ask for a name and suggest the present one."""
     memory.naming, memory.name, memory.removing = naming, naming, None
     memory.fault, memory.focus = "", True
 
@@ -103,9 +105,9 @@ def _name_field(done: Callable[[str], None], word: str) -> None:
     entered, memory.name = imgui.input_text_with_hint("##name", "name", memory.name, flags)
     left = imgui.is_item_deactivated() and imgui.is_key_pressed(imgui.Key.escape)
     imgui.same_line()
-    pressed = widgets.small_button(word, "keep the preset under this name")
+    pressed = widgets.small_button(word, "keeps the preset under this name")
     imgui.same_line()
-    if widgets.small_button("Cancel", "leave it as it is") or left:
+    if widgets.small_button("Cancel", "changes nothing") or left:
         memory.naming, memory.fault = None, ""
     elif pressed or entered:
         done(memory.name)
@@ -118,11 +120,11 @@ def _confirm(name: str) -> None:
     start = imgui.get_cursor_pos_x()
     imgui.text_unformatted(fitting(f"Delete {name}?", width))
     imgui.same_line(start + width + space)
-    if widgets.small_button("Delete", "remove the preset for good"):
+    if widgets.small_button("Delete", "removes the preset for good"):
         _attempt(lambda: _changed(lambda present: presets.remove(present, name)))
         memory.removing = None
     imgui.same_line()
-    if widgets.small_button("Keep", "leave the preset there"):
+    if widgets.small_button("Keep", "keeps the preset"):
         memory.removing = None
 
 
@@ -146,7 +148,7 @@ def _changed(change: Callable[[Presets], Presets]) -> Presets:
 
 
 def _attempt(action: Callable[[], Presets]) -> bool:
-    """Take what the action returns; a fault is told below the list, which stays."""
+    """Take the presets that the action returns; a fault shows below the list, which stays."""
     try:
         memory.own, memory.fault = action(), ""
     except InputError as error:
@@ -157,10 +159,10 @@ def _attempt(action: Callable[[], Presets]) -> bool:
 
 def _numbers(look: Look) -> str:
     if look.c is not None:
-        return f"σN {look.sigma_n_deg:.3g}°, c {look.c:.3g}"
-    return f"σN {look.sigma_n_deg:.3g}°, {share_words(look.setting.c_fraction)} of c_max"
+        return f"sigma_N {look.sigma_n_deg:.3g}°, c {look.c:.3g}"
+    return f"sigma_N {look.sigma_n_deg:.3g}°, {share_words(look.setting.c_fraction)} of c_max"
 
 
-def _told(look: Look) -> str:
+def _words(look: Look) -> str:
     cell = f"{look.grain_px:g} px" if look.grain == "screen" else f"{look.grain_mm:g} mm"
     return f"{_numbers(look)}; grain fixed to the {look.grain}, {cell}, seed {look.seed}"

@@ -1,4 +1,4 @@
-"""A material's BRDF in the plane of incidence, with what was measured, and its albedo."""
+"""A material's BRDF in the plane of incidence, with measured points, and its albedo."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from imgui_bundle import imgui, implot
 
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.measure.table import Measurement
-from relgloss_view.viewer.panels import plots, polar
+from relgloss_view.viewer.panels import plot_widgets, polar
 from relgloss_view.viewer.plots import reflection
 from relgloss_view.viewer.plots.reflection import Albedo, Points, Slice
 from relgloss_view.viewer.shell import widgets
@@ -30,7 +30,7 @@ class _Memory:
     top: dict[tuple[bool, bool], float] = field(default_factory=dict)
     held: bool = False  #: whether the incidence is being dragged
     albedo: dict[str, Albedo] = field(default_factory=dict)  #: of each side, the last
-    measurement: Measurement | None = None  #: whose points were shown last
+    measurement: Measurement | None = None  #: whose points were curves last
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class _Curves:
     blurred: Points | None = None
 
 
-_memory = plots.Kept(_Memory)
+_memory = plot_widgets.Kept(_Memory)
 
 
 def show(model: Model) -> None:
@@ -55,34 +55,34 @@ def show(model: Model) -> None:
 
 def _show(model: Model) -> None:
     memory = _memory.of(model)
-    side = plots.side_switch(model)
+    side = plot_widgets.side_switch(model)
     measurement = _measurement(model, side)
     _controls(memory, measurement)
     try:
-        shown = _curves(model, side, memory.incidence_deg)
-        beside = _curves(model, plots.other(side), memory.incidence_deg)
+        curves = _curves(model, side, memory.incidence_deg)
+        beside = _curves(model, plot_widgets.other(side), memory.incidence_deg)
     except RelglossError as error:
         widgets.wrapped(str(error), dim=True)
         return
-    _legend(side, shown)
+    _legend(side, curves)
     room = imgui.get_content_region_avail()
     if room.x < em(NARROW_EM):
-        _in_tabs(memory, shown, beside, room.x)
+        _in_tabs(memory, curves, beside, room.x)
         return
     left = 0.62 * room.x
-    _slice_plot(memory, shown, beside, left, room.y)
+    _slice_plot(memory, curves, beside, left, room.y)
     imgui.same_line(0.0, 0.0)
-    _albedo_plot(memory, shown, beside, room.x - left, room.y)
+    _albedo_plot(memory, curves, beside, room.x - left, room.y)
 
 
-def _in_tabs(memory: _Memory, shown: _Curves, beside: _Curves, width: float) -> None:
+def _in_tabs(memory: _Memory, curves: _Curves, beside: _Curves, width: float) -> None:
     if not imgui.begin_tab_bar("plots"):
         return
-    if imgui.begin_tab_item("BRDF")[0]:
-        _slice_plot(memory, shown, beside, width, imgui.get_content_region_avail().y)
+    if imgui.begin_tab_item("Reflection (BRDF)")[0]:
+        _slice_plot(memory, curves, beside, width, imgui.get_content_region_avail().y)
         imgui.end_tab_item()
-    if imgui.begin_tab_item("albedo")[0]:
-        _albedo_plot(memory, shown, beside, width, imgui.get_content_region_avail().y)
+    if imgui.begin_tab_item("Reflectance (albedo)")[0]:
+        _albedo_plot(memory, curves, beside, width, imgui.get_content_region_avail().y)
         imgui.end_tab_item()
     imgui.end_tab_bar()
 
@@ -98,7 +98,7 @@ def _curves(model: Model, side: str, incidence_deg: float) -> _Curves:
     cut = reflection.brdf_slice(material, lamp, incidence_deg)
     memory = _memory.of(model)
     albedo = reflection.albedo_curve(material, lamp, wait=not model.dragging)
-    if albedo is None:  # a material that a hand is changing: its last albedo stands for it
+    if albedo is None:  # a hand is changing the material: show its last albedo
         albedo = memory.albedo.get(side)
     else:
         memory.albedo[side] = albedo
@@ -119,7 +119,7 @@ def _controls(memory: _Memory, measurement: Measurement | None) -> None:
         memory.measurement = measurement
         if measured is not None and len(measured):
             memory.incidence_deg = _nearest(measured, memory.incidence_deg)
-    plots.beside(em(9))
+    plot_widgets.beside(em(9))
     imgui.set_next_item_width(em(9))
     changed, angle = imgui.slider_float(
         "##incidence", memory.incidence_deg, 0.0, reflection.STEEPEST_DEG, "incidence %.0f deg"
@@ -133,50 +133,50 @@ def _controls(memory: _Memory, measurement: Measurement | None) -> None:
         memory.incidence_deg = float(angle)
     if widgets.reset_by_double_click():
         memory.incidence_deg = 45.0
-    told = "Angle between the lamp and the normal. Ctrl-click types it, a double click resets it."
+    meaning = f"Angle between the lamp and the normal. {widgets.HOW}"
     if measured is not None and len(measured):
         angles = ", ".join(f"{a:g}" for a in measured)
-        told += f" Measured at {angles} deg, where it holds on."
-    widgets.tooltip(told)
-    plots.beside(plots.checkbox_width("polar"), 0.5)
-    _, memory.polar = imgui.checkbox("polar", memory.polar)
-    widgets.tooltip("Draw the BRDF around the point of incidence instead of against the angle.")
-    plots.beside(plots.checkbox_width("log"), 0.5)
-    _, memory.logarithmic = imgui.checkbox("log", memory.logarithmic)
-    widgets.tooltip("A logarithmic scale, which shows the diffuse part beside a narrow lobe.")
+        meaning += f" Measured at {angles} deg; the slider snaps to these."
+    widgets.tooltip(meaning)
+    plot_widgets.beside(plot_widgets.checkbox_width("Polar"), 0.5)
+    _, memory.polar = imgui.checkbox("Polar", memory.polar)
+    widgets.tooltip("Plots the BRDF around the point of incidence instead of against the angle.")
+    plot_widgets.beside(plot_widgets.checkbox_width("Logarithmic"), 0.5)
+    _, memory.logarithmic = imgui.checkbox("Logarithmic", memory.logarithmic)
+    widgets.tooltip("A logarithmic scale shows the diffuse part beside a narrow lobe.")
 
 
-def _nearest(measured: plots.Array, angle: float) -> float:
+def _nearest(measured: plot_widgets.Array, angle: float) -> float:
     return float(measured[np.argmin(np.abs(measured - angle))])
 
 
-def _legend(side: str, shown: _Curves) -> None:
+def _legend(side: str, curves: _Curves) -> None:
     entries = [
-        ("total", plots.TOTAL),
-        ("diffuse", plots.DIFFUSE),
-        ("specular", plots.SPECULAR),
+        ("total", plot_widgets.TOTAL),
+        ("diffuse", plot_widgets.DIFFUSE),
+        ("specular", plot_widgets.SPECULAR),
     ]
-    if shown.blurred is not None:
-        entries.append(("through its apertures", plots.PLAIN))
-    if shown.points is not None:
-        entries.append(("measured", plots.POINTS))
-    entries.append((plots.other(side), plots.OTHER))
-    plots.legend(entries)
+    if curves.blurred is not None:
+        entries.append(("through the instrument's apertures", plot_widgets.PLAIN))
+    if curves.points is not None:
+        entries.append(("measured", plot_widgets.POINTS))
+    entries.append((plot_widgets.other(side), plot_widgets.OTHER))
+    plot_widgets.legend(entries)
 
 
-def _top(memory: _Memory, shown: _Curves, beside: _Curves) -> float:
+def _top(memory: _Memory, curves: _Curves, beside: _Curves) -> float:
     """The end of the scale; while the hand drags the incidence it only grows.
 
     A linear scale is this side's: a glossier other side would leave nothing of it to see.
     """
-    parts = [shown.cut.total, *([beside.cut.total] if memory.logarithmic else [])]
-    if shown.points is not None:
-        parts.append(shown.points.value)
+    parts = [curves.cut.total, *([beside.cut.total] if memory.logarithmic else [])]
+    if curves.points is not None:
+        parts.append(curves.points.value)
     peak = max(float(np.max(p)) for p in parts)
     if memory.logarithmic:
         top = max(10.0 ** np.ceil(np.log10(max(1.05 * peak, 1e-12))), 1.0)
     else:
-        top = plots.nice_ceiling(peak)
+        top = plot_widgets.nice_ceiling(peak)
     key = (memory.polar, memory.logarithmic)
     if memory.held:
         top = max(top, memory.top.get(key, top))
@@ -185,72 +185,84 @@ def _top(memory: _Memory, shown: _Curves, beside: _Curves) -> float:
 
 
 def _slice_plot(
-    memory: _Memory, shown: _Curves, beside: _Curves, width: float, height: float
+    memory: _Memory, curves: _Curves, beside: _Curves, width: float, height: float
 ) -> None:
-    top = _top(memory, shown, beside)
+    top = _top(memory, curves, beside)
     if memory.polar:
-        scale = polar.Scale(top, FAINTEST if memory.logarithmic else None)
-        polar.draw(_parts(shown, beside), shown.points, memory.incidence_deg, scale, width, height)
+        scale = polar.RadialScale(top, FAINTEST if memory.logarithmic else None)
+        polar.draw(
+            _parts(curves, beside), curves.points, memory.incidence_deg, scale, width, height
+        )
         return
-    if plots.begin("brdf", width, height):
+    if plot_widgets.begin("brdf", width, height):
         foot = FAINTEST if memory.logarithmic else 0.0
-        low = plots.axes(
-            ("receiver (deg), mirror side positive", -90.0, 90.0),
-            ("BRDF (1/sr)", foot, top),
+        low = plot_widgets.axes(
+            ("receiver angle (deg), mirror side positive", -90.0, 90.0),
+            ("reflection (BRDF, 1/sr)", foot, top),
             follow=True,
         )
         if memory.logarithmic:
             implot.setup_axis_scale(implot.ImAxis_.y1, implot.Scale_.log10)
         implot.setup_axis_ticks(implot.ImAxis_.x1, [-90.0, -60.0, -30.0, 0.0, 30.0, 60.0, 90.0])
-        plots.level("perfect diffuser", 1.0 / np.pi)
-        for curve in _parts(shown, beside):
+        plot_widgets.level("perfect diffuser", 1.0 / np.pi)
+        for curve in _parts(curves, beside):
             curve.draw()
-        if shown.points is not None:
-            plots.points("measured", shown.points.receiver_deg, shown.points.value)
+        if curves.points is not None:
+            plot_widgets.points("measured", curves.points.receiver_deg, curves.points.value)
         if low:
-            plots.label_inside("1/sr, deg")
-        plots.end()
+            plot_widgets.label_inside("1/sr by angle")
+        plot_widgets.end()
 
 
-def _parts(shown: _Curves, beside: _Curves) -> list[plots.Curve]:
+def _parts(curves: _Curves, beside: _Curves) -> list[plot_widgets.Curve]:
     """The curves of a slice, the one that matters most last."""
-    cut, far = shown.cut, beside.cut
-    parts = [plots.Curve("other side", far.receiver_deg, far.total, plots.OTHER, faint=True)]
+    cut, far = curves.cut, beside.cut
+    parts = [
+        plot_widgets.Curve(
+            "other side", far.receiver_deg, far.total, plot_widgets.OTHER, faint=True
+        )
+    ]
     if np.any(cut.specular):
         for title, y, colour in (
-            ("specular", cut.specular, plots.SPECULAR),
-            ("diffuse", cut.diffuse, plots.DIFFUSE),
+            ("specular", cut.specular, plot_widgets.SPECULAR),
+            ("diffuse", cut.diffuse, plot_widgets.DIFFUSE),
         ):
-            parts.append(plots.Curve(title, cut.receiver_deg, y, colour, 1.2))
-    if shown.blurred is not None:
-        seen = shown.blurred
-        parts.append(plots.Curve("apertures", seen.receiver_deg, seen.value, plots.PLAIN))
-    return [*parts, plots.Curve("total", cut.receiver_deg, cut.total, plots.TOTAL)]
+            parts.append(plot_widgets.Curve(title, cut.receiver_deg, y, colour, 1.2))
+    if curves.blurred is not None:
+        blurred = curves.blurred
+        parts.append(
+            plot_widgets.Curve("apertures", blurred.receiver_deg, blurred.value, plot_widgets.PLAIN)
+        )
+    return [*parts, plot_widgets.Curve("total", cut.receiver_deg, cut.total, plot_widgets.TOTAL)]
 
 
 def _albedo_plot(
-    memory: _Memory, shown: _Curves, beside: _Curves, width: float, height: float
+    memory: _Memory, curves: _Curves, beside: _Curves, width: float, height: float
 ) -> None:
-    if plots.begin("albedo", width, height):
-        known = [c.albedo for c in (shown, beside) if c.albedo is not None]
-        peak = max([float(np.max(albedo.total)) for albedo in known], default=0.0)
-        top = 1.05 if peak <= 1.05 else plots.nice_ceiling(peak)
-        low = plots.axes(("incidence (deg)", 0.0, 90.0), ("albedo", 0.0, top), follow=True)
+    if plot_widgets.begin("albedo", width, height):
+        albedos = [c.albedo for c in (curves, beside) if c.albedo is not None]
+        peak = max([float(np.max(albedo.total)) for albedo in albedos], default=0.0)
+        top = 1.05 if peak <= 1.05 else plot_widgets.nice_ceiling(peak)
+        low = plot_widgets.axes(
+            ("incidence (deg)", 0.0, 90.0), ("reflectance (albedo)", 0.0, top), follow=True
+        )
         implot.setup_axis_ticks(implot.ImAxis_.x1, [0.0, 30.0, 60.0, 90.0])
-        plots.level("incidence", memory.incidence_deg, across=False)
+        plot_widgets.level("incidence", memory.incidence_deg, across=False)
         if beside.albedo is not None:
             far = beside.albedo
-            plots.line("other side", far.incidence_deg, far.total, plots.OTHER, faint=True)
-        if shown.albedo is not None:
-            _draw_albedo(shown.albedo)
+            plot_widgets.line(
+                "other side", far.incidence_deg, far.total, plot_widgets.OTHER, faint=True
+            )
+        if curves.albedo is not None:
+            _draw_albedo(curves.albedo)
         if low:
-            plots.label_inside("albedo, deg")
-        plots.end()
+            plot_widgets.label_inside("albedo by angle")
+        plot_widgets.end()
 
 
 def _draw_albedo(albedo: Albedo) -> None:
     angle = albedo.incidence_deg
     if np.any(albedo.specular):
-        plots.line("specular", angle, albedo.specular, plots.SPECULAR, weight=1.2)
-        plots.line("diffuse", angle, albedo.diffuse, plots.DIFFUSE, weight=1.2)
-    plots.line("total", angle, albedo.total, plots.TOTAL)
+        plot_widgets.line("specular", angle, albedo.specular, plot_widgets.SPECULAR, weight=1.2)
+        plot_widgets.line("diffuse", angle, albedo.diffuse, plot_widgets.DIFFUSE, weight=1.2)
+    plot_widgets.line("total", angle, albedo.total, plot_widgets.TOTAL)

@@ -1,14 +1,14 @@
-"""The sample of a side: which material, how far its fit can be trusted, and ready-made looks."""
+"""The sample of a side: its material, how far the fit can be trusted, and presets of the look."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from imgui_bundle import imgui
 
 from relgloss_view.base.reading import printable
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
-from relgloss_view.viewer.files.desk import FileDesk
 from relgloss_view.viewer.panels import presets
 from relgloss_view.viewer.panels.look import side_tabs
 from relgloss_view.viewer.shell import widgets
@@ -18,32 +18,32 @@ LONGEST = 60  #: characters of a name
 LONGEST_WARNING = 240
 
 
-def show(model: Model, files: FileDesk) -> None:
-    """Choose the sample of the active side; its evidence; presets of its look."""
+def show(model: Model, open_file: Callable[[], object]) -> None:
+    """The active side's sample, its evidence and its presets; `open_file` asks for a file."""
     side_tabs(model)
-    _choose(model, files)
+    _choose(model, open_file)
     _evidence(model)
-    imgui.separator_text("Presets")
+    imgui.separator_text("Presets of the look")
     presets.show(model)
 
 
-def _choose(model: Model, files: FileDesk) -> None:
+def _choose(model: Model, open_file: Callable[[], object]) -> None:
     sample = model.state.side(model.active_side).sample
-    shown = sample.name or printable(sample.material.name, LONGEST)
-    widgets.label("sample")
-    if imgui.begin_combo("##sample", shown):
-        for name in SAMPLES:
-            if imgui.selectable(name, name == sample.name)[0]:
+    name = sample.name or printable(sample.material.name, LONGEST)
+    widgets.label("Sample")
+    if imgui.begin_combo("##Sample", name):
+        for built_in in SAMPLES:
+            if imgui.selectable(built_in, built_in == sample.name)[0]:
                 model.attempt(
-                    lambda name=name: model.set_sample(  # type: ignore[misc]
-                        model.active_side, Sample.built_in(name)
+                    lambda built_in=built_in: model.set_sample(  # type: ignore[misc]
+                        model.active_side, Sample.built_in(built_in)
                     )
                 )
         imgui.end_combo()
     else:
-        widgets.tooltip("The built-in synthetic papers; open a file for any other.")
-    if widgets.button("Open file...", "a material or a measurement, which is then fitted"):
-        files.open()
+        widgets.tooltip("The built-in papers, which are synthetic. Open a file for another sample.")
+    if widgets.button("Open file...", "opens a material, or a measurement, which is then fitted"):
+        open_file()
 
 
 def _evidence(model: Model) -> None:
@@ -52,13 +52,13 @@ def _evidence(model: Model) -> None:
     imgui.separator_text("Fit")
     fit = material.fit
     if fit is None:
-        widgets.wrapped("Not fitted: the file gives the reflection as it is.")
+        widgets.wrapped("Not fitted: the file gives the parameters of the reflection.")
     else:
         error = fit.residuals.get("median_relative_error")
-        told = f"{fit.quality}; {fit.chosen}"
+        text = f"Quality {fit.quality}; model {fit.chosen}"
         if isinstance(error, int | float):
-            told += f"; median error {error:.1%}"
-        widgets.wrapped(told)
+            text += f"; median error {error:.1%}"
+        widgets.wrapped(text)
     widgets.wrapped(printable(material.source, 200), dim=True)
     place = sample.table or sample.file
     if place:

@@ -10,49 +10,48 @@ from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.picture.model.view import Size
 from relgloss_view.viewer.drawing import camera
-from relgloss_view.viewer.drawing.arrangement import Arrangement, Canvas, Rect, as_shown
-from relgloss_view.viewer.drawing.painting import painted
-from relgloss_view.viewer.drawing.pictures import Shown
+from relgloss_view.viewer.drawing.arrangement import Arrangement, Rect, as_shown
+from relgloss_view.viewer.drawing.canvas import Canvas, canvas_of
+from relgloss_view.viewer.drawing.pair_renderer import DrawnPair
 from relgloss_view.viewer.panels import captions
 from relgloss_view.viewer.shell.theme import em, gray
-from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.model import Model, Pixel
 from relgloss_view.viewer.state.state import WIPE, State
 
 HANDLE_EM = 0.8  #: width of what takes hold of the wipe's edge
 
 
 @dataclass(frozen=True)
-class Staged:
-    """What the device has drawn for a pane of some size."""
+class DrawnPane:
+    """The pictures that were drawn for a pane, and where they are in it."""
 
     arrangement: Arrangement
-    shown: dict[str, Shown]
-    faults: dict[str, str]
+    pair: DrawnPair
 
 
-def show(model: Model, draw: Callable[[Size], Staged | None]) -> Canvas:
+def show(model: Model, draw: Callable[[Size], DrawnPane | None]) -> Canvas:
     """Show the pictures and take the hand on them; `draw` makes them for a size in pixels.
 
-    Returns what is to be painted below the interface, in pixels of the window.
+    Returns the canvas to paint below the interface, in pixels of the window.
     """
     origin = imgui.get_cursor_screen_pos()
     room = imgui.get_content_region_avail()
     pane = (int(room.x), int(room.y))
     model.pointer = None
-    staged = draw(pane)
-    if staged is None:
+    drawn = draw(pane)
+    if drawn is None:
         return Canvas()
     painter = imgui.get_window_draw_list()
     presentation = model.state.presentation
     wiping = presentation.compare == WIPE and not presentation.haploscopic
     share = 1.0 - presentation.wipe if presentation.mirror else presentation.wipe
     edge = int(share * pane[0]) if wiping else None
-    canvas = painted(pane, presentation, staged.arrangement, staged.shown, edge)
+    canvas = canvas_of(pane, presentation, drawn.arrangement, drawn.pair.pictures, edge)
     if edge is not None:
         _line(painter, origin, edge, pane[1])
-    _take_hand(model, origin, pane, staged, edge)
+    _take_hand(model, origin, pane, drawn, edge)
     if not presentation.haploscopic:
-        captions.show(model, painter, origin, staged.arrangement, staged.faults)
+        captions.show(model, painter, origin, drawn.arrangement, drawn.pair.faults)
     return canvas.moved(int(origin.x), int(origin.y))
 
 
@@ -62,7 +61,9 @@ def _line(painter: imgui.ImDrawList, origin: ImVec2, x: int, height: int) -> Non
     painter.add_line(ImVec2(place, origin.y), ImVec2(place, origin.y + height), colour, 1.0)
 
 
-def _take_hand(model: Model, origin: ImVec2, pane: Size, staged: Staged, edge: int | None) -> None:
+def _take_hand(
+    model: Model, origin: ImVec2, pane: Size, drawn: DrawnPane, edge: int | None
+) -> None:
     """Let the mouse turn, move and zoom the pictures, and place the lamp and the wipe."""
     if edge is not None:
         _wipe_handle(model, origin, pane, edge)
@@ -79,17 +80,17 @@ def _take_hand(model: Model, origin: ImVec2, pane: Size, staged: Staged, edge: i
         return
     mouse = imgui.get_mouse_pos()
     here = (mouse.x - origin.x, mouse.y - origin.y)
-    found = _under(staged, here, mirrored=model.state.presentation.mirror, edge=edge)
-    if hovered and found is not None:
-        side, at, rect = found
-        drawn = staged.shown[side].size
-        column, row = int(at[0] * drawn[0] / rect[2]), int(at[1] * drawn[1] / rect[3])
+    under = _under(drawn, here, mirrored=model.state.presentation.mirror, edge=edge)
+    if hovered and under is not None:
+        side, at, rect = under
+        size_px = drawn.pair.pictures[side].size
+        column, row = int(at[0] * size_px[0] / rect[2]), int(at[1] * size_px[1] / rect[3])
         if not model.dragging:
-            model.pointer = (side, column, row)
+            model.pointer = Pixel(side, column, row)
         if imgui.is_mouse_clicked(imgui.MouseButton_.left):
             model.active_side = side
             if imgui.get_io().key_alt:
-                model.pinned = (side, column, row)
+                model.pinned = Pixel(side, column, row)
         _wheel(model, at, rect[2:])
         if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
             state = model.state.with_part("presentation", life_size=False)
@@ -97,7 +98,7 @@ def _take_hand(model: Model, origin: ImVec2, pane: Size, staged: Staged, edge: i
             return
     # On the frame of the press the mouse may have come from far away.
     if active and not imgui.is_item_activated():
-        size = next(iter(staged.arrangement.rects.values()))[2:]
+        size = next(iter(drawn.arrangement.rects.values()))[2:]
         _drag(model, size)
 
 
@@ -105,7 +106,7 @@ def _wheel(model: Model, at: tuple[float, float], size: Size) -> None:
     notches = imgui.get_io().mouse_wheel
     if notches == 0.0:
         return
-    eye = camera.zoomed(_shown_state(model, size).scene(model.active_side), notches, at, size)
+    eye = camera.zoomed(_state_on_screen(model, size).scene(model.active_side), notches, at, size)
     state = model.state.with_part("presentation", life_size=False)
     model.change(state.placed(eye=eye), gesture="zoom")
     model.hold()
@@ -128,15 +129,15 @@ def _drag(model: Model, size: Size) -> None:
         eye = camera.orbited(state.setup.eye, moved, size)
         model.change(state.placed(eye=eye), gesture="orbit")
     elif not io.key_alt:
-        shown = _shown_state(model, size)
-        eye = camera.panned(shown.scene(model.active_side), moved, size)
+        on_screen = _state_on_screen(model, size)
+        eye = camera.panned(on_screen.scene(model.active_side), moved, size)
         if state.presentation.life_size:  # its angle is the monitor's, not the eye's
             angle_deg = state.setup.eye.field_of_view_deg
             eye = dataclasses.replace(eye, field_of_view_deg=angle_deg)
         model.change(state.placed(eye=eye), gesture="pan")
 
 
-def _shown_state(model: Model, size: Size) -> State:
+def _state_on_screen(model: Model, size: Size) -> State:
     """The state with the eye that the pictures on the screen have."""
     return as_shown(model.state, size, model.pixel_pitch_m)
 
@@ -155,13 +156,13 @@ def _wipe_handle(model: Model, origin: ImVec2, pane: Size, edge: int) -> None:
 
 
 def _under(
-    staged: Staged, here: tuple[float, float], *, mirrored: bool, edge: int | None
+    drawn: DrawnPane, here: tuple[float, float], *, mirrored: bool, edge: int | None
 ) -> tuple[str, tuple[float, float], Rect] | None:
     """Side, place in its picture and rectangle of the picture under the mouse."""
-    for side, rect in staged.arrangement.rects.items():
+    for side, rect in drawn.arrangement.rects.items():
         if edge is not None and ((here[0] < edge) == (side == "reference")) == mirrored:
             continue
         x, y = here[0] - rect[0], here[1] - rect[1]
-        if side in staged.shown and 0 <= x < rect[2] and 0 <= y < rect[3]:
+        if side in drawn.pair.pictures and 0 <= x < rect[2] and 0 <= y < rect[3]:
             return side, (rect[2] - 1 - x if mirrored else x, y), rect
     return None

@@ -1,4 +1,4 @@
-"""The status line: what was drawn, on what, how fast, and what was said last."""
+"""The status line: the last message, and how the picture was drawn: quality, size, device, time."""
 
 from __future__ import annotations
 
@@ -8,13 +8,16 @@ from typing import TYPE_CHECKING
 from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.picture.output.parameters import warnings
+from relgloss_view.viewer.panels.drawing_words import drawing_words, quality_words
 from relgloss_view.viewer.shell.theme import POPUP, em, gray
 from relgloss_view.viewer.shell.widgets import tooltip
+from relgloss_view.viewer.state.model import DrawnPass
 
 if TYPE_CHECKING:
     from relgloss_view.viewer.shell.app import App
 
-NOTE_S = 12.0  #: that a message stays in the line; it stays in the list behind it
+NOTE_S = 12.0  #: for which a message shows; the tooltip lists the last ones
+HINT = "H: all keys   drag: turn   wheel: zoom   Ctrl+drag: move the lamp"
 LINE_EM = 1.75
 NUMBERS_SHARE = 0.6  #: of the line's width
 
@@ -55,37 +58,37 @@ def _message(app: App, width: float) -> None:
     if note is not None and time.monotonic() - note.at_s < NOTE_S:
         text = f"! {note.text}" if note.fault else note.text
     else:
-        text = _warning(app) or "h: keys   drag: turn   wheel: zoom   Ctrl+drag: lamp"
+        text = _warning(app) or HINT
     while text and imgui.calc_text_size(text).x > width:
         text = text[: int(0.92 * len(text)) - 1].rstrip() + "…" if len(text) > 4 else ""
     imgui.text_unformatted(text)
-    said = "\n".join(n.text for n in model.notes[-8:])
-    tooltip(f"{_warning(app)}\n{said}".strip() or "Nothing was said yet.")
+    messages = "\n".join(n.text for n in model.notes[-8:])
+    tooltip(f"{_warning(app)}\n{messages}".strip() or "No messages yet.")
 
 
 def _warning(app: App) -> str:
     """The first warning of the active picture."""
     side = app.model.active_side
     frame = app.model.frames.get(side)
-    told = () if frame is None else warnings(frame, app.model.displayed(side))
-    if not told:
+    texts = () if frame is None else warnings(frame, app.model.displayed(side))
+    if not texts:
         return ""
-    more = len(told) - 1
-    return told[0] + (f" (and {more} more)" if more else "")
+    more = len(texts) - 1
+    return texts[0] + (f" (and {more} more)" if more else "")
 
 
 def _numbers(app: App, width: float) -> str:
-    """What fits into a width, the most important first from the right."""
+    """As much as fits into a width, the most important first from the right."""
     model = app.model
     frame = model.frames.get(model.active_side)
-    parts = [f"{1e3 * model.frame_s:.0f} ms"]
+    parts = [f"{1e3 * model.frame_s:.0f} ms a frame"]
     if frame is not None:
         wide, tall = frame.size
-        parts.append("c_max none" if frame.c_max is None else f"c_max {frame.c_max:.3g}")
         picture = model.displayed(model.active_side) or frame
-        parts.append(f"{picture.clip_count} clipped")
-        parts.append(f"{wide}x{tall}" + (" draft" if model.draft else ""))
-        parts.append(f"drew {_in_short(model.redrawn)}")
+        parts.append(quality_words(frame))
+        parts.append(f"{picture.clip_count} pixels clipped")
+        parts.append(f"{wide} x {tall} px" + (", draft" if model.draft else ""))
+        parts.append(f"passes: {_in_short(model.redrawn)}")
         parts.append(frame.device.split("(")[0].strip())
     line = ""
     for part in parts:
@@ -96,30 +99,36 @@ def _numbers(app: App, width: float) -> str:
     return line
 
 
-def _in_short(redrawn: list[str]) -> str:
+def _in_short(redrawn: list[DrawnPass]) -> str:
     """Passes by name, a side before them only where the other side drew something else."""
-    passes: dict[str, list[str]] = {}
-    for entry in redrawn:
-        side, name = entry.split(" ", 1)
-        passes.setdefault(name, []).append(side)
-    words = [name if len(sides) > 1 else f"{sides[0]} {name}" for name, sides in passes.items()]
-    return ", ".join(words) or "nothing"
+    sides_of: dict[str, list[str]] = {}
+    for side, name in redrawn:
+        sides_of.setdefault(name, []).append(side)
+    words = [name if len(sides) > 1 else f"{sides[0]} {name}" for name, sides in sides_of.items()]
+    return ", ".join(words) or "none"
 
 
 def _details(app: App) -> str:
     model = app.model
+    passes = ", ".join(f"{side} {name}" for side, name in model.redrawn)
+    lines = [f"Passes drawn last: {passes or 'none'}."]
     frame = model.frames.get(model.active_side)
-    lines = ["Last frame drew: " + (", ".join(model.redrawn) or "nothing new") + "."]
     if frame is not None:
-        eq4 = frame.scaling.c_max_eq4
-        shown = model.displayed(model.active_side)
-        picture = shown or frame
+        displayed = model.displayed(model.active_side)
+        picture = displayed or frame
+        mapping = f"; tone mapping: {displayed.operator}" if displayed else ""
         lines += [
             f"Device: {frame.device}.",
             f"Active side: {model.active_side}, {frame.size[0]} x {frame.size[1]} px.",
-            f"c {frame.c:.6g}, c_max {frame.c_max}, by eq. 4 {eq4}.",
+            f"Quality {frame.look.quality}. {drawing_words(frame.method)}.",
+            f"Contrast gloss (c) {frame.c:.6g}, highest (c_max) {_plain(frame.c_max)}, by eq. 4 "
+            f"{_plain(frame.scaling.c_max_eq4)}.",
             f"{picture.clip_count} pixels above white, {picture.out_of_gamut_count} out of gamut"
-            + (f", by {shown.operator}." if shown else "."),
-            *warnings(frame, shown),
+            f"{mapping}.",
+            *warnings(frame, displayed),
         ]
     return "\n".join(lines)
+
+
+def _plain(value: float | None) -> str:
+    return "none" if value is None else f"{value:.6g}"

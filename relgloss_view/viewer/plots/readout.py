@@ -18,7 +18,7 @@ Triple = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Readout:
-    """One pixel of a frame. What only the object has is None off it."""
+    """One pixel of a frame. Off the object only `display_rgb` has a meaning."""
 
     on_object: bool
     display_rgb: tuple[int, int, int]  #: 8 bits
@@ -39,7 +39,7 @@ class Patch:
     """The pixels around one, row 0 the top; those beyond the picture are marked."""
 
     rgb: NDArray[np.uint8]  #: (N, N, 3)
-    lstar: Array  #: (N, N), L~* as shown: at most 100, the surround's off the object
+    lstar: Array  #: (N, N), L~* as displayed: at most 100, the surround's off the object
     inside: NDArray[np.bool_]  #: (N, N)
 
 
@@ -47,7 +47,6 @@ class Patch:
 class Stages:
     """Every stage of a frame that a readout needs, fetched at once."""
 
-    frame_size: tuple[int, int]
     y_n_cd_m2: float
     diffuse: Floats
     specular: Floats
@@ -67,21 +66,20 @@ class Stages:
     def of(cls, frame: Frame) -> Stages:
         """Fetch them."""
         return cls(
-            frame.size,
-            frame.y_n_cd_m2,
-            frame.diffuse,
-            frame.specular,
-            frame.lab,
-            frame.display,
-            frame.normal,
-            frame.tilted_normal,
-            frame.point_m,
-            frame.on_object,
-            frame.clipped,
-            frame.out_of_gamut,
-            frame.scene.lamp.position_m,
-            frame.scene.eye.position_m,
-            frame.scene.display.background_lstar,
+            y_n_cd_m2=frame.y_n_cd_m2,
+            diffuse=frame.diffuse,
+            specular=frame.specular,
+            lab=frame.lab,
+            display=frame.display,
+            normal=frame.normal,
+            tilted_normal=frame.tilted_normal,
+            point_m=frame.point_m,
+            on_object=frame.on_object,
+            clipped=frame.clipped,
+            out_of_gamut=frame.out_of_gamut,
+            lamp_m=frame.scene.lamp.position_m,
+            eye_m=frame.scene.eye.position_m,
+            background_lstar=frame.scene.display.background_lstar,
         )
 
     def read(self, column: int, row: int) -> Readout | None:
@@ -96,16 +94,16 @@ class Stages:
         diffuse, specular = (s[at].astype(np.float64) for s in (self.diffuse, self.specular))
         l_d, l_s = tone.split_lightness(diffuse[1], specular[1])
         return Readout(
-            True,
-            (r, g, b),
-            float(diffuse[1]) * self.y_n_cd_m2,
-            float(specular[1]) * self.y_n_cd_m2,
-            _triple(diffuse + specular),
-            float(l_d),
-            float(l_s),
-            _triple(self.lab[at]),
-            self._half_deg(self.normal, at),
-            self._half_deg(self.tilted_normal, at),
+            on_object=True,
+            display_rgb=(r, g, b),
+            diffuse_cd_m2=float(diffuse[1]) * self.y_n_cd_m2,
+            specular_cd_m2=float(specular[1]) * self.y_n_cd_m2,
+            xyz=_triple(diffuse + specular),
+            l_d=float(l_d),
+            l_s=float(l_s),
+            lab=_triple(self.lab[at]),
+            half_deg=self._half_deg(self.normal, at),
+            half_tilted_deg=self._half_deg(self.tilted_normal, at),
             clipped=bool(self.clipped[at]),
             out_of_gamut=bool(self.out_of_gamut[at]),
         )
@@ -120,15 +118,15 @@ class Stages:
         columns = np.arange(column - radius, column + radius + 1)
         inside = ((rows >= 0) & (rows < height))[:, None] & (columns >= 0) & (columns < width)
         place = np.ix_(np.clip(rows, 0, height - 1), np.clip(columns, 0, width - 1))
-        shown = np.minimum(self.lab[..., 0][place].astype(np.float64), 100.0)
-        lstar = np.where(self.on_object[place], shown, self.background_lstar)
+        displayed = np.minimum(self.lab[..., 0][place].astype(np.float64), 100.0)
+        lstar = np.where(self.on_object[place], displayed, self.background_lstar)
         return Patch(self.display[place], lstar, inside)
 
 
 def half_vector_deg(normal: Floats, point_m: Floats, lamp_m: Array, eye_m: Array) -> float | None:
     """Angle between a normal and the half-vector of lamp and eye as the point sees them, degrees.
 
-    None where there is no normal, or where lamp and eye stand opposite.
+    None where there is no normal, or where lamp and eye are opposite.
     """
     n = np.asarray(normal, dtype=np.float64)
     to_lamp, to_eye = (place - np.asarray(point_m, dtype=np.float64) for place in (lamp_m, eye_m))

@@ -17,7 +17,7 @@ from relgloss_view.material.spectra import Illuminant, illuminant, xyz_weights
 from relgloss_view.measure.bands import Bands
 from relgloss_view.measure.gonio import direction
 from relgloss_view.measure.table import NEGATIVE, Measurement
-from relgloss_view.viewer.plots.memory import Recent
+from relgloss_view.viewer.plots.caches import Recent
 
 Array = NDArray[np.float64]
 
@@ -126,7 +126,7 @@ def seen_through_apertures(
 def albedo_curve(material: Material, lamp: str, *, wait: bool = True) -> Albedo | None:
     """Directional albedo at ALBEDO_INCIDENCES_DEG; InputError for a lamp that is none.
 
-    It takes 30 ms the first time: without `wait` it is None until it has been worked out.
+    It takes 30 ms the first time: without `wait` it is None until it has been computed.
     """
     light = illuminant(lamp)
     parts = _albedos.peek(material, ())
@@ -143,12 +143,12 @@ def albedo_curve(material: Material, lamp: str, *, wait: bool = True) -> Albedo 
 def measured_incidences(measurement: Measurement) -> Array:
     """Angles of incidence in degrees, whole ones, that have three or more points in their plane."""
     points = _planes.get(measurement, (), lambda: _Plane.of(measurement))
-    found, count = np.unique(np.round(points.incidence_deg[points.rows]), return_counts=True)
-    return np.asarray(found[count >= 3])
+    angles, count = np.unique(np.round(points.incidence_deg[points.rows]), return_counts=True)
+    return np.asarray(angles[count >= 3])
 
 
 def measured_points(measurement: Measurement, lamp: str, incidence_deg: float) -> Points | None:
-    """What was measured at an incidence, ordered by receiver; None where nothing was nearby."""
+    """The points measured at an incidence, ordered by receiver; None where none are nearby."""
     light = illuminant(lamp)
 
     def make() -> tuple[Points | None]:

@@ -1,15 +1,16 @@
-"""What can be done by menu or key: one table, from which menus, keys and the overview come."""
+"""Actions by menu or key: one table, from which menus, keys and the overview come."""
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
+from relgloss_view.picture.scene.look import QUALITIES
 from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.viewer.drawing import camera
 from relgloss_view.viewer.state.state import (
@@ -31,13 +32,14 @@ _KEY_NAMES = {"Esc": "escape"}
 
 @dataclass(frozen=True)
 class Action:
-    """One thing to do: its words, its key, what it does, and whether it is on or possible."""
+    """One thing to do: its menu, text and key, its work, and whether it is on or possible."""
 
     menu: str
     text: str
     key: str  #: as people read it, such as Ctrl+Shift+S; empty for none
     run: Callable[[App], object]
     help: str
+    _: KW_ONLY
     on: Callable[[App], bool] | None = None
     possible: Callable[[App], bool] = lambda app: True
 
@@ -53,7 +55,7 @@ class Action:
 
 
 def take_keys(app: App) -> None:
-    """Do what the keys ask for, unless a text is being typed."""
+    """Do the actions of the keys that are pressed, unless a text is being typed."""
     app.flip_held = False
     if imgui.get_io().want_text_input:
         return
@@ -61,8 +63,8 @@ def take_keys(app: App) -> None:
         app.flip_held = imgui.is_key_down(imgui.Key.space)
     alone = app.model.state.presentation.haploscopic
     for action in ACTIONS:
-        if alone and action.menu not in ("File", "Edit", "") and action.text not in _SEEN_ALONE:
-            continue  # what it does would not be seen before the panels are back
+        if alone and action.menu not in ("File", "Edit", "") and action.text not in _WHILE_ALONE:
+            continue  # its effect would be invisible until the panels are back
         if action.chord and imgui.is_key_chord_pressed(action.chord) and action.possible(app):
             action.run(app)
 
@@ -94,11 +96,11 @@ def _next_overlay(app: App) -> None:
 
 
 def _swap(app: App) -> None:
-    state, shown = app.model.state, app.model.state.presentation
+    state, presentation = app.model.state, app.model.state.presentation
     state = state.with_part(
         "presentation",
-        reference_operator=shown.test_operator,
-        test_operator=shown.reference_operator,
+        reference_operator=presentation.test_operator,
+        test_operator=presentation.reference_operator,
     )
     app.model.change(dataclasses.replace(state, reference=state.test, test=state.reference))
 
@@ -107,6 +109,12 @@ def _at_c_max(app: App) -> None:
     side = app.model.active_side
     sigma_n_deg = app.model.state.side(side).look.sigma_n_deg
     app.model.set_setting(side, Setting(sigma_n_deg))
+
+
+def _other_quality(app: App) -> None:
+    side = app.model.active_side
+    present = app.model.state.side(side).look.quality
+    app.model.set_look(side, quality=next(name for name in QUALITIES if name != present))
 
 
 def _reset_view(app: App) -> None:
@@ -136,107 +144,121 @@ def _help(app: App) -> None:
     app.helping = not app.helping
 
 
-#: Of the menu View, what can be seen where only the two pictures show.
-_SEEN_ALONE = ("Haploscopic", "Mirror", "Reset camera", "Life size")
+#: Actions of the menu View whose effect shows where there are only the two pictures.
+_WHILE_ALONE = ("Haploscopic", "Mirror", "Reset camera", "Life size")
 _MODE_HELP = {
-    SIDE_BY_SIDE: "reference left, test right",
-    WIPE: "one over the other, with an edge to drag",
-    FLIP: "one at a time; hold Space to see the other",
-    DIFFERENCE: "map of the colour difference between both",
+    SIDE_BY_SIDE: "shows the reference on the left and the test on the right",
+    WIPE: "shows one picture over the other; drag the edge between them",
+    FLIP: "shows one picture at a time; hold Space to see the other",
+    DIFFERENCE: "maps the colour difference between the two pictures",
 }
 
 ACTIONS: tuple[Action, ...] = (
     Action(
         "File", "Open...", "Ctrl+O", lambda app: app.files.open(),
-        "a measurement, a material or a scene",
+        "opens a measurement, a material or a scene",
     ),
     Action(
         "File", "Save scene", "Ctrl+S", lambda app: app.files.save(),
-        "everything set in the window, as TOML",
+        "saves all settings of the window as a scene file (TOML)",
     ),
     Action(
-        "File", "Save scene as...", "Ctrl+Shift+S",
-        lambda app: app.files.save_as(), "under another name",
+        "File", "Save scene as...", "Ctrl+Shift+S", lambda app: app.files.save_as(),
+        "saves the scene under another name",
     ),
     Action(
         "File", "Export...", "Ctrl+E", lambda app: app.files.export(),
-        "pictures as PNG or OpenEXR",
+        "saves pictures as PNG or OpenEXR",
     ),
     Action(
         "File", "Export view...", "Ctrl+Shift+E", lambda app: app.files.export_view(),
-        "the pane as it is: both pictures, wipe, overlay or difference map, as PNG",
+        "saves both pictures as they show, with wipe, overlay or map",
     ),
     Action(
         "File", "Copy as command", "Ctrl+C", lambda app: app.files.copy_command(),
-        "the line that draws the active side's picture without a window",
+        "copies the command that draws the active picture",
     ),
-    Action("File", "Quit", "Ctrl+Q", lambda app: app.quit(), "leave; all is kept"),
+    Action(
+        "File", "Quit", "Ctrl+Q", lambda app: app.quit(), "closes the window; the session is kept"
+    ),
     Action(
         "Edit", "Undo", "Ctrl+Z", lambda app: app.model.history.undo(),
-        "take back the last step; presets and the layout of panels are no steps", None,
-        lambda app: app.model.history.can_undo,
+        "takes back the last change, except of presets and panels",
+        possible=lambda app: app.model.history.can_undo,
     ),
     Action(
         "Edit", "Redo", "Ctrl+Y", lambda app: app.model.history.redo(),
-        "do it again", None, lambda app: app.model.history.can_redo,
+        "makes the change again", possible=lambda app: app.model.history.can_redo,
     ),
-    Action("Edit", "Swap sides", "X", _swap, "reference becomes test, test reference"),
-    Action("Edit", "c to c_max", "L", _at_c_max, "on the active side"),
-    Action("Edit", "Start afresh", "", _reset_all, "the built-in papers, every default"),
+    Action("Edit", "Swap sides", "X", _swap, "exchanges the reference and the test"),
+    Action(
+        "Edit", "Highest contrast gloss", "L", _at_c_max, "sets c to c_max on the active side"
+    ),
+    Action(
+        "Edit", "Start afresh", "", _reset_all, "brings back the built-in papers and all defaults"
+    ),
     *(
         Action(
             "View", mode[:1].upper() + mode[1:], str(k + 1),
-            _present(compare=mode), _MODE_HELP[mode], _comparing(mode),
+            _present(compare=mode), _MODE_HELP[mode], on=_comparing(mode),
         )
         for k, mode in enumerate(COMPARE_MODES)
     ),
     Action(
         "View", "Show the other picture", "B", _toggle("flipped"),
-        "in flip mode: it stays until this is chosen again", _is_on("flipped"), _comparing(FLIP),
+        "in flip mode, until it is chosen again", on=_is_on("flipped"), possible=_comparing(FLIP),
     ),
-    Action("View", "Next overlay", "O", _next_overlay, "clipped, gamut, L*, parts, normals"),
+    Action(
+        "View", "Next overlay", "O", _next_overlay,
+        "marks clipped or out-of-gamut pixels, or shows L*, parts, normals",
+    ),
     Action(
         "View", "Other side active", "S", _other_side,
-        "the side that panels show and keys act on",
+        "chooses the side that panels show and keys change",
+    ),
+    Action(
+        "View", "Drawing quality", "Q", _other_quality,
+        "changes between auto and exact on the active side",
     ),
     Action(
         "View", "Reset camera", "F", _reset_view,
-        "frame the object from the front; so does a double click in a picture",
+        "shows the whole object from the front, as a double click does",
     ),
     Action(
         "View", "Life size", "0", _toggle("life_size"),
-        "as large as the object is, by what the monitor says of itself", _is_on("life_size"),
-        lambda app: app.model.pixel_pitch_m is not None,
+        "shows the object as large as it is, by the monitor's own data", on=_is_on("life_size"),
+        possible=lambda app: app.model.pixel_pitch_m is not None,
     ),
     Action(
         "View", "Mirror", "M", _toggle("mirror"),
-        "swap left and right, for a mirror before the monitor", _is_on("mirror"),
+        "swaps left and right, for a mirror before the monitor", on=_is_on("mirror"),
     ),
     Action(
         "View", "Haploscopic", "P", _toggle("haploscopic"),
-        "only the two pictures, no text; Esc or a right click leaves", _is_on("haploscopic"),
+        "shows only the two pictures; Esc or a right click leaves", on=_is_on("haploscopic"),
     ),
     Action(
-        "View", "Hide panels", "Tab", _hide, "all of them; they come back as they were",
-        lambda app: app.layout.hidden,
+        "View", "Hide panels", "Tab", _hide, "hides all panels, or brings them back",
+        on=lambda app: app.layout.hidden,
     ),
     Action(
-        "View", "Reset panels", "", lambda app: app.layout.reset(), "as at the first start"
+        "View", "Reset panels", "", lambda app: app.layout.reset(),
+        "arranges the panels as at the first start",
     ),
-    Action("Help", "Keys", "H", _help, "this overview"),
-    Action("", "Leave haploscopic mode", "Esc", _leave, "back to the panels"),
+    Action("Help", "Keys and mouse", "H", _help, "shows or hides this overview"),
+    Action("", "Leave haploscopic mode", "Esc", _leave, "goes back to the panels"),
 )  # fmt: skip
 
-#: What the mouse does in the pictures, for the overview.
+#: The mouse in the pictures and the panels, for the overview.
 MOUSE = (
-    ("drag", "turn the object"),
+    ("Drag", "turn the object"),
     ("Shift+drag, right drag", "move the picture"),
-    ("wheel", "zoom towards the pointer"),
-    ("double click", "reset the camera"),
+    ("Wheel", "zoom towards the pointer"),
+    ("Double click", "reset the camera"),
     ("Ctrl+drag", "move the lamp"),
-    ("Space (held), in flip mode", "show the other picture"),
-    ("Ctrl+click on a slider", "type a value"),
-    ("double click on a slider", "reset it"),
-    ("Alt+click", "pin a pixel in the Pixel panel"),
-    ("drop a file", "open it"),
+    ("Hold Space", "show the other picture (flip)"),
+    ("Ctrl+click a slider", "type a value"),
+    ("Double-click a slider", "reset it"),
+    ("Alt+click", "pin a pixel"),
+    ("Drop a file", "open it"),
 )

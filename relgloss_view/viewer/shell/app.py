@@ -13,37 +13,37 @@ from relgloss_view.base.writing import make_folder
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model.view import Size
 from relgloss_view.viewer.drawing.arrangement import arranged, as_shown
-from relgloss_view.viewer.drawing.operated import OperatedPictures
-from relgloss_view.viewer.drawing.pace import Pace
-from relgloss_view.viewer.drawing.painting import surround_gray
-from relgloss_view.viewer.drawing.pictures import Pictures, passes_since
-from relgloss_view.viewer.files.desk import FileDesk
-from relgloss_view.viewer.files.tables import Tables
+from relgloss_view.viewer.drawing.canvas import surround_gray
+from relgloss_view.viewer.drawing.draft_scale import DraftScale
+from relgloss_view.viewer.drawing.operator_pictures import OperatorPictures
+from relgloss_view.viewer.drawing.pair_renderer import DrawnPair, PairRenderer, passes_since
+from relgloss_view.viewer.files.measurement_tables import MeasurementTables
 from relgloss_view.viewer.panels import (
     fit,
     gloss,
     help,
-    inspector,
     lightness,
     look,
     menu,
+    pixel,
     reflection,
     sample,
-    setting,
+    scene,
     stage,
     status,
 )
-from relgloss_view.viewer.plots.gloss_readings import Glosses
+from relgloss_view.viewer.plots.gloss_readings import GlossReadings
 from relgloss_view.viewer.shell import actions
+from relgloss_view.viewer.shell.file_actions import FileActions
 from relgloss_view.viewer.shell.layout import BELOW, BELOW_RIGHT, RIGHT, Layout, Panel
 from relgloss_view.viewer.shell.window import Window
 from relgloss_view.viewer.state.layout_file import WindowLayout, save_layout
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.state import State
 
-#: What the interface takes after the pictures, on a software driver and a large window.
+#: Time of the interface after the pictures, on a software driver and a large window.
 INTERFACE_S = 0.008
-LAYOUT_S = 1.0  #: between looks at what there is to keep of the layout
+LAYOUT_S = 1.0  #: between checks for changes of the layout
 
 
 class App:
@@ -51,26 +51,26 @@ class App:
 
     def __init__(self, state: State) -> None:
         self.model: Model = Model(state)
-        self.files: FileDesk = FileDesk(self.model, self.wake)
-        self._tables = Tables(self.model, self.wake)
-        self._operated = OperatedPictures(self.wake)
-        self._glosses = Glosses(self.wake)
-        self.pace = Pace()
+        self.files: FileActions = FileActions(self.model, self.wake)
+        self._tables = MeasurementTables(self.model, self.wake)
+        self._operator_pictures = OperatorPictures(self.wake)
+        self._gloss_readings = GlossReadings(self.wake)
+        self.draft_scale = DraftScale()
         self.layout: Layout = Layout(
             [
                 Panel("Look", RIGHT, lambda: look.show(self.model)),
-                Panel("Scene", RIGHT, lambda: setting.show(self.model)),
-                Panel("Sample", RIGHT, lambda: sample.show(self.model, self.files)),
+                Panel("Scene", RIGHT, lambda: scene.show(self.model)),
+                Panel("Sample", RIGHT, lambda: sample.show(self.model, self.files.open)),
                 Panel("Lightness", BELOW, lambda: lightness.show(self.model)),
                 Panel("Reflection", BELOW, lambda: reflection.show(self.model)),
                 Panel("Fit", BELOW, lambda: fit.show(self.model)),
-                Panel("Gloss", BELOW, lambda: gloss.show(self.model, self._glosses)),
-                Panel("Pixel", BELOW_RIGHT, lambda: inspector.show(self.model)),
+                Panel("Gloss", BELOW, lambda: gloss.show(self.model, self._gloss_readings)),
+                Panel("Pixel", BELOW_RIGHT, lambda: pixel.show(self.model)),
             ]
         )
-        self.pictures: Pictures | None = None
+        self.pictures: PairRenderer | None = None
         self.flip_held = False  #: a key or a button shows the other picture
-        self.staged: stage.Staged | None = None  #: the pictures of the present frame
+        self.drawn_pane: stage.DrawnPane | None = None  #: the pictures of the present frame
         self.stage_origin = (0.0, 0.0)  #: upper left corner of their pane, pixels of the screen
         self.kept_layout = WindowLayout()
         self._layout_path: Path | None = None
@@ -85,7 +85,7 @@ class App:
 
     def start(self, ctx: Any, window: Window) -> None:
         """The context is there."""
-        self.pictures = Pictures(ctx)
+        self.pictures = PairRenderer(ctx)
         self._window = window
         self.model.render_at = self._render_at
         if self.kept_layout.docking:
@@ -126,7 +126,7 @@ class App:
             self._layout_kept_s = now_s
             self.model.attempt(self.save_layout)
         if self.pictures.ctx.error != "GL_NO_ERROR":
-            self._lost = True  # told by the next frame, which makes everything again
+            self._lost = True  # the next frame reports it and makes everything again
             return True
         if self.model.dragging:
             return True
@@ -200,13 +200,13 @@ class App:
         ctx = self.pictures.ctx
         self.pictures.abandon()
         self.model.frames = {}
-        self.pictures = Pictures(ctx)
-        self.model.say("the graphics device lost its objects; everything was made again")
+        self.pictures = PairRenderer(ctx)
+        self.model.report("the graphics device lost its objects; everything was made again")
 
     # --- one frame ----------------------------------------------------------------------------
 
     def _note_hand(self) -> None:
-        """What the hand holds now; its gesture ends when it lets go, and not between two clicks."""
+        """Note the hand's hold; its gesture ends when it lets go, and not between two clicks."""
         model = self.model
         pressed = any(imgui.is_mouse_down(button) for button in range(3))
         active = imgui.is_any_item_active()
@@ -218,19 +218,19 @@ class App:
             self._held_at_s = now_s
         model.dragging = (pressed and active) or model.held
         if model.dragging:
-            self.pace.drag()
+            self.draft_scale.drag()
         else:
-            self.pace.rest()
+            self.draft_scale.rest()
 
     def _show_stage(self) -> None:
         canvas = stage.show(self.model, self._draw_pictures)
         assert self._window is not None
         self._window.surround = surround_gray(self.model.state.setup.display)
         self._window.canvas = canvas
-        asked = self.model.take_view is not None and not self.model.draft
-        self._window.below = self._give_view if asked and self.staged is not None else None
+        wanted = self.model.take_view is not None and not self.model.draft
+        self._window.below = self._give_view if wanted and self.drawn_pane is not None else None
 
-    def _draw_pictures(self, pane: Size) -> stage.Staged | None:
+    def _draw_pictures(self, pane: Size) -> stage.DrawnPane | None:
         assert self.pictures is not None
         assert self._window is not None
         model = self.model
@@ -239,41 +239,47 @@ class App:
             state = state.with_part("presentation", flipped=not state.presentation.flipped)
         arrangement = arranged(pane, state.presentation, largest=self.pictures.largest)
         if arrangement is None:
-            self.staged = None
+            self.drawn_pane = None
             return None
         at = imgui.get_cursor_screen_pos()
         self.stage_origin = (at.x, at.y)
         model.picture_size = arrangement.size
-        asked = int(state.presentation.gap_px)
-        model.gap_px = asked if arrangement.gap_px is None else arrangement.gap_px
+        wanted = int(state.presentation.gap_px)
+        model.gap_px = wanted if arrangement.gap_px is None else arrangement.gap_px
         pitch = self._window.pixel_pitch_m()
         model.pixel_pitch_m = pitch
         before = self.pictures.drawn
-        shown, faults = self.pictures.draw(
-            state, arrangement, self.pace.scale, pitch, moving=model.dragging
+        pair = self.pictures.draw(
+            state, arrangement, self.draft_scale.scale, pitch, moving=model.dragging
         )
         model.redrawn = passes_since(before, self.pictures.drawn) or model.redrawn
         if model.dragging:
             # What c_max is read from has been waited for; the wait for a monitor is not counted.
             taken_s = time.perf_counter() - self._frame_began_s
-            self.pace.measured(taken_s + INTERFACE_S)
-        model.draft = self.pace.scale < 1.0
-        model.frames = {side: s.frame for side, s in shown.items()}
+            self.draft_scale.measured(taken_s + INTERFACE_S)
+        model.draft = self.draft_scale.scale < 1.0
+        model.frames = {side: picture.frame for side, picture in pair.pictures.items()}
         at_rest = not (model.dragging or model.draft)
-        shown, model.operated = self._operated.replaced(
-            state, shown, self.pictures, at_rest=at_rest
+        model.operator_pictures = self._operator_pictures.of_pair(
+            state, pair.pictures, at_rest=at_rest
         )
-        for fault in faults.values():
-            model.say_once(fault, fault=True)
-        self.staged = stage.Staged(arrangement, shown, faults)
-        return self.staged
+        displayed = {
+            side: picture.displayed
+            for side, picture in model.operator_pictures.items()
+            if picture.displayed is not None
+        }
+        for fault in pair.faults.values():
+            model.report_once(fault, fault=True)
+        pictures = self.pictures.with_uploads(pair.pictures, displayed)
+        self.drawn_pane = stage.DrawnPane(arrangement, DrawnPair(pictures, pair.faults))
+        return self.drawn_pane
 
     def _give_view(self, screen: Any, height: int) -> None:
-        """Hand over what the pane shows, without the interface."""
+        """Hand over the pane's pixels, without the interface."""
         take, self.model.take_view = self.model.take_view, None
-        if take is None or self.staged is None:
+        if take is None or self.drawn_pane is None:
             return
-        rects = self.staged.arrangement.rects.values()
+        rects = self.drawn_pane.arrangement.rects.values()
         wide, tall = max(x + w for x, _, w, _ in rects), max(y + h for _, y, _, h in rects)
         left, top = (int(v) for v in self.stage_origin)
         box = (left, height - top - tall, wide, tall)

@@ -29,7 +29,7 @@ MODIFIERS = frozenset(
     for name in ("CONTROL", "SHIFT", "ALT", "SUPER")
 )
 
-Key = tuple[int, int, int, int]  #: key, scancode, action and modifiers, as GLFW tells them
+Key = tuple[int, int, int, int]  #: key, scancode, action and modifiers, as GLFW reports them
 
 
 class Keyboard:
@@ -50,9 +50,9 @@ class Keyboard:
         self._take(codepoint)
 
     def next_frame(self) -> bool:
-        """A frame has taken what it was given: the next gets what was held back.
+        """Begin a frame with the events that were held back.
 
-        Returns whether it was given something.
+        Returns whether there were any.
         """
         self._changed.clear()
         held, self._held = self._held, deque()

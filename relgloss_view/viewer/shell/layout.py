@@ -1,4 +1,4 @@
-"""Where the panels stand: a dock space, its first arrangement, and hiding all without losing it."""
+"""The panels' places: a dock space, its first arrangement, and hiding all without losing it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from relgloss_view.viewer.shell.theme import em
 internal = imgui.internal
 
 RIGHT, BELOW, BELOW_RIGHT = "right", "below", "below right"
-RIGHT_EM = 22.0  #: width of the column of controls
+RIGHT_EM = 25.0  #: width of the column of controls
 BELOW_EM = 16.0  #: height of the strip of plots
 #: Of the window's width and height: the pictures stay the largest thing in it.
 LEAST_SHARE, MOST_SHARE = 0.15, (0.36, 0.42)
@@ -37,7 +37,7 @@ class Panel:
     place: str
     show: Callable[[], None]
     visible: bool = True
-    docked: bool = False  #: whether it stood in the dock space when it was last drawn
+    docked: bool = False  #: whether it was in the dock space when it was last drawn
 
 
 class Layout:
@@ -51,14 +51,14 @@ class Layout:
         self._focus: list[str] = []
 
     def reset(self) -> None:
-        """Show every panel where it stood at first."""
+        """Show every panel in its first place."""
         self.hidden = False
         self._arrange_again = True
         for panel in self.panels:
             panel.visible = True
 
     def focus(self, title: str) -> None:
-        """Bring a panel to the front, shown if it was not."""
+        """Bring a panel to the front; a closed one opens."""
         self.hidden = False
         next(p for p in self.panels if p.title == title).visible = True
         self._focus.append(title)
@@ -69,7 +69,7 @@ class Layout:
         place = ImVec2(viewport.pos.x, viewport.pos.y + top_px)
         size = ImVec2(viewport.size.x, max(viewport.size.y - top_px - bottom_px, 1.0))
         if self._new:
-            # Windows that stay at the back stand before those of their kind that come later: the
+            # Windows that stay at the back are in front of those of their kind that come later: the
             # mouse must find the stage before the dock space behind it.
             imgui.begin(STAGE, None, _STAGE_FLAGS)
             imgui.end()

@@ -44,26 +44,26 @@ def terminating(close: Callable[[], None]) -> Iterator[None]:
 @contextlib.contextmanager
 def quiet_errors() -> Iterator[list[str]]:
     """Catch what libraries below Python print on standard error; the list holds it afterwards."""
-    told: list[str] = []
+    messages: list[str] = []
     try:
         kept = os.dup(2)
     except OSError:  # closed: nothing can be printed there
-        yield told
+        yield messages
         return
     with tempfile.TemporaryFile() as caught:
         os.dup2(caught.fileno(), 2)
         try:
-            yield told
+            yield messages
         finally:
             os.dup2(kept, 2)
             os.close(kept)
             caught.seek(0)
-            told.extend(caught.read().decode("utf-8", "replace").splitlines())
+            messages.extend(caught.read().decode("utf-8", "replace").splitlines())
 
 
-def no_window(told: list[str], headless: bool) -> GLUnavailableError:
-    """The fault of a window that could not be opened, from what libraries said of it."""
-    reasons = "; ".join(dict.fromkeys(line.strip() for line in told if "Glfw Error" in line))
+def no_window(messages: list[str], headless: bool) -> GLUnavailableError:
+    """The fault of a window that could not be opened, by the libraries' messages."""
+    reasons = "; ".join(dict.fromkeys(line.strip() for line in messages if "Glfw Error" in line))
     remedy = NO_GL_REMEDY if headless else f"{NO_GL_REMEDY}; or {REMEDY}"
     return GLUnavailableError(
         f"no window with OpenGL 3.3 ({reasons or 'no reason given'}); {remedy}"

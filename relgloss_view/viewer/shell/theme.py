@@ -22,7 +22,7 @@ TEXT = 0.87
 QUIET = 0.62
 LINE = 0.30
 
-#: Curves of a plot, told apart by lightness first and by a trace of hue second.
+#: Curves of a plot, which differ in lightness first and in a trace of hue second.
 CURVES = (
     ImVec4(0.93, 0.93, 0.93, 1.0),
     ImVec4(0.66, 0.74, 0.82, 1.0),

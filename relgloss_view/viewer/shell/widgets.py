@@ -1,12 +1,15 @@
-"""Controls made from declared parameters: range, unit, default and meaning come from their fields.
+"""Controls made from declared parameters: label, range, unit, default and meaning of their fields.
 
-Ctrl-click types a value, a double click resets it, a tooltip says what it is. Each returns whether
-the user changed it, and the value; ids are the labels with `##` before them.
+Ctrl+click types a value, a double click resets it, a tooltip explains it. Each returns whether the
+user changed it, and the value. The id of a control is its label with `##` before it.
 """
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 from imgui_bundle import imgui
@@ -14,12 +17,13 @@ from imgui_bundle import imgui
 from relgloss_view.base.parameters import Range
 from relgloss_view.viewer.shell.theme import em, gray
 
-LABEL_EM = 7.5  #: width of the column of labels
-NARROW_EM = 13.0  #: a panel below this has its labels above the controls
-HOW = "Ctrl-click types a value, a double click resets it."
+LABEL_EM = 11.6  #: width of the column of labels
+CONTROL_EM = 7.0  #: a panel without this much room beside its labels has them above the controls
+HOW = "Ctrl+click to type a value, double-click to reset it."
 
 #: The control that a double click has just reset; it ignores the hand until that lets go.
 _reset_id = 0
+_label_em = LABEL_EM
 
 
 def declared(owner: type, name: str) -> dataclasses.Field[Any]:
@@ -37,7 +41,7 @@ def tooltip(text: str) -> None:
 
 
 def quiet(text: str) -> None:
-    """Text that stands back."""
+    """Text in the quiet gray."""
     imgui.push_style_color(imgui.Col_.text, imgui.get_style().color_(imgui.Col_.text_disabled))
     imgui.text_unformatted(text)
     imgui.pop_style_color()
@@ -55,44 +59,68 @@ def wrapped(text: str, *, dim: bool = False) -> None:
         imgui.pop_style_color()
 
 
+def label_of(owner: type, name: str) -> str:
+    """The label that a field declares: a plain word, and the symbol behind it."""
+    text: str = declared(owner, name).metadata["label"]
+    return text
+
+
+@contextlib.contextmanager
+def label_column(width_em: float) -> Iterator[None]:
+    """Give the labels another width, for windows with short ones."""
+    global _label_em
+    before, _label_em = _label_em, width_em
+    try:
+        yield
+    finally:
+        _label_em = before
+
+
 def label(text: str) -> None:
     """Put a control's label on the left and make room for the control beside it."""
     imgui.align_text_to_frame_padding()
-    imgui.text_unformatted(text)
-    if imgui.get_content_region_avail().x >= em(NARROW_EM):
-        imgui.same_line(em(LABEL_EM))
+    beside = imgui.get_content_region_avail().x >= em(_label_em + CONTROL_EM)
+    if text or beside:
+        imgui.text_unformatted(text)
+    if beside:
+        imgui.same_line(em(_label_em))
     imgui.set_next_item_width(-1.0)
 
 
+@dataclass(frozen=True)
+class Reach:
+    """The part of a declared range that a slider's hand reaches; typing reaches all of it.
+
+    low, high: None is the range's own end. digits: format of the number.
+    """
+
+    low: float | None = None
+    high: float | None = None
+    digits: str = "%.3g"
+    logarithmic: bool = False
+
+
 def slider(
-    text: str,
-    owner: type,
-    name: str,
-    value: float,
-    *,
-    low: float | None = None,
-    high: float | None = None,
-    default: float | None = None,
-    digits: str = "%.3g",
-    logarithmic: bool = False,
+    owner: type, name: str, value: float, reach: Reach = Reach(), *, default: float | None = None
 ) -> tuple[bool, float]:
-    """A slider for a declared number. `low` and `high` narrow what the hand reaches, not typing."""
+    """A slider for a declared number; a double click goes to `default`, or to the field's."""
     field = declared(owner, name)
     allowed: Range = field.metadata["range"]
     start: float | None = field.default if default is None else default  # type: ignore[assignment]
-    flags = imgui.SliderFlags_.logarithmic if logarithmic else imgui.SliderFlags_.none
+    flags = imgui.SliderFlags_.logarithmic if reach.logarithmic else imgui.SliderFlags_.none
     unit = f" {allowed.unit}" if allowed.unit else ""
+    text = label_of(owner, name)
     label(text)
-    ends = (allowed.low if low is None else low, allowed.high if high is None else high)
+    low = allowed.low if reach.low is None else reach.low
+    high = allowed.high if reach.high is None else reach.high
     whole = field.metadata.get("whole", False)
     if whole:
-        ends_int = (int(ends[0]), min(int(ends[1]), 2**30))
-        changed, whole_number = imgui.slider_int(
-            f"##{text}", int(value), *ends_int, f"%d{unit}", flags
-        )
+        ends = int(low), min(int(high), 2**30)
+        changed, whole_number = imgui.slider_int(f"##{text}", int(value), *ends, f"%d{unit}", flags)
         number = float(whole_number)
     else:
-        changed, number = imgui.slider_float(f"##{text}", value, *ends, f"{digits}{unit}", flags)
+        written = f"{reach.digits}{unit}"
+        changed, number = imgui.slider_float(f"##{text}", value, low, high, written, flags)
     resetting = reset_by_double_click()
     tooltip(_meaning(allowed, start))
     if resetting and start is not None:
@@ -121,10 +149,10 @@ def combo(
     value: str,
     meaning: str,
     *,
-    shown: dict[str, str] | None = None,
+    words: dict[str, str] | None = None,
 ) -> tuple[bool, str]:
-    """A list of names to choose from; `shown` gives some of them other words."""
-    words = shown or {}
+    """A list of names to choose from; `words` replace some of them on the screen."""
+    words = words or {}
     label(text)
     chosen = value
     if imgui.begin_combo(f"##{text}", words.get(value, value)):
@@ -137,10 +165,39 @@ def combo(
     return chosen != value, chosen
 
 
-def choice(text: str, owner: type, name: str, value: str) -> tuple[bool, str]:
+def choice(owner: type, name: str, value: str) -> tuple[bool, str]:
     """A list for a declared choice."""
     metadata = declared(owner, name).metadata
-    return combo(text, metadata["options"], value, sentence(metadata["meaning"]))
+    return combo(metadata["label"], metadata["options"], value, sentence(metadata["meaning"]))
+
+
+def buttons(text: str, meanings: dict[str, str], value: str) -> tuple[bool, str]:
+    """Buttons side by side, one for each of a few names; the chosen one is bright.
+
+    meanings: the tooltip of each name.
+    """
+    label(text)
+    gap = imgui.get_style().item_inner_spacing.x
+    room = imgui.get_content_region_avail().x
+    width = (room - gap * (len(meanings) - 1)) / len(meanings)
+    chosen = value
+    for k, (name, meaning) in enumerate(meanings.items()):
+        if k:
+            imgui.same_line(0.0, gap)
+        if toggle(f"{name}##{text}", on=name == value, width=width):
+            chosen = name
+        tooltip(sentence(meaning))
+    return chosen != value, chosen
+
+
+def toggle(text: str, *, on: bool, width: float) -> bool:
+    """One of several buttons of which one is on; returns whether it was clicked."""
+    style = imgui.get_style()
+    ground = style.color_(imgui.Col_.slider_grab if on else imgui.Col_.button)
+    imgui.push_style_color(imgui.Col_.button, ground)
+    pressed = imgui.button(text, (width, 0.0))
+    imgui.pop_style_color()
+    return bool(pressed)
 
 
 def checkbox(text: str, value: bool, meaning: str) -> bool:
@@ -151,7 +208,7 @@ def checkbox(text: str, value: bool, meaning: str) -> bool:
 
 
 def button(text: str, meaning: str, *, width: float = 0.0, enabled: bool = True) -> bool:
-    """A button that says what it does; `width` in pixels, 0 as wide as its text."""
+    """A button, with a tooltip; `width` in pixels, 0 as wide as its text."""
     imgui.begin_disabled(not enabled)
     pressed = imgui.button(text, (width, 0.0))
     imgui.end_disabled()

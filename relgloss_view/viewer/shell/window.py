@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relgloss_view.picture.gpu.context import Blitter, Offscreen, attach, texture_probe
-from relgloss_view.viewer.drawing.arrangement import Canvas
+from relgloss_view.viewer.drawing.canvas import Canvas
 from relgloss_view.viewer.shell import theme
 from relgloss_view.viewer.shell.keyboard import Keyboard, listen
 from relgloss_view.viewer.shell.platform import (
@@ -43,7 +43,7 @@ NULL_STEP_S = 0.01  #: the null platform has no events to wait for
 
 
 class Program(Protocol):
-    """What a window runs."""
+    """A program that a window runs."""
 
     def start(self, ctx: Any, window: Window) -> None:
         """The context is there; called once, before the first frame."""
@@ -82,18 +82,18 @@ class Window:
         self.headless = headless
         self.font_scale = font_scale
         self._tune = tune
-        #: What is painted below the interface, and the gray of the surround. It is cleared and
+        #: The canvas below the interface, and the gray of the surround. It is cleared and
         #: copied: to blend it as the interface does takes a software driver several times as long.
         self.canvas = Canvas()
         self.surround = 0.0
-        #: Called when all but the interface stands there, with the surface and its height.
+        #: Called when all but the interface is painted, with the surface and its height.
         self.below: Callable[[Any, int], None] | None = None
         self._blitter: Blitter | None = None
         self._keyboard: Keyboard | None = None
         #: Whether the device still knows a texture by this name.
         self.is_texture: Callable[[int], bool] = lambda name: True
-        self.handle: Any = None  #: what GLFW knows it by
-        self._screen: Any = None  #: what the interface is drawn on
+        self.handle: Any = None  #: of GLFW
+        self._screen: Any = None  #: the surface that the interface is drawn on
         self._drawn = 0
         self._awake_until = 0.0
         self._settling = SETTLING_FRAMES
@@ -108,12 +108,12 @@ class Window:
         open_platform(self.headless)
         params = self._params()
         try:
-            with quiet_errors() as told:
+            with quiet_errors() as messages:
                 immapp.manual_render.setup_from_runner_params(
                     params, immapp.AddOnsParams(with_implot=True)
                 )
         except (RuntimeError, SystemError) as error:
-            raise no_window(told, self.headless) from error
+            raise no_window(messages, self.headless) from error
         try:
             with terminating(self.close):
                 self._loop(params, frames)

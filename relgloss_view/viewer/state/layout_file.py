@@ -1,4 +1,4 @@
-"""What the window keeps of itself between runs: its size, its panels, the size of its text."""
+"""The window's layout, kept between runs: its size, its panels, the size of its text."""
 
 from __future__ import annotations
 

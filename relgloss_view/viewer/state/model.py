@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,23 +21,37 @@ from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.viewer.state.history import History
 from relgloss_view.viewer.state.state import State
 
-
-@dataclass(frozen=True)
-class Operated:
-    """A side's picture by an operator, or why the split's shows in its place."""
-
-    displayed: Displayed | None
-    told: str = ""
-
-
 LONGEST_NOTE = 400  #: characters
 NOTES_KEPT = 50
 HOLD_S = 0.4  #: between turns of the wheel that belong together
 
 
 @dataclass(frozen=True)
+class OperatorPicture:
+    """A side's picture by an operator, or the reason why the split's shows in its place."""
+
+    displayed: Displayed | None
+    reason: str = ""
+
+
+class DrawnPass(NamedTuple):
+    """A pass of the renderer that was drawn for a side."""
+
+    side: str
+    name: str
+
+
+class Pixel(NamedTuple):
+    """A pixel of a side's picture: column from the left, row from the top."""
+
+    side: str
+    column: int
+    row: int
+
+
+@dataclass(frozen=True)
 class Note:
-    """Something the window says in its status line."""
+    """A message of the status line."""
 
     text: str
     fault: bool = False
@@ -45,7 +59,7 @@ class Note:
 
 
 class Model:
-    """The state with its history, the pictures last drawn, and what was said.
+    """The state with its history, the pictures last drawn, and the messages.
 
     Panels change the state with `change`; the next frame draws what that asks for.
     """
@@ -54,27 +68,26 @@ class Model:
         self.history = History(state)
         #: The pictures as last drawn, by side; empty before the first.
         self.frames: dict[str, Frame] = {}
-        #: What operators other than the split made of them, by side; none for a side of the split.
-        self.operated: dict[str, Operated] = {}
+        #: Those by operators other than the split, by side; none for a side of the split.
+        self.operator_pictures: dict[str, OperatorPicture] = {}
         self.notes: list[Note] = []
         #: Tables read in this window, by file, so that plots can show their points.
         self.measurements: dict[str, Measurement] = {}
         self.active_side = "test"  #: the one that panels show where they show one
         self.dragging = False  #: whether the hand holds something that changes pictures
-        #: The pixel under the mouse, and the one that is held: side, column, row from the top.
-        self.pointer: tuple[str, int, int] | None = None
-        self.pinned: tuple[str, int, int] | None = None
+        self.pointer: Pixel | None = None  #: under the mouse
+        self.pinned: Pixel | None = None
 
-        #: What the last frame was like.
+        #: Of the last frame.
         self.frame_s = 0.0
-        self.redrawn: list[str] = []  #: passes drawn when there last were any, 'side pass'
+        self.redrawn: list[DrawnPass] = []  #: when there last were any
         self.draft = False  #: whether pictures are drawn smaller, while something is dragged
         self.picture_size: Size = (1, 1)
         #: Takes the pane's pixels, (H, W, 3), without what the interface writes on them; asked for
         #: once, answered by the next full frame.
         self.take_view: Callable[[NDArray[np.uint8]], None] | None = None
         self.gap_px = 0  #: between the pictures on the screen
-        self.pixel_pitch_m: float | None = None  #: of the monitor; None where it does not say
+        self.pixel_pitch_m: float | None = None  #: of the monitor; None where it reports none
         #: Draws a side's picture at another size, in pixels; may raise RelglossError.
         self.render_at: Callable[[str, Size], Frame] | None = None
         self._held_until_s = 0.0
@@ -85,17 +98,17 @@ class Model:
         return self.history.state
 
     def hold(self) -> None:
-        """Let a gesture without a held button, such as turns of the wheel, go on for a moment."""
+        """Let a gesture without a held button, such as turns of the wheel, last for a moment."""
         self._held_until_s = time.monotonic() + HOLD_S
 
     def displayed(self, side: str) -> Displayed | None:
-        """What an operator shows of a side's picture as last drawn; None where the split shows."""
-        operated = self.operated.get(side)
-        return None if operated is None else operated.displayed
+        """A side's picture by its operator as last drawn; None where the split's shows."""
+        picture = self.operator_pictures.get(side)
+        return None if picture is None else picture.displayed
 
     @property
     def held(self) -> bool:
-        """Whether such a gesture goes on."""
+        """Whether such a gesture lasts."""
         return time.monotonic() < self._held_until_s
 
     def change(self, state: State, gesture: object = None) -> None:
@@ -118,21 +131,21 @@ class Model:
         """Put another sample on a side."""
         self.change(self.state.with_sample(side, sample))
 
-    def say(self, text: str, *, fault: bool = False) -> None:
+    def report(self, text: str, *, fault: bool = False) -> None:
         """Show a line in the status line and keep it in the list of messages."""
         self.notes.append(Note(printable(text, LONGEST_NOTE), fault))
         del self.notes[:-NOTES_KEPT]
 
-    def say_once(self, text: str, *, fault: bool = False) -> None:
-        """Say something, unless it was the last thing said."""
+    def report_once(self, text: str, *, fault: bool = False) -> None:
+        """Report a line, unless it was the last one."""
         if not self.notes or self.notes[-1].text != printable(text, LONGEST_NOTE):
-            self.say(text, fault=fault)
+            self.report(text, fault=fault)
 
     def attempt(self, action: Callable[[], object]) -> bool:
-        """Do something that may fail for a reason the user can mend; a failure is said."""
+        """Do something that may fail for a reason the user can mend; reports a failure."""
         try:
             action()
         except RelglossError as error:
-            self.say(str(error), fault=True)
+            self.report(str(error), fault=True)
             return False
         return True

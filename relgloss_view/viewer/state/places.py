@@ -1,4 +1,4 @@
-"""Where the user's own things belong: what the window remembers, and what it made for them.
+"""Folders of the user's own files: layout and presets, session, materials.
 
 RELGLOSS_HOME, where it is set, holds all of it in folders of its own. Nothing is made here: a
 folder appears when a file is first written into it.

@@ -27,7 +27,7 @@ EXPECTED = "a presets file (TOML)"
 
 @dataclass(frozen=True)
 class Preset:
-    """A look and what it is called; InputError for a name that can't be shown."""
+    """A look and its name; InputError for a name that can't be displayed."""
 
     name: str
     look: Look
@@ -98,7 +98,7 @@ def add(presets: Presets, name: str, look: Look) -> Presets:
 
 
 def rename(presets: Presets, old: str, new: str) -> Presets:
-    """The presets with one called otherwise, in its place; InputError as add, or if none is old."""
+    """The presets with one renamed, in its place; InputError as add, or if there is no `old`."""
     present = _existing(presets, old)
     renamed = replace(present, name=new)
     if renamed.name != present.name:

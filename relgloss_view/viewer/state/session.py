@@ -1,4 +1,4 @@
-"""The session: what the window showed last, kept while it is open and found again after any end.
+"""The session: the last state of the window, kept while it is open and restored after any end.
 
 It is a scene file in state_folder(), replaced whole each time, so that a program killed at any
 moment leaves the one before. Of two windows the last to write wins.
@@ -71,9 +71,9 @@ class Autosave:
         return self.due_in(now_s) == 0.0
 
     def save(self, now_s: float | None = None) -> None:
-        """Write what is noted, if it has changed.
+        """Write the noted state, if it has changed.
 
-        InputError where that fails, each reason told once; it is tried again half a minute later.
+        InputError where that fails, each reason once; it is tried again half a minute later.
         """
         if not self.changed or self._noted is None:
             return
@@ -93,7 +93,7 @@ class Autosave:
 
 @dataclass(frozen=True)
 class Restored:
-    """What was found of a session, and what there is to say about it."""
+    """A session that was restored, and messages about it."""
 
     state: State | None = None
     messages: tuple[str, ...] = ()
@@ -102,8 +102,8 @@ class Restored:
 def restore(path: str | os.PathLike[str]) -> Restored:
     """The session of a file; no state where there is none or it is damaged. Raises nothing.
 
-    A material or lamp that is gone is replaced by the initial state's, and said. A damaged file is
-    moved aside beside itself, so that nothing of it is lost.
+    A material or lamp that is gone is replaced by the initial state's, with a message. A damaged
+    file is moved aside beside itself, so that nothing of it is lost.
     """
     path = Path(path)
     _sweep(path)
@@ -140,7 +140,7 @@ def _move_aside(path: Path) -> str:
 
 
 def _sweep(path: Path) -> None:
-    """Remove what a killed program left of a file that it was writing."""
+    """Remove the remains of a file that a killed program was writing."""
     with contextlib.suppress(OSError):
         for leftover in _leftovers(path):
             with contextlib.suppress(OSError):

@@ -28,19 +28,52 @@ OVERLAYS = ("none", *constants.OVERLAYS)
 
 @dataclass(frozen=True)
 class Presentation(Checked):
-    """How the two pictures are shown; nothing of it changes the light in them."""
+    """How the two pictures are displayed; nothing of it changes the light in them."""
 
-    compare: str = choice(SIDE_BY_SIDE, COMPARE_MODES, "how the two pictures are laid out")
-    overlay: str = choice("none", OVERLAYS, "what is shown over or instead of the picture")
-    wipe: float = parameter(0.5, 0.0, 1.0, "", "share of the width that shows the reference")
-    flipped: bool = switch(False, "whether flip shows the test picture")
-    difference_max: float = parameter(10.0, 0.5, 100.0, "dE2000", "top of the difference scale")
-    haploscopic: bool = switch(False, "only the two pictures on a neutral surround, no text")
-    mirror: bool = switch(False, "swap the pictures left and right and mirror each")
-    gap_px: float = parameter(24.0, 0.0, 2000.0, "px", "between the two pictures")
-    life_size: bool = switch(False, "show the object at its physical size on this monitor")
-    reference_operator: str = choice(DEFAULT_OPERATOR, tuple(OPERATORS), "the reference's tones")
-    test_operator: str = choice(DEFAULT_OPERATOR, tuple(OPERATORS), "the test picture's tones")
+    compare: str = choice(
+        SIDE_BY_SIDE, COMPARE_MODES, "how the two pictures are laid out", label="Comparison"
+    )
+    overlay: str = choice(
+        "none", OVERLAYS, "information over the picture, or in its place", label="Overlay"
+    )
+    wipe: float = parameter(
+        0.5,
+        0.0,
+        1.0,
+        "",
+        "share of the width that shows the reference",
+        label="Position of the wipe",
+    )
+    flipped: bool = switch(
+        False, "whether flip shows the test picture", label="Show the other picture"
+    )
+    difference_max: float = parameter(
+        10.0,
+        0.5,
+        100.0,
+        "dE2000",
+        "the largest colour difference that the difference map shows",
+        label="Difference scale (dE2000)",
+    )
+    haploscopic: bool = switch(
+        False, "only the two pictures on a neutral surround, no text", label="Haploscopic"
+    )
+    mirror: bool = switch(False, "swap the pictures left and right and mirror each", label="Mirror")
+    gap_px: float = parameter(
+        24.0, 0.0, 2000.0, "px", "distance between the two pictures", label="Gap between pictures"
+    )
+    life_size: bool = switch(
+        False, "show the object at its physical size on this monitor", label="Life size"
+    )
+    reference_operator: str = choice(
+        DEFAULT_OPERATOR, tuple(OPERATORS), "the reference's tones", label="Tone mapping (operator)"
+    )
+    test_operator: str = choice(
+        DEFAULT_OPERATOR,
+        tuple(OPERATORS),
+        "the test picture's tones",
+        label="Tone mapping (operator)",
+    )
 
     def operator(self, side: str) -> str:
         """The tone-mapping operator of a side, one of SIDES."""
@@ -83,9 +116,11 @@ class State:
         """What a side's renderer draws."""
         return Scene(self.side(name).sample.material, self.setup)
 
-    def part(self, name: str) -> Any:
-        """A part by its name: shape, lamp, eye, display or presentation."""
-        return self.presentation if name == "presentation" else getattr(self.setup, name)
+    def part(self, name: str) -> Shape | Lamp | Eye | Display | Presentation:
+        """One part of the state: shape, lamp, eye, display or presentation."""
+        owner = self if name == "presentation" else self.setup
+        part: Shape | Lamp | Eye | Display | Presentation = getattr(owner, name)
+        return part
 
     def with_part(self, name: str, **entries: Any) -> State:
         """The state with entries of one part changed: shape, lamp, eye, display, presentation."""

@@ -16,7 +16,7 @@ def load_state(path: str | os.PathLike[str], stood_in: list[str] | None = None) 
     """The state that a scene file holds; InputError names the file and the entry.
 
     A file without [reference] gets the initial state's. With a list `stood_in`, materials and lamps
-    that can't be had are replaced by those of the initial state, and the list is told.
+    that are gone are replaced by those of the initial state, and the list gets a message of each.
     """
     content = read_scene_file(Path(path).absolute(), stood_in)
     try:

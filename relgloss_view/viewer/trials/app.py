@@ -15,8 +15,8 @@ from relgloss_view.experiment.session.flow import Flow, Screen
 from relgloss_view.experiment.session.records import Observer
 from relgloss_view.experiment.session.store import Store
 from relgloss_view.picture.model.view import Size
-from relgloss_view.viewer.drawing.arrangement import Arrangement, Canvas
-from relgloss_view.viewer.drawing.painting import surround_gray
+from relgloss_view.viewer.drawing.arrangement import Arrangement
+from relgloss_view.viewer.drawing.canvas import Canvas, surround_gray
 from relgloss_view.viewer.shell.window import Window
 from relgloss_view.viewer.trials import keys, pages, placement
 from relgloss_view.viewer.trials.category_strip import Scale

@@ -11,9 +11,9 @@ from relgloss_view.experiment.design.study import Study
 from relgloss_view.experiment.design.trial_order import Trial
 from relgloss_view.experiment.session.store import Store
 from relgloss_view.picture.model.view import Size
-from relgloss_view.viewer.drawing.arrangement import Arrangement, Canvas
-from relgloss_view.viewer.drawing.painting import painted
-from relgloss_view.viewer.drawing.pictures import Pictures, Shown
+from relgloss_view.viewer.drawing.arrangement import Arrangement
+from relgloss_view.viewer.drawing.canvas import Canvas, canvas_of
+from relgloss_view.viewer.drawing.pair_renderer import PairRenderer, SidePicture
 from relgloss_view.viewer.state.state import Side, State
 from relgloss_view.viewer.trials.placement import presentation_of
 
@@ -37,9 +37,9 @@ class Pair:
         self._store, self._run = store, run
         self._study = store.study
         self._presentation = presentation_of(store.study)
-        self._pictures = Pictures(ctx)
+        self._pictures = PairRenderer(ctx)
         self._of: tuple[int, int] | None = None  #: sample and setting of what is drawn
-        self._shown: dict[str, Shown] = {}
+        self._shown: dict[str, SidePicture] = {}
         self._kept: set[tuple[int | None, int | None]] = set()
 
     def ready(self, trial: Trial) -> bool:
@@ -54,8 +54,9 @@ class Pair:
         self._of = None
         size = self._study.screen.size
         state = state_of(self._study, trial)
-        self._shown, faults = self._pictures.draw(state, Arrangement(size, {}), 1.0, None)
-        for side, fault in faults.items():
+        pair = self._pictures.draw(state, Arrangement(size, {}), 1.0, None)
+        self._shown = pair.pictures
+        for side, fault in pair.faults.items():
             raise InputError(f"the {side} picture can't be drawn: {fault}")
         self._keep(None, None, "reference")
         self._keep(trial.sample, trial.setting, "test")
@@ -73,7 +74,7 @@ class Pair:
 
     def canvas(self, window: Size, arrangement: Arrangement) -> Canvas:
         """What is painted of the pictures that stand ready."""
-        return painted(window, self._presentation, arrangement, self._shown)
+        return canvas_of(window, self._presentation, arrangement, self._shown)
 
     def finish_frame(self) -> bool:
         """Wait until all that was drawn is on the screen; returns whether the device took it."""
@@ -84,7 +85,7 @@ class Pair:
         """Make everything anew where the device has lost it, or is known to have."""
         if lost or self._pictures.lost(is_texture):
             self._pictures.abandon()
-            self._pictures = Pictures(self._ctx)
+            self._pictures = PairRenderer(self._ctx)
             self._of, self._shown = None, {}
 
     def release(self) -> None:

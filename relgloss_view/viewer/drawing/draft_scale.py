@@ -1,4 +1,4 @@
-"""Pace: while a hand drags and frames take too long, pictures are drawn smaller; full at rest."""
+"""Draft scale: while a hand drags and frames take too long, pictures are drawn smaller."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ BUDGET_S = 0.033  #: for a frame while something is dragged
 SCALES = (1.0, 0.71, 0.5, 0.35, 0.25)  #: each draws about half as many pixels as the one before
 #: Frames below this share of the budget at the next larger scale let the scale go up.
 ROOM = 0.7
-#: Frames that are looked at. The slowest of them is no reason to go down, but one not to go up.
-SEEN = 3
+#: Frames that count. The slowest of them is no reason to go down, but one not to go up.
+COUNTED = 3
 
 
-class Pace:
+class DraftScale:
     """Chooses the scale of the pictures from how long frames take."""
 
     def __init__(self) -> None:
@@ -26,23 +26,23 @@ class Pace:
         self._frames_s.clear()
 
     def drag(self) -> None:
-        """Something is dragged: go on with the scale that was good enough the last time."""
+        """Something is dragged: take the scale that was good enough the last time."""
         self.scale = SCALES[self._step]
 
     def measured(self, frame_s: float) -> None:
         """Note how long a frame took at the present scale, while something is dragged."""
-        seen = self._frames_s
-        seen.append(frame_s)
-        del seen[:-SEEN]
-        if len(seen) < 2:
+        frames_s = self._frames_s
+        frames_s.append(frame_s)
+        del frames_s[:-COUNTED]
+        if len(frames_s) < 2:
             return
-        typical = (sum(seen) - max(seen)) / (len(seen) - 1)
+        typical = (sum(frames_s) - max(frames_s)) / (len(frames_s) - 1)
         if typical > BUDGET_S:
             # As far down as the excess asks for, since time goes with the number of pixels.
             wanted = SCALES[self._step] * math.sqrt(BUDGET_S / typical)
             self._go_to(next((k for k, s in enumerate(SCALES) if s <= wanted), len(SCALES) - 1))
-        elif len(seen) == SEEN and self._step > 0:
-            larger = max(seen) * (SCALES[self._step - 1] / SCALES[self._step]) ** 2
+        elif len(frames_s) == COUNTED and self._step > 0:
+            larger = max(frames_s) * (SCALES[self._step - 1] / SCALES[self._step]) ** 2
             if larger < ROOM * BUDGET_S:
                 self._go_to(self._step - 1)
 

@@ -1,4 +1,4 @@
-"""Pictures: the state of the window drawn by the one renderer, for the pane.
+"""The two pictures of a state, drawn for the pane by the one renderer.
 
 Each side has its own renderer, so that a slider of one side leaves the other alone, and a second
 one for smaller pictures while something is dragged. All share one set of programs.
@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from relgloss_view.base.errors import RelglossError
+from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.gpu.context import max_texture_size
 from relgloss_view.picture.gpu.overlays import draw_difference, draw_overlay
@@ -26,20 +27,29 @@ from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.quality.planner import Planner
 from relgloss_view.viewer.drawing.arrangement import Arrangement, as_shown
-from relgloss_view.viewer.drawing.uploads import Uploads
+from relgloss_view.viewer.drawing.texture_uploads import TextureUploads
+from relgloss_view.viewer.state.model import DrawnPass
 from relgloss_view.viewer.state.state import DIFFERENCE, SIDES, State
 
 
 @dataclass(frozen=True)
-class Shown:
-    """A picture on the device: the name of its framebuffer, its size, and its numbers."""
+class SidePicture:
+    """A side's picture on the device: the name of its framebuffer, its size, and its numbers."""
 
     framebuffer: int
     size: Size
     frame: Frame
 
 
-class Pictures:
+@dataclass(frozen=True)
+class DrawnPair:
+    """The pictures by side, and why one of the others could not be drawn."""
+
+    pictures: dict[str, SidePicture]
+    faults: dict[str, str]
+
+
+class PairRenderer:
     """Draws both sides of a state; what has not changed is not drawn again."""
 
     def __init__(self, ctx: Any) -> None:
@@ -51,7 +61,7 @@ class Pictures:
         self._draft = {side: self._renderer(side) for side in SIDES}
         self._warm = Renderer(ctx, self._programs)
         self._warmed: set[object] = set()
-        self.uploads = Uploads(ctx)
+        self.uploads = TextureUploads(ctx)
         self._enlarged = False  #: whether the renderer that warms up has drawn something large
         limit = max_texture_size(ctx)
         self.largest: Size = (limit, limit)
@@ -83,8 +93,8 @@ class Pictures:
         pixel_pitch_m: float | None,
         *,
         moving: bool = False,
-    ) -> tuple[dict[str, Shown], dict[str, str]]:
-        """The pictures that the state asks for, by side, and what went wrong with the others.
+    ) -> DrawnPair:
+        """Draw the pictures that the state asks for.
 
         scale: below 1 while something is dragged; the picture is then drawn that much smaller.
         moving: something is dragged, so that quality "auto" keeps to its choice.
@@ -94,17 +104,17 @@ class Pictures:
         renderers = self._full if scale == 1.0 else self._draft
         for planner in self._planners.values():
             planner.moving = moving
-        shown: dict[str, Shown] = {}
+        pictures: dict[str, SidePicture] = {}
         faults: dict[str, str] = {}
         for side in SIDES:  # the one that flip hides too: panels show its numbers
             try:
-                shown[side] = self._draw_side(renderers[side], state, side, size)
+                pictures[side] = self._draw_side(renderers[side], state, side, size)
             except RelglossError as error:
                 faults[side] = str(error)
-        if _wants_difference(state) and len(shown) == len(SIDES):
+        if _wants_difference(state) and len(pictures) == len(SIDES):
             first, second = (
                 renderers[side].request(
-                    state.scene(side), state.side(side).look, size, shown[side].frame.method
+                    state.scene(side), state.side(side).look, size, pictures[side].frame.method
                 )
                 for side in SIDES
             )
@@ -116,10 +126,10 @@ class Pictures:
                     state.presentation.difference_max,
                 )
                 name = renderers["test"].framebuffer_name(OVERLAY)
-                shown["test"] = Shown(name, size, shown["test"].frame)
+                pictures["test"] = SidePicture(name, size, pictures["test"].frame)
             except RelglossError as error:
                 faults["test"] = str(error)
-        return shown, faults
+        return DrawnPair(pictures, faults)
 
     def warm(self, state: State) -> bool:
         """Compile what the sliders of a state can reach; returns whether anything was to do."""
@@ -141,10 +151,21 @@ class Pictures:
         self._enlarged = True
         return self._warm.render(state.scene(side), state.side(side).look, size)
 
+    def with_uploads(
+        self, pictures: dict[str, SidePicture], displayed: dict[str, Displayed]
+    ) -> dict[str, SidePicture]:
+        """The pictures, with those that were made in numpy in their sides' places."""
+        return pictures | {
+            side: dataclasses.replace(
+                pictures[side], framebuffer=self.uploads.framebuffer(side, picture)
+            )
+            for side, picture in displayed.items()
+        }
+
     def lost(self, is_texture: Callable[[int], bool]) -> bool:
         """Whether the device has refused something since this was last asked, or lost a texture.
 
-        A texture that was deleted goes on in its framebuffer: pictures show, but can't be read.
+        A deleted texture stays in its framebuffer: its picture shows, but can't be read.
         """
         if self.ctx.error != "GL_NO_ERROR":
             return True
@@ -166,14 +187,14 @@ class Pictures:
         self._programs.release()
         self._warmed.clear()
 
-    def _draw_side(self, renderer: Renderer, state: State, side: str, size: Size) -> Shown:
+    def _draw_side(self, renderer: Renderer, state: State, side: str, size: Size) -> SidePicture:
         scene, look = state.scene(side), state.side(side).look
         frame = renderer.render(scene, look, size)
         overlay = state.presentation.overlay
         if overlay == "none" or state.presentation.haploscopic:
-            return Shown(renderer.framebuffer_name(TONE), size, frame)
+            return SidePicture(renderer.framebuffer_name(TONE), size, frame)
         draw_overlay(renderer, scene, look, size, overlay, frame.method)
-        return Shown(renderer.framebuffer_name(OVERLAY), size, frame)
+        return SidePicture(renderer.framebuffer_name(OVERLAY), size, frame)
 
 
 def _variant(scene: Scene, look: Look) -> object:
@@ -187,10 +208,12 @@ def _wants_difference(state: State) -> bool:
     return presentation.compare == DIFFERENCE and not presentation.haploscopic
 
 
-def passes_since(before: dict[str, dict[str, int]], after: dict[str, dict[str, int]]) -> list[str]:
-    """The passes that were drawn between two looks at Pictures.drawn, as 'side pass'."""
+def passes_since(
+    before: dict[str, dict[str, int]], after: dict[str, dict[str, int]]
+) -> list[DrawnPass]:
+    """The passes that were drawn between two looks at PairRenderer.drawn."""
     return [
-        f"{side} {name}"
+        DrawnPass(side, name)
         for side, counts in after.items()
         for name, count in counts.items()
         if count > before[side][name]

@@ -1,8 +1,7 @@
-"""Asking for a file: the system's own dialog where there is one, a window of the program elsewhere.
+"""File dialogs: the system's own where there is one, a window of the program elsewhere.
 
-The system's dialog is another process on Linux (zenity, kdialog or a relative); it is asked again
-and again whether it is done, and never waited for. The environment variable RELGLOSS_DIALOG=own
-chooses the program's own.
+The system's dialog is another process on Linux (zenity, kdialog or a relative). The window polls it
+and never waits for it. The environment variable RELGLOSS_DIALOG=own chooses the program's own.
 """
 
 from __future__ import annotations
@@ -35,7 +34,7 @@ class FileDialogs:
         return self._own is not None or self._native is not None
 
     def ask(self, question: Question) -> None:
-        """Open a dialog in place of one that is open; one that asks the same comes to the front.
+        """Open a dialog in place of another; one with the same question comes to the front.
 
         The system's dialog stays until it is answered, and this question is dropped.
         """
@@ -46,7 +45,7 @@ class FileDialogs:
             return
         if not os.path.isdir(self.folder):
             self.folder = _first_folder()
-        if native_available() and _speakable(self.folder + question.name):
+        if native_available() and _is_utf8(self.folder + question.name):
             self._native = (question, _native(question, self.folder))
         else:
             self._own = OwnDialog(question, self.folder)
@@ -102,8 +101,8 @@ def native_available() -> bool:
     return sys.platform in ("win32", "darwin")
 
 
-def _speakable(path: str) -> bool:
-    """Whether the system's dialog can be told a path: it takes UTF-8."""
+def _is_utf8(path: str) -> bool:
+    """Whether the system's dialog takes a path: it has to be UTF-8."""
     try:
         path.encode("utf-8")
     except UnicodeEncodeError:

@@ -1,4 +1,4 @@
-"""Pace on simulated machines: it goes down when it must, up when it can, and settles.
+"""DraftScale on simulated machines: it goes down when it must, up when it can, and settles.
 
 A machine's frame takes `fixed + full * scale^2` seconds: its time goes with the pixels.
 """
@@ -12,7 +12,7 @@ import random
 import pytest
 
 from relgloss_view.viewer.drawing import pace
-from relgloss_view.viewer.drawing.pace import BUDGET_S, SCALES, Pace
+from relgloss_view.viewer.drawing.draft_scale import BUDGET_S, SCALES, DraftScale
 
 FRAMES = 60
 
@@ -38,7 +38,7 @@ def changes(scales):
 SPEEDS = [BUDGET_S * 0.2 * 1.07**k for k in range(93)]
 
 
-class Greedy(Pace):
+class Greedy(DraftScale):
     """The control, without hysteresis: up as soon as the larger scale seems within the budget of
     the *present* frame, down as soon as a frame is over it."""
 
@@ -52,7 +52,7 @@ class Greedy(Pace):
 @pytest.mark.parametrize("fixed_s", [0.0, 0.003, 0.012])
 def test_settles_on_every_machine(fixed_s):
     for full_s in SPEEDS:
-        chooser = Pace()
+        chooser = DraftScale()
         scales = drag(chooser, full_s, fixed_s)
         settled = scales[20:]
         assert changes(settled) == 0, full_s
@@ -69,7 +69,7 @@ def test_settles_on_every_machine(fixed_s):
 def test_settles_where_frames_are_uneven():
     """Frames uneven by a tenth: never up where that goes down again."""
     for full_s in SPEEDS:
-        scales = drag(Pace(), full_s, noise=0.1, frames=200)
+        scales = drag(DraftScale(), full_s, noise=0.1, frames=200)
         assert changes(scales[20:]) <= 1, full_s
 
 
@@ -82,17 +82,17 @@ def test_without_hysteresis_it_would_not():
 
 
 def test_starts_full_and_stays_where_there_is_time():
-    assert set(drag(Pace(), 0.9 * BUDGET_S)) == {1.0}
+    assert set(drag(DraftScale(), 0.9 * BUDGET_S)) == {1.0}
 
 
 def test_goes_down_within_two_frames_as_far_as_it_takes():
-    scales = drag(Pace(), 3.9 * BUDGET_S, frames=4)
+    scales = drag(DraftScale(), 3.9 * BUDGET_S, frames=4)
     assert scales == [1.0, 1.0, 0.5, 0.5]
     assert SCALES[2] * math.sqrt(3.9) < 1.0 < SCALES[1] * math.sqrt(3.9)
 
 
 def test_goes_up_step_by_step_when_there_is_room():
-    chooser = Pace()
+    chooser = DraftScale()
     drag(chooser, 20.0 * BUDGET_S)
     scales = drag(chooser, 0.3 * BUDGET_S)
     assert scales[0] == SCALES[-1]  # what the last drag came to
@@ -105,7 +105,7 @@ def test_goes_up_step_by_step_when_there_is_room():
 @pytest.mark.parametrize("steady", [0.3, 0.95])
 def test_one_slow_frame_is_no_reason(at, steady):
     """However slow it is: a page fault, another program, a compiler."""
-    chooser, scales = Pace(), []
+    chooser, scales = DraftScale(), []
     for k in range(20):
         chooser.drag()
         chooser.measured(100.0 * BUDGET_S if k == at else steady * BUDGET_S)
@@ -114,7 +114,7 @@ def test_one_slow_frame_is_no_reason(at, steady):
 
 
 def test_two_slow_frames_are():
-    chooser = Pace()
+    chooser = DraftScale()
     chooser.drag()
     for _ in range(2):
         chooser.measured(1.5 * BUDGET_S)
@@ -123,7 +123,7 @@ def test_two_slow_frames_are():
 
 @pytest.mark.parametrize("full", [0.5, 2.0, 200.0])
 def test_full_at_rest(full):
-    chooser = Pace()
+    chooser = DraftScale()
     drag(chooser, full * BUDGET_S)
     assert chooser.scale == 1.0
     chooser.drag()
@@ -133,14 +133,14 @@ def test_full_at_rest(full):
 
 
 def test_frames_of_another_drag_do_not_count():
-    chooser = Pace()
+    chooser = DraftScale()
     drag(chooser, 1.5 * BUDGET_S, frames=1)
     assert drag(chooser, 1.5 * BUDGET_S, frames=2) == [1.0, 1.0]
     assert chooser._step == 1
 
 
 def test_time_of_nothing():
-    chooser = Pace()
+    chooser = DraftScale()
     drag(chooser, 200.0 * BUDGET_S)
     assert drag(chooser, 0.0)[-1] == 1.0
 

@@ -1,4 +1,4 @@
-"""What plots keep from one redraw of the window to the next, so that nothing shown is stale."""
+"""Results that plots keep from one redraw of the window to the next, none of them stale."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ T = TypeVar("T")
 
 
 def light_of(frame: Frame) -> object:
-    """What the light of a frame depends on, before scaling and display: equal where it is equal."""
+    """All that the light of a frame depends on, before scaling and display."""
     scene = frame.scene.placed(display=Display())
     return scene, frame.look.without_c(), frame.size
 
 
 class PerFrame(Generic[T]):
-    """What is worked out from a frame's arrays: once for each frame, and never during a drag.
+    """A result of a frame's arrays: computed once for each frame, and never during a drag.
 
     The arrays come from the GPU, which takes milliseconds. During a drag the last result is kept;
     it still holds where `key` of both frames is the same, and is out of date otherwise.
@@ -72,9 +72,9 @@ class Recent(Generic[T]):
 
     def get(self, source: object, key: Hashable, make: Callable[[], T]) -> T:
         """The result for an object, by identity, and a key, by value; made if it is not there."""
-        found = self.peek(source, key)
-        if found is not None:
-            return found
+        value = self.peek(source, key)
+        if value is not None:
+            return value
         value = make()
         self._kept.append((source, key, value))
         del self._kept[: -self._longest]

@@ -26,7 +26,7 @@ from relgloss_view.viewer.state.state_file import load_state
 
 @dataclass(frozen=True)
 class Opened:
-    """What a file held: a whole state, or a sample, with its measurement where it was fitted."""
+    """The contents of a file: a state, or a sample, with its measurement where it was fitted."""
 
     path: str
     state: State | None = None
@@ -138,10 +138,10 @@ class OpenJob:
             # The fit is worth showing all the same.
             sample = Sample(material, table=self.path)
             warning = f"the fitted material is not kept: {error}"
-            return Opened(self.path, None, sample, measurement, warning)
+            return Opened(self.path, sample=sample, measurement=measurement, warning=warning)
         # Read again, it is equal to what a session or a scene gives back.
         sample = Sample.from_file(str(file), self.path)
-        return Opened(self.path, None, sample, measurement)
+        return Opened(self.path, sample=sample, measurement=measurement)
 
     def _report(self, fraction: float, text: str) -> None:
         if self.cancelled:

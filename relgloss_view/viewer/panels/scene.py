@@ -1,9 +1,8 @@
-"""The setting that both pictures share: lamp, object, eye and display."""
+"""What both pictures share: lamp, object, eye and display."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from imgui_bundle import ImVec2, imgui
 
@@ -12,68 +11,61 @@ from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
 from relgloss_view.viewer.drawing import camera
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import em, gray
+from relgloss_view.viewer.shell.widgets import Reach
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.state import Presentation
 
 DIAL_EM = 7.0
 
-#: Rows of sliders: label, entry, and what the hand reaches.
-Row = tuple[str, str, dict[str, Any]]
-_LAMP: tuple[Row, ...] = (
-    ("azimuth", "azimuth_deg", {"digits": "%.1f"}),
-    ("elevation", "elevation_deg", {"digits": "%.1f"}),
-    ("distance", "distance_m", {"low": 0.1, "high": 10.0, "logarithmic": True}),
-    ("white Yn", "luminance_cd_m2", {"low": 1.0, "high": 1000.0, "logarithmic": True}),
-)
-_EYE: tuple[Row, ...] = (
-    ("azimuth ", "azimuth_deg", {"digits": "%.1f"}),
-    ("elevation ", "elevation_deg", {"digits": "%.1f"}),
-    ("distance ", "distance_m", {"low": 0.1, "high": 10.0, "logarithmic": True}),
-)
-_SIZES: dict[str, tuple[Row, ...]] = {
-    "cylinder": (("diameter", "diameter_m", {}), ("height", "height_m", {})),
-    "sphere": (("diameter", "diameter_m", {}),),
-    "plane": (("width", "width_m", {}), ("height", "height_m", {})),
-    "box": (("width", "width_m", {}), ("height", "height_m", {}), ("depth", "depth_m", {})),
+#: Sliders of a part, by entry, in their order.
+Sliders = dict[str, Reach]
+_ANGLE = Reach(digits="%.1f")
+_DISTANCE = Reach(0.1, 10.0, logarithmic=True)
+_SIZE = Reach(0.01, 1.0, logarithmic=True)
+_LAMP: Sliders = {
+    "azimuth_deg": _ANGLE,
+    "elevation_deg": _ANGLE,
+    "distance_m": _DISTANCE,
+    "luminance_cd_m2": Reach(1.0, 1000.0, logarithmic=True),
 }
-_SIZE_REACH = {"low": 0.01, "high": 1.0, "logarithmic": True}
+_EYE: Sliders = {"azimuth_deg": _ANGLE, "elevation_deg": _ANGLE, "distance_m": _DISTANCE}
+_SIZES: dict[str, Sliders] = {
+    "cylinder": {"diameter_m": _SIZE, "height_m": _SIZE},
+    "sphere": {"diameter_m": _SIZE},
+    "plane": {"width_m": _SIZE, "height_m": _SIZE},
+    "box": {"width_m": _SIZE, "height_m": _SIZE, "depth_m": _SIZE},
+}
+_DISPLAY: Sliders = {"background_lstar": Reach(digits="%.0f")}
+_PRESENTATION: Sliders = {
+    "gap_px": Reach(high=200.0, digits="%.0f"),
+    "difference_max": Reach(high=50.0, digits="%.1f"),
+}
 
 
 def show(model: Model) -> None:
-    """Controls of the setting."""
+    """Controls of lamp, object, eye and display."""
     imgui.separator_text("Lamp")
     _dial(model)
     _sliders(model, "lamp", Lamp, _LAMP)
     _illuminant(model)
-    changed, place = widgets.choice("Yn at", Lamp, "y_n", model.state.setup.lamp.y_n)
-    if changed:
-        model.set_part("lamp", y_n=place)
+    _choice(model, "lamp", Lamp, "y_n")
     imgui.separator_text("Object")
-    changed, kind = widgets.choice("shape", Shape, "kind", model.state.setup.shape.kind)
-    if changed:
-        model.set_part("shape", kind=kind)
-    rows = tuple((t, n, {**_SIZE_REACH, **o}) for t, n, o in _SIZES[model.state.setup.shape.kind])
-    _sliders(model, "shape", Shape, rows)
+    _choice(model, "shape", Shape, "kind")
+    _sliders(model, "shape", Shape, _SIZES[model.state.setup.shape.kind])
     imgui.separator_text("Eye")
     _sliders(model, "eye", Eye, _EYE)
     if widgets.button("Reset camera", "frame the object from the front"):
         model.change(model.state.placed(eye=camera.framed(model.state.setup.eye)))
     imgui.separator_text("Display and surround")
-    surround: tuple[Row, ...] = (("surround", "background_lstar", {"digits": "%.0f"}),)
-    _sliders(model, "display", Display, surround)
-    rows = (("gap", "gap_px", {"high": 200.0, "digits": "%.0f"}),)
-    _sliders(model, "presentation", Presentation, rows)
-    rows = (("dE2000 top", "difference_max", {"digits": "%.1f", "high": 50.0}),)
-    _sliders(model, "presentation", Presentation, rows)
-    changed, gamut = widgets.choice("gamut", Display, "gamut", model.state.setup.display.gamut)
-    if changed:
-        model.set_part("display", gamut=gamut)
+    _sliders(model, "display", Display, _DISPLAY)
+    _sliders(model, "presentation", Presentation, _PRESENTATION)
+    _choice(model, "display", Display, "gamut")
 
 
-def _sliders(model: Model, part: str, owner: type, rows: tuple[Row, ...]) -> None:
-    for text, name, options in rows:
+def _sliders(model: Model, part: str, owner: type, sliders: Sliders) -> None:
+    for name, reach in sliders.items():
         value = getattr(model.state.part(part), name)
-        changed, number = widgets.slider(text, owner, name, value, **options)
+        changed, number = widgets.slider(owner, name, value, reach)
         if changed:
             model.attempt(
                 lambda name=name, number=number: model.set_part(  # type: ignore[misc]
@@ -82,17 +74,24 @@ def _sliders(model: Model, part: str, owner: type, rows: tuple[Row, ...]) -> Non
             )
 
 
+def _choice(model: Model, part: str, owner: type, name: str) -> None:
+    changed, chosen = widgets.choice(owner, name, getattr(model.state.part(part), name))
+    if changed:
+        model.set_part(part, **{name: chosen})
+
+
 def _illuminant(model: Model) -> None:
     present = model.state.setup.lamp.illuminant
     options = (*SHIPPED_ILLUMINANTS, *(() if present in SHIPPED_ILLUMINANTS else (present,)))
-    told = "Spectrum of the lamp: CIE illuminants; a scene file may name a two-column table."
-    changed, name = widgets.combo("illuminant", options, present, told)
+    meaning = "Spectrum of the lamp: CIE illuminants; a scene file may name a two-column table."
+    text = widgets.label_of(Lamp, "illuminant")
+    changed, name = widgets.combo(text, options, present, meaning)
     if changed:
         model.attempt(lambda: model.set_part("lamp", illuminant=name))
 
 
 def _dial(model: Model) -> None:
-    """The lamp from above: drag it around; up and down with Shift is its elevation."""
+    """The lamp from above: a drag moves it around, with Shift up and down."""
     size = em(DIAL_EM)
     indent = 0.5 * (imgui.get_content_region_avail().x - size)
     imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(indent, 0.0))
@@ -101,8 +100,8 @@ def _dial(model: Model) -> None:
     resetting = widgets.reset_by_double_click()
     active = imgui.is_item_active()
     widgets.tooltip(
-        "The lamp seen from above; the eye stands below. Drag it around the object; "
-        "Shift+drag up and down sets its elevation; a double click resets it."
+        "The lamp seen from above, with the eye below. Drag to move the lamp around the object. "
+        "Shift+drag up and down to change its height. Double-click to reset it."
     )
     lamp = model.state.setup.lamp
     centre = ImVec2(origin.x + 0.5 * size, origin.y + 0.5 * size)

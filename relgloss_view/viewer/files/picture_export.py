@@ -26,8 +26,8 @@ FORMATS = (PNG8, PNG16, EXR)
 
 
 @dataclass(frozen=True)
-class Order:
-    """What to write: one of PICTURES in one of FORMATS, and where to.
+class ExportRequest:
+    """An export: one of PICTURES in one of FORMATS, and its file.
 
     size: in pixels of one picture; None as on the screen.
     """
@@ -60,49 +60,53 @@ def suffix_of(format_: str) -> str:
     return ".exr" if format_ == EXR else ".png"
 
 
-def obstacle(model: Model, order: Order) -> str:
-    """Why the pictures on the screen can't be written for now; empty where they can.
+def obstacle(model: Model, request: ExportRequest) -> str:
+    """The reason why the pictures on the screen can't be written yet; empty where they can.
 
     It passes by itself: a smaller picture is drawn while something is dragged, or a change has not
     been drawn yet.
     """
-    if order.size is not None:
+    if request.size is not None:
         return ""
     if model.draft or model.dragging:
         return "waiting for the full picture"
-    for side in order.sides:
+    for side in request.sides:
         frame = model.frames.get(side)
         if frame is not None and not _is_current(model, side, frame):
             return "waiting for the picture to be drawn"
     return ""
 
 
-def write(model: Model, order: Order) -> str:
-    """Write the files; returns what there is to say. RelglossError where one can't be written.
+def write(model: Model, request: ExportRequest) -> str:
+    """Write the files; returns a message. RelglossError where one can't be written.
 
     Each file appears whole or not at all.
     """
-    for file in order.files:
+    for file in request.files:
         check_writable(file)
-    frames = {side: _frame(model, side, order.size) for side in order.sides}
-    shown = {side: _displayed(model, side, frame, order.size) for side, frame in frames.items()}
-    commands, missing = _commands(model, order, frames)
-    if order.picture == BOTH and order.format != EXR:
+    frames = {side: _frame(model, side, request.size) for side in request.sides}
+    displayed = {
+        side: _displayed(model, side, frame, request.size) for side, frame in frames.items()
+    }
+    commands, missing = _commands(model, request, frames)
+    if request.picture == BOTH and request.format != EXR:
         presentation = model.state.presentation
         save_pair(
             (frames["reference"], frames["test"]),
-            order.path,
+            request.path,
             (commands["reference"], commands["test"]),
             gap_px=model.gap_px,
             mirrored=presentation.mirror,
-            bits=order.bits,
-            displayed=(shown["reference"], shown["test"]),
+            bits=request.bits,
+            displayed=(displayed["reference"], displayed["test"]),
         )
     else:
-        for side, file in zip(order.sides, order.files, strict=True):
-            save_frame(frames[side], file, commands[side], bits=order.bits, displayed=shown[side])
-    told = f"exported {' and '.join(order.files)}"
-    return f"{told}; without a command: {missing}" if missing else told
+        for side, file in zip(request.sides, request.files, strict=True):
+            save_frame(
+                frames[side], file, commands[side], bits=request.bits, displayed=displayed[side]
+            )
+    text = f"exported {' and '.join(request.files)}"
+    return f"{text}; without a command: {missing}" if missing else text
 
 
 def _frame(model: Model, side: str, size: Size | None) -> Frame:
@@ -116,18 +120,18 @@ def _frame(model: Model, side: str, size: Size | None) -> Frame:
 
 
 def _displayed(model: Model, side: str, frame: Frame, size: Size | None) -> Displayed | None:
-    """What the side's operator shows of a frame; None for the split."""
+    """A frame's picture by the side's operator; None for the split."""
     name = model.state.presentation.operator(side)
     if name == DEFAULT_OPERATOR:
         return None
-    there = model.displayed(side) if size is None else None
-    if there is not None and there.operator == name:
-        return there
+    present = model.displayed(side) if size is None else None
+    if present is not None and present.operator == name:
+        return present
     return make_operator(name).draw(frame)
 
 
 def _is_current(model: Model, side: str, frame: Frame) -> bool:
-    """Whether a picture is what the state asks for, at the size that the screen has."""
+    """Whether a picture is the state's, at the size of the screen."""
     state = as_shown(model.state, model.picture_size, model.pixel_pitch_m)
     look = state.side(side).look
     return (
@@ -137,20 +141,22 @@ def _is_current(model: Model, side: str, frame: Frame) -> bool:
     )
 
 
-def _commands(model: Model, order: Order, frames: dict[str, Frame]) -> tuple[dict[str, str], str]:
+def _commands(
+    model: Model, request: ExportRequest, frames: dict[str, Frame]
+) -> tuple[dict[str, str], str]:
     """The command of each side's picture, and why there is none, where there is none."""
     commands, missing = {}, ""
     for side, frame in frames.items():
         # The eye as it was drawn with: life size and another size change it.
         state = model.state.placed(eye=frame.scene.eye)
-        name = os.path.basename(order.path)
-        name = _named(name, side) if order.picture == BOTH else name
+        name = os.path.basename(request.path)
+        name = _named(name, side) if request.picture == BOTH else name
         try:
             commands[side] = snapshot_command(state, side, frame.size, name)
         except RelglossError as error:
             commands[side], missing = "", str(error)
             continue
-        if order.bits == 16:
+        if request.bits == 16:
             commands[side] += " --bits 16"
     return commands, missing
 

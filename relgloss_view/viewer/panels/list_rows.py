@@ -6,13 +6,13 @@ from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.viewer.shell.theme import em
 
-LEAST_NAME_EM = 8.0  #: of a name before what stands beside it gives way
+LEAST_NAME_EM = 8.0  #: of a name, before the text beside it gives way
 
 
 def row(
-    name: str, shown: str, on: bool, *, flags: int = 0, width: float = 0.0, beside: str = ""
+    name: str, text: str, on: bool, *, flags: int = 0, width: float = 0.0, beside: str = ""
 ) -> bool:
-    """A row to click: `##name` is its label, `shown` what is read; returns whether it was clicked.
+    """A row to click: `##name` is its label, `text` its words; returns whether it was clicked.
 
     width: in pixels, 0 as wide as the window. `beside` is quiet text at its right end.
     """
@@ -29,7 +29,7 @@ def row(
         painter.add_text(place, imgui.get_color_u32(imgui.Col_.text_disabled), beside)
         room -= taken + em(0.5)
     colour = imgui.get_color_u32(imgui.Col_.text)
-    painter.add_text(ImVec2(left, top), colour, fitting(shown, room))
+    painter.add_text(ImVec2(left, top), colour, fitting(text, room))
     return bool(clicked)
 
 

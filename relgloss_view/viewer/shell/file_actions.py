@@ -1,4 +1,4 @@
-"""The desk: files come in and go out here; nothing that takes time holds up the window."""
+"""Actions on files: open, save, export, copy; nothing that takes time holds up the window."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from relgloss_view.base.reading import printable
 from relgloss_view.viewer.drawing.arrangement import as_shown
-from relgloss_view.viewer.files.jobs import Opened, OpenJob
+from relgloss_view.viewer.files.open_job import Opened, OpenJob
 from relgloss_view.viewer.files.own_materials import safe_name
 from relgloss_view.viewer.panels import floating
-from relgloss_view.viewer.panels.dialog import FileDialogs
 from relgloss_view.viewer.panels.export import Export
+from relgloss_view.viewer.panels.file_dialogs import FileDialogs
 from relgloss_view.viewer.panels.own_dialog import Question
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.state.command_line import snapshot_command
@@ -34,8 +34,8 @@ OPEN_SUFFIXES = (".toml", ".json", ".csv", ".txt", ".bsdf", ".binary")
 PROGRESS = "Opening"
 
 
-class FileDesk:
-    """Opens, saves, exports, copies, and keeps the session if it is given one."""
+class FileActions:
+    """Opens, saves, exports, copies, and keeps the session, if there is one."""
 
     def __init__(self, model: Model, wake: Callable[[], None]) -> None:
         self.model = model
@@ -49,7 +49,7 @@ class FileDesk:
         self._job_side = ""
         self._began_s = 0.0
 
-    # --- what can be asked for ----------------------------------------------------------------
+    # --- the actions --------------------------------------------------------------------------
 
     def open(self) -> None:
         """Ask for a file and open it."""
@@ -73,7 +73,7 @@ class FileDesk:
         if self.scene_path is not None:
             folder, name = os.path.split(self.scene_path)
             self.dialogs.folder = folder
-        self._ask(Question("Save scene as", self._save_to, SCENE_SUFFIXES, True, name))
+        self._ask(Question("Save scene as", self._save_to, SCENE_SUFFIXES, saving=True, name=name))
 
     def export(self) -> None:
         """Show the window that writes pictures."""
@@ -81,17 +81,19 @@ class FileDesk:
         self._export.open()
 
     def export_view(self) -> None:
-        """Ask for a place and write what the pane shows there: overlay, wipe and all."""
-        self._ask(Question("Export view", self._write_view, (".png",), True, "view.png"))
+        """Ask for a place and write the pane there: overlay, wipe and all."""
+        self._ask(
+            Question("Export view", self._write_view, (".png",), saving=True, name="view.png")
+        )
 
     def _write_view(self, path: str) -> None:
         def take(pixels: NDArray[np.uint8]) -> None:
             from relgloss_view.picture.output.png import save_rgb
 
-            shown = dataclasses.asdict(self.model.state.presentation)
-            text = {"Software": "relgloss", "Presentation": json.dumps(shown)}
+            presentation = dataclasses.asdict(self.model.state.presentation)
+            text = {"Software": "relgloss", "Presentation": json.dumps(presentation)}
             if self.model.attempt(lambda: save_rgb(pixels, path, text)):
-                self.model.say(f"written: {path}, the pane as it was shown")
+                self.model.report(f"written: {path}, the pane as it was displayed")
 
         self.model.take_view = take
         self._wake()
@@ -106,14 +108,14 @@ class FileDesk:
             name = f"{safe_name(state.side(side).sample.material.name)}.png"
             imgui.set_clipboard_text(snapshot_command(state, side, model.picture_size, name))
             width, height = model.picture_size
-            model.say(f"copied: the command that draws the {side} picture, {width}x{height}")
+            model.report(f"copied: the command that draws the {side} picture, {width}x{height}")
 
         model.attempt(copy)
 
     # --- in every frame -----------------------------------------------------------------------
 
     def each_frame(self) -> None:
-        """Take what has been opened, begin what waits, keep the session."""
+        """Take the file that was opened, begin the next, keep the session."""
         if self._job is not None and self._job.done:
             job, self._job = self._job, None
             self._take(job)
@@ -135,12 +137,12 @@ class FileDesk:
 
     def due_s(self) -> float | None:
         """Seconds until a frame is needed without an event; None if nothing is under way."""
-        found = [self.dialogs.due_s(), self._export.due_s()]
+        waits = [self.dialogs.due_s(), self._export.due_s()]
         if self._job is not None or self._waiting:
-            found.append(TICK_S)
+            waits.append(TICK_S)
         if self.session is not None:
-            found.append(self.session.due_in(time.monotonic()))
-        return min((due for due in found if due is not None), default=None)
+            waits.append(self.session.due_in(time.monotonic()))
+        return min((due for due in waits if due is not None), default=None)
 
     def close(self) -> None:
         """End what runs and keep the session; the window is about to close."""
@@ -160,7 +162,7 @@ class FileDesk:
         self.dialogs.ask(question)
 
     def _leave_haploscopic(self) -> None:
-        """A window over the pictures can't be seen while only they show."""
+        """Leave the mode in which a window over the pictures would not show."""
         if self.model.state.presentation.haploscopic:
             self.model.set_part("presentation", haploscopic=False)
 
@@ -168,36 +170,36 @@ class FileDesk:
         def write() -> None:
             save_state(path, self.model.state)
             self.scene_path = path
-            self.model.say(f"saved {path}")
+            self.model.report(f"saved {path}")
 
         self.model.attempt(write)
 
     def _take(self, job: OpenJob) -> None:
         name = printable(Path(job.path).name, 80)
         if job.fault is not None:
-            self.model.say(job.fault, fault=True)
+            self.model.report(job.fault, fault=True)
         elif job.result is not None:
             self._apply(job.result, name)
         elif job.cancelled:
-            self.model.say(f"cancelled: {name}")
+            self.model.report(f"cancelled: {name}")
 
     def _apply(self, opened: Opened, name: str) -> None:
         model = self.model
         model.change(opened.applied(model.state, self._job_side))
         if opened.state is not None:
             self.scene_path = opened.path
-            model.say(f"opened the scene {name}")
+            model.report(f"opened the scene {name}")
             return
         assert opened.sample is not None
         if opened.measurement is not None and opened.sample.table is not None:
             model.measurements[opened.sample.table] = opened.measurement
         fit = opened.sample.material.fit
-        told = f"fitted {name}" if opened.measurement is not None else f"opened {name}"
+        text = f"fitted {name}" if opened.measurement is not None else f"opened {name}"
         if opened.measurement is not None and fit is not None:
-            told += f": {fit.quality}"
-        model.say(f"{told}; it is the {self._job_side} sample now")
+            text += f": {fit.quality}"
+        model.report(f"{text}; it is the {self._job_side} sample now")
         if opened.warning:
-            model.say(opened.warning, fault=True)
+            model.report(opened.warning, fault=True)
 
     def _show_progress(self, job: OpenJob) -> None:
         fraction, text = job.progress
@@ -207,11 +209,11 @@ class FileDesk:
         imgui.text_unformatted(f"{doing} {printable(Path(job.path).name, 40)}")
         imgui.progress_bar(fraction, ImVec2(-1.0, 0.0), f"{100.0 * fraction:.0f} %")
         imgui.text_disabled(printable(text, 60) + self._queue())
-        if widgets.button("Cancel", "stop; nothing changes and no file is left") or not stays:
+        if widgets.button("Cancel", "stops; nothing changes and no file is left") or not stays:
             job.cancel()
         if self._waiting:
             imgui.same_line()
-            if widgets.button("Cancel all", "those that wait, too"):
+            if widgets.button("Cancel all", "stops this file and those that wait"):
                 self._waiting.clear()
                 job.cancel()
         imgui.end()

@@ -12,7 +12,7 @@ from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.state import SIDES
 
 
-class Tables:
+class MeasurementTables:
     """Gives the model the measurement of each sample whose table can still be read."""
 
     def __init__(self, model: Model, wake: Callable[[], None]) -> None:
@@ -22,15 +22,15 @@ class Tables:
         self._read: list[tuple[str, Measurement]] = []  #: by the threads, for the window's own
 
     def each_frame(self) -> None:
-        """Take what was read; begin to read what is missing, each table once."""
+        """Take the tables that were read; begin to read those that are missing, each once."""
         while self._read:
             self._model.measurements.setdefault(*self._read.pop())
         for side in SIDES:
             table = self._model.state.side(side).sample.table
-            known = table is None or table in self._model.measurements or table in self._tried
-            if table is not None and not known:
-                self._tried.add(table)
-                threading.Thread(target=self._run, args=(table,), daemon=True).start()
+            if table is None or table in self._model.measurements or table in self._tried:
+                continue
+            self._tried.add(table)
+            threading.Thread(target=self._run, args=(table,), daemon=True).start()
 
     def _run(self, table: str) -> None:
         from relgloss_view.measure.readers import read_measurement

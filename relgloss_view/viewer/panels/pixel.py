@@ -1,4 +1,4 @@
-"""The pixel under the mouse, or the pinned one: its numbers on both sides, and its surroundings."""
+"""The pixel under the mouse, or the pinned one: its numbers on both sides, and its neighbours."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ import numpy as np
 from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.base.errors import RelglossError
-from relgloss_view.viewer.panels import plots
-from relgloss_view.viewer.plots.memory import PerFrame
+from relgloss_view.viewer.panels import plot_widgets
+from relgloss_view.viewer.plots.caches import PerFrame
 from relgloss_view.viewer.plots.readout import Patch, Readout, Stages
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import em, gray
-from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.model import Model, Pixel
 from relgloss_view.viewer.state.state import SIDES
 
-RADIUS = 4  #: pixels to each side of the one that is looked at
+RADIUS = 4  #: neighbours to each side
 NARROW_EM = 46.0  #: below this width the pixels lie under the numbers
 NUMBER_EM = 4.2  #: room for a number, at most
-NUMBER_LEAST_EM = 2.8  #: with less, numbers stand below one another
+NUMBER_LEAST_EM = 2.8  #: with less, numbers are below one another
 LEAST_TABLE_EM = 29.0
 TABLE_EM = 44.0  #: a wider table would tear its columns apart
 CELL_FONT = 0.8  #: of the ordinary size
@@ -33,11 +33,11 @@ class _Memory:
     stages: dict[str, PerFrame[Stages]] = field(
         default_factory=lambda: {name: PerFrame(Stages.of) for name in SIDES}
     )
-    last: tuple[str, int, int] | None = None  #: where the mouse was over a picture
+    last: Pixel | None = None  #: the last one under the mouse
 
 
 @dataclass(frozen=True)
-class _Row:
+class _Quantity:
     name: str
     meaning: str
     texts: Callable[[Readout], list[str]]
@@ -53,51 +53,53 @@ def _degrees(value: float | None) -> str:
 
 
 def _state(pixel: Readout) -> list[str]:
-    told = [
+    words = [
         word
         for word, holds in (("clipped", pixel.clipped), ("out of gamut", pixel.out_of_gamut))
         if holds
     ]
-    return [", ".join(told) or "shown as it is"]
+    return [", ".join(words) or "as asked"]
 
 
-ROWS = (
-    _Row(
-        "Y diffuse, specular (cd/m2)",
-        "Luminance of the two reflections, where the perfect diffuser has Y_n.",
+QUANTITIES = (
+    _Quantity(
+        "Luminance (cd/m2)",
+        "Diffuse and specular luminance; the perfect diffuser has Y_n.",
         lambda p: [_number(p.diffuse_cd_m2), _number(p.specular_cd_m2)],
     ),
-    _Row(
-        "X, Y, Z (of Y_n)",
-        "Both reflections together; Y is 1 for the perfect diffuser.",
+    _Quantity(
+        "Colour (X, Y, Z)",
+        "Both reflections together, relative to Y_n: Y is 1 for the perfect diffuser.",
         lambda p: [_number(v) for v in p.xyz],
     ),
-    _Row(
-        "L_d*, L_s*",
-        "Lightness of the diffuse reflection, and what the specular one adds before it is scaled.",
+    _Quantity(
+        "Lightness (L_d*, L_s*)",
+        "Lightness of the diffuse reflection, and the increase by the specular one before scaling.",
         lambda p: [f"{p.l_d:.2f}", f"{p.l_s:.2f}"],
     ),
-    _Row(
-        "scaled L*, a*, b*",
-        "The colour that is asked of the display: L_d* + c L_s*, before it is cut at 100 and "
-        "brought into the gamut.",
+    _Quantity(
+        "Scaled (L*, a*, b*)",
+        "The colour that the display should show: L* = L_d* + c L_s*, before it is clipped at 100 "
+        "and mapped into the gamut.",
         lambda p: [f"{v:.2f}" for v in p.lab],
     ),
-    _Row(
-        "half-vector (deg)",
+    _Quantity(
+        "Half-vector (deg)",
         "Angle between the half-vector of lamp and eye and the normal: first the smooth surface's, "
         "then the one that the grain has tilted.",
         lambda p: [_degrees(p.half_deg), _degrees(p.half_tilted_deg)],
     ),
-    _Row("shown", "Clipped: L* is above 100. Out of gamut: its chroma is reduced.", _state),
+    _Quantity(
+        "Displayed", "Clipped: L* is above 100. Out of gamut: the chroma is reduced.", _state
+    ),
 )
 
-_memory = plots.Kept(_Memory)
+_memory = plot_widgets.Kept(_Memory)
 
 
 def show(model: Model) -> None:
     """Draw the panel into the present window."""
-    imgui.push_id("inspector")
+    imgui.push_id("pixel")
     try:
         _show(model)
     except RelglossError as error:  # a lamp's file may have gone since the picture was drawn
@@ -106,8 +108,8 @@ def show(model: Model) -> None:
         imgui.pop_id()
 
 
-def _inside(place: tuple[str, int, int], size: tuple[int, int]) -> bool:
-    return place[1] < size[0] and place[2] < size[1]
+def _inside(place: Pixel, size: tuple[int, int]) -> bool:
+    return place.column < size[0] and place.row < size[1]
 
 
 def _show(model: Model) -> None:
@@ -125,8 +127,8 @@ def _show(model: Model) -> None:
         name: memory.stages[name].get(model.frames.get(name), dragging=model.dragging)
         for name in SIDES
     }
-    plots.state_of_drag(all(current for _, current in stages.values()))
-    plots.of_the_split(model)
+    plot_widgets.note_if_waiting(all(current for _, current in stages.values()))
+    plot_widgets.note_split(model)
     pixels = {name: None if s is None else s.read(column, row) for name, (s, _) in stages.items()}
     patches = {name: s.patch(column, row, RADIUS) for name, (s, _) in stages.items() if s}
     room = imgui.get_content_region_avail()
@@ -144,37 +146,37 @@ def _show(model: Model) -> None:
     _patches(patches, side)
 
 
-def _controls(model: Model, place: tuple[str, int, int] | None) -> None:
+def _controls(model: Model, place: Pixel | None) -> None:
     pinned = model.pinned is not None
     if widgets.button(
-        "release" if pinned else "pin",
-        "let the numbers follow the mouse again"
+        "Release" if pinned else "Pin",
+        "lets the numbers follow the mouse again"
         if pinned
-        else "hold this pixel while the mouse goes elsewhere; Alt-click on a picture does so too",
-        width=plots.button_width("release"),
+        else "holds this pixel while the mouse goes elsewhere, as Alt+click on a picture does",
+        width=plot_widgets.button_width("Release"),
         enabled=place is not None,
     ):
         model.pinned = None if pinned else place
     imgui.same_line(0.0, em(1.1))
     imgui.align_text_to_frame_padding()
     if place is None:
-        widgets.wrapped("Point at a picture; Alt-click pins a pixel.", dim=True)
+        widgets.wrapped("Point at a picture. Alt+click pins a pixel.", dim=True)
         return
     side, column, row = place
-    imgui.text_unformatted(f"column {column}, row {row}")
-    widgets.tooltip(f"Pixels from the left and from the top, pointed at in the {side} picture.")
+    imgui.text_unformatted(f"Column {column}, row {row}")
+    widgets.tooltip(f"Pixels from the left and from the top, in the {side} picture.")
 
 
 def _table(pixels: dict[str, Readout | None], width: float) -> None:
     flags = imgui.TableFlags_.row_bg | imgui.TableFlags_.no_host_extend_x
     if not imgui.begin_table("pixel", 3, flags, ImVec2(width, 0.0)):
         return
-    names = max(imgui.calc_text_size(row.name).x for row in ROWS)
-    imgui.table_setup_column("pixel", imgui.TableColumnFlags_.width_fixed, names)
+    names = max(imgui.calc_text_size(row.name).x for row in QUANTITIES)
+    imgui.table_setup_column("Pixel", imgui.TableColumnFlags_.width_fixed, names)
     for name in SIDES:
-        imgui.table_setup_column(name, imgui.TableColumnFlags_.width_stretch)
+        imgui.table_setup_column(name.capitalize(), imgui.TableColumnFlags_.width_stretch)
     imgui.table_headers_row()
-    for k, row in enumerate(ROWS):
+    for k, row in enumerate(QUANTITIES):
         imgui.table_next_row()
         imgui.table_next_column()
         widgets.quiet(row.name)
@@ -190,8 +192,8 @@ def _table(pixels: dict[str, Readout | None], width: float) -> None:
                 widgets.quiet("-")
     imgui.table_next_row()
     imgui.table_next_column()
-    widgets.quiet("display R, G, B")
-    widgets.tooltip("Digital values, 8 bits.")
+    widgets.quiet("Digital (R, G, B)")
+    widgets.tooltip("Digital values sent to the display, 8 bits.")
     for name in SIDES:
         imgui.table_next_column()
         pixel = pixels[name]
@@ -218,11 +220,11 @@ def _patches(patches: dict[str, Patch], side: float) -> None:
         if k:
             imgui.same_line(0.0, em(1.1))
         imgui.begin_group()
-        widgets.quiet(name)
+        widgets.quiet(name.capitalize())
         _patch(patches[name], side)
         imgui.end_group()
         widgets.tooltip(
-            f"The {name} picture's pixels around this one, as displayed, and their L* where there "
+            f"The {name} picture's pixels around this one as displayed, with their L* where there "
             "is room."
         )
 

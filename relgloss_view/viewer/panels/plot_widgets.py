@@ -1,4 +1,4 @@
-"""What the panels with plots share: curves in the theme's colours, a legend, which side."""
+"""Plots of the panels: curves in the theme's colours, a legend, a choice of the side."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ TOTAL, DIFFUSE, SPECULAR, PLAIN = CURVES[0], CURVES[1], CURVES[2], CURVES[4]
 OTHER = gray(0.45)  #: the other side's curves
 LIMIT = gray(QUIET)
 SMALLEST_PLOT_EM = (8.0, 4.5)
-LOW_EM = 8.0  #: in a lower plot the labels of the axes stand inside
+LOW_EM = 8.0  #: in a lower plot the labels of the axes are inside
 ROOMY_EM = 15.0  #: with this height left, the legend may take a line of its own
 MORE = "..."
 Entry = tuple[str, ImVec4]
@@ -56,9 +56,9 @@ def side_switch(model: Model) -> str:
     for k, side in enumerate(SIDES):
         if k:
             imgui.same_line(0.0, em(0.6))
-        if imgui.radio_button(side, model.active_side == side):
+        if imgui.radio_button(side.capitalize(), model.active_side == side):
             model.active_side = side
-        widgets.tooltip(f"Show the {side} picture's curves; the other's are drawn faint.")
+        widgets.tooltip(f"Shows the {side} picture's curves; the other's are faint.")
     return model.active_side
 
 
@@ -82,7 +82,7 @@ def button_width(text: str) -> float:
 
 
 def legend(entries: list[Entry]) -> None:
-    """What the curves' colours mean, beside the controls; what finds no room is in a tooltip."""
+    """The meaning of the curves' colours, beside the controls; a tooltip has what finds no room."""
     right = imgui.get_cursor_screen_pos().x + imgui.get_content_region_avail().x
     dots = imgui.calc_text_size(MORE).x
     more = em(1.1) + dots
@@ -124,23 +124,25 @@ def _entry(entry: Entry) -> None:
     imgui.text_unformatted(text)
 
 
-def state_of_drag(current: bool) -> None:
-    """Say that curves wait for the end of a drag."""
+def note_if_waiting(current: bool) -> None:
+    """Note that curves wait for the end of a drag, where they are not current."""
     if not current:
-        text = "follows when you let go"
+        text = "Follows when you let go"
         beside(imgui.calc_text_size(text).x)
         imgui.align_text_to_frame_padding()
         widgets.quiet(text)
 
 
-def of_the_split(model: Model) -> None:
-    """Say that numbers are the split's where a picture shows another operator's."""
-    if model.operated:
-        text = "by the split"
+def note_split(model: Model) -> None:
+    """Note that numbers are the split's, where a picture shows another operator's."""
+    if model.operator_pictures:
+        text = "Tone mapping: split"
         beside(imgui.calc_text_size(text).x)
         imgui.align_text_to_frame_padding()
         widgets.quiet(text)
-        widgets.tooltip("These numbers are of the split's picture, whatever operator is shown.")
+        widgets.tooltip(
+            "These numbers are of the split's picture, whatever tone mapping the pictures show."
+        )
 
 
 def begin(title: str, width: float, height: float, *, decorated: bool = True) -> bool:
@@ -156,12 +158,12 @@ def begin(title: str, width: float, height: float, *, decorated: bool = True) ->
     flags |= implot.Flags_.no_frame
     if not decorated:
         flags |= implot.Flags_.canvas_only | implot.Flags_.no_inputs
-    shown: bool = implot.begin_plot(
+    begun: bool = implot.begin_plot(
         f"##{title}", (max(width, small.x), max(height, small.y)), flags
     )
-    if not shown:
+    if not begun:
         implot.pop_style_var(3)
-    return shown
+    return begun
 
 
 def end() -> None:
@@ -179,7 +181,7 @@ def axes(
 ) -> bool:
     """Labels with units and limits; `follow` sets limits that change with the data.
 
-    Returns whether there is no room for the labels, so that `label_inside` has to say it shorter.
+    Returns whether there is no room for the labels, so that `label_inside` has to put it shorter.
     """
     cond = implot.Cond_.always if follow else implot.Cond_.once
     flags = implot.AxisFlags_.no_highlight | implot.AxisFlags_.no_side_switch
@@ -194,7 +196,7 @@ def axes(
 
 
 def label_inside(text: str) -> None:
-    """What a low plot shows, in its corner."""
+    """The quantity of a low plot, in its corner."""
     at, gap = implot.get_plot_pos(), em(0.2)
     size = imgui.calc_text_size(text)
     low = ImVec2(at.x + gap, at.y + gap)

@@ -21,9 +21,9 @@ from relgloss_view.material.files import load_material, save_material
 from relgloss_view.measure.readers import read_measurement
 from relgloss_view.picture.scene.file_kinds import MATERIAL, MEASUREMENT, SCENE, kind_of
 from relgloss_view.picture.scene.sample import Sample
-from relgloss_view.viewer.files import jobs
+from relgloss_view.viewer.files import open_job
 from relgloss_view.viewer.files.fit_process import FitProcess
-from relgloss_view.viewer.files.jobs import OpenJob
+from relgloss_view.viewer.files.open_job import OpenJob
 from relgloss_view.viewer.files.own_materials import keep_material, safe_name
 from relgloss_view.viewer.state.state import State
 from relgloss_view.viewer.state.state_file import load_state, save_state
@@ -206,7 +206,7 @@ class TestOpening:
         def fail(path):
             raise error
 
-        monkeypatch.setattr(jobs, "likely_kind", fail)
+        monkeypatch.setattr(open_job, "likely_kind", fail)
         job = opened(TABLE)
         assert job.result is None
         assert "matte-coated.csv" in job.fault
@@ -236,7 +236,7 @@ class TestCancelling:
             def stop(self):
                 self.stopped.set()
 
-        monkeypatch.setattr(jobs, "FitProcess", Slow)
+        monkeypatch.setattr(open_job, "FitProcess", Slow)
         return began, finish
 
     def test_it_is_over_at_once_and_leaves_nothing(self, slow, home):
@@ -272,7 +272,7 @@ class TestCancelling:
             assert go_on.wait(LIMIT_S)
             return keep_material(*args)
 
-        monkeypatch.setattr(jobs, "keep_material", keep)
+        monkeypatch.setattr(open_job, "keep_material", keep)
         finish.set()
         job = OpenJob(TABLE, lambda: None)
         assert saving.wait(LIMIT_S)
@@ -294,7 +294,7 @@ class TestCancelling:
     def test_a_running_fit_does_not_keep_the_program(self, home):
         """Without close, too: the interpreter ends under the thread."""
         code = (
-            "import sys, threading; from relgloss_view.viewer.files.jobs import OpenJob\n"
+            "import sys, threading; from relgloss_view.viewer.files.open_job import OpenJob\n"
             "began = threading.Event(); job = OpenJob(sys.argv[1], began.set)\n"
             "began.wait(60); assert not job.done; print('left')"
         )
@@ -307,7 +307,7 @@ class TestFitProcess:
     def test_this_process_loads_no_scipy(self):
         """It costs more than a picture does."""
         code = (
-            "import sys; from relgloss_view.viewer.files.jobs import OpenJob\n"
+            "import sys; from relgloss_view.viewer.files.open_job import OpenJob\n"
             "job = OpenJob(sys.argv[1], lambda: None); job.wait(60); assert job.result, job.fault\n"
             "print('scipy' in sys.modules)"
         )
@@ -336,7 +336,7 @@ class TestFitProcess:
     def test_it_ends_with_the_window(self, tmp_path):
         """A window that was killed leaves no fit running."""
         code = (
-            "import sys, threading; from relgloss_view.viewer.files.jobs import OpenJob\n"
+            "import sys, threading; from relgloss_view.viewer.files.open_job import OpenJob\n"
             "began = threading.Event(); job = OpenJob(sys.argv[1], began.set); began.wait(60)\n"
             "print(job._fit._process.pid, flush=True); threading.Event().wait()"
         )

@@ -1,4 +1,4 @@
-"""Pictures that were made in numpy, on the device, where the window copies its pictures from."""
+"""Pictures that were made in numpy, uploaded to textures from which the window copies."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ class _Upload:
         self.texture.release()
 
 
-class Uploads:
-    """One picture a side; put there again only where it is another."""
+class TextureUploads:
+    """One picture a side; uploaded again only where it is another."""
 
     def __init__(self, ctx: Any) -> None:
         self._ctx = ctx
@@ -32,19 +32,19 @@ class Uploads:
 
     def framebuffer(self, side: str, displayed: Displayed) -> int:
         """The name of a framebuffer that holds a picture."""
-        held = self._of.get(side)
-        if held is None or held.of is not displayed:
-            if held is not None:
-                held.release()
-            self._of[side] = held = _Upload(self._ctx, displayed)
-        return int(held.framebuffer.glo)
+        upload = self._of.get(side)
+        if upload is None or upload.of is not displayed:
+            if upload is not None:
+                upload.release()
+            self._of[side] = upload = _Upload(self._ctx, displayed)
+        return int(upload.framebuffer.glo)
 
     def names(self) -> list[int]:
         """The textures' names on the device."""
-        return [held.texture.glo for held in self._of.values()]
+        return [upload.texture.glo for upload in self._of.values()]
 
     def release(self) -> None:
         """Free everything on the device."""
-        for held in self._of.values():
-            held.release()
+        for upload in self._of.values():
+            upload.release()
         self._of.clear()
