@@ -11,8 +11,8 @@ import time
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.fitting import ladder, verdict
@@ -33,8 +33,6 @@ from relgloss_view.fitting.observations import Observations, compress, prepare
 from relgloss_view.fitting.problem import Problem
 from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material, Quality
 from relgloss_view.measure.table import Measurement
-
-Array = NDArray[np.float64]
 
 MODELS = ladder.MODELS
 _FINAL_ROUNDS = 40

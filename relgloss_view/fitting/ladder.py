@@ -11,8 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import FitCancelled
 from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.fitting.descent import refine
@@ -29,8 +29,6 @@ from relgloss_view.fitting.model import (
 from relgloss_view.fitting.observations import Observations
 from relgloss_view.fitting.problem import Problem
 from relgloss_view.fitting.search import solve
-
-Array = NDArray[np.float64]
 
 LADDER = (
     Rung("lambert", rough=False),

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from relgloss_view.base.figures import ACCENT, INK, MUTED, drawing, new_figure, save_figure
 from relgloss_view.base.reading import printable
@@ -16,8 +15,6 @@ from relgloss_view.fitting.describe import width_error
 from relgloss_view.fitting.observations import usable_rows
 from relgloss_view.material.material import Material, Quality
 from relgloss_view.measure.table import Measurement
-
-Array = NDArray[np.float64]
 
 GOOD = "#2e7d4f"
 BADGE = {Quality.GOOD: GOOD, Quality.POOR: ACCENT, Quality.UNIDENTIFIABLE: "#b26a00"}
