@@ -80,7 +80,7 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Open the window, and tell in the end how far the observer came."""
-    from relgloss_view.commands.view import tell_clamped
+    from relgloss_view.commands.view import warn_if_clamped
     from relgloss_view.experiment.session.store import Store
     from relgloss_view.viewer.shell.platform import open_platform
     from relgloss_view.viewer.shell.window import Window
@@ -101,7 +101,7 @@ def run(args: argparse.Namespace) -> int:
                 window = Window(program, tune=full_screen)
             else:
                 window = Window(program, args.window)
-                tell_clamped(args, window.size)
+                warn_if_clamped(args, window.size)
             window.run()
     if program.failed:
         raise InputError(program.failed)

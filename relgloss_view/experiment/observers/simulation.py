@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.experiment.design.trial_order import Trial
 from relgloss_view.experiment.observers.percept import Percepts
 from relgloss_view.experiment.observers.population import Population, SimulatedObserver
@@ -44,7 +45,7 @@ def run_observers(
     count: int,
     seed: int,
     on_stored: Callable[[StoredAnswer], object] = lambda answer: None,
-    progress: Callable[[float, str], object] = lambda share, text: None,
+    progress: ProgressReport = no_progress,
 ) -> None:
     """Lead observers through the store's study until `count` of them are through.
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from relgloss_view.base.figures import INK, MUTED
 from relgloss_view.base.reading import printable
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.report import figures
@@ -21,7 +22,6 @@ from relgloss_view.experiment.report.panels import EDGE_IN, heading
 from relgloss_view.experiment.report.sentences import BY, label_of
 from relgloss_view.experiment.scaling.bootstrap import ScaleValues
 from relgloss_view.experiment.verdict.analysis import Analysis, SampleResult
-from relgloss_view.fitting.report import INK, MUTED
 
 LEAST_ROWS, MOST_ROWS = 4, 48  #: settings, the closest ones; scale.csv has all
 ROW_IN, NAMES_IN, PANEL_IN, PANEL_GAP_IN = 0.165, 1.25, 4.6, 0.25

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import read_text
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.experiment.report.file_names import file_names
 from relgloss_view.experiment.report.page import report_page
 from relgloss_view.experiment.report.plots import write_plots
@@ -27,7 +28,7 @@ def write_report(
     analysis: Analysis,
     *,
     command: str | None = None,
-    progress: Callable[[float, str], object] = lambda share, text: None,
+    progress: ProgressReport = no_progress,
 ) -> tuple[str, ...]:
     """Fill an existing, empty folder; the names of what was written, all of them plain files.
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from relgloss_view.base.figures import INK
 from relgloss_view.experiment.report import figures, panels
 from relgloss_view.experiment.report.answerers import truths
 from relgloss_view.experiment.report.chosen_setting import (
@@ -18,7 +19,6 @@ from relgloss_view.experiment.report.chosen_setting import (
 from relgloss_view.experiment.report.results import counts_of
 from relgloss_view.experiment.report.sentences import BY
 from relgloss_view.experiment.verdict.analysis import Analysis, SampleResult
-from relgloss_view.fitting.report import INK
 
 REGION = 0.95  #: of a posterior, within its outline
 LEAST_RANGE = 2.0  #: dispersions, from white to dark: less must not look like more

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from relgloss_view.base.figures import FAINT, INK, MUTED
 from relgloss_view.base.reading import printable
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.report import figures
@@ -13,7 +14,6 @@ from relgloss_view.experiment.report.chosen_setting import ChosenSetting, Interv
 from relgloss_view.experiment.report.panels import EDGE_IN, heading, legend
 from relgloss_view.experiment.report.sentences import SHORT, label_of
 from relgloss_view.experiment.verdict.analysis import Analysis
-from relgloss_view.fitting.report import FAINT, INK, MUTED
 from relgloss_view.picture.scene.setting import Setting, share_words
 
 NAMES_IN, PANEL_IN, GAP_IN, WORDS_IN, ROW_IN = 2.3, 2.5, 0.3, 1.75, 0.34

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from relgloss_view.base.figures import INK, MUTED
 from relgloss_view.experiment.design.coordinates import coordinates, from_steps, grid_steps
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.report import figures
 from relgloss_view.experiment.report.chosen_setting import Array, ChosenSetting
 from relgloss_view.experiment.report.sentences import label_of, sentence
 from relgloss_view.experiment.verdict.analysis import Analysis, SampleResult
-from relgloss_view.fitting.report import INK, MUTED
 from relgloss_view.picture.scene.setting import Setting, share_words
 
 CELL_IN, LEAST_IN, MOST_IN = 0.62, 1.1, (4.6, 3.9)  #: of a cell; of a panel

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.experiment.report.bounds_plot import write_bounds
 from relgloss_view.experiment.report.maps import write_closeness, write_winners
 from relgloss_view.experiment.report.overview import write_overview
@@ -27,7 +28,7 @@ def write_plots(
     folder: Path,
     analysis: Analysis,
     names: Mapping[str, str],
-    progress: Callable[[float, str], object] = lambda share, text: None,
+    progress: ProgressReport = no_progress,
 ) -> dict[str, tuple[Plot, ...]]:
     """Write overview.png and each sample's plots; by label. `names` are those of the files."""
     write_overview(folder / OVERVIEW, analysis)

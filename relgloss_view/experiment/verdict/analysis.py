@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.experiment.design.study import ADAPTIVE, RATIO
 from relgloss_view.experiment.scaling.bootstrap import ScaleValues, observer_weights, scale_values
 from relgloss_view.experiment.scaling.fine_grid import FineGrid
@@ -88,7 +89,7 @@ class Analysis:
 def analyse(
     pool: Pool,
     options: Options = Options(),
-    progress: Callable[[float, str], object] = lambda share, text: None,
+    progress: ProgressReport = no_progress,
 ) -> Analysis:
     """Analyse a pool; the same pool and options give the same analysis.
 

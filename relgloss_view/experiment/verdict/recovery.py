@@ -8,12 +8,13 @@ from __future__ import annotations
 import dataclasses
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.experiment.design.coordinates import grid_steps
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.design.study import Study
@@ -62,7 +63,7 @@ def run_studies(
     stated: Mapping[str, Setting],
     draws: int,
     seed: int = 0,
-    progress: Callable[[float, str], object] = lambda share, text: None,
+    progress: ProgressReport = no_progress,
 ) -> list[Recovery]:
     """Run so many studies, each with its own observers, order and truth.
 
