@@ -1,6 +1,8 @@
 # make demo   the four sample papers at their matched settings, into out/
 # make test   the tests (make test-all: with the slow ones)
 # make lint   ruff, mypy, shader compilers
+# make coverage   branch coverage of `make test`, with a page in out/coverage
+# make mutants    300 seeded faults in the heart: which of them does a test notice? (an hour)
 
 VENV ?= .venv
 PYTHON ?= python3
@@ -8,7 +10,7 @@ BIN := $(VENV)/bin
 # Worker processes of the tests; each has its own OpenGL context.
 WORKERS ?= 2
 
-.PHONY: demo test test-all lint format clean
+.PHONY: demo test test-all coverage mutants lint format clean
 
 demo: $(VENV)/.runtime
 	$(BIN)/python scripts/demo.py out
@@ -18,6 +20,13 @@ test: $(VENV)/.development
 
 test-all: $(VENV)/.development
 	$(BIN)/python -m pytest -n $(WORKERS)
+
+coverage: $(VENV)/.development
+	$(BIN)/python -m pytest -n $(WORKERS) -m "not slow" --cov --cov-report=term --cov-report=html
+
+# MUTANTS="--module tone --seed 2", for one part and other faults
+mutants: $(VENV)/.development
+	$(BIN)/python scripts/mutants.py --jobs $(WORKERS) $(MUTANTS)
 
 lint: $(VENV)/.development
 	$(BIN)/ruff format --check .

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from relgloss_view.measure.table import Measurement as Measurement
     from relgloss_view.operators.registry import OPERATORS as OPERATORS
     from relgloss_view.operators.registry import make_operator as make_operator
-    from relgloss_view.picture.backends import open_renderer as open_renderer
     from relgloss_view.picture.frame import Frame as Frame
     from relgloss_view.picture.output.export import save_frame as save_frame
     from relgloss_view.picture.scene.look import Look as Look
@@ -40,6 +39,7 @@ if TYPE_CHECKING:
     from relgloss_view.picture.scene.setup import Lamp as Lamp
     from relgloss_view.picture.scene.setup import Setup as Setup
     from relgloss_view.picture.scene.setup import Shape as Shape
+    from relgloss_view.quality.backends import open_renderer as open_renderer
 
 _HOMES = {
     "measure.bands": ("Bands",),
@@ -51,7 +51,7 @@ _HOMES = {
     "measure.readers": ("read_measurement",),
     "operators.registry": ("OPERATORS", "make_operator"),
     "measure.table": ("Measurement",),
-    "picture.backends": ("open_renderer",),
+    "quality.backends": ("open_renderer",),
     "picture.output.export": ("save_frame",),
     "picture.frame": ("Frame",),
     "picture.scene.sample": ("SAMPLES", "Sample", "load_sample"),

@@ -15,25 +15,26 @@ from relgloss_view.base.errors import GLUnavailableError, InputError, RelglossEr
 from relgloss_view.base.reading import printable
 from relgloss_view.base.version import __version__
 
-COMMANDS = (
-    "view",
-    "fit",
-    "snapshot",
-    "grid",
-    "plan",
-    "compare",
-    "match",
-    "gloss",
-    "experiment",
-    "bench",
-    "doctor",
-)
+#: Each command, a module of its own, with its line in `relgloss --help`.
+COMMANDS = {
+    "view": "open the window: a reference picture beside the one that is tuned",
+    "fit": "fit a reflection model to a measured table",
+    "snapshot": "draw one picture without a window",
+    "grid": "draw the 7 x 6 stimuli of a sample, with a contact sheet and a manifest",
+    "plan": "show how little of the model a scene needs, and why",
+    "compare": "draw samples under several operators and check whether the gloss order is kept",
+    "match": "find settings that keep a sample's gloss ratio to a reference picture",
+    "gloss": "compute what gloss meters would read on a material",
+    "experiment": "run, simulate and analyse the subjective evaluation",
+    "bench": "chart speed against accuracy of every way to draw",
+    "doctor": "check this machine's OpenGL and libraries, and how to get what is missing",
+}
 DEFAULT_COMMAND = "view"
 INTERRUPTED = 130
 LONGEST_FAULT = 1000  #: characters
 
 
-#: What helps where the memory is not enough.
+#: The remedy where memory runs out, by command.
 LESS_MEMORY = {
     "fit": "thin out the table",
     "snapshot": "give a smaller --size",
@@ -52,7 +53,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         _prepare_streams()
         try:
             status = _run(words)
-        except SystemExit as end:  # usage or --help: argparse has spoken
+        except SystemExit as end:  # usage or --help, which argparse has printed
             status = end.code if isinstance(end.code, int) else 0
         sys.stdout.flush()
         return status
@@ -61,13 +62,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return _fault("interrupted; no file is left half written", INTERRUPTED)
     except BrokenPipeError:
-        _drop_output()  # whoever read it has gone; the files are written
+        _drop_output()  # the reader has closed the pipe; the files are written
         return 0
     except MemoryError:
         remedy = LESS_MEMORY.get(words[0] if words else "", "close other programs")
         return _fault(f"out of memory; {remedy}", 1)
     except OSError as error:
-        # Commands name the files that they can't read or write; what is left is a stream.
+        # Commands name the files that they can't read or write, so this is a stream.
         _drop_output()
         reason = f"standard output: {error.strerror}" if error.strerror else str(error)
         return _fault(f"{reason}; choose another place", 1)
@@ -79,6 +80,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(words: list[str]) -> int:
+    words = words[1:] if words[:1] == ["--"] else words
     words = words or [DEFAULT_COMMAND]
     args = _parser(words).parse_args(words)
     args.argv = words
@@ -86,7 +88,7 @@ def _run(words: list[str]) -> int:
 
 
 def _prepare_streams() -> None:
-    """Every name can be printed, whatever the terminal's encoding; closed streams are told."""
+    """Let every name be printed, whatever the terminal's encoding; InputError without stdout."""
     if sys.stderr is None:
         sys.stderr = open(os.devnull, "w")  # noqa: SIM115 - as long as the program
     if sys.stdout is None:
@@ -104,13 +106,13 @@ def _fault(text: str, status: int) -> int:
 
 
 def _drop_output() -> None:
-    """Let what is still buffered go nowhere, so that leaving does not fail on it again."""
+    """Send what is still buffered to the null device, so that the exit does not fail on it."""
     with contextlib.suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _is_opengl(error: Exception) -> bool:
-    """Whether an exception is moderngl's, told without importing it."""
+    """Whether an exception is moderngl's, judged by its name so that nothing is imported."""
     return any(
         kind.__module__.split(".")[0] in ("moderngl", "_moderngl", "glcontext")
         for kind in type(error).__mro__
@@ -127,9 +129,11 @@ def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"relgloss {__version__}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True, parser_class=_WholeNames)
     # Only the command in use is imported: start-up is part of every picture's time.
-    named = [name for name in COMMANDS if name in words[:1]]
-    for name in named or COMMANDS:
-        importlib.import_module(f"relgloss_view.commands.{name}").add(commands)
+    for name, summary in COMMANDS.items():
+        if name == words[0]:
+            importlib.import_module(f"relgloss_view.commands.{name}").add(commands)
+        else:
+            commands.add_parser(name, help=summary)
     return parser
 
 

@@ -12,7 +12,7 @@ import relgloss_view as rg
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.base.writing import make_folder
 from relgloss_view.picture.output.contact_sheet import contact_sheet
-from relgloss_view.picture.output.export import save_rgb
+from relgloss_view.picture.output.png import save_rgb
 
 SIZE = (512, 512)
 SAMPLES_A_SIDE = 3

@@ -2,27 +2,17 @@
 // against accuracy. Twin: relgloss_view/material/approximations.py. Constants: FRESNEL, SHADOWING, FACETS.
 
 #ifndef FRESNEL
-#define FRESNEL 0
+#define FRESNEL FRESNEL_EXACT
 #endif
 #ifndef SHADOWING
-#define SHADOWING 0
+#define SHADOWING SHADOWING_V_GROOVE
 #endif
 #ifndef FACETS
-#define FACETS 0
+#define FACETS FACETS_GAUSSIAN
 #endif
 
-const int EXACT = 0;
-const int SCHLICK = 1;
-const int CONSTANT = 2;
-const int V_GROOVE = 0;
-const int OPEN = 1;
-const int GAUSSIAN = 0;
-const int BECKMANN = 1;
-const int GGX = 2;
-const int MEAN_GAUSSIAN = 3;
-
 // A lobe as drawn: its facets and its reflectance at normal incidence. A Gaussian in the angle has
-// sharpness 1 / (2 s^2); `spread` is 0 but for MEAN_GAUSSIAN.
+// sharpness 1 / (2 s^2); `spread` is 0 but for FACETS_MEAN_GAUSSIAN.
 struct Lobe {
     float sharpness;
     float amplitude;
@@ -39,8 +29,8 @@ float fresnel_schlick(float cos_d, float n) {
 }
 
 float fresnel(int model, float cos_d, float n) {
-    if (model == EXACT) return fresnel_dielectric(cos_d, n);
-    if (model == SCHLICK) return fresnel_schlick(cos_d, n);
+    if (model == FRESNEL_EXACT) return fresnel_dielectric(cos_d, n);
+    if (model == FRESNEL_SCHLICK) return fresnel_schlick(cos_d, n);
     return (n - 1.0) * (n - 1.0) / ((n + 1.0) * (n + 1.0));
 }
 
@@ -72,13 +62,13 @@ float bessel_i0e(float z) {
     return z < 3.75 ? small : large;
 }
 
-// MEAN_GAUSSIAN is the mean of the lobe over the tilt of the normals (noise.mean_lobe), with the width,
+// FACETS_MEAN_GAUSSIAN is the mean of the lobe over the tilt of the normals (noise.mean_lobe), with the width,
 // the amplitude and the spread that come with it.
 float facets(int model, Facing f, Lobe lobe) {
-    if (model == BECKMANN) return beckmann_density(f.e2, lobe.sharpness);
-    if (model == GGX) return ggx_density(f.e2, lobe.sharpness);
+    if (model == FACETS_BECKMANN) return beckmann_density(f.e2, lobe.sharpness);
+    if (model == FACETS_GGX) return ggx_density(f.e2, lobe.sharpness);
     float density = facet_density(f.delta2, lobe.sharpness, lobe.amplitude);
-    if (model == MEAN_GAUSSIAN) density *= bessel_i0e(lobe.spread * f.delta2);
+    if (model == FACETS_MEAN_GAUSSIAN) density *= bessel_i0e(lobe.spread * f.delta2);
     return density;
 }
 

@@ -5,11 +5,6 @@ const float AZIMUTH_EPSILON = 1e-7;  // below it cos(phi) is undefined, and its 
 const float EON_EPSILON = 1e-7;
 const float COSINE_EPSILON = 1e-4;  // only guards divisions whose product is already zero
 
-const int LAMBERT = 0;
-const int OREN_NAYAR = 1;
-const int EON = 2;
-const int QUALITATIVE = 3;
-
 struct Facing {
     float mu_i;    // cosine of incidence
     float mu_o;    // cosine of viewing
@@ -85,7 +80,7 @@ float shadowing(Facing f) {
 
 // Constants: FRESNEL, SHADOWING, FACETS.
 float torrance_sparrow(Facing f, Lobe lobe) {
-    float open = SHADOWING == V_GROOVE ? shadowing(f) : unshadowed(f);
+    float open = SHADOWING == SHADOWING_V_GROOVE ? shadowing(f) : unshadowed(f);
     float reflected = 0.25 * facets(FACETS, f, lobe) * fresnel(FRESNEL, f.cos_d, lobe.refractive_index)
                     * open;
     return above(f) ? reflected : 0.0;
@@ -160,8 +155,8 @@ vec2 qualitative_oren_nayar(Facing f, vec4 terms) {
 
 // `terms`: what a model needs of its roughness, worked out once a picture by brdf.diffuse_terms.
 vec2 diffuse_shapes(int model, Facing f, vec4 terms) {
-    if (model == LAMBERT) return lambert(f);
-    if (model == OREN_NAYAR) return oren_nayar(f, terms);
-    if (model == QUALITATIVE) return qualitative_oren_nayar(f, terms);
+    if (model == DIFFUSE_LAMBERT) return lambert(f);
+    if (model == DIFFUSE_OREN_NAYAR) return oren_nayar(f, terms);
+    if (model == DIFFUSE_QUALITATIVE) return qualitative_oren_nayar(f, terms);
     return eon(f, terms);
 }

@@ -1,12 +1,8 @@
 // Cube root of t >= 0; 0 below. Constant: CUBE_ROOT.
 
 #ifndef CUBE_ROOT
-#define CUBE_ROOT 0
+#define CUBE_ROOT CUBE_ROOT_HOUSEHOLDER
 #endif
-
-const int HOUSEHOLDER = 0;
-const int POWER = 1;
-const int TABLE = 2;
 
 // An estimate of 1 / cbrt(t) from the exponent's bits (within 3.5 %), then two of Householder's steps of
 // second order for y^-3 = t, each of which cubes the error: 4 units in the last place, no division, no pow.
@@ -19,7 +15,7 @@ float householder_cube_root(float t) {
     return t * y * y;
 }
 
-#if CUBE_ROOT == 2
+#if CUBE_ROOT == CUBE_ROOT_TABLE
 const float TABLE_STEPS = 256.0;  // from 1 to 8
 uniform sampler2D cube_root_table;
 
@@ -36,10 +32,10 @@ float table_cube_root(float t) {
 #endif
 
 float cube_root(float t) {
-#if CUBE_ROOT == 2
+#if CUBE_ROOT == CUBE_ROOT_TABLE
     return t > 0.0 ? table_cube_root(t) : 0.0;
 #else
-    if (CUBE_ROOT == POWER) return pow(max(t, 0.0), 1.0 / 3.0);
+    if (CUBE_ROOT == CUBE_ROOT_POWER) return pow(max(t, 0.0), 1.0 / 3.0);
     return t > 0.0 ? householder_cube_root(t) : 0.0;
 #endif
 }

@@ -1,9 +1,5 @@
 // Hash and Gaussian tilt of the normal. Twin: relgloss_view/picture/model/noise.py.
 
-const int NO_NOISE = 0;
-const int PAPER = 1;
-const int TANGENT = 2;
-
 // pcg3d (Jarzynski, Olano 2020, "Hash functions for GPU rendering"). Integers: identical everywhere.
 uvec3 pcg3d(uvec3 v) {
     v = v * 1664525u + 1013904223u;
@@ -57,13 +53,13 @@ void frame(vec3 n, out vec3 tangent, out vec3 bitangent) {
     bitangent = vec3(b, side + n.y * n.y * a, -n.y);
 }
 
-// Tilt angles along the tangent and bitangent, radians. PAPER: the angle is Gaussian and its azimuth
-// uniform (Ishii et al.: "theta follows Gaussian probability distribution"). TANGENT: both components
+// Tilt angles along the tangent and bitangent, radians. NOISE_PAPER: the angle is Gaussian and its azimuth
+// uniform (Ishii et al.: "theta follows Gaussian probability distribution"). NOISE_TANGENT: both components
 // are Gaussian, so the angle is Rayleigh distributed.
 vec2 tilt_angles(int law, uvec3 hash, float sigma) {
     vec3 u = uniforms(hash);
     vec2 g = gaussians(u.xy);
-    if (law == TANGENT) return sigma * g;
+    if (law == NOISE_TANGENT) return sigma * g;
     return sigma * g.x * direction_of_turn(u.z);
 }
 
@@ -86,7 +82,7 @@ vec3 tilted(vec3 n, vec2 angles) {
 // The normal of a grain as the eye sees it. A tilt that would turn the grain away from the eye is
 // halved up to three times, then dropped: a hidden grain can't be seen, and must not be black.
 vec3 noisy_normal(int law, vec3 n, vec3 o, uvec3 hash, float sigma) {
-    if (law == NO_NOISE || sigma <= 0.0) return n;
+    if (law == NOISE_NONE || sigma <= 0.0) return n;
     vec2 angles = tilt_angles(law, hash, sigma);
     vec3 tangent, bitangent;
     frame(n, tangent, bitangent);

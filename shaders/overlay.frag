@@ -1,16 +1,9 @@
 #version 330 core
 
 // What is shown over a picture, or instead of it, to look into it. Constants: OVERLAY, GAMUT, TRANSFER.
-// Only LIGHTNESS and NORMALS use colour: the others stay neutral beside the pictures.
+// Only OVERLAY_LIGHTNESS and OVERLAY_NORMALS use colour: the others stay neutral beside the pictures.
 
 #include "tone.glsl"
-
-const int CLIPPED = 1;
-const int OUT_OF_GAMUT = 2;
-const int LIGHTNESS = 3;
-const int DIFFUSE_ONLY = 4;
-const int SPECULAR_ONLY = 5;
-const int NORMALS = 6;
 
 uniform sampler2D diffuse_image;
 uniform sampler2D split_image;
@@ -50,12 +43,12 @@ void main() {
     vec3 colour = vec3(0.0);
     bool off_object = diffuse.a <= 0.0;
     vec3 plain = texelFetch(display_image, at, 0).rgb;
-    if (OVERLAY == CLIPPED) colour = off_object ? plain : striped(at, 1);
-    if (OVERLAY == OUT_OF_GAMUT) colour = off_object ? plain : striped(at, 2);
-    if (OVERLAY == LIGHTNESS) colour = shown(false_colour(scaled_lab(split, c).x), diffuse.a);
-    if (OVERLAY == DIFFUSE_ONLY) colour = shown(lab_from_xyz(diffuse.rgb, white), diffuse.a);
-    if (OVERLAY == SPECULAR_ONLY) colour = shown(vec3(c * split.y, 0.0, 0.0), diffuse.a);
-    if (OVERLAY == NORMALS) {
+    if (OVERLAY == OVERLAY_CLIPPED) colour = off_object ? plain : striped(at, 1);
+    if (OVERLAY == OVERLAY_OUT_OF_GAMUT) colour = off_object ? plain : striped(at, 2);
+    if (OVERLAY == OVERLAY_LIGHTNESS) colour = shown(false_colour(scaled_lab(split, c).x), diffuse.a);
+    if (OVERLAY == OVERLAY_DIFFUSE_ONLY) colour = shown(lab_from_xyz(diffuse.rgb, white), diffuse.a);
+    if (OVERLAY == OVERLAY_SPECULAR_ONLY) colour = shown(vec3(c * split.y, 0.0, 0.0), diffuse.a);
+    if (OVERLAY == OVERLAY_NORMALS) {
         vec4 normal = texelFetch(tilted_normal_image, at, 0);
         colour = normal.a > 0.0 ? 0.5 + 0.5 * normal.xyz
                                 : encode(TRANSFER, vec3(background_light), display_curve);

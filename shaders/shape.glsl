@@ -9,11 +9,6 @@
 #define CAPS 1
 #endif
 
-const int CYLINDER = 0;
-const int SPHERE = 1;
-const int PLANE = 2;
-const int BOX = 3;
-
 // Where nothing is found the rest is finite or not, and means nothing: choose by `found`, never multiply.
 struct Hit {
     bool found;
@@ -123,9 +118,9 @@ Hit meet_box(vec3 eye_m, vec3 ray, vec3 half_extent_m) {
 }
 
 Hit meet(int shape, vec3 eye_m, vec3 ray, vec3 half_extent_m) {
-    if (shape == CYLINDER) return meet_cylinder(eye_m, ray, half_extent_m);
-    if (shape == SPHERE) return meet_sphere(eye_m, ray, half_extent_m);
-    if (shape == PLANE) return meet_plane(eye_m, ray, half_extent_m);
+    if (shape == SHAPE_CYLINDER) return meet_cylinder(eye_m, ray, half_extent_m);
+    if (shape == SHAPE_SPHERE) return meet_sphere(eye_m, ray, half_extent_m);
+    if (shape == SHAPE_PLANE) return meet_plane(eye_m, ray, half_extent_m);
     return meet_box(eye_m, ray, half_extent_m);
 }
 
@@ -133,10 +128,10 @@ Hit meet(int shape, vec3 eye_m, vec3 ray, vec3 half_extent_m) {
 // number of cells, so that no seam shows; a sphere's rows hold fewer towards the poles.
 ivec3 surface_cell(int shape, Hit hit, float cell_m, vec3 half_extent_m) {
     float row = floor(hit.surface_m.y / cell_m);
-    bool around = shape == SPHERE || (shape == CYLINDER && hit.face == 0);
+    bool around = shape == SHAPE_SPHERE || (shape == SHAPE_CYLINDER && hit.face == 0);
     if (!around) return ivec3(int(floor(hit.surface_m.x / cell_m)), int(row), hit.face);
     float turn = 6.28318530717959 * half_extent_m.x;
-    float girth = shape == SPHERE ? turn * cos((row + 0.5) * cell_m / half_extent_m.x) : turn;
+    float girth = shape == SHAPE_SPHERE ? turn * cos((row + 0.5) * cell_m / half_extent_m.x) : turn;
     float columns = max(1.0, floor(girth / cell_m + 0.5));
     float column = min(floor((hit.surface_m.x / turn + 0.5) * columns), columns - 1.0);
     return ivec3(int(column), int(row), hit.face);

@@ -48,12 +48,12 @@ float largest_c(vec2 split) {
     return split.y > 1e-6 ? (100.0 - split.x) / split.y : 1e30;
 }
 
-// L_d* of a pixel that shows nothing of the object: no lightness comes near it. (A broad band's weights
-// may make Y, and so L_d*, slightly negative.)
+// L_d*, or the first weight, of a pixel that shows nothing of the object: neither comes near it. (A broad
+// band's weights may make Y, and so L_d*, slightly negative.)
 const float OFF_OBJECT = -60000.0;  // a number of 16 bits can be as small
 
-bool on_object(vec4 split) {
-    return split.x > 0.5 * OFF_OBJECT;
+bool on_object(vec4 split_or_weights) {
+    return split_or_weights.x > 0.5 * OFF_OBJECT;
 }
 
 const float CLIP_TOLERANCE = 1e-3;  // L*: far below what an eye can tell
@@ -78,16 +78,13 @@ bool in_gamut(vec3 rgb) {
         && all(lessThanEqual(rgb, vec3(1.0 + GAMUT_TOLERANCE)));
 }
 
-const int CHROMA = 0;
-const int CLIP = 1;
-
-// Linear display RGB of a Lab colour whose white is the display's. Out of gamut, CHROMA holds L* and
-// hue and reduces chroma by bisection to the gamut's edge; CLIP cuts each channel.
+// Linear display RGB of a Lab colour whose white is the display's. Out of gamut, GAMUT_CHROMA holds L* and
+// hue and reduces chroma by bisection to the gamut's edge; GAMUT_CLIP cuts each channel.
 vec3 display_rgb(int gamut, vec3 lab, vec3 display_white, mat3 rgb_from_xyz, out bool inside) {
     lab.x = clamp(lab.x, 0.0, 100.0);
     vec3 rgb = rgb_from_xyz * xyz_from_lab(lab, display_white);
     inside = in_gamut(rgb);
-    if (gamut == CHROMA) {
+    if (gamut == GAMUT_CHROMA) {
         // A software driver computes both sides of a branch, but leaves a loop that no pixel needs.
         rgb = inside ? rgb : vec3(lab_f_inverse((1.0 / 116.0) * lab.x + LAB_OFFSET));  // no chroma: gray
         float kept = 0.0;
@@ -102,9 +99,6 @@ vec3 display_rgb(int gamut, vec3 lab, vec3 display_white, mat3 rgb_from_xyz, out
     return clamp(rgb, 0.0, 1.0);
 }
 
-const int SRGB = 0;
-const int GAIN_OFFSET_GAMMA = 1;
-
 // IEC 61966-2-1:1999. The power is the minimax polynomial (Remez) of 1.055 t^(5/3) - 0.055 in t = v^(1/4),
 // within 1.4e-6 of full scale: a tenth of one step of 16 bits, and a third of the time of pow.
 float srgb_encode(float v) {
@@ -117,7 +111,7 @@ float srgb_encode(float v) {
 // Digital values of light relative to the display's white: sRGB, or the inverse of
 // (gain d + offset)^gamma + flare (Berns 1996) with curve = (gain, offset, gamma, flare).
 vec3 encode(int transfer, vec3 rgb, vec4 curve) {
-    if (transfer == SRGB) return vec3(srgb_encode(rgb.r), srgb_encode(rgb.g), srgb_encode(rgb.b));
+    if (transfer == TRANSFER_SRGB) return vec3(srgb_encode(rgb.r), srgb_encode(rgb.g), srgb_encode(rgb.b));
     float white = pow(curve.x + curve.y, curve.z) + curve.w;
     vec3 light = max(rgb * white - curve.w, 0.0);
     return clamp((pow(light, vec3(1.0 / curve.z)) - curve.y) / curve.x, 0.0, 1.0);

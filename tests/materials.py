@@ -32,10 +32,12 @@ def paper(name: str, model: str = "oren-nayar") -> Material:
         Bands(WAVELENGTHS_NM),
         Diffuse(model, green_albedo(), float(np.degrees(sigma))),
         (Lobe((strength,), s_deg), Lobe((0.05,), min(3.0 * s_deg, 30.0))),
+        synthetic=True,
     )
 
 
 def flat(albedo: float = 0.5, lobes: tuple[Lobe, ...] = ()) -> Material:
     """A gray Lambert material."""
     bands = Bands(WAVELENGTHS_NM)
-    return Material("flat", "synthetic", bands, Diffuse("lambert", (albedo,) * bands.count), lobes)
+    diffuse = Diffuse("lambert", (albedo,) * bands.count)
+    return Material("flat", "synthetic", bands, diffuse, lobes, synthetic=True)

@@ -8,8 +8,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 from relgloss_view import cli
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -34,30 +32,106 @@ def test_method_names_code_that_exists():
     assert checked > 15
 
 
-@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda p: p.name)
-def test_links_lead_somewhere(document):
-    for target in re.findall(r"\]\(([^)#]+)(?:#[\w-]*)?\)", document.read_text(encoding="utf-8")):
-        assert (document.parent / target).exists(), target
+def test_links_lead_somewhere():
+    targets = [
+        (document.parent / target, f"{document.name}: {target}")
+        for document in DOCUMENTS
+        for target in re.findall(
+            r"\]\(([^)#]+)(?:#[\w-]*)?\)", document.read_text(encoding="utf-8")
+        )
+    ]
+    assert len(targets) > 20
+    assert [text for path, text in targets if not path.exists()] == []
+
+
+def rooms_of(text):
+    """{folder: (names of its modules, its line)} as the trees in a text show them.
+
+    A tree is a block between fences with one folder or module a line; what is indented further
+    belongs to the folder above.
+    """
+    rooms = {}
+    for tree in re.findall(r"```\n(.*?)```", text, re.S):
+        above = []  # (indent, folder)
+        for line in tree.splitlines():
+            indent = len(line) - len(line.lstrip())
+            while above and above[-1][0] >= indent:
+                above.pop()
+            if folder := re.match(r"\s*(\w+)/(\s|$)", line):
+                above.append((indent, folder[1]))
+                rooms["/".join(name for _, name in above)] = (set(), line)
+            if above:
+                place = "/".join(name for _, name in above)
+                rooms[place][0].update(re.findall(r"(?<![\w/.])\w+\.py\b", line))
+    return rooms
+
+
+def test_a_tree_is_read_by_its_indents():
+    tree = """```
+house/
+  cellar.py      stores
+  hall/          coats, hat.py
+    stairs/      up.py, down.py:
+                 both ways.py
+    door.py      opens (see other/knob.py)
+  attic/         one module a box
+```"""
+    rooms = {place: names for place, (names, _) in rooms_of(tree).items()}
+    assert rooms == {
+        "house": {"cellar.py"},
+        "house/hall": {"hat.py", "door.py"},
+        "house/hall/stairs": {"up.py", "down.py", "ways.py"},
+        "house/attic": set(),
+    }
 
 
 def test_architecture_names_every_module():
-    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-    for path in (ROOT / "relgloss_view").iterdir():
-        if path.name not in ("__pycache__", "_data"):
-            assert path.name in text, path.name
-    for room in ("measure", "material", "picture", "experiment"):
-        for path in (ROOT / "relgloss_view" / room).glob("[a-z]*.py"):
-            assert path.name in text, path.name
+    """Folder by folder and name by name; "one module a ..." stands for the names of a folder."""
+    rooms = rooms_of((ROOT / "docs" / "architecture.md").read_text(encoding="utf-8"))
+    folders = [path.parent for path in (ROOT / "relgloss_view").rglob("__init__.py")]
+    assert len(folders) > 20
+    for folder in folders:
+        place = folder.relative_to(ROOT).as_posix()
+        assert place in rooms, f"docs/architecture.md does not show {place}/"
+        names, line = rooms[place]
+        if re.search(r"\bone (module|reader) a\b", line):
+            continue
+        there = {path.name for path in folder.glob("*.py")}
+        assert names | {"__init__.py"} == there, f"docs/architecture.md, {place}/"
+    shown = {place for place in rooms if place.startswith("relgloss_view")}
+    assert shown == {folder.relative_to(ROOT).as_posix() for folder in folders}
 
 
-def test_every_entry_of_a_study_is_told():
+def study_entries_in(text):
+    """The (table, entry) pairs that the rows of docs/experiment.md describe."""
+    pairs, table = set(), ""
+    for row in re.findall(r"^\|(.*)\|$", text, re.M):
+        cells = [cell.strip() for cell in row.split("|")]
+        table = cells[0] or table
+        entries = re.split(r", | or ", cells[1])
+        pairs |= {(name.strip("[] "), entry) for name in table.split(", ") for entry in entries}
+    return pairs
+
+
+def test_the_page_of_the_experiment_has_every_entry_of_a_study():
     import dataclasses
 
-    from relgloss_view.experiment.study_file import PARTS, WORDS
+    from relgloss_view.experiment.design.grid import Grid
+    from relgloss_view.experiment.design.study_file import PARTS, WORDS
 
     text = (ROOT / "docs" / "experiment.md").read_text(encoding="utf-8")
-    for name in (*WORDS, *(f.name for kind in PARTS.values() for f in dataclasses.fields(kind))):
-        assert re.search(rf"\\| (.*, )?{name}(,| or| \\|)", text), name
+    kinds = {**PARTS, "grid": Grid}
+    expected = {("study", word) for word in WORDS} | {("samples", "label")}
+    expected |= {(name, f.name) for name, kind in kinds.items() for f in dataclasses.fields(kind)}
+    assert not expected - study_entries_in(text)
+    # Control: without the row of an entry that entry is missing.
+    rows = [row for row in text.splitlines(keepends=True) if row.startswith("| ")]
+    for table, entry in expected:
+        without = text
+        for row in rows:
+            if re.search(rf"(\| |, ){entry}( \||, )", row):
+                without = without.replace(row, "")
+        assert (table, entry) not in study_entries_in(without), entry
 
 
 def test_readme_python_runs(tmp_path):

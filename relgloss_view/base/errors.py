@@ -1,10 +1,16 @@
-"""The faults that a user can mend. The command turns each into one line and an exit status."""
+"""Errors that a user can mend. The command prints each as one line and exits with its status."""
 
 from __future__ import annotations
 
 
 class RelglossError(Exception):
-    """A fault with a remedy: the message is one line that says what, where and how to mend it."""
+    """An error with a remedy: its message is one line that names the place, the fault, the remedy.
+
+    The base of all errors that relgloss raises for a user.
+
+    >>> str(RelglossError("a.csv: no rows;\\n  add one"))
+    'a.csv: no rows; add one'
+    """
 
     exit_status = 1
 
@@ -13,7 +19,15 @@ class RelglossError(Exception):
 
 
 class InputError(RelglossError):
-    """A file or a value from outside that is not as it should be."""
+    """A file or a value from outside that relgloss can't use; exit status 1.
+
+    >>> from relgloss_view import load_sample
+    >>> try:
+    ...     load_sample("velvet")
+    ... except InputError as error:
+    ...     print(error)
+    sample 'velvet': expected one of cast-coated, art-coated, matte-coated, uncoated
+    """
 
 
 class FitCancelled(RelglossError):
@@ -21,6 +35,12 @@ class FitCancelled(RelglossError):
 
 
 class GLUnavailableError(RelglossError):
-    """No OpenGL 3.3 context could be made on this machine."""
+    """No OpenGL 3.3 context can be made on this machine; exit status 3.
+
+    `open_renderer("reference")` needs no OpenGL.
+
+    >>> GLUnavailableError("no OpenGL 3.3 context").exit_status
+    3
+    """
 
     exit_status = 3

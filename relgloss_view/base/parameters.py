@@ -15,7 +15,7 @@ from relgloss_view.base.reading import fault, number
 
 @dataclass(frozen=True)
 class Range:
-    """The values a parameter may take, and what it means."""
+    """The values that a parameter may take, and its meaning."""
 
     low: float
     high: float

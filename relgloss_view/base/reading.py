@@ -1,4 +1,4 @@
-"""What comes from outside: files read within bounds, numbers checked, text made fit to print."""
+"""Input from outside: files read within bounds, numbers checked, text made safe to print."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ SHOWN = 60  #: characters of a wrong value that a message shows
 
 
 def check_regular(path: str | os.PathLike[str], expected: str) -> Path:
-    """The path, if it is a regular file; InputError that says what else it is.
+    """The path, if it is a regular file; InputError that names the kind of anything else.
 
-    Devices never end and pipes may never begin, so neither is opened.
+    expected: the wanted kind of file for the message, as in "a scene file (TOML)". Devices never
+    end and pipes may never begin, so neither is opened.
     """
     try:
         if not os.fspath(path):
@@ -33,9 +34,10 @@ def check_regular(path: str | os.PathLike[str], expected: str) -> Path:
 
 
 def read_text(path: str | os.PathLike[str], most_bytes: int, expected: str) -> str:
-    """The UTF-8 text of a regular file of at most `most_bytes`, a byte order mark left off.
+    """The UTF-8 text of a regular file of at most `most_bytes`, without a byte order mark.
 
-    `expected` says what the file should be, as in "a scene file (TOML)". Raises InputError.
+    expected: the wanted kind of file for the message, as in "a scene file (TOML)". Raises
+    InputError where the file is missing, too large or no UTF-8 text.
     """
     file, data = Path(path), read_bytes(path, most_bytes, expected)
     try:
@@ -62,13 +64,17 @@ def read_bytes(path: str | os.PathLike[str], most_bytes: int, expected: str) -> 
 def unreadable(
     path: str | os.PathLike[str], error: OSError | ValueError, expected: str
 ) -> InputError:
-    """The fault of a file that can't be read; a ValueError is a name that no file can have."""
+    """The InputError of a file that can't be read; a ValueError means an impossible file name."""
     reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
     return InputError(f"{path}: can't be read ({reason}); check the name, give {expected}")
 
 
 def printable(text: object, limit: int = 200) -> str:
-    """Outside text on one line of at most `limit` characters, control characters made visible."""
+    """Outside text on one line of at most `limit` characters, control characters made visible.
+
+    >>> printable("a\\tname\\nwith \\x1b[31mcolour")
+    'a name with \\\\x1b[31mcolour'
+    """
     line = " ".join(str(text)[: 4 * limit].split())
     line = "".join(c if c.isprintable() else _escape(c) for c in line)
     return line if len(line) <= limit else line[: limit - 3] + "..."
@@ -79,7 +85,11 @@ def _escape(character: str) -> str:
 
 
 def fault(place: str, expected: str, found: object) -> NoReturn:
-    """Raise InputError 'PLACE: expected ..., found ...'."""
+    """Raise InputError 'PLACE: expected ..., found ...'.
+
+    place: file, table or entry. expected: the wanted value in words. found: the actual value, which
+    the message shows as JSON, cut to SHOWN characters.
+    """
     try:
         shown = json.dumps(found, default=str)
     except (ValueError, RecursionError):  # an int too long to print, a list too deep
@@ -88,7 +98,15 @@ def fault(place: str, expected: str, found: object) -> NoReturn:
 
 
 def number(value: object, place: str, expected: str, low: float, high: float) -> float:
-    """A finite number from `low` to `high`, as a float; InputError otherwise."""
+    """A finite number from `low` to `high`, as a float; InputError for anything else.
+
+    >>> number(3, "seed", "a number from 0 to 9", 0, 9)
+    3.0
+    >>> number(True, "seed", "a number from 0 to 9", 0, 9)
+    Traceback (most recent call last):
+    ...
+    relgloss_view.base.errors.InputError: seed: expected a number from 0 to 9, found true
+    """
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
         fault(place, expected, value)
     try:
@@ -112,7 +130,7 @@ def numbers_of(
 
 
 def text(value: object, place: str) -> str:
-    """A text that can be written as UTF-8; InputError otherwise."""
+    """A text that can be written as UTF-8; InputError for anything else."""
     if not isinstance(value, str):
         fault(place, "a text", value)
     try:

@@ -1,4 +1,4 @@
-"""TOML files: tables to frozen values with declared parameters, and back, exactly."""
+"""TOML files: tables to frozen values with declared parameters, and back without loss."""
 
 from __future__ import annotations
 
@@ -13,11 +13,14 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import fault, printable, read_text
 from relgloss_view.base.writing import whole_file
 
-AUTO = "auto"  #: what an optional entry says where its value is None
+AUTO = "auto"  #: the text of an optional entry whose value is None
 
 
 def read_toml(path: str | os.PathLike[str], most_bytes: int, expected: str) -> dict[str, Any]:
-    """The tables of a TOML file; `expected` says what it should be. Raises InputError."""
+    """The tables of a TOML file of at most `most_bytes`.
+
+    expected: the wanted kind of file for the message. Raises InputError.
+    """
     written = read_text(path, most_bytes, expected)
     try:
         return tomllib.loads(written)
@@ -39,14 +42,18 @@ def write_toml(path: str | os.PathLike[str], tables: Mapping[str, Any]) -> None:
 
 
 def build_part(kind: type[Any], name: str, values: object, within: str = "") -> Any:
-    """A frozen dataclass from a table of values, "auto" being None; InputError names the entry."""
+    """A frozen dataclass from a table of values; "auto" becomes None where that is allowed.
+
+    kind: the dataclass. name: of the table. within: text before the name in messages, as in
+    "reference.". Raises InputError, which names the entry.
+    """
     fields = {f.name: f for f in dataclasses.fields(kind)}
     made = {}
     for key, value in table_of(within + name, values).items():
         if key not in fields:
-            known = ", ".join(fields)
-            shown = printable(key, 60)
-            raise InputError(f"{within}{name}.{shown}: no such entry; expected one of {known}")
+            names = ", ".join(fields)
+            entry = printable(key, 60)
+            raise InputError(f"{within}{name}.{entry}: no such entry; expected one of {names}")
         left_open = value == AUTO and fields[key].metadata.get("optional", False)
         made[key] = None if left_open else _frozen(value)
     try:
@@ -60,9 +67,9 @@ def build_part(kind: type[Any], name: str, values: object, within: str = "") -> 
 
 
 def entries(part: Any) -> dict[str, Any]:
-    """The entries of a part (Look, Lamp, ...) as TOML holds them.
+    """The fields of a dataclass (Look, Lamp, ...) as entries of a TOML table.
 
-    An entry that is None is left out where that is its default; elsewhere it is "auto".
+    A field that is None is left out where that is its default; elsewhere its entry is "auto".
     """
     table = {}
     for f in dataclasses.fields(part):
@@ -75,7 +82,11 @@ def entries(part: Any) -> dict[str, Any]:
 
 
 def plain(value: Any) -> Any:
-    """A value as Python's own type, so that it is written in digits: no numpy scalar, no tuple."""
+    """A value in Python's own types, without numpy scalars and tuples, so that TOML can hold it.
+
+    >>> plain((1, 2.5))
+    [1, 2.5]
+    """
     if isinstance(value, bool | str):
         return value
     if isinstance(value, numbers.Integral):
@@ -86,7 +97,7 @@ def plain(value: Any) -> Any:
 
 
 def table_of(name: str, values: object) -> dict[str, Any]:
-    """A TOML table; InputError where something else has its name."""
+    """The values, if they are a TOML table; InputError for anything else of that name."""
     if not isinstance(values, dict):
         fault(f"[{name}]", "a table", values)
     return values

@@ -1,4 +1,4 @@
-"""Output files appear whole or not at all."""
+"""Writing files and folders so that they appear whole or not at all."""
 
 from __future__ import annotations
 
@@ -15,10 +15,15 @@ from relgloss_view.base.errors import InputError
 
 @contextlib.contextmanager
 def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give a temporary path beside `path`; it takes its place when the block ends well.
+    """A temporary path beside `path`, which replaces `path` when the block ends without error.
 
-    On any exception the temporary file is removed and `path` keeps what it held. A symbolic link
-    stays one: what it points to is written. Raises InputError where the place can't be written.
+    On any exception the temporary file is removed and `path` keeps its content. A symbolic link
+    stays one: its target is written. Raises InputError where the place can't be written.
+
+    >>> with whole_file("numbers.txt") as temporary:
+    ...     _ = temporary.write_text("1 2 3")
+    >>> Path("numbers.txt").read_text()
+    '1 2 3'
     """
     with _put_in_place(path, os.replace) as temporary:
         yield temporary
@@ -26,9 +31,9 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def fresh_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """As whole_file, for a name that must be free: what stands there is never replaced.
+    """As whole_file, for a new name: an existing file is never replaced.
 
-    Raises InputError where something has the name, now or when the block ends.
+    Raises InputError where the name exists when the block begins or ends.
     """
     taken = InputError(f"{path}: is there already; choose another name")
 
@@ -64,11 +69,12 @@ def _put_in_place(
 
 @contextlib.contextmanager
 def whole_folder(path: str | os.PathLike[str], last: str) -> Iterator[Path]:
-    """Give a temporary folder; its files stand in `path` when the block ends well.
+    """A temporary folder, whose files move to `path` when the block ends without error.
 
-    Where `path` is new it appears at once. Otherwise files of the same names are replaced: the old
-    `last`, which vouches for the others, goes first, and the new one comes last. On any exception
-    the temporary folder is removed and nothing is left of it.
+    A new `path` appears at once with all its files. In an existing one, files of the same names are
+    replaced. last: name of the file that lists the others; its old version is removed first and its
+    new one is moved last. On any exception the temporary folder is removed with its files. Raises
+    InputError where the place can't be written.
     """
     folder = _resolved(path)
     exists = _mode(path, folder) is not None
@@ -101,14 +107,15 @@ def _move_in(temporary: Path, folder: Path, last: str) -> None:
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:
-    """Raise InputError now, before long work, if `path` can't be written."""
+    """Raise InputError where `path` can't be written; call it before long work."""
     _reserve(check_target(path)).unlink(missing_ok=True)
 
 
 def check_target(path: str | os.PathLike[str]) -> Path:
-    """Where a file of this name is written, links followed; InputError where that must not be.
+    """The path that a file of this name is written to, with links followed.
 
-    Only a regular file may be replaced: a device or a pipe is somebody's door, not a file.
+    Raises InputError for an empty name, a folder, a device and a pipe: only a regular file may be
+    replaced.
     """
     if not os.fspath(path):
         raise InputError("an empty file name; give the name of the file to write")
@@ -122,7 +129,7 @@ def check_target(path: str | os.PathLike[str]) -> Path:
 
 
 def make_folder(path: str | os.PathLike[str]) -> Path:
-    """Make a folder and its parents; InputError where that is not possible."""
+    """Make a folder and its parents, unless they exist; InputError where that is not possible."""
     folder = Path(path)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -138,14 +145,14 @@ def _resolved(path: str | os.PathLike[str]) -> Path:
         raise _unwritable(path, error) from error
 
 
-def _mode(shown: str | os.PathLike[str], target: Path) -> int | None:
-    """The mode of what stands in a place, None where nothing does."""
+def _mode(path: str | os.PathLike[str], target: Path) -> int | None:
+    """The mode of the file or folder `target`; None where there is none. Errors name `path`."""
     try:
         return target.stat().st_mode
     except FileNotFoundError:
         return None
     except (OSError, ValueError) as error:  # a loop of links, a name too long, no permission
-        raise _unwritable(shown, error) from error
+        raise _unwritable(path, error) from error
 
 
 def _reserve(target: Path) -> Path:

@@ -27,7 +27,6 @@ def add(commands: Any) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "bench",
-        help="speed against accuracy of every way to draw",
         description="Draw four papers under two lamps by every method: how long it takes beside "
         "the least that two passes can cost on this machine, how far it is from the float64 "
         "spectral reference. A chart, tables, and the same numbers as JSON.",

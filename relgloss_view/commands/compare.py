@@ -33,7 +33,6 @@ def add(commands: Any) -> None:
 
     parser = commands.add_parser(
         "compare",
-        help="samples under operators side by side; whether the gloss order is kept",
         description="Draw samples under several tone-mapping operators on one sheet, measure what "
         "each shows (contrast, grain, sharpness, clipping, body colour) and say whether the order "
         "of the samples is that of the real materials' computed gloss.",
@@ -78,8 +77,8 @@ def run(args: argparse.Namespace) -> int:
     """Draw everything, write the sheets, and say what holds."""
     from relgloss_view.commands.sample_arguments import given_samples
     from relgloss_view.gloss.comparison import as_numbers, compare
-    from relgloss_view.picture.backends import open_renderer
     from relgloss_view.picture.scene.sample import SAMPLES
+    from relgloss_view.quality.backends import open_renderer
 
     outputs = _checked_outputs(args.output)
     operators = operators_of(args.operators)
@@ -146,7 +145,7 @@ def _write(comparison: Comparison, output: Path, command: str) -> None:
     from relgloss_view.base.version import __version__
     from relgloss_view.gloss.comparison_page import comparison_page
     from relgloss_view.gloss.comparison_sheet import comparison_sheet
-    from relgloss_view.picture.output.export import save_rgb
+    from relgloss_view.picture.output.png import save_rgb
 
     synthetic = all(s.case.material.synthetic for s in comparison.samples)
     title = "Is the order of gloss kept? Samples across, operators down"

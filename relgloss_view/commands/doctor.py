@@ -29,7 +29,6 @@ def add(commands: Any) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "doctor",
-        help="the OpenGL in use, its limits, what is missing and how to get it",
         description="Look at this machine: libraries, OpenGL contexts, and a picture drawn on each "
         "and held against the float64 reference.",
         epilog="example: relgloss doctor --json",
@@ -89,13 +88,13 @@ def _draw_on(name: str) -> dict[str, Any]:
     """Make a context, draw the default sample small, and hold it against the reference."""
     import numpy as np
 
-    from relgloss_view.picture.backends import open_renderer
     from relgloss_view.picture.gpu.context import describe
-    from relgloss_view.picture.gpu.passes import Renderer
+    from relgloss_view.picture.gpu.renderer import Renderer
     from relgloss_view.picture.reference import ReferenceRenderer
     from relgloss_view.picture.scene.look import Look
     from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, load_sample
     from relgloss_view.picture.scene.scene import Scene
+    from relgloss_view.quality.backends import open_renderer
 
     scene, look, size = Scene(load_sample(DEFAULT_SAMPLE)), Look(sigma_n_deg=1.0), (96, 96)
     with open_renderer(name) as renderer:

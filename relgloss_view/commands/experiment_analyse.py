@@ -18,7 +18,7 @@ from relgloss_view.commands.scene_options import printable_command
 
 def add(commands: Any) -> None:
     """Declare the command."""
-    from relgloss_view.experiment.analysis import DRAWS
+    from relgloss_view.experiment.verdict.analysis import DRAWS
 
     parser = commands.add_parser(
         "analyse",
@@ -53,16 +53,16 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read, analyse, write what was asked for, print."""
-    from relgloss_view.experiment.analysis import MOST_DRAWS, Options, analyse
-    from relgloss_view.experiment.pool import read_pool
-    from relgloss_view.experiment.report.numbers import FORMAT, as_numbers
-    from relgloss_view.experiment.report.words import summary
-    from relgloss_view.experiment.report.writing import (
+    from relgloss_view.experiment.report.folder import (
         RESULTS,
         earlier_files,
         remove_stale,
         write_report,
     )
+    from relgloss_view.experiment.report.results import FORMAT, as_numbers
+    from relgloss_view.experiment.report.sentences import summary
+    from relgloss_view.experiment.session.pool import read_pool
+    from relgloss_view.experiment.verdict.analysis import MOST_DRAWS, Options, analyse
 
     if not 2 <= args.draws <= MOST_DRAWS:
         raise InputError(f"--draws {args.draws}: expected 2 to {MOST_DRAWS}")

@@ -15,10 +15,10 @@ from relgloss_view.base.terminal import Progress
 from relgloss_view.base.version import __version__
 from relgloss_view.base.writing import whole_file, whole_folder
 from relgloss_view.commands.output_folder import own_folder
-from relgloss_view.picture.backends import BACKENDS
+from relgloss_view.quality.backends import BACKENDS
 
 if TYPE_CHECKING:
-    from relgloss_view.experiment.pool import Pool
+    from relgloss_view.experiment.session.pool import Pool
 
 FORMAT, VERSION = "relgloss-stimuli", 1
 MANIFEST = "manifest.json"
@@ -43,7 +43,7 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write what was asked for."""
-    from relgloss_view.experiment.pool import read_pool
+    from relgloss_view.experiment.session.pool import read_pool
 
     if args.output is None and args.stimuli is None:
         args.wrong_usage("give -o OUT.csv, --stimuli FOLDER, or both")
@@ -88,10 +88,15 @@ def _write_answers(path: Path, pool: Pool) -> int:
 
 def _draw_stimuli(folder: Path, pool: Pool, backend: str) -> list[dict[str, Any]]:
     """Draw the reference and every setting of every sample; what the manifest says of each."""
-    from relgloss_view.experiment.report.names import file_names
-    from relgloss_view.experiment.stimuli import digest_of, draw_reference, draw_stimulus, told_of
-    from relgloss_view.picture.backends import open_renderer
+    from relgloss_view.experiment.design.stimuli import (
+        digest_of,
+        draw_reference,
+        draw_stimulus,
+        told_of,
+    )
+    from relgloss_view.experiment.report.file_names import file_names
     from relgloss_view.picture.output.writers import Writers
+    from relgloss_view.quality.backends import open_renderer
 
     study = pool.study
     shown: dict[tuple[int | None, int | None], set[str]] = {}

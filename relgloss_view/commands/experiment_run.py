@@ -15,9 +15,9 @@ from relgloss_view.base.terminal import Progress
 from relgloss_view.commands.scene_options import size_of_text
 
 if TYPE_CHECKING:
-    from relgloss_view.experiment.records import Observer
-    from relgloss_view.experiment.store import Store
-    from relgloss_view.experiment.study import Study
+    from relgloss_view.experiment.design.study import Study
+    from relgloss_view.experiment.session.records import Observer
+    from relgloss_view.experiment.session.store import Store
 
 SQLITE = b"SQLite format 3\0"  #: how every such file begins
 SUFFIX = ".sqlite"
@@ -77,12 +77,12 @@ def add(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Open the window, and tell in the end how far the observer came."""
     from relgloss_view.commands.view import tell_clamped
-    from relgloss_view.experiment.store import Store
+    from relgloss_view.experiment.session.store import Store
     from relgloss_view.viewer.shell.platform import open_platform
     from relgloss_view.viewer.shell.window import Window
     from relgloss_view.viewer.trials.app import Trials
     from relgloss_view.viewer.trials.device import full_screen, read_profile
-    from relgloss_view.viewer.trials.operator_line import goes_on
+    from relgloss_view.viewer.trials.experimenter_line import goes_on
 
     profile = None if args.display_profile is None else read_profile(args.display_profile)
     path, study = _session(args.study, args.output)
@@ -107,8 +107,8 @@ def run(args: argparse.Namespace) -> int:
 
 def _observer(store: Store, name: str | None, *, new: bool) -> Observer:
     """Who is led through the study: a person, in a file of people."""
-    from relgloss_view.experiment.flow import nothing_left
-    from relgloss_view.experiment.records import SIMULATED
+    from relgloss_view.experiment.session.flow import nothing_left
+    from relgloss_view.experiment.session.records import SIMULATED
 
     if any(observer.kind == SIMULATED for observer in store.observers()):
         raise InputError(
@@ -126,7 +126,7 @@ def _observer(store: Store, name: str | None, *, new: bool) -> Observer:
 
 def _session(given: str, output: str | None) -> tuple[Path, Study | None]:
     """The session file, and its study; no study where the session file itself is given."""
-    from relgloss_view.experiment.study_file import BUILT_IN, load_study
+    from relgloss_view.experiment.design.study_file import BUILT_IN, load_study
 
     if _is_sqlite(given):
         if output is not None:

@@ -12,11 +12,11 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Progress
 from relgloss_view.commands.study_options import add_study_options, study_from
-from relgloss_view.picture.backends import BACKENDS
+from relgloss_view.quality.backends import BACKENDS
 
 if TYPE_CHECKING:
-    from relgloss_view.experiment.observers import Population
-    from relgloss_view.experiment.study import Study
+    from relgloss_view.experiment.design.study import Study
+    from relgloss_view.experiment.observers.population import Population
     from relgloss_view.picture.scene.setting import Setting
 
 OBSERVERS = 15  #: as in the paper
@@ -70,7 +70,7 @@ def add(commands: Any) -> None:
 
 def add_population_options(parser: argparse.ArgumentParser) -> None:
     """Declare how simulated observers are made; every entry of Population is an option."""
-    from relgloss_view.experiment.observers import Population
+    from relgloss_view.experiment.observers.population import Population
 
     who = parser.add_argument_group("the observers")
     for field in dataclasses.fields(Population):
@@ -92,7 +92,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _check(args: argparse.Namespace) -> None:
-    from relgloss_view.experiment.analysis import MOST_DRAWS
+    from relgloss_view.experiment.verdict.analysis import MOST_DRAWS
 
     if (args.output is None) == (args.studies is None):
         args.wrong_usage("give either -o FILE.sqlite or --studies N")
@@ -108,15 +108,15 @@ def _check(args: argparse.Namespace) -> None:
 
 
 def _population(args: argparse.Namespace) -> Population:
-    from relgloss_view.experiment.observers import Population
+    from relgloss_view.experiment.observers.population import Population
 
     return Population(**{f.name: getattr(args, f.name) for f in dataclasses.fields(Population)})
 
 
 def _truths(args: argparse.Namespace) -> tuple[str, dict[str, Setting]]:
     """What was said of the truths: how they are chosen, and those that are given."""
-    from relgloss_view.experiment.grid import share_of
-    from relgloss_view.experiment.truth import CHOICES, PUBLISHED
+    from relgloss_view.experiment.design.grid import share_of
+    from relgloss_view.experiment.observers.truth import CHOICES, PUBLISHED
     from relgloss_view.picture.scene.setting import Setting
 
     choice, given = PUBLISHED, {}
@@ -135,11 +135,11 @@ def _truths(args: argparse.Namespace) -> tuple[str, dict[str, Setting]]:
 
 
 def _session(args: argparse.Namespace, study: Study) -> int:
-    from relgloss_view.experiment.percept import see_study
-    from relgloss_view.experiment.simulation import Given, run_observers
-    from relgloss_view.experiment.store import Store
-    from relgloss_view.experiment.truth import truths_of
-    from relgloss_view.picture.backends import open_renderer
+    from relgloss_view.experiment.observers.percept import see_study
+    from relgloss_view.experiment.observers.simulation import Given, run_observers
+    from relgloss_view.experiment.observers.truth import truths_of
+    from relgloss_view.experiment.session.store import Store
+    from relgloss_view.quality.backends import open_renderer
 
     population = _population(args)
     choice, given = _truths(args)
@@ -183,8 +183,8 @@ def _session(args: argparse.Namespace, study: Study) -> int:
 
 
 def _proof(args: argparse.Namespace, study: Study) -> int:
-    from relgloss_view.experiment.proof import prove, summary
-    from relgloss_view.picture.backends import open_renderer
+    from relgloss_view.experiment.verdict.recovery import prove, summary
+    from relgloss_view.quality.backends import open_renderer
 
     population = _population(args)
     choice, given = _truths(args)

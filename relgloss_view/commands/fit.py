@@ -21,7 +21,6 @@ def add(commands: Any) -> None:
 
     parser = commands.add_parser(
         "fit",
-        help="fit a reflection model to a measured table",
         description="Fit Torrance-Sparrow and Oren-Nayar to a goniophotometer table (CSV), an RGL "
         ".bsdf or a MERL .binary file. The smallest model that is enough is chosen by "
         "cross-validation over incidence planes, and the evidence goes into the material.",

@@ -26,7 +26,6 @@ def add(commands: Any) -> None:
 
     parser = commands.add_parser(
         "gloss",
-        help="what gloss meters would read on a material",
         description="Specular gloss at 20, 60 and 85 degrees and of paper at 75, haze, "
         "distinctness of image, and contrast gloss and distinctness as Ferwerda and others define "
         "them; from fitted materials with the uncertainty that the fit implies, and from measured "

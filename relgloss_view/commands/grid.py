@@ -7,9 +7,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Progress
 from relgloss_view.base.version import __version__
@@ -31,10 +29,10 @@ from relgloss_view.picture.scene.setting import Setting
 
 if TYPE_CHECKING:
     from relgloss_view.operators.operator import Operator
-    from relgloss_view.picture.backends import FrameRenderer
     from relgloss_view.picture.output.writers import Writers
     from relgloss_view.picture.scene.look import Look
     from relgloss_view.picture.scene.scene import Scene
+    from relgloss_view.quality.backends import FrameRenderer
 
 THUMBNAIL_PX = 200
 CAPTION_PX = 150  #: width of a picture that has room for c in its caption
@@ -46,7 +44,6 @@ def add(commands: Any) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "grid",
-        help="the 7 x 6 stimuli of a sample, a contact sheet and a manifest",
         description="Draw the paper's 42 stimuli of a sample: sigma_N 0 to 3 degrees by 0.5, "
         "c from c_max/6 to c_max. An operator that takes no account of c has 7.",
         epilog="example: relgloss grid --sample uncoated --size 512x512 -o stimuli",
@@ -60,8 +57,8 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Draw all stimuli beside the folder, and move them in when the last is done."""
-    from relgloss_view.picture.backends import open_renderer
     from relgloss_view.picture.output.writers import Writers
+    from relgloss_view.quality.backends import open_renderer
 
     folder = own_folder(args.output, {MANIFEST: FORMAT}, "grid")
     operator = operator_from(args)
@@ -90,15 +87,16 @@ def _draw(
     progress: Progress,
 ) -> dict[str, Any]:
     """Draw pictures, contact sheet and manifest into a folder; returns the manifest."""
-    from relgloss_view.experiment.grid import C_SIXTHS, SIGMA_N_DEG
+    from relgloss_view.experiment.design.grid import C_SIXTHS, SIGMA_N_DEG
     from relgloss_view.picture.output.contact_sheet import contact_sheet, thumbnail
-    from relgloss_view.picture.output.export import parameters, save_rgb
+    from relgloss_view.picture.output.parameters import parameters
+    from relgloss_view.picture.output.png import save_rgb
 
     renderer, writers, operator = by
     scales: tuple[int | None, ...] = C_SIXTHS if operator.uses_c else (None,)
     total = len(SIGMA_N_DEG) * len(scales)
     stimuli: list[dict[str, Any]] = []
-    rows: list[list[NDArray[np.uint8]]] = []
+    rows: list[list[Bytes]] = []
     captions: list[list[str]] = []
     for sigma_n_deg in SIGMA_N_DEG:
         rows.append([])

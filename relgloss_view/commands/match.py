@@ -36,7 +36,6 @@ def add(commands: Any) -> None:
     first, *others = SAMPLES
     parser = commands.add_parser(
         "match",
-        help="settings that keep a sample's ratio of gloss to a reference picture",
         description="For each sample the curve of (sigma_N, c) whose displayed gloss stands to the "
         "reference picture's as the material's computed gloss stands to the reference material's, "
         "and the point on it at the sample's own grain. " + CAVEAT,
@@ -86,8 +85,8 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.commands.sample_arguments import given_sample, given_samples
     from relgloss_view.gloss.match import as_numbers, match, reference_of
     from relgloss_view.gloss.match_plot import write_match_plot
-    from relgloss_view.picture.backends import open_renderer
     from relgloss_view.picture.scene.sample import SAMPLES
+    from relgloss_view.quality.backends import open_renderer
 
     words = args.cases or list(SAMPLES)[1:]
     if args.write is not None and len(words) != 1:

@@ -8,6 +8,7 @@ import json
 from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import Column, table
 from relgloss_view.commands.scene_options import add_scene_options, scene_from
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ STAGES = {
     "lobes": "specular lobes, at most",
     "c_max": "c_max",
     "gamut": "out of gamut",
+    "targets": "numbers",
     "diffuse": "diffuse reflection",
     "fresnel": "Fresnel's factor",
     "shadowing": "shadowing G",
@@ -31,7 +33,6 @@ def add(commands: Any) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "plan",
-        help="how little of the model a scene needs, and why",
         description="Choose, stage by stage, the cheapest way of drawing whose error on this scene "
         "is inside a tolerance: what `--quality auto` draws. Errors are CIEDE2000 against the "
         "whole model, measured on a thousand pixels of the picture.",
@@ -66,13 +67,9 @@ def run(args: argparse.Namespace) -> int:
     if advice.note:
         print(advice.note)
         return 0
-    rows = [("stage", "drawn", "its own error", "saves", "the next simpler")]
-    rows += [_row(choice) for choice in advice.choices]
-    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-    for row in rows:
-        print(
-            "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        )
+    headings = ("stage", "drawn", "its own error", "saves", "the next simpler")
+    columns = [Column(heading, left=True) for heading in headings]
+    print(table(columns, [_row(choice) for choice in advice.choices]))
     print(
         f"together: {_error(advice.error)} (allowed {tolerance.p95:g} and {tolerance.largest:g}), "
         f"about {advice.saved_percent:.0f} % of a frame's time saved"

@@ -12,7 +12,6 @@ from typing import Any
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.toml import AUTO
 from relgloss_view.material.files import load_material
-from relgloss_view.picture.backends import BACKENDS
 from relgloss_view.picture.model.view import check_size
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.options import (
@@ -26,6 +25,7 @@ from relgloss_view.picture.scene.options import (
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, SAMPLES, load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.scene_file import load_scene
+from relgloss_view.quality.backends import BACKENDS
 
 DEFAULT_SIZE = (512, 512)
 

@@ -20,7 +20,6 @@ def add(commands: Any) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "snapshot",
-        help="draw one picture without a window",
         description="Draw one picture of a sample, as PNG for eyes or OpenEXR for numbers.",
         epilog="example: relgloss snapshot --sample art-coated --sigma-n 0.5 --c-fraction 0.8 "
         "-o art.png",
@@ -37,8 +36,9 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Draw, write, and say what was drawn."""
-    from relgloss_view.picture.backends import open_renderer
-    from relgloss_view.picture.output.export import check_suffix, parameters, save_frame, warnings
+    from relgloss_view.picture.output.export import check_suffix, save_frame
+    from relgloss_view.picture.output.parameters import parameters, warnings
+    from relgloss_view.quality.backends import open_renderer
 
     output = check_suffix(args.output)
     if args.bits is not None and output.suffix.lower() != ".png":
@@ -51,7 +51,7 @@ def run(args: argparse.Namespace) -> int:
         progress(0.5, operator.name)
         shown = shown_by(operator, frame)
         command = printable_command(args.argv)
-        save_frame(frame, output, command, bits=args.bits or 8, shown=shown)
+        save_frame(frame, output, command, bits=args.bits or 8, displayed=shown)
         numbers = parameters(frame, shown)
     if args.json:
         print(json.dumps({"output": str(output), **numbers}))

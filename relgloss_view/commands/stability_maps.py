@@ -41,8 +41,6 @@ def run(folder: Path, backend: str, *, quick: bool, as_json: bool) -> int:
     if as_json:
         print(json.dumps(found, allow_nan=False))
         return 0
-    print(f"  {'':42}{'cells':>7}{'inside':>8}{'worst inside':>14}{'bound':>8}{'failed':>8}")
-    for line in stability.lines(maps):
-        print(line)
+    print(stability.summary_table(maps))
     print(f"{printable(folder)}: {', '.join(names)}, {RESULTS}")
     return 0

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from relgloss_view.base.errors import InputError
 
 if TYPE_CHECKING:
-    from relgloss_view.experiment.study import Study
+    from relgloss_view.experiment.design.study import Study
 
 
 def add_study_options(parser: argparse.ArgumentParser) -> None:
@@ -29,7 +29,7 @@ def add_study_options(parser: argparse.ArgumentParser) -> None:
 
 def study_from(args: argparse.Namespace) -> Study:
     """The study of parsed options; InputError where it is none."""
-    from relgloss_view.experiment.study_file import load_study
+    from relgloss_view.experiment.design.study_file import load_study
 
     changes: dict[str, dict[str, Any]] = {}
     for setting in args.set:

@@ -26,7 +26,6 @@ def add(commands: Any) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "view",
-        help="the window: a reference picture beside the one that is tuned",
         description="Open the window, on the built-in papers or on given scenes, materials and "
         "measurements (which are fitted first). The first sample given is the test picture's; "
         "where two are given, the first is the reference's. The last session comes back.",
@@ -84,7 +83,7 @@ def _screenshot(args: argparse.Namespace) -> int:
     )
     tell_clamped(args, window.size)
     pixels = window.run(args.frames)
-    from relgloss_view.picture.output.export import save_rgb
+    from relgloss_view.picture.output.png import save_rgb
 
     save_rgb(pixels, args.screenshot, {})
     frames = "1 frame" if args.frames == 1 else f"{args.frames} frames"

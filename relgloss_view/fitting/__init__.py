@@ -1,4 +1,10 @@
-"""From a measurement to a material: samples, shapes, solvers, the ladder of models, the verdict."""
+"""From a measurement to a material.
+
+In order: `observations` (what is fitted), `shapes` and `model` (what a rung predicts), `unknowns`,
+`linear`, `problem` and `descent` (how one rung is fitted), `search` and `ladder` (which rungs are
+tried and chosen), `verdict`, `evidence` and `results` (what the fit may claim), `fit` (all of it),
+`curves`, `slices`, `describe` and `report` (how people read it).
+"""
 
 from relgloss_view.fitting.describe import describe_fit
 from relgloss_view.fitting.fit import MODELS, fit_material

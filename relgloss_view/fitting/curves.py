@@ -34,7 +34,7 @@ def seen(
 
 
 def facing(to_lamp: Array, to_receiver: Array) -> brdf.Facing:
-    """How the flat sample stands to lamp and receiver."""
+    """Angles between the flat sample, the lamp and the receiver."""
     normal = np.broadcast_to(np.array([0.0, 0.0, 1.0]), to_lamp.shape)
     return brdf.facing(normal, to_lamp, to_receiver)
 

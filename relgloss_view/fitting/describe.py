@@ -1,4 +1,4 @@
-"""A fit in words and a table, for the terminal."""
+"""A fit as text for the terminal: the candidates in a table, the chosen model, the warnings."""
 
 from __future__ import annotations
 
@@ -36,16 +36,14 @@ def describe_fit(material: Material) -> str:
         )
     for k, lobe in enumerate(material.specular):
         strength = np.asarray(lobe.strength)
-        shown = (
-            f"{strength[0]:.4g}"
-            if len(strength) == 1
-            else (f"{strength.min():.4g}-{strength.max():.4g} over the bands")
-        )
+        span = f"{strength[0]:.4g}"
+        if len(strength) > 1:
+            span = f"{strength.min():.4g}-{strength.max():.4g} over the bands"
         error = width_error(material, k, "se ")
         lines.append(
             f"  lobe {k + 1}     s {lobe.s_deg:.3g} deg"
             + (f" ({error})" if error else "")
-            + f", strength {shown}, n {lobe.refractive_index:.3g}"
+            + f", strength {span}, n {lobe.refractive_index:.3g}"
         )
     r = fit.residuals
     lines.append(

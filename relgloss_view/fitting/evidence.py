@@ -2,34 +2,95 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from relgloss_view.fitting import ladder, verdict
 from relgloss_view.fitting.ladder import Candidate
 from relgloss_view.fitting.model import State, predict
-from relgloss_view.fitting.samples import Samples
-from relgloss_view.fitting.shapes import Geometry
+from relgloss_view.fitting.observations import Observations
+from relgloss_view.fitting.results import CandidateEvidence, Verdict
 from relgloss_view.material.albedo import directional_albedo
-from relgloss_view.material.material import FitRecord, Material
+from relgloss_view.material.material import FitRecord, Material, Quality
 from relgloss_view.measure.table import Measurement
 
-#: Widths below this (radians) reach the end of the search: the samples set no lower bound.
-NO_LOWER_BOUND = float(np.radians(0.06))
-
-
-#: Incidences at which the energy of a fit is looked at; grazing light beyond is little.
+#: Incidences at which the energy of a fit is checked; grazing light beyond is little.
 ENERGY_INCIDENCES_DEG = np.arange(0.0, 81.0, 10.0)
 ENERGY_EXCESS = 1.02  #: noise of a white sample is not an excess
 
 
-def with_energy_warning(material: Material) -> Material:
-    """The material, warned of where it reflects more than it receives.
+@dataclass(frozen=True)
+class ChosenFit:
+    """A chosen candidate with all that its verdict rests on."""
 
-    The samples end at some incidence; beyond it only the model speaks, and strengths above one
+    measurement: Measurement
+    full: Observations  #: all bands
+    few: Observations  #: the bands of the search
+    candidates: tuple[Candidate, ...]  #: in order of size, fitted to `few`
+    best: Candidate
+    state: State  #: of the best candidate, on all bands
+
+
+def judge(fit: ChosenFit) -> Verdict:
+    """The verdict on a fit: residuals on all bands, bounds on the few of the search."""
+    best, few = fit.best, fit.few
+    residuals = verdict.residuals(fit.measurement, fit.full, predict(fit.full.geometry, fit.state))
+    warnings: dict[Quality, str] = {}
+    if residuals.poor:
+        near = residuals.near_mirror.median_relative_error
+        beside = f", {near:.0%} within {verdict.NEAR_MIRROR_DEG:g} deg of mirror" if near else ""
+        warnings[Quality.POOR] = (
+            f"no model describes this sample: median relative error "
+            f"{residuals.median_relative_error:.0%}{beside}"
+        )
+    width, index, no_lobe = None, None, None
+    if best.rung.lobes > 0 and np.any(best.solution.state.ks > 0.0):
+        width, index = verdict.width_bounds(few, best), verdict.index_bounds(few, best)
+        if width.s_deg_lower is None:
+            warnings[Quality.UNIDENTIFIABLE] = (
+                "the lobe is narrower than the grid sees: s is unidentifiable, at most "
+                f"{width.s_deg_upper:.2g} deg; a finer scan across the mirror direction would "
+                "show it"
+            )
+    else:
+        largest = fit.candidates[-1]
+        n = float(largest.solution.state.n[0]) if largest.rung.lobes else 1.5
+        no_lobe = verdict.no_lobe_bounds(few, best.solution.state, n)
+    quality = next(iter(warnings), Quality.GOOD)
+    return Verdict(residuals, quality, warnings, width, index, no_lobe)
+
+
+def record_fit(fit: ChosenFit, judged: Verdict, seed: int) -> FitRecord:
+    """The record that goes into the material's file."""
+    bounds = {
+        "main_lobe": judged.width,
+        "refractive_index": judged.index,
+        "no_lobe": judged.no_lobe,
+    }
+    grounds = judged.warnings.get(judged.quality)
+    return FitRecord(
+        candidates=tuple(asdict(evidence) for evidence in _evidence(fit)),
+        chosen=fit.best.name,
+        residuals=asdict(judged.residuals),
+        quality=judged.quality,
+        warnings=(*fit.measurement.warnings, *judged.warnings.values()),
+        grounds=() if grounds is None else (grounds,),
+        seed=seed,
+        standard_errors=_present(asdict(verdict.standard_errors(fit.best))),
+        bounds={name: asdict(bound) for name, bound in bounds.items() if bound is not None},
+    )
+
+
+def _present(values: dict[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def with_energy_warning(material: Material) -> Material:
+    """The material, with a warning where it reflects more than it receives.
+
+    The samples end at some incidence; beyond it the model extrapolates, and strengths above one
     then meet a Fresnel reflectance that goes to one.
     """
     diffuse, specular = directional_albedo(material, ENERGY_INCIDENCES_DEG)
@@ -45,109 +106,42 @@ def with_energy_warning(material: Material) -> Material:
     return replace(material, fit=replace(material.fit, warnings=(*material.fit.warnings, text)))
 
 
-def main_lobe(state: State) -> int:
-    """Number of the lobe with the greatest mean strength."""
-    return int(np.argmax(np.mean(state.ks, axis=1)))
-
-
-def record_fit(
-    measurement: Measurement,
-    rows: NDArray[np.bool_],
-    g: Geometry,
-    full: Samples,
-    few: Samples,
-    candidates: list[Candidate],
-    best: Candidate,
-    state: State,
-    seed: int,
-) -> FitRecord:
-    """The record of a fit: `state` on all bands, the candidates on the few of the search."""
-    metrics = verdict.residuals(measurement, rows, g, full, predict(g, state))
-    bounds: dict[str, Any] = {}
-    warnings = list(measurement.warnings)
-    quality = "good"
-    if verdict.is_poor(metrics):
-        quality = "poor"
-        near = metrics["near_mirror"]["median_relative_error"]
-        beside = f", {near:.0%} within {verdict.NEAR_MIRROR_DEG:g} deg of mirror" if near else ""
-        warnings.append(
-            f"no model describes this sample: median relative error "
-            f"{metrics['median_relative_error']:.0%}{beside}"
-        )
-    has_lobe = best.rung.lobes > 0 and bool(np.any(best.solution.state.ks > 0.0))
-    if has_lobe:
-        main = main_lobe(best.solution.state)
-        low, high = verdict.width_interval(g, few, best, main)
-        unseen = low < NO_LOWER_BOUND or not verdict.width_is_seen(
-            g, few, best.solution.state, main
-        )
-        bounds["main_lobe"] = {
-            "s_deg_lower": None if unseen else _round(np.degrees(low)),
-            "s_deg_upper": _round(np.degrees(high)),
-        }
-        if unseen:
-            quality = "unidentifiable" if quality == "good" else quality
-            warnings.append(
-                "the lobe is narrower than the grid sees: s is unidentifiable, at most "
-                f"{np.degrees(high):.2g} deg; a finer scan across the mirror direction would tell"
-            )
-        bounds["refractive_index"] = {
-            "held": not best.rung.free_index,
-            "correlation_with_strength": verdict.index_against_strength(g, few, best),
-            "note": "index and strength hide behind one another; strengths are for this index",
-        }
-    else:
-        index = float(candidates[-1].solution.state.n[0]) if candidates[-1].rung.lobes else 1.5
-        bounds["no_lobe"] = verdict.null_bounds(g, few, best.solution.state, index)
-    evidence = _evidence(g, few, full.bands, candidates, best)
-    return FitRecord(
-        candidates=tuple(evidence),
-        chosen=best.name,
-        residuals=metrics,
-        quality=quality,
-        warnings=tuple(warnings),
-        seed=seed,
-        standard_errors=verdict.standard_errors(best),
-        bounds=bounds,
-    )
-
-
-def _evidence(
-    g: Geometry, few: Samples, bands: int, candidates: list[Candidate], best: Candidate
-) -> list[dict[str, Any]]:
-    lowest = min(candidates, key=lambda c: c.cv_mean)
+def _evidence(fit: ChosenFit) -> list[CandidateEvidence]:
+    few, best = fit.few, fit.best
+    lowest = min(fit.candidates, key=lambda c: c.cv_mean)
     values = int(np.sum(few.weight > 0.0))
-    rows = []
-    for c in candidates:
-        model = predict(g, c.solution.state)
+    evidence = []
+    for c in fit.candidates:
+        state = c.solution.state
+        model = predict(few.geometry, state)
         seen = (few.value > 0.0) & (few.weight > 0.0)
         relative = np.abs(model - few.value)[seen] / few.value[seen]
         mean, se = ladder.gain(c, lowest)
         k = c.rung.parameters(few.bands)
         spread = values * np.log(max(c.error, 1e-12))
-        rows.append(
-            {
-                "name": c.name,
-                "parameters": c.rung.parameters(bands),
-                "loss": _round(c.solution.loss),
-                "error": _round(c.error),
-                "rms_log_error": _round(ladder.rms_log_error(few, model)),
-                "median_relative_error": _round(float(np.median(relative))),
-                "cv_mean": _round(c.cv_mean),
-                "cv_se": _round(c.cv_se),
-                "behind_best": _round(mean),
-                "behind_best_se": _round(se),
-                "aicc": _round(spread + 2.0 * k * values / max(values - k - 1, 1)),
-                "bic": _round(spread + k * np.log(values)),
-                "s_deg": [_round(x) for x in np.degrees(np.exp(c.solution.state.log_s))],
-                "strength": [_round(x) for x in np.mean(c.solution.state.ks, axis=1)],
-                "refractive_index": [_round(x) for x in c.solution.state.n],
-                "sigma_deg": _round(np.degrees(np.sqrt(c.solution.state.t))),
-                "converged": c.solution.converged,
-                "verdict": "chosen" if c is best else _why_not(c, best),
-            }
+        evidence.append(
+            CandidateEvidence(
+                name=c.name,
+                parameters=c.rung.parameters(fit.full.bands),
+                loss=_round(c.solution.loss),
+                error=_round(c.error),
+                rms_log_error=_round(ladder.rms_log_error(few, model)),
+                median_relative_error=_round(float(np.median(relative))),
+                cv_mean=_round(c.cv_mean),
+                cv_se=_round(c.cv_se),
+                behind_best=_round(mean),
+                behind_best_se=_round(se),
+                aicc=_round(spread + 2.0 * k * values / max(values - k - 1, 1)),
+                bic=_round(spread + k * np.log(values)),
+                s_deg=[_round(x) for x in np.degrees(np.exp(state.log_s))],
+                strength=[_round(x) for x in np.mean(state.ks, axis=1)],
+                refractive_index=[_round(x) for x in state.n],
+                sigma_deg=_round(np.degrees(np.sqrt(state.t))),
+                converged=c.solution.converged,
+                verdict="chosen" if c is best else _why_not(c, best),
+            )
         )
-    return rows
+    return evidence
 
 
 def _why_not(c: Candidate, best: Candidate) -> str:

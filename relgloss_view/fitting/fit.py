@@ -1,8 +1,8 @@
 """Measurement -> Material: the smallest reflection model that describes the samples.
 
-Separable least squares in the logarithm, robust, with no start values from the user; a ladder of
-models chosen by cross-validation over incidence planes; and a verdict that says what the samples
-cannot tell. The parts are in relgloss_view.fitting.
+Separable robust least squares in the logarithm, with no start values from the user; a ladder of
+models chosen by cross-validation over incidence planes; and a verdict that lists what the samples
+leave open. The parts are in relgloss_view.fitting.
 """
 
 from __future__ import annotations
@@ -11,17 +11,29 @@ import time
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.fitting import ladder, verdict
-from relgloss_view.fitting.evidence import main_lobe, record_fit, with_energy_warning
+from relgloss_view.fitting.descent import refine
+from relgloss_view.fitting.evidence import ChosenFit, judge, record_fit, with_energy_warning
 from relgloss_view.fitting.ladder import Candidate, Progress
-from relgloss_view.fitting.model import INDEX_RANGE, REDESCENDING, Rung, State, mean_error, predict
-from relgloss_view.fitting.samples import Samples, compress, prepare, usable_rows
-from relgloss_view.fitting.shapes import Geometry, geometry
-from relgloss_view.fitting.solver import Problem
-from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material
+from relgloss_view.fitting.model import (
+    INDEX_RANGE,
+    LOG_S_RANGE,
+    REDESCENDING,
+    Rung,
+    State,
+    States,
+    mean_error,
+    predict,
+)
+from relgloss_view.fitting.observations import Observations, compress, prepare
+from relgloss_view.fitting.problem import Problem
+from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material, Quality
 from relgloss_view.measure.table import Measurement
+
+Array = NDArray[np.float64]
 
 MODELS = ladder.MODELS
 _FINAL_ROUNDS = 40
@@ -42,13 +54,26 @@ def fit_material(
 ) -> Material:
     """Fit the reflection models of the ladder and return the smallest that is enough.
 
-    model: 'auto', or a rung by name (MODELS). refractive_index: held; freed only where the samples
-    support it, never with free_index=False. aperture_sd_deg: per-axis angular sd of lamp and
-    receiver instead of the measurement's. seed: of the random folds used where a measurement names
-    fewer than four groups. progress(fraction, text): called regularly; answering False raises
-    FitCancelled. start_s_deg: anchors the scan of lobe widths (for tests of independence).
+    measurement: radiance factors over directions and bands.
+    model: 'auto', or one of MODELS to fit that model alone.
+    refractive_index: fixed value, above 1 and at most 10. The fit varies it where the samples
+    support that, and never with free_index=False.
+    aperture_sd_deg: per-axis angular standard deviations of lamp and receiver, degrees, instead of
+    the measurement's.
+    seed: of the random folds, used where a measurement names fewer than four groups.
+    progress: called with a share from 0 to 1 and a text; returning False raises FitCancelled.
+    start_s_deg: anchor of the scan of lobe widths, degrees, for tests of independence.
 
-    Raises InputError for an unknown model, an index outside 1 to 10 or too few samples.
+    Returns a Material whose `fit` holds the evidence: candidates, residuals, standard errors,
+    quality and warnings. Raises InputError for an unknown model, an index out of range or too few
+    samples. Sources of the models: Torrance and Sparrow 1967, Oren and Nayar 1995; docs/method.md.
+
+    >>> from relgloss_view import read_measurement
+    >>> from relgloss_view.base.resources import asset
+    >>> paper = read_measurement(asset("papers", "art-coated.csv"))
+    >>> material = fit_material(paper, model="lobe")
+    >>> round(material.specular[0].s_deg, 1), str(material.fit.quality)
+    (2.5, 'good')
     """
     if model not in MODELS:
         raise InputError(f"model is {model!r}; expected one of {', '.join(MODELS)}")
@@ -60,30 +85,30 @@ def fit_material(
     began = time.perf_counter()
     if aperture_sd_deg is not None:
         measurement = replace(measurement, aperture_sd_deg=aperture_sd_deg)
-    rows = usable_rows(measurement)
     full = prepare(measurement, seed)
     few = compress(full)
-    g = geometry(full.to_lamp, full.to_receiver, measurement.aperture_sd_deg)
-
     rungs = ladder.LADDER if model == "auto" else _forced(model)
-    candidates, folds = ladder.climb(g, few, rungs, refractive_index, progress, start_s_deg)
+    candidates, folds = ladder.climb(few, rungs, refractive_index, progress, start_s_deg)
     chosen = ladder.choose(candidates)
     best = candidates[chosen]
     if free_index:
         ladder.report(progress, 0.9, "refractive index")
-        freed = ladder.free_index(g, few, folds, best)
+        freed = ladder.free_index(folds, best)
         if freed is not None:
             candidates.insert(chosen + 1, freed)
             if not ladder.enough(best, freed, ladder.RELEVANT_SHARE_INDEX):
                 best = freed
     ladder.report(progress, 0.95, "all bands")
-    state = _all_bands(g, full, best)
-    record = record_fit(measurement, rows, g, full, few, candidates, best, state, seed)
-    state, record = _settle_width(g, full, few, best, state, record)
+    fit = ChosenFit(measurement, full, few, tuple(candidates), best, _all_bands(full, best))
+    judged = judge(fit)
+    state = fit.state
+    if judged.quality == Quality.UNIDENTIFIABLE and judged.width is not None:
+        state = _plainest_width(full, best.rung, state, judged.width.s_deg_upper)
+    record = record_fit(fit, judged, seed)
     ladder.report(progress, 1.0, "done")
     record = replace(record, seconds=round(time.perf_counter() - began, 3))
     try:
-        return with_energy_warning(_material(measurement, best, state, record))
+        return with_energy_warning(_material(measurement, best.rung, state, record))
     except InputError as error:
         raise InputError(
             f"{measurement.place}: the fit is no material: {error}; check the quantity and its unit"
@@ -96,76 +121,72 @@ def _forced(model: str) -> tuple[Rung, ...]:
     return tuple(rung for rung in ladder.LADDER if rung.name in names)
 
 
-def _all_bands(g: Geometry, full: Samples, best: Candidate) -> State:
+def _all_bands(full: Observations, best: Candidate) -> State:
     """The chosen model refined on every band; strongest lobe first, absent lobes dropped."""
     few = best.solution.state
-    problem = Problem(g, full, best.rung)
-    columns, _ = problem.columns(few.t, few.log_s, few.n)
-    kd, ks = problem.first_guess(columns, 3)
+    problem = Problem(full, best.rung)
+    kd, ks = _linear_unknowns(problem, few, rounds=3)
     if best.rung.lobes:
         mean = np.mean(few.ks, axis=1, keepdims=True)
         ks = np.where(np.mean(ks, axis=1, keepdims=True) > 0.0, ks, mean)
-    start = replace(few, kd=kd, ks=ks)
-    state = _settle(g, full, best.rung, problem.refine(start, _FINAL_ROUNDS).state)
-    # A channel that is outside the gamut nearly everywhere has no diffuse part to speak of; what
-    # the fit leaves there stands for the foot of the lobe.
+    solution = refine(problem, [replace(few, kd=kd, ks=ks)], _FINAL_ROUNDS)[0]
+    state = _settle(full, best.rung, solution.state)
+    # A channel that is outside the gamut nearly everywhere has no diffuse part to speak of; the
+    # fit leaves the foot of the lobe there.
     outside = verdict.mostly_outside(full)
     return replace(state, kd=np.where(outside, 0.0, state.kd))
 
 
-def _settle(g: Geometry, full: Samples, rung: Rung, state: State) -> State:
+def _linear_unknowns(problem: Problem, state: State, rounds: int) -> tuple[Array, Array]:
+    """Albedos (B,) and strengths (J, B) from scratch at the nonlinear unknowns of a state."""
+    states = States.of([state])
+    kd, ks = problem.first_guess(problem.columns(states.t, states.log_s, states.n), rounds)
+    return kd[0], ks[0]
+
+
+def _settle(full: Observations, rung: Rung, state: State) -> State:
     """Descend on from the optimum of soft-L1 with a loss that lets go of what no model reaches.
 
     The diffuse part then follows most of the surface. Letting go must not cost the highlight, which
-    is what the fit is for: otherwise the optimum of soft-L1 stands.
+    is what the fit is for: otherwise the optimum of soft-L1 stays.
     """
-    settled = Problem(g, full, rung, REDESCENDING).refine(state, _FINAL_ROUNDS).state
-    near = np.sqrt(g.facing.delta2) < np.radians(verdict.NEAR_MIRROR_DEG)
+    settled = refine(Problem(full, rung, REDESCENDING), [state], _FINAL_ROUNDS)[0].state
+    near = np.sqrt(full.geometry.facing.delta2) < np.radians(verdict.NEAR_MIRROR_DEG)
     if not np.any(near):
         return settled
+    highlight = full.subset(near)
     before, after = (
-        mean_error(full.subset(near), predict(g.subset(near), s)) for s in (state, settled)
+        mean_error(highlight, predict(highlight.geometry, s)) for s in (state, settled)
     )
     return settled if after <= before * _HIGHLIGHT_COST else state
 
 
-def _settle_width(
-    g: Geometry, full: Samples, few: Samples, best: Candidate, state: State, record: FitRecord
-) -> tuple[State, FitRecord]:
-    """Where the samples set no lower bound on the main lobe's width, take the plainest width.
+def _plainest_width(full: Observations, rung: Rung, state: State, upper_deg: float) -> State:
+    """The plainest width of the main lobe where the samples set no lower bound on it.
 
     That is the one at which the strength is that of a smooth interface, one, or the nearest to it
     that the samples allow.
     """
-    bounds = record.bounds.get("main_lobe")
-    if record.quality != "unidentifiable" or bounds is None:
-        return state, record
-    main = main_lobe(state)
-    problem = Problem(g, full, best.rung)
-    upper = float(np.log(np.radians(bounds["s_deg_upper"])))
+    main = verdict.main_lobe(state)
+    problem = Problem(full, rung)
     options = []
-    for log_s in np.linspace(np.log(np.radians(0.05)), upper, 13):
-        moved = state.log_s.copy()
-        moved[main] = log_s
-        columns, _ = problem.columns(state.t, moved, state.n)
-        kd, ks = problem.first_guess(columns, 6)
-        strength = float(np.mean(ks[main]))
-        distance = abs(np.log(max(strength, 1e-12)))
-        options.append((distance, replace(state, log_s=moved, kd=kd, ks=ks)))
-    return min(options, key=lambda item: item[0])[1], record
+    for log_s in np.linspace(LOG_S_RANGE[0], float(np.log(np.radians(upper_deg))), 13):
+        moved = replace(state, log_s=np.where(np.arange(rung.lobes) == main, log_s, state.log_s))
+        kd, ks = _linear_unknowns(problem, moved, rounds=6)
+        distance = abs(np.log(max(float(np.mean(ks[main])), 1e-12)))
+        options.append((distance, replace(moved, kd=kd, ks=ks)))
+    return min(options, key=lambda option: option[0])[1]
 
 
-def _material(
-    measurement: Measurement, best: Candidate, state: State, record: FitRecord
-) -> Material:
+def _material(measurement: Measurement, rung: Rung, state: State, record: FitRecord) -> Material:
     sigma = float(np.sqrt(state.t))
     flat = sigma < _FLAT_SIGMA
     lobes = []
-    for j in np.argsort(-np.mean(state.ks, axis=1)) if best.rung.lobes else ():
+    for j in np.argsort(-np.mean(state.ks, axis=1)) if rung.lobes else ():
         strength = state.ks[j]
         if not np.any(strength > 0.0):
             continue
-        values = strength if best.rung.spectral else strength[:1]
+        values = strength if rung.spectral else strength[:1]
         lobes.append(
             Lobe(
                 tuple(float(v) for v in values),
@@ -184,4 +205,5 @@ def _material(
         ),
         specular=tuple(lobes),
         fit=record,
+        synthetic=measurement.synthetic,
     )

@@ -3,7 +3,7 @@
 Each rung is cross-validated by leaving out whole groups (incidence planes). A rung is enough when
 it is no worse than the best by more than one standard error of the paired difference over groups,
 or by no more than what matters: where noise is correlated between bands and geometries, larger
-models go on winning by amounts that nobody could see.
+models keep gaining by amounts that nobody could see.
 """
 
 from __future__ import annotations
@@ -15,19 +15,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relgloss_view.base.errors import FitCancelled
+from relgloss_view.fitting.descent import refine
 from relgloss_view.fitting.model import (
     Rung,
     Solution,
     State,
+    States,
     error_size,
     log_residual,
     mean_error,
     predict,
 )
-from relgloss_view.fitting.samples import Samples
+from relgloss_view.fitting.observations import Observations
+from relgloss_view.fitting.problem import Problem
 from relgloss_view.fitting.search import solve
-from relgloss_view.fitting.shapes import Geometry
-from relgloss_view.fitting.solver import Problem
 
 Array = NDArray[np.float64]
 Progress = Callable[[float, str], bool | None]
@@ -42,22 +43,21 @@ LADDER = (
 )
 MODELS = ("auto", *(rung.name for rung in LADDER))
 FOLD_ROUNDS = 4
-#: Differences in the held-out logarithmic error that do not matter: what a misfit of about 0.6 %
-#: of the reflectance adds to noise, or 3 % of the error that is there anyway.
+#: Differences in the held-out logarithmic error that do not matter: a misfit of about 0.6 % of the
+#: reflectance adds the first to noise; the second is a share of the smaller model's error.
 RELEVANT = 0.0005
 RELEVANT_SHARE = 0.03
-#: The refractive index hides behind the strength, so freeing it must pay ten times its cost.
+#: The same share for a freed refractive index, larger because index and strength are correlated.
 RELEVANT_SHARE_INDEX = 0.10
 
 
 @dataclass(frozen=True)
-class Fold:
-    """Samples with one group left out, and that group."""
+class Folds:
+    """The observations, and F pairs of weights: of a fit that leaves a group out, of that group."""
 
-    kept_geometry: Geometry
-    kept: Samples
-    left_geometry: Geometry
-    left: Samples
+    observations: Observations
+    kept: Array  #: (F, B, N)
+    left: Array  #: (F, B, N)
 
 
 @dataclass(frozen=True)
@@ -78,65 +78,55 @@ class Candidate:
         return self.rung.name + (", n free" if self.rung.free_index else "")
 
 
-def make_folds(g: Geometry, samples: Samples) -> list[Fold]:
-    """One fold a group."""
-    folds = []
-    for number in range(samples.groups):
-        left = samples.group == number
-        if np.any(samples.weight[left] > 0.0) and np.any(samples.weight[~left] > 0.0):
-            folds.append(
-                Fold(g.subset(~left), samples.subset(~left), g.subset(left), samples.subset(left))
-            )
-    return folds
+def make_folds(observations: Observations) -> Folds:
+    """One fold a group that has weight and leaves weight."""
+    weight = observations.weight.T
+    groups = np.arange(observations.groups)[:, None, None] == observations.group
+    kept, left = np.where(groups, 0.0, weight), np.where(groups, weight, 0.0)
+    fit = np.any(kept > 0.0, axis=(1, 2)) & np.any(left > 0.0, axis=(1, 2))
+    return Folds(observations, kept[fit], left[fit])
 
 
-def evaluate(
-    g: Geometry, samples: Samples, folds: list[Fold], rung: Rung, solution: Solution
-) -> Candidate:
+def evaluate(folds: Folds, rung: Rung, solution: Solution) -> Candidate:
     """Cross-validate a solution: short refinements from it on each fold."""
-    held_out, states = [], []
-    for fold in folds:
-        problem = Problem(fold.kept_geometry, fold.kept, rung)
-        state = problem.refine(solution.state, FOLD_ROUNDS).state
-        held_out.append(mean_error(fold.left, predict(fold.left_geometry, state)))
-        states.append(state)
-    errors = np.array(held_out)
+    observations, count = folds.observations, len(folds.kept)
+    problem = Problem(observations, rung, weight=folds.kept)
+    refined = refine(problem, [solution.state] * count, FOLD_ROUNDS)
+    states = States.of([fold.state for fold in refined])
+    model = problem.model(problem.columns(states.t, states.log_s, states.n), states.kd, states.ks)
+    errors = Problem(observations, rung, weight=folds.left).mean_errors(model)
     return Candidate(
         rung,
         solution,
         errors,
-        tuple(states),
-        mean_error(samples, predict(g, solution.state)),
+        tuple(fold.state for fold in refined),
+        mean_error(observations, predict(observations.geometry, solution.state)),
         float(np.mean(errors)),
         float(np.std(errors, ddof=1) / np.sqrt(len(errors))),
     )
 
 
 def climb(
-    g: Geometry,
-    samples: Samples,
+    observations: Observations,
     rungs: tuple[Rung, ...],
     n: float,
     progress: Progress | None = None,
     start_s_deg: float | None = None,
-) -> tuple[list[Candidate], list[Fold]]:
-    """Fit and cross-validate the rungs in order; each starts also from what the last one found."""
-    folds = make_folds(g, samples)
-    found: list[Candidate] = []
+) -> tuple[list[Candidate], Folds]:
+    """Fit and cross-validate the rungs in order; each starts also from the rung before."""
+    folds = make_folds(observations)
+    candidates: list[Candidate] = []
     for k, rung in enumerate(rungs):
         report(progress, k / (len(rungs) + 1), f"fitting {rung.name}")
-        warm = tuple(c.solution.state for c in found if c.rung.lobes == rung.lobes)
-        if warm and rung.spectral:
-            # The lobes found for a neutral strength are where spectral ones begin.
-            solution = Problem(g, samples, rung).refine(warm[-1])
-            if rung.lobes == 1:
-                again = solve(g, samples, rung, n, start_s_deg=start_s_deg)
-                solution = min(solution, again, key=lambda s: s.loss)
+        warm = tuple(c.solution.state for c in candidates if c.rung.lobes == rung.lobes)
+        if warm and rung.spectral and rung.lobes > 1:
+            # The lobes of a neutral strength are where spectral ones begin.
+            solution = refine(Problem(observations, rung), warm[-1:])[0]
         else:
-            solution = solve(g, samples, rung, n, start_s_deg=start_s_deg, warm=warm)
+            solution = solve(observations, rung, n, start_s_deg=start_s_deg, warm=warm)
         report(progress, (k + 0.5) / (len(rungs) + 1), f"cross-validating {rung.name}")
-        found.append(evaluate(g, samples, folds, rung, solution))
-    return found, folds
+        candidates.append(evaluate(folds, rung, solution))
+    return candidates, folds
 
 
 def choose(candidates: list[Candidate]) -> int:
@@ -160,39 +150,39 @@ def gain(small: Candidate, large: Candidate) -> tuple[float, float]:
     return float(np.mean(difference)), float(np.std(difference, ddof=1) / len(difference) ** 0.5)
 
 
-def free_index(
-    g: Geometry, samples: Samples, folds: list[Fold], candidate: Candidate
-) -> Candidate | None:
+def free_index(folds: Folds, candidate: Candidate) -> Candidate | None:
     """The same rung with its refractive indices free; None where it has no lobe."""
     if candidate.rung.lobes == 0:
         return None
     rung = replace(candidate.rung, free_index=True)
-    problem = Problem(g, samples, rung)
     start = candidate.solution.state
+    # From the held index, and from that of a metal, whose strength is as much lower.
     starts = [
-        replace(start, n=np.full(rung.lobes, n), ks=start.ks * scale)
-        for n, scale in ((float(start.n[0]), 1.0), (3.5, 0.13))
+        replace(start, n=np.full(rung.lobes, n), ks=start.ks * share)
+        for n, share in ((float(start.n[0]), 1.0), (3.5, 0.13))
     ]
-    solution = min((problem.refine(s) for s in starts), key=lambda s: s.loss)
-    return evaluate(g, samples, folds, rung, solution)
+    solutions = refine(Problem(folds.observations, rung), starts)
+    return evaluate(folds, rung, min(solutions, key=lambda s: s.loss))
 
 
 def report(progress: Progress | None, fraction: float, text: str) -> None:
-    """Tell the caller; raises FitCancelled when the callback answers False."""
+    """Report to the caller; raises FitCancelled when the callback returns False."""
     if progress is not None and progress(fraction, text) is False:
         raise FitCancelled("the fit was cancelled")
 
 
-def rms_log_error(samples: Samples, model: Array) -> float:
+def rms_log_error(observations: Observations, model: Array) -> float:
     """Root of the weighted mean square of the logarithmic residual."""
-    residual = log_residual(samples, model)
-    return float(np.sqrt(np.sum(samples.weight * residual**2) / np.sum(samples.weight)))
+    residual = log_residual(observations, model)
+    return float(np.sqrt(np.sum(observations.weight * residual**2) / np.sum(observations.weight)))
 
 
-def group_errors(samples: Samples, model: Array) -> Array:
-    """(G,), mean logarithmic error in each group that has samples."""
-    size = samples.weight * error_size(log_residual(samples, model))
-    total = np.bincount(samples.group, np.sum(size, axis=1), samples.groups)
-    weight = np.bincount(samples.group, np.sum(samples.weight, axis=1), samples.groups)
+def group_errors(observations: Observations, model: Array) -> Array:
+    """(G,), mean logarithmic error in each group that has observations."""
+    size = observations.weight * error_size(log_residual(observations, model))
+    total = np.bincount(observations.group, np.sum(size, axis=1), observations.groups)
+    weight = np.bincount(
+        observations.group, np.sum(observations.weight, axis=1), observations.groups
+    )
     seen = weight > 0.0
     return np.asarray(total[seen] / weight[seen])

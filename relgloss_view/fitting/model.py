@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view.fitting.samples import Samples
+from relgloss_view.fitting.observations import Observations
 from relgloss_view.fitting.shapes import Geometry, diffuse_columns, lobe_columns
 
 Array = NDArray[np.float64]
@@ -49,6 +50,49 @@ class State:
 
 
 @dataclass(frozen=True)
+class States:
+    """P states of one rung, stacked: each field of State with a leading axis of length P."""
+
+    t: Array  #: (P,)
+    log_s: Array  #: (P, J)
+    n: Array  #: (P, J)
+    kd: Array  #: (P, B)
+    ks: Array  #: (P, J, B)
+
+    @classmethod
+    def of(cls, states: Sequence[State]) -> States:
+        """Stack states of one rung, at least one."""
+        parts = ([s.t, s.log_s, s.n, s.kd, s.ks] for s in states)
+        return cls(*(np.array(part, dtype=np.float64) for part in zip(*parts, strict=True)))
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __getitem__(self, place: int) -> State:
+        return State(
+            float(self.t[place]),
+            self.log_s[place].copy(),
+            self.n[place].copy(),
+            self.kd[place].copy(),
+            self.ks[place].copy(),
+        )
+
+    def subset(self, rows: NDArray[np.bool_]) -> States:
+        """The states marked in `rows`."""
+        return States(self.t[rows], self.log_s[rows], self.n[rows], self.kd[rows], self.ks[rows])
+
+    def updated(self, rows: NDArray[np.bool_], other: States) -> States:
+        """These states, with those of `other` where `rows` is true."""
+        return States(
+            np.where(rows, other.t, self.t),
+            np.where(rows[:, None], other.log_s, self.log_s),
+            np.where(rows[:, None], other.n, self.n),
+            np.where(rows[:, None], other.kd, self.kd),
+            np.where(rows[:, None, None], other.ks, self.ks),
+        )
+
+
+@dataclass(frozen=True)
 class Solution:
     """A state and its mean loss over the samples."""
 
@@ -66,20 +110,20 @@ def predict(g: Geometry, state: State) -> Array:
     return np.asarray(value)
 
 
-def log_residual(samples: Samples, model: Array) -> Array:
+def log_residual(observations: Observations, model: Array) -> Array:
     """(N, B), log of model over measured, both above the floor."""
-    return np.log((model + samples.floor) / (samples.value + samples.floor))
+    return np.log((model + observations.floor) / (observations.value + observations.floor))
 
 
 def error_size(residual: Array) -> Array:
     """Soft-L1, in units of the logarithmic residual: about |r| far out. Scores the candidates."""
-    return TAU * (np.sqrt(1.0 + (residual / TAU) ** 2) - 1.0)
+    return np.asarray(TAU * (np.sqrt(1.0 + (residual / TAU) ** 2) - 1.0))
 
 
-def mean_error(samples: Samples, model: Array) -> float:
+def mean_error(observations: Observations, model: Array) -> float:
     """Weighted mean of `error_size` over all values."""
-    size = error_size(log_residual(samples, model))
-    return float(np.sum(samples.weight * size) / np.sum(samples.weight))
+    size = error_size(log_residual(observations, model))
+    return float(np.sum(observations.weight * size) / np.sum(observations.weight))
 
 
 def robust(residual: Array, alpha: float = SOFT_L1) -> Array:
@@ -89,16 +133,13 @@ def robust(residual: Array, alpha: float = SOFT_L1) -> Array:
     grazing backscatter) bend the part that it does reach less.
     """
     z = (residual / TAU) ** 2 / abs(alpha - 2.0)
-    return np.asarray(abs(alpha - 2.0) / alpha * ((1.0 + z) ** (0.5 * alpha) - 1.0))
+    power = np.sqrt(1.0 + z) if alpha == SOFT_L1 else (1.0 + z) ** (0.5 * alpha)
+    return np.asarray(abs(alpha - 2.0) / alpha * (power - 1.0))
 
 
 def influence(residual: Array, alpha: float = SOFT_L1) -> Array:
     """Weight of a residual in the normal equations: slope of `robust` over residual, x TAU^2."""
     z = (residual / TAU) ** 2 / abs(alpha - 2.0)
+    if alpha == SOFT_L1:
+        return np.asarray(1.0 / np.sqrt(1.0 + z))
     return np.asarray((1.0 + z) ** (0.5 * alpha - 1.0))
-
-
-def mean_loss(samples: Samples, model: Array, alpha: float = SOFT_L1) -> float:
-    """Weighted mean of `robust` over all values."""
-    residual = log_residual(samples, model)
-    return float(np.sum(samples.weight * robust(residual, alpha)) / np.sum(samples.weight))

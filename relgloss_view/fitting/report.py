@@ -13,16 +13,15 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.writing import whole_file
 from relgloss_view.fitting import curves, slices
 from relgloss_view.fitting.describe import width_error
-from relgloss_view.fitting.samples import usable_rows
-from relgloss_view.material.material import Material
+from relgloss_view.fitting.observations import usable_rows
+from relgloss_view.material.material import Material, Quality
 from relgloss_view.measure.table import Measurement
 
 Array = NDArray[np.float64]
 
 INK, MUTED, FAINT, ACCENT = "#1b1f24", "#66707a", "#d9dee3", "#b3261e"
-#: Words of the warning that says the quality.
-VERDICT = ("no model describes", "unidentifiable", "poor")
-BADGE = {"good": "#2e7d4f", "poor": ACCENT, "unidentifiable": "#b26a00"}
+GOOD = "#2e7d4f"
+BADGE = {Quality.GOOD: GOOD, Quality.POOR: ACCENT, Quality.UNIDENTIFIABLE: "#b26a00"}
 STYLE: Any = {
     "font.size": 8.0,
     "font.family": "DejaVu Sans",
@@ -71,13 +70,13 @@ def write_fit_report(material: Material, measurement: Measurement, path: str | P
             hspace=0.42,
             height_ratios=(1.15, 1.0, 0.95),
         )
-        table = slices.prepare(material, measurement, usable_rows(measurement))
+        measured = slices.prepare(material, measurement, usable_rows(measurement))
         _heading(figure, material)
-        _plane(figure.add_subplot(grid[0, :4]), material, table)
+        _plane(figure.add_subplot(grid[0, :4]), material, measured)
         _spectra(figure.add_subplot(grid[0, 4:]), material)
-        _ridge(figure.add_subplot(grid[1, :2]), material, table)
-        _tilt(figure.add_subplot(grid[1, 2:4]), material, table)
-        _residuals(figure.add_subplot(grid[1, 4:]), table)
+        _ridge(figure.add_subplot(grid[1, :2]), material, measured)
+        _tilt(figure.add_subplot(grid[1, 2:4]), material, measured)
+        _residuals(figure.add_subplot(grid[1, 4:]), measured)
         _candidates(figure.add_subplot(grid[2, 1:4]), fit.candidates, fit.chosen)
         _facts(figure.add_subplot(grid[2, 4:]), material)
         with whole_file(path) as temporary, warnings.catch_warnings():
@@ -109,14 +108,13 @@ def _heading(figure: Any, material: Material) -> None:
             bbox={"boxstyle": "round,pad=0.4", "facecolor": colour, "edgecolor": "none"},
         )
         x -= 0.0075 * len(str(drawn.get_text())) + 0.02
-    # The verdict first; there is room for two lines.
-    told = sorted(material.warnings, key=lambda text: not any(sign in text for sign in VERDICT))
-    if len(told) > 2:
-        told = [told[0], f"and {len(told) - 1} more, listed in the material file"]
-    for k, text in enumerate(told):
-        place = 0.908 - 0.016 * k
-        shown = f"! {printable(text, 170)}"
-        figure.text(0.055, place, shown, fontsize=8, color=ACCENT, parse_math=False)
+    # What explains the quality comes first; there is room for two lines.
+    texts = sorted(material.warnings, key=lambda text: text not in fit.grounds)
+    if len(texts) > 2:
+        texts = [texts[0], f"and {len(texts) - 1} more, listed in the material file"]
+    for k, text in enumerate(texts):
+        line = f"! {printable(text, 170)}"
+        figure.text(0.055, 0.908 - 0.016 * k, line, fontsize=8, color=ACCENT, parse_math=False)
 
 
 def _logarithmic(axis: Any) -> None:
@@ -135,15 +133,15 @@ def _colours(count: int) -> list[Any]:
     return [colormaps["viridis"](x) for x in np.linspace(0.0, 0.85, max(count, 1))]
 
 
-def _plane(axis: Any, material: Material, table: slices.Table) -> None:
-    axis.set_title(f"Mirror plane, {table.label}")
-    chosen = slices.some(table.incidences(), 5)
+def _plane(axis: Any, material: Material, measured: slices.Slices) -> None:
+    axis.set_title(f"Mirror plane, {measured.label}")
+    chosen = slices.some(measured.incidences(), 5)
     angle = slices.receiver_angles(chosen, material)
     for incidence, colour in zip(chosen, _colours(len(chosen)), strict=True):
-        x, y = table.plane(incidence)
+        x, y = measured.plane(incidence)
         axis.plot(x, y, "o", ms=3.0, mew=0.0, color=colour, alpha=0.75)
         lamp, receiver = curves.in_plane(incidence, angle)
-        fitted = curves.seen(material, lamp, receiver, table.aperture_sd_deg)[:, table.band]
+        fitted = curves.seen(material, lamp, receiver, measured.aperture_sd_deg)[:, measured.band]
         axis.plot(angle, fitted, lw=1.0, color=colour, label=f"{incidence:g}°")
     _logarithmic(axis)
     axis.set_xlabel("receiver angle, mirror side positive (deg)")
@@ -151,41 +149,41 @@ def _plane(axis: Any, material: Material, table: slices.Table) -> None:
     axis.legend(title="incidence; points measured, lines fitted", ncols=5, loc="upper left")
 
 
-def _ridge(axis: Any, material: Material, table: slices.Table) -> None:
+def _ridge(axis: Any, material: Material, measured: slices.Slices) -> None:
     axis.set_title("Across the mirror direction")
-    chosen = slices.some(table.incidences(), 5)
+    chosen = slices.some(measured.incidences(), 5)
     offset = np.linspace(-6.0, 6.0, 241)
     for incidence, colour in zip(chosen, _colours(len(chosen)), strict=True):
-        x, y = table.plane(incidence)
+        x, y = measured.plane(incidence)
         near = np.abs(x - incidence) <= 6.0
         axis.plot(x[near] - incidence, y[near], "o", ms=3.0, mew=0.0, color=colour, alpha=0.8)
         lamp, receiver = curves.in_plane(incidence, np.minimum(incidence + offset, 88.0))
-        fitted = curves.seen(material, lamp, receiver, table.aperture_sd_deg)[:, table.band]
+        fitted = curves.seen(material, lamp, receiver, measured.aperture_sd_deg)[:, measured.band]
         axis.plot(offset, fitted, lw=1.0, color=colour)
     _logarithmic(axis)
     axis.set_xlabel("receiver off the mirror direction (deg)")
     axis.set_ylabel("radiance factor")
 
 
-def _tilt(axis: Any, material: Material, table: slices.Table) -> None:
+def _tilt(axis: Any, material: Material, measured: slices.Slices) -> None:
     axis.set_title("Out of the plane")
-    chosen = slices.some(table.tilt_angles(), 4)
+    chosen = slices.some(measured.tilt_angles(), 4)
     for theta, colour in zip(chosen, _colours(len(chosen)), strict=True):
-        x, y = table.tilt(theta)
+        x, y = measured.tilt(theta)
         axis.plot(x, y, "o", ms=3.0, mew=0.0, color=colour, alpha=0.8)
-        lamp, receiver = table.tilt_directions(theta)
-        fitted = curves.seen(material, lamp, receiver, table.aperture_sd_deg)[:, table.band]
+        lamp, receiver = measured.tilt_directions(theta)
+        fitted = curves.seen(material, lamp, receiver, measured.aperture_sd_deg)[:, measured.band]
         half = np.degrees(np.sqrt(curves.facing(lamp, receiver).delta2))
         axis.plot(half, fitted, lw=1.0, color=colour, label=f"{theta:g}°")
     _logarithmic(axis)
     axis.set_xlabel("half-vector from the normal (deg)")
-    axis.legend(title=table.tilt_label, ncols=2, loc="upper right")
+    axis.legend(title=measured.tilt_label, ncols=2, loc="upper right")
 
 
-def _residuals(axis: Any, table: slices.Table) -> None:
+def _residuals(axis: Any, measured: slices.Slices) -> None:
     axis.set_title("Residuals, all bands")
-    x, y = table.residuals()
-    axis.axhspan(-5.0, 5.0, color="#2e7d4f", alpha=0.08, lw=0)
+    x, y = measured.residuals()
+    axis.axhspan(-5.0, 5.0, color=GOOD, alpha=0.08, lw=0)
     axis.plot(x, np.clip(y, -60.0, 60.0), ".", ms=1.6, color=INK, alpha=0.25, rasterized=True)
     axis.axhline(0.0, lw=0.7, color=INK)
     axis.set_ylim(-63.0, 63.0)
@@ -199,7 +197,7 @@ def _candidates(axis: Any, candidates: tuple[dict[str, Any], ...], chosen: str) 
     for y, c in zip(place, candidates, strict=True):
         picked = c["name"] == chosen
         mean, se = 100.0 * c["cv_mean"], 100.0 * c["cv_se"]
-        colour = BADGE["good"] if picked else "#aab3bb"
+        colour = GOOD if picked else "#aab3bb"
         axis.barh(y, mean, height=0.62, color=colour)
         axis.plot([max(mean - se, 0.3 * mean), mean + se], [y, y], color=INK, lw=0.9)
         text = f"{mean:.3g} %   {c['parameters']} unknowns   {c['verdict']}"
@@ -229,7 +227,7 @@ def _spectra(axis: Any, material: Material) -> None:
     rgb = material.bands.is_rgb
     x = np.arange(3) if rgb else material.bands.centres_nm()
     style = "o-"
-    axis.plot(x, material.diffuse.albedo, style, ms=3.0, lw=1.2, color="#2e7d4f", label="albedo")
+    axis.plot(x, material.diffuse.albedo, style, ms=3.0, lw=1.2, color=GOOD, label="albedo")
     for k, lobe in enumerate(material.specular):
         strength = lobe.per_band(material.bands.count)
         axis.plot(

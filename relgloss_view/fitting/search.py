@@ -1,4 +1,4 @@
-"""The global search over lobe widths: no start value is asked of the user."""
+"""The global search over lobe widths, so that a fit needs no start value from its user."""
 
 from __future__ import annotations
 
@@ -7,10 +7,16 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view.fitting.model import LOG_S_RANGE, Rung, Solution, State, mean_error
-from relgloss_view.fitting.samples import Samples
-from relgloss_view.fitting.shapes import Geometry
-from relgloss_view.fitting.solver import Problem
+from relgloss_view.fitting.descent import refine
+from relgloss_view.fitting.model import (
+    LOG_S_RANGE,
+    Rung,
+    Solution,
+    State,
+    States,
+)
+from relgloss_view.fitting.observations import Observations
+from relgloss_view.fitting.problem import Problem
 
 Array = NDArray[np.float64]
 
@@ -34,41 +40,50 @@ def widths(steps: int, start_s_deg: float | None = None) -> Array:
 
 
 def solve(
-    g: Geometry,
-    samples: Samples,
+    observations: Observations,
     rung: Rung,
     n: float,
     *,
     start_s_deg: float | None = None,
     warm: tuple[State, ...] = (),
 ) -> Solution:
-    """The best optimum of a rung: scan the widths, refine the best few and the warm starts."""
-    problem = Problem(g, samples, rung)
+    """The best optimum of a rung: scan the widths, refine the best few and the warm starts.
+
+    n: refractive index of all lobes. start_s_deg: anchors the scan.
+    """
+    problem = Problem(observations, rung)
     if rung.lobes == 0:
-        roughness = (FIRST_T, 0.15) if rung.rough else (0.0,)
-        best = [_begin(problem, t, np.empty(0), n)[1] for t in roughness]
+        roughness = np.array((FIRST_T, 0.15) if rung.rough else (0.0,))
+        starts, _ = _linear_guess(problem, roughness, np.empty((len(roughness), 0)), n)
+        best = [starts[k] for k in range(len(starts))]
     else:
         steps = ONE_LOBE_STEPS if rung.lobes == 1 else TWO_LOBE_STEPS
         grid = widths(steps, start_s_deg)
-        starts = [
-            _begin(problem, FIRST_T, np.array(chosen), n)
-            for chosen in combinations(grid, rung.lobes)
-        ]
-        # Starts beside one another lead to the same optimum: take each valley's best.
-        pitch = 1.1 * (grid[1] - grid[0])
-        best = []
-        for _, state in sorted(starts, key=lambda item: item[0]):
-            if all(np.max(np.abs(state.log_s - other.log_s)) > pitch for other in best):
-                best.append(state)
-            if len(best) == REFINED:
-                break
-    solutions = [problem.refine(state) for state in (*best, *warm)]
-    return min(solutions, key=lambda s: s.loss)
+        log_s = np.array(list(combinations(grid, rung.lobes)))
+        starts, errors = _linear_guess(problem, np.full(len(log_s), FIRST_T), log_s, n)
+        best = lowest_of_valleys(starts, errors, pitch=1.1 * (grid[1] - grid[0]))
+    return min(refine(problem, [*best, *warm]), key=lambda s: s.loss)
 
 
-def _begin(problem: Problem, t: float, log_s: Array, n: float) -> tuple[float, State]:
-    index = np.full(len(log_s), n)
-    columns, _ = problem.columns(t, log_s, index)
+def lowest_of_valleys(states: States, errors: Array, pitch: float) -> list[State]:
+    """The REFINED states of the lowest errors (P,) that differ by more than `pitch` in some ln s.
+
+    Starts beside one another lead to the same optimum.
+    """
+    best: list[State] = []
+    for k in np.argsort(errors, kind="stable").tolist():
+        state = states[k]
+        if all(np.max(np.abs(state.log_s - other.log_s)) > pitch for other in best):
+            best.append(state)
+        if len(best) == REFINED:
+            break
+    return best
+
+
+def _linear_guess(problem: Problem, t: Array, log_s: Array, n: float) -> tuple[States, Array]:
+    """The linear unknowns at P sets of nonlinear ones, and the mean errors (P,)."""
+    index = np.full(log_s.shape, n)
+    columns = problem.columns(t, log_s, index)
     kd, ks = problem.first_guess(columns, _SCAN_ROUNDS)
-    loss = mean_error(problem.samples, problem.model(columns, kd, ks))
-    return loss, State(t, log_s, index, kd, ks)
+    errors = problem.mean_errors(problem.model(columns, kd, ks))
+    return States(t, log_s, index, kd, ks), errors

@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from relgloss_view.material import brdf
 
@@ -86,8 +86,12 @@ def geometry(to_lamp: Array, to_receiver: Array, aperture_sd_deg: tuple[float, f
     )
 
 
-def diffuse_columns(g: Geometry, t: float) -> tuple[Array, Array, Array, Array]:
-    """D1, D2 and their derivatives to t = sigma^2; brdf.oren_nayar in its separable form."""
+def diffuse_columns(g: Geometry, t: ArrayLike) -> tuple[Array, Array, Array, Array]:
+    """D1, D2 and their derivatives to t = sigma^2, each (..., N) for t of shape (...,).
+
+    They are brdf.oren_nayar in its separable form.
+    """
+    t = np.asarray(t, dtype=np.float64)[..., None]
     raw = (1.0 - 0.5 * t / (t + 0.33)) * g.flat + t / (t + 0.09) * g.directed
     positive = raw > 0.0
     slope = -0.5 * 0.33 / (t + 0.33) ** 2 * g.flat + 0.09 / (t + 0.09) ** 2 * g.directed
@@ -96,25 +100,35 @@ def diffuse_columns(g: Geometry, t: float) -> tuple[Array, Array, Array, Array]:
     return np.where(positive, raw, 0.0), second, np.where(positive, slope, 0.0), second_slope
 
 
-def lobe_columns(g: Geometry, log_s: float, n: float) -> tuple[Array, Array]:
-    """L and dL/dln s of a Torrance-Sparrow lobe of unit strength, seen through the apertures."""
-    s = float(np.exp(log_s))
-    s2 = s * s
-    wide, tall = s2 + g.blur_along, s2 + g.blur_across
-    exponent = 0.5 * (g.along / wide + g.across / tall)
-    peak = brdf.facet_amplitude(s) * s2 / np.sqrt(wide * tall)
-    density = peak * np.exp(-np.minimum(exponent, LARGEST_EXPONENT))
-    lobe = density * g.grooves * brdf.fresnel_dielectric(g.facing.cos_d, n)
-    ahead, behind = s * np.exp(_STEP), s * np.exp(-_STEP)
-    amplitude_slope = np.log(brdf.facet_amplitude(ahead) / brdf.facet_amplitude(behind))
-    slope = amplitude_slope / (2.0 * _STEP) + 2.0 - s2 / wide - s2 / tall
-    slope = slope + s2 * (g.along / wide**2 + g.across / tall**2)
+def lobe_columns(g: Geometry, log_s: ArrayLike, n: ArrayLike) -> tuple[Array, Array]:
+    """L and dL/dln s of a Torrance-Sparrow lobe of unit strength, seen through the apertures.
+
+    Each is (..., N) for log_s and n of shape (...,).
+    """
+    facets, slope = facet_columns(g, log_s)
+    lobe = facets * brdf.fresnel_dielectric(g.facing.cos_d, np.asarray(n)[..., None])
     return lobe, lobe * slope
 
 
-def index_slope(g: Geometry, n: float) -> Array:
-    """(N,), d ln F / dn."""
-    ahead = brdf.fresnel_dielectric(g.facing.cos_d, n + _STEP)
-    behind = brdf.fresnel_dielectric(g.facing.cos_d, max(n - _STEP, 1.0))
-    middle = np.maximum(brdf.fresnel_dielectric(g.facing.cos_d, n), 1e-12)
-    return np.asarray((ahead - behind) / ((n + _STEP - max(n - _STEP, 1.0)) * middle))
+def facet_columns(g: Geometry, log_s: ArrayLike) -> tuple[Array, Array]:
+    """A lobe without its Fresnel reflectance, and d ln L / d ln s: both (..., N)."""
+    s = np.exp(np.asarray(log_s, dtype=np.float64))
+    amplitude, amplitude_slope = brdf.facet_amplitudes(s)
+    s2 = (s * s)[..., None]
+    wide, tall = s2 + g.blur_along, s2 + g.blur_across
+    along, across = g.along / wide, g.across / tall
+    peak = amplitude[..., None] * s2 / np.sqrt(wide * tall)
+    exponent = np.minimum(0.5 * (along + across), LARGEST_EXPONENT)
+    facets = peak * np.exp(-exponent) * g.grooves
+    slope = amplitude_slope[..., None] + 2.0 + (along - 1.0) * s2 / wide
+    return facets, slope + (across - 1.0) * s2 / tall
+
+
+def index_slope(g: Geometry, n: ArrayLike) -> Array:
+    """d ln F / dn, (..., N) for n of shape (...,)."""
+    middle = np.asarray(n, dtype=np.float64)[..., None]
+    above, below = middle + _STEP, np.maximum(middle - _STEP, 1.0)
+    high, low, at = (
+        brdf.fresnel_dielectric(g.facing.cos_d, index) for index in (above, below, middle)
+    )
+    return np.asarray((high - low) / ((above - below) * np.maximum(at, 1e-12)))

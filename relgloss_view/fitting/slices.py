@@ -17,7 +17,7 @@ _ANGLE_DEG = 0.3  #: angles nearer than this are the same
 
 
 @dataclass(frozen=True)
-class Table:
+class Slices:
     """The usable samples of a measurement and the fit at the same directions."""
 
     value: Array  #: (N, B), zero where there is none
@@ -35,8 +35,8 @@ class Table:
     def incidences(self) -> Array:
         """Angles of incidence in the mirror plane that have a sample near the mirror direction."""
         near = self.planar & (np.abs(self.receiver_deg - self.incidence_deg) < 1.5)
-        found = np.unique(np.round(self.incidence_deg[near]))
-        return found[found > 0.0] if np.any(found > 0.0) else found
+        angles = np.unique(np.round(self.incidence_deg[near]))
+        return angles[angles > 0.0] if np.any(angles > 0.0) else angles
 
     def plane(self, incidence_deg: float) -> tuple[Array, Array]:
         """Receiver angles and measured values in the mirror plane."""
@@ -58,8 +58,8 @@ class Table:
     def tilt_angles(self) -> Array:
         """Angles for which samples leave the mirror direction across the plane."""
         keys = np.round(self._tilt_key()[self._symmetric() & ~self.planar])
-        found, count = np.unique(keys, return_counts=True)
-        return found[(count >= 2) & (found > 0.0)]
+        angles, count = np.unique(keys, return_counts=True)
+        return angles[(count >= 2) & (angles > 0.0)]
 
     def tilt(self, theta_deg: float) -> tuple[Array, Array]:
         """Half-vector angles and measured values across the plane."""
@@ -80,7 +80,7 @@ class Table:
         return half, 100.0 * (self.fitted[seen] / self.value[seen] - 1.0)
 
 
-def prepare(material: Material, measurement: Measurement, rows: NDArray[np.bool_]) -> Table:
+def prepare(material: Material, measurement: Measurement, rows: NDArray[np.bool_]) -> Slices:
     """Slices of the marked samples, in the band of green light or the brightest one."""
     lamp, receiver = measurement.to_lamp[rows], measurement.to_receiver[rows]
     value = np.nan_to_num(measurement.radiance_factor[rows], nan=0.0, posinf=0.0, neginf=0.0)
@@ -90,7 +90,7 @@ def prepare(material: Material, measurement: Measurement, rows: NDArray[np.bool_
     sines = np.sin(np.radians(incidence)) * np.sin(np.radians(outgoing))
     bands = measurement.bands
     band = 1 if bands.is_rgb else int(np.argmin(np.abs(bands.centres_nm() - 540.0)))
-    return Table(
+    return Slices(
         np.maximum(value, 0.0),
         curves.seen(material, lamp, receiver, measurement.aperture_sd_deg),
         incidence,

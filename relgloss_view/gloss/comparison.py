@@ -6,24 +6,26 @@ Defined in docs/compare.md.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Bytes
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.gloss.meter.meter import gloss_readings
 from relgloss_view.gloss.shown import ORDER_TIE_LSTAR, Measures, agreement, measure, ranks
 from relgloss_view.material.material import Material
 from relgloss_view.operators.operator import Operator
 from relgloss_view.picture.frame import Frame
-from relgloss_view.picture.output.export import SPLIT, is_srgb, warnings
+from relgloss_view.picture.output.parameters import SPLIT, warnings
+from relgloss_view.picture.output.png import is_srgb
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from relgloss_view.picture.backends import FrameRenderer
+    from relgloss_view.quality.backends import FrameRenderer
 
 #: Measures that pictures are put in order by: both, since one does not see narrow highlights.
 ORDERED_BY = ("contrast_gloss", "peak_contrast")
@@ -47,7 +49,7 @@ class Case:
 class Cell:
     """One sample under one operator."""
 
-    picture: NDArray[np.uint8]  #: (H, W, 3), the object with a margin of its surround
+    picture: Bytes  #: (H, W, 3), the object with a margin of its surround
     measures: Measures
     warnings: tuple[str, ...]
 
@@ -119,7 +121,7 @@ def compare(
     size: tuple[int, int],
     *,
     gloss: str = DEFAULT_GLOSS,
-    progress: Callable[[float, str], object] = lambda share, text: None,
+    progress: ProgressReport = no_progress,
 ) -> Comparison:
     """Draw every sample once, show it with every operator; `scene` gives all but the material."""
     settled, cells = [], []

@@ -2,31 +2,21 @@
 
 from __future__ import annotations
 
-import base64
 import io
-from collections.abc import Sequence
 from html import escape
 
-import numpy as np
-from numpy.typing import NDArray
-
+from relgloss_view.base import pages
+from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.version import __version__
 from relgloss_view.gloss.comparison import Comparison, Row, Settled, title_of, words_of
 from relgloss_view.gloss.comparison_sheet import MEASURES, VERDICTS, body_words, number
 
-#: Neutral grays: the pictures' own surround is L* 50.
 STYLE = """
-body { margin: 2rem; background: #777; color: #fff; font: 15px/1.45 system-ui, sans-serif; }
-h1 { font-size: 1.5rem; font-weight: 600; margin: 0 0 .3rem; }
 h2 { font-size: 1.1rem; font-weight: 600; margin: 2rem 0 .2rem; }
-p { margin: .2rem 0; max-width: 60rem; }
-.muted { color: #eee; }
 .pictures { display: flex; flex-wrap: wrap; gap: 1rem; margin: .8rem 0; }
 figure { margin: 0; } img { display: block; } figcaption { color: #eee; }
-table { border-collapse: collapse; margin: .6rem 0; font-variant-numeric: tabular-nums; }
-th, td { padding: .15rem .8rem .15rem 0; text-align: right; border-bottom: 1px solid #909090; }
-th { font-weight: 600; } th:first-child, td:first-child { text-align: left; }
-code { font: 13px/1.4 ui-monospace, monospace; overflow-wrap: anywhere; }
+table { margin: .6rem 0; }
+th, td { padding: .15rem .8rem .15rem 0; }
 """
 COLUMNS = (
     ("99th percentile", "L*"),
@@ -41,9 +31,6 @@ COLUMNS = (
 def comparison_page(comparison: Comparison, note: str, command: str) -> str:
     """The page as text; `command` is the line that makes it again."""
     parts = [
-        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">',
-        '<meta name="viewport" content="width=device-width">',
-        f"<title>relgloss compare</title><style>{STYLE}</style></head><body>",
         "<h1>Samples under each operator</h1>",
         f'<p class="muted">{escape(note)} Pictures are shown pixel by pixel; look at them at 100 %.'
         "</p>",
@@ -51,9 +38,8 @@ def comparison_page(comparison: Comparison, note: str, command: str) -> str:
         *(_operator(row, comparison.srgb) for row in comparison.rows),
         "<h2>Made with</h2>",
         f'<p class="muted">relgloss {escape(__version__)}</p><p><code>{escape(command)}</code></p>',
-        "</body></html>\n",
     ]
-    return "\n".join(parts)
+    return pages.page("relgloss compare", parts, STYLE)
 
 
 def _samples(comparison: Comparison) -> str:
@@ -68,7 +54,7 @@ def _samples(comparison: Comparison) -> str:
             _rounded(s.c_max),
         )
 
-    return _table(heads, [cells(s) for s in comparison.samples])
+    return pages.table(heads, [cells(s) for s in comparison.samples])
 
 
 def _operator(row: Row, srgb: bool) -> str:
@@ -114,36 +100,24 @@ def _operator(row: Row, srgb: bool) -> str:
             f'<p class="muted">{escape(row.operator.meaning)} ({escape(row.operator.source)})</p>',
             f'<div class="pictures">{"".join(figures)}</div>',
             *orders,
-            f"<p>{escape(_sentence(body_words(row)))}</p>",
-            _table(heads, numbers),
+            f"<p>{escape(pages.sentence_case(body_words(row)))}</p>",
+            pages.table(heads, numbers),
             *told,
         ]
     )
-
-
-def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    head = "".join(f"<th>{escape(text)}</th>" for text in heads)
-    body = "".join(
-        "<tr>" + "".join(f"<td>{escape(text)}</td>" for text in row) + "</tr>" for row in rows
-    )
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-
-
-def _sentence(text: str) -> str:
-    return text[:1].upper() + text[1:]
 
 
 def _rounded(value: float | None) -> str:
     return "-" if value is None else f"{value:.4g}"
 
 
-def _embedded(picture: NDArray[np.uint8], srgb: bool) -> str:
+def _embedded(picture: Bytes, srgb: bool) -> str:
     """A picture as a data URL, PNG."""
     from PIL import Image
 
-    from relgloss_view.picture.output.export import srgb_profile
+    from relgloss_view.picture.output.png import srgb_profile
 
     held = io.BytesIO()
     profile = {"icc_profile": srgb_profile()} if srgb else {}
     Image.fromarray(picture).save(held, format="PNG", **profile)
-    return "data:image/png;base64," + base64.b64encode(held.getvalue()).decode("ascii")
+    return pages.embedded_png(held.getvalue())

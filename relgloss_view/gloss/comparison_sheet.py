@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from relgloss_view.base.arrays import Bytes
 from relgloss_view.gloss.comparison import (
     BROKEN,
     KEPT,
@@ -19,7 +20,7 @@ from relgloss_view.gloss.comparison import (
     title_of,
     words_of,
 )
-from relgloss_view.picture.output.contact_sheet import INK_GRAY, PAPER_GRAY, Pixels
+from relgloss_view.picture.output.contact_sheet import INK_GRAY, PAPER_GRAY
 
 MUTED_GRAY = 208
 LINE_GRAY = 140
@@ -75,7 +76,7 @@ class _Pen:
         return lines
 
 
-def comparison_sheet(comparison: Comparison, title: str, note: str) -> Pixels:
+def comparison_sheet(comparison: Comparison, title: str, note: str) -> Bytes:
     """The sheet's pixels (H, W, 3); text is gray, so that nothing coloured stands by a picture."""
     from PIL import Image, ImageDraw, ImageFont
 

@@ -14,20 +14,21 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.gloss.comparison import Case, computed_gloss
 from relgloss_view.gloss.shown import Regions, contrast_gloss, peak_contrast
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from relgloss_view.picture.backends import FrameRenderer
+    from relgloss_view.quality.backends import FrameRenderer
 
 SIGMAS_N_DEG = tuple(0.25 * k for k in range(13))  #: the paper's range, twice as fine
-MEASURES: dict[str, Callable[[NDArray[np.float64], Regions], float | None]] = {
+MEASURES: dict[str, Callable[[Array, Regions], float | None]] = {
     "peak-contrast": peak_contrast,
     "contrast-gloss": contrast_gloss,
 }
@@ -133,7 +134,7 @@ def match(
     by: str,
     grain_deg: float,
     settled: bool,
-    progress: Callable[[float, str], object] = lambda share, text: None,
+    progress: ProgressReport = no_progress,
 ) -> Match:
     """The curve of a sample; with `settled` its look is a setting to be held against the curve."""
     real = computed_gloss(case.material)[gloss] or 0.0

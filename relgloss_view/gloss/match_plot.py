@@ -6,27 +6,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from relgloss_view.base.figures import INK, MUTED, drawing, new_figure, save_figure
 from relgloss_view.base.writing import whole_file
 from relgloss_view.gloss.comparison import words_of
 from relgloss_view.gloss.match import Match, Reference
 
-INK, MUTED, FAINT = "#1b1f24", "#66707a", "#d9dee3"
 #: Told apart by lightness too (Okabe and Ito's blue, vermilion, green, purple, sky, orange).
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#8a5a8c", "#3f9fd0", "#b37a00")
-STYLE: Any = {
-    "font.size": 9.0,
-    "font.family": "DejaVu Sans",
-    "axes.edgecolor": MUTED,
-    "axes.labelcolor": INK,
-    "axes.linewidth": 0.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": FAINT,
-    "grid.linewidth": 0.5,
-    "xtick.color": MUTED,
-    "ytick.color": MUTED,
-}
 SIXTHS = [f"{k}/6" for k in range(7)]
 LABEL_LETTERS = 22
 LABEL_GAP = 0.055  #: between the labels of curves, in shares of c_max
@@ -37,15 +23,10 @@ def write_match_plot(
 ) -> None:
     """Write a PNG: c as a share of c_max over sigma_N, with proposals and settings found by eye.
 
-    matplotlib is imported here, without its window system; the file appears whole or not at all.
+    The file appears whole or not at all.
     """
-    from matplotlib import rc_context
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    with rc_context(STYLE):
-        figure = Figure(figsize=(9.4, 6.0), dpi=130, facecolor="white")
-        FigureCanvasAgg(figure)
+    with drawing({"font.size": 9.0}):
+        figure = new_figure(9.4, 6.0, dpi=130)
         axes = figure.add_axes((0.08, 0.18, 0.62, 0.64))
         for k, found in enumerate(matches):
             _curve(axes, found, COLOURS[k % len(COLOURS)])
@@ -57,7 +38,7 @@ def write_match_plot(
         _labels(axes, matches, reference)
         _words(figure, reference, gloss, measure)
         with whole_file(path) as temporary:
-            figure.savefig(temporary, format="png")
+            save_figure(figure, temporary)
 
 
 def _curve(axes: Any, found: Match, colour: str) -> None:

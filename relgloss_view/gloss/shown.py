@@ -11,15 +11,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.operators.clip import Clip
 from relgloss_view.operators.operator import Displayed, SceneLight
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model.difference import delta_e_2000
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 BRIGHT_QUANTILE = 0.99
 HIGHLIGHT_LSTAR = 1.0  #: a highlight adds at least this much to L*, the body at most

@@ -1,1 +1,1 @@
-"""What the sample is: reflection models, materials, fit, spectra."""
+"""The reflection of a sample: models, materials and their files, spectra."""

@@ -1,4 +1,4 @@
-"""What stands in for Torrance-Sparrow's exact parts where a scene needs no more.
+"""Cheaper forms of the parts of Torrance-Sparrow, for scenes that need no more.
 
 The twin of shaders/approximations.glsl: same function names, same quantities. Angles are radians.
 """
@@ -52,7 +52,11 @@ def mean_lobe(s: float, refractive_index: float, sigma_n: float, law: str) -> Lo
 
 
 def fresnel_schlick(cos_d: Array, n: float) -> Array:
-    """Reflectance of Schlick 1994, which leans on normal incidence."""
+    """Reflectance by Schlick 1994: exact at normal and at grazing incidence.
+
+    >>> fresnel_schlick(np.array([1.0, 0.0]), 1.5).round(4).tolist()
+    [0.04, 1.0]
+    """
     f0 = ((n - 1.0) / (n + 1.0)) ** 2
     return f0 + (1.0 - f0) * (1.0 - np.abs(cos_d)) ** 5
 
@@ -67,7 +71,10 @@ def fresnel(model: str, cos_d: Array, n: float) -> Array:
 
 
 def beckmann_density(delta2: Array, sharpness: float) -> Array:
-    """Gaussian in tan(delta) of slope m = sqrt(2) s (Beckmann, Spizzichino 1963)."""
+    """Gaussian in tan(delta) of slope m = sqrt(2) s (Beckmann, Spizzichino 1963); 1/sr.
+
+    delta2: squared angle from the normal, rad^2. sharpness: 1 / (2 s^2).
+    """
     c2 = np.maximum(np.cos(np.sqrt(delta2)), brdf.COSINE_EPSILON) ** 2
     exponent = np.minimum(sharpness * (1.0 - c2) / c2, brdf.LARGEST_EXPONENT)
     return np.asarray(sharpness / (np.pi * c2 * c2) * np.exp(-exponent))
@@ -81,7 +88,11 @@ def ggx_density(delta2: Array, sharpness: float) -> Array:
 
 
 def bessel_i0e(z: Array) -> Array:
-    """exp(-z) I0(z), z >= 0, within 3e-7 (Abramowitz, Stegun 1964, 9.8.1 and 9.8.2)."""
+    """exp(-z) I0(z), z >= 0, within 3e-7 (Abramowitz, Stegun 1964, 9.8.1 and 9.8.2).
+
+    >>> bessel_i0e(np.array([0.0, 1.0])).round(5).tolist()  # I0(1) = 1.26607
+    [1.0, 0.46576]
+    """
     near, far = np.minimum(z, 3.75), np.maximum(z, 3.75)
     small = np.exp(-near) * np.polyval(_I0_NEAR, (near / 3.75) ** 2)
     return np.where(z < 3.75, small, np.polyval(_I0_FAR, 3.75 / far) / np.sqrt(far))
@@ -99,7 +110,7 @@ def facets(model: str, f: Facing, lobe: Lobe) -> Array:
 
 
 def unshadowed(f: Facing) -> Array:
-    """1 / (cos_i cos_o), as if no facet stood in another's light."""
+    """1 / (cos_i cos_o), without shadowing of facets by facets."""
     mu = np.maximum(f.mu_i, 0.0) * np.maximum(f.mu_o, 0.0)
     return np.asarray(1.0 / np.maximum(mu, brdf.COSINE_EPSILON**2))
 
@@ -107,7 +118,7 @@ def unshadowed(f: Facing) -> Array:
 def torrance_sparrow(
     f: Facing, lobe: Lobe, fresnel_model: str, shadowing: str, facet_model: str
 ) -> Array:
-    """Specular BRDF of unit strength drawn by the named parts."""
+    """Specular BRDF of unit strength, 1/sr, with the named form of each part."""
     openness = brdf.shadowing(f) if shadowing == "v-groove" else unshadowed(f)
     reflectance = fresnel(fresnel_model, f.cos_d, lobe.refractive_index)
     value = 0.25 * facets(facet_model, f, lobe) * reflectance * openness

@@ -29,7 +29,7 @@ LARGEST_EXPONENT = 200.0
 
 
 class Facing(NamedTuple):
-    """How a surface element stands to the lamp and the eye; what every model here depends on."""
+    """The orientation of a surface element to lamp and eye, on which every model here depends."""
 
     mu_i: Array  #: cosine of the angle of incidence (below zero: lit from behind)
     mu_o: Array  #: cosine of the viewing angle
@@ -39,9 +39,13 @@ class Facing(NamedTuple):
 
 
 def facing(n: Array, i: Array, o: Array) -> Facing:
-    """Relate normal, lamp and eye directions (unit vectors, (..., 3)).
+    """The orientation of normals n to directions i and o, unit vectors (..., 3) each.
 
     Where i = -o there is no half-vector: cos_d is 0 and delta2 is that of a right angle.
+
+    >>> up = np.array([0.0, 0.0, 1.0])
+    >>> float(facing(up, up, up).cos_d), float(facing(up, up, up).delta2)
+    (1.0, 0.0)
     """
     mu_i = np.sum(n * i, axis=-1)
     mu_o = np.sum(n * o, axis=-1)
@@ -60,7 +64,14 @@ def facing(n: Array, i: Array, o: Array) -> Facing:
 
 
 def fresnel_dielectric(cos_d: ArrayLike, n: ArrayLike) -> Array:
-    """Unpolarised reflectance of a dielectric of refractive index n >= 1 (Cook, Torrance 1982)."""
+    """Unpolarised reflectance of a dielectric (Cook, Torrance 1982), 0 to 1.
+
+    cos_d: cosine of the angle between the light and the facet's normal. n: refractive index, at
+    least 1.
+
+    >>> fresnel_dielectric([1.0, 0.0], 1.5).round(6).tolist()  # ((n - 1) / (n + 1))^2, and grazing
+    [0.04, 1.0]
+    """
     c = np.abs(np.asarray(cos_d, dtype=np.float64))
     q = np.sqrt(np.maximum(np.square(n) - 1.0 + c * c, 0.0))
     # q + c is zero only at grazing incidence on n = 1, where nothing is reflected.
@@ -82,18 +93,34 @@ def facet_amplitude(s: float) -> float:
     (1 + 4 s^2/3) / (2 pi s^2), and 1 / (pi sqrt(2) s Dawson(sqrt(2) s)) where the tail beyond 90
     degrees is negligible.
     """
-    upper = min(0.5 * np.pi, 9.0 * s)
+    return float(facet_amplitudes(np.asarray(s))[0])
+
+
+def facet_amplitudes(s: Array) -> tuple[Array, Array]:
+    """`facet_amplitude` at widths s (...,) in radians, and its slope d ln A / d ln s.
+
+    The slope is minus the mean of (delta/s)^2 under the same integral. The integral's upper limit
+    depends on s only where the integrand is below exp(-40), so the limit adds nothing.
+    """
+    upper = np.minimum(0.5 * np.pi, 9.0 * s)[..., None]
     x, weight = _facet_quadrature()
     delta = 0.5 * upper * (x + 1.0)
-    integrand = np.exp(-0.5 * (delta / s) ** 2) * np.cos(delta) * np.sin(delta)
-    return float(1.0 / (2.0 * np.pi * 0.5 * upper * np.sum(weight * integrand)))
+    square = (delta / s[..., None]) ** 2
+    integrand = weight * (np.exp(-0.5 * square) * np.cos(delta) * np.sin(delta))
+    total = np.sum(integrand, axis=-1)
+    amplitude = 1.0 / (2.0 * np.pi * 0.5 * upper[..., 0] * total)
+    return amplitude, -np.sum(integrand * square, axis=-1) / total
 
 
 def facet_density(delta2: Array, s: float, amplitude: float | None = None) -> Array:
-    """Facet normals per solid angle: Gaussian in the facet's angle (Torrance, Sparrow 1967).
+    """Facet normals per solid angle, 1/sr: Gaussian in the facet's angle (Torrance, Sparrow 1967).
 
-    s is the per-axis standard deviation of the facets in radians; the equivalent Beckmann slope
-    is m = sqrt(2) s.
+    delta2: squared angle from the normal, rad^2. s: per-axis standard deviation of the facets,
+    radians; the equivalent Beckmann slope is m = sqrt(2) s. amplitude: peak, from facet_amplitude.
+
+    >>> peak, beside = facet_density(np.array([0.0, 0.01]), 0.1)
+    >>> round(float(beside / peak), 6)  # one standard deviation from the peak: exp(-1/2)
+    0.606531
     """
     peak = facet_amplitude(s) if amplitude is None else amplitude
     return np.asarray(peak * np.exp(-np.minimum(delta2 / (2.0 * s * s), LARGEST_EXPONENT)))
@@ -114,7 +141,16 @@ def shadowing(f: Facing) -> Array:
 
 
 def torrance_sparrow(f: Facing, s: float, n: float) -> Array:
-    """Specular BRDF of unit strength: D G F / (4 cos_i cos_o), zero below either horizon."""
+    """Specular BRDF of unit strength, 1/sr: D G F / (4 cos_i cos_o), zero below either horizon.
+
+    s: per-axis standard deviation of the facets, radians. n: refractive index. Source: Torrance and
+    Sparrow 1967.
+
+    >>> up = np.array([0.0, 0.0, 1.0])
+    >>> peak = torrance_sparrow(facing(up, up, up), 0.1, 1.5)
+    >>> round(float(peak / (facet_amplitude(0.1) * 0.04 / 4)), 6)
+    1.0
+    """
     value = 0.25 * facet_density(f.delta2, s) * fresnel_dielectric(f.cos_d, n) * shadowing(f)
     return np.where(_above(f), value, 0.0)
 
@@ -130,7 +166,7 @@ def _above(f: Facing) -> NDArray[np.bool_]:
 
 
 def lambert(f: Facing) -> tuple[Array, Array]:
-    """Lambert: 1/pi, and no second part."""
+    """The perfect diffuser: 1/pi above both horizons, and no second part (Lambert 1760)."""
     first = np.where((f.mu_i > 0.0) & (f.mu_o > 0.0), 1.0 / np.pi, 0.0)
     return first, np.zeros_like(first)
 
@@ -138,10 +174,15 @@ def lambert(f: Facing) -> tuple[Array, Array]:
 def oren_nayar(f: Facing, sigma: float) -> tuple[Array, Array]:
     """Full model of Oren and Nayar 1995 (their eqs. 30-31), for rho and rho^2.
 
-    sigma is the standard deviation of the facet slope angle in radians, 0 to about 0.7. The
-    azimuth is never formed by dividing small sines, and tan((a + b)/2) is written
-    (sin a + sin b) / (cos a + cos b). Where the model goes below zero (sigma > 0.7, both
-    directions grazing and opposite) it is held at zero.
+    sigma: standard deviation of the facet slope angle, radians, 0 to about 0.7. The azimuth is
+    never formed by dividing small sines, and tan((a + b)/2) is written
+    (sin a + sin b) / (cos a + cos b). Where the model goes below zero (sigma > 0.7, both directions
+    grazing and opposite) the result is zero.
+
+    >>> up = np.array([0.0, 0.0, 1.0])
+    >>> first, second = oren_nayar(facing(up, up, up), 0.0)  # Lambert at sigma = 0
+    >>> round(float(first * np.pi), 6), float(second)
+    (1.0, 0.0)
     """
     mu_i, mu_o = np.clip(f.mu_i, 0.0, 1.0), np.clip(f.mu_o, 0.0, 1.0)
     sin_i, sin_o = np.sqrt((1 - mu_i) * (1 + mu_i)), np.sqrt((1 - mu_o) * (1 + mu_o))
@@ -185,7 +226,12 @@ def fujii_mean_albedo(r: float) -> float:
 def eon(f: Facing, r: float) -> tuple[Array, Array]:
     """Energy-preserving Oren-Nayar (Portsmouth, Kutz, Hill 2025), for rho and rho_ms.
 
-    r is the roughness, 0 to 1. The second shape multiplies `second_albedo`.
+    r: roughness, 0 to 1. The second shape multiplies `second_albedo`.
+
+    >>> up = np.array([0.0, 0.0, 1.0])
+    >>> first, _ = eon(facing(up, up, up), 0.0)  # Lambert at r = 0
+    >>> round(float(first * np.pi), 6)
+    1.0
     """
     mu_i, mu_o = np.clip(f.mu_i, 0.0, 1.0), np.clip(f.mu_o, 0.0, 1.0)
     largest = np.maximum(np.maximum(mu_i, mu_o), COSINE_EPSILON)
@@ -219,7 +265,7 @@ def qualitative_oren_nayar(f: Facing, sigma: float) -> tuple[Array, Array]:
 
 
 def diffuse_terms(model: str, sigma: float) -> tuple[float, float, float, float]:
-    """What the shader needs of a model's roughness (radians), worked out once a picture."""
+    """The terms of a model that depend on its roughness (radians) alone, for the shader."""
     if model in ("oren-nayar", "qualitative"):
         s2 = sigma * sigma
         k = s2 / (s2 + 0.09)

@@ -1,4 +1,4 @@
-"""Material JSON: the file that a fit leaves and a picture starts from. Format in docs/files.md."""
+"""Material files (JSON), which a fit writes and a picture reads. Format in docs/files.md."""
 
 from __future__ import annotations
 
@@ -7,14 +7,15 @@ import dataclasses
 import json
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, NoReturn
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import fault, printable, read_text, text
 from relgloss_view.base.writing import whole_file
-from relgloss_view.material.material import MAX_LOBES, Diffuse, FitRecord, Lobe, Material
+from relgloss_view.material.material import MAX_LOBES, Diffuse, FitRecord, Lobe, Material, Quality
 from relgloss_view.measure.bands import RGB, Bands
+from relgloss_view.measure.table import source_is_synthetic
 
 FORMAT = "relgloss-material"
 VERSION = 1
@@ -49,12 +50,25 @@ def material_to_dict(material: Material) -> dict[str, Any]:
         for lobe in material.specular
     ]
     if material.fit is not None:
-        content["fit"] = dataclasses.asdict(material.fit)
+        content["fit"] = {
+            name: value
+            for name, value in dataclasses.asdict(material.fit).items()
+            if name in _FIT_FIELDS
+        }
+    for name, reading in _MARKS.items():
+        if getattr(material, name) != reading(material.source):
+            content[name] = getattr(material, name)
     return content
 
 
 def save_material(material: Material, path: str | os.PathLike[str]) -> None:
-    """Write a material as JSON, whole or not at all. Raises InputError where that fails."""
+    """Write a material as JSON, whole or not at all. Raises InputError where that fails.
+
+    >>> from relgloss_view import load_sample
+    >>> save_material(load_sample("uncoated"), "uncoated.json")
+    >>> load_material("uncoated.json") == load_sample("uncoated")
+    True
+    """
     try:
         content = material_to_dict(material)
         written = json.dumps(content, indent=1, allow_nan=False)
@@ -66,7 +80,14 @@ def save_material(material: Material, path: str | os.PathLike[str]) -> None:
 
 
 def load_material(path: str | os.PathLike[str]) -> Material:
-    """Read a material; InputError names the file, the field, what was expected and found."""
+    """Read a material file, as `fit_material` and `save_material` make it.
+
+    Raises InputError, one line that names the file, the field, the expected and the actual value.
+
+    >>> from relgloss_view.base.resources import asset
+    >>> load_material(asset("materials", "uncoated.json")).name
+    'uncoated, green ink'
+    """
     read = read_text(path, MAX_BYTES, "a material file (JSON)")
     remedy = "a material is written by `relgloss fit`"
     try:
@@ -101,6 +122,31 @@ _FIT_FIELDS: dict[str, tuple[Any, str]] = {
 }
 
 
+#: Words of a warning that explains a quality.
+_EXPLAINS = {
+    Quality.GOOD: (),
+    Quality.POOR: ("poor", "no model describes"),
+    Quality.UNIDENTIFIABLE: ("unidentifiable",),
+}
+
+
+def _grounds(fit: FitRecord) -> tuple[str, ...]:
+    """The warnings that explain the quality, by their words: a file does not mark them."""
+    words = _EXPLAINS[fit.quality]
+    return tuple(text for text in fit.warnings if any(word in text for word in words))
+
+
+def _source_is_hypothetical(source: str) -> bool:
+    return "hypothetical" in source.partition(":")[0].lower()
+
+
+#: Marks of a material that its source carries; a file has a field only where the source differs.
+_MARKS: dict[str, Callable[[str], bool]] = {
+    "synthetic": source_is_synthetic,
+    "hypothetical": _source_is_hypothetical,
+}
+
+
 def material_from_dict(content: object) -> Material:
     """The material of a JSON object; InputError names the field that is wrong."""
     top = _table(content, "the file")
@@ -120,10 +166,12 @@ def material_from_dict(content: object) -> Material:
         fault("specular", f"a list of at most {MAX_LOBES} lobes", lobes)
     specular = tuple(_lobe(value, f"specular[{k}]", bands) for k, value in enumerate(lobes))
     fit = _fit(top.get("fit"))
-    return Material(
-        text(top.get("name"), "name"), text(top.get("source"), "source"), bands, diffuse,
-        specular, fit,
-    )  # fmt: skip
+    name, source = text(top.get("name"), "name"), text(top.get("source"), "source")
+    marks = {mark: top.get(mark, reading(source)) for mark, reading in _MARKS.items()}
+    for mark, value in marks.items():
+        if not isinstance(value, bool):
+            fault(mark, "true or false", value)
+    return Material(name, source, bands, diffuse, specular, fit, **marks)
 
 
 def _lobe(value: object, place: str, bands: Bands) -> Lobe:
@@ -158,7 +206,8 @@ def _fit(value: object) -> FitRecord | None:
     except ValueError:  # 1e999 is read as infinity
         raise InputError("fit: expected finite numbers, found one beyond every float") from None
     with _inside("fit"):
-        return FitRecord(**record)
+        fit = FitRecord(**record)
+    return dataclasses.replace(fit, grounds=_grounds(fit))
 
 
 def _table(value: object, place: str) -> dict[str, Any]:
@@ -168,7 +217,7 @@ def _table(value: object, place: str) -> dict[str, Any]:
 
 
 def _list(part: dict[str, Any], name: str) -> tuple[Any, ...]:
-    """The entries of a list; what each must be is checked where it goes."""
+    """The entries of a list; the class that takes them checks each."""
     value = part.get(name)
     if not isinstance(value, list):
         fault(name, "a list of numbers", value)
@@ -211,7 +260,7 @@ def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(result) != len(pairs):
         seen: set[str] = set()
         twice = next(k for k, _ in pairs if k in seen or seen.add(k))  # type: ignore[func-returns-value]
-        raise ValueError(f"the field {printable(twice, 40)!r} stands twice")
+        raise ValueError(f"the field {printable(twice, 40)!r} appears twice")
     return result
 
 

@@ -1,23 +1,24 @@
-"""Material: what the sample is. A diffuse part, up to two specular lobes, the fit's evidence."""
+"""Material: a diffuse part, up to two specular lobes and the evidence of the fit."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from enum import StrEnum
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from relgloss_view.base import reading
-from relgloss_view.base.reading import fault
+from relgloss_view.base.notebook import html_table, span
+from relgloss_view.base.reading import fault, printable
 from relgloss_view.material import brdf
 from relgloss_view.measure.bands import Bands
 
 Array = NDArray[np.float64]
 
 DIFFUSE_MODELS = ("lambert", "oren-nayar", "eon")
-QUALITIES = ("good", "poor", "unidentifiable")
 ALBEDO_MAX = 4.0  # fluorescent papers pass 1; anything above this is a unit mistake
 SIGMA_DEG_MAX = 57.29577951308232  # r = 1, the end of EON's range
 STRENGTH_MAX = 1e6
@@ -28,9 +29,21 @@ S_DEG_DRAWN = 0.05
 MAX_LOBES = 2
 
 
+class Quality(StrEnum):
+    """What a fit may claim."""
+
+    GOOD = "good"
+    POOR = "poor"  #: no model of the ladder describes the sample
+    UNIDENTIFIABLE = "unidentifiable"  #: the measurement leaves the lobe's width open
+
+
 @dataclass(frozen=True)
 class Diffuse:
-    """Diffuse part: `model` one of DIFFUSE_MODELS, `albedo` one value a band.
+    """The diffuse part of a material.
+
+    model: 'lambert', 'oren-nayar' (Oren and Nayar 1995) or 'eon' (Portsmouth, Kutz, Hill 2025).
+    albedo: one value a band, 0 to 4; fluorescent papers exceed 1.
+    sigma_deg: roughness, degrees, 0 to 57.3.
 
     Raises InputError where a value is out of its range, as do Lobe, FitRecord and Material.
     """
@@ -56,7 +69,12 @@ class Diffuse:
 
 @dataclass(frozen=True)
 class Lobe:
-    """A Torrance-Sparrow lobe. `strength` has one value a band, or a single value for all."""
+    """A specular lobe (Torrance and Sparrow 1967).
+
+    strength: one value a band, or a single value for all, 0 to 1,000,000.
+    s_deg: per-axis standard deviation of the facet normals, degrees, above 0 and at most 40.
+    refractive_index: 1 to 10.
+    """
 
     strength: tuple[float, ...]
     s_deg: float  #: per-axis standard deviation of the facet normals
@@ -85,7 +103,7 @@ class Lobe:
 
     @property
     def at_the_limit(self) -> bool:
-        """Whether the width is the widest there is, so that a fit has stopped there."""
+        """Whether the width is the largest allowed, so that a fit has stopped there."""
         return self.s_deg > S_DEG_MAX * (1.0 - 1e-6)
 
     def per_band(self, count: int) -> Array:
@@ -95,37 +113,53 @@ class Lobe:
 
 @dataclass(frozen=True)
 class FitRecord:
-    """The evidence behind a fitted material; every field goes into the file as it is."""
+    """The evidence behind a fitted material; every field but `grounds` goes into the file."""
 
     candidates: tuple[dict[str, Any], ...] = ()
     chosen: str = ""
     residuals: dict[str, Any] = field(default_factory=dict)
-    quality: str = "good"
+    quality: Quality = Quality.GOOD
     warnings: tuple[str, ...] = ()
     seed: int = 0
     seconds: float = 0.0
     standard_errors: dict[str, Any] = field(default_factory=dict)
     bounds: dict[str, Any] = field(default_factory=dict)
     convention: str = "f_s = k F D G / (4 cos_i cos_o), D normalised to unit projected area"
+    #: Those of the warnings that explain the quality.
+    grounds: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
-        if self.quality not in QUALITIES:
-            fault("quality", f"one of {', '.join(QUALITIES)}", self.quality)
+        if self.quality not in list(Quality):
+            fault("quality", f"one of {', '.join(Quality)}", self.quality)
+        _settle(self, quality=Quality(self.quality))
         for k, warning in enumerate(self.warnings):
             reading.text(warning, f"warnings[{k}]")
 
 
-#: Words of a warning that says a quality already, and the warning where none does.
-_SAYS = {"poor": ("poor", "no model describes"), "unidentifiable": ("unidentifiable",)}
-_SAYS_BY_ITSELF = {
-    "poor": "the fit is poor: the model does not describe this sample well",
-    "unidentifiable": "the fit is unidentifiable: the measurement does not tell the lobe's width",
+#: The warning of a quality that no warning explains.
+_UNEXPLAINED = {
+    Quality.POOR: "the fit is poor: the model does not describe this sample well",
+    Quality.UNIDENTIFIABLE: (
+        "the fit is unidentifiable: the measurement leaves the lobe's width open"
+    ),
 }
 
 
 @dataclass(frozen=True)
 class Material:
-    """f_r(i, o, band) in 1/sr = diffuse + sum of lobes."""
+    """Reflection of a sample: f_r(i, o, band) in 1/sr = diffuse + sum of the lobes.
+
+    name, source: texts. bands: shared by the albedo and the strengths. specular: at most two lobes.
+    fit: the evidence, where the material was fitted. `fit_material` makes one from a measurement,
+    `load_material` reads one. Raises InputError where the parts do not fit together.
+
+    >>> from relgloss_view.measure.bands import RGB
+    >>> gray = Material("gray", "by hand", RGB, Diffuse("lambert", (0.2, 0.2, 0.2)))
+    >>> up = np.array([0.0, 0.0, 1.0])
+    >>> diffuse, specular = gray.evaluate(up, up)
+    >>> diffuse.round(5).tolist(), specular.tolist()  # 0.2 / pi, and nothing specular
+    ([0.06366, 0.06366, 0.06366], [0.0, 0.0, 0.0])
+    """
 
     name: str
     source: str
@@ -133,6 +167,8 @@ class Material:
     diffuse: Diffuse
     specular: tuple[Lobe, ...] = ()
     fit: FitRecord | None = None
+    synthetic: bool = False  #: computed from invented parameters, not measured
+    hypothetical: bool = False  #: made from another material by changing it
 
     def __post_init__(self) -> None:
         reading.text(self.name, "name")
@@ -154,41 +190,33 @@ class Material:
         )
 
     @property
-    def synthetic(self) -> bool:
-        """Whether the source says that nothing was measured."""
-        return self.source.strip().lower().startswith("synthetic")
-
-    @property
-    def hypothetical(self) -> bool:
-        """Whether the source says that it was made up from another material."""
-        return "hypothetical" in self.source.partition(":")[0].lower()
-
-    @property
     def warnings(self) -> tuple[str, ...]:
-        """What a picture of this material must say about it."""
-        told = list(self.fit.warnings) if self.fit else []
-        quality = self.fit.quality if self.fit else "good"
-        if quality != "good" and not any(sign in t for t in told for sign in _SAYS[quality]):
-            told.append(_SAYS_BY_ITSELF[quality])
+        """The warnings that go with every picture of this material."""
+        texts = list(self.fit.warnings) if self.fit else []
+        if self.fit and self.fit.quality != Quality.GOOD and not self.fit.grounds:
+            texts.append(_UNEXPLAINED[self.fit.quality])
         for k, lobe in enumerate(self.specular):
             if lobe.too_narrow:
-                told.append(
+                texts.append(
                     f"specular[{k}].s_deg = {lobe.s_deg:g} is narrower than {S_DEG_DRAWN:g} "
                     f"degrees, where a point lamp has no limit image; drawn as {S_DEG_DRAWN:g}"
                 )
-        return tuple(told)
+        return tuple(texts)
 
     def second_albedo(self) -> Array:
         """(B,), the albedo of the diffuse model's second shape (see brdf.second_albedo)."""
         return brdf.second_albedo(self.diffuse.model, self.diffuse.albedo, self.diffuse.sigma)
 
     def evaluate(self, i: Array, o: Array) -> tuple[Array, Array]:
-        """Diffuse and specular BRDF in 1/sr, each (..., B), for directions in the sample frame."""
+        """Diffuse and specular BRDF in 1/sr, each (..., B).
+
+        i, o: unit vectors (..., 3) to the lamp and to the eye, in the sample frame (normal +z).
+        """
         normal = np.broadcast_to(np.array([0.0, 0.0, 1.0]), np.broadcast_shapes(i.shape, o.shape))
         return self.evaluate_facing(brdf.facing(normal, i, o))
 
     def evaluate_facing(self, f: brdf.Facing) -> tuple[Array, Array]:
-        """Diffuse and specular BRDF in 1/sr, each (..., B)."""
+        """Diffuse and specular BRDF in 1/sr, each (..., B), for an orientation from brdf.facing."""
         first, second = brdf.diffuse_shapes(self.diffuse.model, f, self.diffuse.sigma)
         diffuse = first[..., None] * np.asarray(self.diffuse.albedo)
         diffuse = diffuse + second[..., None] * self.second_albedo()
@@ -198,8 +226,39 @@ class Material:
             specular = specular + shape[..., None] * lobe.per_band(self.bands.count)
         return diffuse, specular
 
+    def __repr__(self) -> str:
+        lobes = f"{len(self.specular)} lobe{'' if len(self.specular) == 1 else 's'}"
+        return (
+            f"<Material {printable(self.name, 60)!r}{', synthetic' if self.synthetic else ''}: "
+            f"{self.bands.words}, {self.diffuse.model} and {lobes}, {self._fit_words()}>"
+        )
+
+    def _repr_html_(self) -> str:
+        """The table that a notebook shows."""
+        diffuse = self.diffuse
+        rows = [
+            ("source", self.source),
+            ("synthetic", "yes, nothing was measured" if self.synthetic else "no"),
+            *([("hypothetical", "yes, made from another material")] if self.hypothetical else []),
+            ("quality", self._fit_words()),
+            ("bands", self.bands.words),
+            ("diffuse: model", diffuse.model),
+            ("diffuse: albedo", span(diffuse.albedo)),
+            ("diffuse: roughness sigma", f"{diffuse.sigma_deg:.4g} deg"),
+        ]
+        for k, lobe in enumerate(self.specular, 1):
+            rows += [
+                (f"lobe {k}: strength", span(lobe.strength)),
+                (f"lobe {k}: width s", f"{lobe.s_deg:.4g} deg"),
+                (f"lobe {k}: refractive index", f"{lobe.refractive_index:.4g}"),
+            ]
+        return html_table(f"Material: {self.name}", rows, self.warnings)
+
+    def _fit_words(self) -> str:
+        return f"fit {self.fit.quality}" if self.fit else "not fitted"
+
 
 def _settle(checked: object, **values: object) -> None:
-    """Put checked values, plain floats, into a frozen dataclass."""
+    """Put checked values of their plain types into a frozen dataclass."""
     for name, value in values.items():
         object.__setattr__(checked, name, value)

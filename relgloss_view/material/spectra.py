@@ -1,8 +1,8 @@
 """Bands x illuminant -> XYZ, exactly: one weight for each band and tristimulus value.
 
 A BRDF that is a sum of spectra times shapes folds into one XYZ triple a spectrum, so a picture
-needs three channels only. The lamp is summed on its own fine grid and never at the band centres: a
-discharge lamp sampled at 10 nm moves its white by several dE.
+needs three channels only. The lamp is summed on its own fine grid and never at the band centres:
+sampling a discharge lamp at 10 nm moves its white by several dE.
 """
 
 from __future__ import annotations
@@ -39,21 +39,34 @@ POWER_MAX = 1e100  # relative, and its sums must stay finite
 def rgb_to_xyz_matrix(
     primaries_xy: tuple[tuple[float, float], ...], white_xy: tuple[float, float]
 ) -> Array:
-    """Matrix from linear RGB to XYZ with white at Y = 1 (SMPTE RP 177:1993), shape (3, 3)."""
+    """Matrix from linear RGB to XYZ with white at Y = 1, shape (3, 3) (SMPTE RP 177:1993).
+
+    primaries_xy: chromaticities of red, green and blue. white_xy: that of white.
+
+    >>> rgb_to_xyz_matrix(SRGB_PRIMARIES_XY, D65_XY).round(4)[1].tolist()  # luminance of sRGB
+    [0.2126, 0.7152, 0.0722]
+    """
     columns = np.array([(x / y, 1.0, (1.0 - x - y) / y) for x, y in primaries_xy]).T
     scale = np.linalg.solve(columns, white_from_xy(white_xy))
     return np.asarray(columns * scale)
 
 
 def white_from_xy(xy: tuple[float, float]) -> Array:
-    """XYZ of a white of chromaticity (x, y) with Y = 1."""
+    """XYZ of a white of chromaticity (x, y) with Y = 1.
+
+    >>> white_from_xy(D65_XY).round(4).tolist()
+    [0.9505, 1.0, 1.0891]
+    """
     x, y = xy
     return np.array([x / y, 1.0, (1.0 - x - y) / y])
 
 
 @dataclass(frozen=True)
 class Illuminant:
-    """A lamp's relative spectral power on a regular or irregular grid of at most 10 nm."""
+    """A lamp's relative spectral power on a regular or irregular grid of at most 10 nm.
+
+    wavelengths_nm: increasing, nanometres. power: relative, 0 or more.
+    """
 
     name: str
     wavelengths_nm: tuple[float, ...]
@@ -82,10 +95,14 @@ class Illuminant:
 
 
 def illuminant(name: str) -> Illuminant:
-    """A lamp by name (shipped, or any of colour-science's), or from a two-column file.
+    """A lamp by name, or from a file of two columns.
 
-    A name wins over a file of that name; an edited file is read again. Raises InputError where
-    neither exists or the file is not a table of wavelength and power.
+    name: HP5, D65, D50, A, C, another name of colour-science, or a file of wavelength (nm) and
+    relative power. A lamp's name comes before a file of that name. An edited file is read again.
+    Raises InputError where neither exists or the file is no such table.
+
+    >>> illuminant("D65").white_xyz().round(3).tolist()
+    [0.95, 1.0, 1.089]
     """
     if is_lamp_name(name):
         return _named(name)
@@ -95,7 +112,7 @@ def illuminant(name: str) -> Illuminant:
         if Path(name).suffix.lower() in LAMP_SUFFIXES:
             raise unreadable(name, error, LAMP_FILE) from None
         raise InputError(
-            f"illuminant {printable(name, 150)!r}: neither a name that colour-science knows, such "
+            f"illuminant {printable(name, 150)!r}: neither a name that colour-science has, such "
             "as D65, A, FL2 or HP5, nor a file of wavelength (nm) and power"
         ) from None
     except (OSError, ValueError) as error:
@@ -104,7 +121,7 @@ def illuminant(name: str) -> Illuminant:
 
 
 def is_lamp_name(name: str) -> bool:
-    """Whether a name is that of a lamp, not of a file."""
+    """Whether a name is a lamp's and not a file's."""
     if name in SHIPPED_ILLUMINANTS:
         return True
     if Path(name).suffix.lower() in LAMP_SUFFIXES:
@@ -127,7 +144,7 @@ def _named(name: str) -> Illuminant:
 
 @lru_cache(maxsize=32)
 def _from_file(name: str, mtime_ns: int, size: int) -> Illuminant:
-    """The lamp in a file; its time and size are there to tell one state of it from another."""
+    """The lamp in a file; time and size are arguments so that an edited file is a new key."""
     return _illuminant_file(Path(name), Path(name).stem)
 
 
@@ -147,9 +164,13 @@ def _white(lamp: Illuminant, place: str) -> Illuminant:
 def xyz_weights(bands: Bands, lamp: Illuminant) -> Array:
     """Weights W (B, 3): XYZ of reflectances R is R @ W, and R = 1 gives the lamp's white, Y = 1.
 
-    Reflectance between band centres is interpolated as ASTM E2022 does (cubic Lagrange, quadratic
-    in the outer intervals); beyond the outer bands it is held, so their weights are folded in.
-    Linear sRGB reflectances are taken relative to D65 and carried to the lamp's white by ratios.
+    Reflectance between band centres is interpolated as in ASTM E2022: cubic Lagrange, quadratic in
+    the outer intervals. Beyond the outer bands it is constant, so their weights include the rest.
+    Linear sRGB reflectances are relative to D65; ratios of XYZ carry them to the lamp's white.
+
+    >>> weights = xyz_weights(Bands((400.0, 500.0, 600.0, 700.0)), illuminant("D65"))
+    >>> weights.sum(axis=0).round(3).tolist()  # the white of D65
+    [0.95, 1.0, 1.089]
     """
     if bands.is_rgb:
         matrix = rgb_to_xyz_matrix(SRGB_PRIMARIES_XY, D65_XY)
@@ -159,7 +180,11 @@ def xyz_weights(bands: Bands, lamp: Illuminant) -> Array:
 
 
 def lagrange_matrix(centres: Array, grid: Array) -> Array:
-    """Interpolation matrix (G, B) from band centres to a grid; both increasing, any spacing."""
+    """Interpolation matrix (G, B) from band centres to a grid; both increasing, any spacing.
+
+    >>> lagrange_matrix(np.array([400.0, 410.0]), np.array([405.0])).tolist()
+    [[0.5, 0.5]]
+    """
     count = len(centres)
     matrix = np.zeros((len(grid), count))
     interval = np.clip(np.searchsorted(centres, grid, side="right") - 1, 0, max(count - 2, 0))

@@ -1,1 +1,1 @@
-"""What an instrument saw: geometry, tables and their readers."""
+"""What an instrument measured: its geometry, its tables and their readers."""

@@ -17,9 +17,19 @@ FINEST_STEP_NM = 0.5
 
 @dataclass(frozen=True)
 class Bands:
-    """Spectral bands by their centres in nanometres, or the three channels of linear sRGB.
+    """Spectral bands by their centres, or the three channels of linear sRGB.
 
-    wavelengths_nm is None for linear sRGB; otherwise two or more, at least FINEST_STEP_NM apart.
+    wavelengths_nm: two or more centres in increasing order, nanometres, 100 to 3000, at least 0.5
+    apart; None for linear sRGB reflectances. Raises InputError for anything else.
+
+    >>> Bands((400.0, 500.0, 600.0)).labels
+    ('400 nm', '500 nm', '600 nm')
+    >>> Bands().labels
+    ('R', 'G', 'B')
+    >>> Bands((500.0, 400.0))
+    Traceback (most recent call last):
+    ...
+    relgloss_view.base.errors.InputError: wavelengths_nm: expected two or more wavelengths, ...
     """
 
     wavelengths_nm: tuple[float, ...] | None = None
@@ -60,8 +70,15 @@ class Bands:
             return ("R", "G", "B")
         return tuple(f"{w:g} nm" for w in self.wavelengths_nm)
 
+    @property
+    def words(self) -> str:
+        """The channels as people read them, such as '35 bands, 390 to 730 nm'."""
+        if self.wavelengths_nm is None:
+            return "linear sRGB"
+        return f"{self.count} bands, {self.labels[0][:-3]} to {self.labels[-1]}"
+
     def centres_nm(self) -> NDArray[np.float64]:
-        """The band centres as an array; raises ValueError for linear sRGB."""
+        """The band centres, (B,), nanometres; raises ValueError for linear sRGB."""
         if self.wavelengths_nm is None:
             raise ValueError("linear sRGB channels have no wavelengths")
         return np.asarray(self.wavelengths_nm, dtype=np.float64)

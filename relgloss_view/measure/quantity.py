@@ -1,4 +1,4 @@
-"""What the numbers of a table mean, and how they become radiance factors."""
+"""Quantities that a table may hold, and their conversion to radiance factors."""
 
 from __future__ import annotations
 
@@ -15,8 +15,12 @@ BRDF_COS = "brdf-cos"  #: f_r cos(theta_r), 1/sr
 QUANTITIES = (RADIANCE_FACTOR, BRDF, BRDF_COS)
 
 
-def known(quantity: str, where: str) -> str:
-    """Return the quantity in its canonical spelling; raises InputError, naming `where`."""
+def canonical_quantity(quantity: str, where: str) -> str:
+    """The quantity in its canonical spelling; InputError, naming `where`, for any other word.
+
+    >>> canonical_quantity(" BRDF-cos ", "--quantity")
+    'brdf-cos'
+    """
     canonical = quantity.strip().lower()
     if canonical not in QUANTITIES:
         raise InputError(
@@ -27,10 +31,16 @@ def known(quantity: str, where: str) -> str:
 
 
 def to_radiance_factor(values: Array, quantity: str, cos_r: Array) -> Array:
-    """Turn readings into radiance factors pi f_r (CIE 15).
+    """Convert readings to radiance factors pi f_r (CIE 15), (N, B).
 
-    values is (N, B) and cos_r (N,) the cosine of the receiver's polar angle. f_r cos(theta_r) says
-    nothing about f_r where the receiver is not above the horizon: those rows become NaN.
+    values: (N, B), in the unit of the quantity. quantity: one of QUANTITIES. cos_r: (N,), cosine
+    of the receiver's polar angle. Rows of f_r cos(theta_r) become NaN where the receiver is not
+    above the horizon, because the cosine can't be divided out there.
+
+    >>> to_radiance_factor(np.array([[0.25]]), "brdf", np.array([0.5])).round(4).tolist()
+    [[0.7854]]
+    >>> to_radiance_factor(np.array([[0.25]]), "brdf-cos", np.array([0.5])).round(4).tolist()
+    [[1.5708]]
     """
     if quantity == RADIANCE_FACTOR:
         return values

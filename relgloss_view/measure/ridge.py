@@ -1,4 +1,4 @@
-"""Where the mirror ridge of a GCMS table lies, against where it is said to lie."""
+"""A check of the tilt gamma_s that a GCMS table declares against the ridge in its data."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: A ridge stands at least this far, in natural logarithms, above the declared tilt. The diffuse
-#: part alone varies less with tilt, and 3 % noise on a Lambertian sample did not reach it once in
-#: 4000 simulated tables of the paper's grid.
+#: A ridge exceeds the declared tilt by at least this much, in natural logarithms. The diffuse part
+#: alone varies less with tilt, and 3 % noise on a Lambertian sample did not reach it once in 4000
+#: simulated tables of the paper's grid.
 CLEAR = 0.10
 #: ... and this many standard errors of the mean over the planes of incidence: the best of several
 #: tilts is taken, and the error itself is estimated from a few planes.
@@ -26,10 +26,11 @@ def check(
 ) -> str | None:
     """A warning where the data contradict gamma_s_deg, or None.
 
-    angles_deg is (N, 3) of alpha, beta, gamma and level (N,) the mean radiance factor over the
-    bands, kept samples only. At beta = -alpha the half-vector leaves the normal by |gamma -
-    gamma_s|, so the radiance factor peaks at the tilt nearest to gamma_s. `declared` says that
-    gamma_s was given and is not the default.
+    angles_deg: (N, 3), alpha, beta and gamma of the samples that are used. level: (N,), their mean
+    radiance factor over the bands. declared: False where gamma_s_deg is only the default.
+
+    At beta = -alpha the half-vector leaves the normal by |gamma - gamma_s|, so the radiance factor
+    peaks at the tilt nearest to gamma_s.
     """
     planes, tilts, profile = _mirror_profiles(angles_deg, level)
     if len(tilts) < 2:
@@ -39,13 +40,14 @@ def check(
             f"gamma_s is not declared and the table cannot show it: {gamma_s_deg:g} deg is "
             "assumed; add '# gamma_s_deg: ...' or give --gamma-s-deg"
         )
-    found = _ridge(planes, tilts, profile, gamma_s_deg)
-    if found is None:
+    ridge_deg = _ridge(planes, tilts, profile, gamma_s_deg)
+    if ridge_deg is None:
         return None
-    said = "declared" if declared else "default"
+    origin = "declared" if declared else "default"
     return (
-        f"the mirror ridge lies at gamma = {found:g} deg (the nearest tilt in the table), not at "
-        f"the {said} gamma_s = {gamma_s_deg:g} deg: give --gamma-s-deg {found:g} or check the table"
+        f"the mirror ridge lies at gamma = {ridge_deg:g} deg (the nearest tilt in the table), not "
+        f"at the {origin} gamma_s = {gamma_s_deg:g} deg: give --gamma-s-deg {ridge_deg:g} or check "
+        "the table"
     )
 
 
@@ -72,21 +74,21 @@ def _mirror_profiles(angles_deg: Array, level: Array) -> tuple[Array, Array, Arr
 
 
 def _ridge(planes: Array, tilts: Array, profile: Array, gamma_s_deg: float) -> float | None:
-    """The tilt whose readings stand clearly above those nearest to gamma_s_deg, or None."""
+    """The tilt whose readings clearly exceed those nearest to gamma_s_deg, or None."""
     distance = np.abs(tilts - gamma_s_deg)
     nearest = distance <= distance.min() + 1e-6
-    best, found = 0.0, None
+    largest_excess, ridge_deg = 0.0, None
     for k in np.flatnonzero(~nearest):
         excess = min(
             (_excess(planes, profile[:, k] - profile[:, n]) for n in np.flatnonzero(nearest)),
         )
-        if excess > best:
-            best, found = excess, float(tilts[k])
-    return found
+        if excess > largest_excess:
+            largest_excess, ridge_deg = excess, float(tilts[k])
+    return ridge_deg
 
 
 def _excess(planes: Array, ratio: Array) -> float:
-    """How far ln ratios (P,) stand above zero at high incidence; 0 where that is not clear."""
+    """Level of ln ratios (P,) above zero at high incidence; 0 where noise could explain it."""
     seen = np.isfinite(ratio)
     order = np.argsort(planes[seen], kind="stable")
     ratio = ratio[seen][order]

@@ -1,4 +1,4 @@
-"""Which samples are left out of a measurement, and why."""
+"""Reasons to leave samples out of a measurement."""
 
 from __future__ import annotations
 
@@ -21,10 +21,15 @@ def reasons(
 ) -> NDArray[np.str_]:
     """For each sample, table.KEPT or the reason to leave it out; shape (N,).
 
-    to_lamp and to_receiver are (N, 3) unit vectors; readings (N, B) as the instrument gave them,
-    NaN where it gave none. Where several reasons apply, the reading's own fault is named before
-    the geometry's. `saturation` is in the unit of the readings; `arms_occlude` says that lamp and
-    receiver are arms that shadow each other.
+    to_lamp, to_receiver: (N, 3), unit vectors. readings: (N, B), as the instrument wrote them, NaN
+    where a field is empty. saturation: largest reading of the instrument, in the same unit.
+    arms_occlude: lamp and receiver are arms that shadow each other within 8 degrees.
+
+    Where several reasons apply, the reading's own fault comes before the geometry's.
+
+    >>> above = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.0]])
+    >>> reasons(above, above, np.array([[0.5], [-0.1]])).tolist()
+    ['', 'negative']
     """
     missing = np.isnan(readings).any(axis=1)
     filled = np.where(np.isnan(readings), 0.0, readings)
@@ -42,9 +47,9 @@ def reasons(
         # From the chord, which stays exact for near-equal directions where acos does not.
         chord = np.linalg.norm(to_lamp - to_receiver, axis=1)
         angle_deg = np.degrees(2.0 * np.arcsin(np.minimum(0.5 * chord, 1.0)))
-        # "Within 8 degrees" includes 8 itself, whatever the last bit of the chord says.
+        # "Within 8 degrees" includes 8 itself, whatever the last bit of the chord is.
         faults.append((table.OCCLUDED, angle_deg <= OCCLUSION_DEG + 1e-9))
 
     names = [name for name, _ in faults]
-    found = np.select([mask for _, mask in faults], names, default=table.KEPT)
-    return np.asarray(found, dtype=np.str_)
+    chosen = np.select([mask for _, mask in faults], names, default=table.KEPT)
+    return np.asarray(chosen, dtype=np.str_)

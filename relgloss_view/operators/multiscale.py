@@ -12,10 +12,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.parameters import choice, parameter, switch
 from relgloss_view.operators.operator import (
     DISPLAY_CD_M2,
-    Array,
     Displayed,
     LightOperator,
     SceneLight,

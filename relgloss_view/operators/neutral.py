@@ -7,8 +7,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.parameters import parameter
-from relgloss_view.operators.operator import Array, Displayed, LightOperator, SceneLight, show_rgb
+from relgloss_view.operators.operator import Displayed, LightOperator, SceneLight, show_rgb
 from relgloss_view.picture.model.tone import GAMUT_TOLERANCE
 
 F90 = 0.04  #: Khronos's name for the reflectance of n = 1.5 at normal incidence, taken off

@@ -14,17 +14,14 @@ from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Bytes, Mask
 from relgloss_view.base.parameters import Checked
 from relgloss_view.picture.displayed import Displayed as Displayed
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.tone import DisplayModel
 from relgloss_view.picture.model.view import View
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 #: cd/m2 of the display's white, where an operator needs to know (science: sRGB at 100 cd/m2).
 DISPLAY_CD_M2 = 100.0
@@ -174,6 +171,6 @@ def _spread(flags: Mask, seen: Mask) -> Mask:
     return mask
 
 
-def quantise(picture: Array, display: DisplayModel) -> NDArray[np.uint8]:
+def quantise(picture: Array, display: DisplayModel) -> Bytes:
     """Digital values of 8 bits of linear display RGB, rounded to the nearest."""
     return np.floor(255.0 * tone.encode(picture, display) + 0.5).astype(np.uint8)

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.parameters import parameter
 from relgloss_view.operators.operator import (
     DISPLAY_CD_M2,
-    Array,
     Displayed,
     LightOperator,
     SceneLight,

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from relgloss_view.base.arrays import Array
 
 #: Nominal frequency of each band, cycles per degree (Pattanaik et al. 1998).
 BANDS_CPD = (16.0, 8.0, 4.0, 2.0, 1.0, 0.5)

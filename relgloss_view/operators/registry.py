@@ -35,9 +35,17 @@ DEFAULT_OPERATOR = Split.name
 
 
 def make_operator(name: str, parameters: Mapping[str, Any] | None = None) -> Operator:
-    """An operator by name, with parameters by theirs.
+    """A tone mapping by its name in OPERATORS, with its parameters by their names.
 
-    Raises InputError on an unknown name and on a value outside its declared range.
+    Raises InputError for an unknown name and for a value out of its declared range. Every operator
+    names its source; docs/operators.md lists them.
+
+    >>> make_operator("clip").name
+    'clip'
+    >>> make_operator("gamma")
+    Traceback (most recent call last):
+    ...
+    relgloss_view.base.errors.InputError: operator: expected one of split, clip, ..., found "gamma"
     """
     if name not in OPERATORS:
         fault("operator", f"one of {', '.join(OPERATORS)}", name)

@@ -7,8 +7,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.parameters import parameter
-from relgloss_view.operators.operator import Array, SceneLight
+from relgloss_view.operators.operator import SceneLight
 from relgloss_view.operators.point import PointOperator
 
 #: Share of the lit pixels that are darker than the luminance taken as the darkest. The minimum

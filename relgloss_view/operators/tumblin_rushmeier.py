@@ -8,8 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.parameters import parameter
-from relgloss_view.operators.operator import Array, SceneLight
+from relgloss_view.operators.operator import SceneLight
 from relgloss_view.operators.point import PointOperator
 
 #: cd/m2 of one lambert, 1/pi cd/cm2.

@@ -7,7 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from relgloss_view.operators.operator import Array, SceneLight
+from relgloss_view.base.arrays import Array
+from relgloss_view.operators.operator import SceneLight
 from relgloss_view.operators.point import PointOperator
 
 

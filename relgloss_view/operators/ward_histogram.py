@@ -8,8 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.parameters import choice, parameter
-from relgloss_view.operators.operator import Array, SceneLight
+from relgloss_view.operators.operator import SceneLight
 from relgloss_view.operators.point import PointOperator
 
 BINS = 100

@@ -1,4 +1,4 @@
-"""Displayed: what a tone mapping shows of a frame."""
+"""Displayed: the picture that a tone mapping makes of a frame."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from relgloss_view.picture.model.tone import DisplayModel
 
 @dataclass(frozen=True)
 class Displayed:
-    """What an operator shows. Arrays are (H, W, ...), the surround where the object is not."""
+    """The picture of an operator. Arrays are (H, W, ...); the surround fills the rest."""
 
     operator: str  #: its name in the registry
     light: NDArray[np.float64]  #: (H, W, 3), linear display RGB, 0 to 1
     digital: NDArray[np.uint8]  #: (H, W, 3), digital values of the display
-    clipped: NDArray[np.bool_]  #: where something above the display's white is cut
+    clipped: NDArray[np.bool_]  #: where light above the display's white is cut
     out_of_gamut: NDArray[np.bool_]  #: where a colour that the display can't show is changed
     display: DisplayModel
     warnings: tuple[str, ...] = ()
@@ -29,15 +29,15 @@ class Displayed:
 
     @cached_property
     def clip_count(self) -> int:
-        """How many pixels are clipped."""
+        """Number of clipped pixels."""
         return int(np.sum(self.clipped))
 
     @cached_property
     def out_of_gamut_count(self) -> int:
-        """How many pixels are out of gamut."""
+        """Number of pixels out of gamut."""
         return int(np.sum(self.out_of_gamut))
 
     @cached_property
     def lab(self) -> NDArray[np.float64]:
-        """(H, W, 3), L*, a*, b* of what is shown, relative to the display's white."""
+        """(H, W, 3), L*, a*, b* of the displayed picture, relative to the display's white."""
         return tone.lab_from_xyz(self.light @ self.display.xyz_from_rgb.T, self.display.white)

@@ -1,4 +1,4 @@
-"""Frame: one picture with every stage that led to it, and the numbers that go with it."""
+"""Frame: one picture with every stage that led to it, its scaling and its warnings."""
 
 from __future__ import annotations
 
@@ -6,11 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
+from warnings import warn
 
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view.base.errors import InputError
+from relgloss_view.base.errors import InputError, RelglossError
+from relgloss_view.base.reading import printable
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.model import tone
@@ -24,7 +26,7 @@ Floats = NDArray[np.floating[Any]]
 
 @dataclass(frozen=True)
 class Extremes:
-    """What the reduction of pass 1 finds over the object; L* unless said otherwise."""
+    """Extremes over the object's pixels, from the reduction of pass 1; in L* but for the counts."""
 
     smallest_ratio: float  #: min of (100 - L_d) / L_s over the pixels
     l_d_max: float
@@ -35,13 +37,13 @@ class Extremes:
 
     @classmethod
     def of_nothing(cls) -> Extremes:
-        """Where no pixel shows the object."""
+        """The extremes where no pixel shows the object."""
         return cls(1e30, 0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
 class Scaling:
-    """The scaling of L_s* in a picture. c_max is None where nothing specular is seen."""
+    """The scaling of L_s* in a picture; c_max is None where no pixel shows a highlight."""
 
     c: float
     c_max: float | None
@@ -50,10 +52,12 @@ class Scaling:
 
     @classmethod
     def of(cls, look: Look, extremes: Extremes, *, eq4: bool = False) -> Scaling:
-        """Choose c from what is asked for and what can be shown (Ishii et al., eq. 4, exactly).
+        """The scaling from the look's setting and the exact c_max of the picture.
 
-        With `eq4` c_max is the paper's approximation, at the brightest pixel.
-        Raises InputError where the diffuse part alone passes L* = 100 and c_max is asked for.
+        c_max is the largest c that keeps L_d* + c L_s* at most 100 in every pixel (Ishii et al.,
+        eq. 4, evaluated at every pixel). eq4: take it at the brightest pixel alone, as the paper
+        does. Raises InputError where the look asks for c_max and the diffuse part alone exceeds
+        L* = 100.
         """
         if extremes.not_finite:
             raise InputError(
@@ -71,8 +75,8 @@ class Scaling:
             return cls(look.c, None, None, (text,))
         if extremes.l_s_max < tone.NO_LOBE_LSTAR:
             ignored = look.setting.c_fraction != FULL_SHARE
-            told = ("no pixel shows a highlight: c_max has no value, and c is 1",)
-            return cls(1.0 if look.c is None else look.c, None, None, told if ignored else ())
+            notes = ("no pixel shows a highlight: c_max has no value, and c is 1",)
+            return cls(1.0 if look.c is None else look.c, None, None, notes if ignored else ())
         at_brightest = (100.0 - extremes.brightest_l_d) / max(extremes.brightest_l_s, 1e-6)
         c_max = max(at_brightest if eq4 else extremes.smallest_ratio, 0.0)
         c = look.setting.scaling(c_max)
@@ -87,7 +91,10 @@ class Scaling:
 def scene_warnings(
     scene: Scene, look: Look, size: tuple[int, int], *, seen: bool, lit: bool
 ) -> tuple[str, ...]:
-    """What makes a picture empty, black or wrong, told."""
+    """Warnings of a picture that is empty or black, or whose highlight is undersampled.
+
+    seen: some pixel shows the object. lit: the lamp lights some of it.
+    """
     if scene.shape.contains(scene.eye.position_m):
         return ("the eye is inside the object: nothing is seen",)
     if not seen:
@@ -104,9 +111,21 @@ def scene_warnings(
 
 
 class Frame:
-    """A picture. Stages are fetched when they are first asked for, then kept.
+    """A picture with all its stages, each fetched on first use and then kept.
 
-    Arrays are (H, W, ...), row 0 the top. XYZ is relative to Y_n (Y = 1: perfect diffuser).
+    A renderer makes it. Arrays are (H, W, ...), row 0 the top. XYZ is relative to Y_n: Y = 1 is
+    the perfect diffuser. A notebook shows the picture with its colour profile.
+
+    >>> from relgloss_view import Look, Scene, load_sample, open_renderer
+    >>> look = Look(sigma_n_deg=2.0, c_fraction=0.5, samples=1)
+    >>> with open_renderer("reference") as renderer:
+    ...     frame = renderer.render(Scene(load_sample("art-coated")), look, (24, 24))
+    ...     l_d, l_s = frame.split
+    >>> bool(abs(frame.c - 0.5 * frame.c_max) < 1e-12)
+    True
+    >>> scaled = l_d + frame.c * l_s  # eq. 2; the whole of c_max would reach L* = 100
+    >>> bool(scaled.max() < 100.0), frame.clip_count
+    (True, 0)
     """
 
     def __init__(
@@ -127,9 +146,32 @@ class Frame:
         self.scaling = scaling
         self.device = device
         self.method = method
-        self.object_pixels = object_pixels  #: how many show any of the object
+        self.object_pixels = object_pixels  #: number of pixels that show any of the object
         self._fetch = fetch
         self.warnings = (*scene.material.warnings, *warnings, *scaling.warnings)
+
+    def __repr__(self) -> str:
+        c_max = "none" if self.c_max is None else f"{self.c_max:.4g}"
+        warned = f", {len(self.warnings)} warning{'' if len(self.warnings) == 1 else 's'}"
+        return (
+            f"<Frame of {printable(self.scene.material.name, 60)!r}: "
+            f"{self.size[0]} x {self.size[1]} pixels, sigma_N {self.look.sigma_n_deg:g} deg, "
+            f"c {self.c:.4g}, c_max {c_max}{warned if self.warnings else ''}>"
+        )
+
+    def _repr_png_(self) -> bytes | None:
+        """The picture that a notebook shows, as a PNG with its colour profile.
+
+        Where the renderer was closed before the picture was fetched, it warns and returns None, so
+        that the notebook shows the text.
+        """
+        from relgloss_view.picture.output.png import png_bytes
+
+        try:
+            return png_bytes(self)
+        except RelglossError as error:
+            warn(str(error), stacklevel=2)
+            return None
 
     @property
     def y_n_cd_m2(self) -> float:
@@ -143,7 +185,7 @@ class Frame:
 
     @property
     def c_max(self) -> float | None:
-        """Largest c that keeps every pixel displayable; None where nothing specular is seen."""
+        """Largest c that keeps every pixel displayable; None where no pixel shows a highlight."""
         return self.scaling.c_max
 
     @cached_property
@@ -200,12 +242,12 @@ class Frame:
 
     @property
     def clip_count(self) -> int:
-        """How many pixels are clipped."""
+        """Number of clipped pixels."""
         return int(self._counts[0])
 
     @property
     def out_of_gamut_count(self) -> int:
-        """How many pixels are out of gamut."""
+        """Number of pixels out of gamut."""
         return int(self._counts[1])
 
     @cached_property

@@ -12,13 +12,11 @@ DIFFUSE = ("fitted", "oren-nayar", "eon", "qualitative", "lambert")
 FACETS = ("gaussian", "beckmann", "ggx")
 NOISE = ("drawn", "specular", "mean", "none")
 LAMPS = ("point", "distant")
-BANDS = ("folded", "each")
-CUBE_ROOTS = ("householder", "power", "table")
 TARGETS = ("float32", "float16")
 C_MAX = ("exact", "sparse", "eq4", "once")
 GAMUTS = ("as asked", "clip")
-KEPT = ("split", "all")
-ABSENT = ("left out", "drawn")
+SECOND_PASS, FIRST_PASS = "second pass", "first pass"
+SPLITS = (SECOND_PASS, FIRST_PASS)
 
 
 @dataclass(frozen=True)
@@ -32,24 +30,24 @@ class Method(Checked):
     facets: str = choice("gaussian", FACETS, "how the facets' angles are distributed")
     noise: str = choice("drawn", NOISE, "the grain: as asked, on lobes only, its mean, or none")
     lamp: str = choice("point", LAMPS, "the lamp at its place, or far off in its direction")
-    bands: str = choice("folded", BANDS, "spectra folded into XYZ first, or band by band")
-    cube_root: str = choice("householder", CUBE_ROOTS, "of CIELAB")
-    targets: str = choice("float32", TARGETS, "numbers between the passes")
+    targets: str = choice("float32", TARGETS, "numbers of the split between the passes")
     c_max: str = choice(
         "exact", C_MAX, "over all pixels, a quarter of them, eq. 4, or the picture without grain"
     )
     gamut: str = choice("as asked", GAMUTS, "clip, where no colour is out of gamut, costs less")
-    absent: str = choice(
-        "left out", ABSENT, "what a scene does not have: grain of none, a second lobe, unseen caps"
+    split: str = choice(
+        SECOND_PASS, SPLITS, "where L* is split; both draw the same within float32's rounding"
     )
-    kept: str = choice("split", KEPT, "what pass 1 keeps: XYZ too, or only when it is asked for")
+    #: Entries of the shader variant that take the place of those the picture needs: the bench
+    #: charts what they cost.
+    variant: tuple[tuple[str, object], ...] = ()
 
     def differences(self) -> dict[str, str | int]:
-        """The stages that are not drawn exactly, and how they are."""
+        """The stages that are not drawn exactly, and how they are drawn."""
         return {
             f.name: getattr(self, f.name)
             for f in dataclasses.fields(self)
-            if f.name != "kept" and getattr(self, f.name) != f.default
+            if f.name not in ("split", "variant") and getattr(self, f.name) != f.default
         }
 
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.material import brdf
 from relgloss_view.material.spectra import illuminant, xyz_weights
 from relgloss_view.picture.frame import Extremes, Frame, Scaling, scene_warnings
@@ -27,11 +26,11 @@ CHUNK_VALUES = 4_000_000  #: pixels times bands that are held at once
 class ReferenceRenderer:
     """Draws the frames that the GPU is held against. Needs no OpenGL.
 
-    `progress(fraction, text)` is called as rows are finished; large pictures take a while.
+    `progress(share, text)` is called as rows are finished; large pictures take a while.
     """
 
-    def __init__(self, progress: Callable[[float, str], object] | None = None) -> None:
-        self._progress = progress or (lambda fraction, text: None)
+    def __init__(self, progress: ProgressReport = no_progress) -> None:
+        self._progress = progress
 
     def render(self, scene: Scene, look: Look, size: Size) -> Frame:
         """Draw a scene in float64; arguments and errors as Renderer.render."""

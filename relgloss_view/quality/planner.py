@@ -20,8 +20,8 @@ import numpy as np
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.parameters import Checked, parameter
 from relgloss_view.material.spectra import illuminant
-from relgloss_view.picture.gpu.variant import Plan
-from relgloss_view.picture.method import EXACT, Method
+from relgloss_view.picture.gpu.variant import Variant
+from relgloss_view.picture.method import EXACT, FIRST_PASS, Method
 from relgloss_view.picture.model.drawn import drawn_lobes
 from relgloss_view.picture.model.pixel_sampling import sample_count
 from relgloss_view.picture.model.view import Size
@@ -52,6 +52,7 @@ SAVINGS: dict[str, dict[str | int, float]] = {
     "lobes": {0: 12.0, 1: 6.0, 2: 0.0},
     "c_max": {"sparse": 10.0, "exact": 0.0},
     "gamut": {"clip": 9.0, "as asked": 0.0},
+    "targets": {"float16": 6.0, "float32": 0.0},
     "diffuse": {"lambert": 5.0, "qualitative": 4.0, "eon": 3.0, "fitted": 0.0},
     "fresnel": {"constant": 3.0, "schlick": 2.0, "exact": 0.0},
     "shadowing": {"none": 2.0, "v-groove": 0.0},
@@ -97,6 +98,9 @@ NO_ERROR = Error(0.0, 0.0, 0.0)
 
 
 DEFAULT_TOLERANCE = Tolerance()
+#: What quality "auto" starts from: the whole model, its L* split in pass 1, which draws the same
+#: within the rounding of float32 and costs less.
+WHOLE = Method(split=FIRST_PASS)
 
 
 def advise(
@@ -106,8 +110,8 @@ def advise(
     proxy = Proxy(scene, look, size)
     note = _only_exact(proxy, size)
     if note:
-        return Advice(EXACT, (), NO_ERROR, note)
-    method, choices = EXACT, []
+        return Advice(WHOLE, (), NO_ERROR, note)
+    method, choices = WHOLE, []
     for stage in SAVINGS:
         choice = _choose(proxy, method, stage, tolerance)
         if choice is not None:
@@ -139,7 +143,7 @@ def _choose(proxy: Proxy, method: Method, stage: str, tolerance: Tolerance) -> C
         if stage == "gamut" and proxy.leaves_gamut(tried):
             return Choice(stage, present, 0.0, NO_ERROR, reason="some colours may leave the gamut")
         if tolerance.holds(error, *USED):
-            alone = proxy.error(_with(EXACT, stage, name))
+            alone = proxy.error(_with(WHOLE, stage, name))
             return Choice(stage, name, saved, alone, simpler, simpler_error, reason)
         simpler, simpler_error, reason = name, error, ""
     if simpler is None:
@@ -168,7 +172,7 @@ def _sets_c(proxy: Proxy, stage: str) -> bool:
 
 def serves(proxy: Proxy, method: Method, size: Size, tolerance: Tolerance) -> bool:
     """Whether a method does for a picture: what `advise` holds its choices to, all at once."""
-    if method == EXACT:
+    if method == WHOLE:
         return True
     changed = method.differences()
     left = outside(proxy.scene, proxy.look, method)
@@ -191,9 +195,11 @@ def _same(proxy: Proxy, tried: Method, method: Method, stage: str) -> bool:
     scene, look = proxy.scene, proxy.look
     if stage == "gamut":
         return scene.display.gamut == "clip"
+    if stage == "targets":
+        return False
     if stage == "c_max":
         return not drawn_lobes(scene.material, method)
-    return Plan.of(scene, look, 1, tried) == Plan.of(scene, look, 1, method)
+    return Variant.of(scene, look, 1, tried) == Variant.of(scene, look, 1, method)
 
 
 class Planner:
@@ -212,7 +218,7 @@ class Planner:
         self.moving = False  #: a hand moves something
         self._clock = clock
         self._known: OrderedDict[object, tuple[Advice, object]] = OrderedDict()
-        self._held = EXACT
+        self._held = WHOLE
         self._checked = -math.inf
 
     def method(self, scene: Scene, look: Look, size: Size) -> Method:
@@ -224,7 +230,7 @@ class Planner:
                 return self._while_moving(scene, look, size)
             self._held = self.advice(scene, look, size).method
         except InputError:  # what can't be drawn is told when it is drawn
-            self._held = EXACT
+            self._held = WHOLE
         return self._held
 
     def advice(self, scene: Scene, look: Look, size: Size) -> Advice:
@@ -243,8 +249,8 @@ class Planner:
 
     def _while_moving(self, scene: Scene, look: Look, size: Size) -> Method:
         now = self._clock()
-        if self._held != EXACT and now - self._checked >= CHECK_SECONDS:
+        if self._held != WHOLE and now - self._checked >= CHECK_SECONDS:
             self._checked = now
             if not serves(Proxy(scene, look, size), self._held, size, self.tolerance):
-                self._held = EXACT
+                self._held = WHOLE
         return self._held

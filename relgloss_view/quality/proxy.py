@@ -18,7 +18,7 @@ from relgloss_view.material import approximations, brdf
 from relgloss_view.material.approximations import mean_lobe, plain_lobe
 from relgloss_view.material.spectra import illuminant, xyz_weights
 from relgloss_view.picture.frame import Extremes, Scaling
-from relgloss_view.picture.gpu.variant import Plan
+from relgloss_view.picture.gpu.variant import Variant
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.difference import delta_e_2000
@@ -117,7 +117,7 @@ class Proxy:
         diffuse, specular = self._light(method)
         _, c = self._scaled(diffuse, specular, method)
         tried = [specular]
-        if Plan.of(self.scene, self.look, 1, method).noise != "none":
+        if Variant.of(self.scene, self.look, 1, method).noise != "none":
             _, mirrored = self._light(method, mirrored=True)
             tried += [share * mirrored for share in GRAIN_SHARES]
         display = tone.DisplayModel.of(self.scene.display)
@@ -133,32 +133,32 @@ class Proxy:
     def _light(self, method: Method, *, mirrored: bool = False) -> tuple[Array, Array]:
         """Diffuse and specular XYZ, (N, 3) each; `mirrored`: each grain faces the half-vector."""
         scene, look = self.scene, self.look
-        plan = Plan.of(scene, look, 1, method)
+        variant = Variant.of(scene, look, 1, method)
         material, lamp = scene.material, illuminant(scene.lamp.illuminant)
         weights = xyz_weights(material.bands, lamp)
-        smooth, arriving = self._facing(plan.lamp, tilted=False)
+        smooth, arriving = self._facing(variant.lamp, tilted=False)
         white = float(np.max(np.maximum(smooth.mu_i, 0.0) * arriving * (smooth.mu_o > 0.0)))
         if scene.lamp.y_n == "front":
             white = front_white(scene, self._view)
         white = lit_white(white, scene)
         arriving = arriving * (np.pi / white) if white > 0.0 else 0.0 * arriving
-        grain = self._facing(plan.lamp, tilted=plan.noise != "none")[0]
-        under = grain if plan.noisy_diffuse else smooth
+        grain = self._facing(variant.lamp, tilted=variant.noise != "none")[0]
+        under = grain if variant.noisy_diffuse else smooth
         grain = grain._replace(delta2=0.0 * grain.delta2) if mirrored else grain
 
         albedo, sigma = np.asarray(material.diffuse.albedo), material.diffuse.sigma
-        second = brdf.second_albedo(plan.diffuse, albedo, sigma)
-        shapes = brdf.diffuse_shapes(plan.diffuse, under, sigma)
+        second = brdf.second_albedo(variant.diffuse, albedo, sigma)
+        shapes = brdf.diffuse_shapes(variant.diffuse, under, sigma)
         diffuse = shapes[0][:, None] * (albedo @ weights) + shapes[1][:, None] * (second @ weights)
         diffuse *= (arriving * np.maximum(under.mu_i, 0.0))[:, None]
         specular = np.zeros_like(diffuse)
         for lobe in drawn_lobes(material, method):
             terms = plain_lobe(lobe.s, lobe.refractive_index)
-            if plan.facets == "mean-gaussian":
+            if variant.facets == "mean-gaussian":
                 sigma_n = float(np.radians(look.sigma_n_deg))
                 terms = mean_lobe(lobe.s, lobe.refractive_index, sigma_n, look.noise_law)
             reflected = approximations.torrance_sparrow(
-                grain, terms, plan.fresnel, plan.shadowing, plan.facets
+                grain, terms, variant.fresnel, variant.shadowing, variant.facets
             )
             specular += reflected[:, None] * (lobe.per_band(material.bands.count) @ weights)
         specular *= (arriving * np.maximum(grain.mu_i, 0.0))[:, None]
@@ -168,6 +168,8 @@ class Proxy:
         """(L_d*, L_s*, a*, b*), (N, 4), and the c that scales them."""
         white = illuminant(self.scene.lamp.illuminant).white_xyz()
         split = tone.split_lab(diffuse, specular, white)
+        if method.targets == "float16":
+            split = split.astype(np.float16).astype(np.float64)
         counted = np.ones(len(split), dtype=bool)
         if method.c_max == "sparse":
             left, bottom, *_ = self._view.bounds

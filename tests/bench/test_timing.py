@@ -81,10 +81,10 @@ def test_a_task_without_a_clock_of_its_own_is_timed():
     ("pictures", "method", "drawn"),
     [
         (tasks.c_changed, EXACT, {"tone"}),
-        (tasks.sigma_n_changed, EXACT, {"shade", "tone"}),
-        (partial(tasks.pass_1_changed, method=EXACT), EXACT, {"shade", "tone"}),
-        (partial(tasks.pass_1_changed, method=SMOOTH), SMOOTH, {"shade", "tone"}),
-        (tasks.lamp_moved, EXACT, {"white", "shade", "tone"}),
+        (tasks.sigma_n_changed, EXACT, {"shade", "split", "tone"}),
+        (partial(tasks.pass_1_changed, method=EXACT), EXACT, {"shade", "split", "tone"}),
+        (partial(tasks.pass_1_changed, method=SMOOTH), SMOOTH, {"shade", "split", "tone"}),
+        (tasks.lamp_moved, EXACT, {"white", "shade", "split", "tone"}),
     ],
     ids=["c", "sigma_n", "pass-1", "pass-1-without-grain", "lamp"],
 )
@@ -127,7 +127,7 @@ def test_the_floor_writes_and_reads_every_pixel(ctx):
 def test_passes_of_a_frame_are_all_told(ctx):
     case = CASES["matte-coated az50"]
     found = time_passes(ctx, SIZE, tasks.lamp_moved(case.scene, case.look, 3), 2)
-    assert set(found["wall_ms"]) == {"white", "shade", "measure", "tone", "rest"}
+    assert set(found["wall_ms"]) == {"white", "shade", "split", "measure", "tone", "rest"}
     assert all(ms > 0.0 for ms in found["wall_ms"].values())
 
 

@@ -419,8 +419,7 @@ def test_interrupted(capsys, tmp_path, monkeypatch):
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(export, "save_rgb", interrupt)
-    monkeypatch.setattr(export, "_save_png", interrupt)
+    monkeypatch.setattr(export, "save_png", interrupt)
     status, _, err = run(capsys, "snapshot", "--size", "16x16", "-o", tmp_path / "a.png")
     assert status == 130
     assert "interrupted" in err

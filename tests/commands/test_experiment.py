@@ -16,8 +16,8 @@ import test_cli
 from PIL import Image
 
 from relgloss_view import cli
-from relgloss_view.experiment.records import read_record
-from relgloss_view.experiment.study_file import load_study
+from relgloss_view.experiment.design.study_file import load_study
+from relgloss_view.experiment.session.records import read_record
 from relgloss_view.picture.scene.scene_file import load_scene
 
 ROOT = Path(cli.__file__).parents[1]

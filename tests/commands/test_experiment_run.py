@@ -9,10 +9,10 @@ import pytest
 
 from relgloss_view.cli import main
 from relgloss_view.commands import experiment_run
-from relgloss_view.experiment.flow import nothing_left
-from relgloss_view.experiment.records import SIMULATED
-from relgloss_view.experiment.store import Store
-from relgloss_view.experiment.study_file import load_study
+from relgloss_view.experiment.design.study_file import load_study
+from relgloss_view.experiment.session.flow import nothing_left
+from relgloss_view.experiment.session.records import SIMULATED
+from relgloss_view.experiment.session.store import Store
 
 
 @pytest.fixture
@@ -123,7 +123,7 @@ class TestWhoIsLed:
         return path
 
     def judge(self, store, observer, count):
-        from relgloss_view.experiment.flow import Flow
+        from relgloss_view.experiment.session.flow import Flow
 
         run = store.begin_run(observer, "device", {})
         store.consent(observer)

@@ -11,10 +11,10 @@ from PIL import Image
 from test_cli import refused, run
 
 from relgloss_view.operators.registry import OPERATORS, make_operator
-from relgloss_view.picture.backends import open_renderer
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.quality.backends import open_renderer
 
 OpenEXR = pytest.importorskip("OpenEXR")
 SMALL = ("--sample", "art-coated", "--sigma-n", 1, "--size", "48x40")

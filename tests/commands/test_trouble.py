@@ -66,6 +66,7 @@ class TestStreams:
         material = Material(
             "Büttenpapier 紙\x1b[31m\nred " + 300 * "x",
             *(getattr(materials.flat(), n) for n in ("source", "bands", "diffuse", "specular")),
+            synthetic=True,
         )
         save_material(material, tmp_path / "m.json")
         line = "relgloss snapshot --material m.json --size 16x16 -o \"$(printf 'a\\377.png')\""
@@ -117,7 +118,7 @@ class TestOpenGL:
         def fail(*_):
             raise moderngl.Error("GLSL Compiler failed\n\nfragment_shader\n===\nbad")
 
-        monkeypatch.setattr("relgloss_view.picture.backends.open_renderer", fail)
+        monkeypatch.setattr("relgloss_view.quality.backends.open_renderer", fail)
         status, _, err = run(capsys, "snapshot", "--size", "16x16", "-o", tmp_path / "a.png")
         assert status == 3
         assert "GLSL Compiler failed" in one_line(err)
@@ -128,7 +129,7 @@ class TestOpenGL:
         def fail(*_):
             raise ZeroDivisionError
 
-        monkeypatch.setattr("relgloss_view.picture.backends.open_renderer", fail)
+        monkeypatch.setattr("relgloss_view.quality.backends.open_renderer", fail)
         with pytest.raises(ZeroDivisionError):
             cli.main(["snapshot", "-o", str(tmp_path / "a.png")])
 

@@ -7,11 +7,11 @@ import itertools
 
 import numpy as np
 
-from relgloss_view.experiment.flow import Flow, Screen
-from relgloss_view.experiment.grid import Grid
-from relgloss_view.experiment.percept import Percepts
-from relgloss_view.experiment.study import Procedure, Study, StudySample
-from relgloss_view.experiment.study import Screen as Pictures
+from relgloss_view.experiment.design.grid import Grid
+from relgloss_view.experiment.design.study import Procedure, Study, StudySample
+from relgloss_view.experiment.design.study import Screen as Pictures
+from relgloss_view.experiment.observers.percept import Percepts
+from relgloss_view.experiment.session.flow import Flow, Screen
 from relgloss_view.picture.scene.sample import Sample, load_sample
 from relgloss_view.picture.scene.setting import Setting
 
@@ -98,3 +98,12 @@ def replaced(made, **changes):
 
 
 MIDDLE = Setting(1.5, 0.5)
+
+
+def index_of(grid, setting):
+    """Which setting of a grid this is, but for rounding; None where the grid does not have it."""
+    for k, other in enumerate(grid.settings):
+        apart = (other.sigma_n_deg - setting.sigma_n_deg, other.c_fraction - setting.c_fraction)
+        if np.max(np.abs(apart)) < 1e-9:
+            return k
+    return None

@@ -7,15 +7,15 @@ from pathlib import Path
 
 import numpy as np
 
-from relgloss_view.experiment.analysis import Options, analyse
-from relgloss_view.experiment.coordinates import coordinates, to_steps
-from relgloss_view.experiment.grid import Grid
-from relgloss_view.experiment.observers import Population
-from relgloss_view.experiment.percept import Percepts
-from relgloss_view.experiment.pool import read_pool
-from relgloss_view.experiment.simulation import run_observers
-from relgloss_view.experiment.store import Store
-from relgloss_view.experiment.study import CATEGORIES, Study, StudySample
+from relgloss_view.experiment.design.coordinates import coordinates, to_steps
+from relgloss_view.experiment.design.grid import Grid
+from relgloss_view.experiment.design.study import CATEGORIES, Study, StudySample
+from relgloss_view.experiment.observers.percept import Percepts
+from relgloss_view.experiment.observers.population import Population
+from relgloss_view.experiment.observers.simulation import run_observers
+from relgloss_view.experiment.session.pool import read_pool
+from relgloss_view.experiment.session.store import Store
+from relgloss_view.experiment.verdict.analysis import Options, analyse
 from relgloss_view.picture.scene.sample import Sample, load_sample
 from relgloss_view.picture.scene.setting import Setting
 

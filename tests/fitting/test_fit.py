@@ -1,4 +1,4 @@
-"""Measurement to material: the ladder's choice, what it must not invent, and what it must admit."""
+"""Measurement to material: the choice of the ladder, lobes it must not invent, its doubts."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 
 from relgloss_view.base.errors import FitCancelled, InputError
-from relgloss_view.fitting import MODELS, describe_fit, fit_material
+from relgloss_view.fitting import MODELS, describe_fit, fit_material, observations
 from relgloss_view.fitting.ladder import Candidate
 from relgloss_view.fitting.model import Rung, Solution, State
-from relgloss_view.fitting.verdict import standard_errors
+from relgloss_view.fitting.results import POOR_MEDIAN, POOR_MEDIAN_NEAR, Part
+from relgloss_view.fitting.verdict import NEAR_MIRROR_DEG, residuals, standard_errors
 from relgloss_view.material import brdf
-from relgloss_view.material.material import Material
+from relgloss_view.material.material import Material, Quality
 from relgloss_view.measure import table
 
 LOBE = ((2.5, 0.9),)
@@ -68,13 +69,13 @@ def test_no_lobe_is_invented(noise_seed: int) -> None:
 
 
 def test_a_lobe_above_the_bound_is_found() -> None:
-    """Control: the bound of a sample without a lobe is not empty talk."""
+    """Control: a lobe 20 times as strong as the bound is in the fit."""
     bare = fitted((), 0.1)
     assert bare.fit is not None
     bounds = bare.fit.bounds["no_lobe"]
     upper = dict(zip(bounds["s_deg"], bounds["strength_upper"], strict=True))[3.0]
-    found = fitted(((3.0, 20.0 * upper),), 0.1)
-    assert [lobe.s_deg for lobe in found.specular] == pytest.approx([3.0], rel=0.1)
+    material = fitted(((3.0, 20.0 * upper),), 0.1)
+    assert [lobe.s_deg for lobe in material.specular] == pytest.approx([3.0], rel=0.1)
 
 
 def test_a_lobe_narrower_than_the_grid_is_unidentifiable() -> None:
@@ -85,12 +86,13 @@ def test_a_lobe_narrower_than_the_grid_is_unidentifiable() -> None:
     bounds = fit.bounds["main_lobe"]
     assert bounds["s_deg_lower"] is None
     assert 0.3 < bounds["s_deg_upper"] < 1.5  # five degrees off the mirror it would show
-    assert any("unidentifiable" in text for text in material.warnings)
+    assert any("unidentifiable" in text for text in fit.grounds)
+    assert material.warnings == fit.warnings == fit.grounds
     assert material.specular[0].s_deg <= bounds["s_deg_upper"]
 
 
 def test_a_width_read_off_the_foot_of_a_lobe_is_not_trusted() -> None:
-    """Beyond three standard deviations no real lobe is Gaussian: its width is not known there."""
+    """Beyond three standard deviations no real lobe is Gaussian, so its foot gives no width."""
     value = fit_cases.truth(((0.7, 1.0),), grid=fit_cases.COARSE)
     f = fit_cases.facing(fit_cases.COARSE)
     foot = np.exp(-np.degrees(np.sqrt(f.delta2)) / 1.5)  # an exponential tail, invented
@@ -117,7 +119,22 @@ def test_a_flake_film_is_poor() -> None:
     assert material.fit is not None
     assert f.mu_i.shape == stripes.shape
     assert material.fit.quality == "poor"
-    assert any("no model describes" in text for text in material.warnings)
+    assert any("no model describes" in text for text in material.fit.grounds)
+    assert material.warnings[: len(material.fit.grounds)] == material.fit.grounds
+
+
+def test_a_poor_fit_may_be_unidentifiable_too() -> None:
+    """Both warnings go into the file; poor decides the quality and alone explains it."""
+    value = fit_cases.truth(((0.3, 1.0),), grid=fit_cases.COARSE)
+    i, o = fit_cases.directions(fit_cases.COARSE)
+    stripes = 1.0 + 0.8 * np.sin(25.0 * i[:, 0]) * np.cos(18.0 * o[:, 0]) * np.cos(9.0 * i[:, 1])
+    measurement = fit_cases.measured(value * stripes[:, None], grid=fit_cases.COARSE)
+    fit = fit_material(measurement, model="lobe").fit
+    assert fit is not None
+    assert fit.quality is Quality.POOR
+    assert [text[:8] for text in fit.warnings] == ["no model", "the lobe"]
+    assert fit.grounds == fit.warnings[:1]
+    assert fit.bounds["main_lobe"]["s_deg_lower"] is None
 
 
 def test_index_hides_behind_strength_and_is_held() -> None:
@@ -212,10 +229,11 @@ def test_source_and_warnings_of_the_measurement_stay() -> None:
     measurement = replace(measurement, warnings=("the mirror ridge lies at gamma = 0",))
     material = fit_material(measurement, model="lobe")
     assert material.synthetic
+    assert not fit_material(replace(measurement, synthetic=False), model="lobe").synthetic
     assert material.warnings[0] == "the mirror ridge lies at gamma = 0"
 
 
-def test_progress_is_told_and_can_cancel() -> None:
+def test_progress_is_reported_and_can_cancel() -> None:
     seen: list[float] = []
 
     def progress(fraction: float, text: str) -> bool:
@@ -282,6 +300,46 @@ def test_the_jackknife_of_a_mean_is_its_standard_error() -> None:
     candidate = Candidate(
         Rung("lambert", rough=False), solution, np.zeros(5), states, 0.0, 0.0, 0.0
     )
-    found = standard_errors(candidate)["albedo_relative"]
+    error = standard_errors(candidate).albedo_relative
     expected = np.std(groups, ddof=1) / np.sqrt(len(groups)) / np.mean(groups)
-    assert found == pytest.approx(expected, rel=1e-3)  # kept to four digits
+    assert error == pytest.approx(expected, rel=1e-3)  # kept to four digits
+
+
+def test_residuals_of_a_scaled_model_are_closed_forms() -> None:
+    """A model 10 % too bright near the mirror and 4 % too dark elsewhere, on a known grid."""
+    measurement = fit_cases.measured(fit_cases.truth(LOBE, grid=SMALL), noise=0.0, grid=SMALL)
+    data = observations.prepare(measurement)
+    cosine = (data.geometry.facing.mu_i * data.geometry.facing.mu_o)[:, None]
+    near = np.sqrt(data.geometry.facing.delta2) < np.radians(NEAR_MIRROR_DEG)
+    share = np.where(near, 0.1, -0.04)[:, None]
+    measures = residuals(measurement, data, data.value * (1.0 + share))
+    assert measures.near_mirror.median_relative_error == pytest.approx(0.1)
+    assert measures.far.median_relative_error == pytest.approx(0.04)
+    assert measures.near_mirror.values == 4 * np.sum(near)
+    assert measures.near_mirror.values + measures.far.values == measures.values == data.value.size
+    assert measures.median_relative_error == pytest.approx(0.04)
+    assert measures.p90_relative_error == pytest.approx(0.1)
+    linear = data.value * share * cosine / np.pi
+    root = np.cbrt(data.value * cosine / np.pi) * (np.cbrt(1.0 + share) - 1.0)
+    # Kept to four digits.
+    assert measures.cosine_weighted_rms == pytest.approx(np.sqrt(np.mean(linear**2)), rel=5e-4)
+    assert measures.cube_root_rms == pytest.approx(np.sqrt(np.mean(root**2)), rel=5e-4)
+    assert measures.samples == len(data.value)
+    assert not measures.poor
+
+
+@pytest.mark.parametrize(
+    ("median", "near", "poor"),
+    [
+        (POOR_MEDIAN, POOR_MEDIAN_NEAR, False),
+        (1.001 * POOR_MEDIAN, 0.0, True),
+        (0.0, 1.001 * POOR_MEDIAN_NEAR, True),
+        (POOR_MEDIAN, None, False),
+    ],
+)
+def test_either_median_makes_a_fit_poor(median: float, near: float | None, poor: bool) -> None:
+    measurement = fit_cases.measured(fit_cases.truth(LOBE, grid=SMALL), grid=SMALL)
+    data = observations.prepare(measurement)
+    measures = residuals(measurement, data, data.value)
+    part = Part(near, 0 if near is None else 4)
+    assert replace(measures, median_relative_error=median, near_mirror=part).poor is poor

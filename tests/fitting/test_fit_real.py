@@ -26,9 +26,9 @@ def test_median_relative_error(name: str) -> None:
     inside = np.median(value, axis=0) > 0.0  # sunflower yellow has no blue in sRGB
     relative = np.abs(model - value)[:, inside] / value[:, inside]
     assert np.median(relative) <= FIGURES[name]
-    # The record tells the same.
-    said = material.fit.residuals["median_relative_error"]
-    assert np.median(relative) == pytest.approx(said, rel=1e-3)
+    # The record holds the same.
+    recorded = material.fit.residuals["median_relative_error"]
+    assert np.median(relative) == pytest.approx(recorded, rel=1e-3)
 
 
 def test_a_colour_shifting_flake_film_is_poor() -> None:

@@ -1,4 +1,4 @@
-"""The report of a fit: a picture and a text that say what was found and what to doubt."""
+"""The report of a fit, as a picture and as text: the results and the doubts."""
 
 from __future__ import annotations
 

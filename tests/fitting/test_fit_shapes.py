@@ -5,6 +5,7 @@ from __future__ import annotations
 import fit_cases
 import numpy as np
 import pytest
+from scipy.special import dawsn
 
 from relgloss_view.fitting import shapes
 from relgloss_view.material import brdf
@@ -24,9 +25,9 @@ def test_diffuse_columns_are_oren_nayar(sigma: float) -> None:
 
 @pytest.mark.parametrize("s_deg", [0.7, 6.0, 35.0])
 def test_a_sharp_lobe_is_torrance_sparrow(s_deg: float) -> None:
-    found, _ = shapes.lobe_columns(SHARP, np.log(np.radians(s_deg)), 1.5)
-    # exp(-100) stands for everything below it.
-    np.testing.assert_allclose(found, fit_cases.lobe(FACING, s_deg), rtol=1e-9, atol=1e-30)
+    column, _ = shapes.lobe_columns(SHARP, np.log(np.radians(s_deg)), 1.5)
+    # Everything below exp(-100) is cut off there.
+    np.testing.assert_allclose(column, fit_cases.lobe(FACING, s_deg), rtol=1e-9, atol=1e-30)
 
 
 def test_derivatives_are_finite_differences() -> None:
@@ -42,6 +43,36 @@ def test_derivatives_are_finite_differences() -> None:
     up, down = (shapes.lobe_columns(blurred, log_s, n + d)[0] for d in (h, -h))
     expected = lobe * shapes.index_slope(blurred, n)
     np.testing.assert_allclose((up - down) / (2 * h), expected, atol=1e-5 * np.max(expected))
+
+
+@pytest.mark.parametrize("s_deg", [0.05, 0.7, 6.0, 9.0])
+def test_the_amplitude_and_its_slope_are_dawsons(s_deg: float) -> None:
+    """A = 1 / (pi sqrt2 s F(sqrt2 s)) with Dawson's F, F'(x) = 1 - 2 x F(x); science.md section 1.
+
+    The closed form counts facets beyond 90 degrees: at 9 degrees they are exp(-50) of the peak.
+    """
+    s = float(np.radians(s_deg))
+    x = np.sqrt(2.0) * s
+    expected = 1.0 / (np.pi * x * dawsn(x))
+    slope = -1.0 - x * (1.0 - 2.0 * x * dawsn(x)) / dawsn(x)
+    amplitudes, slopes = brdf.facet_amplitudes(np.array([s, 2.0 * s]))
+    assert amplitudes[0] == brdf.facet_amplitude(s)
+    assert amplitudes[0] == pytest.approx(expected, rel=1e-12)
+    assert slopes[0] == pytest.approx(slope, rel=1e-9)
+    assert abs(slopes[1] / slope - 1.0) > 1e-7  # control: another width has another slope
+
+
+def test_shapes_of_several_states_are_those_of_each() -> None:
+    g = shapes.geometry(LAMP, RECEIVER, (0.3, 0.4))
+    t, log_s, n = np.array([0.0, 0.2]), np.array([-3.0, -1.0]), np.array([1.5, 2.5])
+    for together, at in (
+        (shapes.diffuse_columns(g, t), lambda k: shapes.diffuse_columns(g, t[k])),
+        (shapes.lobe_columns(g, log_s, n), lambda k: shapes.lobe_columns(g, log_s[k], n[k])),
+        ((shapes.index_slope(g, n),), lambda k: (shapes.index_slope(g, n[k]),)),
+    ):
+        for k in range(2):
+            for many, one in zip(together, at(k), strict=True):
+                np.testing.assert_allclose(many[k], one, rtol=1e-13)
 
 
 @pytest.mark.parametrize("theta_deg", [0.0, 30.0, 60.0])

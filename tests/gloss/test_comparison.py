@@ -62,7 +62,7 @@ class TestOrder:
 @pytest.fixture(scope="module")
 def papers(request):
     """The four papers at the published settings, as `relgloss compare` shows them."""
-    from relgloss_view.picture.backends import open_renderer
+    from relgloss_view.quality.backends import open_renderer
 
     cases = [Case(name, load_sample(name), Look().at(setting)) for name, setting in SAMPLES.items()]
     operators = [make_operator(name) for name in ("split", "clip", "multiscale")]

@@ -28,6 +28,7 @@ from relgloss_view.material import brdf
 from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material
 from relgloss_view.measure.bands import RGB, Bands
 from relgloss_view.measure.readers import read_measurement
+from relgloss_view.measure.table import KEPT, Measurement
 from relgloss_view.picture.scene.sample import SAMPLES, load_sample
 
 METERS = (*SPECULAR.values(), HAZE, DISTINCTNESS)
@@ -262,6 +263,13 @@ class TestReadings:
         d = by_key(gloss_readings(materials.flat(0.5, lobes)))["distinctness"].value
         assert 1.0 - d == pytest.approx(math.sqrt(2) * math.radians(1.0))
 
+    def test_the_lobe_that_reflects_more_head_on_is_the_main_one(self):
+        # The peak of a lobe is its strength times Fresnel's reflectance at normal incidence,
+        # ((n - 1) / (n + 1))^2, over its width squared: 0.018 against 0.5 x 0.184.
+        lobes = (Lobe((1.0,), 2.0, 1.3), Lobe((0.5,), 2.1, 2.5))
+        d = by_key(gloss_readings(materials.flat(0.5, lobes)))["distinctness"].value
+        assert d == pytest.approx(1.0 - math.sqrt(2.0) * math.radians(2.1))
+
     def test_what_is_not_there_has_a_reason(self):
         nothing = by_key(gloss_readings(materials.flat(0.0)))
         assert nothing["doi"].value is None
@@ -406,10 +414,12 @@ class TestOtherWayRound:
         made = hypothetical(load_sample("matte-coated"), 60, 45.0)
         assert specular_gloss(made, 60) == pytest.approx(45.0, abs=1e-4)
         assert made.synthetic
+        assert made.hypothetical
         assert "hypothetical" in made.source
         assert "hypothetical" in made.name
         assert made.fit is None
-        real = dataclasses.replace(materials.paper("art"), source="measured, GCMS-4")
+        measured = {"source": "measured, GCMS-4", "synthetic": False}
+        real = dataclasses.replace(materials.paper("art"), **measured)
         assert hypothetical(real, 60, 20.0).source.startswith("hypothetical")
 
     @pytest.mark.parametrize("units", [0.0, -3.0, 95.0, 1e9])
@@ -495,3 +505,32 @@ class TestTables:
         )
         none = dataclasses.replace(table, reasons=np.full(len(reasons), "missing"))
         assert all(r.value is None for r in table_readings(none))
+
+    @pytest.mark.parametrize(("place", "factor"), [(3, 2.5), (3, 0.4), (2, 2.5), (2, 0.4)])
+    def test_gaps_that_hide_a_bump_or_a_dip_are_too_wide(self, place, factor):
+        """One direction carries much of the reading: without it the profile would be another one.
+
+        With every other direction left out, an odd one is missed and an even one counts double.
+        """
+
+        def reading(factor):
+            delta = np.radians(0.25 * np.arange(25))
+            lamp = math.radians(20.0)
+            i = np.tile([math.sin(lamp), 0.0, math.cos(lamp)], (25, 1))
+            out = 2.0 * delta - lamp
+            o = np.stack([np.sin(out), 0.0 * out, np.cos(out)], axis=-1)
+            f = brdf.facing(np.broadcast_to([0.0, 0.0, 1.0], i.shape), i, o)
+            density = brdf.facet_density(f.delta2, math.radians(2.0))
+            density[place] *= factor
+            unit = 0.25 * np.pi * brdf.fresnel_dielectric(f.cos_d, 1.5) * brdf.shadowing(f)
+            table = Measurement(
+                "case", "synthetic", i, o, Bands((500.0, 510.0)),
+                np.repeat((unit * density)[:, None], 2, axis=1),
+                np.full(25, KEPT), np.zeros(25, dtype=np.int64),
+            )  # fmt: skip
+            return by_key(table_readings(table))["gloss-20"]
+
+        assert reading(1.0).value is not None
+        assert "too far apart" in reading(factor).reason
+        change = float(reading(factor).reason.split()[-1].rstrip("%"))
+        assert 10.0 < change < 60.0

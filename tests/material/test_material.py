@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import materials
 import numpy as np
 import pytest
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material
+from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material, Quality
 from relgloss_view.measure.bands import RGB, Bands
 
 GRAY = (0.5, 0.5, 0.5)
@@ -59,33 +61,31 @@ def test_numbers_of_numpy_become_plain_ones():
 
 
 @pytest.mark.parametrize(
-    ("quality", "told", "count"),
+    ("quality", "texts", "grounds", "count"),
     [
-        ("good", (), 0),
-        ("poor", (), 1),
-        ("poor", ("dark",), 2),
-        ("poor", ("no model describes this sample",), 1),
-        ("unidentifiable", (), 1),
-        ("unidentifiable", ("s is unidentifiable, at most 1 deg",), 1),
+        ("good", (), 0, 0),
+        ("poor", (), 0, 1),
+        ("poor", ("dark",), 0, 2),
+        ("poor", ("a poor lamp",), 0, 2),  # a word of a warning decides nothing
+        ("poor", ("no model describes this sample",), 1, 1),
+        ("unidentifiable", (), 0, 1),
+        ("unidentifiable", ("s is unidentifiable, at most 1 deg",), 1, 1),
     ],
 )
-def test_a_doubtful_fit_is_always_told(quality, told, count):
-    warnings = material(RGB, GRAY, (), FitRecord(quality=quality, warnings=told)).warnings
+def test_a_doubtful_fit_always_has_a_warning(quality, texts, grounds, count):
+    fit = FitRecord(quality=quality, warnings=texts, grounds=texts[:grounds])
+    assert fit.quality is Quality(quality)
+    warnings = material(RGB, GRAY, (), fit).warnings
     assert len(warnings) == count
     assert quality == "good" or any(
         word in " ".join(warnings) for word in (quality, "no model describes")
     )
 
 
-@pytest.mark.parametrize(
-    ("source", "synthetic"),
-    [
-        ("synthetic", True),
-        ("Synthetic (made up)", True),
-        ("card on synthetic leather, GCMS-4", False),
-        ("", False),
-    ],
-)
-def test_synthetic_is_what_the_source_begins_with(source, synthetic):
-    assert material(RGB, GRAY, source=source).synthetic is synthetic
+def test_marks_are_fields():
+    """What the source says does not matter to a material that a program makes."""
+    plain = material(RGB, GRAY, source="synthetic, hypothetical: made up")
+    assert not plain.synthetic
+    assert not plain.hypothetical
+    assert replace(plain, synthetic=True).synthetic
     assert materials.flat().synthetic

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import materials
 import numpy as np
@@ -12,7 +13,7 @@ from hypothesis import strategies as st
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.material.files import load_material, material_to_dict, save_material
-from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material
+from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material, Quality
 from relgloss_view.measure.bands import RGB
 
 
@@ -45,6 +46,65 @@ def test_file_follows_the_published_format(tmp_path):
     assert set(content["specular"][0]) == {"model", "strength", "refractive_index", "s_deg"}
     assert content["specular"][0]["strength"] == 1.0
     assert len(content["wavelengths_nm"]) == len(content["diffuse"]["albedo"]) == 35
+
+
+@pytest.mark.parametrize(
+    ("source", "synthetic", "hypothetical"),
+    [
+        ("synthetic", True, False),
+        ("Synthetic (made up)", True, False),
+        ("card on synthetic leather, GCMS-4", False, False),
+        ("", False, False),
+        ("synthetic, hypothetical: width of lobe 1 set", True, True),
+        ("hypothetical: made from card (synthetic)", False, True),
+        ("GCMS-4: a hypothetical standard", False, False),
+    ],
+)
+def test_an_old_file_is_marked_by_its_source(tmp_path, source, synthetic, hypothetical):
+    """Files without the fields: the source begins with the word, or has it before a colon."""
+    (tmp_path / "m.json").write_text(changed(("source",), source))
+    material = load_material(tmp_path / "m.json")
+    assert (material.synthetic, material.hypothetical) == (synthetic, hypothetical)
+    assert not {"synthetic", "hypothetical"} & material_to_dict(material).keys()
+
+
+@pytest.mark.parametrize("mark", ["synthetic", "hypothetical"])
+@pytest.mark.parametrize("source", ["GCMS-4", "synthetic, hypothetical: made up"])
+def test_a_mark_that_the_source_contradicts_is_a_field(tmp_path, source, mark):
+    plain = replace(materials.flat(), source=source, synthetic=False, hypothetical=False)
+    for value in (False, True):
+        material = replace(plain, **{mark: value})
+        save_material(material, tmp_path / "m.json")
+        assert load_material(tmp_path / "m.json") == material
+        content = json.loads((tmp_path / "m.json").read_text())
+        assert content.get(mark) == (None if value == source.startswith("synthetic") else value)
+        content[mark] = "yes"
+        (tmp_path / "m.json").write_text(json.dumps(content))
+        with pytest.raises(InputError, match=f"{mark}: expected true or false"):
+            load_material(tmp_path / "m.json")
+
+
+@pytest.mark.parametrize(
+    ("quality", "warnings", "grounds"),
+    [
+        ("poor", ["dark", "no model describes this sample"], 1),
+        ("poor", ["dark"], 0),
+        ("unidentifiable", ["s is unidentifiable, at most 1 deg", "dark"], 1),
+        ("good", ["a poor lamp"], 0),
+    ],
+)
+def test_what_explains_the_quality_is_read_from_the_warnings(tmp_path, quality, warnings, grounds):
+    fit = {"quality": quality, "warnings": warnings}
+    (tmp_path / "m.json").write_text(changed(("fit",), fit))
+    material = load_material(tmp_path / "m.json")
+    assert material.fit.quality is Quality(quality)
+    assert len(material.fit.grounds) == grounds
+    assert set(material.fit.grounds) <= set(warnings)
+    assert len(material.warnings) == len(warnings) + (quality != "good" and not grounds)
+    written = material_to_dict(material)["fit"]
+    assert written["quality"] == quality
+    assert json.loads(json.dumps(written))["warnings"] == warnings
+    assert "grounds" not in written
 
 
 def changed(path, value):

@@ -210,3 +210,54 @@ def test_a_lamp_beside_its_scene_file(tmp_path, monkeypatch):
         with pytest.raises(InputError, match=r"scene\.toml: .*") as caught:
             load_scene(scene)
         assert name in str(caught.value)
+
+
+def rows_of(first, last, step=5.0, power=lambda w: 1.0):
+    """Text of a lamp file from one wavelength to another."""
+    count = round((last - first) / step)
+    return "".join(f"{w:g},{power(w):g}\n" for w in first + step * np.arange(count + 1))
+
+
+@pytest.mark.parametrize(
+    ("text", "accepted"),
+    [
+        (rows_of(400, 700), True),
+        (rows_of(400, 700, 10), True),
+        (rows_of(401, 701, 5), False),  # the blue end is missing
+        (rows_of(399, 699, 5), False),  # the red end
+        (rows_of(400, 700, 10) + "710.5,1\n", False),  # a step of more than 10 nm
+        (rows_of(380, 780, power=lambda w: 0.0), False),
+        (rows_of(380, 780, power=lambda w: float(440 <= w <= 460 or 540 <= w <= 660)), True),
+        ("# a comment\n\nnm;power\n" + rows_of(400, 700).replace(",", " ; ") + "\n# end\n", True),
+    ],
+)
+def test_what_a_lamp_file_must_hold(tmp_path, text, accepted):
+    """The limits are those that the message names: 400 to 700 nm, in steps of at most 10 nm."""
+    (tmp_path / "lamp.csv").write_text(text)
+    if accepted:
+        assert spectra.illuminant(str(tmp_path / "lamp.csv")).white_xyz()[1] == pytest.approx(1.0)
+    else:
+        with pytest.raises(InputError, match=r"400 to 700 nm or wider, in steps of at most 10 nm"):
+            spectra.illuminant(str(tmp_path / "lamp.csv"))
+
+
+def test_power_that_no_eye_sees_changes_no_colour(tmp_path):
+    """CIE 1931's observer is given from 360 to 830 nm; outside it nothing is seen."""
+    (tmp_path / "plain.csv").write_text(rows_of(360, 830))
+    (tmp_path / "wide.csv").write_text(
+        rows_of(300, 900, power=lambda w: 1.0 if 360 <= w <= 830 else 1e6)
+    )
+    plain, wide = (spectra.illuminant(str(tmp_path / f"{n}.csv")) for n in ("plain", "wide"))
+    np.testing.assert_allclose(wide.white_xyz(), plain.white_xyz(), rtol=1e-12)
+
+
+def test_a_lamps_white_is_shared_and_so_not_writable():
+    with pytest.raises(ValueError, match="read-only"):
+        spectra.illuminant("D65").white_xyz()[1] = 2.0
+
+
+def test_two_bands_and_one_band_are_interpolated_as_far_as_they_go():
+    grid = np.array([390.0, 400.0, 430.0, 500.0, 510.0])
+    line = spectra.lagrange_matrix(np.array([400.0, 500.0]), grid)
+    np.testing.assert_allclose(line @ [0.2, 0.7], [0.2, 0.2, 0.35, 0.7, 0.7])
+    np.testing.assert_array_equal(spectra.lagrange_matrix(np.array([400.0]), grid), 1.0)

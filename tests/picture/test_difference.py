@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from relgloss_view.picture.gpu.overlays import draw_difference, draw_overlay
-from relgloss_view.picture.gpu.passes import Renderer
+from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.gpu.request import Request
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.difference import delta_e_2000

@@ -9,12 +9,15 @@ import sys
 import materials
 import numpy as np
 import pytest
+from pictures import assert_same_pixels
 from PIL import Image
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.picture.model.tone import DisplayModel, encode
 from relgloss_view.picture.output.contact_sheet import contact_sheet, thumbnail
-from relgloss_view.picture.output.export import LAYERS, parameters, save_frame
+from relgloss_view.picture.output.export import save_frame
+from relgloss_view.picture.output.exr import LAYERS
+from relgloss_view.picture.output.parameters import parameters
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Display
@@ -56,7 +59,7 @@ def test_exr_holds_the_frame(frame, tmp_path):
     # R, G, B are light: encoding them gives the digital picture.
     light = np.stack([channels[n] for n in "RGB"], axis=-1).astype(np.float64)
     digital = np.floor(255 * encode(light, DisplayModel.of(Display())) + 0.5)
-    assert np.max(np.abs(digital - frame.display)) <= 1
+    assert_same_pixels(digital, frame.display, within=1)
     assert header["command"] == "a command"
     assert json.loads(header["parameters"])["look"]["seed"] == header["seed"] == 7
     assert header["clip_count"] == np.sum(frame.clipped)
@@ -136,7 +139,7 @@ def test_thumbnails_average_light(renderer):
     model = DisplayModel.of(Display())
     mean = frame.light.astype(np.float64).reshape(80, 3, 100, 3, 3).mean(axis=(1, 3))
     assert np.max(np.abs(small - 255 * encode(mean, model))) <= 0.51
-    np.testing.assert_array_equal(thumbnail(frame, 300), frame.display)
+    assert_same_pixels(thumbnail(frame, 300), frame.display)
 
 
 def test_sheet_holds_the_pictures_unchanged():

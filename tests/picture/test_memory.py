@@ -9,7 +9,7 @@ from relgloss_view.picture.gpu.memory import bytes_per_pixel, device_bytes
 GROWTH = """
 import sys
 from relgloss_view.picture.gpu.context import open_context
-from relgloss_view.picture.gpu.passes import Renderer
+from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
@@ -24,10 +24,10 @@ scene, look = Scene(load_sample("matte-coated")), Look(sigma_n_deg=1.0)
 for size in ((64, 64), (2048, 2048)):
     before = resident()
     request = renderer.request(scene, look, size)
-    renderer.bring_up_to_date(request)
+    renderer.passes.bring_up_to_date(request)
     ctx.finish()
     shown = resident()
-    renderer.bring_parts_up_to_date(request)
+    renderer.passes.bring_xyz(request)
     ctx.finish()
 print(shown - before, resident() - shown)
 """
@@ -46,6 +46,7 @@ def test_a_picture_takes_what_the_formula_says():
 
 
 def test_more_is_asked_for_more():
-    # L* split, four floats; display, four bytes; two results of four floats for 4 x 4 pixels.
-    assert bytes_per_pixel() == pytest.approx(16 + 4 + 2, abs=0.01)
+    # Two targets of two floats; L* split, four; display, four bytes; two results of four floats for
+    # 4 x 4 pixels.
+    assert bytes_per_pixel() == pytest.approx(2 * 8 + 16 + 4 + 2, abs=0.01)
     assert bytes_per_pixel(("XYZ", "normals")) - bytes_per_pixel() == 32 + 48

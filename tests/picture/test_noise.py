@@ -92,7 +92,7 @@ class TestDistribution:
 
     @pytest.mark.parametrize("seed", [0, 12345])
     def test_angle_is_half_normal_and_azimuth_uniform(self, ctx, seed):
-        tilt = gpu_tilts(ctx, "PAPER", seed)
+        tilt = gpu_tilts(ctx, "NOISE_PAPER", seed)
         theta = np.hypot(*tilt.T)
         azimuth = np.arctan2(tilt[:, 1], tilt[:, 0])
         assert stats.kstest(theta, stats.halfnorm(scale=SIGMA).cdf).pvalue > P_BOUND
@@ -101,22 +101,22 @@ class TestDistribution:
         assert stats.spearmanr(theta, np.abs(azimuth)).pvalue > P_BOUND
 
     def test_the_tangent_law_fails_the_papers_test(self, ctx):
-        theta = np.hypot(*gpu_tilts(ctx, "TANGENT", 0).T)
+        theta = np.hypot(*gpu_tilts(ctx, "NOISE_TANGENT", 0).T)
         assert stats.kstest(theta, stats.halfnorm(scale=SIGMA).cdf).pvalue < 1e-12
 
     def test_the_tangent_law_is_rayleigh(self, ctx):
-        theta = np.hypot(*gpu_tilts(ctx, "TANGENT", 0).T)
+        theta = np.hypot(*gpu_tilts(ctx, "NOISE_TANGENT", 0).T)
         assert stats.kstest(theta, stats.rayleigh(scale=SIGMA).cdf).pvalue > P_BOUND
 
     def test_grains_beside_each_other_are_unrelated(self, ctx):
-        theta = np.hypot(*gpu_tilts(ctx, "PAPER", 0).T).reshape(SIDE, SIDE)
+        theta = np.hypot(*gpu_tilts(ctx, "NOISE_PAPER", 0).T).reshape(SIDE, SIDE)
         for a, b in ((theta[:, 1:], theta[:, :-1]), (theta[1:], theta[:-1])):
             r = np.corrcoef(a.ravel(), b.ravel())[0, 1]
             assert abs(r) < 4.0 / SIDE  # four standard errors of a million pairs
 
     def test_spectrum_is_flat(self, ctx):
         # Spectral flatness of white noise is exp(-Euler's constant) = 0.5615.
-        theta = np.hypot(*gpu_tilts(ctx, "PAPER", 0).T).reshape(SIDE, SIDE)
+        theta = np.hypot(*gpu_tilts(ctx, "NOISE_PAPER", 0).T).reshape(SIDE, SIDE)
         power = np.abs(np.fft.fft2(theta - theta.mean())) ** 2
         flatness = np.exp(np.mean(np.log(power.ravel()[1:]))) / np.mean(power.ravel()[1:])
         assert flatness == pytest.approx(np.exp(-np.euler_gamma), abs=0.005)
@@ -143,7 +143,8 @@ class TestMeanLobe:
     def test_mean_and_second_moment(self, ctx, law, ratio, steps):
         sigma = float(np.radians(2.0))
         s, delta = ratio * sigma, steps * ratio * sigma
-        body = MEAN_BODY.format(law=law.upper(), sigma=sigma, delta=delta, sharpness=0.5 / s**2)
+        name = f"NOISE_{law.upper()}"
+        body = MEAN_BODY.format(law=name, sigma=sigma, delta=delta, sharpness=0.5 / s**2)
         cell = np.array(cells(), dtype=np.int64).astype(np.uint32)
         lobe = glsl.evaluate(ctx, ["brdf.glsl", "noise.glsl"], body, {"cell": cell})[:, 0]
         lobe = lobe.astype(np.float64)
@@ -178,7 +179,7 @@ def test_silhouette_grains_stay_visible(ctx):
     gpu = glsl.evaluate(
         ctx,
         ["noise.glsl"],
-        f"result = vec4(noisy_normal(PAPER, vec3(0, 0, 1), o.xyz, h.xyz, {sigma!r}), 0);",
+        f"result = vec4(noisy_normal(NOISE_PAPER, vec3(0, 0, 1), o.xyz, h.xyz, {sigma!r}), 0);",
         {"o": o.astype(np.float32), "h": hashes},
     )
     # The same draw in float32 may take another step of halving on a hair's breadth.

@@ -14,13 +14,8 @@ from PIL import Image, ImageCms
 from relgloss_view import cli
 from relgloss_view.base.errors import InputError
 from relgloss_view.picture.output import png16
-from relgloss_view.picture.output.export import (
-    digital,
-    save_frame,
-    save_pair,
-    save_rgb,
-    srgb_profile,
-)
+from relgloss_view.picture.output.export import save_frame
+from relgloss_view.picture.output.png import digital, save_pair, save_rgb, srgb_profile
 from relgloss_view.picture.output.png16 import write_png16
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import load_sample

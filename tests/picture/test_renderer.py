@@ -11,16 +11,17 @@ import sys
 import materials
 import numpy as np
 import pytest
+from pictures import assert_same_pixels
 
 from relgloss_view.base.errors import InputError, RelglossError
 from relgloss_view.material.material import Diffuse, Lobe
-from relgloss_view.picture.backends import open_renderer
-from relgloss_view.picture.gpu.passes import Renderer
+from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import SAMPLES, load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
+from relgloss_view.quality.backends import open_renderer
 
 colour = pytest.importorskip("colour")
 
@@ -55,8 +56,7 @@ def assert_same_picture(frame, truth):
         )
     assert np.max(delta_e(frame, truth)) <= 0.02
     assert np.max(displayed_delta_e(frame, truth)) <= 0.02
-    off = frame.display.astype(int) - truth.display.astype(int)
-    assert np.max(np.abs(off)) <= 1
+    assert_same_pixels(frame.display, truth.display, within=1)
     if truth.c_max is not None:
         assert frame.c_max == pytest.approx(truth.c_max, rel=1e-5)
         assert frame.scaling.c_max_eq4 == pytest.approx(truth.scaling.c_max_eq4, rel=1e-4)
@@ -215,9 +215,9 @@ class TestNoise:
         smooth = renderer.render(scene, Look(), SMALL)
         wanted = {name: getattr(smooth, name).copy() for name in ("diffuse", "specular", "display")}
         # The noisy variant itself, given a sigma of zero.
-        original = variant.Plan.of.__func__
+        original = variant.Variant.of.__func__
         monkeypatch.setattr(
-            variant.Plan,
+            variant.Variant,
             "of",
             classmethod(lambda cls, *a: dataclasses.replace(original(cls, *a), noise="paper")),
         )
@@ -344,8 +344,8 @@ class TestPasses:
             kept = first.render(scenes[0], Look(), SMALL)
             with open_renderer("egl") as second:
                 other = second.render(scenes[1], Look(), SMALL)
-                np.testing.assert_array_equal(kept.lab, alone[0])
-                np.testing.assert_array_equal(other.lab, alone[1])
+                assert_same_pixels(kept.lab, alone[0])
+                assert_same_pixels(other.lab, alone[1])
             assert kept.display.shape == (120, 160, 3)
         with pytest.raises(RelglossError, match="closed"):
             _ = kept.normal
@@ -422,8 +422,8 @@ class TestPasses:
         scenes = [Scene(materials.paper(name)) for name in ("cast", "uncoated")]
         alone = [renderer.render(s, Look(), SMALL).lab.copy() for s in scenes]
         frames = [renderer.render(s, Look(), SMALL) for s in scenes]
-        np.testing.assert_array_equal(frames[0].lab, alone[0])
-        np.testing.assert_array_equal(frames[1].lab, alone[1])
+        assert_same_pixels(frames[0].lab, alone[0])
+        assert_same_pixels(frames[1].lab, alone[1])
 
     def test_resizing_and_releasing(self, renderer):
         scene = Scene(materials.paper("cast"))
@@ -433,14 +433,14 @@ class TestPasses:
             assert renderer.render(scene, Look(c=0.1), size).display.shape == (*size[::-1], 3)
         renderer.release()
         again = renderer.render(scene, Look(), SMALL)
-        np.testing.assert_array_equal(again.display, wanted)
+        assert_same_pixels(again.display, wanted)
 
     def test_missing_uniform_and_broken_shader_are_told(self, renderer):
         from relgloss_view.picture.gpu.shader import ShaderError
-        from relgloss_view.picture.gpu.targets import SHADE
+        from relgloss_view.picture.gpu.targets import SPLIT
 
         renderer.render(Scene(materials.paper("cast")), Look(), SMALL)
-        target = renderer.targets.framebuffer(SHADE)
+        target = renderer.passes.targets.framebuffer(SPLIT)
         with pytest.raises(ShaderError, match=r"uniform '\w+' has no value"):
             renderer.programs.draw(
                 "tone.frag", {"TRANSFER": 0, "GAMUT": 0, "SAMPLED": 0}, {}, target
@@ -567,7 +567,7 @@ DRIVER_SCRIPT = """
 import sys, numpy as np
 sys.path.insert(0, sys.argv[1])
 import materials
-from relgloss_view.picture.backends import open_renderer
+from relgloss_view.quality.backends import open_renderer
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 with open_renderer(sys.argv[2]) as renderer:
@@ -622,11 +622,11 @@ class TestDrivers:
         if "llvmpipe" not in str(pictures["egl"]["device"]):
             pytest.skip("EGL is not on the software driver that OSMesa uses")
         for name in self.stages(pictures):
-            np.testing.assert_array_equal(pictures["osmesa"][name], pictures["egl"][name])
+            assert_same_pixels(pictures["osmesa"][name], pictures["egl"][name])
 
     def test_opengl_41_is_bit_identical(self, pictures):
         for name in self.stages(pictures):
-            np.testing.assert_array_equal(pictures["gl41"][name], pictures["egl"][name])
+            assert_same_pixels(pictures["gl41"][name], pictures["egl"][name])
 
     def test_softpipe_is_close(self, pictures):
         """An independent driver of floats: 1e-4 relative, and 1e-6 of the brightest for the dark.
@@ -639,9 +639,9 @@ class TestDrivers:
             a, b = (pictures[d][name].astype(np.float64) for d in ("softpipe", "egl"))
             differs |= bool(np.any(a != b))
             if name.endswith("display"):
-                assert np.max(np.abs(a - b)) <= 1
+                assert_same_pixels(a, b, within=1)
             elif name.endswith("lab"):
-                np.testing.assert_allclose(a, b, rtol=0, atol=1e-3)
+                assert_same_pixels(a, b, within=1e-3)
             else:
                 np.testing.assert_allclose(a, b, rtol=1e-4, atol=1e-6 * np.max(b))
         assert differs, "two drivers that never differ are one driver: this test shows nothing"
@@ -652,9 +652,9 @@ import ctypes, sys, numpy as np
 import imgui_bundle, glfw  # in this order both use the bundle's own GLFW
 sys.path.insert(0, sys.argv[1])
 import materials
-from relgloss_view.picture.backends import open_renderer
+from relgloss_view.quality.backends import open_renderer
 from relgloss_view.picture.gpu.context import attach
-from relgloss_view.picture.gpu.passes import Renderer
+from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 glfw.init_hint(glfw.PLATFORM, glfw.PLATFORM_NULL)
@@ -720,7 +720,7 @@ class TestBounds:
                 full = Renderer(renderer.ctx, renderer.programs)
                 expected = full.render(scene, Look(), size)
                 np.testing.assert_array_equal(bounded.coverage, expected.coverage)
-                np.testing.assert_array_equal(bounded.display, expected.display)
+                assert_same_pixels(bounded.display, expected.display)
                 full.release()
             views.view_of.cache_clear()
 
@@ -735,8 +735,8 @@ class TestBounds:
         expected = fresh.render(far, Look(), size)
         assert np.any(moved.on_object)
         np.testing.assert_array_equal(moved.coverage, expected.coverage)
-        np.testing.assert_array_equal(moved.display, expected.display)
-        np.testing.assert_array_equal(moved.light, expected.light)
+        assert_same_pixels(moved.display, expected.display)
+        assert_same_pixels(moved.light, expected.light)
         fresh.release()
 
     @pytest.mark.parametrize(
@@ -802,7 +802,7 @@ class TestFaultsInBetween:
 
         with monkeypatch.context() as patch:
             if kind == "texture":
-                target = type(renderer.targets)
+                target = type(renderer.passes.targets)
                 patch.setattr(target, "_texture", broken(target._texture, InputError))
             else:
                 patch.setattr(
@@ -817,8 +817,8 @@ class TestFaultsInBetween:
                 pass
             assert calls
         again = renderer.render(scene, look, SMALL)
-        np.testing.assert_array_equal(again.display, expected[0])
-        np.testing.assert_array_equal(again.light, expected[1])
+        assert_same_pixels(again.display, expected[0])
+        assert_same_pixels(again.light, expected[1])
         assert again.clip_count == expected[2]
 
 
@@ -858,5 +858,5 @@ class TestNothingStale:
         look = Look(c=0.0)
         got, wanted = (r.render(scene, look, SMALL) for r in (renderer, reference))
         assert np.min(got.diffuse[..., 1]) < 0.0
-        assert np.max(np.abs(got.display.astype(int) - wanted.display)) <= 1
+        assert_same_pixels(got.display, wanted.display, within=1)
         assert got.c_max == pytest.approx(wanted.c_max, rel=1e-4)

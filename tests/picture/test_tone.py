@@ -62,6 +62,26 @@ def test_largest_c_keeps_every_pixel_displayable():
     assert np.max(l_d + 1.001 * c * l_s) > 100
 
 
+def test_where_nothing_is_specular_every_c_is_displayable():
+    c = tone.largest_c(np.array([40.0, 40.0, 40.0]), np.array([0.0, 1e-7, 30.0]))
+    assert np.all(c[:2] > 1e29)
+    assert c[2] == pytest.approx(2.0)
+
+
+def test_scaling_moves_the_specular_lightness_alone():
+    split = np.array([[10.0, 20.0, 3.0, -4.0], [50.0, 0.0, 0.0, 8.0]])
+    np.testing.assert_allclose(
+        tone.scaled_lab(split, 0.5), [[20.0, 3.0, -4.0], [50.0, 0.0, 8.0]], rtol=1e-15
+    )
+
+
+def test_the_numbers_of_a_display_are_shared_and_so_not_writable():
+    assert tone.DisplayModel.of(Display()) is SRGB
+    for array in (SRGB.white, SRGB.xyz_from_rgb, SRGB.rgb_from_xyz):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0.0
+
+
 class TestGamut:
     def test_colours_inside_are_kept(self):
         rgb = np.random.default_rng(4).uniform(0.02, 0.98, (2000, 3))

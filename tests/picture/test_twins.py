@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from relgloss_view.material import brdf
+from relgloss_view.picture.gpu import constants
 from relgloss_view.picture.model import noise, shape, tone
 from relgloss_view.picture.scene.setup import Display
 
@@ -58,7 +59,7 @@ def twin(directions):
 
 
 def shapes_of(model, sigma):
-    name = model.replace("-", "_").upper()
+    name = constants.glsl_name("DIFFUSE", model)
     terms = f"vec4{tuple(float(v) for v in brdf.diffuse_terms(model, sigma))}"
     return f"vec4(diffuse_shapes({name}, f, {terms}), 0, 0)"
 
@@ -122,6 +123,35 @@ class TestBrdf:
         assert np.all(np.isfinite(result))
         assert np.all(result >= 0)
 
+    def test_opposite_directions_have_no_half_vector(self, ctx):
+        n = float32(unit(500, 11))
+        i = float32(unit(500, 12))
+        f = brdf.facing(n.astype(np.float64), i.astype(np.float64), -i.astype(np.float64))
+        result = call(ctx, (n, i, -i), "vec4(f.cos_d, f.delta2, 0, 0)")
+        for cos_d, delta2 in ((f.cos_d, f.delta2), (result[:, 0], result[:, 1])):
+            assert np.all(cos_d == 0.0)
+            np.testing.assert_allclose(delta2, (np.pi / 2) ** 2, rtol=2e-7)
+
+    @pytest.mark.parametrize("theta", [1e-3, 1e-2])
+    def test_oren_nayar_keeps_its_azimuth_near_the_normal(self, ctx, theta):
+        """Oren and Nayar 1995, eq. 30: near the normal only their second term holds the azimuth.
+
+        From opposite sides of the plane of incidence it differs by 2 C2 tan(b) / pi, where C2 is
+        0.45 sigma^2 / (sigma^2 + 0.09) sin(a), less (2b/pi)^3 on one side, and C3's term vanishes.
+        """
+        sigma = 0.5
+        lamp = [np.sin(theta), 0.0, np.cos(theta)]
+        i = float32([lamp, lamp])
+        o = float32([lamp, [-np.sin(theta), 0.0, np.cos(theta)]])
+        n = float32([[0.0, 0.0, 1.0]] * 2)
+        c2 = 0.45 * sigma**2 / (sigma**2 + 0.09)
+        expected = c2 * (2.0 * np.sin(theta) - (2.0 * theta / np.pi) ** 3) * np.tan(theta) / np.pi
+        first = brdf.oren_nayar(twin((n, i, o)), sigma)[0]
+        assert first[0] - first[1] == pytest.approx(expected, rel=1e-3)
+        # In float32 the difference of two numbers near 0.3: each is good to a few units of 3e-8.
+        first = call(ctx, (n, i, o), shapes_of("oren-nayar", sigma))[:, 0]
+        assert first[0] - first[1] == pytest.approx(expected, abs=1.5e-7)
+
     def test_a_slightly_wrong_roughness_is_seen(self, ctx, directions):
         # Negative control: a roughness 3 % off.
         result = call(ctx, directions, shapes_of("oren-nayar", 0.7))[:, 0]
@@ -168,11 +198,11 @@ class TestTone:
         rows = ",".join(str(v) for v in display.rgb_from_xyz.T.ravel())
         white = ",".join(str(v) for v in display.white)
         curve = ",".join(str(v) for v in display.curve)
-        code = {"srgb": "SRGB", "gain-offset-gamma": "GAIN_OFFSET_GAMMA"}[transfer]
+        code = constants.glsl_name("TRANSFER", transfer)
         result = glsl.evaluate(
             ctx,
             ["tone.glsl"],
-            f"bool inside; vec3 rgb = display_rgb({gamut.upper()}, v.xyz, vec3({white}),"
+            f"bool inside; vec3 rgb = display_rgb(GAMUT_{gamut.upper()}, v.xyz, vec3({white}),"
             f" mat3({rows}), inside);"
             f"result = vec4(encode({code}, rgb, vec4({curve})), inside ? 1 : 0);",
             {"v": lab},
@@ -194,7 +224,7 @@ class TestNoise:
         result = glsl.evaluate(
             ctx,
             ["noise.glsl"],
-            f"result = vec4(tilted(n.xyz, tilt_angles({law.upper()}, h.xyz, {sigma!r})), 0);",
+            f"result = vec4(tilted(n.xyz, tilt_angles(NOISE_{law.upper()}, h.xyz, {sigma!r})), 0);",
             {"n": n, "h": hashes},
         )
         expected = noise.tilted(n.astype(np.float64), noise.tilt_angles(law, hashes, sigma))
@@ -234,7 +264,7 @@ class TestShape:
         hit = shape.meet(kind, eye_m, ray.astype(np.float64), half)
         inputs = {"ray": ray}
         eye_text, half_text = (f"vec3{tuple(v.tolist())}" for v in (eye_m, half))
-        prelude = f"Hit hit = meet({kind.upper()}, {eye_text}, ray.xyz, {half_text});"
+        prelude = f"Hit hit = meet(SHAPE_{kind.upper()}, {eye_text}, ray.xyz, {half_text});"
         point = glsl.evaluate(
             ctx, ["shape.glsl"], prelude + "result = vec4(hit.point_m, hit.found ? 1 : 0);", inputs
         )

@@ -16,7 +16,14 @@ from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
 from relgloss_view.quality import planner
 from relgloss_view.quality.domains import outside
-from relgloss_view.quality.planner import DEFAULT_TOLERANCE, SAVINGS, Planner, Tolerance, advise
+from relgloss_view.quality.planner import (
+    DEFAULT_TOLERANCE,
+    SAVINGS,
+    WHOLE,
+    Planner,
+    Tolerance,
+    advise,
+)
 from relgloss_view.quality.proxy import HIGHLIGHT_LSTAR, Proxy
 
 SIZE = (640, 360)
@@ -112,7 +119,7 @@ class TestChoices:
     )
     def test_what_hangs_on_few_pixels_is_drawn_exactly(self, changes, look):
         advice = advise(dataclasses.replace(scene(), **changes), look, SIZE)
-        assert advice.method == EXACT
+        assert advice.method == WHOLE
         assert advice.note
 
     def test_more_is_drawn_for_a_smaller_tolerance(self):
@@ -163,7 +170,7 @@ class TestChoices:
     def test_nothing_seen(self):
         away = dataclasses.replace(scene(), eye=Eye(shift_right=50.0))
         advice = advise(away, Look(), SIZE)
-        assert (advice.method, advice.choices) == (EXACT, ())
+        assert (advice.method, advice.choices) == (WHOLE, ())
         assert advice.note
 
     def test_what_no_c_can_show_is_refused(self):
@@ -209,17 +216,17 @@ class TestPlanner:
     def test_what_moves_out_of_sight_is_no_fault(self, eye):
         seconds = iter(range(1000))
         held = Planner(clock=lambda: float(next(seconds)))
-        assert held.method(scene(), self.AUTO, SIZE) != EXACT
+        assert held.method(scene(), self.AUTO, SIZE) != WHOLE
         held.moving = True
         gone = dataclasses.replace(scene(), eye=eye)
-        assert held.method(gone, self.AUTO, SIZE) == EXACT
+        assert held.method(gone, self.AUTO, SIZE) == WHOLE
 
     def test_the_same_scene_has_the_same_plan(self):
         assert advise(scene(), self.AUTO, SIZE) == advise(scene(), self.AUTO, SIZE)
 
     def test_what_cannot_be_shown_is_left_to_the_drawing(self):
         white = Scene(materials.flat(1.5), shape=WIDE)
-        assert Planner().method(white, Look(quality="auto"), SIZE) == EXACT
+        assert Planner().method(white, Look(quality="auto"), SIZE) == WHOLE
 
     def test_a_moving_slider_does_not_flicker(self):
         """The lamp trembles about where Lambert ceases to do: at most one change until it rests.

@@ -3,8 +3,10 @@ import dataclasses
 import materials
 import numpy as np
 import pytest
+from pictures import assert_same_pixels
 
-from relgloss_view.picture.gpu.passes import Renderer
+from relgloss_view.bench.speed import methods
+from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.difference import delta_e_2000
@@ -79,15 +81,18 @@ METHODS = [
     Method(noise="specular"),
     Method(lamp="distant"),
     Method(gamut="clip"),
-    Method(kept="all"),
-    Method(bands="each"),
-    Method(cube_root="power"),
-    Method(cube_root="table"),
+    Method(split="first pass"),
+    Method(variant=(("writes", "xyz"),)),
+    Method(variant=(("bands", 35),)),
+    Method(variant=(("cube_root", "power"),)),
+    Method(variant=(("cube_root", "table"),)),
     Method(lobes=1, diffuse="lambert", fresnel="schlick", shadowing="none", lamp="distant"),
 ]
 
 
-@pytest.mark.parametrize("method", METHODS, ids=lambda m: str(m.differences() or "kept all"))
+@pytest.mark.parametrize(
+    "method", METHODS, ids=lambda m: str(m.differences() or (m.variant, m.split))
+)
 @pytest.mark.parametrize("azimuth_deg", [50.0, 85.0])
 def test_shaders_draw_what_the_method_says(renderer, method, azimuth_deg):
     """The GPU's variant against the float64 one: the same bound as for the whole model, 0.02."""
@@ -200,9 +205,10 @@ def test_nothing_seen_is_empty():
 
 def test_what_a_scene_has_not_may_be_drawn_and_shows_nothing(renderer):
     smooth, look = Scene(materials.flat(0.4), shape=Shape(diameter_m=0.125, height_m=0.075)), Look()
-    drawn = renderer.render(smooth, look, SIZE, Method(absent="drawn"))
+    method, _ = methods.everything(smooth, look, SIZE)
+    drawn = renderer.render(smooth, look, SIZE, method)
     everything = drawn.display.copy()
-    np.testing.assert_array_equal(everything, renderer.render(smooth, look, SIZE).display)
+    assert_same_pixels(everything, renderer.render(smooth, look, SIZE).display)
 
 
 @pytest.mark.parametrize(
@@ -229,7 +235,7 @@ def test_a_frame_is_of_its_own_method(renderer):
     _ = first.display  # draws it again
     again = renderer.render(drawn, look, SIZE, Method(noise="none"))
     assert again.method == first.method != other.method
-    np.testing.assert_array_equal(again.display, first.display)
+    assert_same_pixels(again.display, first.display)
 
 
 def test_normals_are_those_that_are_drawn(renderer):

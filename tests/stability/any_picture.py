@@ -81,7 +81,8 @@ def materials(draw):
         numbers(low, S_DEG_MAX, 5.0),
         numbers(*INDEX_RANGE, 1.5),
     )
-    return Material("any", "synthetic", bands, diffuse, tuple(draw(st.lists(lobes, max_size=2))))
+    specular = tuple(draw(st.lists(lobes, max_size=2)))
+    return Material("any", "synthetic", bands, diffuse, specular, synthetic=True)
 
 
 def scenes():

@@ -9,6 +9,7 @@ import numpy as np
 
 from relgloss_view.material import brdf
 from relgloss_view.material.approximations import plain_lobe
+from relgloss_view.picture.gpu import constants
 
 Z = np.array([0.0, 0.0, 1.0])
 
@@ -51,7 +52,7 @@ def lobe(ctx, n, i, o, s_deg, index=1.5):
 def diffuse(ctx, n, i, o, model, sigma):
     """The two shapes of a diffuse model, (N, 2); sigma in radians."""
     n, i, o = rows(n, i, o)
-    name = model.replace("-", "_").upper()
+    name = constants.glsl_name("DIFFUSE", model)
     terms = ", ".join(repr(float(v)) for v in brdf.diffuse_terms(model, sigma))
     body = (
         "Facing f = facing(n.xyz, i.xyz, o.xyz);"

@@ -45,7 +45,7 @@ def test_case_17_no_grain_is_the_smooth_picture(ctx, renderer, reference, law):
     n = rng.normal(size=(5000, 3))
     n = (n / np.linalg.norm(n, axis=-1, keepdims=True)).astype(np.float32)
     words = hashes(len(n))
-    body = f"result = vec4(noisy_normal({law.upper()}, n.xyz, vec3(0, 0, 1), h.xyz, 0.0), 0);"
+    body = f"result = vec4(noisy_normal(NOISE_{law.upper()}, n.xyz, vec3(0, 0, 1), h.xyz, 0.0), 0);"
     shader = glsl.evaluate(ctx, ["noise.glsl"], body, {"n": n, "h": words})[:, :3]
     np.testing.assert_array_equal(shader, n)
     np.testing.assert_array_equal(noise.noisy_normal(law, n, Z, words, 0.0), n)
@@ -77,7 +77,7 @@ def test_case_18_no_specks_at_the_silhouette(ctx, renderer, reference, sigma_n_d
     mu = 10.0 ** rng.uniform(-7, -1, 20_000)
     o = np.stack([np.sqrt(1.0 - mu**2), 0.0 * mu, mu], axis=-1).astype(np.float32)
     sigma = float(np.radians(sigma_n_deg))
-    body = f"result = vec4(noisy_normal(PAPER, vec3(0, 0, 1), o.xyz, h.xyz, {sigma!r}), 0);"
+    body = f"result = vec4(noisy_normal(NOISE_PAPER, vec3(0, 0, 1), o.xyz, h.xyz, {sigma!r}), 0);"
     words = hashes(len(mu))
     tilted = glsl.evaluate(ctx, ["noise.glsl"], body, {"o": o, "h": words})[:, :3]
     assert np.min(np.sum(tilted.astype(np.float64) * o, axis=-1)) > -1e-6
@@ -122,8 +122,8 @@ def test_case_21_one_grain_a_cell_whatever_the_window(ctx, renderer, reference):
     twin = shape.surface_cell("cylinder", hit, 1e-3, half)
     halves = ", ".join(map(repr, half.tolist()))
     body = (
-        f"Hit hit = meet(CYLINDER, vec3(0, 0, 0.6), ray.xyz, vec3({halves}));"
-        f"result = uvec4(surface_cell(CYLINDER, hit, 1e-3, vec3({halves})), 0);"
+        f"Hit hit = meet(SHAPE_CYLINDER, vec3(0, 0, 0.6), ray.xyz, vec3({halves}));"
+        f"result = uvec4(surface_cell(SHAPE_CYLINDER, hit, 1e-3, vec3({halves})), 0);"
     )
     shader = glsl.evaluate(ctx, ["shape.glsl"], body, {"ray": ray}, integers=True)
     same = np.all(shader[:, :3].view(np.int32) == twin, axis=-1)[hit.found]
@@ -165,7 +165,7 @@ def test_case_22_mean_of_the_grain(ctx, ratio, steps):
     sigma = float(np.radians(2.0))
     s, delta = ratio * sigma, steps * ratio * sigma
     expected = noise.mean_lobe(np.array(delta), s, sigma)
-    body = MEAN_BODY.format(law="PAPER", sigma=sigma, delta=delta, sharpness=0.5 / s**2)
+    body = MEAN_BODY.format(law="NOISE_PAPER", sigma=sigma, delta=delta, sharpness=0.5 / s**2)
     cell = cells(512)
     inputs = {"cell": cell.astype(np.uint32)}
     shader = glsl.evaluate(ctx, ["brdf.glsl", "noise.glsl"], body, inputs)[:, 0].astype(float)
@@ -224,7 +224,7 @@ OTHER_DRIVER = """
 import sys, numpy as np
 sys.path.insert(0, sys.argv[1])
 import materials
-from relgloss_view.picture.backends import open_renderer
+from relgloss_view.quality.backends import open_renderer
 from relgloss_view.picture.gpu.evaluate import evaluate
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene

@@ -74,8 +74,8 @@ def test_case_12_no_step_where_the_branches_of_lightness_meet(ctx, root):
     The slope at 216/24389 is 903.3; L* carries 116 times the error of a root of 0.207, which is
     held to these shares elsewhere (tests/material/test_approximations.py).
     """
+    from relgloss_view.picture.gpu.constants import code
     from relgloss_view.picture.gpu.targets import Targets
-    from relgloss_view.picture.gpu.variant import CUBE_ROOT_CODES
 
     y = (tone.LAB_EPSILON * np.linspace(0.999, 1.001, 4001)).astype(np.float32)
     shader = glsl.evaluate(
@@ -83,7 +83,7 @@ def test_case_12_no_step_where_the_branches_of_lightness_meet(ctx, root):
         ["tone.glsl"],
         "result = vec4(lightness(y.x));",
         {"y": y},
-        defines={"CUBE_ROOT": CUBE_ROOT_CODES[root]},
+        defines={"CUBE_ROOT": code("CUBE_ROOT", root)},
         samplers={"cube_root_table": Targets(ctx).cube_root_table()},
     )[:, 0].astype(np.float64)
     share = {"householder": 4.5e-7, "power": 3e-6, "table": 3e-6}[root]
@@ -186,7 +186,8 @@ def test_case_32_green_out_of_gamut(ctx, renderer):
     rows = ", ".join(map(repr, display.rgb_from_xyz.T.ravel().tolist()))
     white = ", ".join(map(repr, display.white.tolist()))
     body = (
-        f"bool inside; vec3 rgb = display_rgb(CHROMA, v.xyz, vec3({white}), mat3({rows}), inside);"
+        f"bool inside; vec3 rgb = display_rgb(GAMUT_CHROMA, v.xyz, vec3({white}), "
+        f"mat3({rows}), inside);"
         "result = vec4(rgb, inside ? 1.0 : 0.0);"
     )
     shader = glsl.evaluate(ctx, ["tone.glsl"], body, {"v": lab}).astype(np.float64)
@@ -223,8 +224,9 @@ class TestFoundHere:
         assert finite(shader)
         body = (
             "bool inside; vec4 v = split_lab(d.xyz, s.xyz, vec3(1.0)); vec3 rgb = display_rgb("
-            "CHROMA, scaled_lab(v, c), vec3(0.95, 1.0, 1.09), mat3(3.24, -0.97, 0.06, -1.54, 1.88,"
-            " -0.2, -0.5, 0.04, 1.06), inside); result = vec4(encode(SRGB, rgb, vec4(1)), 1);"
+            "GAMUT_CHROMA, scaled_lab(v, c), vec3(0.95, 1.0, 1.09), mat3(3.24, -0.97, 0.06, -1.54,"
+            " 1.88, -0.2, -0.5, 0.04, 1.06), inside);"
+            "result = vec4(encode(TRANSFER_SRGB, rgb, vec4(1)), 1);"
         )
         for c in ("0.0", "1.0", "1e4"):
             shown = glsl.evaluate(

@@ -12,7 +12,7 @@ import pytest
 from both import finite
 
 from relgloss_view.material import approximations, brdf
-from relgloss_view.picture.gpu import variant
+from relgloss_view.picture.gpu import constants
 from relgloss_view.picture.gpu.targets import Targets
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.scene.setup import Display
@@ -74,9 +74,9 @@ def test_lobes(ctx, facets, shadowing, fresnel):
         "result = vec4(v, v * max(f.mu_i, 0.0), f.delta2, f.t);"
     )
     defines = {
-        "FACETS": variant.FACET_CODES[facets],
-        "SHADOWING": variant.SHADOWING_CODES[shadowing],
-        "FRESNEL": variant.FRESNEL_CODES[fresnel],
+        "FACETS": constants.code("FACETS", facets),
+        "SHADOWING": constants.code("SHADOWING", shadowing),
+        "FRESNEL": constants.code("FRESNEL", fresnel),
     }
     found = glsl.evaluate(ctx, ["brdf.glsl"], body, inputs, defines=defines)
     assert finite(found)
@@ -90,10 +90,10 @@ def test_diffuse_models(ctx, model):
     sigmas = np.concatenate([[0.0, 1.0], 10.0 ** rng.uniform(-9, 0, 200)])
     terms = np.array([brdf.diffuse_terms(model, float(s)) for s in sigmas])
     inputs = directions(4) | {"terms": terms[rng.integers(0, len(terms), COUNT)]}
-    code = variant.DIFFUSE_CODES[model]
+    number = constants.code("DIFFUSE", model)
     body = (
         "Facing f = facing(n.xyz, i.xyz, o.xyz);"
-        f"vec2 v = diffuse_shapes({code}, f, terms); result = vec4(v, v * max(f.mu_i, 0.0));"
+        f"vec2 v = diffuse_shapes({number}, f, terms); result = vec4(v, v * max(f.mu_i, 0.0));"
     )
     found = glsl.evaluate(ctx, ["brdf.glsl"], body, inputs)
     assert finite(found)
@@ -101,9 +101,9 @@ def test_diffuse_models(ctx, model):
     assert np.mean(found[:, 0] > 0.0) > 0.1
 
 
-@pytest.mark.parametrize("root", list(variant.CUBE_ROOT_CODES))
-@pytest.mark.parametrize("gamut", ["CHROMA", "CLIP"])
-@pytest.mark.parametrize("transfer", ["SRGB", "GAIN_OFFSET_GAMMA"])
+@pytest.mark.parametrize("root", constants.NAMES["CUBE_ROOT"])
+@pytest.mark.parametrize("gamut", ["GAMUT_CHROMA", "GAMUT_CLIP"])
+@pytest.mark.parametrize("transfer", ["TRANSFER_SRGB", "TRANSFER_GAIN_OFFSET_GAMMA"])
 def test_from_light_to_display(ctx, root, gamut, transfer):
     """XYZ from 0 and 1e-38 to 1e12, c from 0 to 1e4: digital values within 0 to 1."""
     rng = np.random.default_rng(5)
@@ -130,7 +130,7 @@ def test_from_light_to_display(ctx, root, gamut, transfer):
         ["tone.glsl"],
         body,
         inputs,
-        defines={"CUBE_ROOT": variant.CUBE_ROOT_CODES[root]},
+        defines={"CUBE_ROOT": constants.code("CUBE_ROOT", root)},
         samplers={"cube_root_table": Targets(ctx).cube_root_table()},
     )
     assert finite(found)
@@ -139,7 +139,7 @@ def test_from_light_to_display(ctx, root, gamut, transfer):
     assert np.max(found[:, :3]) <= 1.0 + 2e-6
 
 
-@pytest.mark.parametrize("law", ["PAPER", "TANGENT"])
+@pytest.mark.parametrize("law", ["NOISE_PAPER", "NOISE_TANGENT"])
 def test_grain(ctx, law):
     """Any hash, any sigma_N to 10 degrees, any normal and eye: a unit normal that faces the eye."""
     rng = np.random.default_rng(6)

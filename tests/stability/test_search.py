@@ -16,7 +16,7 @@ from materials import paper
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.material.spectra import illuminant, xyz_weights
-from relgloss_view.picture.gpu.passes import Renderer
+from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.reference import ReferenceRenderer
 from relgloss_view.picture.scene.look import Look

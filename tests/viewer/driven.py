@@ -185,7 +185,8 @@ def main(folder: Path) -> None:
     from relgloss_view.viewer.shell.window import Window
 
     run = json.loads((folder / "run.json").read_text(encoding="utf-8"))
-    sys.path.insert(0, str(Path(__file__).parent))
+    here = Path(__file__).resolve().parent
+    sys.path[:0] = [str(here), str(here.parent)]
     module = importlib.import_module(run["module"])
     scripts = module.SCRIPTS
     if "scripts" in run:

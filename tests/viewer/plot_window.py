@@ -45,7 +45,7 @@ def models(names: set[str]) -> dict:
     from relgloss_view.material.material import Lobe
     from relgloss_view.measure.readers import read_measurement
     from relgloss_view.picture.gpu.context import open_context
-    from relgloss_view.picture.gpu.passes import Renderer
+    from relgloss_view.picture.gpu.renderer import Renderer
     from relgloss_view.picture.scene.sample import Sample, load_sample
     from relgloss_view.picture.scene.setup import Eye
     from relgloss_view.viewer.plots.lightness import Lightness
@@ -71,7 +71,7 @@ def models(names: set[str]) -> dict:
         elif name == "poor fit":
             material = load_sample("uncoated")
             told = ("the fit is poor: " + 12 * "words and more words ",)
-            record = replace(material.fit, quality="poor", warnings=told)
+            record = replace(material.fit, quality="poor", warnings=told, grounds=told)
             state = start.with_sample("test", Sample(replace(material, fit=record)))
         elif name == "odd fit":  # a file may hold anything in a fit's tables
             odd = replace(

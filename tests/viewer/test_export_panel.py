@@ -9,6 +9,7 @@ import shlex
 import driven
 import numpy as np
 import pytest
+from pictures import assert_same_pixels
 
 from relgloss_view import cli
 
@@ -224,11 +225,11 @@ def test_one_picture_is_what_the_copied_command_draws(found, place, snapshot):
     exported, text, profile = pixels(place / "one.png")
     assert exported.shape == (got["size"][1], got["size"][0], 3)
     drawn, _, same_profile = pixels(snapshot(got["copied"]))
-    assert np.array_equal(exported, drawn)
+    assert_same_pixels(exported, drawn)
     assert profile is not None
     assert profile == same_profile
     again, _, _ = pixels(snapshot(text["Command"]))
-    assert np.array_equal(exported, again)
+    assert_same_pixels(exported, again)
     parameters = json.loads(text["Parameters"])
     assert parameters["seed"] == 5
     assert parameters["size"] == got["size"]
@@ -242,7 +243,7 @@ def test_sixteen_bits_are_what_their_command_draws(found, place, snapshot):
     _, text, profile = pixels(place / "one-16.png")
     assert profile is not None
     assert "--bits 16" in text["Command"]
-    assert np.array_equal(deep, pixels16(snapshot(text["Command"])))
+    assert_same_pixels(deep, pixels16(snapshot(text["Command"])))
     shallow, _, _ = pixels(place / "one.png")
     assert np.max(np.abs(deep / 257.0 - shallow)) < 0.51
     # More than the 8 bits, repeated: hundreds of levels lie between theirs.
@@ -262,8 +263,8 @@ def test_both_are_side_by_side_with_the_gap(found, place):
     pair, text, profile = pixels(place / "pair.png")
     assert pair.shape == (height, 2 * width + 10, 3)
     left, right = pixels(place / "pair-reference.png")[0], pixels(place / "pair-test.png")[0]
-    assert np.array_equal(pair[:, :width], left)
-    assert np.array_equal(pair[:, width + 10 :], right)
+    assert_same_pixels(pair[:, :width], left)
+    assert_same_pixels(pair[:, width + 10 :], right)
     assert np.all(pair[:, width : width + 10] == left[0, 0])  # the surround
     assert not np.array_equal(left, right)
     assert profile is not None
@@ -299,10 +300,10 @@ def test_another_size_and_a_side_that_is_not_shown_are_drawn_for_it(found, place
     small, text, _ = pixels(place / "small.png")
     assert small.shape == (61, 2 * 97 + 10, 3)
     reference, test = text["Command"].splitlines()
-    assert np.array_equal(small[:, :97], pixels(snapshot(reference))[0])
-    assert np.array_equal(small[:, 107:], pixels(snapshot(test))[0])
+    assert_same_pixels(small[:, :97], pixels(snapshot(reference))[0])
+    assert_same_pixels(small[:, 107:], pixels(snapshot(test))[0])
     unseen, text, _ = pixels(place / "unseen.png")
-    assert np.array_equal(unseen, pixels(snapshot(text["Command"]))[0])
+    assert_same_pixels(unseen, pixels(snapshot(text["Command"]))[0])
 
 
 def test_it_asks_before_it_replaces_and_tells_faults(found):

@@ -10,6 +10,7 @@ import time
 import driven
 import numpy as np
 import pytest
+from pictures import assert_same_pixels
 from PIL import Image
 
 from relgloss_view import cli
@@ -184,7 +185,7 @@ def test_the_pane_shows_its_picture_pixel_by_pixel(window):
     pane, split = np.load(folder / "clip.npy"), np.load(folder / "split.npy")
     digital = np.load(folder / "clip-digital.npy")
     rows = slice(pane.shape[0] // 4, pane.shape[0])  # above stand the captions
-    np.testing.assert_array_equal(pane[rows], digital[rows])
+    assert_same_pixels(pane[rows], digital[rows])
     assert not np.array_equal(pane[rows], split[rows])
     assert shown["drawn at rest"] == 0
 
@@ -194,23 +195,23 @@ def test_the_copied_command_draws_it(window):
     command = found["shows_an_operator"]["copied"]
     assert "--operator clip" in command
     digital = np.load(folder / "clip-digital.npy")
-    np.testing.assert_array_equal(drawn_again(command, folder, "copied.png"), digital)
+    assert_same_pixels(drawn_again(command, folder, "copied.png"), digital)
 
 
 def test_exports_are_of_the_operator(window):
     _, folder = window
     digital = np.load(folder / "clip-digital.npy")
     with Image.open(folder / "test.png") as picture:
-        np.testing.assert_array_equal(np.asarray(picture), digital)
+        assert_same_pixels(np.asarray(picture), digital)
         numbers = json.loads(picture.info["Parameters"])
         command = picture.info["Command"]
     assert numbers["operator"] == "clip"
-    np.testing.assert_array_equal(drawn_again(command, folder, "again.png"), digital)
+    assert_same_pixels(drawn_again(command, folder, "again.png"), digital)
     with Image.open(folder / "both.png") as picture:
         both = json.loads(picture.info["Parameters"])
         right = np.asarray(picture)[:, -digital.shape[1] :]
     assert (both["reference"]["operator"], both["test"]["operator"]) == ("split", "clip")
-    np.testing.assert_array_equal(right, digital)
+    assert_same_pixels(right, digital)
     OpenEXR = pytest.importorskip("OpenEXR")
     with OpenEXR.File(str(folder / "test.exr"), separate_channels=True) as file:
         assert dict(file.header())["operator"] == "clip"

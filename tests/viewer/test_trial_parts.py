@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.experiment.flow import Flow, Progress, Screen
-from relgloss_view.experiment.store import Store
-from relgloss_view.experiment.study_file import load_study
+from relgloss_view.experiment.design.study_file import load_study
+from relgloss_view.experiment.session.flow import Flow, Progress, Screen
+from relgloss_view.experiment.session.store import Store
 from relgloss_view.picture.scene.setup import Display
 from relgloss_view.viewer.drawing.arrangement import centred
 from relgloss_view.viewer.drawing.canvas import surround_gray
 from relgloss_view.viewer.state.state import Presentation
-from relgloss_view.viewer.trials import ink, keys, pages, room, scale
+from relgloss_view.viewer.trials import category_strip, ink, keys, pages, placement
 from relgloss_view.viewer.trials.device import read_profile
+from relgloss_view.viewer.trials.experimenter_line import OperatorLine, goes_on
 from relgloss_view.viewer.trials.ink import Ink
-from relgloss_view.viewer.trials.operator_line import OperatorLine, goes_on
-from relgloss_view.viewer.trials.room import Below, needed_below
+from relgloss_view.viewer.trials.placement import Below, needed_below
 
 
 def srgb_light(value):
@@ -96,7 +96,7 @@ class TestPlaces:
     @pytest.mark.parametrize("question", [False, True])
     @pytest.mark.parametrize("text_px", [13.0, 21.0, 40.0])
     def test_words_below_cover_neither_pictures_nor_each_other(self, question, text_px):
-        margin, strip = room.MARGIN * text_px, scale.FIELD_HEIGHT * text_px
+        margin, strip = placement.MARGIN * text_px, category_strip.FIELD_HEIGHT * text_px
         for free in range(0, 500, 3):
             got = Below.of(700.0, 700.0 + free, text_px, question=question)
             ends = 700.0 + free

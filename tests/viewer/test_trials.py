@@ -14,11 +14,11 @@ import driven
 import numpy as np
 import pytest
 
-from relgloss_view.experiment.flow import EARLIEST_S
-from relgloss_view.experiment.grid import Grid
-from relgloss_view.experiment.order import planned_trials
-from relgloss_view.experiment.stimuli import digest_of, draw_reference, draw_stimulus
-from relgloss_view.experiment.study import Procedure, Screen, Study, StudySample
+from relgloss_view.experiment.design.grid import Grid
+from relgloss_view.experiment.design.stimuli import digest_of, draw_reference, draw_stimulus
+from relgloss_view.experiment.design.study import Procedure, Screen, Study, StudySample
+from relgloss_view.experiment.design.trial_order import planned_trials
+from relgloss_view.experiment.session.flow import EARLIEST_S
 from relgloss_view.picture.scene.sample import Sample, load_sample
 
 SIZE = (640, 480)
@@ -48,7 +48,7 @@ def small_study(screen=None, procedure=None, samples=("uncoated",), instructions
 @contextlib.contextmanager
 def opened(folder, run):
     """The program on a session file, which is there already or is made."""
-    from relgloss_view.experiment.store import Store
+    from relgloss_view.experiment.session.store import Store
     from relgloss_view.viewer.trials.app import Trials
 
     told = []
@@ -311,13 +311,13 @@ def survives_lost_objects(hand, found):
 def takes_every_size(hand, found):
     import glfw
 
-    from relgloss_view.viewer.trials import room
+    from relgloss_view.viewer.trials import placement
 
     to_trial(hand)
     park(hand)
     before = seen(hand)
     handle = hand.app._window.handle
-    needed = room.needed(hand.app.store.study, SIZE)
+    needed = placement.needed(hand.app.store.study, SIZE)
     found["needed"] = [*needed]
     for size in ((1, 1), (0, 0), (300, 20), (20, 300), (needed[0] - 1, 200), (2000, 90)):
         hand.do(lambda size=size: glfw.set_window_size(handle, *size))
@@ -375,7 +375,7 @@ def one_press_takes_one_answer_back(hand, found):
 
 def a_key_is_for_what_stood_there(hand, found):
     """Pages that come in the frame of a key which they take too."""
-    from relgloss_view.experiment.flow import Screen as Shown
+    from relgloss_view.experiment.session.flow import Screen as Shown
     from relgloss_view.viewer.trials import keys
 
     flow = hand.app.flow

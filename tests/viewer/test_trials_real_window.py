@@ -25,8 +25,8 @@ from x_server import (
     until,
 )
 
-from relgloss_view.experiment.order import planned_trials
-from relgloss_view.experiment.records import read_record
+from relgloss_view.experiment.design.trial_order import planned_trials
+from relgloss_view.experiment.session.records import read_record
 
 pytestmark = [
     needs_server,

@@ -5,25 +5,25 @@ from __future__ import annotations
 import dataclasses
 import statistics
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import moderngl
 
 from relgloss_view.base.errors import RelglossError
+from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.bench.peers import mitsuba_runner, scientist
 from relgloss_view.bench.speed import tasks
 from relgloss_view.bench.speed.floor import FillFloor
 from relgloss_view.bench.speed.scenes import Case, cases
 from relgloss_view.bench.speed.timing import PER_VISIT, Task, take_turns
-from relgloss_view.experiment.grid import Grid
-from relgloss_view.picture.gpu.passes import Renderer
+from relgloss_view.experiment.design.grid import Grid
+from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.method import EXACT
 from relgloss_view.picture.model.view import Size
 from relgloss_view.picture.reference import ReferenceRenderer
 
 Found = dict[str, Any]
-Progress = Callable[[float, str], object]
 
 STIMULI_SIZE = (512, 512)
 
@@ -34,7 +34,7 @@ def time_mitsuba(
     size: Size,
     variants: Sequence[str],
     frames: int,
-    progress: Progress,
+    progress: ProgressReport,
 ) -> list[Found]:
     """Mitsuba's variants, the floor and our full frame take turns; `ours` is ours over theirs."""
     renderer, floor = Renderer(ctx), FillFloor(ctx, size)

@@ -9,10 +9,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from relgloss_view.base.figures import (
+    ACCENT,
+    FAINT,
+    INK,
+    MUTED,
+    drawing,
+    new_figure,
+    save_figure,
+)
 from relgloss_view.base.reading import printable
 from relgloss_view.bench.speed.labels import spread
 from relgloss_view.bench.speed.run import NO_ERROR
-from relgloss_view.fitting.report import ACCENT, FAINT, INK, MUTED, STYLE
 
 Found = dict[str, Any]
 Array = NDArray[np.float64]
@@ -30,25 +38,16 @@ LABEL_INCHES, LABEL_GAP = 0.168, 0.035  #: height of a label; share of the panel
 
 def write_chart(found: Found, folder: Path) -> None:
     """chart.svg and chart.png of a run, drawn without a window system."""
-    from matplotlib import rc_context
-
     figure = figure_of(found)
-    with rc_context({"svg.hashsalt": "relgloss"}):
+    with drawing():
         for name in CHARTS:
-            kind = name.rpartition(".")[2]
-            metadata = {"Date": None} if kind == "svg" else None
-            figure.savefig(folder / name, format=kind, metadata=metadata)
+            save_figure(figure, folder / name, name.rpartition(".")[2])
 
 
 def figure_of(found: Found) -> Any:
     """The chart as matplotlib's figure."""
-    from matplotlib import rc_context
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    with rc_context({**STYLE, "font.size": 9.0}):
-        figure = Figure(figsize=FIGURE_INCHES, dpi=DPI, facecolor="white")
-        FigureCanvasAgg(figure)
+    with drawing({"font.size": 9.0}):
+        figure = new_figure(*FIGURE_INCHES, dpi=DPI)
         _draw(figure, found)
     return figure
 

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relgloss_view.material.spectra import illuminant
-from relgloss_view.picture.backends import FrameRenderer
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.difference import delta_e_2000
@@ -19,6 +18,7 @@ from relgloss_view.picture.reference import ReferenceRenderer
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setting import Setting
+from relgloss_view.quality.backends import FrameRenderer
 
 Array = NDArray[np.float64]
 

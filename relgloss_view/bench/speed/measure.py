@@ -8,6 +8,7 @@ from typing import Any
 
 import moderngl
 
+from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.bench.peers import peers
 from relgloss_view.bench.peers.mitsuba_peer import VARIANTS
 from relgloss_view.bench.speed import methods, run, scenes, tasks
@@ -20,7 +21,6 @@ from relgloss_view.picture.gpu.context import make_current
 from relgloss_view.picture.model.view import Size
 
 Found = dict[str, Any]
-Progress = Callable[[float, str], object]
 
 PAPER = "matte-coated"  #: of what is timed on one scene alone: it has grain, and a highlight
 #: Shares of the whole time, about: the chart, then the rest.
@@ -63,7 +63,7 @@ def measure(
     size: Size,
     extent: Extent,
     time_grid: Callable[[], float] | None,
-    progress: Progress,
+    progress: ProgressReport,
 ) -> Found:
     """All numbers of a run; `time_grid` gives the seconds that `relgloss grid` takes."""
     all_cases = scenes.cases(size)  # refuses sizes that can't be filled
@@ -110,7 +110,7 @@ def measure(
     moved = tasks.lamp_moved(matte.scene, matte.look, PER_VISIT + 1)
     found["passes"] = {"scene": matte.name, **time_passes(ctx, size, moved, plan.frames)}
 
-    def later(start: float, end: float) -> Progress:
+    def later(start: float, end: float) -> ProgressReport:
         return lambda share, text: progress(start + (end - start) * share, text)
 
     found["pixels"] = time_pixels(

@@ -10,7 +10,7 @@ import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from relgloss_view.picture.method import EXACT, Method
+from relgloss_view.picture.method import EXACT, FIRST_PASS, Method
 from relgloss_view.picture.model.view import Size
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
@@ -73,6 +73,24 @@ def planned(scene: Scene, look: Look, size: Size) -> tuple[Method, Look]:
     return advise(scene, look, size).method, look
 
 
+def everything(scene: Scene, look: Look, size: Size) -> tuple[Method, Look]:
+    """What draws all that a scene may have, whether this one has it or not."""
+    forced = {
+        "lobes": 2,
+        "caps": True,
+        "noise": look.noise_law,
+        "grain": look.grain,
+        "noisy_diffuse": look.noisy_lobes == "both",
+        "writes": "xyz",
+    }
+    return Method(variant=tuple(forced.items())), look
+
+
+def band_by_band(scene: Scene, look: Look, size: Size) -> tuple[Method, Look]:
+    """What sums the spectra in each pixel."""
+    return Method(variant=(("bands", scene.material.bands.count),)), look
+
+
 CHEAPEST = {
     "diffuse": "lambert",
     "lobes": 1,
@@ -81,7 +99,7 @@ CHEAPEST = {
     "facets": "beckmann",
     "noise": "none",
     "lamp": "distant",
-    "cube_root": "table",
+    "variant": (("cube_root", "table"),),
 }
 GAME = {
     "diffuse": "lambert",
@@ -98,7 +116,7 @@ ROWS: list[Row] = [
         EVERYTHING,
         "default",
         "everything, needed or not",
-        method(absent="drawn", kept="all"),
+        everything,
         quick=True,
         charted=False,
     ),
@@ -120,11 +138,12 @@ ROWS: list[Row] = [
     Row("grain-none", "grain", "no grain", method(noise="none"), grainy=True, quick=True),
     Row("samples-4", "samples", "4 samples", sampled(2), quick=True),
     Row("samples-16", "samples", "16 samples", sampled(4)),
-    Row("bands", "numbers", "band by band", method(bands="each"), quick=True),
+    Row("bands", "numbers", "band by band", band_by_band, quick=True),
     Row("float16", "numbers", "float16", method(targets="float16"), quick=True),
-    Row("root-power", "numbers", "root by pow", method(cube_root="power")),
-    Row("root-table", "numbers", "root by table", method(cube_root="table")),
-    Row("kept-all", "numbers", "XYZ kept too", method(kept="all")),
+    Row("root-power", "numbers", "root by pow", method(variant=(("cube_root", "power"),))),
+    Row("root-table", "numbers", "root by table", method(variant=(("cube_root", "table"),))),
+    Row("xyz-twice", "numbers", "XYZ in both targets", method(variant=(("writes", "xyz"),))),
+    Row("split-first", "numbers", "split with pass 1", method(split=FIRST_PASS), quick=True),
     Row("gamut-clip", "numbers", "RGB clipped", method(gamut="clip")),
     Row("c-sparse", "c_max", "c_max of every 4th", method(c_max="sparse"), own_c=True),
     Row("c-eq4", "c_max", "c_max by eq. 4", method(c_max="eq4"), own_c=True, quick=True),

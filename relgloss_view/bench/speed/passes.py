@@ -10,8 +10,8 @@ from typing import Any
 
 import moderngl
 
-from relgloss_view.picture.gpu.passes import Renderer
 from relgloss_view.picture.gpu.programs import Programs, Uniforms
+from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.method import EXACT
 from relgloss_view.picture.model.view import Size
 from relgloss_view.picture.scene.look import Look
@@ -22,6 +22,7 @@ PASS_OF = {
     "white.frag": "white",
     "peak.frag": "white",
     "shade.frag": "shade",
+    "split.frag": "split",
     "measure.frag": "measure",
     "reduce.frag": "measure",
     "tone.frag": "tone",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import statistics
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,14 +13,15 @@ import moderngl
 import numpy as np
 
 from relgloss_view.base.errors import RelglossError
+from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.bench.speed.floor import FillFloor
 from relgloss_view.bench.speed.machine import available_bytes
 from relgloss_view.bench.speed.scenes import Case
 from relgloss_view.bench.speed.tasks import Drawing, Floor, pass_1_changed
 from relgloss_view.bench.speed.timing import PER_VISIT, Times, take_turns
 from relgloss_view.picture.gpu.memory import device_bytes
-from relgloss_view.picture.gpu.passes import Renderer
 from relgloss_view.picture.gpu.programs import Programs
+from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.method import EXACT
 from relgloss_view.picture.model.view import Size
 
@@ -67,7 +68,7 @@ def time_pixels(
     case: Case,
     megapixels: Sequence[float],
     frames: int,
-    progress: Callable[[float, str], object],
+    progress: ProgressReport,
 ) -> dict[str, Any]:
     """Frames of all passes but the white's at each size, going up, then down.
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import Column, table
 
 Found = dict[str, Any]
 
@@ -65,18 +66,32 @@ def lines(found: Found) -> Iterable[str]:
     floors = [scene["floor_ms"] for scene in found["scenes"]]
     yield f"fill floor {min(floors):.1f} to {max(floors):.1f} ms"
     yield ""
-    yield f"  {'':30}{'ms':>8}{'x floor':>9}{'p95':>8}{'p95 of':>11}{'max':>8}{'c_max':>9}"
-    yield f"  {'':30}{'':>8}{'':>9}{'object':>8}{'highlight':>11}{'':>8}{'off by':>9}"
-    for entry in found["methods"]:
-        c_max = entry["worst_c_max"]
-        yield (
-            f"{'*' if entry['front'] else ' '} {entry['label']:30}{entry['ms']:8.1f}"
-            f"{entry['floors']:9.2f}{_number(entry['object_p95']):>8}"
-            f"{_number(entry['highlight_p95']):>11}{_number(entry['worst_max']):>8}"
-            f"{_percent(c_max):>9}"
-        )
+    yield table(METHOD_COLUMNS, [_method_row(entry) for entry in found["methods"]])
     yield "* nothing else is both faster and nearer"
     yield from _others(found)
+
+
+METHOD_COLUMNS = (
+    Column("", 32, left=True),
+    Column("ms", 6),
+    Column("x floor", 7),
+    Column("p95\nobject", 6),
+    Column("p95 of\nhighlight", 9),
+    Column("max", 6),
+    Column("c_max\noff by", 7),
+)
+
+
+def _method_row(entry: Found) -> tuple[str, ...]:
+    return (
+        f"{'*' if entry['front'] else ' '} {entry['label']}",
+        f"{entry['ms']:.1f}",
+        f"{entry['floors']:.2f}",
+        _number(entry["object_p95"]),
+        _number(entry["highlight_p95"]),
+        _number(entry["worst_max"]),
+        _percent(entry["worst_c_max"]),
+    )
 
 
 #: Where a result has an error against something else, too: that, and what it is called.

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import statistics
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import moderngl
 
 from relgloss_view.base.errors import RelglossError
+from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.bench.speed import errors, tasks
 from relgloss_view.bench.speed.errors import Truth
 from relgloss_view.bench.speed.floor import FillFloor
@@ -18,14 +19,12 @@ from relgloss_view.bench.speed.methods import AUTO, DEFAULT, EVERYTHING, Row
 from relgloss_view.bench.speed.pareto import pareto_front
 from relgloss_view.bench.speed.scenes import Case
 from relgloss_view.bench.speed.timing import PER_VISIT, Task, take_turns
-from relgloss_view.picture.gpu.passes import Renderer
 from relgloss_view.picture.gpu.programs import Programs
+from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.model.view import Size
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-
-Progress = Callable[[float, str], object]
 
 #: dE2000 below which pictures are one and the same: their digital values are.
 NO_ERROR = 0.01
@@ -50,11 +49,11 @@ class Drawers:
     def __init__(self, ctx: moderngl.Context) -> None:
         self.ctx = ctx
         self.programs = Programs(ctx)
-        self._renderers: dict[tuple[str, str], Renderer] = {}
+        self._renderers: dict[object, Renderer] = {}
 
     def of(self, method: Method) -> Renderer:
         """The renderer that draws by a method."""
-        kind = (method.targets, method.kept)
+        kind = (method.targets, method.split, dict(method.variant).get("writes"))
         if kind not in self._renderers:
             self._renderers[kind] = Renderer(self.ctx, self.programs)
         return self._renderers[kind]
@@ -67,7 +66,7 @@ class Drawers:
 
 
 def run_case(
-    drawers: Drawers, case: Case, rows: Sequence[Row], plan: Plan, progress: Progress
+    drawers: Drawers, case: Case, rows: Sequence[Row], plan: Plan, progress: ProgressReport
 ) -> tuple[Found, list[Found]]:
     """A scene: what is said of it, and one result a row."""
     truths = _truths(case, rows, plan)

@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Sequence
 
 from relgloss_view.bench.speed.floor import FillFloor
-from relgloss_view.picture.gpu.passes import Renderer
+from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.model.view import Size
 from relgloss_view.picture.scene.look import Look

@@ -7,23 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from relgloss_view.base.figures import INK, MUTED, drawing, new_figure, save_figure
 from relgloss_view.bench.stability.maps import Axis, Map
 from relgloss_view.picture.gpu.targets import LARGEST_HALF
 
-INK, MUTED, FAILED = "#1b1f24", "#66707a", "#d0006f"
-STYLE: Any = {
-    "font.size": 8.0,
-    "font.family": "DejaVu Sans",
-    "axes.edgecolor": MUTED,
-    "axes.labelcolor": INK,
-    "axes.linewidth": 0.6,
-    "axes.titlesize": 9.0,
-    "axes.titleweight": "bold",
-    "axes.titlelocation": "left",
-    "xtick.color": MUTED,
-    "ytick.color": MUTED,
-    "svg.hashsalt": "relgloss",  # the same file for the same numbers
-}
+FAILED = "#d0006f"
+#: A map fills its axes: it has a frame on all sides and no grid.
+FRAMED = {"axes.grid": False, "axes.spines.top": True, "axes.spines.right": True}
 PAGES = {
     "lobe": "Lobe: largest error over all normals, as a share of the lobe's peak",
     "diffuse": "Diffuse part: largest error for the full model of Oren and Nayar",
@@ -35,31 +25,22 @@ PANEL_INCHES = (3.7, 3.0)
 
 
 def write_figures(maps: list[Map], folder: Path) -> list[str]:
-    """One figure a page as PNG and SVG; returns the names of the files.
-
-    matplotlib is imported here, without its window system.
-    """
-    from matplotlib import rc_context
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
+    """One figure a page as PNG and SVG; returns the names of the files."""
     names = []
     for page, title in PAGES.items():
         panels = [m for m in maps if m.subject.page == page]
         columns = 2 if len(panels) == 4 else 3
         rows = -(-len(panels) // columns)
         size = (PANEL_INCHES[0] * columns + 1.0, PANEL_INCHES[1] * rows + 0.9)
-        with rc_context(STYLE):
-            figure = Figure(figsize=size, dpi=110, facecolor="white", layout="constrained")
-            FigureCanvasAgg(figure)
+        with drawing(FRAMED):
+            figure = new_figure(*size, dpi=110, layout="constrained")
             figure.suptitle(title, x=0.01, ha="left", fontsize=11, weight="bold", color=INK)
             axes = figure.subplots(rows, columns, squeeze=False)
             for panel, ax in zip(panels, axes.flat, strict=False):
                 _draw(ax, panel)
             _explain(figure, axes)
             for ending in ("png", "svg"):
-                metadata = {"Date": None} if ending == "svg" else None
-                figure.savefig(folder / f"stability-{page}.{ending}", metadata=metadata)
+                save_figure(figure, folder / f"stability-{page}.{ending}", ending)
                 names.append(f"stability-{page}.{ending}")
     return names
 

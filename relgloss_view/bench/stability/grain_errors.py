@@ -24,7 +24,7 @@ from relgloss_view.bench.stability.model_errors import (
     share_of_peak,
 )
 from relgloss_view.material import approximations, brdf
-from relgloss_view.picture.gpu import variant
+from relgloss_view.picture.gpu import constants
 from relgloss_view.picture.model import noise, tone
 
 Array = NDArray[np.float64]
@@ -63,7 +63,7 @@ def grain_errors(
         approximations.mean_lobe(math.radians(a), INDEX, math.radians(a * b), "paper")
         for a, b in zip(s.ravel().tolist(), q.ravel().tolist(), strict=True)
     ]
-    defines = {"FACETS": variant.FACET_CODES["mean-gaussian"]}
+    defines = {"FACETS": constants.code("FACETS", "mean-gaussian")}
     drawn = shader_values(ctx, LOBE_BODY, f, defines, lobe=np.array(lobes))[..., 0]
     peak = np.max(np.where(f.met, mean, 0.0), axis=-1)
     single = np.max(np.where(f.met, rms, 0.0), axis=-1) / np.where(peak > 0.0, peak, 1.0)

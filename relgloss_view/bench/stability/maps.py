@@ -6,7 +6,7 @@ read off these maps, and tests hold them against each other.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +14,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from relgloss_view.base.terminal import Column, ProgressReport, no_progress, table
 from relgloss_view.bench.stability import grain_errors, model_errors
 from relgloss_view.quality.domains import DOMAINS, FOOT_SD, Domain
 
@@ -251,7 +252,7 @@ SUBJECTS: tuple[Subject, ...] = (
 
 def all_maps(
     ctx: moderngl.Context,
-    progress: Callable[[float, str], object] = lambda share, text: None,
+    progress: ProgressReport = no_progress,
     count: int | None = None,
 ) -> list[Map]:
     """Every map; `progress(share, text)` is called between them."""
@@ -284,14 +285,25 @@ def _plain(value: float) -> float | None:
     return float(f"{value:.4g}") if np.isfinite(value) else None
 
 
-def lines(maps: list[Map]) -> Iterable[str]:
-    """Each map as a line: cells, those in its domain, the largest error there, what failed."""
-    for m in maps:
-        if not m.subject.is_error:
-            continue
-        failed = int(np.sum(~np.isfinite(m.error)))
-        domain = m.subject.domain
-        inside = int(np.sum(m.inside)) if domain else 0
-        worst = f"{np.max(m.error[m.inside]):.1e}" if inside else "nowhere" if domain else ""
-        told = f"{inside:8}{worst:>14}{domain.bound:>8g}" if domain else f"{'':30}"
-        yield f"  {m.subject.title:42}{m.error.size:7}{told}{failed:8}"
+COLUMNS = (
+    Column("", 40, left=True),
+    Column("cells", 7),
+    Column("inside", 6),
+    Column("worst inside", 12),
+    Column("bound", 6),
+    Column("failed", 6),
+)
+
+
+def summary_table(maps: list[Map]) -> str:
+    """A row for each map of errors: cells, those in its domain, their largest error, failures."""
+    return table(COLUMNS, [_row(m) for m in maps if m.subject.is_error], indent="  ")
+
+
+def _row(m: Map) -> tuple[str, ...]:
+    domain = m.subject.domain
+    inside = int(np.sum(m.inside)) if domain else 0
+    worst = f"{np.max(m.error[m.inside]):.1e}" if inside else "nowhere"
+    in_domain = (str(inside), worst, f"{domain.bound:g}") if domain else ("", "", "")
+    failed = int(np.sum(~np.isfinite(m.error)))
+    return (m.subject.title, str(m.error.size), *in_domain, str(failed))

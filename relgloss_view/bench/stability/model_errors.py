@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from relgloss_view.material import approximations, brdf
-from relgloss_view.picture.gpu import variant
+from relgloss_view.picture.gpu import constants
 from relgloss_view.picture.gpu.evaluate import evaluate
 from relgloss_view.picture.gpu.targets import LARGEST_WHITE, Targets
 from relgloss_view.picture.model import tone
@@ -106,9 +106,9 @@ def lobe_error(
     s, theta = np.broadcast_arrays(np.asarray(s_deg, dtype=np.float64), incidence_deg)
     f = facings(theta, REACH_SD * s)
     defines = {
-        "FRESNEL": variant.FRESNEL_CODES[fresnel],
-        "SHADOWING": variant.SHADOWING_CODES[shadowing],
-        "FACETS": variant.FACET_CODES[facets],
+        "FRESNEL": constants.code("FRESNEL", fresnel),
+        "SHADOWING": constants.code("SHADOWING", shadowing),
+        "FACETS": constants.code("FACETS", facets),
     }
     lobes = np.array([approximations.plain_lobe(float(v), INDEX) for v in np.radians(s).ravel()])
     drawn = shader_values(ctx, LOBE_BODY, f, defines, lobe=lobes.reshape(*s.shape, 4))[..., 0]
@@ -132,8 +132,8 @@ def diffuse_error(
     sigma, theta = np.broadcast_arrays(np.radians(np.asarray(sigma_deg, np.float64)), incidence_deg)
     f = facings(theta, np.full(theta.shape, 90.0))
     terms = np.array([brdf.diffuse_terms(model, float(v)) for v in sigma.ravel()])
-    code = variant.DIFFUSE_CODES[model]
-    body = f"result = vec4(diffuse_shapes({code}, f, terms), 0, 0) * max(f.mu_i, 0.0);"
+    number = constants.code("DIFFUSE", model)
+    body = f"result = vec4(diffuse_shapes({number}, f, terms), 0, 0) * max(f.mu_i, 0.0);"
     drawn = shader_values(ctx, body, f, {}, terms=terms.reshape(*sigma.shape, 4))
     g = brdf.facing(f.n, f.i, f.o)
     exact = np.zeros((*drawn.shape[:-1], 2))
@@ -169,11 +169,11 @@ def tone_error(
     diffuse = (y_d[..., None, None] * COLOURS).reshape(-1, 3)
     specular = np.broadcast_to(y_s[..., None, None], (*shape, len(COLOURS), 3)).reshape(-1, 3)
     body = "result = split_lab(diffuse.xyz, specular.xyz, vec3(1.0));"
-    code = {"CUBE_ROOT": variant.CUBE_ROOT_CODES[cube_root]}
+    root = {"CUBE_ROOT": constants.code("CUBE_ROOT", cube_root)}
     inputs = {"diffuse": diffuse, "specular": specular}
     targets_of = Targets(ctx)
     samplers = {"cube_root_table": targets_of.cube_root_table()} if cube_root == "table" else {}
-    split = evaluate(ctx, ["tone.glsl"], body, inputs, defines=code, samplers=samplers)
+    split = evaluate(ctx, ["tone.glsl"], body, inputs, defines=root, samplers=samplers)
     split = split.astype(np.float64)
     if targets == "float16":
         with np.errstate(over="ignore"):

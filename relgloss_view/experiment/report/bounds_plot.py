@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.base.reading import printable
-from relgloss_view.experiment.analysis import Analysis, SampleResult, Scale
-from relgloss_view.experiment.grid import Grid
-from relgloss_view.experiment.report import paint
-from relgloss_view.experiment.report.choice import Array, Choice, choice_by, chosen
+from relgloss_view.experiment.design.grid import Grid
+from relgloss_view.experiment.report import figures
+from relgloss_view.experiment.report.chosen_setting import Array, Choice, choice_by, chosen
 from relgloss_view.experiment.report.panels import EDGE_IN, heading
-from relgloss_view.experiment.report.words import BY, label_of
+from relgloss_view.experiment.report.sentences import BY, label_of
+from relgloss_view.experiment.scaling.bootstrap import ScaleValues
+from relgloss_view.experiment.verdict.analysis import Analysis, SampleResult
 from relgloss_view.fitting.report import INK, MUTED
 
 LEAST_ROWS, MOST_ROWS = 4, 48  #: settings, the closest ones; scale.csv has all
@@ -27,13 +28,13 @@ ZONES = ("#ececec", "#e2e2e2")
 def write_bounds(path: Path, result: SampleResult, analysis: Analysis) -> None:
     """Each setting's closeness among the categories, by each question."""
     study = analysis.pool.study
-    with paint.drawing():
+    with figures.drawing():
         rows = min(MOST_ROWS, max(int(np.sum(s.answered)) for s in result.scales))
         wide = NAMES_IN + PANEL_IN
         total = EDGE_IN + len(result.scales) * (wide + PANEL_GAP_IN)
         words = "; ".join(f"{k} {printable(c, 40)}" for k, c in enumerate(study.categories, 1))
         room = total - 2.0 * EDGE_IN
-        head = EDGE_IN + 0.3 + paint.height_of(words, room, paint.SMALL_PT, 6)
+        head = EDGE_IN + 0.3 + figures.height_of(words, room, figures.SMALL_PT, 6)
         title_in = 0.25 if len(result.scales) > 1 else 0.0
         choices = [
             choice_by(result, study.grid, s.question)
@@ -42,23 +43,23 @@ def write_bounds(path: Path, result: SampleResult, analysis: Analysis) -> None:
             for s in result.scales
         ]
         height = (max(rows, LEAST_ROWS) + len(study.categories)) * ROW_IN
-        figure = paint.new_figure(total, head + title_in + TOP_IN + height + FOOT_IN)
+        figure = figures.new_figure(total, head + title_in + TOP_IN + height + FOOT_IN)
         heading(figure, label_of(result), words, most=6)
         for k, scale in enumerate(result.scales):
-            axes = paint.axes_at(
+            axes = figures.axes_at(
                 figure, EDGE_IN + NAMES_IN + k * (wide + PANEL_GAP_IN), head + title_in + TOP_IN,
                 PANEL_IN, height,
             )  # fmt: skip
             if title_in:
-                axes.set_title(BY[scale.question], fontsize=paint.TEXT_PT, color=INK, pad=20.0)
+                axes.set_title(BY[scale.question], fontsize=figures.TEXT_PT, color=INK, pad=20.0)
             _panel(axes, scale, choices[k], study.grid, rows)
         plain = all(s.interval is None for s in result.scales)
         _foot(figure, plain=plain, chosen_shown=any(c.shown for c in choices))
-        paint.save(figure, path)
+        figures.save(figure, path)
 
 
-def _panel(axes: Any, scale: Scale, choice: Choice, grid: Grid, rows: int) -> None:
-    paint.bare(axes)
+def _panel(axes: Any, scale: ScaleValues, choice: Choice, grid: Grid, rows: int) -> None:
+    figures.bare(axes)
     order = np.argsort(-np.where(scale.answered, scale.scale, -np.inf), kind="stable")
     order = order[: min(rows, int(np.sum(scale.answered)))]
     bounds = [k for k, bound in enumerate(scale.probit.bounds) if np.isfinite(bound)]
@@ -67,28 +68,28 @@ def _panel(axes: Any, scale: Scale, choice: Choice, grid: Grid, rows: int) -> No
     axes.set_xlim(*across)
     axes.set_ylim(max(rows, LEAST_ROWS) - 0.5, top)
     _categories(axes, scale, across)
-    axes.axhline(-0.9, color=paint.PAPER, lw=3.0, zorder=2)
+    axes.axhline(-0.9, color=figures.PAPER, lw=3.0, zorder=2)
     names: list[tuple[float, str, str]] = []
     for k in bounds:
         row = k - len(scale.probit.bounds) - 0.9
         ends = None if scale.bounds_interval is None else -scale.bounds_interval[::-1, k]
         places = (-scale.probit.bounds[k], -scale.torgerson.bounds[k])
-        _row(axes, row, places, ends, (paint.GOOD, "D", 4.0))
-        names.append((row, f"bound {k + 1} | {k + 2}", paint.GOOD))
+        _row(axes, row, places, ends, (figures.GOOD, "D", 4.0))
+        names.append((row, f"bound {k + 1} | {k + 2}", figures.GOOD))
     for row, k in enumerate(order.tolist()):
         look = (MUTED, "o", 3.6)
         if choice.shown and choice.as_good[k]:
             look = (INK, "o", 4.4)
         if choice.shown and k == choice.leading:
-            look = (paint.MARK, "o", 5.6)
+            look = (figures.MARK, "o", 5.6)
         ends = None if scale.interval is None else scale.interval[:, k]
         _row(axes, row, (scale.scale[k], scale.torgerson.scale[k]), ends, look)
         names.append((row, grid.settings[k].words.removesuffix(" c_max"), look[0]))
     axes.set_yticks([row for row, _, _ in names], [name for _, name, _ in names], fontsize=7.0)
     for tick, (_, _, colour) in zip(axes.get_yticklabels(), names, strict=True):
         tick.set_color(colour)
-    axes.set_xlabel("closeness, dispersions", fontsize=paint.SMALL_PT)
-    axes.tick_params(axis="x", labelsize=paint.SMALL_PT)
+    axes.set_xlabel("closeness, dispersions", fontsize=figures.SMALL_PT)
+    axes.tick_params(axis="x", labelsize=figures.SMALL_PT)
 
 
 def _row(
@@ -106,7 +107,7 @@ def _row(
     axes.plot(places[1], row, "|", color=INK, ms=5.5, mew=0.9, zorder=6)
 
 
-def _limits(scale: Scale, order: Any) -> tuple[float, float]:
+def _limits(scale: ScaleValues, order: Any) -> tuple[float, float]:
     """From the least to the largest of what is shown, and room for the end categories."""
     bounds = -scale.probit.bounds[np.isfinite(scale.probit.bounds)]
     values = scale.scale[order]
@@ -122,7 +123,7 @@ def _limits(scale: Scale, order: Any) -> tuple[float, float]:
     return low - room, high + room
 
 
-def _categories(axes: Any, scale: Scale, across: tuple[float, float]) -> None:
+def _categories(axes: Any, scale: ScaleValues, across: tuple[float, float]) -> None:
     """Which category a setting of some closeness is put in most likely, 1 being close."""
     bounds = -scale.probit.bounds  # along closeness they fall
     places = [across[1], *bounds, across[0]]
@@ -136,12 +137,12 @@ def _categories(axes: Any, scale: Scale, across: tuple[float, float]) -> None:
             numbers.append((0.5 * (above + below), str(k + 1)))
         above = min(above, below)
     for bound in bounds[np.isfinite(bounds)]:
-        axes.axvline(bound, color=paint.GOOD, lw=0.9, zorder=1)
+        axes.axvline(bound, color=figures.GOOD, lw=0.9, zorder=1)
     for place, number in _apart(numbers, NUMBER_GAP * (across[1] - across[0])):
         axes.annotate(
             number, (place, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 3),
-            textcoords="offset points", ha="center", va="bottom", fontsize=paint.SMALL_PT,
-            color=paint.GOOD, weight="bold",
+            textcoords="offset points", ha="center", va="bottom", fontsize=figures.SMALL_PT,
+            color=figures.GOOD, weight="bold",
         )  # fmt: skip
 
 
@@ -161,9 +162,9 @@ def _foot(figure: Any, *, plain: bool, chosen_shown: bool) -> None:
         return Line2D([], [], color=colour, marker=sign, ms=size, mew=0.0, lw=0 if plain else 1.3)
 
     handles: list[tuple[Any, str]] = [
-        (_sign(paint.GOOD, "D", 4.0), "bound between two categories"),
+        (_sign(figures.GOOD, "D", 4.0), "bound between two categories"),
         (_sign(MUTED, "o", 4.0), "setting" + ("" if plain else ", with 95 % interval")),
-        (_sign(paint.MARK, "o", 5.6), "leading setting"),
+        (_sign(figures.MARK, "o", 5.6), "leading setting"),
         (_sign(INK, "o", 4.4), "not told apart from it"),
         (Line2D([], [], color=INK, marker="|", ms=6.0, lw=0), "either by Torgerson's method"),
     ]
@@ -172,6 +173,6 @@ def _foot(figure: Any, *, plain: bool, chosen_shown: bool) -> None:
     across, down = figure.get_size_inches()
     figure.legend(
         *zip(*handles, strict=True), loc="lower left", ncols=3, frameon=False,
-        bbox_to_anchor=(EDGE_IN / across, 0.12 / down), fontsize=paint.SMALL_PT,
+        bbox_to_anchor=(EDGE_IN / across, 0.12 / down), fontsize=figures.SMALL_PT,
         borderaxespad=0.0, borderpad=0.0, columnspacing=1.4,
     )  # fmt: skip

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from relgloss_view.experiment.analysis import Analysis, SampleResult
-from relgloss_view.experiment.report import paint, panels
-from relgloss_view.experiment.report.choice import Array, choice_by, chosen, values_of
-from relgloss_view.experiment.report.numbers import counts_of
-from relgloss_view.experiment.report.who import truths
-from relgloss_view.experiment.report.words import BY
+from relgloss_view.experiment.report import figures, panels
+from relgloss_view.experiment.report.answerers import truths
+from relgloss_view.experiment.report.chosen_setting import Array, choice_by, chosen, values_of
+from relgloss_view.experiment.report.results import counts_of
+from relgloss_view.experiment.report.sentences import BY
+from relgloss_view.experiment.verdict.analysis import Analysis, SampleResult
 from relgloss_view.fitting.report import INK
 
 REGION = 0.95  #: of a posterior, within its outline
@@ -26,7 +26,7 @@ def write_closeness(path: Path, result: SampleResult, analysis: Analysis) -> Non
     """The closeness of all settings, by each question and by both; adaptive: the posterior."""
     grid = analysis.pool.study.grid
     truth = truths(analysis.pool).get(result.label)
-    with paint.drawing():
+    with figures.drawing():
         if result.adaptive is not None:
             figure, (axes,) = panels.panels(result, analysis, [""])
             posterior = result.adaptive.posterior
@@ -49,7 +49,7 @@ def write_closeness(path: Path, result: SampleResult, analysis: Analysis) -> Non
                 told |= {words: handle for handle, words in marked}
             handles = [(handle, words) for words, handle in told.items()]
         panels.legend(figure, handles)
-        paint.save(figure, path)
+        figures.save(figure, path)
 
 
 def level_of(posterior: Array, share: float) -> float:
@@ -65,7 +65,7 @@ def write_winners(path: Path, result: SampleResult, analysis: Analysis) -> bool:
     choice = chosen(result, grid)
     if choice.shares is None:
         return False
-    with paint.drawing():
+    with figures.drawing():
         figure, (axes,) = panels.panels(result, analysis, [""])
         shown = panels.cells(axes, grid, choice.shares, low=0.0, least_range=0.1)
         name = NEAREST if choice.adaptive else LEADS
@@ -81,7 +81,7 @@ def write_winners(path: Path, result: SampleResult, analysis: Analysis) -> bool:
                         fontsize=7.5, color="white" if share > 0.6 * top else INK, zorder=3,
                     )  # fmt: skip
         panels.legend(figure, panels.marks(axes, grid, choice, None, optimum=False))
-        paint.save(figure, path)
+        figures.save(figure, path)
     return True
 
 

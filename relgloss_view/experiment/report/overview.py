@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from relgloss_view.base.reading import printable
-from relgloss_view.experiment.analysis import Analysis
-from relgloss_view.experiment.grid import Grid
-from relgloss_view.experiment.report import paint
-from relgloss_view.experiment.report.choice import Choice, Interval, chosen
+from relgloss_view.experiment.design.grid import Grid
+from relgloss_view.experiment.report import figures
+from relgloss_view.experiment.report.answerers import people, truths
+from relgloss_view.experiment.report.chosen_setting import Choice, Interval, chosen
 from relgloss_view.experiment.report.panels import EDGE_IN, heading, legend
-from relgloss_view.experiment.report.who import people, truths
-from relgloss_view.experiment.report.words import SHORT, label_of
+from relgloss_view.experiment.report.sentences import SHORT, label_of
+from relgloss_view.experiment.verdict.analysis import Analysis
 from relgloss_view.fitting.report import FAINT, INK, MUTED
 from relgloss_view.picture.scene.setting import Setting, share_words
 
@@ -25,16 +25,16 @@ def write_overview(path: Path, analysis: Analysis) -> None:
     """A row for each sample: sigma_N and c, between grid points and on them."""
     study = analysis.pool.study
     rows = len(analysis.samples)
-    with paint.drawing():
+    with figures.drawing():
         total = 2.0 * EDGE_IN + NAMES_IN + 2.0 * (PANEL_IN + GAP_IN) + WORDS_IN
         head = EDGE_IN + 0.3 + 0.35
         height = rows * ROW_IN
-        figure = paint.new_figure(total, head + height + AXIS_IN + FOOT_IN)
+        figure = figures.new_figure(total, head + height + AXIS_IN + FOOT_IN)
         heading(figure, printable(study.title, 60), people(analysis.pool), most=1)
         sides = []
         for k, name in enumerate(("grain sigma_N, degrees", "c / c_max")):
             left = EDGE_IN + NAMES_IN + k * (PANEL_IN + GAP_IN)
-            axes = paint.axes_at(figure, left, head, PANEL_IN, height)
+            axes = figures.axes_at(figure, left, head, PANEL_IN, height)
             _scale(axes, study.grid, k, rows)
             axes.set_xlabel(name)
             sides.append(axes)
@@ -43,23 +43,23 @@ def write_overview(path: Path, analysis: Analysis) -> None:
         for row, result in enumerate(analysis.samples):
             choice = chosen(result, study.grid)
             middle = head + (row + 0.5) * ROW_IN
-            paint.write(
+            figures.write(
                 figure, (EDGE_IN, middle), label_of(result), NAMES_IN - 0.2, va="center_baseline"
             )
-            paint.write(
+            figures.write(
                 figure, (total - EDGE_IN - WORDS_IN, middle), SHORT[choice.status], WORDS_IN,
                 color=INK if choice.shown else MUTED, va="center_baseline",
             )  # fmt: skip
             told |= _row(sides, row, choice, right.get(result.label))
         legend(figure, [(handle, words) for words, handle in told.items()])
-        paint.save(figure, path)
+        figures.save(figure, path)
 
 
 def _scale(axes: Any, grid: Grid, axis: int, rows: int) -> None:
     values = grid.c_fraction if axis else grid.sigma_n_deg
     sixths = axis == 1 and all(share_words(c).endswith("/6") for c in values)
     span = values[-1] - values[0] or 1.0
-    paint.bare(axes)
+    figures.bare(axes)
     axes.set_xlim(values[0] - 0.06 * span, values[-1] + 0.06 * span)
     axes.set_ylim(rows - 0.5, -0.5)
     axes.set_yticks([])
@@ -77,7 +77,7 @@ def _row(sides: list[Any], row: int, choice: Choice, truth: Setting | None) -> d
     for k, axes in enumerate(sides):
         if choice.shown:
             (found["leading setting of the grid"],) = axes.plot(
-                _of(choice.setting, k), row, "s", mfc="none", mec=paint.MARK, mew=1.8, ms=10.0,
+                _of(choice.setting, k), row, "s", mfc="none", mec=figures.MARK, mew=1.8, ms=10.0,
                 zorder=3, ls="none", clip_on=False,
             )  # fmt: skip
         if choice.shown:
@@ -92,7 +92,7 @@ def _row(sides: list[Any], row: int, choice: Choice, truth: Setting | None) -> d
             )  # fmt: skip
         if truth is not None:
             (found["right for the simulated observers"],) = axes.plot(
-                _of(truth, k), row + 0.33, "^", mfc=paint.TRUTH, mec="white", ms=6.0, zorder=6,
+                _of(truth, k), row + 0.33, "^", mfc=figures.TRUTH, mec="white", ms=6.0, zorder=6,
                 ls="none", clip_on=False,
             )  # fmt: skip
     return found

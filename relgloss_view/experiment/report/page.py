@@ -11,14 +11,14 @@ import numpy as np
 
 from relgloss_view.base.reading import printable
 from relgloss_view.base.version import __version__
-from relgloss_view.experiment.analysis import Analysis, SampleResult
-from relgloss_view.experiment.report import words
-from relgloss_view.experiment.report.choice import choice_by, chosen, values_of
-from relgloss_view.experiment.report.numbers import counts_of
-from relgloss_view.experiment.report.paint import DPI
+from relgloss_view.experiment.report import sentences
+from relgloss_view.experiment.report.answerers import path_words, people, silent
+from relgloss_view.experiment.report.chosen_setting import choice_by, chosen, values_of
+from relgloss_view.experiment.report.figures import DPI
+from relgloss_view.experiment.report.glossary import terms
 from relgloss_view.experiment.report.plots import OVERVIEW, Plot
-from relgloss_view.experiment.report.terms import terms
-from relgloss_view.experiment.report.who import path_words, people, silent
+from relgloss_view.experiment.report.results import counts_of
+from relgloss_view.experiment.verdict.analysis import Analysis, SampleResult
 
 #: Neutral grays, as everywhere beside pictures that are judged.
 STYLE = """
@@ -59,7 +59,7 @@ def report_page(
     pool = analysis.pool
     title = escape(printable(pool.study.title, 60))
     answers = sum(o.answers for o in analysis.observers)
-    simulated = words.simulated_words(pool)
+    simulated = sentences.simulated_words(pool)
     parts = [
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width">',
@@ -93,15 +93,15 @@ def _verdicts(analysis: Analysis) -> str:
         shown = choice.shown
         rows.append(
             (
-                words.label_of(result),
-                words.SHORT[choice.status],
+                sentences.label_of(result),
+                sentences.SHORT[choice.status],
                 choice.setting.words if shown else "-",
-                "-" if choice.leads is None or not shown else words.percent(choice.leads),
-                words.between(choice) if shown else "-",
-                words.small(choice.p_chance),
+                "-" if choice.leads is None or not shown else sentences.percent(choice.leads),
+                sentences.between(choice) if shown else "-",
+                sentences.small(choice.p_chance),
             )
         )
-    rows += [(label, why, *"----") for label, why in words.untold(analysis).items()]
+    rows += [(label, why, *"----") for label, why in sentences.untold(analysis).items()]
     adaptive = any(r.adaptive is not None for r in analysis.samples)
     heads = (
         "sample",
@@ -121,7 +121,8 @@ def _sample(
     plots: Sequence[Plot],
     scene: str | None,
 ) -> str:
-    notes = [*words.notes(result, analysis), words.agreement(result)]
+    notes = [*sentences.notes(result, analysis), sentences.agreement(result)]
+    verdict = sentence_case(sentences.sentence(result, analysis))
     listed = "".join(f"<li>{escape(note)}</li>" for note in notes)
     opened = "No scene is written: nothing is declared best."
     if scene is not None:
@@ -129,8 +130,8 @@ def _sample(
         opened = f"The leading setting as a scene: <code>relgloss view {name}</code>"
     return "\n".join(
         [
-            f"<h2>{escape(words.label_of(result))}</h2>",
-            f"<p><strong>{escape(sentence_case(words.sentence(result, analysis)))}.</strong></p>",
+            f"<h2>{escape(sentences.label_of(result))}</h2>",
+            f"<p><strong>{escape(verdict)}.</strong></p>",
             f"<ul>{listed}</ul>",
             f"<p>{opened}</p>",
             '<div class="plots">',
@@ -152,14 +153,14 @@ def _closest(result: SampleResult, analysis: Analysis) -> str:
     for k in order[:MOST_ROWS].tolist():
         ends = "-"
         if np.isfinite(values.low[k]):
-            ends = f"{words.number(values.low[k])} to {words.number(values.high[k])}"
+            ends = f"{sentences.number(values.low[k])} to {sentences.number(values.high[k])}"
         rows.append(
             (
                 grid.settings[k].words,
-                words.number(values.probit[k]),
+                sentences.number(values.probit[k]),
                 ends,
-                words.number(values.torgerson[k]),
-                "-" if choice.shares is None else words.percent(float(choice.shares[k])),
+                sentences.number(values.torgerson[k]),
+                "-" if choice.shares is None else sentences.percent(float(choice.shares[k])),
                 "-" if values.counts is None else f"{values.counts[k].sum():.0f}",
             )
         )
@@ -177,24 +178,24 @@ def _bounds(result: SampleResult, analysis: Analysis) -> str:
             ends = "-"
             if scale.bounds_interval is not None and np.isfinite(bound):
                 low, high = -scale.bounds_interval[::-1, k]
-                ends = f"{words.number(low)} to {words.number(high)}"
+                ends = f"{sentences.number(low)} to {sentences.number(high)}"
             told = f"{categories[k]} | {categories[k + 1]}"
-            told = f"{words.BY[scale.question]}: {told}" if len(result.scales) > 1 else told
+            told = f"{sentences.BY[scale.question]}: {told}" if len(result.scales) > 1 else told
             torgerson = -scale.torgerson.bounds[k]
-            rows.append((told, words.number(-bound), ends, words.number(torgerson)))
+            rows.append((told, sentences.number(-bound), ends, sentences.number(torgerson)))
     return table(("bound between", "closeness", "95 %", "Torgerson"), rows)
 
 
 def _observers(analysis: Analysis) -> str:
     rows = [
         (
-            words.observer_name(o),
+            sentences.observer_name(o),
             o.kind,
             "yes" if o.ended else "no",
             str(o.answers),
-            words.number(o.median_response_s),
-            words.number(o.relation.correlation),
-            words.number(o.relation.p),
+            sentences.number(o.median_response_s),
+            sentences.number(o.relation.correlation),
+            sentences.number(o.relation.p),
             "; ".join(o.told) or "-",
         )
         for o in analysis.observers

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from relgloss_view.experiment.analysis import Analysis, SampleResult
-from relgloss_view.experiment.coordinates import coordinates, from_steps, grid_steps
-from relgloss_view.experiment.grid import Grid
-from relgloss_view.experiment.report import paint
-from relgloss_view.experiment.report.choice import Array, Choice
-from relgloss_view.experiment.report.words import label_of, sentence
+from relgloss_view.experiment.design.coordinates import coordinates, from_steps, grid_steps
+from relgloss_view.experiment.design.grid import Grid
+from relgloss_view.experiment.report import figures
+from relgloss_view.experiment.report.chosen_setting import Array, Choice
+from relgloss_view.experiment.report.sentences import label_of, sentence
+from relgloss_view.experiment.verdict.analysis import Analysis, SampleResult
 from relgloss_view.fitting.report import INK, MUTED
 from relgloss_view.picture.scene.setting import Setting, share_words
 
@@ -45,13 +45,13 @@ def panels(
     total = max(len(titles) * step, NARROWEST_IN)
     words = sentence(result, analysis)
     head = EDGE_IN + 0.3 + GAP_IN + (TITLE_IN if any(titles) else 0.0)
-    head += paint.height_of(words, total - 2.0 * EDGE_IN, paint.SMALL_PT, 3)
-    figure = paint.new_figure(total, head + height + BOTTOM_IN + LEGEND_IN)
+    head += figures.height_of(words, total - 2.0 * EDGE_IN, figures.SMALL_PT, 3)
+    figure = figures.new_figure(total, head + height + BOTTOM_IN + LEGEND_IN)
     heading(figure, label_of(result), words)
     made = []
     for k, title in enumerate(titles):
-        axes = paint.axes_at(figure, LEFT_IN + k * step, head, width, height)
-        axes.set_title(title, fontsize=paint.TEXT_PT, color=INK)
+        axes = figures.axes_at(figure, LEFT_IN + k * step, head, width, height)
+        axes.set_title(title, fontsize=figures.TEXT_PT, color=INK)
         _scales(axes, grid, (width, height))
         made.append(axes)
     return figure, made
@@ -60,15 +60,17 @@ def panels(
 def heading(figure: Any, title: str, words: str, most: int = 3) -> None:
     """What a figure is about, at its top."""
     room = figure.get_size_inches()[0] - 2.0 * EDGE_IN
-    below = paint.write(
-        figure, (EDGE_IN, EDGE_IN - 0.05), title, room, size=paint.HEAD_PT, weight="bold"
+    below = figures.write(
+        figure, (EDGE_IN, EDGE_IN - 0.05), title, room, size=figures.HEAD_PT, weight="bold"
     )
-    paint.write(figure, (EDGE_IN, below), words, room, size=paint.SMALL_PT, most=most, color=MUTED)
+    figures.write(
+        figure, (EDGE_IN, below), words, room, size=figures.SMALL_PT, most=most, color=MUTED
+    )
 
 
 def _scales(axes: Any, grid: Grid, size_in: tuple[float, float]) -> None:
     """One cell a setting, evenly, whatever the steps between them are."""
-    paint.bare(axes)
+    figures.bare(axes)
     rows, columns = grid.shape
     axes.set_xlim(-0.5, rows - 0.5)
     axes.set_ylim(-0.5, columns - 0.5)
@@ -76,8 +78,8 @@ def _scales(axes: Any, grid: Grid, size_in: tuple[float, float]) -> None:
     up = [share_words(c) for c in grid.c_fraction]
     if not all(word.endswith("/6") for word in up):
         up = [f"{c:.3g}" for c in grid.c_fraction]
-    of_x = paint.thinned(len(across), size_in[0], 0.4)
-    of_y = paint.thinned(len(up), size_in[1], 0.16)
+    of_x = figures.thinned(len(across), size_in[0], 0.4)
+    of_y = figures.thinned(len(up), size_in[1], 0.16)
     axes.set_xticks(of_x, [across[k] for k in of_x])
     axes.set_yticks(of_y, [up[k] for k in of_y])
     axes.set_xlabel("grain sigma_N, degrees")
@@ -93,19 +95,22 @@ def cells(
     low = float(there.min()) if low is None else low
     high = max(float(there.max()), low + least_range)
     axes.add_patch(
-        _box(0, 0, rows, columns, fc=paint.UNJUDGED, ec=paint.HATCH, hatch="////", zorder=0)
+        _box(0, 0, rows, columns, fc=figures.UNJUDGED, ec=figures.HATCH, hatch="////", zorder=0)
     )
     return axes.pcolormesh(
         np.arange(rows + 1) - 0.5, np.arange(columns + 1) - 0.5,
         np.ma.masked_invalid(values.reshape(rows, columns).T),
-        cmap=paint.shades(), vmin=low, vmax=high, edgecolors=paint.PAPER, linewidth=0.8, zorder=1,
+        cmap=figures.shades(), vmin=low, vmax=high, edgecolors=figures.PAPER, linewidth=0.8,
+        zorder=1,
     )  # fmt: skip
 
 
 def fine(axes: Any, grid: Grid, values: Array) -> Any:
     """A fine table over the range of the grid, with a dot where a setting is."""
     x, y = _places(grid, values.shape)
-    shown = axes.pcolormesh(_edges(x), _edges(y), values.T, cmap=paint.shades(), vmin=0.0, zorder=1)
+    shown = axes.pcolormesh(
+        _edges(x), _edges(y), values.T, cmap=figures.shades(), vmin=0.0, zorder=1
+    )
     dots = np.array([divmod(k, grid.shape[1]) for k in range(len(grid))])
     axes.plot(dots[:, 0], dots[:, 1], ".", color=MUTED, ms=2.5, zorder=2, clip_on=False)
     return shown
@@ -120,8 +125,8 @@ def bar(figure: Any, axes: Any, shown: Any, name: str, form: Any = None) -> None
     drawn = figure.colorbar(shown, cax=beside, format=form)
     drawn.outline.set_visible(False)
     drawn.solids.set_edgecolor("face")  # else a viewer's smoothing shows lines between the shades
-    beside.tick_params(length=0, labelsize=paint.SMALL_PT, labelcolor=MUTED)
-    beside.set_ylabel(name, fontsize=paint.SMALL_PT, color=MUTED)
+    beside.tick_params(length=0, labelsize=figures.SMALL_PT, labelcolor=MUTED)
+    beside.set_ylabel(name, fontsize=figures.SMALL_PT, color=MUTED)
 
 
 def contours(axes: Any, grid: Grid, smooth: Array | None, levels: Any = 7) -> None:
@@ -146,18 +151,18 @@ def marks(
     if choice.shown:
         if np.sum(choice.as_good) > 1:
             _outline(axes, choice.as_good.reshape(grid.shape))
-            line = Line2D([], [], color=paint.MARK, lw=1.5, ls=paint.DASHES)
+            line = Line2D([], [], color=figures.MARK, lw=1.5, ls=figures.DASHES)
             found.append((line, "not told apart from it"))
         row, column = divmod(choice.leading, columns)
-        leading = _box(row, column, 1, 1, ec=paint.MARK, lw=2.4, zorder=4)
+        leading = _box(row, column, 1, 1, ec=figures.MARK, lw=2.4, zorder=4)
         leading.set_clip_on(False)
         axes.add_patch(leading)
-        found.insert(0, (_box(0, 0, 1, 1, ec=paint.MARK, lw=2.4), "leading setting"))
+        found.insert(0, (_box(0, 0, 1, 1, ec=figures.MARK, lw=2.4), "leading setting"))
         if optimum:
             found.append((_cross(axes, grid, choice), _best_words(choice)))
     if truth is not None:
         (point,) = axes.plot(
-            *_cell(grid, truth), "D", mfc=paint.TRUTH, mec="white", mew=0.8, ms=5.0, zorder=6,
+            *_cell(grid, truth), "D", mfc=figures.TRUTH, mec="white", mew=0.8, ms=5.0, zorder=6,
             ls="none", clip_on=False,
         )  # fmt: skip
         found.append((point, "right for the simulated observers"))
@@ -171,7 +176,7 @@ def legend(figure: Any, handles: list[tuple[Any, str]]) -> None:
         figure.legend(
             *zip(*handles, strict=True), loc="upper left", ncols=2, frameon=False,
             bbox_to_anchor=(EDGE_IN / across, (LEGEND_IN - 0.05) / figure.get_size_inches()[1]),
-            fontsize=paint.SMALL_PT, borderaxespad=0.0, borderpad=0.0, labelcolor=INK,
+            fontsize=figures.SMALL_PT, borderaxespad=0.0, borderpad=0.0, labelcolor=INK,
         )  # fmt: skip
 
 
@@ -215,7 +220,9 @@ def _outline(axes: Any, region: Any) -> None:
             ((0, 1), ([left, right], [high, high])),
         ):
             if not padded[row + 1 + step[0], column + 1 + step[1]]:
-                axes.plot(*side, color=paint.MARK, lw=1.5, ls=paint.DASHES, zorder=3, clip_on=False)
+                axes.plot(
+                    *side, color=figures.MARK, lw=1.5, ls=figures.DASHES, zorder=3, clip_on=False
+                )
 
 
 def _box(row: float, column: float, rows: float, columns: float, **style: Any) -> Any:

@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from relgloss_view.experiment.analysis import Analysis
 from relgloss_view.experiment.report.bounds_plot import write_bounds
 from relgloss_view.experiment.report.maps import write_closeness, write_winners
 from relgloss_view.experiment.report.overview import write_overview
-from relgloss_view.experiment.report.words import label_of
+from relgloss_view.experiment.report.sentences import label_of
+from relgloss_view.experiment.verdict.analysis import Analysis
 
 OVERVIEW = "overview.png"
 

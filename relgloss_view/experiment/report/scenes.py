@@ -5,8 +5,8 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
-from relgloss_view.experiment.analysis import Analysis
-from relgloss_view.experiment.report.choice import chosen
+from relgloss_view.experiment.report.chosen_setting import chosen
+from relgloss_view.experiment.verdict.analysis import Analysis
 from relgloss_view.material.files import save_material
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.sample import SAMPLES, Sample, load_sample

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from relgloss_view.experiment.analysis import Analysis
-from relgloss_view.experiment.pool import Pool
-from relgloss_view.experiment.report.choice import choice_by, values_of
-from relgloss_view.experiment.report.numbers import counts_of
-from relgloss_view.experiment.report.who import answerers, path_words
+from relgloss_view.experiment.report.answerers import answerers, path_words
+from relgloss_view.experiment.report.chosen_setting import choice_by, values_of
+from relgloss_view.experiment.report.results import counts_of
+from relgloss_view.experiment.session.pool import Pool
+from relgloss_view.experiment.verdict.analysis import Analysis
 
 SCALE, ANSWERS = "scale.csv", "answers.csv"
 #: Then one column a category, numbered from 1, close.

@@ -13,11 +13,9 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.material import brdf
-
-Array = NDArray[np.float64]
 
 #: Refractive index of the black glass that reads 100: ISO 2813 and ASTM D523; TAPPI T 480.
 GLASS, PAPER_GLASS = 1.567, 1.540

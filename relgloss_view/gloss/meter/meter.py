@@ -11,8 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.gloss.meter.geometry import (
@@ -29,8 +29,6 @@ from relgloss_view.material import brdf, spectra
 from relgloss_view.material.albedo import directional_albedo
 from relgloss_view.material.material import S_DEG_DRAWN, S_DEG_MAX, Lobe, Material
 from relgloss_view.measure.bands import Bands
-
-Array = NDArray[np.float64]
 
 ILLUMINANT = "C"
 METERS = (*SPECULAR.values(), HAZE, DISTINCTNESS)
@@ -58,7 +56,17 @@ class Reading:
 def gloss_readings(material: Material) -> tuple[Reading, ...]:
     """Specular gloss at 20, 60, 85 and 75 degrees, haze, distinctness, Ferwerda's c and d.
 
-    Raises InputError where the material's fit holds standard errors that are no numbers.
+    Returns one Reading for each: gloss and haze in gloss units (100: the standard's black glass),
+    distinctness of image 0 to 100, c and d without unit. A reading without a value holds the
+    reason. Raises InputError where the material's fit holds standard errors that are no numbers.
+
+    Sources: ISO 2813 and ASTM D523 (20, 60, 85 degrees), TAPPI T 480 (75), Pellacini, Ferwerda and
+    Greenberg 2000 (c, d); apertures and limits in docs/gloss.md.
+
+    >>> from relgloss_view import load_sample
+    >>> readings = {r.key: r.value for r in gloss_readings(load_sample("art-coated"))}
+    >>> round(readings["gloss-60"], 1), round(readings["contrast-gloss"], 3)
+    (30.3, 0.048)
     """
     steps = fitted_steps(material)
 
@@ -227,6 +235,7 @@ def hypothetical(material: Material, angle_deg: float, reading: float) -> Materi
         source=f"{kind}: width of lobe {main + 1} set from {material.specular[main].s_deg:.4g} to "
         f"{s_deg:.4g} degrees to read {wanted}; made from {material.name} ({material.source})",
         fit=None,
+        hypothetical=True,
     )
 
 

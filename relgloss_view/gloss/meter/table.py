@@ -12,8 +12,8 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.gloss.meter.geometry import (
     DISTINCTNESS,
     HAZE,
@@ -27,8 +27,6 @@ from relgloss_view.gloss.meter.geometry import (
 from relgloss_view.gloss.meter.meter import Reading, from_fluxes, luminous_weights
 from relgloss_view.material import brdf
 from relgloss_view.measure.table import Measurement
-
-Array = NDArray[np.float64]
 
 #: A table's incidence may differ by this from the meter's: at 85 degrees a degree is a tenth of the
 #: reading, elsewhere less, and most of that goes with the facets' own reflectance.

@@ -1,4 +1,4 @@
-"""Readers: one a format, chosen by what the file holds, never by its name."""
+"""Readers: one for each format, chosen by the content of the file and never by its name."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from pathlib import Path
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import check_regular, unreadable
-from relgloss_view.measure.quantity import BRDF, known
+from relgloss_view.measure.quantity import BRDF, canonical_quantity
 from relgloss_view.measure.readers import csv_table, gcms, generic, merl, rgl, tensor_file
 from relgloss_view.measure.table import Measurement
 
 __all__ = ["read_measurement"]
 
 EXPECTED = "a measurement file"
-MATERIAL = b"relgloss-material"  #: what a file that `fit` wrote says of itself
+MATERIAL = b"relgloss-material"  #: the format that `fit` writes into a material file
 
 
 def read_measurement(
@@ -22,9 +22,24 @@ def read_measurement(
 ) -> Measurement:
     """Read an instrument's file: RGL .bsdf, MERL .binary, GCMS-style or generic CSV.
 
-    quantity ('radiance-factor', 'brdf' or 'brdf-cos') and gamma_s_deg win over what the file says;
-    a text table that declares no quantity needs it. Raises InputError, one line that names file,
-    place and remedy, for everything that is wrong with the file.
+    path: the file; its content decides the format (docs/files.md).
+    quantity: 'radiance-factor' (pi f_r), 'brdf' (f_r, 1/sr) or 'brdf-cos' (f_r cos theta_r, 1/sr).
+    It replaces what a text table declares, and is required where the table declares none.
+    gamma_s_deg: tilt at which a GCMS table sees the mirror direction, degrees, -90 to 90; replaces
+    the declared one.
+
+    Returns the Measurement in radiance factors, with its warnings. Raises InputError, one line
+    that names file, place and remedy, for everything that is wrong with the file.
+
+    Sources of the formats: Dupuy and Jakob 2018 (RGL), Matusik et al. 2003 (MERL).
+
+    >>> from relgloss_view.base.resources import asset
+    >>> read_measurement(asset("papers", "uncoated.csv")).bands.count
+    35
+    >>> read_measurement("no-such.csv")
+    Traceback (most recent call last):
+    ...
+    relgloss_view.base.errors.InputError: no-such.csv: can't be read (No such file or directory)...
     """
     try:
         measurement = _read(Path(path), quantity, gamma_s_deg)
@@ -62,9 +77,9 @@ def _read(path: Path, quantity: str | None, gamma_s_deg: float | None) -> Measur
 def _with_unused_arguments(
     measurement: Measurement, quantity: str | None, gamma_s_deg: float | None
 ) -> Measurement:
-    """Warn of arguments that mean nothing for a format that holds BRDFs by definition."""
+    """The measurement, with a warning for each argument that its format does not use."""
     warnings = list(measurement.warnings)
-    if quantity is not None and known(quantity, "--quantity") != BRDF:
+    if quantity is not None and canonical_quantity(quantity, "--quantity") != BRDF:
         warnings.append(f"the format holds BRDFs in 1/sr; --quantity {quantity} is not used")
     if gamma_s_deg is not None:
         warnings.append("the format has no tilt of the sample; --gamma-s-deg is not used")

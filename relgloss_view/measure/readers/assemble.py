@@ -1,4 +1,4 @@
-"""What readers share: from angles and readings to a Measurement, and BRDFs above the horizon."""
+"""Steps that readers share: angles and readings to a Measurement, BRDFs above the horizon."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from relgloss_view.measure.gonio import spherical, tabulated_grid
 from relgloss_view.measure.quantity import to_radiance_factor
 from relgloss_view.measure.readers.csv_table import TextTable
 from relgloss_view.measure.readers.declared import Declared
-from relgloss_view.measure.table import KEPT, Measurement
+from relgloss_view.measure.table import KEPT, Measurement, source_is_synthetic
 
 Array = NDArray[np.float64]
 
@@ -26,8 +26,8 @@ CONTRADICTION = 0.10
 def tabulated_directions() -> tuple[Array, Array, NDArray[np.int64]]:
     """To lamp and to receiver, (N, 3) each, of gonio.tabulated_grid(), and the group of each.
 
-    The lamp stands at azimuth 180, so that the mirror direction is at azimuth 0; the group is the
-    incidence polar angle in degrees.
+    The lamp has azimuth 180, so that the mirror direction is at azimuth 0. The group is the polar
+    angle of incidence in whole degrees.
     """
     theta_i, theta_r, phi = tabulated_grid().T
     to_lamp = spherical(theta_i, np.full_like(theta_i, 180.0))
@@ -58,8 +58,9 @@ def from_table(
 ) -> Measurement:
     """The measurement of a parsed table: screened, in radiance factors, repeated rows compared.
 
-    angles (N, A) are the instrument's; directions are to lamp and to receiver, (N, 3) each; group
-    (N,) is rounded to whole numbers. Raises InputError where no sample is left.
+    angles: (N, A), the instrument's, degrees. readings: (N, B), in the declared quantity.
+    directions: to lamp and to receiver, (N, 3) each. group: (N,), rounded to whole numbers.
+    Raises InputError where no sample is left.
     """
     to_lamp, to_receiver = directions
     reasons = screen.reasons(
@@ -78,6 +79,7 @@ def from_table(
         group=np.rint(group).astype(np.int64),
         aperture_sd_deg=facts.aperture_sd_deg,
         warnings=(*facts.warnings, *([contradiction] if contradiction else [])),
+        synthetic=source_is_synthetic(facts.source),
     )
     return require_samples(measurement, table.path)
 

@@ -19,8 +19,9 @@ def split_columns(
 ) -> tuple[Array, Bands, Array]:
     """Split a table into angles (N, A), bands and readings (N, B).
 
-    The keys of angle_limits_deg name the angle columns, wherever they stand; the rest must be
-    wavelengths in nm or R, G, B. Raises InputError that names the column.
+    angle_limits_deg: name of each angle column, in any place, and its largest magnitude, degrees.
+    The other columns must be wavelengths in nm, or R, G, B. Raises InputError, which names the
+    column.
     """
     where = f"{table.path}: line {table.header_line}"
     names = [column.lower() for column in table.columns]
@@ -50,7 +51,7 @@ def split_columns(
 
 
 def _bands(where: str, columns: Sequence[tuple[int, str]]) -> Bands:
-    """The bands that the columns (index, name) stand for."""
+    """The bands of the columns (index, name)."""
     if not columns:
         raise InputError(f"{where}: no column of readings; add wavelengths in nm, or R,G,B")
     labels = [name.upper() for _, name in columns]

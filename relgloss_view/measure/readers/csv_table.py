@@ -1,4 +1,4 @@
-"""Text tables: comments, a header of column names, rows of numbers. Knows nothing of optics."""
+"""Text tables of any subject: comments, a header of column names, rows of numbers."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class TextTable:
     columns: tuple[str, ...]
     header_line: int
     values: Array  #: (N, C)
-    lines: NDArray[np.int64]  #: (N,), line of the file that each row stands on, from 1
+    lines: NDArray[np.int64]  #: (N,), line number of each row in the file, from 1
 
     def at(self, row: int, column: int) -> str:
         """The place of a value, for messages: 'FILE: line 7, column 3 (gamma_deg)'."""
@@ -139,8 +139,8 @@ def _rows(
                 f"{path}: line {index + 1}: {len(fields)} fields, the header has {width}; "
                 "complete the row, leaving a field empty where nothing was read"
             )
-        # float() also takes 1_000, nan, infinity and digits of other scripts; such lines, and
-        # those with empty fields, go the careful way.
+        # float() also takes 1_000, nan, infinity and digits of other scripts: such lines, and
+        # those with empty fields, are parsed field by field.
         plain = line.isascii() and "_" not in line and "n" not in line and "N" not in line
         try:
             if not plain:
@@ -150,7 +150,7 @@ def _rows(
             flat.extend(_careful(path, index + 1, columns, fields))
         numbers.append(index + 1)
     if not numbers:
-        raise InputError(f"{path}: the header stands alone; add rows of numbers below it")
+        raise InputError(f"{path}: no row follows the header; add rows of numbers below it")
     if len(numbers) > MAX_ROWS:
         raise InputError(f"{path}: more than {MAX_ROWS} rows; split the table or thin it out")
     values = np.frombuffer(flat, dtype=np.float64).reshape(-1, width)

@@ -1,4 +1,4 @@
-"""What the comments of a text table, and the caller, say about it: quantity, gamma_s, aperture."""
+"""Declarations of a text table or of the caller: quantity, gamma_s, apertures, saturation."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ MAX_APERTURE_SD_DEG = 45.0
 
 @dataclass(frozen=True)
 class Declared:
-    """The facts about a table that its numbers do not show."""
+    """The facts about a table that are not in its numbers."""
 
     name: str
     source: str
     quantity: str
     gamma_s_deg: float
-    gamma_s_given: bool  #: False where gamma_s_deg is the default
+    gamma_s_declared: bool  #: False where gamma_s_deg is the default
     aperture_sd_deg: tuple[float, float]
     saturation: float | None
     warnings: tuple[str, ...]
@@ -30,13 +30,13 @@ class Declared:
 def declared(
     table: TextTable, quantity: str | None = None, gamma_s_deg: float | None = None
 ) -> Declared:
-    """Merge the file's comments with the caller's arguments, which win.
+    """The facts from the file's comments; an argument of the caller replaces the comment.
 
-    Raises InputError where the quantity is nowhere declared or a value makes no sense.
+    Raises InputError where neither declares the quantity or a value is out of its range.
     """
     warnings: list[str] = []
     chosen = _quantity(table, quantity, warnings)
-    gamma_s, given = _gamma_s(table, gamma_s_deg, warnings)
+    gamma_s, is_declared = _gamma_s(table, gamma_s_deg, warnings)
 
     aperture = (0.0, 0.0)
     if "aperture_sd_deg" in table.comments:
@@ -52,7 +52,7 @@ def declared(
         source=_comment(table, "source") or table.path.name,
         quantity=chosen,
         gamma_s_deg=gamma_s,
-        gamma_s_given=given,
+        gamma_s_declared=is_declared,
         aperture_sd_deg=aperture,
         saturation=saturation,
         warnings=tuple(warnings),
@@ -70,15 +70,15 @@ def _quantity(table: TextTable, argument: str | None, warnings: list[str]) -> st
     in_file = None
     if "quantity" in table.comments:
         line, text = table.comments["quantity"]
-        in_file = quantities.known(text, f"{table.path}: line {line}")
+        in_file = quantities.canonical_quantity(text, f"{table.path}: line {line}")
     if argument is not None:
-        chosen = quantities.known(argument, "--quantity")
+        chosen = quantities.canonical_quantity(argument, "--quantity")
         if in_file not in (None, chosen):
-            warnings.append(f"the file says quantity {in_file}, but it is read as {chosen}")
+            warnings.append(f"the file declares quantity {in_file}, but it is read as {chosen}")
         return chosen
     if in_file is None:
         raise InputError(
-            f"{table.path}: nothing says what the numbers are; add the line "
+            f"{table.path}: the quantity of the numbers is not declared; add the line "
             "'# quantity: radiance-factor' (or brdf, or brdf-cos) on top, or pass --quantity"
         )
     return in_file
@@ -92,7 +92,7 @@ def _gamma_s(table: TextTable, argument: float | None, warnings: list[str]) -> t
         chosen = check_angle(argument, "--gamma-s-deg")
         if in_file is not None and chosen != in_file:
             warnings.append(
-                f"the file says gamma_s_deg {in_file:g}, but it is read with {chosen:g}"
+                f"the file declares gamma_s_deg {in_file:g}, but it is read with {chosen:g}"
             )
         return chosen, True
     if in_file is not None:
@@ -107,7 +107,7 @@ def _comment(table: TextTable, key: str) -> str:
 def _numbers(
     table: TextTable, key: str, counts: tuple[int, ...], low: float, high: float
 ) -> list[float]:
-    """The finite numbers, low to high, of a comment; one of `counts` must stand there."""
+    """The finite numbers of a comment, low to high each; `counts` lists how many are allowed."""
     line, text = table.comments[key]
     try:
         numbers = [float(word) for word in text.replace(",", " ").split()]

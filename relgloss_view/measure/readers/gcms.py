@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from relgloss_view.measure import ridge
 from relgloss_view.measure.gonio import gcms_directions
-from relgloss_view.measure.quantity import known
+from relgloss_view.measure.quantity import canonical_quantity
 from relgloss_view.measure.readers.assemble import from_table
 from relgloss_view.measure.readers.columns import split_columns
 from relgloss_view.measure.readers.csv_table import TextTable
@@ -25,9 +25,10 @@ COLUMNS = {"alpha_deg": 90.0, "beta_deg": 90.0, "gamma_deg": 90.0}
 def read(
     table: TextTable, quantity: str | None = None, gamma_s_deg: float | None = None
 ) -> Measurement:
-    """Read a parsed GCMS table; the arguments win over the file. Raises InputError.
+    """Read a parsed GCMS table. Raises InputError.
 
-    The tilt gamma_s that sees the mirror direction is checked against the ridge in the data.
+    quantity, gamma_s_deg: replace what the file declares. The tilt gamma_s is checked against the
+    ridge in the data.
     """
     facts = declared(table, quantity, gamma_s_deg)
     angles, bands, readings = split_columns(table, COLUMNS)
@@ -38,7 +39,7 @@ def read(
     )
     kept = measurement.kept
     level = measurement.radiance_factor[kept].mean(axis=1)
-    elsewhere = ridge.check(angles[kept], level, facts.gamma_s_deg, declared=facts.gamma_s_given)
+    elsewhere = ridge.check(angles[kept], level, facts.gamma_s_deg, declared=facts.gamma_s_declared)
     return replace(
         measurement,
         gamma_s_deg=facts.gamma_s_deg,
@@ -61,10 +62,11 @@ def write_gcms_csv(
 ) -> None:
     """Write a table that `read` takes back.
 
-    angles_deg is (N, 3) of alpha, beta, gamma; values (N, B), in the given quantity, NaN for a
-    missing reading, to so many significant digits. comments adds `# key: value` lines, such as
-    aperture_sd_deg.
-    Raises ValueError where the shapes do not agree and OSError where the file cannot be written.
+    angles_deg: (N, 3), alpha, beta and gamma. wavelengths_nm: centres of the B bands, nanometres.
+    values: (N, B), in the unit of the quantity, NaN for a missing reading. comments: further
+    `# key: value` lines, such as aperture_sd_deg. digits: significant digits of a value.
+
+    Raises ValueError where the shapes do not agree and OSError where the file can't be written.
     """
     angles = np.asarray(angles_deg, dtype=np.float64)
     readings = np.asarray(values, dtype=np.float64)
@@ -76,7 +78,7 @@ def write_gcms_csv(
     facts = {
         "name": name,
         "source": source,
-        "quantity": known(quantity, "quantity"),
+        "quantity": canonical_quantity(quantity, "quantity"),
         "gamma_s_deg": f"{gamma_s_deg:g}",
         **(comments or {}),
     }

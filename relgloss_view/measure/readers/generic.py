@@ -25,7 +25,10 @@ COLUMNS = {
 def read(
     table: TextTable, quantity: str | None = None, gamma_s_deg: float | None = None
 ) -> Measurement:
-    """Read a parsed generic table; `i` is the lamp, `r` the receiver. Raises InputError."""
+    """Read a parsed generic table; `i` is the lamp, `r` the receiver. Raises InputError.
+
+    quantity: replaces what the file declares. gamma_s_deg: has no effect but a warning.
+    """
     facts = declared(table, quantity)
     angles, bands, readings = split_columns(table, COLUMNS)
     theta_i, phi_i, theta_r, phi_r = angles.T

@@ -1,6 +1,6 @@
 """MERL BRDF database (Matusik et al. 2003): isotropic, over half and difference angles.
 
-The bins stand at theta_h = (k / 90)^2 90 degrees, finer towards the mirror direction, and at whole
+Bin edges lie at theta_h = (k / 90)^2 90 degrees, finer towards the mirror direction, and at whole
 degrees of theta_d and phi_d (Rusinkiewicz 1998). A negative bin was not measured.
 """
 
@@ -21,7 +21,7 @@ from relgloss_view.measure.readers.assemble import (
     require_samples,
     tabulated_directions,
 )
-from relgloss_view.measure.table import Measurement
+from relgloss_view.measure.table import Measurement, source_is_synthetic
 
 Array = NDArray[np.float64]
 
@@ -48,6 +48,7 @@ def read(path: Path) -> Measurement:
             radiance_factor=factor,
             reasons=screen.reasons(to_lamp, to_receiver, factor),
             group=group,
+            synthetic=source_is_synthetic(path.name),
         ),
         path,
     )

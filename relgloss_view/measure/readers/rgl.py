@@ -1,8 +1,8 @@
 """RGL material database (Dupuy and Jakob 2018): isotropic measured BRDFs, rgb variant.
 
-The stored values stand on a grid that follows the material: the half-vector's polar angle
-theta = u^2 pi/2 and azimuth phi = (2v - 1) pi relative to the lamp make a unit square, and the
-density of visible facet normals at each incidence warps that square into the one that is tabulated.
+The grid of the stored values follows the material. The half-vector's polar angle theta = u^2 pi/2
+and its azimuth phi = (2v - 1) pi from the lamp make a unit square; the density of visible facet
+normals at each incidence warps that square into the one that is tabulated.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from relgloss_view.measure.readers.assemble import (
     tabulated_directions,
 )
 from relgloss_view.measure.readers.unit_square import Warp, bilinear, find_slices
-from relgloss_view.measure.table import Measurement
+from relgloss_view.measure.table import Measurement, source_is_synthetic
 
 Array = NDArray[np.float64]
 
@@ -67,6 +67,7 @@ def read(path: Path) -> Measurement:
             reasons=reasons,
             group=group,
             warnings=tuple(warnings),
+            synthetic=source_is_synthetic(path.name),
         ),
         path,
     )
@@ -130,10 +131,10 @@ def _floats(
         for have, want in zip(values.shape, shape, strict=True)
     )
     if not fits:
-        found = "x".join(map(str, values.shape))
+        actual = "x".join(map(str, values.shape))
         wanted = "x".join("N" if n is None else str(n) for n in shape)
         raise InputError(
-            f"{path}: field '{name}' has shape {found}, expected {wanted}; "
+            f"{path}: field '{name}' has shape {actual}, expected {wanted}; "
             "only isotropic rgb files of the RGL database can be read"
         )
     with np.errstate(invalid="ignore"):  # a signalling NaN, reported below

@@ -27,7 +27,8 @@ _TYPES = {
 def read(path: Path) -> dict[str, NDArray[Any]]:
     """Read all arrays by name (Dupuy and Jakob 2018, their file format).
 
-    Nothing is allocated before it is known to lie inside the file. Raises InputError.
+    Every field is checked against the size of the file before memory is allocated for it. Raises
+    InputError.
     """
     size = path.stat().st_size
     if size > MAX_BYTES:
@@ -47,7 +48,7 @@ def read(path: Path) -> dict[str, NDArray[Any]]:
 
 
 class _Reader:
-    """Reads forward and knows the place for its messages."""
+    """Reads forward; its faults name the offset in the file."""
 
     def __init__(self, path: Path, file: BinaryIO, size: int) -> None:
         self.path, self.file, self.size = path, file, size

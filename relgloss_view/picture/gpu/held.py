@@ -8,9 +8,10 @@ import numpy as np
 
 Key = tuple[object, ...]
 
-#: What goes on from a pass: where it is drawn again, these fall.
+#: The passes that follow from a pass, and no longer hold where it is drawn again.
 FOLLOWING = {
-    "shade": ("extremes", "parts", "tone", "light", "geometry"),
+    "shade": ("split", "xyz", "geometry"),
+    "split": ("extremes", "tone", "light"),
     "geometry": ("overlay",),
     "light": ("overlay",),
     "tone": ("counts", "overlay"),
@@ -23,8 +24,11 @@ class Held:
     def __init__(self) -> None:
         self._keys: dict[str, Key] = {}
 
-    def stale(self, name: str, *parts: object) -> bool:
-        """Whether a pass has to be drawn again; if so, it is noted, and what follows falls."""
+    def renew(self, name: str, *parts: object) -> bool:
+        """Note what a pass is drawn from; True where it must be drawn again.
+
+        Then what follows from it no longer holds either.
+        """
         key = key_of(*parts)
         if self._keys.get(name) == key:
             return False

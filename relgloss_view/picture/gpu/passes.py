@@ -1,142 +1,163 @@
-"""Renderer: which passes a picture needs, and which of them still hold."""
+"""Passes: what has to be drawn for a picture, in which order, and which of it still holds.
+
+Pass 1 writes diffuse and specular to two float targets (shade.frag). Pass 2 splits their L*
+(split.frag), from which c_max is reduced, and then scales, maps the gamut and encodes (tone.frag),
+so that a change of c alone draws the last stage alone. The rest is drawn when it is asked for.
+"""
 
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 from collections.abc import Iterator, Mapping
-from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
+from numpy.typing import NDArray
 
-from relgloss_view.base.errors import InputError
 from relgloss_view.material.spectra import illuminant
-from relgloss_view.picture.frame import Extremes, Frame, Scaling, scene_warnings
-from relgloss_view.picture.gpu.context import collect, make_current
+from relgloss_view.picture.frame import Extremes, Scaling
+from relgloss_view.picture.gpu.context import make_current
 from relgloss_view.picture.gpu.held import Held, key_of
-from relgloss_view.picture.gpu.on_demand import fetch
 from relgloss_view.picture.gpu.programs import Programs, Uniforms
 from relgloss_view.picture.gpu.reduction import Reduction
 from relgloss_view.picture.gpu.request import Request
-from relgloss_view.picture.gpu.targets import CLEARED, PARTS, SHADE, SPLIT, TONE, Targets
+from relgloss_view.picture.gpu.targets import (
+    CLEARED,
+    GEOMETRY,
+    LIGHT,
+    SPLIT,
+    TONE,
+    WRITTEN,
+    XYZ,
+    Targets,
+)
 from relgloss_view.picture.gpu.uniforms import (
     NO_GRAIN,
+    colour_uniforms,
     display_uniforms,
     grain_uniforms,
     material_uniforms,
     view_uniforms,
 )
-from relgloss_view.picture.gpu.variant import Plan, tone_defines
-from relgloss_view.picture.method import Method
-from relgloss_view.picture.model.drawn import as_drawn
+from relgloss_view.picture.gpu.variant import Variant, tone_defines
 from relgloss_view.picture.model.light import front_white, lit_white
 from relgloss_view.picture.model.pixel_sampling import sample_count
-from relgloss_view.picture.model.view import Box, Size, View, check_size
-from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.model.view import Box, View
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.quality.planner import Planner
 
-PREPARED_SIZE = (80, 8)  #: wide enough for the reduction's further steps
-PASSES = ("white", "shade", "tone", "light", "geometry", "counts", "overlay")
+PASSES = ("white", "shade", "split", "tone", "light", "geometry", "counts", "overlay")
 
 
-class Renderer:
-    """Draws frames on one OpenGL context; keeps programs, targets and the passes still valid.
+class Drawn(NamedTuple):
+    """What the drawing of a picture found out."""
+
+    scaling: Scaling
+    white: float  #: Y_n before the lamp's power
+    object_pixels: int  #: how many show any of the object
+
+
+class Shading(NamedTuple):
+    """How pass 1 is drawn, and with what."""
+
+    variant: Variant
+    uniforms: Uniforms
+    white: float  #: Y_n before the lamp's power
+
+
+class Passes:
+    """The passes of pictures on one OpenGL context, their targets, and the ones that still hold.
 
     A pass holds as long as its program and every number that goes into it are the same. `draws`
-    counts the passes drawn so far by name, for those who check what is drawn again. Renderers of
-    one context may share their programs.
+    counts the passes drawn so far by name.
     """
 
-    def __init__(self, ctx: moderngl.Context, programs: Programs | None = None) -> None:
+    def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
         self.ctx = ctx
-        make_current(ctx)
-        self.programs = programs or Programs(ctx)
-        self._shares_programs = programs is not None
+        self.programs = programs
         self.draws = dict.fromkeys(PASSES, 0)
-        self._device = str(ctx.info["GL_RENDERER"])
         self.targets = Targets(ctx)
-        self.reduction = Reduction(ctx, self.programs)
+        self.reduction = Reduction(ctx, programs)
         self.held = Held()
-        self._around: dict[str, object] = {}  #: what stands outside the object's bounds, by pass
+        self.present: Request | None = None  #: what the targets show
+        self._drawn: Drawn | None = None  #: with it
+        self._around: dict[str, object] = {}  #: what fills the picture outside the object, by pass
         self._white = 0.0  #: of the perfect diffuser's picture
         self._object_pixels = 0  #: of that picture
         self._extremes = Extremes.of_nothing()
         self._once = Extremes.of_nothing()  #: of the picture without grain, where a method asks
-        self.counts = (0, 0)
-        #: What the targets show, with its scaling and Y_n.
-        self._present: tuple[Request, int, Scaling, float] | None = None
+        self._counts = (0, 0)
         self._lamp: object = None
-        self._last: Frame | None = None
-        self.planner = Planner()  #: which method draws what asks for quality "auto"
 
-    def prepare(self, scene: Scene, look: Look) -> None:
-        """Compile every variant that sliders of this scene and look can reach without a pause.
+    def bring_up_to_date(self, request: Request) -> Drawn:
+        """Draw what no longer holds of a picture."""
+        lamp = illuminant(request.scene.lamp.illuminant)  # another one where its file was edited
+        if self._drawn is not None and self.present == request and self._lamp is lamp:
+            return self._drawn
+        with self.all_or_nothing():
+            self.present, self._drawn = None, None
+            self._make_room(request)
+            drawn = self._draw_what_changed(request)
+        self.present, self._drawn = request, drawn
+        self._lamp = lamp  # kept, so that no other lamp can have its identity
+        return drawn
 
-        A driver compiles a program when it is first drawn with, so each draws a few pixels.
-        """
-        for samples in (1, 2):
-            for sigma_n_deg in (0.0, max(look.sigma_n_deg, 1.0)):
-                tried = dataclasses.replace(
-                    look, sigma_n_deg=sigma_n_deg, samples=samples, quality="exact"
-                )
-                with contextlib.suppress(InputError):
-                    frame = self.render(scene, tried, PREPARED_SIZE)
-                    _ = frame.clip_count, frame.light, frame.normal, frame.specular
-
-    def request(
-        self, scene: Scene, look: Look, size: Size, method: Method | None = None
-    ) -> Request:
-        """What a frame is asked to be; no method: by the look's quality. InputError for a size."""
-        if method is None:
-            method = self.planner.method(scene, look, check_size(size))
-        return Request(as_drawn(scene, look), look, check_size(size), method)
-
-    def render(self, scene: Scene, look: Look, size: Size, method: Method | None = None) -> Frame:
-        """Draw a scene. Raises InputError for a size or a material that can't be drawn.
-
-        The same arguments in a row give the same Frame, with what was fetched of it. A method
-        draws less than the whole model.
-        """
-        request = self.request(scene, look, size, method)
+    def fetch(self, request: Request, stage: str) -> NDArray[Any]:
+        """One stage of a picture as an array; draws again what has been drawn over since."""
         make_current(self.ctx)
-        before = self._present
-        scaling, white = self.bring_up_to_date(request)
-        last = self._last
-        same = before is not None and before is self._present
-        asked = scene, look, size, request.method
-        if same and last and (last.scene, last.look, last.size, last.method) == asked:
-            return last
-        self._last = Frame(
-            scene,
-            look,
-            size,
-            scaling,
-            partial(fetch, self, request),
-            self._device,
-            scene_warnings(scene, look, size, seen=self._object_pixels > 0, lit=white > 0.0),
-            request.method,
-            self._object_pixels,
-        )
-        return self._last
+        if stage == "counts":
+            return np.array(self.counts(request))
+        if stage in XYZ:
+            self.bring_xyz(request)
+        elif stage in LIGHT:
+            self.bring_light(request)
+        elif stage in GEOMETRY:
+            self.bring_geometry(request)
+        else:
+            self.bring_up_to_date(request)
+        return self.targets.read(stage)
 
-    def framebuffer_name(self, targets: tuple[str, ...]) -> int:
-        """OpenGL's name of the framebuffer of targets that were drawn; it reads the first."""
-        return int(self.targets.framebuffer(targets).glo)
+    def bring_xyz(self, request: Request) -> None:
+        """Draw diffuse and specular as XYZ, where pass 1 wrote something else."""
+        self.bring_up_to_date(request)
+        shading = self._shading(request)
+        if set(XYZ) <= set(WRITTEN[shading.variant.writes]):
+            return
+        if self.held.renew("xyz"):
+            with self.all_or_nothing():
+                self._shade(request, shading, "xyz")
 
-    def texture(self, name: str) -> moderngl.Texture:
-        """A target as it was last drawn, for passes that go on from it."""
-        return self.targets.texture(name)
+    def bring_light(self, request: Request) -> None:
+        """Draw the float numbers of the display too."""
+        drawn = self.bring_up_to_date(request)
+        with self.all_or_nothing():
+            self._draw_tone("light", request, drawn.scaling, LIGHT, None)
 
-    def release(self) -> None:
-        """Free everything on the device; frames already made are drawn again when asked."""
-        make_current(self.ctx)
-        self._free_targets()
-        if not self._shares_programs:
-            self.programs.release()
-        collect(self.ctx)
+    def bring_geometry(self, request: Request) -> None:
+        """Draw normals and points too."""
+        self.bring_up_to_date(request)
+        if not self.held.renew("geometry"):
+            return
+        scene, look, size = request.scene, request.look, request.size
+        variant = Variant.of(scene, look, chosen=request.method)
+        uniforms = {
+            **view_uniforms(scene, View.of(scene, size)),
+            **grain_uniforms(look),
+            "samples": sample_count(scene, look, size),
+        }
+        with self.all_or_nothing():
+            defines = variant.geometry_defines()
+            self.draw("geometry", "geometry.frag", defines, uniforms, GEOMETRY, None)
+
+    def counts(self, request: Request) -> tuple[int, int]:
+        """How many pixels are clipped, and how many out of gamut."""
+        self.bring_up_to_date(request)
+        if self.held.renew("counts"):
+            bounds = View.of(request.scene, request.size).bounds
+            with self.all_or_nothing():
+                self._counts = self.reduction.counts(self.texture("display"), bounds)
+            self.draws["counts"] += 1
+        return self._counts
 
     @contextlib.contextmanager
     def all_or_nothing(self) -> Iterator[None]:
@@ -147,126 +168,9 @@ class Renderer:
             self._forget()
             raise
 
-    def bring_up_to_date(self, request: Request) -> tuple[Scaling, float]:
-        """Draw what no longer holds; returns the scaling and Y_n before the lamp's power."""
-        lamp = illuminant(request.scene.lamp.illuminant)  # another one where its file was edited
-        if self._present is not None and self._present[:2] == (request, id(lamp)):
-            return self._present[2:]
-        with self.all_or_nothing():
-            scaling, white = self._draw_what_changed(request)
-        self._present = (request, id(lamp), scaling, white)
-        self._lamp = lamp  # kept, so that no other lamp can have its identity
-        return scaling, white
-
-    def _draw_what_changed(self, request: Request) -> tuple[Scaling, float]:
-        self._present = None
-        self._make_room(request)
-        once, lamp = request.without_grain(), illuminant(request.scene.lamp.illuminant)
-        if request.method.c_max == "once" and self.held.stale("once", once, id(lamp)):
-            self._draw_shade(once)
-            self._once = self._extremes
-        white = self._draw_shade(request)
-        extremes = self._once if request.method.c_max == "once" else self._extremes
-        scaling = Scaling.of(request.look, extremes, eq4=request.method.c_max == "eq4")
-        bounds = View.of(request.scene, request.size).bounds
-        self.draw_tone("tone", request, scaling, TONE, bounds)
-        return scaling, white
-
-    def _draw_shade(self, request: Request) -> float:
-        """Pass 1 and its extremes, if they no longer hold; returns Y_n before the lamp's power."""
-        plan, uniforms, white = self._shading(request)
-        if self.held.stale("shade", plan, request.size, uniforms):
-            self._shade(request, plan, uniforms)
-        stride = 2 if request.method.c_max == "sparse" else 1
-        if self.held.stale("extremes", stride):
-            bounds = View.of(request.scene, request.size).bounds
-            self._extremes = self.reduction.extremes(self.texture("split"), bounds, stride)
-            self.targets.check_fits(self._extremes)
-        return white
-
-    def bring_parts_up_to_date(self, request: Request) -> None:
-        """Draw diffuse and specular XYZ too, where pass 1 did not keep them."""
-        if self.held.stale("parts"):
-            plan, uniforms, _ = self._shading(request)
-            with self.all_or_nothing():
-                self._shade(request, dataclasses.replace(plan, parts="xyz"), uniforms)
-
-    def _shade(self, request: Request, plan: Plan, uniforms: Uniforms) -> None:
-        bounds = View.of(request.scene, request.size).bounds
-        targets = {"split": SPLIT, "xyz": PARTS, "all": SHADE}[plan.parts]
-        self.draw("shade", "shade.frag", plan.defines(), uniforms, targets, bounds)
-        if plan.parts != "split":
-            self.held.stale("parts")  # they hold now
-
-    def _shading(self, request: Request) -> tuple[Plan, Uniforms, float]:
-        """How pass 1 is drawn, with what, and Y_n before the lamp's power."""
-        scene, look, size, method = request.scene, request.look, request.size, request.method
-        view = View.of(scene, size)
-        seen_from: dict[str, Any] = {
-            **view_uniforms(scene, view),
-            "samples": sample_count(scene, look, size),
-        }
-        plan = Plan.of(scene, look, seen_from["samples"], method)
-        white = self._white_of(scene, view, plan, seen_from)
-        uniforms: dict[str, Any] = {
-            **seen_from,
-            **(grain_uniforms(look) if plan.noise != "none" else NO_GRAIN),
-            **material_uniforms(scene, look, method),
-            "irradiance": np.pi / white if white > 0.0 else 0.0,
-        }
-        if plan.cube_root == "table":
-            uniforms["cube_root_table"] = self.targets.cube_root_table()
-        return plan, uniforms, white
-
-    def _make_room(self, request: Request) -> None:
-        if (request.size, request.method.targets) != (self.targets.size, self.targets.numbers):
-            self._free_targets()
-            try:
-                self.targets.resize(request.size, request.method.targets)
-                self.reduction.resize(request.size)
-            except BaseException:  # half of it is of no use
-                self._free_targets()
-                raise
-
-    def _free_targets(self) -> None:
-        self.targets.release()  # leaves a framebuffer bound that stays
-        self.reduction.release()
-        self._forget()
-
-    def _forget(self) -> None:
-        self.held.clear()
-        self._around.clear()
-        self._present, self._last = None, None
-
-    def _white_of(self, scene: Scene, view: View, plan: Plan, seen_from: dict[str, Any]) -> float:
-        """What the perfect diffuser shows in the object's place, the lamp's power taken as one."""
-        defines = plan.white_defines()
-        if self.held.stale("white", tuple(defines.items()), view.size, seen_from):
-            self._white, self._object_pixels = self.reduction.white(defines, seen_from, view.bounds)
-            self.draws["white"] += 1
-        white = self._white if scene.lamp.y_n == "maximum" else front_white(scene, view)
-        return lit_white(white, scene)
-
-    def draw_tone(
-        self,
-        name: str,
-        request: Request,
-        scaling: Scaling,
-        targets: tuple[str, ...],
-        bounds: Box | None,
-    ) -> None:
-        """Scale and show; outside the bounds stands the surround, which c does not change."""
-        around: Uniforms = display_uniforms(request.scene)
-        samples = sample_count(request.scene, request.look, request.size)
-        defines = tone_defines(request.scene.display, f"{name}.frag", samples, request.method)
-        if self.held.stale(name, tuple(defines.items()), around, scaling.c):
-            key = key_of(tuple(defines.items()), around, bounds)
-            sources = ("diffuse", "split") if samples > 1 else ("split",)
-            uniforms = {**around, "c": scaling.c, **self.images(sources)}
-            if self._around.get(name) != key:
-                bounds = None
-            self.draw(name, f"{name}.frag", defines, uniforms, targets, bounds)
-            self._around[name] = key
+    def texture(self, name: str) -> moderngl.Texture:
+        """A target as it was last drawn, for passes that start from it."""
+        return self.targets.texture(name)
 
     def images(self, names: tuple[str, ...]) -> dict[str, Any]:
         """Targets as they were last drawn, by the names that shaders know them by."""
@@ -297,3 +201,121 @@ class Renderer:
             framebuffer.scissor = (left, bottom, right - left, top - bottom)
         self.programs.draw(stage, defines, uniforms, framebuffer)
         self.draws[name] += 1
+
+    def release(self) -> None:
+        """Free everything that a size needs."""
+        self.targets.release()  # leaves a framebuffer bound that stays
+        self.reduction.release()
+        self._forget()
+
+    def _draw_what_changed(self, request: Request) -> Drawn:
+        method = request.method
+        once, lamp = request.without_grain(), illuminant(request.scene.lamp.illuminant)
+        if method.c_max == "once" and self.held.renew("once", once, id(lamp)):
+            self._draw_light(once)
+            self._once = self._extremes
+        white = self._draw_light(request)
+        extremes = self._once if method.c_max == "once" else self._extremes
+        scaling = Scaling.of(request.look, extremes, eq4=method.c_max == "eq4")
+        bounds = View.of(request.scene, request.size).bounds
+        self._draw_tone("tone", request, scaling, TONE, bounds)
+        return Drawn(scaling, white, self._object_pixels)
+
+    def _draw_light(self, request: Request) -> float:
+        """Pass 1, the split of what it wrote, and its extremes; returns Y_n as in Drawn."""
+        shading = self._shading(request)
+        variant = shading.variant
+        colours = colour_uniforms(request.scene, request.method)
+        if self.held.renew("shade", variant, request.size, {**shading.uniforms, **colours}):
+            self._shade(request, shading, variant.writes)
+        bounds = View.of(request.scene, request.size).bounds
+        if not variant.splits and self.held.renew("split"):
+            diffuse, specular = map(self.texture, WRITTEN[variant.writes])
+            images = {"diffuse_image": diffuse, "specular_image": specular}
+            uniforms = {**colours, **images, **self._table(variant)}
+            self.draw("split", "split.frag", variant.split_defines(), uniforms, SPLIT, bounds)
+        stride = 2 if request.method.c_max == "sparse" else 1
+        if self.held.renew("extremes", stride):
+            self._extremes = self.reduction.extremes(self.texture("split"), bounds, stride)
+            self.targets.check_fits(self._extremes)
+        return shading.white
+
+    def _shade(self, request: Request, shading: Shading, writes: str) -> None:
+        uniforms = {
+            **shading.uniforms,
+            **colour_uniforms(request.scene, request.method),
+            **self._table(shading.variant),
+        }
+        defines = shading.variant.writing(writes).defines()
+        bounds = View.of(request.scene, request.size).bounds
+        self.draw("shade", "shade.frag", defines, uniforms, WRITTEN[writes], bounds)
+
+    def _shading(self, request: Request) -> Shading:
+        scene, look, size, method = request.scene, request.look, request.size, request.method
+        view = View.of(scene, size)
+        seen_from: dict[str, Any] = {
+            **view_uniforms(scene, view),
+            "samples": sample_count(scene, look, size),
+        }
+        variant = Variant.of(scene, look, seen_from["samples"], method)
+        white = self._white_of(scene, view, variant, seen_from)
+        uniforms: dict[str, Any] = {
+            **seen_from,
+            **(grain_uniforms(look) if variant.noise != "none" else NO_GRAIN),
+            **material_uniforms(scene, look, method),
+            "irradiance": np.pi / white if white > 0.0 else 0.0,
+        }
+        return Shading(variant, uniforms, white)
+
+    def _table(self, variant: Variant) -> Uniforms:
+        """The table of cube roots, where a variant reads one."""
+        if variant.cube_root != "table":
+            return {}
+        return {"cube_root_table": self.targets.cube_root_table()}
+
+    def _make_room(self, request: Request) -> None:
+        if (request.size, request.method.targets) != (self.targets.size, self.targets.numbers):
+            self.release()
+            try:
+                self.targets.resize(request.size, request.method.targets)
+                self.reduction.resize(request.size)
+            except BaseException:  # half of it is of no use
+                self.release()
+                raise
+
+    def _forget(self) -> None:
+        self.held.clear()
+        self._around.clear()
+        self.present, self._drawn = None, None
+
+    def _white_of(
+        self, scene: Scene, view: View, variant: Variant, seen_from: dict[str, Any]
+    ) -> float:
+        """What the perfect diffuser shows in the object's place, the lamp's power taken as one."""
+        defines = variant.white_defines()
+        if self.held.renew("white", tuple(defines.items()), view.size, seen_from):
+            self._white, self._object_pixels = self.reduction.white(defines, seen_from, view.bounds)
+            self.draws["white"] += 1
+        white = self._white if scene.lamp.y_n == "maximum" else front_white(scene, view)
+        return lit_white(white, scene)
+
+    def _draw_tone(
+        self,
+        name: str,
+        request: Request,
+        scaling: Scaling,
+        targets: tuple[str, ...],
+        bounds: Box | None,
+    ) -> None:
+        """Scale and show; the surround outside the bounds does not change with c."""
+        around: Uniforms = display_uniforms(request.scene)
+        samples = sample_count(request.scene, request.look, request.size)
+        defines = tone_defines(request.scene.display, f"{name}.frag", samples, request.method)
+        if self.held.renew(name, tuple(defines.items()), around, scaling.c):
+            key = key_of(tuple(defines.items()), around, bounds)
+            sources = ("diffuse", "split") if samples > 1 else ("split",)
+            uniforms = {**around, "c": scaling.c, **self.images(sources)}
+            if self._around.get(name) != key:
+                bounds = None
+            self.draw(name, f"{name}.frag", defines, uniforms, targets, bounds)
+            self._around[name] = key

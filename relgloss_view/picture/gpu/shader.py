@@ -8,6 +8,7 @@ from pathlib import Path
 
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.base.resources import data_root
+from relgloss_view.picture.gpu.constants import definitions
 
 #: A number of the whole picture; longer arrays than two stay with the fragments.
 _UNIFORM = re.compile(r"^uniform\s+((?:float|int|uint|[iu]?vec[234]|mat3))\s+(\w+)(\[[12]\])?\s*;")
@@ -41,6 +42,7 @@ class ShaderSource:
         if not head.startswith("#version"):
             raise ShaderError(f"{name}: line 1: a stage begins with #version")
         lines = [f"#define {key} {value}" for key, value in sorted((defines or {}).items())]
+        lines = [*definitions(), *lines]
         self._handed_on: list[tuple[str, str, str]] = []  #: type, name, array
         rest = "\n".join(self._handed(line) for line in rest.split("\n"))
         self.text = "\n".join([head, *lines, "#line 2 0", rest]) + "\n"

@@ -51,33 +51,40 @@ NO_LOBE = (1.0, 0.0, 1.5, 0.0)  #: reflects nothing, where one is drawn all the 
 
 
 def material_uniforms(scene: Scene, look: Look, method: Method) -> Uniforms:
-    """The material's spectra folded into XYZ under the scene's lamp, and its lobes' shapes."""
-    material, lamp = scene.material, illuminant(scene.lamp.illuminant)
-    weights = xyz_weights(material.bands, lamp)
-    model = drawn_diffuse(material, method)
-    albedo = np.asarray(material.diffuse.albedo)
-    second = brdf.second_albedo(model, albedo, material.diffuse.sigma)
-    strength, shape = np.zeros((2, material.bands.count)), np.tile(NO_LOBE, (2, 1))
+    """The shapes of the material's reflections: what its weights follow from."""
+    material = scene.material
+    shape = np.tile(NO_LOBE, (2, 1))
     blurred = drawn_facets(look, method) == "mean-gaussian"
     for k, lobe in enumerate(drawn_lobes(material, method)):
-        strength[k] = lobe.per_band(material.bands.count)
         shape[k] = (
             mean_lobe(lobe.s, lobe.refractive_index, math.radians(look.sigma_n_deg), look.noise_law)
             if blurred
             else plain_lobe(lobe.s, lobe.refractive_index)
         )
-    folded: Uniforms = {
+    model = drawn_diffuse(material, method)
+    return {
         "diffuse_terms": brdf.diffuse_terms(model, material.diffuse.sigma),
         "lobe_shape": shape,
+    }
+
+
+def colour_uniforms(scene: Scene, method: Method) -> Uniforms:
+    """The material's spectra, folded into XYZ under the scene's lamp and band by band."""
+    material, lamp = scene.material, illuminant(scene.lamp.illuminant)
+    weights = xyz_weights(material.bands, lamp)
+    albedo = np.asarray(material.diffuse.albedo)
+    second = brdf.second_albedo(drawn_diffuse(material, method), albedo, material.diffuse.sigma)
+    strength = np.zeros((2, material.bands.count))
+    for k, lobe in enumerate(drawn_lobes(material, method)):
+        strength[k] = lobe.per_band(material.bands.count)
+    return {
         "per_white": 1.0 / lamp.white_xyz(),
         "albedo_xyz": albedo @ weights,
         "second_albedo_xyz": second @ weights,
         "lobe_strength_xyz": strength @ weights,
+        "band_weights": weights,
+        "band_reflectance": np.stack([albedo, second, *strength], axis=-1),
     }
-    if method.bands == "folded":
-        return folded
-    reflectance = np.stack([albedo, second, *strength], axis=-1)
-    return {**folded, "band_weights": weights, "band_reflectance": reflectance}
 
 
 def white_uniform(scene: Scene) -> Uniforms:

@@ -1,37 +1,23 @@
-"""Plan: which code a picture needs: no noise where sigma_N is 0, no lobe where there is none."""
+"""Variant: which shader code a picture needs: no noise where sigma_N is 0, no lobe without one."""
 
 from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from relgloss_view.material import approximations
 from relgloss_view.picture import method
+from relgloss_view.picture.gpu.constants import code
 from relgloss_view.picture.model.drawn import drawn_diffuse, drawn_facets, drawn_lobes
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Display
 
-# The numbers that the shaders know these names by.
-SHAPE_CODES = {"cylinder": 0, "sphere": 1, "plane": 2, "box": 3}
-DIFFUSE_CODES = {"lambert": 0, "oren-nayar": 1, "eon": 2, "qualitative": 3}
-NOISE_CODES = {"none": 0, "paper": 1, "tangent": 2}
-GRAIN_CODES = {"screen": 0, "surface": 1}
-TRANSFER_CODES = {"srgb": 0, "gain-offset-gamma": 1}
-GAMUT_CODES = {"chroma": 0, "clip": 1}
-
-FRESNEL_CODES = {name: k for k, name in enumerate(approximations.FRESNEL)}
-SHADOWING_CODES = {name: k for k, name in enumerate(approximations.SHADOWING)}
-FACET_CODES = {name: k for k, name in enumerate(approximations.FACETS)}
-LAMP_CODES = {name: k for k, name in enumerate(method.LAMPS)}
-CUBE_ROOT_CODES = {name: k for k, name in enumerate(method.CUBE_ROOTS)}
-PART_CODES = {"split": 0, "xyz": 1, "all": 2}
-
 
 @dataclass(frozen=True)
-class Plan:
+class Variant:
     """The variant of pass 1 that a scene and a look need."""
 
     shape: str
@@ -46,21 +32,21 @@ class Plan:
     shadowing: str = "v-groove"
     facets: str = "gaussian"
     lamp: str = "point"
-    bands: int = 0  #: drawn one by one; 0 where they are folded into XYZ
+    bands: int = 0  #: drawn one by one; 0 where their spectra are folded into XYZ
     cube_root: str = "householder"
-    parts: str = "all"  #: that pass 1 keeps
+    writes: str = "weights"  #: what pass 1 writes: constants.WRITES
 
     @classmethod
     def of(
         cls, scene: Scene, look: Look, samples: int = 1, chosen: method.Method = method.EXACT
-    ) -> Plan:
+    ) -> Variant:
         """The smallest variant that draws this, at so many samples along a pixel's side.
 
         Exactly, unless the chosen method says otherwise.
         """
-        grainy = look.sigma_n_deg > 0.0
         lobes = len(drawn_lobes(scene.material, chosen))
-        smooth = cls(
+        grainy = look.sigma_n_deg > 0.0 and chosen.noise not in ("mean", "none")
+        needed = cls(
             shape=scene.shape.kind,
             diffuse=drawn_diffuse(scene.material, chosen),
             lobes=lobes,
@@ -70,56 +56,73 @@ class Plan:
             shadowing=chosen.shadowing if lobes else "v-groove",
             facets=drawn_facets(look, chosen) if lobes else "gaussian",
             lamp=chosen.lamp,
-            bands=scene.material.bands.count if chosen.bands == "each" else 0,
-            cube_root=chosen.cube_root,
-            parts="all" if samples > 1 else chosen.kept,  # XYZ holds the share of a pixel
+            writes=_written(chosen, samples),
         )
-        if chosen.absent == "drawn":
-            smooth = dataclasses.replace(smooth, lobes=2, caps=True, parts="all")
-            grainy = True
-        if not grainy or chosen.noise in ("mean", "none"):
-            return smooth
-        return dataclasses.replace(
-            smooth,
-            noise=look.noise_law,
-            noisy_diffuse=look.noisy_lobes == "both" and chosen.noise == "drawn",
-            grain=look.grain,
-        )
+        if grainy:
+            needed = dataclasses.replace(
+                needed,
+                noise=look.noise_law,
+                noisy_diffuse=look.noisy_lobes == "both" and chosen.noise == "drawn",
+                grain=look.grain,
+            )
+        forced: dict[str, Any] = dict(chosen.variant)
+        return dataclasses.replace(needed, **forced)
+
+    @property
+    def splits(self) -> bool:
+        """Whether pass 1 splits L* itself."""
+        return "split" in self.writes
+
+    def writing(self, writes: str) -> Variant:
+        """The same, with other numbers in its targets."""
+        return dataclasses.replace(self, writes=writes)
 
     def defines(self) -> dict[str, int]:
         """The constants of the shader variant."""
         return {
             **self.shape_defines(),
-            "DIFFUSE_MODEL": DIFFUSE_CODES[self.diffuse],
+            "DIFFUSE": code("DIFFUSE", self.diffuse),
             "LOBES": self.lobes,
-            "NOISE": NOISE_CODES[self.noise],
+            "NOISE": code("NOISE", self.noise),
             "NOISY_DIFFUSE": int(self.noisy_diffuse),
-            "GRAIN": GRAIN_CODES[self.grain],
+            "GRAIN": code("GRAIN", self.grain),
             "SAMPLED": int(self.sampled),
-            "FRESNEL": FRESNEL_CODES[self.fresnel],
-            "SHADOWING": SHADOWING_CODES[self.shadowing],
-            "FACETS": FACET_CODES[self.facets],
-            "LAMP": LAMP_CODES[self.lamp],
+            "FRESNEL": code("FRESNEL", self.fresnel),
+            "SHADOWING": code("SHADOWING", self.shadowing),
+            "FACETS": code("FACETS", self.facets),
+            "LAMP": code("LAMP", self.lamp),
             "BANDS": self.bands,
-            "CUBE_ROOT": CUBE_ROOT_CODES[self.cube_root],
-            "PARTS": PART_CODES[self.parts],
+            "CUBE_ROOT": code("CUBE_ROOT", self.cube_root),
+            "WRITES": code("WRITES", self.writes),
         }
 
     def shape_defines(self) -> dict[str, int]:
         """The constants of what meets the object."""
-        return {"SHAPE": SHAPE_CODES[self.shape], "CAPS": int(self.caps)}
+        return {"SHAPE": code("SHAPE", self.shape), "CAPS": int(self.caps)}
+
+    def split_defines(self) -> dict[str, int]:
+        """The constants of the pass that splits what pass 1 wrote."""
+        return {name: self.defines()[name] for name in ("WRITES", "LOBES", "BANDS", "CUBE_ROOT")}
 
     def white_defines(self) -> dict[str, int]:
         """The constants of the pass that draws the perfect diffuser, for Y_n."""
         return {
             **self.shape_defines(),
             "SAMPLED": int(self.sampled),
-            "LAMP": LAMP_CODES[self.lamp],
+            "LAMP": code("LAMP", self.lamp),
         }
 
     def geometry_defines(self) -> dict[str, int]:
         """The constants of the pass that draws normals and points."""
         return {name: self.defines()[name] for name in ("SHAPE", "CAPS", "NOISE", "GRAIN")}
+
+
+def _written(chosen: method.Method, samples: int) -> str:
+    """What pass 1 writes. XYZ holds the share of a pixel that several samples cover."""
+    # Half floats hold what is split: XYZ would be rounded before its difference is taken.
+    if chosen.split == method.FIRST_PASS or chosen.targets == "float16":
+        return "split" if samples == 1 else "xyz and split"
+    return "weights" if samples == 1 else "xyz"
 
 
 def _sees_a_cap(scene: Scene) -> bool:
@@ -133,9 +136,9 @@ def tone_defines(
 ) -> dict[str, int]:
     """The constants of a stage that shows colours."""
     gamut = display.gamut if chosen.gamut == "as asked" else chosen.gamut
-    defines = {"GAMUT": GAMUT_CODES[gamut]}
+    defines = {"GAMUT": code("GAMUT", gamut)}
     if stage != "light.frag":  # which is linear
-        defines["TRANSFER"] = TRANSFER_CODES[display.transfer]
+        defines["TRANSFER"] = code("TRANSFER", display.transfer)
     if stage != "overlay.frag":
         defines["SAMPLED"] = int(samples > 1)
     return defines

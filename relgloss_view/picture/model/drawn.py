@@ -1,4 +1,4 @@
-"""What is drawn of a material: the models and lobes that a look and a method leave of it."""
+"""The models and lobes of a material that a look and a method select for drawing."""
 
 from __future__ import annotations
 
@@ -35,6 +35,6 @@ def drawn_lobes(material: Material, chosen: method.Method) -> tuple[Lobe, ...]:
 
 
 def drawn_facets(look: Look, chosen: method.Method) -> str:
-    """The facets' distribution; under grain that is drawn as its mean, that mean."""
+    """The facets' distribution; where a method draws the mean of the grain, the averaged one."""
     blurred = chosen.noise == "mean" and look.sigma_n_deg > 0.0
     return "mean-gaussian" if blurred and chosen.facets == "gaussian" else chosen.facets

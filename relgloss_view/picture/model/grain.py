@@ -17,7 +17,8 @@ Ints = NDArray[np.int64]
 def grain_normal(scene: Scene, look: Look, hit: shape.Hit, o: Array, pixel: Ints) -> Array:
     """Unit normals (..., 3) as the grain tilts them.
 
-    `o` is the direction to the eye, `pixel` (..., 2) the column and row that each point is seen in.
+    hit: points of the object. o: unit vectors (..., 3) to the eye. pixel: (..., 2), column and row
+    in which each point is seen.
     """
     if look.sigma_n_deg == 0.0:
         return hit.normal

@@ -1,4 +1,4 @@
-"""Y_n: what the perfect diffuser shows in the object's place, the lamp's power taken as one."""
+"""Y_n: luminance of the perfect diffuser in the object's place under a lamp of power one."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from relgloss_view.picture.model import shape
 from relgloss_view.picture.model.view import View
 from relgloss_view.picture.scene.scene import Scene
 
-#: Below this cosine of incidence everywhere, the lamp only grazes the object, and the rounding of
-#: its place would be drawn as light.
+#: Where every cosine of incidence is below this, the lamp only grazes the object, and rounding of
+#: its position would be drawn as light.
 GRAZING_COSINE = 1e-6
 
 

@@ -16,7 +16,11 @@ ATTEMPTS = 4
 
 
 def pcg3d(v: UInts) -> UInts:
-    """Hash of three 32-bit integers, (..., 3) (Jarzynski, Olano 2020)."""
+    """Hash of three 32-bit integers, (..., 3) (Jarzynski, Olano 2020).
+
+    >>> pcg3d(np.array([1, 2, 3], dtype=np.uint32)).tolist()
+    [4204755366, 1223881804, 1500469937]
+    """
     # Slices keep an axis: numpy warns of wrap-around on scalars, not on arrays.
     x, y, z = (v[..., k : k + 1] * _U(1664525) + _U(1013904223) for k in range(3))
     x += y * z
@@ -39,7 +43,11 @@ def cell_hash(cell: NDArray[np.int64], seed: int) -> UInts:
 
 
 def uniforms(hashes: UInts) -> Array:
-    """Numbers inside (0, 1) from the upper 23 bits; exact in float32 too."""
+    """Numbers inside (0, 1) from the upper 23 bits; exact in float32 too.
+
+    >>> uniforms(np.array([0, 2**32 - 1], dtype=np.uint32)).tolist() == [2.0**-24, 1.0 - 2.0**-24]
+    True
+    """
     return np.asarray(((hashes >> _U(9)).astype(np.float64) + 0.5) * 2.0**-23)
 
 
@@ -64,8 +72,14 @@ def frame(n: Array) -> tuple[Array, Array]:
 def tilt_angles(law: str, hashes: UInts, sigma: float) -> Array:
     """Tilt along tangent and bitangent, (..., 2).
 
-    'paper': the angle is Gaussian of standard deviation sigma, its azimuth uniform (Ishii et al.).
-    'tangent': both components are Gaussian, so the angle is Rayleigh distributed.
+    law: 'paper', the angle is Gaussian of standard deviation sigma and its azimuth uniform (Ishii
+    et al.); 'tangent', both components are Gaussian, so the angle is Rayleigh distributed.
+    sigma: radians.
+
+    >>> hashes = cell_hash(np.stack([np.arange(4000)] * 3, axis=-1), 0)
+    >>> angle = np.linalg.norm(tilt_angles("paper", hashes, 0.1), axis=-1)
+    >>> round(float(np.sqrt(np.mean(angle**2))), 2)
+    0.1
     """
     u = uniforms(hashes)
     g = gaussians(u[..., :2])
@@ -86,7 +100,7 @@ def tilted(n: Array, angles: Array) -> Array:
 
 
 def noisy_normal(law: str, n: Array, o: Array, hashes: UInts, sigma: float) -> Array:
-    """The normal of a grain as the eye (direction o) sees it.
+    """The tilted normal of a grain, (..., 3), for an eye in direction o.
 
     A tilt that would turn the grain away from the eye is halved up to three times, then dropped.
     """
@@ -108,8 +122,14 @@ def mean_lobe(delta: Array, s: float, sigma: float, law: str = "paper") -> Array
     """Expectation of exp(-delta'^2 / 2 s^2), delta' the tilted normal's angle to the half-vector.
 
     Gaussian tilt of uniform azimuth ('paper'): (1 + q^2)^-1/2 exp(-delta^2 / 2(s^2 + sigma^2))
-    I0e(z), q = sigma/s, z = delta^2 sigma^2 / (4 s^2 (s^2 + sigma^2)). Small angles, with Fresnel,
-    masking and cosines frozen. Replace s by s/sqrt(2) for the second moment.
+    I0e(z), q = sigma/s, z = delta^2 sigma^2 / (4 s^2 (s^2 + sigma^2)). delta, s, sigma: radians,
+    small; Fresnel, masking and cosines are taken as constant. Replace s by s/sqrt(2) for the second
+    moment.
+
+    >>> mean_lobe(np.array([0.0]), 0.1, 0.1, "tangent").round(6).tolist()  # s^2 / (s^2 + sigma^2)
+    [0.5]
+    >>> mean_lobe(np.array([0.0]), 0.1, 0.1).round(6).tolist()  # (1 + q^2)^-1/2
+    [0.707107]
     """
     from scipy.special import i0e
 

@@ -1,4 +1,4 @@
-"""How many samples a pixel needs, so that the narrowest lobe keeps its energy."""
+"""The number of samples that a pixel needs so that the narrowest lobe keeps its energy."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ STEP_SD = 1.5
 
 
 def sample_count(scene: Scene, look: Look, size: Size) -> int:
-    """Samples along each side of a pixel: those asked for, or what the narrowest lobe needs."""
+    """Samples along each side of a pixel: the look's, or as many as the narrowest lobe needs."""
     return samples_needed(scene, size) if look.samples is None else look.samples
 
 
@@ -23,8 +23,8 @@ def samples_needed(scene: Scene, size: Size) -> int:
     """Samples along each side of a pixel that keep the energy of the narrowest lobe.
 
     From one pixel to the next the half-vector turns against the normal by the surface's curvature
-    and by the change of both directions. Taken at the highlight, where the normal stands halfway
-    between eye and lamp.
+    and by the change of both directions. The estimate is for the highlight, where the normal lies
+    halfway between eye and lamp.
     """
     lobes = scene.material.visible_lobes()
     if not lobes:

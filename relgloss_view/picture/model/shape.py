@@ -1,4 +1,4 @@
-"""Where a ray meets the object. The twin of shaders/shape.glsl, in float64 over arrays of rays."""
+"""Intersections of rays with the object. The twin of shaders/shape.glsl, in float64 over arrays."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ Array = NDArray[np.float64]
 
 
 class Hit(NamedTuple):
-    """Where rays meet the object; every field has the rays' shape (...), vectors (..., 3)."""
+    """Intersections of rays with the object; fields have the rays' shape, vectors (..., 3)."""
 
-    found: NDArray[np.bool_]
+    found: NDArray[np.bool_]  #: whether the ray meets the object
     point_m: Array
     normal: Array
     surface_m: Array  #: (..., 2), coordinates along the surface
@@ -125,14 +125,21 @@ _MEET = {
 
 
 def meet(kind: str, eye_m: Array, ray: Array, half_extent_m: Array) -> Hit:
-    """First meeting of rays from eye_m (3,) along ray (..., 3) with the named shape."""
+    """First intersection of rays with the named shape.
+
+    eye_m: (3,), origin, metres. ray: (..., 3), directions of any length. half_extent_m: (3,).
+
+    >>> eye, ray = np.array([0.0, 0.0, 0.6]), np.array([[0.0, 0.0, -1.0]])
+    >>> meet("sphere", eye, ray, np.full(3, 0.04)).point_m.tolist()
+    [[0.0, 0.0, 0.04]]
+    """
     return _MEET[kind](eye_m, ray, half_extent_m)
 
 
 def surface_cell(kind: str, hit: Hit, cell_m: float, half_extent_m: Array) -> NDArray[np.int64]:
     """Grain cell on the surface (column, row, face), (..., 3).
 
-    Around a cylinder or a row of a sphere stands a whole number of cells, so that no seam shows.
+    A whole number of cells goes around a cylinder or a row of a sphere, so that no seam shows.
     """
     row = np.floor(hit.surface_m[..., 1] / cell_m)
     column = np.floor(hit.surface_m[..., 0] / cell_m)

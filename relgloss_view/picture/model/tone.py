@@ -22,12 +22,16 @@ GAMUT_TOLERANCE = 1e-4
 CLIP_TOLERANCE = 1e-3
 BISECTIONS = 16
 OFF_OBJECT = -60000.0  #: L_d* of a pixel that shows nothing of the object
-#: Below this L_s* no one sees a highlight, and c_max says nothing.
+#: Below this L_s* a highlight is invisible, and c_max has no meaning.
 NO_LOBE_LSTAR = 0.5
 
 
 def lab_f(t: Array) -> Array:
-    """CIE 15's f, value and slope continuous."""
+    """CIE 15's f of a relative tristimulus value; value and slope are continuous.
+
+    >>> lab_f(np.array([1.0])).tolist()
+    [1.0]
+    """
     return np.where(t > LAB_EPSILON, np.cbrt(t), (LAB_KAPPA * t + 16.0) / 116.0)
 
 
@@ -37,12 +41,20 @@ def lab_f_inverse(f: Array) -> Array:
 
 
 def lightness(y: Array) -> Array:
-    """L* of a relative luminance: 0 at 0, 100 at 1."""
+    """L* of a relative luminance y: 0 at 0, 100 at 1 (CIE 15:2004).
+
+    >>> lightness(np.array([0.0, 0.18, 1.0])).round(3).tolist()  # black, an 18 % card, white
+    [0.0, 49.496, 100.0]
+    """
     return np.where(y > LAB_EPSILON, 116.0 * np.cbrt(y) - 16.0, LAB_KAPPA * y)
 
 
 def lab_from_xyz(xyz: Array, white: Array) -> Array:
-    """L*, a*, b* of XYZ (..., 3) against a white (3,)."""
+    """L*, a*, b* of XYZ (..., 3) against a white (3,), in the same unit (CIE 15:2004).
+
+    >>> lab_from_xyz(np.array([0.2, 0.18, 0.1]), np.array([0.9505, 1.0, 1.0891])).round(2).tolist()
+    [49.5, 15.08, 22.7]
+    """
     f = lab_f(xyz / white)
     return np.stack(
         [
@@ -55,7 +67,11 @@ def lab_from_xyz(xyz: Array, white: Array) -> Array:
 
 
 def xyz_from_lab(lab: Array, white: Array) -> Array:
-    """XYZ (..., 3) of L*, a*, b* against a white (3,)."""
+    """XYZ (..., 3) of L*, a*, b* against a white (3,); the inverse of lab_from_xyz.
+
+    >>> xyz_from_lab(np.array([100.0, 0.0, 0.0]), np.array([0.95, 1.0, 1.09])).round(6).tolist()
+    [0.95, 1.0, 1.09]
+    """
     f = (lab[..., 0] + 16.0) / 116.0
     return white * np.stack(
         [
@@ -68,7 +84,14 @@ def xyz_from_lab(lab: Array, white: Array) -> Array:
 
 
 def split_lightness(y_diffuse: Array, y_specular: Array) -> tuple[Array, Array]:
-    """L_d* and L_s*: the diffuse part's lightness, and its increase by the specular one (eq. 1)."""
+    """L_d* and L_s*: lightness of the diffuse part, and its increase by the specular part (eq. 1).
+
+    y_diffuse, y_specular: luminance relative to Y_n.
+
+    >>> l_d, l_s = split_lightness(np.array(0.2), np.array(0.3))
+    >>> round(float(l_d), 3), round(float(l_s), 3), round(float(l_d + l_s), 3)
+    (51.837, 24.232, 76.069)
+    """
     diffuse = lightness(y_diffuse)
     return diffuse, lightness(y_diffuse + y_specular) - diffuse
 
@@ -81,7 +104,11 @@ def split_lab(diffuse: Array, specular: Array, white: Array) -> Array:
 
 
 def scaled_lab(split: Array, c: float) -> Array:
-    """L~*, a*, b* (..., 3) of (L_d*, L_s*, a*, b*), the specular part scaled by c (eqs. 2-3)."""
+    """L~*, a*, b* (..., 3) of (L_d*, L_s*, a*, b*), the specular part scaled by c (eqs. 2-3).
+
+    >>> scaled_lab(np.array([50.0, 40.0, 1.0, 2.0]), 0.5).tolist()
+    [70.0, 1.0, 2.0]
+    """
     return np.concatenate([split[..., :1] + c * split[..., 1:2], split[..., 2:]], axis=-1)
 
 
@@ -93,7 +120,11 @@ def false_colour(lightness_: Array) -> Array:
 
 
 def largest_c(l_diffuse: Array, l_specular: Array) -> Array:
-    """The largest c that each pixel can show; 1e30 where nothing is specular."""
+    """The largest c that keeps each pixel at L* 100 or below (eq. 4); 1e30 without specular part.
+
+    >>> largest_c(np.array([60.0, 50.0]), np.array([80.0, 0.0])).tolist()
+    [0.5, 1e+30]
+    """
     seen = l_specular > 1e-6
     return np.where(seen, (100.0 - l_diffuse) / np.where(seen, l_specular, 1.0), 1e30)
 
@@ -138,10 +169,14 @@ def _model_of(display: Display) -> DisplayModel:
 
 
 def display_rgb(lab: Array, display: DisplayModel) -> tuple[Array, NDArray[np.bool_]]:
-    """Linear display RGB (..., 3) of Lab colours relative to the display's white, and which fit.
+    """Linear display RGB (..., 3), 0 to 1, and (...) whether each colour is inside the gamut.
 
-    Out of gamut, 'chroma' holds L* and hue and reduces chroma by bisection to the gamut's edge;
-    'clip' cuts each channel.
+    lab: (..., 3), relative to the display's white. Outside the gamut, 'chroma' keeps L* and hue and
+    reduces chroma by bisection to the gamut's edge; 'clip' cuts each channel.
+
+    >>> rgb, inside = display_rgb(np.array([[50.0, 0.0, 0.0]]), DisplayModel.of(Display()))
+    >>> rgb.round(3).tolist(), inside.tolist()
+    ([[0.184, 0.184, 0.184]], [True])
     """
 
     def rgb_of(lightness_: Array, chromatic: Array) -> Array:
@@ -163,7 +198,11 @@ def display_rgb(lab: Array, display: DisplayModel) -> tuple[Array, NDArray[np.bo
 
 
 def srgb_encode(light: Array) -> Array:
-    """Digital values 0..1 of linear light 0..1 (IEC 61966-2-1:1999)."""
+    """Digital values, 0 to 1, of linear light, 0 to 1 (IEC 61966-2-1:1999).
+
+    >>> srgb_encode(np.array([0.0, 0.18, 1.0])).round(4).tolist()
+    [0.0, 0.4614, 1.0]
+    """
     return np.where(
         light <= 0.0031308,
         12.92 * light,
@@ -172,7 +211,14 @@ def srgb_encode(light: Array) -> Array:
 
 
 def encode(rgb: Array, display: DisplayModel) -> Array:
-    """Digital values 0..1: sRGB, or the inverse of (gain d + offset)^gamma + flare (Berns 1996)."""
+    """Digital values, 0 to 1, of linear light, 0 to 1, through the display's transfer function.
+
+    sRGB, or the inverse of light = (gain d + offset)^gamma + flare (Berns 1996).
+
+    >>> gamma = DisplayModel.of(Display(transfer="gain-offset-gamma", gamma=2.0))
+    >>> encode(np.array([0.25]), gamma).tolist()
+    [0.5]
+    """
     if display.transfer == "srgb":
         return srgb_encode(rgb)
     gain, offset, gamma, flare = display.curve

@@ -19,11 +19,11 @@ Size = tuple[int, int]  #: width, height in pixels
 #: left, bottom, right, top in pixels, counted from the bottom left as OpenGL does
 Box = tuple[int, int, int, int]
 
-WIDE = (2.0, 2.0)  #: tangents of a wide angle, where the eye stands among the object's points
+WIDE = (2.0, 2.0)  #: tangents of a wide angle, where the eye is among the object's points
 FILL = 0.8  #: share of the picture's height or width that a framed object takes
 BOUNDS_MARGIN_PX = 2.0
 ROUNDING = 1e-6  #: of the shader's rays, tangents
-#: A circle of 180 points spans 0.015 % less than the circle that it stands for.
+#: A polygon of 180 points on a circle spans 0.015 % less than the circle.
 BOUNDS_EXCESS = 1e-3
 MAX_SIDE_PX = 16384
 MAX_PIXELS = 36 * 1024 * 1024  #: above 8K UHD; an EXR of it takes 4 GB of memory while written
@@ -128,7 +128,7 @@ def _bounds(
 
 
 def _close(shape: Shape, place: Array, forward: Array) -> bool:
-    """Whether a rim comes so near the eye that points on it no longer stand for what is between."""
+    """Whether a rim comes so near the eye that its 180 points no longer bound its outline."""
     if shape.kind != "cylinder":
         return False
     return bool(np.min((_outline(shape) - place) @ forward) < 0.25 * shape.half_extent_m()[0])

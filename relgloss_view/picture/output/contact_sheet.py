@@ -17,16 +17,16 @@ PAPER_GRAY = 119  #: sRGB of L* 50
 INK_GRAY = 245
 
 
-def thumbnail(frame: Frame, longest_px: int, shown: Displayed | None = None) -> Pixels:
+def thumbnail(frame: Frame, longest_px: int, displayed: Displayed | None = None) -> Pixels:
     """The frame's picture shrunk by whole steps, averaged in light, where grain keeps its mean.
 
-    `shown` is what another operator than the split shows of it.
+    displayed: the picture of another operator than the split.
     """
     step = max(1, -(-max(frame.size) // longest_px))
     if step == 1:
-        return frame.display if shown is None else shown.digital
+        return frame.display if displayed is None else displayed.digital
     width, height = (n // step * step for n in frame.size)
-    light = (frame if shown is None else shown).light[:height, :width]
+    light = (frame if displayed is None else displayed).light[:height, :width]
     mean = np.zeros((height // step, width // step, 3))
     for y in range(step):
         for x in range(step):
@@ -44,7 +44,7 @@ def contact_sheet(
 ) -> Pixels:
     """Equal-sized 8-bit pictures (H, W, 3) on one sheet; returns its pixels (H, W, 3).
 
-    Text is gray, so that nothing coloured stands near a picture.
+    Text is gray, so that no colour is near a picture.
     """
     from PIL import Image, ImageDraw, ImageFont
 

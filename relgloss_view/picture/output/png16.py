@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 PIXEL_BYTES = 6
-COMPRESSION = 4  #: of zlib; more takes much longer for little
-ROWS_BYTES = 1 << 22  #: that are filtered at a time
+COMPRESSION = 4  #: of zlib; higher levels take much longer for little gain
+ROWS_BYTES = 1 << 22  #: filtered at a time
 DATA_BYTES = 1 << 20  #: of one IDAT chunk, at most about
 
 Bytes = NDArray[np.uint8]
@@ -54,32 +54,32 @@ def _compressed(rgb: NDArray[np.uint16]) -> Iterator[bytes]:
     squeeze = zlib.compressobj(COMPRESSION)
     step = max(1, ROWS_BYTES // (PIXEL_BYTES * width))
     above = np.zeros((1, PIXEL_BYTES * width), dtype=np.uint8)
-    held = b""
+    pending = b""
     for top in range(0, height, step):
         part = np.ascontiguousarray(rgb[top : top + step], dtype=">u2")
         rows = part.view(np.uint8).reshape(len(part), -1)
-        held += squeeze.compress(_filtered(rows, np.concatenate([above, rows[:-1]])).tobytes())
+        pending += squeeze.compress(_filtered(rows, np.concatenate([above, rows[:-1]])).tobytes())
         above = rows[-1:]
-        if len(held) >= DATA_BYTES:
-            yield held
-            held = b""
-    yield held + squeeze.flush()
+        if len(pending) >= DATA_BYTES:
+            yield pending
+            pending = b""
+    yield pending + squeeze.flush()
 
 
 def _filtered(rows: Bytes, above: Bytes) -> Bytes:
-    """Rows with the filter before each that leaves the smallest sum of differences.
+    """Rows, each after the number of the filter that leaves the smallest sum of differences.
 
-    That is the heuristic which the specification recommends (section 12.7).
+    The specification recommends that heuristic (section 12.7).
     """
     left, corner = (np.pad(b, ((0, 0), (PIXEL_BYTES, 0)))[:, :-PIXEL_BYTES] for b in (rows, above))
     mean = ((left.astype(np.uint16) + above) // 2).astype(np.uint8)
     predictions = (0, left, above, mean, _paeth(left, above, corner))
-    tried = [np.asarray(rows - predicted, dtype=np.uint8) for predicted in predictions]
-    sums = [np.abs(t.view(np.int8).astype(np.int16)).sum(axis=1) for t in tried]
+    candidates = [np.asarray(rows - predicted, dtype=np.uint8) for predicted in predictions]
+    sums = [np.abs(t.view(np.int8).astype(np.int16)).sum(axis=1) for t in candidates]
     best = np.argmin(sums, axis=0)
     result = np.empty((len(rows), rows.shape[1] + 1), dtype=np.uint8)
     result[:, 0] = best
-    for kind, candidate in enumerate(tried):
+    for kind, candidate in enumerate(candidates):
         result[best == kind, 1:] = candidate[best == kind]
     return result
 

@@ -9,26 +9,32 @@ from types import TracebackType
 
 from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
-from relgloss_view.picture.output.export import parameters, save_frame
+from relgloss_view.picture.output.export import save_frame
+from relgloss_view.picture.output.parameters import parameters
 
 THREADS = 2
-WAITING = 3  #: pictures that are held for their files at once, so that memory stays bounded
+WAITING = 3  #: most pictures that wait for their files, so that memory stays bounded
 
 
 class Writers:
-    """Use it in a with-block; every file is whole at its end. The first fault is raised."""
+    """Writes files in threads of its own. Use it in a with-block; at its end every file is whole.
+
+    A later save, or the end of the block, raises the first error of a file.
+    """
 
     def __init__(self) -> None:
         self._pool = ThreadPoolExecutor(THREADS)
         self._open: deque[Future[None]] = deque()
 
-    def save(self, frame: Frame, path: Path, command: str, shown: Displayed | None = None) -> None:
+    def save(
+        self, frame: Frame, path: Path, command: str, displayed: Displayed | None = None
+    ) -> None:
         """Write a frame as PNG of 8 bits; arguments as save_frame."""
         # Fetched here: only this thread may use OpenGL.
-        _ = parameters(frame, shown), frame.display
+        _ = parameters(frame, displayed), frame.display
         while len(self._open) >= WAITING:
             self._open.popleft().result()
-        self._open.append(self._pool.submit(save_frame, frame, path, command, shown=shown))
+        self._open.append(self._pool.submit(save_frame, frame, path, command, displayed=displayed))
 
     def __enter__(self) -> Writers:
         return self

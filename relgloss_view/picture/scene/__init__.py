@@ -1,1 +1,1 @@
-"""What a picture shows: sample, setup, look, and the files that hold them. Values only."""
+"""Values that describe a picture: sample, setup, look, and the files that hold them."""

@@ -1,4 +1,4 @@
-"""What kind of file something is, told from what it holds and never from its name."""
+"""The kind of a file - scene, material or measurement - from its content, never its name."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ EXPECTED = "a scene (TOML), a material (JSON) or a measurement (CSV, .bsdf, .bin
 HEAD_BYTES = 4096
 FEWEST_DELIMITERS = 3  #: three angles and a band
 _SCENE_TABLES = ("sample", *TABLES, *PAIR_TABLES)
-#: A line that only a scene has, so that a scene with a mistake is told as one.
+#: A line that only a scene has, so that a scene with a mistake is reported as a scene.
 _SCENE_LINE = re.compile(rf"^[ \t]*\[({'|'.join(_SCENE_TABLES)})(\.look)?\]", re.MULTILINE)
 
 
 def kind_of(path: str | os.PathLike[str]) -> str:
     """SCENE, MATERIAL or MEASUREMENT; InputError, one line, for anything else.
 
-    A measurement is read to the end, for nothing less tells that it can be.
+    A measurement is read to the end, because a fault may be in its last row.
     """
     kind = likely_kind(path)
     if kind == MEASUREMENT:
@@ -37,14 +37,15 @@ def kind_of(path: str | os.PathLike[str]) -> str:
 
 
 def likely_kind(path: str | os.PathLike[str]) -> str:
-    """The kind of a file from its beginning; what is left over is a measurement or its reader says
-    why it is none. Raises InputError for what is nothing at all.
+    """The kind of a file from its beginning; InputError for what is none of the three.
+
+    Whatever is neither scene nor material counts as a measurement; its reader reports the faults.
     """
     file = check_regular(path, EXPECTED)
     head = _beginning(file, HEAD_BYTES)
     if not head:
         raise InputError(f"{file}: the file is empty; give {EXPECTED}")
-    if b"\x00" in head:  # a binary format, or UTF-16: its reader knows them
+    if b"\x00" in head:  # a binary format, or UTF-16: the reader decides
         return MEASUREMENT
     text = head.lstrip(b"\xef\xbb\xbf \t\r\n")
     if text.startswith((b"{", b"[{")):
@@ -57,12 +58,12 @@ def likely_kind(path: str | os.PathLike[str]) -> str:
 
 
 def _check_material(file: Path) -> None:
-    """InputError where a JSON file is too large for a material or says nothing of being one."""
+    """InputError where a JSON file is too large for a material or lacks its format entry."""
     data = _beginning(file, MAX_MATERIAL_BYTES + 1)
     if len(data) <= MAX_MATERIAL_BYTES and FORMAT.encode() in data:
         return
     raise InputError(
-        f"{file}: this looks like JSON, but not like a material, which says "
+        f"{file}: this looks like JSON, but not like a material, which holds "
         f'"format": "{FORMAT}"; give {EXPECTED}'
     )
 
@@ -91,7 +92,7 @@ def _is_scene(file: Path) -> bool:
 
 
 def _check_table(file: Path) -> None:
-    """InputError where the first line of a text that says anything is no header of a table."""
+    """InputError where the first line that is neither empty nor a comment is no table header."""
     for line in _beginning(file, MAX_SCENE_BYTES).lstrip(b"\xef\xbb\xbf").splitlines():
         if line.strip() and not line.lstrip().startswith(b"#"):
             if max(line.count(delimiter) for delimiter in b",;\t") < FEWEST_DELIMITERS:

@@ -1,4 +1,4 @@
-"""Look: what is tuned by eye, with its ranges."""
+"""Look: the values that are tuned by eye, with their ranges."""
 
 from __future__ import annotations
 
@@ -19,10 +19,30 @@ NOISY_LOBES = ("both", "specular")
 
 @dataclass(frozen=True)
 class Look(Checked):
-    """What is tuned by eye: graininess sigma_N and the scaling c of the specular L*.
+    """The values that are tuned by eye: graininess, contrast gloss, and how the grain is drawn.
 
-    c is given either as a value or as a share of the exact c_max; both None means c_max. `setting`
-    reads them and `at` changes them together.
+    sigma_n_deg: standard deviation of the normal's tilt, degrees, 0 to 10.
+    c: factor of L_s*, 0 to 10,000. c_fraction: c as a share of the picture's exact c_max, 0 to 10.
+    At most one of the two; without either, c is c_max.
+    grain: 'screen' fixes grains to pixels, grain_px (1 to 1024) a side; 'surface' fixes them to the
+    object, grain_mm (0.001 to 100) a side.
+    noise_law: 'paper', a Gaussian angle of uniform azimuth, or 'tangent', two Gaussian components.
+    noisy_lobes: 'both' reflections see the tilt, or only the 'specular' one.
+    seed: of the grain, 0 to 2^31 - 1. samples: along each side of a pixel, 1 to 16.
+    diffuse_model: 'fitted', 'lambert', 'oren-nayar' or 'eon'. quality: 'exact' or 'auto'.
+
+    `setting` reads sigma_N and c, `at` changes both. Raises InputError where a value is out of its
+    range. Source: Ishii et al., eqs. 2 to 4.
+
+    >>> look = Look(sigma_n_deg=2.0, c_fraction=2 / 6)
+    >>> look.setting.words
+    '2 deg, 2/6 c_max'
+    >>> look.at(Setting(0.5, c=0.4)).c
+    0.4
+    >>> Look(sigma_n_deg=20.0)
+    Traceback (most recent call last):
+    ...
+    relgloss_view.base.errors.InputError: look.sigma_n_deg: expected 0 to 10 deg, found 20.0
     """
 
     sigma_n_deg: float = parameter(
@@ -131,5 +151,5 @@ class Look(Checked):
         return dataclasses.replace(self, **{**dropped, **entries})
 
     def without_c(self) -> Look:
-        """The look that asks for no c, for what c does not change."""
+        """The look without c, as a key for results that do not depend on c."""
         return dataclasses.replace(self, c=None, c_fraction=None)

@@ -13,7 +13,15 @@ from relgloss_view.picture.scene.setting import Setting
 
 @dataclass(frozen=True)
 class Sample:
-    """A material and its origin. A built-in sample has a name; others come from a file."""
+    """A material and its origin. A built-in sample has a name; others come from a file.
+
+    >>> Sample.built_in("uncoated").material.name
+    'uncoated, green ink'
+    >>> Sample.built_in("velvet")
+    Traceback (most recent call last):
+    ...
+    relgloss_view.base.errors.InputError: sample 'velvet': expected one of cast-coated, ...
+    """
 
     material: Material
     name: str | None = None  #: of a built-in sample
@@ -43,7 +51,14 @@ DEFAULT_SAMPLE = "matte-coated"
 
 
 def load_sample(name: str) -> Material:
-    """The fitted material of a built-in (synthetic) sample paper."""
+    """The fitted material of a built-in sample paper.
+
+    name: a key of SAMPLES. The papers are synthetic; their measurements are in assets/papers.
+    Raises InputError for any other name.
+
+    >>> load_sample("art-coated").synthetic
+    True
+    """
     if name not in SAMPLES:
         raise InputError(f"sample {name!r}: expected one of {', '.join(SAMPLES)}")
     return load_material(asset("materials", f"{name}.json"))

@@ -12,10 +12,17 @@ from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Setup, Shape
 
 @dataclass(frozen=True, init=False)
 class Scene:
-    """What one picture shows: a material, and the setup that surrounds it.
+    """The content of one picture: a material and the setup that surrounds it.
 
-    material: of the sample. setup: shape, lamp, eye and display; each may also be given by itself
-    and then replaces the setup's, as in `Scene(material, lamp=Lamp(azimuth_deg=50))`.
+    material: of the sample. setup: shape, lamp, eye and display; the defaults are the paper's
+    cylinder. shape, lamp, eye, display: each replaces that part of the setup.
+
+    >>> from relgloss_view import load_sample
+    >>> scene = Scene(load_sample("uncoated"), lamp=Lamp(azimuth_deg=110.0))
+    >>> scene.lamp.azimuth_deg, scene.shape.kind
+    (110.0, 'cylinder')
+    >>> scene.placed(shape=Shape("sphere")).shape.kind
+    'sphere'
     """
 
     material: Material

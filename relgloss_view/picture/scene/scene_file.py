@@ -1,4 +1,4 @@
-"""Scene files (TOML): which sample stands where, and how it is to look. Read here."""
+"""Scene files (TOML): the sample, its setup and its look. Reading; scene_writer.py writes."""
 
 from __future__ import annotations
 
@@ -32,48 +32,64 @@ EXPECTED = "a scene file (TOML)"
 
 @dataclass(frozen=True)
 class SceneFile:
-    """What a scene file says. Without a reference, or without its look, those are None."""
+    """The content of a scene file; reference and reference_look are None where it has none."""
 
     sample: Sample
     look: Look
     setup: Setup = Setup()
     reference: Sample | None = None
     reference_look: Look | None = None
-    presentation: Mapping[str, Any] = field(default_factory=dict)  #: as it stands there
+    presentation: Mapping[str, Any] = field(default_factory=dict)  #: as in the file
 
     def scene(self) -> Scene:
-        """What the sample's picture shows."""
+        """The scene of the sample's picture."""
         return Scene(self.sample.material, self.setup)
 
 
 def load_scene(path: str | os.PathLike[str]) -> tuple[Scene, Look]:
-    """Scene and look of a scene file's [sample]; InputError as read_scene_file."""
+    """Scene and look of a scene file's [sample].
+
+    path: a TOML file with the tables of docs/files.md, each optional. Files that it names are read
+    from its folder. Raises InputError, one line that names the file, the entry and the values that
+    are expected.
+
+    >>> from pathlib import Path
+    >>> text = '[sample]\\nname = "uncoated"\\n[look]\\nsigma_n_deg = 2.0\\n'
+    >>> _ = Path("paper.toml").write_text(text)
+    >>> scene, look = load_scene("paper.toml")
+    >>> scene.material.name, look.setting.words
+    ('uncoated, green ink', '2 deg, 6/6 c_max')
+    """
     content = read_scene_file(path)
     return content.scene(), content.look
 
 
-def read_scene_file(path: str | os.PathLike[str], stood_in: list[str] | None = None) -> SceneFile:
+def read_scene_file(
+    path: str | os.PathLike[str], replacements: list[str] | None = None
+) -> SceneFile:
     """Read a scene file; InputError names the file, the entry and what was expected.
 
     Tables: [sample] with `name` (built in) or `material` (a file, relative to the scene file), and
-    [shape], [lamp], [eye], [display], [look] with the fields of the classes in scene.py; for a pair
-    of pictures [reference] with the entries of [sample], [reference.look] and [presentation].
+    [shape], [lamp], [eye], [display], [look] with the fields of their classes; for a pair of
+    pictures [reference] with the entries of [sample], [reference.look] and [presentation].
 
-    With a list `stood_in`, a material or a lamp that can't be had is replaced by the built-in one
-    (the reference by None), and the list is told; everything else is kept.
+    replacements: a list that collects a message for each material or lamp that can't be read; the
+    built-in one (for the reference, None) takes its place. Without the list that is an error.
     """
     content = read_toml(path, MAX_BYTES, EXPECTED)
     try:
-        return _scene_file(content, Path(path).parent, stood_in)
+        return _scene_file(content, Path(path).parent, replacements)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
 
 
-def _scene_file(content: Mapping[str, Any], folder: Path, stood_in: list[str] | None) -> SceneFile:
+def _scene_file(
+    content: Mapping[str, Any], folder: Path, replacements: list[str] | None
+) -> SceneFile:
     unknown = set(content) - set(TABLES) - set(PAIR_TABLES) - {"sample"}
     if unknown:
-        known = ", ".join(["sample", *TABLES, *PAIR_TABLES])
-        raise InputError(f"[{printable(min(unknown), 60)}]: no such table; expected {known}")
+        tables = ", ".join(["sample", *TABLES, *PAIR_TABLES])
+        raise InputError(f"[{printable(min(unknown), 60)}]: no such table; expected {tables}")
     parts = {name: build(name, content.get(name, {})) for name in TABLES}
     presentation = table_of("presentation", content.get("presentation", {}))
     of_reference = dict(table_of("reference", content.get("reference", {})))
@@ -82,35 +98,36 @@ def _scene_file(content: Mapping[str, Any], folder: Path, stood_in: list[str] | 
         reference_look = build("look", of_reference.pop("look"), "reference.")
     elif of_reference:
         reference_look = Look()
-    parts["lamp"] = lamp_beside(parts["lamp"], folder, stood_in)
+    parts["lamp"] = lamp_beside(parts["lamp"], folder, replacements)
     look = parts.pop("look")
-    sample = read_sample("sample", content.get("sample", {}), folder, stood_in)
+    sample = read_sample("sample", content.get("sample", {}), folder, replacements)
     if sample is None:
         sample = Sample.built_in(DEFAULT_SAMPLE)
     return SceneFile(
         sample,
         look,
         Setup(**parts),
-        reference=read_sample("reference", of_reference, folder, stood_in),
+        reference=read_sample("reference", of_reference, folder, replacements),
         reference_look=reference_look,
         presentation=presentation,
     )
 
 
 def read_sample(
-    place: str, entries: object, folder: Path, stood_in: list[str] | None
+    place: str, entries: object, folder: Path, replacements: list[str] | None
 ) -> Sample | None:
-    """The sample of a table with SAMPLE_ENTRIES; files are taken from `folder`.
+    """The sample of a table with SAMPLE_ENTRIES; files are looked for in `folder`.
 
-    None where the table names none or, with a list `stood_in`, one that is not there. InputError.
+    None where the table names none or, with a list of replacements, one that can't be read.
+    Raises InputError.
     """
     if not isinstance(entries, dict) or {"name", "material"} <= set(entries):
         raise InputError(f"[{place}]: expected either name or material")
     for key, value in entries.items():
         if key not in SAMPLE_ENTRIES:
-            known = ", ".join(SAMPLE_ENTRIES)
+            names = ", ".join(SAMPLE_ENTRIES)
             raise InputError(
-                f"{place}.{printable(key, 60)}: no such entry; expected one of {known}"
+                f"{place}.{printable(key, 60)}: no such entry; expected one of {names}"
             )
         text(value, f"{place}.{key}")
     if not {"name", "material"} & set(entries):
@@ -121,23 +138,23 @@ def read_sample(
             return Sample.from_file(str(folder / entries["material"]), table)
         return dataclasses.replace(Sample.built_in(entries["name"]), table=table)
     except InputError as error:
-        if stood_in is None:
+        if replacements is None:
             raise
-        stood_in.append(f"{error} (a built-in sample stands in as the {place})")
+        replacements.append(f"{error} (a built-in sample is used as the {place})")
         return None
 
 
-def lamp_beside(lamp: Lamp, folder: Path, stood_in: list[str] | None) -> Lamp:
-    """The lamp with its file, if it has one, taken from the scene's folder. InputError."""
+def lamp_beside(lamp: Lamp, folder: Path, replacements: list[str] | None) -> Lamp:
+    """The lamp with its file, if it has one, in the scene's folder. Raises InputError."""
     if is_lamp_name(lamp.illuminant):
         return lamp
     file = str(folder / lamp.illuminant)
     try:
-        illuminant(file)  # a fault is told with the place of the scene
+        illuminant(file)  # a faulty file is reported with the name of the scene file
     except InputError as error:
-        if stood_in is None:
+        if replacements is None:
             raise
-        stood_in.append(f"{error} ({Lamp().illuminant} stands in as the lamp)")
+        replacements.append(f"{error} ({Lamp().illuminant} is used as the lamp)")
         file = Lamp().illuminant
     return dataclasses.replace(lamp, illuminant=file)
 

@@ -1,4 +1,4 @@
-"""Scene files (TOML): written so that reading them gives back exactly what was written."""
+"""Scene files (TOML): writing, so that reading gives back exactly the same values."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ def write_scene_file(
 ) -> None:
     """Write a scene file, whole or not at all; InputError where that fails.
 
-    Files under the scene file's folder are named relative to it, others by their absolute path. A
-    sample that is in no file, one whose file is gone and a name that is not UTF-8 are faults; when
-    forgiving, they are left out or written all the same, so that the rest is kept.
+    Files under the scene file's folder are named relative to it, others by their absolute path.
+    Errors are a sample that is in no file, one whose file is gone, and a name that is not UTF-8.
+    forgiving: write the rest without them.
     """
     folder = Path(path).absolute().parent
     try:
@@ -32,16 +32,16 @@ def write_scene_file(
 
 
 def check_sample(sample: Sample) -> None:
-    """InputError where nothing could bring this sample back: no name, no file, or no longer."""
-    shown = printable(sample.material.name, 60)
+    """InputError where the sample could not be read again: no name, no file, or a missing one."""
+    name = printable(sample.material.name, 60)
     if sample.name is not None:
         if sample.name not in SAMPLES:
             raise InputError(f"sample {sample.name!r}: expected one of {', '.join(SAMPLES)}")
     elif sample.file is None:
-        raise InputError(f"the sample {shown!r} is in no file; save its material first")
+        raise InputError(f"the sample {name!r} is in no file; save its material first")
     elif not os.path.isfile(sample.file):
         raise InputError(
-            f"the material file of the sample {shown!r} is gone: {printable(sample.file)}; put it "
+            f"the material file of the sample {name!r} is gone: {printable(sample.file)}; put it "
             "back, or take another sample"
         )
 
@@ -92,7 +92,7 @@ def _put(table: dict[str, Any], key: str, name: str, place: str, forgiving: bool
 
 
 def _place(file: str, folder: Path) -> str:
-    """A file's name as the scene file gives it: relative where it lies under its folder."""
+    """A file's name as the scene file writes it: relative where it lies under its folder."""
     path = Path(file).absolute()
     inside = path.relative_to(folder) if path.is_relative_to(folder) else path
     if inside is path or ".." in inside.parts:

@@ -1,4 +1,4 @@
-"""Setting: what people judge, the graininess sigma_N and the contrast gloss c.
+"""Setting: the graininess sigma_N and the contrast gloss c, which people judge.
 
 The one way to state c: a value, or a share of c_max, the most that the display shows in a picture
 (Ishii et al., eq. 4). Without either, the share is 1.
@@ -17,7 +17,14 @@ class Setting:
 
     sigma_n_deg: standard deviation of the normal's tilt, degrees, 0 to 10.
     c_fraction: c as a share of the picture's own c_max, 0 to 10.
-    c: the factor of L_s* itself, 0 to 10,000; where it is given, the share has no effect.
+    c: the factor of L_s* itself, 0 to 10,000; None uses the share.
+
+    The settings that the paper's observers chose are in SAMPLES. Source: Ishii et al., eqs. 2 to 4.
+
+    >>> Setting(2.0, 2 / 6).words
+    '2 deg, 2/6 c_max'
+    >>> Setting(c=0.4).words
+    '0 deg, c 0.4'
     """
 
     sigma_n_deg: float = 0.0
@@ -25,7 +32,11 @@ class Setting:
     c: float | None = None
 
     def scaling(self, c_max: float) -> float:
-        """c in a picture with this c_max."""
+        """c in a picture with this c_max.
+
+        >>> Setting(c_fraction=0.5).scaling(0.8), Setting(c=0.3).scaling(0.8)
+        (0.4, 0.3)
+        """
         return self.c_fraction * c_max if self.c is None else self.c
 
     @property
@@ -36,7 +47,11 @@ class Setting:
 
 
 def share_words(fraction: float) -> str:
-    """A share of c_max as people read it: '5/6' where it is of sixths, otherwise in decimals."""
+    """A share of c_max as people read it: in sixths where it is a whole number of them.
+
+    >>> share_words(5 / 6), share_words(0.4)
+    ('5/6', '0.4')
+    """
     sixths = 6.0 * fraction
     if abs(sixths - round(sixths)) < 1e-6:
         return f"{round(sixths)}/6"

@@ -26,7 +26,17 @@ SHAPES = ("cylinder", "sphere", "plane", "box")
 
 @dataclass(frozen=True)
 class Shape(Checked):
-    """The object, centred at the origin. The cylinder and the sphere have a diameter."""
+    """The object: a cylinder about y, a sphere, a plane that faces +z, or a box, at the origin.
+
+    kind: one of SHAPES. diameter_m: of cylinder and sphere. height_m: along y, of cylinder, plane
+    and box. width_m: along x, of plane and box. depth_m: along z, of the box. All in metres, 0.001
+    to 10. Raises InputError where a value is out of its range.
+
+    >>> Shape("box", width_m=0.06, depth_m=0.02).half_extent_m().tolist()
+    [0.03, 0.05, 0.01]
+    >>> Shape("sphere").contains(np.array([0.0, 0.04, 0.0]))
+    True
+    """
 
     kind: str = choice("cylinder", SHAPES, "the object's form", label="Form")
     diameter_m: float = parameter(
@@ -64,7 +74,11 @@ class Shape(Checked):
 
 
 def polar_point(azimuth_deg: float, elevation_deg: float, distance_m: float) -> Array:
-    """World position at an azimuth, elevation and distance from the object's centre, (3,)."""
+    """World position at an azimuth, elevation and distance from the object's centre, (3,), metres.
+
+    >>> polar_point(90.0, 0.0, 2.0).round(6).tolist()
+    [2.0, 0.0, 0.0]
+    """
     azimuth, elevation = math.radians(azimuth_deg), math.radians(elevation_deg)
     across = distance_m * math.cos(elevation)
     return np.array(
@@ -77,7 +91,22 @@ Y_N_PLACES = ("maximum", "front")  #: its brightest pixel, or the point that fac
 
 @dataclass(frozen=True)
 class Lamp(Checked):
-    """A point lamp, as bright as makes a white standard in the object's place show Y_n."""
+    """A point lamp, so bright that the perfect diffuser in the object's place shows Y_n.
+
+    azimuth_deg: degrees, -180 to 180, from +z towards +x.
+    elevation_deg: degrees, -90 to 90, above the horizontal plane.
+    distance_m: from the object's centre, metres, 0.001 to 1000.
+    luminance_cd_m2: Y_n, cd/m2, 0.001 to 1,000,000.
+    y_n: 'maximum', the perfect diffuser shows Y_n in its brightest pixel, or 'front', at the point
+    that faces the eye.
+    illuminant: HP5, D65, D50, A, C, another name of colour-science, or a file of wavelength (nm)
+    and power.
+
+    Raises InputError where a value is out of its range.
+
+    >>> Lamp(azimuth_deg=90.0, distance_m=2.0).position_m.round(6).tolist()
+    [2.0, 0.0, 0.0]
+    """
 
     azimuth_deg: float = parameter(
         50.0,
@@ -124,10 +153,19 @@ class Lamp(Checked):
 
 @dataclass(frozen=True)
 class Eye(Checked):
-    """The eye looks at the object's centre; the picture is in perspective.
+    """The eye, which looks at the object's centre; the picture is in perspective.
 
-    A shift slides the picture's frame sideways, as a view camera's lens does: it moves what is
-    shown without turning anything.
+    azimuth_deg: degrees, -180 to 180, from +z towards +x.
+    elevation_deg: degrees, -90 to 90, above the horizontal plane.
+    distance_m: from the object's centre, metres, 0.001 to 1000.
+    field_of_view_deg: across the height of the picture, degrees, up to 170; None frames the object.
+    shift_right, shift_up: of the picture's centre, as tangents of angles, -100 to 100. A shift
+    slides the frame sideways, as a view camera does, without turning the eye.
+
+    Raises InputError where a value is out of its range.
+
+    >>> Eye().position_m.tolist()
+    [0.0, 0.0, 0.6]
     """
 
     azimuth_deg: float = parameter(
@@ -159,6 +197,7 @@ class Eye(Checked):
         return polar_point(self.azimuth_deg, self.elevation_deg, self.distance_m)
 
 
+TRANSFERS = ("srgb", "gain-offset-gamma")
 GAMUTS = ("chroma", "clip")  #: reduce chroma at held L* and hue, or cut RGB
 MIN_GAMUT_AREA = 1e-3  #: twice the triangle's area in the xy diagram; sRGB has 0.22
 
@@ -179,9 +218,26 @@ def _is_xy(value: object) -> bool:
 
 @dataclass(frozen=True)
 class Display(Checked):
-    """The monitor: its white shows L* = 100. sRGB, or primaries with gain, offset and gamma."""
+    """The monitor, whose white shows L* = 100.
 
-    transfer: str = choice("srgb", ("srgb", "gain-offset-gamma"), "how RGB becomes light")
+    transfer: 'srgb' (IEC 61966-2-1:1999), or 'gain-offset-gamma' (Berns 1996).
+    gain, offset, gamma, flare: light = (gain d + offset)^gamma + flare of a digital value d from 0
+    to 1; gain 0.1 to 10, offset -0.5 to 0.5, gamma 0.5 to 5, flare 0 to 0.2.
+    gamut: 'chroma' reduces the chroma of colours that the monitor can't show, 'clip' cuts RGB.
+    primaries_xy, white_xy: CIE 1931 chromaticities.
+    background_lstar: L* of the neutral surround, 0 to 100.
+
+    Raises InputError where a value is out of its range or the primaries lie on a line.
+
+    >>> Display(transfer="gain-offset-gamma", gamma=2.4).white_xy
+    (0.3127, 0.329)
+    >>> Display(gamma=7.0)
+    Traceback (most recent call last):
+    ...
+    relgloss_view.base.errors.InputError: display.gamma: expected 0.5 to 5, found 7.0
+    """
+
+    transfer: str = choice("srgb", TRANSFERS, "how RGB becomes light")
     gamut: str = choice(
         "chroma",
         GAMUTS,
@@ -224,9 +280,13 @@ class Display(Checked):
 
 @dataclass(frozen=True)
 class Setup:
-    """What surrounds a sample in a picture: its shape, the lamp, the eye and the display.
+    """The surroundings of a sample in a picture: its shape, the lamp, the eye and the display.
 
-    Its fields have the names of their tables in a scene file.
+    Each field has the name of its table in a scene file.
+
+    >>> setup = Setup().with_entries("lamp", azimuth_deg=110.0)
+    >>> setup.lamp.azimuth_deg, setup.eye == Eye()
+    (110.0, True)
     """
 
     shape: Shape = Shape()

@@ -17,14 +17,15 @@ from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.gpu.context import max_texture_size
 from relgloss_view.picture.gpu.overlays import draw_difference, draw_overlay
-from relgloss_view.picture.gpu.passes import Renderer
 from relgloss_view.picture.gpu.programs import Programs
+from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.gpu.targets import OVERLAY, TONE
-from relgloss_view.picture.gpu.variant import Plan
+from relgloss_view.picture.gpu.variant import Variant
 from relgloss_view.picture.model.drawn import as_drawn
 from relgloss_view.picture.model.view import Size
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.quality.planner import Planner
 from relgloss_view.viewer.drawing.arrangement import Arrangement, as_shown
 from relgloss_view.viewer.drawing.texture_uploads import TextureUploads
 from relgloss_view.viewer.state.model import DrawnPass
@@ -54,16 +55,19 @@ class PairRenderer:
     def __init__(self, ctx: Any) -> None:
         self.ctx = ctx
         self._programs = Programs(ctx)
-        self._full = {side: Renderer(ctx, self._programs) for side in SIDES}
-        self._draft = {side: Renderer(ctx, self._programs) for side in SIDES}
-        for side in SIDES:  # what quality "auto" has chosen is held across both
-            self._draft[side].planner = self._full[side].planner
+        #: One for a side, so that what quality "auto" has chosen is held across both sizes.
+        self._planners = {side: Planner() for side in SIDES}
+        self._full = {side: self._renderer(side) for side in SIDES}
+        self._draft = {side: self._renderer(side) for side in SIDES}
         self._warm = Renderer(ctx, self._programs)
         self._warmed: set[object] = set()
         self.uploads = TextureUploads(ctx)
         self._enlarged = False  #: whether the renderer that warms up has drawn something large
         limit = max_texture_size(ctx)
         self.largest: Size = (limit, limit)
+
+    def _renderer(self, side: str) -> Renderer:
+        return Renderer(self.ctx, self._programs, self._planners[side].method)
 
     @property
     def drawn(self) -> dict[str, dict[str, int]]:
@@ -98,8 +102,8 @@ class PairRenderer:
         size = _scaled(arrangement.size, scale)
         state = as_shown(state, size, _pitch(pixel_pitch_m, arrangement.size, size))
         renderers = self._full if scale == 1.0 else self._draft
-        for renderer in renderers.values():
-            renderer.planner.moving = moving
+        for planner in self._planners.values():
+            planner.moving = moving
         pictures: dict[str, SidePicture] = {}
         faults: dict[str, str] = {}
         for side in SIDES:  # the one that flip hides too: panels show its numbers
@@ -166,7 +170,7 @@ class PairRenderer:
         if self.ctx.error != "GL_NO_ERROR":
             return True
         renderers = (*self._full.values(), *self._draft.values())
-        names = [name for r in renderers for name in r.targets.names()]
+        names = [name for r in renderers for name in r.passes.targets.names()]
         return not all(is_texture(name) for name in (*names, *self.uploads.names()))
 
     def abandon(self) -> None:
@@ -196,7 +200,7 @@ class PairRenderer:
 def _variant(scene: Scene, look: Look) -> object:
     """What decides which programs a scene and a look can need."""
     tilted = dataclasses.replace(look, sigma_n_deg=1.0)
-    return Plan.of(as_drawn(scene, look), tilted), scene.display.gamut, scene.display.transfer
+    return Variant.of(as_drawn(scene, look), tilted), scene.display.gamut, scene.display.transfer
 
 
 def _wants_difference(state: State) -> bool:

@@ -1,12 +1,12 @@
 """A fit in a process of its own, so that drawing and fitting do not wait for each other.
 
-In a thread the window would hardly notice the fit: a main thread that wakes every 5 ms was never
-kept waiting for longer than 42 ms. But the fit would starve. It lets go of the interpreter at every
-step and gets it back only when drawing does, which takes up to 5 ms each time: a fit of 1.3 s took
-20 s while pictures were drawn one after the other (measured on two cores).
+In a thread the window would hardly notice the fit: a main thread that wakes every 5 ms never waited
+for longer than 42 ms. But the fit would starve. It releases the interpreter at every step and waits
+up to 5 ms to get it back from drawing: a fit that takes 1.3 s alone took 20 s while pictures were
+drawn one after the other (measured on two cores).
 
 The process is this Python with this program's module path. It answers on a pipe, with pickles that
-nobody else can write. Should the window be killed, its next answer finds no reader and ends it.
+nobody else can write. If the window is killed, the next answer has no reader and ends the process.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ class FitProcess:
 
 def answer(path: str) -> None:
     """What the process does: read, fit, and write the answers to standard output."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C in a terminal is the window's to answer
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the window answers Ctrl-C in a terminal
     with contextlib.suppress(AttributeError, OSError):
         os.nice(NICENESS)
     # What a library prints must not come between the answers.
@@ -95,7 +95,7 @@ def answer(path: str) -> None:
 
 
 def _answer(path: str, pipe: BinaryIO) -> None:
-    def say(*content: object) -> bool:
+    def send(*content: object) -> bool:
         pipe.write(pickle.dumps(content))
         pipe.flush()
         return True
@@ -105,17 +105,17 @@ def _answer(path: str, pipe: BinaryIO) -> None:
         from relgloss_view.measure.readers import read_measurement
 
         measurement = read_measurement(path)
-        say(PROGRESS, 0.0, "fitting")
+        send(PROGRESS, 0.0, "fitting")
         material = fit_material(
-            measurement, progress=lambda fraction, text: say(PROGRESS, fraction, text)
+            measurement, progress=lambda fraction, text: send(PROGRESS, fraction, text)
         )
-        say(DONE, material, measurement)
+        send(DONE, material, measurement)
     except BrokenPipeError:
         raise
     except RelglossError as error:
-        say(FAULT, str(error))
+        send(FAULT, str(error))
     except MemoryError:
-        say(FAULT, f"{path}: not enough memory; thin out the table or close other programs")
+        send(FAULT, f"{path}: not enough memory; thin out the table or close other programs")
     except Exception as error:
         traceback.print_exc()
-        say(FAULT, f"{path}: the program failed on this file ({type(error).__name__})")
+        send(FAULT, f"{path}: the program failed on this file ({type(error).__name__})")

@@ -12,7 +12,8 @@ from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model.drawn import as_drawn
 from relgloss_view.picture.model.view import Size
-from relgloss_view.picture.output.export import save_frame, save_pair
+from relgloss_view.picture.output.export import save_frame
+from relgloss_view.picture.output.png import save_pair
 from relgloss_view.viewer.drawing.arrangement import as_shown
 from relgloss_view.viewer.state.command_line import snapshot_command
 from relgloss_view.viewer.state.model import Model
@@ -97,11 +98,13 @@ def write(model: Model, request: ExportRequest) -> str:
             gap_px=model.gap_px,
             mirrored=presentation.mirror,
             bits=request.bits,
-            shown=(displayed["reference"], displayed["test"]),
+            displayed=(displayed["reference"], displayed["test"]),
         )
     else:
         for side, file in zip(request.sides, request.files, strict=True):
-            save_frame(frames[side], file, commands[side], bits=request.bits, shown=displayed[side])
+            save_frame(
+                frames[side], file, commands[side], bits=request.bits, displayed=displayed[side]
+            )
     text = f"exported {' and '.join(request.files)}"
     return f"{text}; without a command: {missing}" if missing else text
 

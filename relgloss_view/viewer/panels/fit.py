@@ -8,7 +8,7 @@ from typing import Any
 from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.base.reading import printable
-from relgloss_view.material.material import FitRecord, Material
+from relgloss_view.material.material import FitRecord, Material, Quality
 from relgloss_view.viewer.panels import plot_widgets
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import em
@@ -17,9 +17,9 @@ from relgloss_view.viewer.state.model import Model
 NARROW_EM = 52.0  #: below this width the facts lie under the table
 WHOLE_TABLE_EM = 28.0  #: a narrower table has the verdicts in tooltips
 QUALITY = {
-    "good": "the model describes this sample",
-    "poor": "the model does not describe this sample well",
-    "unidentifiable": "the measurement does not determine the lobe's width",
+    Quality.GOOD: "the model describes this sample",
+    Quality.POOR: "the model does not describe this sample well",
+    Quality.UNIDENTIFIABLE: "the measurement does not determine the lobe's width",
 }
 COLUMNS = (
     ("Model", "One of the models that were fitted, the simplest first."),
@@ -57,7 +57,7 @@ def _heading(material: Material, fit: FitRecord) -> None:
     imgui.text_unformatted(printable(material.name, 60))
     text = f"Fit quality: {fit.quality}"
     plot_widgets.beside(imgui.calc_text_size(f"! {text}").x)
-    if fit.quality == "good":
+    if fit.quality == Quality.GOOD:
         imgui.text_unformatted(text)
         widgets.tooltip(widgets.sentence(QUALITY[fit.quality]))
     else:

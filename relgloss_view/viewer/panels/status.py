@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from imgui_bundle import ImVec2, imgui
 
-from relgloss_view.picture.output.export import warnings
+from relgloss_view.picture.output.parameters import warnings
 from relgloss_view.viewer.panels.drawing_words import drawing_words, quality_words
 from relgloss_view.viewer.shell.theme import POPUP, em, gray
 from relgloss_view.viewer.shell.widgets import tooltip

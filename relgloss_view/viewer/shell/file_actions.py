@@ -88,7 +88,7 @@ class FileActions:
 
     def _write_view(self, path: str) -> None:
         def take(pixels: NDArray[np.uint8]) -> None:
-            from relgloss_view.picture.output.export import save_rgb
+            from relgloss_view.picture.output.png import save_rgb
 
             presentation = dataclasses.asdict(self.model.state.presentation)
             text = {"Software": "relgloss", "Presentation": json.dumps(presentation)}

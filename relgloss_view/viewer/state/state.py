@@ -11,6 +11,7 @@ from typing import Any
 
 from relgloss_view.base.parameters import Checked, choice, parameter, switch
 from relgloss_view.operators.registry import DEFAULT_OPERATOR, OPERATORS
+from relgloss_view.picture.gpu import constants
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, SAMPLES, Sample
 from relgloss_view.picture.scene.scene import Scene
@@ -22,15 +23,7 @@ DEFAULT_REFERENCE = "cast-coated"
 
 SIDE_BY_SIDE, WIPE, FLIP, DIFFERENCE = "side by side", "wipe", "flip", "difference"
 COMPARE_MODES = (SIDE_BY_SIDE, WIPE, FLIP, DIFFERENCE)
-OVERLAYS = (
-    "none",
-    "clipped",
-    "out of gamut",
-    "lightness",
-    "diffuse only",
-    "specular only",
-    "normals",
-)
+OVERLAYS = ("none", *constants.OVERLAYS)
 
 
 @dataclass(frozen=True)

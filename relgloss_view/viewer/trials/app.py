@@ -10,20 +10,20 @@ from typing import Any
 from imgui_bundle import imgui
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.experiment.flow import Flow, Screen
-from relgloss_view.experiment.records import Observer
-from relgloss_view.experiment.store import Store
-from relgloss_view.experiment.study import GRAIN, QUESTIONS
+from relgloss_view.experiment.design.study import GRAIN, QUESTIONS
+from relgloss_view.experiment.session.flow import Flow, Screen
+from relgloss_view.experiment.session.records import Observer
+from relgloss_view.experiment.session.store import Store
 from relgloss_view.picture.model.view import Size
 from relgloss_view.viewer.drawing.arrangement import Arrangement
 from relgloss_view.viewer.drawing.canvas import Canvas, surround_gray
 from relgloss_view.viewer.shell.window import Window
-from relgloss_view.viewer.trials import keys, pages, room
+from relgloss_view.viewer.trials import keys, pages, placement
+from relgloss_view.viewer.trials.category_strip import Scale
 from relgloss_view.viewer.trials.device import Profile, screen_of, stay_open
+from relgloss_view.viewer.trials.experimenter_line import OperatorLine, Tell, goes_on
 from relgloss_view.viewer.trials.ink import Ink
-from relgloss_view.viewer.trials.operator_line import OperatorLine, Tell, goes_on
 from relgloss_view.viewer.trials.pair import Pair
-from relgloss_view.viewer.trials.scale import Scale
 
 #: Screens after which pictures come: they are drawn while these show.
 _BEFORE_TRIALS = (Screen.INSTRUCTIONS, Screen.OBJECT, Screen.ADAPTATION, Screen.PAUSE, Screen.GAP)
@@ -93,7 +93,7 @@ class Trials:
         pair.restore(window.is_texture, lost=self._lost)
         self._lost = False
         size = window.size_now()
-        arrangement = room.arranged(self.store.study, size)
+        arrangement = placement.arranged(self.store.study, size)
         if keys.pressed(keys.QUIT):
             window.close()
         meant = flow.screen, self.fault  # what stood there as keys were pressed
@@ -110,7 +110,7 @@ class Trials:
             self._act(pages.show(self.fault, self._ink, size, keyed=self._keyed))
         elif arrangement is None:
             flow.hidden()
-            least = room.needed(self.store.study, size)
+            least = placement.needed(self.store.study, size)
             pages.show(pages.small_page(size, least), self._ink, size)
         else:
             self._show_screen(flow, size, arrangement)
@@ -258,7 +258,7 @@ class Trials:
         elif flow.screen is Screen.ADAPTATION:
             left = math.ceil(flow.left_s())
             text_px = pages.text_px(size)
-            below = room.below_pictures(size, arrangement, question=True)
+            below = placement.below_pictures(size, arrangement, question=True)
             top = size[1] - 3.0 * text_px if below.question is None else below.question
             pages.line(f"{left // 60}:{left % 60:02d}", self._ink.faint, text_px, size, top)
         elif flow.screen is Screen.INSTRUCTIONS and not (flow.study.guide.strip() or self._note):
@@ -273,7 +273,7 @@ class Trials:
         """The second question, and the categories for the mouse."""
         text_px = pages.text_px(size)
         # The strip does not move between the questions.
-        below = room.below_pictures(size, arrangement, question=GRAIN in flow.study.questions)
+        below = placement.below_pictures(size, arrangement, question=GRAIN in flow.study.questions)
         if flow.question == GRAIN and below.question is not None:
             pages.line(QUESTIONS[GRAIN], self._ink.quiet, text_px, size, below.question)
         self._scale.look()

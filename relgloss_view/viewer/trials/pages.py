@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from imgui_bundle import ImVec2, imgui
 
-from relgloss_view.experiment.flow import Flow, Screen
+from relgloss_view.experiment.session.flow import Flow, Screen
 from relgloss_view.picture.model.view import Size
 from relgloss_view.viewer.shell.theme import gray
 from relgloss_view.viewer.trials import keys

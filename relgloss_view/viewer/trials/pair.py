@@ -6,16 +6,16 @@ from collections.abc import Callable
 from typing import Any
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.experiment.order import Trial
-from relgloss_view.experiment.stimuli import digest_of, told_of
-from relgloss_view.experiment.store import Store
-from relgloss_view.experiment.study import Study
+from relgloss_view.experiment.design.stimuli import digest_of, told_of
+from relgloss_view.experiment.design.study import Study
+from relgloss_view.experiment.design.trial_order import Trial
+from relgloss_view.experiment.session.store import Store
 from relgloss_view.picture.model.view import Size
 from relgloss_view.viewer.drawing.arrangement import Arrangement
 from relgloss_view.viewer.drawing.canvas import Canvas, canvas_of
 from relgloss_view.viewer.drawing.pair_renderer import PairRenderer, SidePicture
 from relgloss_view.viewer.state.state import Side, State
-from relgloss_view.viewer.trials.room import presentation_of
+from relgloss_view.viewer.trials.placement import presentation_of
 
 
 def state_of(study: Study, trial: Trial) -> State:

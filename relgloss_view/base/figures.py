@@ -1,0 +1,72 @@
+"""Figures: one style for every plot, drawn without a window system, saved as the same bytes.
+
+matplotlib is imported only where a figure is made, because it is slow to import.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import warnings
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+INK, MUTED, FAINT, ACCENT = "#1b1f24", "#66707a", "#d9dee3", "#b3261e"
+WHITE = "white"
+#: matplotlib's settings for every plot; a caller overrides single entries in `drawing`.
+STYLE: dict[str, Any] = {
+    "font.size": 8.0,
+    "font.family": "DejaVu Sans",
+    "axes.edgecolor": MUTED,
+    "axes.labelcolor": INK,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.titlesize": 9.0,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.grid": True,
+    "grid.color": FAINT,
+    "grid.linewidth": 0.5,
+    "xtick.color": MUTED,
+    "ytick.color": MUTED,
+    "legend.frameon": False,
+    "legend.fontsize": 7.0,
+    "svg.hashsalt": "relgloss",  # identifiers in an SVG depend on its content alone
+}
+
+
+@contextlib.contextmanager
+def drawing(overrides: Mapping[str, Any] | None = None) -> Iterator[None]:
+    """Apply STYLE within the block; `overrides` are further settings by matplotlib's names."""
+    from matplotlib import rc_context
+
+    settings: Any = {**STYLE, **(overrides or {})}  # matplotlib types each name by itself
+    with rc_context(settings), warnings.catch_warnings():
+        # A name in a script that the font lacks shows boxes; that is no fault.
+        warnings.filterwarnings("ignore", message="Glyph", category=UserWarning)
+        yield
+
+
+def new_figure(
+    width_in: float, height_in: float, dpi: float, *, paper: str = WHITE, layout: Any = None
+) -> Any:
+    """A matplotlib figure of a size in inches, without a window system.
+
+    `paper` is its background colour; `layout` is matplotlib's own, such as "constrained".
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width_in, height_in), dpi=dpi, facecolor=paper, layout=layout)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def save_figure(figure: Any, path: str | os.PathLike[str], kind: str = "png") -> None:
+    """Write a figure as "png" or "svg"; the same figure gives the same bytes.
+
+    The writer's version and the date are left out. The caller puts the file in place.
+    """
+    metadata = {"png": {"Software": None}, "svg": {"Date": None}}[kind]
+    figure.savefig(path, format=kind, metadata=metadata)

@@ -1,0 +1,223 @@
+"""Study files (TOML), and studies as the session file keeps them: whole, with their materials.
+
+The tables of a study file are those of a scene file, and [[samples]], [grid], [procedure],
+[adaptive], [screen] and [study]. Format in docs/files.md.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import fault, numbers_of, printable
+from relgloss_view.base.resources import asset
+from relgloss_view.base.toml import build_part, entries, read_toml
+from relgloss_view.experiment.design.grid import Grid, share_of
+from relgloss_view.experiment.design.study import Adaptive, Procedure, Screen, Study, StudySample
+from relgloss_view.material.files import material_from_dict, material_to_dict
+from relgloss_view.material.spectra import is_lamp_name
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, SAMPLES, Sample
+from relgloss_view.picture.scene.scene_file import TABLES, build, lamp_beside, read_sample
+from relgloss_view.picture.scene.setup import Setup
+
+MAX_BYTES = 1024 * 1024
+EXPECTED = "a study file (TOML)"
+PARTS: dict[str, type[Any]] = {"procedure": Procedure, "adaptive": Adaptive, "screen": Screen}
+WORDS = ("title", "categories", "consent", "instructions")  #: the entries of [study]
+BUILT_IN = ("paper",)  #: studies by name
+
+
+def load_study(
+    path: str | os.PathLike[str], changes: Mapping[str, Mapping[str, object]] | None = None
+) -> Study:
+    """Read a study file, or a built-in study by name; InputError names file and entry.
+
+    changes: entries by table that count instead of the file's.
+    """
+    if is_built_in(path):
+        path = built_in_file(os.fspath(path))
+    content = read_toml(path, MAX_BYTES, EXPECTED)
+    try:
+        for table, entries_ in (changes or {}).items():
+            present = content.setdefault(table, {})
+            if not isinstance(present, dict):
+                raise InputError(f"[{table}]: its entries can't be set from outside")
+            present |= entries_
+        return _study(content, Path(path).parent)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def is_built_in(path: str | os.PathLike[str]) -> bool:
+    """Whether this names a built-in study, and no file."""
+    return os.fspath(path) in BUILT_IN and not os.path.lexists(path)
+
+
+def built_in_file(name: str) -> Path:
+    """Where the file of a built-in study lies."""
+    return Path(str(asset("studies", f"{name}.toml")))
+
+
+def _study(content: Mapping[str, Any], folder: Path) -> Study:
+    known = ("study", "samples", "reference", "grid", *PARTS, *TABLES)
+    for name in content:
+        if name not in known:
+            shown = printable(name, 60)
+            raise InputError(f"[{shown}]: no such table; expected one of {', '.join(known)}")
+    words = _entries(content, "study", WORDS)
+    if "categories" in words:
+        if not isinstance(words["categories"], list):
+            fault("study.categories", "a list of names", words["categories"])
+        words["categories"] = tuple(words["categories"])
+    parts = {name: build(name, content.get(name, {})) for name in TABLES}
+    parts["lamp"] = lamp_beside(parts["lamp"], folder, None)
+    for entry in ("sigma_n_deg", "c", "c_fraction"):
+        if entry in content.get("look", {}):
+            raise InputError(f"look.{entry}: the settings come from [grid]; leave it out here")
+    reference, reference_look = _reference(content.get("reference", {}), folder)
+    return Study(
+        _samples(content.get("samples"), folder),
+        reference,
+        reference_look,
+        grid=_grid(_entries(content, "grid", ("sigma_n_deg", "c_fraction"))),
+        **words,
+        **{name: build_part(kind, name, content.get(name, {})) for name, kind in PARTS.items()},
+        look=parts.pop("look"),
+        setup=Setup(**parts),
+    )
+
+
+def _entries(content: Mapping[str, Any], table: str, known: tuple[str, ...]) -> dict[str, Any]:
+    values = content.get(table, {})
+    if not isinstance(values, dict):
+        fault(f"[{table}]", "a table", values)
+    for key in values:
+        if key not in known:
+            shown = printable(key, 60)
+            raise InputError(f"{table}.{shown}: no such entry; expected one of {', '.join(known)}")
+    return dict(values)
+
+
+def _reference(values: object, folder: Path) -> tuple[Sample, Look]:
+    """The sample and look of the reference picture: those of the paper where nothing is said."""
+    if not isinstance(values, dict):
+        fault("[reference]", "a table", values)
+    of_sample = dict(values)
+    look = build("look", of_sample.pop("look", {}), "reference.")
+    if look.c is None and look.c_fraction is None:
+        look = dataclasses.replace(look, c_fraction=1.0)
+    sample = read_sample("reference", of_sample or {"name": next(iter(SAMPLES))}, folder, None)
+    if sample is None:
+        raise InputError("[reference]: expected a name or a material")
+    return sample, look
+
+
+def _samples(values: object, folder: Path) -> tuple[StudySample, ...]:
+    if values is None:  # the paper's three
+        values = [{"name": name} for name in list(SAMPLES)[1:]]
+    if not isinstance(values, list):
+        fault("samples", f"[[samples]], each with a name such as {DEFAULT_SAMPLE!r}", values)
+    made = []
+    for k, value in enumerate(values):
+        place = f"samples[{k}]"
+        if not isinstance(value, dict):
+            fault(place, "a table", value)
+        of_sample = dict(value)
+        label = of_sample.pop("label", None)
+        sample = read_sample(place, of_sample, folder, None)
+        if sample is None:
+            raise InputError(f"{place}: expected a name or a material")
+        if label is None:
+            label = sample.name or printable(sample.material.name, 60)
+        made.append(StudySample(label, sample))
+    return tuple(made)
+
+
+def _grid(values: Mapping[str, Any]) -> Grid:
+    made: dict[str, tuple[float, ...]] = {}
+    if "sigma_n_deg" in values:
+        made["sigma_n_deg"] = numbers_of(
+            values["sigma_n_deg"], "grid.sigma_n_deg", "0 to 10 deg", 0.0, 10.0
+        )
+    if "c_fraction" in values:
+        shares = values["c_fraction"]
+        if not isinstance(shares, list):
+            fault("grid.c_fraction", "a list of shares of c_max, such as ['1/6', 0.5, 1]", shares)
+        made["c_fraction"] = tuple(
+            share_of(value, f"grid.c_fraction[{k}]") for k, value in enumerate(shares)
+        )
+    return Grid(**made)
+
+
+def study_to_dict(study: Study) -> dict[str, Any]:
+    """The study as JSON holds it, whole: materials and a lamp's table are inside it."""
+    lamp = study.setup.lamp.illuminant
+    return {
+        "study": {name: _plain(getattr(study, name)) for name in WORDS},
+        "samples": [
+            {"label": s.label, **_sample_to_dict(s.sample)} for s in study.samples
+        ],
+        "reference": {
+            **_sample_to_dict(study.reference), "look": entries(study.reference_look)
+        },
+        "grid": {name: list(getattr(study.grid, name)) for name in ("sigma_n_deg", "c_fraction")},
+        **{name: entries(getattr(study, name)) for name in PARTS},
+        **{name: entries(part) for name, part in study.setup.parts().items()},
+        "look": entries(study.look),
+        "lamp_table": None if is_lamp_name(lamp) else Path(lamp).read_text(encoding="utf-8-sig"),
+    }  # fmt: skip
+
+
+def study_from_dict(content: Mapping[str, Any], lamp_folder: Path) -> Study:
+    """The study of study_to_dict. A lamp's table is put into a folder, where drawing finds it."""
+    reference = content["reference"]
+    parts = {name: build(name, content[name]) for name in TABLES}
+    if content["lamp_table"] is not None:
+        data = content["lamp_table"].encode("utf-8")
+        file = lamp_folder / f"lamp-{hashlib.sha256(data).hexdigest()[:16]}.csv"
+        if not file.exists():
+            file.write_bytes(data)
+        parts["lamp"] = dataclasses.replace(parts["lamp"], illuminant=str(file))
+    words = dict(content["study"])
+    words["categories"] = tuple(words["categories"])
+    return Study(
+        tuple(StudySample(s["label"], _sample_from_dict(s)) for s in content["samples"]),
+        _sample_from_dict(reference),
+        build("look", reference["look"], "reference."),
+        grid=Grid(**{name: tuple(values) for name, values in content["grid"].items()}),
+        **words,
+        **{name: build_part(kind, name, content[name]) for name, kind in PARTS.items()},
+        look=parts.pop("look"),
+        setup=Setup(**parts),
+    )
+
+
+def study_digest(content: Mapping[str, Any]) -> str:
+    """What tells one study from another: the same for all that is drawn and asked alike."""
+    seen = json.loads(json.dumps(content))
+    for sample in (*seen["samples"], seen["reference"]):
+        sample.pop("file")
+    if seen["lamp_table"] is not None:
+        seen["lamp"].pop("illuminant")  # where the table lies
+    return hashlib.sha256(json.dumps(seen, sort_keys=True).encode("utf-8")).hexdigest()
+
+
+def _sample_to_dict(sample: Sample) -> dict[str, Any]:
+    file = None if sample.file is None else str(Path(sample.file).absolute())
+    return {"name": sample.name, "file": file, "material": material_to_dict(sample.material)}
+
+
+def _sample_from_dict(content: Mapping[str, Any]) -> Sample:
+    material = material_from_dict(content["material"])
+    return Sample(material, name=content["name"], file=content["file"])
+
+
+def _plain(value: object) -> object:
+    return list(value) if isinstance(value, tuple) else value

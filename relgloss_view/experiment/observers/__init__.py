@@ -1,0 +1,1 @@
+"""Simulated observers with a known truth."""

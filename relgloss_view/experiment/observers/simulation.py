@@ -1,0 +1,113 @@
+"""Simulated observers, led through a study by the code that leads people."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.experiment.design.trial_order import Trial
+from relgloss_view.experiment.observers.percept import Percepts
+from relgloss_view.experiment.observers.population import Population, SimulatedObserver
+from relgloss_view.experiment.session.flow import Flow, Screen
+from relgloss_view.experiment.session.records import SIMULATED, Observer
+from relgloss_view.experiment.session.store import Store
+
+DEVICE = "none: simulated"
+
+
+@dataclass(frozen=True)
+class Given:
+    """An answer that is on the disk."""
+
+    observer: str
+    trial: Trial
+    question: str
+    category: int
+
+
+class VirtualClock:
+    """A clock that goes only when it is told to."""
+
+    def __init__(self) -> None:
+        self.now_s = 0.0
+
+    def __call__(self) -> float:
+        """Seconds."""
+        return self.now_s
+
+
+def run_observers(
+    store: Store,
+    percepts: Percepts,
+    population: Population,
+    count: int,
+    seed: int,
+    given: Callable[[Given], object] = lambda answer: None,
+    progress: Callable[[float, str], object] = lambda share, text: None,
+) -> None:
+    """Lead observers through the store's study until `count` of them are through.
+
+    Those who are through already stay; one who was cut short goes on. `given` is told of each
+    answer when it is stored.
+    """
+    while True:
+        known = store.observers()
+        if any(o.kind != SIMULATED for o in known):
+            raise InputError(
+                f"{store.path}: holds answers of people; give simulated observers a file of their "
+                "own"
+            )
+        ended = sum(o.ended for o in known)
+        if ended >= count:
+            return
+        number = next((o.number for o in known if not o.ended), len(known))
+        simulated = SimulatedObserver.of(population, seed, number, len(store.study.categories))
+        truths = {
+            sample.label: [truth.sigma_n_deg, truth.c_fraction]
+            for sample, truth in zip(store.study.samples, percepts.truths, strict=True)
+        }
+        details = {**simulated.told(), "truths": truths}
+        if number < len(known) and store.details(known[number]) != details:
+            raise InputError(
+                f"{store.path}: {known[number].name} is half way through with other truths, seed "
+                "or options; go on with those, or give another file"
+            )
+        observer = store.observer(kind=SIMULATED, details=details)
+        progress(ended / count, f"observer {observer.name}")
+        _run(store, observer, simulated, percepts, given)
+
+
+def _run(
+    store: Store,
+    observer: Observer,
+    simulated: SimulatedObserver,
+    percepts: Percepts,
+    given: Callable[[Given], object],
+) -> None:
+    """One observer, from consent to the end."""
+    clock = VirtualClock()
+    flow = Flow(store, observer, store.begin_run(observer, DEVICE, {}), clock)
+    questions = store.study.questions
+    while flow.screen is not Screen.FINISHED:
+        if flow.screen is Screen.TRIAL:
+            trial, question = flow.trial, flow.question
+            assert trial is not None
+            flow.shown()
+            clock.now_s += simulated.response_s(trial.position)
+            category = simulated.judge(
+                trial.position,
+                questions.index(question),
+                question,
+                percepts.stimuli[trial.sample, trial.setting],
+                percepts.targets[trial.sample],
+            )
+            stored = flow.answer(category)
+            assert stored
+            given(Given(observer.name, trial, question, category))
+        elif flow.screen in (Screen.GAP, Screen.ADAPTATION):
+            clock.now_s += flow.left_s()
+            flow.tick()
+        else:
+            flow.confirm()
+    flow.end()

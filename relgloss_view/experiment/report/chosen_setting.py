@@ -1,0 +1,135 @@
+"""What is chosen for a sample, in one form for full-grid and adaptive studies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.experiment.design.coordinates import coordinates
+from relgloss_view.experiment.design.grid import Grid
+from relgloss_view.experiment.scaling.fine_grid import Shape
+from relgloss_view.experiment.verdict.adaptive import AdaptiveVerdict
+from relgloss_view.experiment.verdict.analysis import JOINT, SampleResult
+from relgloss_view.experiment.verdict.full_grid import CHANCE, Verdict, edges_of
+from relgloss_view.picture.scene.setting import Setting
+
+Array = NDArray[np.float64]
+Interval = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A verdict, and the setting that it chooses. Arrays are over the settings of the grid."""
+
+    status: str
+    leading: int
+    setting: Setting  #: the leading one
+    shares: Array | None  #: of resamplings that a setting leads in; adaptive: of the posterior
+    at: Setting  #: the best between grid points
+    sigma_n_interval_deg: Interval | None  #: 95 %
+    c_interval: Interval | None
+    as_good: NDArray[np.bool_]  #: not distinguishable from the leading one, itself among them
+    shape: Shape | None
+    edges: tuple[str, ...]
+    p_chance: float  #: adaptive: the probability that all answers are by chance
+    adaptive: bool
+
+    @property
+    def leads(self) -> float | None:
+        """The leading setting's share."""
+        return None if self.shares is None else float(self.shares[self.leading])
+
+    @property
+    def shown(self) -> bool:
+        """Whether a setting may be pointed at; not where the answers may be by chance."""
+        return self.status != CHANCE
+
+
+def chosen(result: SampleResult, grid: Grid) -> Choice:
+    """The choice for a sample."""
+    if result.adaptive is not None:
+        return _of_posterior(result.adaptive, grid)
+    return choice_by(result, grid, result.decided_by)
+
+
+def choice_by(result: SampleResult, grid: Grid, question: str) -> Choice:
+    """The choice that the scale of one question makes."""
+    verdict: Verdict = result.verdicts[question]
+    best = verdict.optimum
+    return Choice(
+        verdict.status,
+        verdict.leading,
+        grid.settings[verdict.leading],
+        verdict.wins,
+        Setting(best.sigma_n_deg, best.c_fraction),
+        _along(grid, 0, best.sigma_n_interval_deg),
+        _along(grid, 1, best.c_interval),
+        verdict.as_good,
+        verdict.shape,
+        verdict.edges,
+        result.p[question],
+        adaptive=False,
+    )
+
+
+def _of_posterior(verdict: AdaptiveVerdict, grid: Grid) -> Choice:
+    best = verdict.estimate
+    return Choice(
+        verdict.status,
+        verdict.leading,
+        grid.settings[verdict.leading],
+        nearest_shares(grid, verdict.posterior),
+        Setting(best.sigma_n_deg, best.c_fraction),
+        _along(grid, 0, best.sigma_n_interval_deg),
+        _along(grid, 1, best.c_interval),
+        verdict.as_good,
+        None,
+        edges_of(grid, verdict.leading),
+        best.chance,
+        adaptive=True,
+    )
+
+
+def _along(grid: Grid, axis: int, ends: Interval | None) -> Interval | None:
+    """An interval, where the grid has more than one value to choose from."""
+    return ends if grid.shape[axis] > 1 else None
+
+
+def nearest_shares(grid: Grid, posterior: Array) -> Array:
+    """(J,), how much of a posterior (fine sigma_N, fine c) lies nearest to each setting."""
+    places = coordinates(grid).reshape(*grid.shape, 2)
+    found = posterior
+    for axis, of_grid in enumerate((places[:, 0, 0], places[0, :, 1])):
+        fine = np.linspace(0.0, of_grid[-1], posterior.shape[axis])
+        nearest = np.argmin(np.abs(fine[:, None] - of_grid), axis=1)
+        belongs = np.eye(len(of_grid))[nearest]  # (fine, of the grid)
+        found = np.moveaxis(np.tensordot(belongs, found, axes=(0, axis)), 0, axis)
+    return np.asarray(found).ravel()
+
+
+@dataclass(frozen=True)
+class Values:
+    """Closeness of the settings by one question, or by both together. Arrays are (J,)."""
+
+    probit: Array  #: NaN without answers
+    low: Array  #: 95 % interval, NaN where there is none
+    high: Array
+    torgerson: Array
+    counts: Array | None  #: (J, K), None for both together
+
+
+def values_of(result: SampleResult, counts: dict[str, Array], question: str) -> Values:
+    """The scale values of a question; `counts` holds (J, K) of each that was asked."""
+    if question != JOINT:
+        scale = next(s for s in result.scales if s.question == question)
+        none = np.full(len(scale.scale), np.nan)
+        low, high = (none, none) if scale.interval is None else scale.interval
+        return Values(scale.scale, low, high, scale.torgerson.scale, counts[question])
+    first, second = result.scales
+    low = high = np.full(len(first.scale), np.nan)
+    if first.draws is not None and second.draws is not None:
+        low, high = np.quantile(first.draws + second.draws, (0.025, 0.975), axis=0)
+    torgerson = first.torgerson.scale + second.torgerson.scale
+    return Values(first.scale + second.scale, low, high, torgerson, None)

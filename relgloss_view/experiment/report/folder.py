@@ -1,0 +1,84 @@
+"""A report as a folder: page, plots, numbers, tables and scenes."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import read_text
+from relgloss_view.experiment.report.file_names import file_names
+from relgloss_view.experiment.report.page import report_page
+from relgloss_view.experiment.report.plots import write_plots
+from relgloss_view.experiment.report.results import as_numbers
+from relgloss_view.experiment.report.scenes import write_scenes
+from relgloss_view.experiment.report.tables import write_tables
+from relgloss_view.experiment.verdict.analysis import Analysis
+
+PAGE, RESULTS = "report.html", "results.json"  #: results.json says whose a folder is
+MAX_BYTES = 64 * 1024 * 1024
+PLOTS_SHARE = 0.95  #: of the time
+
+
+def write_report(
+    folder: Path,
+    analysis: Analysis,
+    *,
+    command: str | None = None,
+    progress: Callable[[float, str], object] = lambda share, text: None,
+) -> tuple[str, ...]:
+    """Fill an existing, empty folder; the names of what was written, all of them plain files.
+
+    The same analysis and command give the same bytes. `command` is shown as the line that makes the
+    report again.
+    """
+    labels = [result.label for result in analysis.samples]
+    *of_samples, of_reference = file_names([*labels, "reference"])
+    names = dict(zip(labels, of_samples, strict=True))
+    write_tables(folder, analysis)
+    scenes = write_scenes(folder, analysis, names, of_reference)
+    plots = write_plots(
+        folder, analysis, names, lambda share, text: progress(PLOTS_SHARE * share, text)
+    )
+    progress(PLOTS_SHARE, PAGE)
+    page = report_page(folder, analysis, plots, scenes, command)
+    (folder / PAGE).write_text(page, encoding="utf-8", newline="\n")
+    written = sorted({path.name for path in folder.iterdir()} | {RESULTS})
+    found = as_numbers(analysis)
+    for sample in found["samples"]:
+        sample["scene"] = scenes.get(sample["label"])
+        sample["plots"] = [plot.file for plot in plots[sample["label"]]]
+    found["written"] = written
+    text = json.dumps(found, indent=1, allow_nan=False) + "\n"
+    (folder / RESULTS).write_text(text, encoding="utf-8")
+    return tuple(written)
+
+
+def earlier_files(folder: Path) -> tuple[str, ...]:
+    """What a former report has written into a folder, as its results.json tells."""
+    try:
+        found = json.loads(read_text(folder / RESULTS, MAX_BYTES, "results"))["written"]
+    except (InputError, ValueError, LookupError, TypeError, RecursionError):
+        return ()
+    names = found if isinstance(found, list) else []
+    return tuple(n for n in names if isinstance(n, str) and _is_plain(folder, n))
+
+
+def remove_stale(folder: Path, earlier: Sequence[str], written: Sequence[str]) -> None:
+    """Remove what a former report has written and this one has not, such as a scene.
+
+    A setting that was declared best once is not to stand beside a report that declares none.
+    """
+    for name in set(earlier) - set(written):
+        with contextlib.suppress(OSError):
+            (folder / name).unlink()
+
+
+def _is_plain(folder: Path, name: str) -> bool:
+    """Whether this names a file in the folder itself, and no place elsewhere."""
+    try:
+        return Path(name).name == name and (folder / name).is_file()
+    except (OSError, ValueError):
+        return False

@@ -1,0 +1,282 @@
+"""What an analysis says, in sentences; for the terminal, the page and the plots."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from relgloss_view.base.reading import printable
+from relgloss_view.experiment.design.grid import Grid
+from relgloss_view.experiment.design.study import GRAIN, RATIO
+from relgloss_view.experiment.report.answerers import path_words, people, silent, truths
+from relgloss_view.experiment.report.chosen_setting import Choice, Interval, choice_by, chosen
+from relgloss_view.experiment.session.pool import Pool
+from relgloss_view.experiment.verdict.analysis import JOINT, Analysis, SampleResult
+from relgloss_view.experiment.verdict.full_grid import (
+    BEST,
+    BROAD,
+    CHANCE,
+    FEW,
+    FEWEST_OBSERVERS,
+    RIDGE,
+)
+from relgloss_view.experiment.verdict.screening import ObserverResult
+from relgloss_view.picture.scene.setting import Setting, share_words
+
+SHORT = {
+    BEST: "best",
+    RIDGE: "a curve is as good",
+    BROAD: "many are as good",
+    CHANCE: "not told from chance",
+    FEW: "too few to say",
+}
+BY = {RATIO: "by the ratio of gloss", GRAIN: "by the grain", JOINT: "by both together"}
+MOST_NAMED = 7  #: settings, or sigma_N, that a sentence lists
+SIMULATED = (
+    "Simulated observers: these answers were computed, not given by people. They tell how well the "
+    "procedure finds a known truth, and nothing about real samples."
+)
+PARTLY_SIMULATED = (
+    "Some of these observers are simulated: their answers were computed, not given by people. "
+    "Results for real samples must leave them out."
+)
+
+
+def summary(analysis: Analysis) -> str:
+    """The whole analysis as lines for a terminal."""
+    pool = analysis.pool
+    lines = [printable(pool.study.title), *_who(analysis), ""]
+    for result in analysis.samples:
+        lines.append(f"{label_of(result)}: {sentence(result, analysis)}")
+        lines += [f"  {note}" for note in notes(result, analysis)]
+        lines.append(f"  {agreement(result)}")
+    lines += [f"{label}: {why}" for label, why in untold(analysis).items()]
+    told = observers_told(analysis)
+    if told:
+        lines += ["", "observers to look at:", *(f"  {line}" for line in told)]
+    return "\n".join(lines)
+
+
+def _who(analysis: Analysis) -> list[str]:
+    pool = analysis.pool
+    lines = [f"{people(pool)}; {sum(o.answers for o in analysis.observers)} answers"]
+    lines += [f"  {line}" for line in files(pool)]
+    warning = simulated_words(pool)
+    return lines if warning is None else [*lines, warning]
+
+
+def files(pool: Pool) -> list[str]:
+    """Each session file, in a line."""
+    found = []
+    for record in pool.records:
+        told = f"{path_words(record)}: {len(record.answers)} answers"
+        told += f", {record.undone} taken back" if record.undone else ""
+        if record.log_missing:
+            told += f"; {path_words(record)}-wal is not beside it: the last answers may be in that"
+        found.append(told)
+    return found
+
+
+def simulated_words(pool: Pool) -> str | None:
+    """That observers are simulated, where some are."""
+    if not pool.simulated:
+        return None
+    everybody = all(m.kind == "simulated" for m in pool.members)
+    return SIMULATED if everybody else PARTLY_SIMULATED
+
+
+def label_of(result: SampleResult) -> str:
+    """The sample's label on one line."""
+    return printable(result.label, 60)
+
+
+def untold(analysis: Analysis) -> dict[str, str]:
+    """Samples of which nothing can be told, by label, and why."""
+    return {printable(label, 60): why for label, why in analysis.untold.items()}
+
+
+def sentence(result: SampleResult, analysis: Analysis) -> str:
+    """The verdict on a sample."""
+    return _sentence(chosen(result, analysis.pool.study.grid), result, analysis.pool.study.grid)
+
+
+def _sentence(choice: Choice, result: SampleResult, grid: Grid) -> str:
+    leading = choice.setting.words
+    if choice.status == CHANCE:
+        name = "probability" if choice.adaptive else "p"
+        return (
+            "no setting is declared best: answers can't be told from chance "
+            f"({name} {choice.p_chance:.2g})"
+        )
+    if choice.status == FEW:
+        return f"leading {leading}; {_few(result)}{_between(choice)}"
+    if choice.status == RIDGE:
+        return (
+            f"a curve of settings is as good: {_curve(choice, grid)}; leading {leading}"
+            f"{_leads(choice)}"
+        )
+    if choice.status == BROAD:
+        share = float(np.mean(choice.as_good)) if choice.shape is None else choice.shape.share
+        return (
+            f"no setting stands out: {percent(share)} of the grid is as good as the leading "
+            f"{leading}{_leads(choice)}"
+        )
+    return f"best {leading}{_leads(choice)}{_between(choice)}"
+
+
+def _few(result: SampleResult) -> str:
+    if result.observers == 1:
+        return "one observer: nothing can be said of other people"
+    if result.observers < FEWEST_OBSERVERS:
+        return f"{result.observers} observers are too few to tell how surely"
+    return "the observers were not resampled: how surely is not known"
+
+
+def _leads(choice: Choice) -> str:
+    if choice.leads is None:
+        return ""
+    if choice.adaptive:
+        return f"; nearest in {percent(choice.leads)} of the posterior"
+    return f"; leads in {percent(choice.leads)} of resamplings"
+
+
+def _between(choice: Choice) -> str:
+    return f"; between grid points {between(choice)}"
+
+
+def between(choice: Choice) -> str:
+    """The best between grid points, with its intervals."""
+    sigma = f"{choice.at.sigma_n_deg:.2f} deg{interval(choice.sigma_n_interval_deg)}"
+    return f"{sigma}, {choice.at.c_fraction:.2f} c_max{interval(choice.c_interval)}"
+
+
+def interval(ends: Interval | None) -> str:
+    """An interval in brackets, or nothing."""
+    return "" if ends is None else f" ({ends[0]:.2f} to {ends[1]:.2f})"
+
+
+def percent(share: float) -> str:
+    """A share in percent; never '100 %' of what is less, nor '0 %' of what is more."""
+    if 0.99 < share < 1.0:
+        return "over 99 %"
+    if 0.0 < share < 0.01:
+        return "under 1 %"
+    return f"{100.0 * share:.0f} %"
+
+
+def _others(choice: Choice, grid: Grid) -> str:
+    """The settings other than the leading one that are as good."""
+    found = [grid.settings[k].words for k in np.flatnonzero(choice.as_good) if k != choice.leading]
+    more = len(found) - MOST_NAMED
+    return "; ".join(found[:MOST_NAMED]) + (f"; and {more} more" if more > 0 else "")
+
+
+def _curve(choice: Choice, grid: Grid) -> str:
+    """The settings that are as good: for each sigma_N from which c to which."""
+    found = []
+    for sigma, good in zip(grid.sigma_n_deg, choice.as_good.reshape(grid.shape), strict=True):
+        columns = np.flatnonzero(good).tolist()
+        starts = [k for k in columns if k - 1 not in columns]
+        ends = [k for k in columns if k + 1 not in columns]
+        runs = [
+            share_words(grid.c_fraction[a])
+            + (f" to {share_words(grid.c_fraction[b])}" if b > a else "")
+            for a, b in zip(starts, ends, strict=True)
+        ]
+        if runs:
+            found.append(f"{sigma:g} deg, {' and '.join(runs)} c_max")
+    more = len(found) - MOST_NAMED
+    return "; ".join(found[:MOST_NAMED]) + (f"; {more} sigma_N more" if more > 0 else "")
+
+
+def notes(result: SampleResult, analysis: Analysis) -> list[str]:
+    """What has to be known beside the verdict on a sample."""
+    study = analysis.pool.study
+    choice = chosen(result, study.grid)
+    if not choice.shown:
+        return [*_by_question(result, study.grid), *_truth(result, analysis)]
+    found = []
+    if choice.status == BEST and np.sum(choice.as_good) > 1:
+        found.append(f"not told apart from it: {_others(choice, study.grid)}")
+    if choice.status == RIDGE and len(result.scales) == 1:
+        found.append("the ratio alone leaves it open: ask for grain too (procedure.ask_grain)")
+    elif choice.status in (RIDGE, BROAD):
+        found.append("more observers, or more repeats, would tell more")
+    if result.observers == 1 and choice.status != FEW:
+        found.append(_few(result))
+    if study.procedure.ask_grain and result.adaptive is not None:
+        found.append("the answers about grain take no part in an adaptive verdict")
+    elif study.procedure.ask_grain and JOINT not in result.verdicts:
+        found.append("by the ratio alone: the answers about grain are all the same, or not there")
+    if choice.edges:
+        found.append(_edge_words(choice, study.grid))
+    return [*found, *_by_question(result, study.grid), *_truth(result, analysis)]
+
+
+def _edge_words(choice: Choice, grid: Grid) -> str:
+    """That the leading setting lies on an edge, and whether there is anything beyond."""
+    ends = {
+        "smallest sigma_N": grid.sigma_n_deg[0] == 0.0 and "there is no less grain",
+        "smallest c": grid.c_fraction[0] == 0.0 and "there is no less gloss",
+        "largest c": grid.c_fraction[-1] >= 1.0 and "beyond c_max the display clips",
+    }
+    beyond = "a wider grid may find better"
+    told = [f"{edge} ({ends.get(edge) or beyond})" for edge in choice.edges]
+    return f"lies on the grid's edge: {', '.join(told)}"
+
+
+def _by_question(result: SampleResult, grid: Grid) -> list[str]:
+    """Where two questions were asked: what each alone would choose."""
+    if result.adaptive is not None or len(result.verdicts) == 1:
+        return []
+    found = []
+    for question in result.verdicts:
+        if question != result.decided_by:
+            choice = choice_by(result, grid, question)
+            found.append(f"{BY[question]} alone: {_sentence(choice, result, grid)}")
+    return found
+
+
+def _truth(result: SampleResult, analysis: Analysis) -> list[str]:
+    truth = truths(analysis.pool).get(result.label)
+    return [] if truth is None else [f"right for the simulated observers: {setting_words(truth)}"]
+
+
+def setting_words(setting: Setting) -> str:
+    """Any setting, rounded."""
+    return Setting(round(setting.sigma_n_deg, 3), setting.c_fraction).words
+
+
+def agreement(result: SampleResult) -> str:
+    """How far the observers of a sample agree."""
+    observers = "observer" if result.observers == 1 else "observers"
+    told = f"{result.answers} answers, {result.observers} {observers}"
+    found = []
+    if result.alpha is not None:
+        found.append(f"Krippendorff's alpha {number(result.alpha)}")
+    if result.w is not None:
+        found.append(f"Kendall's W {number(result.w)}")
+    return f"{told}; agreement: {', '.join(found)}" if found else told
+
+
+def number(value: float | None, digits: int = 2) -> str:
+    """A number of a table; a dash where there is none."""
+    if value is None or not np.isfinite(value):
+        return "-"
+    written = f"{value:.{digits}f}"
+    return written.lstrip("-") if float(written) == 0.0 else written
+
+
+def small(p: float) -> str:
+    """A probability; how small exactly says nothing below a thousandth."""
+    return "< 0.001" if p < 0.001 else f"{p:.2g}"
+
+
+def observers_told(analysis: Analysis) -> list[str]:
+    """Everybody there is something to say of, and those who have not answered at all."""
+    found = [f"{observer_name(o)}: {'; '.join(o.told)}" for o in analysis.observers if o.told]
+    return found + [f"{printable(n, 80)}: no answers yet" for n in silent(analysis.pool)]
+
+
+def observer_name(observer: ObserverResult) -> str:
+    """A pseudonym on one line, with the file's name where there are several."""
+    return printable(observer.name, 120)

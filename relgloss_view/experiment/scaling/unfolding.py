@@ -1,0 +1,225 @@
+"""The smooth fit of a sample's answers: one right place in the grid, and how fast it falls off.
+
+Unfolding (Coombs 1964): every observer judges how far a setting lies from an ideal one. The
+distance is Euclidean in the plane of sigma_N and log c, stretched, sheared and bent by what the
+answers tell; categories are cut from it by the ordinal probit model (Aitchison and Silvey 1957).
+The ideal place lies between grid points; what is always "far" takes no part in finding it.
+"""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.experiment.design.coordinates import coordinates
+from relgloss_view.experiment.design.grid import Grid
+from relgloss_view.experiment.scaling.bounded_minima import minima_within
+from relgloss_view.experiment.session.posterior import LAPSE
+
+Array = NDArray[np.float64]
+
+#: Square of the distance that is judged at the ideal place: personal truths differ by about half
+#: of the noise, so that the tip of the mean judgment is round.
+ROUND = 0.25
+#: Priors, weak against one observer's answers: logs of the slopes along both axes, shear, the first
+#: bound, logs of the widths of categories, bends. Means and standard deviations.
+SLOPES, SLOPE_SD, SHEAR_SD = (-0.3, 0.0), 1.5, 1.5
+FIRST_BOUND, FIRST_BOUND_SD, WIDTH_SD, BEND_SD = 1.0, 3.0, 1.5, 0.4
+MOST_BEND = 0.9  #: an axis stays ascending up to one
+STARTS = 3  #: settings from which the search begins
+
+
+@dataclass(frozen=True)
+class Unfolding:
+    """A fit; its parameters are those of UnfoldingLoss."""
+
+    grid: Grid
+    parameters: Array  #: (n,)
+    loss: float
+
+    def closeness(self, points: Array) -> Array:
+        """Minus the judged distance at points (n, 2), in steps; (n,), units of the noise."""
+        return closeness_at(self.grid, self.parameters, points)
+
+
+def closeness_at(grid: Grid, parameters: Array, points: Array) -> Array:
+    """Minus the distances at points (m, 2), in steps, of fits (..., n); (..., m)."""
+    return np.asarray(-Distance(points, coordinates(grid)[-1]).at(parameters))
+
+
+def fit_unfolding(grid: Grid, counts: Array) -> Unfolding:
+    """The fit of counts (settings, categories) of a grid.
+
+    The search begins at each of the settings that were judged closest; the best end counts.
+    """
+    places = _closest(grid, counts)
+    loss = UnfoldingLoss(grid, np.broadcast_to(counts, (len(places), *counts.shape)))
+    ends, values = minima_within(loss, loss.start(places))
+    best = int(np.argmin(values))
+    return Unfolding(grid, ends[best], float(values[best]))
+
+
+def unfolding_draws(grid: Grid, counts: Array, start: Unfolding) -> Array:
+    """Parameters (B, n) of the fits of counts (B resamplings, settings, categories).
+
+    The searches begin at the fit of the answers that were resampled.
+    """
+    first = np.tile(start.parameters, (len(counts), 1))
+    return minima_within(UnfoldingLoss(grid, counts), first)[0]
+
+
+def _closest(grid: Grid, counts: Array) -> Array:
+    """Coordinates of the settings with the lowest mean category."""
+    number = counts.sum(axis=1)
+    mean = (counts @ np.arange(counts.shape[1])) / np.maximum(number, 1e-9)
+    order = np.argsort(np.where(number > 0.0, mean, np.inf), kind="stable")
+    return coordinates(grid)[order[: min(STARTS, int(np.sum(number > 0.0)))]]
+
+
+class Distance:
+    """The distance of fixed points from the ideal place, and its derivatives.
+
+    Parameters (..., n): ideal x and y in steps, log slope along x and y, shear, ..., bend of x and
+    y (last).
+    """
+
+    def __init__(self, points: Array, ends: Array) -> None:
+        self._ends = np.where(ends > 0.0, ends, 1.0)
+        self._share = np.ascontiguousarray((points / self._ends).T)  # (2, points)
+        self._arch = self._share * (1.0 - self._share)
+
+    def at(self, p: Array) -> Array:
+        """(..., points)."""
+        ideal, bend = p[..., :2] / self._ends, p[..., -2:]
+        self._slopes, self._shear = np.exp(p[..., 2:4, None]), p[..., 4, None]
+        self._ideal_arch = ideal * (1.0 - ideal)
+        self._ideal_turn = 1.0 + bend * (1.0 - 2.0 * ideal)
+        apart = self._share + bend[..., None] * self._arch
+        apart -= (ideal + bend * self._ideal_arch)[..., None]
+        apart *= self._ends[:, None]
+        self._x, self._y = apart[..., 0, :], apart[..., 1, :]
+        self._u = self._slopes[..., 0, :] * self._x + self._shear * self._y
+        self._v = self._slopes[..., 1, :] * self._y
+        self._d = np.asarray(np.sqrt(ROUND + self._u * self._u + self._v * self._v))
+        return self._d
+
+    def derivatives(self) -> Array:
+        """Where `at` was asked last: by ideal, log slopes, shear and bends, (..., 7, points)."""
+        by_u, by_v = self._u / self._d, self._v / self._d
+        by_x = self._slopes[..., 0, :] * by_u
+        by_y = self._shear * by_u + self._slopes[..., 1, :] * by_v
+        by_place = np.stack([by_x, by_y], axis=-2)
+        by_scale = np.stack([by_x * self._x, by_v * self._v, by_u * self._y], axis=-2)
+        arch = (self._arch - self._ideal_arch[..., None]) * self._ends[:, None]
+        return np.concatenate(
+            [-by_place * self._ideal_turn[..., None], by_scale, by_place * arch], axis=-2
+        )
+
+
+class UnfoldingLoss:
+    """Minus the log-likelihood of counts and minus the log of the priors, with its derivatives.
+
+    Counts (..., settings, categories) are those of one fit or of many. Parameters (..., n) are
+    those of Distance, and between shear and bends the first bound and the logs of the widths of
+    the categories after it.
+    """
+
+    def __init__(self, grid: Grid, counts: Array) -> None:
+        places = coordinates(grid)
+        judged = np.any(counts > 0.0, axis=(*range(counts.ndim - 2), -1))
+        self._counts = np.ascontiguousarray(counts[..., judged, :].swapaxes(-1, -2))
+        self._distance = Distance(places[judged], places[-1])
+        widths = counts.shape[-1] - 2
+        self.limits = [
+            *((0.0, float(end)) for end in places[-1]),
+            (-4.0, 4.0), (-4.0, 4.0), (-8.0, 8.0), (-5.0, 10.0),
+            *[(-4.0, 3.0)] * widths,
+            *[(-MOST_BEND, MOST_BEND)] * 2,
+        ]  # fmt: skip
+        self._mean = np.array([0.0, 0.0, *SLOPES, 0.0, FIRST_BOUND, *[0.0] * widths, 0.0, 0.0])
+        sd = [SLOPE_SD, SLOPE_SD, SHEAR_SD, FIRST_BOUND_SD, *[WIDTH_SD] * widths, BEND_SD, BEND_SD]
+        self._precision = np.array([0.0, 0.0, *(s**-2 for s in sd)])
+
+    def start(self, place: Array) -> Array:
+        """Parameters at the priors' means with the ideal at places (..., 2)."""
+        first = np.tile(self._mean, (*place.shape[:-1], 1))
+        first[..., :2] = place
+        return first
+
+    def of(self, rows: NDArray[np.bool_]) -> UnfoldingLoss:
+        """That of some of many fits."""
+        chosen = copy.copy(self)
+        chosen._counts = self._counts[rows]
+        return chosen
+
+    def __call__(self, p: Array) -> tuple[Array, Array]:
+        """Values (...,) and gradients (..., n)."""
+        share, density, by_bound = self._shares(p)
+        return self._slope(p, share, density, by_bound, self._distance.derivatives())
+
+    def scoring(self, p: Array) -> tuple[Array, Array, Array]:
+        """Values, gradients, and the expected second derivatives (..., n, n) (Fisher 1925)."""
+        share, density, by_bound = self._shares(p)
+        by_distance = self._distance.derivatives()
+        value, gradient = self._slope(p, share, density, by_bound, by_distance)
+        # Of the share of a category by its two bounds: +density at the upper, -density at the
+        # lower one; the expected curvature is the sum of their products over the share.
+        weight = self._counts.sum(axis=-2, keepdims=True) / share
+        own = density**2 * (weight[..., :-1, :] + weight[..., 1:, :])
+        beside = -density[..., :-1, :] * density[..., 1:, :] * weight[..., 1:-1, :]
+        rows = own.copy()
+        rows[..., :-1, :] += beside
+        rows[..., 1:, :] += beside
+        k = np.arange(own.shape[-2])
+        of_bounds = np.zeros((*own.shape[:-2], len(k), len(k)))
+        of_bounds[..., k, k] = own.sum(axis=-1)
+        of_bounds[..., k[:-1], k[1:]] = of_bounds[..., k[1:], k[:-1]] = beside.sum(axis=-1)
+        across = -by_bound.swapaxes(-1, -2) @ rows @ by_distance.swapaxes(-1, -2)
+        corner = (by_distance * rows.sum(axis=-2, keepdims=True)) @ by_distance.swapaxes(-1, -2)
+        places = np.concatenate([across.swapaxes(-1, -2), corner], axis=-1)
+        bounds = np.concatenate([by_bound.swapaxes(-1, -2) @ of_bounds @ by_bound, across], axis=-1)
+        information = np.concatenate([bounds, places], axis=-2)
+        size = information.shape[-1]
+        order = np.r_[size - 7 : size - 2, : size - 7, size - 2 : size]
+        information = information[..., order[:, None], order]
+        return value, gradient, information + np.diag(self._precision)
+
+    def _shares(self, p: Array) -> tuple[Array, Array, Array]:
+        """Probabilities of categories (..., K, settings), and what follows from bounds.
+
+        That is: their densities at bounds (..., K-1, settings), and the derivatives of bounds by
+        their parameters (..., K-1, K-1).
+        """
+        from scipy.special import ndtr
+
+        widths = np.exp(p[..., 6:-2])
+        number = widths.shape[-1] + 1
+        by_bound = np.ones((*p.shape[:-1], number, number))
+        by_bound[..., 1:] = np.tri(number, number - 1, -1) * widths[..., None, :]
+        bounds = p[..., 5, None] + by_bound[..., 1:].sum(axis=-1)
+        z = bounds[..., None] - self._distance.at(p)[..., None, :]
+        below = ndtr(z)
+        share = np.empty((*z.shape[:-2], number + 1, z.shape[-1]))
+        share[..., 0, :], share[..., -1, :] = below[..., 0, :], 1.0 - below[..., -1, :]
+        np.subtract(below[..., 1:, :], below[..., :-1, :], out=share[..., 1:-1, :])
+        share *= 1.0 - LAPSE
+        share += LAPSE / (number + 1)
+        density = np.exp(-0.5 * z * z)
+        density *= (1.0 - LAPSE) / np.sqrt(2.0 * np.pi)
+        return share, density, by_bound
+
+    def _slope(
+        self, p: Array, share: Array, density: Array, by_bound: Array, by_distance: Array
+    ) -> tuple[Array, Array]:
+        off = p - self._mean
+        pull = self._precision * off
+        likelihood = np.sum(self._counts * np.log(share), axis=(-1, -2))
+        by_share = self._counts / share
+        by_z = (by_share[..., 1:, :] - by_share[..., :-1, :]) * density
+        of_places = -(by_distance @ by_z.sum(axis=-2)[..., None])[..., 0]
+        of_bounds = (by_z.sum(axis=-1)[..., None, :] @ by_bound)[..., 0, :]
+        gradient = np.concatenate([of_places[..., :5], of_bounds, of_places[..., 5:]], axis=-1)
+        return 0.5 * np.sum(pull * off, axis=-1) - likelihood, gradient + pull

@@ -1,0 +1,1 @@
+"""One observer after another answers; every answer is on the disk before the next stimulus."""

@@ -1,0 +1,291 @@
+"""Store: the answers of a study on the disk, each whole before the next stimulus shows.
+
+Nothing is ever taken out: an answer that was undone stays and says so. A program that is killed
+leaves a file that goes on where it stood.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import sqlite3
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
+from relgloss_view.base.version import __version__
+from relgloss_view.experiment.design.study import Study
+from relgloss_view.experiment.design.study_file import study_digest, study_to_dict
+from relgloss_view.experiment.design.trial_order import Trial
+from relgloss_view.experiment.session import session_file
+from relgloss_view.experiment.session.records import (
+    PERSON,
+    Answer,
+    Observer,
+    read_answers,
+    read_observers,
+    read_study,
+)
+
+LONGEST_NAME = 40
+
+
+class Store:
+    """A session file, open for one program alone. Close it, or use it as a context.
+
+    Every method that writes has written when it returns; InputError says what hindered it.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], study: Study | None = None) -> None:
+        """Open a session file, or make it for a study; an existing one must be of that study."""
+        self.path = Path(path)
+        content = None if study is None else study_to_dict(study)
+        if content is not None and not os.path.lexists(path):
+            written = json.dumps(content, allow_nan=False)
+            session_file.create_file(path, written, study_digest(content), __version__)
+        self._connection: sqlite3.Connection | None = session_file.open_to_write(path)
+        self._lamps = tempfile.TemporaryDirectory(prefix="relgloss-")
+        try:
+            held, digest = read_study(self._connection, Path(self._lamps.name), self.path)
+            if content is not None and study_digest(content) != digest:
+                raise InputError(
+                    f"{printable(path)}: holds answers to another study, or to this one before it "
+                    "was edited; give another file with -o, or go on with "
+                    f"`relgloss experiment run {printable(path)}`"
+                )
+        except BaseException:
+            self.close()
+            raise
+        self.study = held
+
+    def __enter__(self) -> Store:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Give the file back; harmless when that was done."""
+        connection, self._connection = self._connection, None
+        if connection is not None:
+            try:
+                session_file.close(connection, self.path)
+            finally:
+                self._lamps.cleanup()
+
+    # --- observers and runs -------------------------------------------------------------------
+
+    def observers(self) -> list[Observer]:
+        """All so far, by number."""
+        assert self._connection is not None
+        with session_file.told(self.path):
+            return read_observers(self._connection)
+
+    def observer(
+        self, name: str | None = None, kind: str = PERSON, details: Mapping[str, Any] | None = None
+    ) -> Observer:
+        """The observer of a name, made if new; without a name who is not done yet, or a new one.
+
+        A name is a pseudonym of up to 40 printable characters. InputError where it is none, or
+        where this observer is through.
+        """
+        known = self.observers()
+        if name is None:
+            unfinished = [o for o in known if not o.ended and o.kind == kind]
+            if unfinished:
+                return unfinished[0]
+            name = _free_name({o.name for o in known})
+        name = name.strip()
+        if not (1 <= len(name) <= LONGEST_NAME and name.isprintable()):
+            raise InputError(
+                f"observer {printable(name, 60)!r}: expected a pseudonym of 1 to {LONGEST_NAME} "
+                "printable characters"
+            )
+        for other in known:
+            if other.name == name:
+                if other.ended:
+                    raise InputError(
+                        f"observer {name!r} is through with this study; give another name"
+                    )
+                return other
+        return self._make_observer(name, kind, details)
+
+    def details(self, observer: Observer) -> dict[str, Any]:
+        """How an observer was made; empty for people."""
+        ((text,),) = self._rows("SELECT details FROM observer WHERE number = ?", observer.number)
+        found: dict[str, Any] = json.loads(text)
+        return found
+
+    def new_observer(
+        self, kind: str = PERSON, details: Mapping[str, Any] | None = None
+    ) -> Observer:
+        """A new observer under a free pseudonym, whoever is not through yet."""
+        return self._make_observer(_free_name({o.name for o in self.observers()}), kind, details)
+
+    def _make_observer(self, name: str, kind: str, details: Mapping[str, Any] | None) -> Observer:
+        made = Observer(len(self.observers()), name, kind, False, False, _now())
+        with self._writing() as connection:
+            connection.execute(
+                "INSERT INTO observer VALUES (?, ?, ?, ?, NULL, NULL, ?)",
+                (made.number, name, kind, made.begun_utc, json.dumps(dict(details or {}))),
+            )
+        return made
+
+    def consent(self, observer: Observer) -> None:
+        """Keep that the observer has agreed."""
+        self._mark(observer, "consented_utc")
+
+    def end(self, observer: Observer) -> None:
+        """Keep that the observer is through."""
+        self._mark(observer, "ended_utc")
+
+    def begin_run(
+        self,
+        observer: Observer,
+        device: str,
+        screen: Mapping[str, Any],
+        profile: bytes | None = None,
+    ) -> int:
+        """Keep that a program starts to show pictures: on what device and screen; its number."""
+        with self._writing() as connection:
+            row = connection.execute(
+                "INSERT INTO run VALUES (NULL, ?, ?, NULL, ?, ?, ?, ?)",
+                (observer.number, _now(), __version__, device, json.dumps(dict(screen)), profile),
+            )
+            assert row.lastrowid is not None
+            return row.lastrowid
+
+    def end_run(self, run: int) -> None:
+        """Keep that the program ended by itself, and was not killed."""
+        with self._writing() as connection:
+            connection.execute("UPDATE run SET ended_utc = ? WHERE id = ?", (_now(), run))
+
+    def note(self, run: int, kind: str, detail: str = "") -> None:
+        """Keep something that happened: a pause, the end of the adaptation, an undone answer."""
+        with self._writing() as connection:
+            connection.execute(
+                "INSERT INTO event VALUES (NULL, ?, ?, ?, ?)", (run, _now(), kind, detail)
+            )
+
+    # --- trials and answers -------------------------------------------------------------------
+
+    def trials(self, observer: Observer) -> list[Trial]:
+        """What the observer sees and has seen, in order."""
+        return [
+            Trial(*row)
+            for row in self._rows(
+                "SELECT position, sample, setting, repeat FROM trial WHERE observer = ? "
+                "ORDER BY position",
+                observer.number,
+            )
+        ]
+
+    def plan(self, observer: Observer, trials: Sequence[Trial]) -> None:
+        """Keep trials that are to come; all of them or none."""
+        with self._writing() as connection:
+            connection.executemany(
+                "INSERT INTO trial VALUES (?, ?, ?, ?, ?)",
+                [(observer.number, t.position, t.sample, t.setting, t.repeat) for t in trials],
+            )
+
+    def answer(
+        self, observer: Observer, trial: Trial, question: str, category: int, response_s: float,
+        run: int,
+    ) -> None:  # fmt: skip
+        """Keep an answer. When this returns it is on the disk, whatever happens next."""
+        with self._writing() as connection:
+            connection.execute(
+                "INSERT INTO answer VALUES (NULL, ?, ?, ?, ?, ?, ?, ?, NULL)",
+                (observer.number, trial.position, question, category,
+                 round(1000.0 * response_s), run, _now()),
+            )  # fmt: skip
+
+    def undo(self, observer: Observer, run: int, *, drop_unanswered: bool = False) -> Trial | None:
+        """Take the observer's last standing answer back; its trial, None where there is none.
+
+        With `drop_unanswered`, later trials that were never answered are unplanned: they were
+        chosen by what is now undone.
+        """
+        rows = self._rows(
+            "SELECT id, position FROM answer WHERE observer = ? AND undone_utc IS NULL "
+            "ORDER BY position DESC, id DESC LIMIT 1",
+            observer.number,
+        )
+        if not rows:
+            return None
+        answer, position = rows[0]
+        with self._writing() as connection:
+            connection.execute("UPDATE answer SET undone_utc = ? WHERE id = ?", (_now(), answer))
+            connection.execute(
+                "INSERT INTO event VALUES (NULL, ?, ?, 'undo', ?)", (run, _now(), str(position))
+            )
+            if drop_unanswered:
+                connection.execute(
+                    "DELETE FROM trial WHERE observer = ?1 AND position > ?2 AND NOT EXISTS "
+                    "(SELECT 1 FROM answer WHERE observer = ?1 AND position = trial.position)",
+                    (observer.number, position),
+                )
+        return next(t for t in self.trials(observer) if t.position == position)
+
+    def answers(self, observer: Observer | None = None) -> list[Answer]:
+        """Standing answers, by observer and position; of one observer or of all."""
+        assert self._connection is not None
+        with session_file.told(self.path):
+            return read_answers(self._connection, None if observer is None else observer.number)
+
+    def keep_picture(
+        self, run: int, sample: int | None, setting: int | None, sha256: str, device: str,
+        parameters: Mapping[str, Any],
+    ) -> None:  # fmt: skip
+        """Keep what a picture was, so that it can be told whether it is drawn again the same.
+
+        The reference picture has neither sample nor setting. Kept once for each device and result.
+        """
+        with self._writing() as connection:
+            connection.execute(
+                "INSERT OR IGNORE INTO picture VALUES (?, ?, ?, ?, ?, ?)",
+                (sample, setting, sha256, device, json.dumps(dict(parameters)), run),
+            )
+
+    def _mark(self, observer: Observer, column: str) -> None:
+        with self._writing() as connection:
+            connection.execute(
+                f"UPDATE observer SET {column} = ? WHERE number = ? AND {column} IS NULL",
+                (_now(), observer.number),
+            )
+
+    def _rows(self, query: str, *values: object) -> list[Any]:
+        assert self._connection is not None
+        with session_file.told(self.path):
+            return self._connection.execute(query, values).fetchall()
+
+    @contextlib.contextmanager
+    def _writing(self) -> Iterator[sqlite3.Connection]:
+        """A transaction: on the disk when the block ends, undone where it can't be."""
+        assert self._connection is not None
+        with session_file.told(self.path):
+            self._connection.execute("BEGIN IMMEDIATE")
+            try:
+                yield self._connection
+                self._connection.execute("COMMIT")
+            except BaseException:
+                with contextlib.suppress(sqlite3.Error):
+                    self._connection.execute("ROLLBACK")
+                raise
+
+
+def _free_name(taken: set[str]) -> str:
+    """A pseudonym that nobody has: O01, O02, ..."""
+    number = 1
+    while f"O{number:02d}" in taken:
+        number += 1
+    return f"O{number:02d}"
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="milliseconds")

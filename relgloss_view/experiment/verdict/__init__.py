@@ -1,0 +1,1 @@
+"""Which settings are best, how surely, and how far observers agree."""

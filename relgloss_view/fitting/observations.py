@@ -1,0 +1,183 @@
+"""What a fit works on: the usable part of a measurement, and its compression to a few bands."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.fitting.shapes import Geometry, geometry
+from relgloss_view.measure.table import NEGATIVE, Measurement
+
+Array = NDArray[np.float64]
+
+#: Radiance factor below which an instrument's reading is its own floor. Dark samples lower it.
+FLOOR = 1e-3
+FLOOR_OF_MEDIAN = 0.02
+#: Squares of its inverse are formed: a band of 1e-300 beside ordinary ones must not overflow.
+LEAST_FLOOR = 1e-9
+#: No surface's brightest direction is darker: light traps reach 1e-5.
+DARKEST = 1e-6
+#: A channel of linear sRGB at or below zero means "outside the gamut", not "nothing": it is
+#: compared with the brightness of the same sample.
+OUT_OF_GAMUT_SLACK = 0.1
+FEWEST_SAMPLES = 12
+SEARCH_BANDS = 5
+FOLDS_WITHOUT_GROUPS = 10
+FEWEST_GROUPS = 4
+
+
+@dataclass(frozen=True)
+class Observations:
+    """N samples x B bands in radiance factors (pi times the BRDF), with their geometry."""
+
+    geometry: Geometry
+    value: Array  #: (N, B), zero where there is no usable value
+    floor: Array  #: (N, B), added to value and model before the logarithm
+    weight: Array  #: (N, B), 0 where there is no usable value, else the band's share
+    group: NDArray[np.int64]  #: (N,), 0 .. G-1
+    groups: int
+
+    @property
+    def bands(self) -> int:
+        """Number of bands."""
+        return int(self.value.shape[1])
+
+    def subset(self, rows: NDArray[np.bool_]) -> Observations:
+        """The samples marked in `rows`; groups keep their numbers."""
+        return replace(
+            self,
+            geometry=self.geometry.subset(rows),
+            value=self.value[rows],
+            floor=self.floor[rows],
+            weight=self.weight[rows],
+            group=self.group[rows],
+        )
+
+
+def usable_rows(measurement: Measurement) -> NDArray[np.bool_]:
+    """(N,), the geometries a fit uses.
+
+    A sample marked negative is still used in linear sRGB when another channel is positive: a
+    saturated colour lies outside that gamut everywhere.
+    """
+    factor = measurement.radiance_factor
+    rows = measurement.kept.copy()
+    if measurement.bands.is_rgb:
+        positive = np.nan_to_num(factor, nan=0.0, posinf=0.0, neginf=0.0) > 0.0
+        rows |= (measurement.reasons == NEGATIVE) & np.any(positive, axis=1)
+    facing = (measurement.to_lamp[:, 2] > 0.0) & (measurement.to_receiver[:, 2] > 0.0)
+    return np.asarray(rows & facing)
+
+
+def prepare(measurement: Measurement, seed: int = 0) -> Observations:
+    """The usable samples of a measurement.
+
+    Raises InputError when too little is left to fit anything to.
+    """
+    rows = usable_rows(measurement)
+    factor = measurement.radiance_factor[rows]
+    finite = np.isfinite(factor)
+    value = np.where(finite, factor, 0.0)
+    positive = value > 0.0
+    usable = positive if not measurement.bands.is_rgb else finite
+    enough = np.sum(np.any(positive, axis=1))
+    if enough < FEWEST_SAMPLES:
+        left_out = _unusable(measurement, rows, positive)
+        raise InputError(
+            f"{measurement.place}: {enough} usable samples of {len(rows)}"
+            f"{f' ({left_out})' if left_out else ''}; a fit needs at least {FEWEST_SAMPLES}"
+        )
+    if float(np.max(value)) < DARKEST:
+        raise InputError(
+            f"{measurement.place}: the largest radiance factor is {np.max(value):.2g}, darker than "
+            "any surface; check the quantity and its unit"
+        )
+    floor = _floors(value, positive)
+    group, groups = _groups(measurement.group[rows], seed)
+    value = np.where(positive, value, 0.0)
+    weight = np.where(usable, foreshortening(measurement, rows)[:, None] / value.shape[1], 0.0)
+    lamp, receiver = measurement.to_lamp[rows], measurement.to_receiver[rows]
+    return Observations(
+        geometry(lamp, receiver, measurement.aperture_sd_deg),
+        value,
+        floor,
+        weight,
+        group,
+        groups,
+    )
+
+
+def _unusable(
+    measurement: Measurement, rows: NDArray[np.bool_], positive: NDArray[np.bool_]
+) -> str:
+    """Why samples are not usable, with counts that account for each of them."""
+    usable = np.zeros(len(rows), dtype=bool)
+    usable[rows] = np.any(positive, axis=1)
+    reasons = Counter(str(r) or "zero or no number" for r in measurement.reasons[~usable])
+    return ", ".join(f"{count} {reason}" for reason, count in reasons.items())
+
+
+def foreshortening(measurement: Measurement, rows: NDArray[np.bool_]) -> Array:
+    """sqrt(cos_i cos_o) of the marked samples: what a sample weighs.
+
+    A surface seen or lit at grazing angles covers few pixels and gets little light; the cosine
+    weight is that of Ngan, Durand, Matusik 2005, shared between the two directions so that the
+    fit stays reciprocal.
+    """
+    cosines = measurement.to_lamp[rows, 2] * measurement.to_receiver[rows, 2]
+    return np.asarray(np.sqrt(cosines))
+
+
+def _floors(value: Array, positive: NDArray[np.bool_]) -> Array:
+    floor = np.full(value.shape, FLOOR)
+    for band in range(value.shape[1]):
+        if np.any(positive[:, band]):
+            typical = float(np.median(value[positive[:, band], band]))
+            floor[:, band] = np.clip(FLOOR_OF_MEDIAN * typical, LEAST_FLOOR, FLOOR)
+    brightness = np.mean(np.maximum(value, 0.0), axis=1, keepdims=True)
+    slack = np.maximum(-value, OUT_OF_GAMUT_SLACK * brightness)
+    return np.where(positive, floor, np.maximum(floor, slack))
+
+
+def _groups(group: NDArray[np.int64], seed: int) -> tuple[NDArray[np.int64], int]:
+    """Consecutive group numbers; random folds when the measurement names too few planes."""
+    names, number = np.unique(group, return_inverse=True)
+    if len(names) >= FEWEST_GROUPS:
+        return number.astype(np.int64), len(names)
+    count = min(FOLDS_WITHOUT_GROUPS, len(group))
+    order = np.random.default_rng(seed).permutation(len(group))
+    return (order % count).astype(np.int64), count
+
+
+def compress(observations: Observations, most: int = SEARCH_BANDS) -> Observations:
+    """Means over neighbouring bands, at most `most` of them.
+
+    The model is linear in the albedos and strengths, so the mean over bands is again of the
+    model's form (but for rho^2 in Oren-Nayar, where neighbouring bands hardly differ); the
+    nonlinear unknowns are shared by all bands, so the search may run on the means. Bands are cut
+    into runs of about equal total variation of the spectrum, so that each run is of one colour.
+    """
+    if observations.bands <= most:
+        return observations
+    seen = np.sum(observations.weight > 0.0, axis=0)
+    bands = np.flatnonzero(seen > 0.5 * np.max(seen))
+    if len(bands) <= most:
+        return observations
+    spectrum = np.array(
+        [np.median(observations.value[observations.weight[:, b] > 0.0, b]) for b in bands]
+    )
+    change = np.abs(np.diff(np.log(spectrum + FLOOR)))
+    # Half of the cut follows the spectrum, half the number of bands: flat spectra stay in runs too.
+    position = np.concatenate([[0.0], np.cumsum(change / max(np.sum(change), 1e-9))])
+    position = 0.5 * position + 0.5 * np.arange(len(bands)) / (len(bands) - 1)
+    run = np.minimum((position * most).astype(int), most - 1)
+    columns = [bands[run == k] for k in range(most) if np.any(run == k)]
+    value = np.stack([np.mean(observations.value[:, c], axis=1) for c in columns], axis=1)
+    floor = np.stack([np.mean(observations.floor[:, c], axis=1) for c in columns], axis=1)
+    whole = np.stack([np.all(observations.weight[:, c] > 0.0, axis=1) for c in columns], axis=1)
+    weight = np.stack([np.sum(observations.weight[:, c], axis=1) for c in columns], axis=1)
+    return replace(observations, value=value, floor=floor, weight=np.where(whole, weight, 0.0))

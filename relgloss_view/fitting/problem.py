@@ -1,0 +1,234 @@
+"""One rung on one set of observations: its loss, its linear unknowns, its normal equations.
+
+The loss is soft-L1 in the logarithmic residual r = log((m + e) / (f + e)), which is relative error
+with the floor e: sum_nb w_nb rho(r). Its stationary points over the linear unknowns are those of a
+least-squares problem with the weights w (rho'(r)/r) / (Lambda(m+e, f+e) (m+e)), Lambda being the
+logarithmic mean, because r = (m - f) / Lambda; so the inner problem is solved by reweighting.
+
+Several problems of one rung are solved side by side: starts of a search share the observations,
+folds of a cross-validation differ in their weights only. Their arrays have a leading axis P, and
+the samples are on the last axis, N.
+"""
+
+from __future__ import annotations
+
+import copy
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.fitting import linear
+from relgloss_view.fitting.model import (
+    SOFT_L1,
+    Rung,
+    States,
+    error_size,
+    influence,
+    robust,
+)
+from relgloss_view.fitting.observations import Observations
+from relgloss_view.fitting.shapes import diffuse_columns, facet_columns, index_slope
+from relgloss_view.fitting.unknowns import shared_unknowns
+from relgloss_view.material import brdf
+
+Array = NDArray[np.float64]
+
+
+class Equations(NamedTuple):
+    """Gauss-Newton matrix and gradient: K unknowns of each band, S unknowns that bands share."""
+
+    own: Array  #: (P, B, K, K)
+    cross: Array  #: (P, B, K, S)
+    shared: Array  #: (P, S, S)
+    own_gradient: Array  #: (P, B, K)
+    shared_gradient: Array  #: (P, S)
+
+
+class Misfit(NamedTuple):
+    """How far models are from the observations, and their losses."""
+
+    above: Array  #: (P, B, N), model plus floor
+    residual: Array  #: (P, B, N), logarithm of model over measured
+    loss: Array  #: (P,)
+
+
+class Problem:
+    """One rung on one set of observations, with one weight for all P problems or one for each.
+
+    weight: (P, B, N) instead of the observations' own. alpha: shape of the loss (model.robust).
+    """
+
+    def __init__(
+        self,
+        observations: Observations,
+        rung: Rung,
+        alpha: float = SOFT_L1,
+        weight: Array | None = None,
+    ) -> None:
+        self.rung, self.alpha, self.bands = rung, alpha, observations.bands
+        self.unknowns = shared_unknowns(rung)
+        self.geometry = observations.geometry
+        self._value = np.ascontiguousarray(observations.value.T)
+        self._floor = np.ascontiguousarray(observations.floor.T)
+        self._seen = self._value + self._floor
+        self._per_seen = 1.0 / self._seen
+        self._weight = observations.weight.T[None].copy() if weight is None else weight
+        self._total = np.sum(self._weight, axis=(1, 2))
+        self._reflectance: dict[float, Array] = {}
+
+    def columns(self, t: Array, log_s: Array, n: Array) -> Array:
+        """(P, C, N): columns of D1, D2 and the lobes, then their derivatives (see shapes)."""
+        lobes, count = self.rung.lobes, 2 + self.rung.lobes
+        freed = lobes if self.rung.free_index else 0
+        columns = np.empty((len(t), 2 * count + freed, len(self.geometry.along)))
+        columns[:, 0], columns[:, 1], columns[:, count], columns[:, count + 1] = diffuse_columns(
+            self.geometry, t
+        )
+        for j in range(lobes):
+            facets, slope = facet_columns(self.geometry, log_s[:, j])
+            lobe = facets * self._fresnel(n[:, j])
+            columns[:, 2 + j], columns[:, count + 2 + j] = lobe, lobe * slope
+            if freed:
+                columns[:, 2 * count + j] = lobe * index_slope(self.geometry, n[:, j])
+        return columns
+
+    def _fresnel(self, n: Array) -> Array:
+        """(P, N) or, where all indices are one held value, (N,)."""
+        first = float(n[0])
+        if self.rung.free_index or np.any(n != first):
+            return brdf.fresnel_dielectric(self.geometry.facing.cos_d, n[:, None])
+        if first not in self._reflectance:
+            self._reflectance[first] = brdf.fresnel_dielectric(self.geometry.facing.cos_d, first)
+        return self._reflectance[first]
+
+    def model(self, columns: Array, kd: Array, ks: Array) -> Array:
+        """Radiance factors (P, B, N) from columns and linear unknowns (P, B), (P, J, B)."""
+        linear_unknowns = np.concatenate([kd[:, None], (kd * kd)[:, None], ks], axis=1)
+        return np.asarray(np.swapaxes(linear_unknowns, 1, 2) @ columns[:, : 2 + ks.shape[1]])
+
+    def misfit(self, model: Array) -> Misfit:
+        """Residuals and weighted mean losses of models (P, B, N)."""
+        above = model + self._floor
+        residual = np.log(above * self._per_seen)
+        return Misfit(above, residual, self._mean(robust(residual, self.alpha)))
+
+    def mean_errors(self, model: Array) -> Array:
+        """(P,), weighted means of model.error_size."""
+        return self._mean(error_size(np.log((model + self._floor) * self._per_seen)))
+
+    def _mean(self, size: Array) -> Array:
+        return np.asarray(np.sum(self._weight * size, axis=(1, 2)) / self._total)
+
+    def part(self, rows: NDArray[np.bool_]) -> Problem:
+        """The problems marked in `rows`."""
+        part = copy.copy(self)
+        if len(self._weight) > 1:
+            part._weight, part._total = self._weight[rows], self._total[rows]
+        return part
+
+    # --- inside: the linear unknowns ------------------------------------------------------------
+
+    def inner(self, columns: Array, kd: Array, ks: Array, rounds: int) -> tuple[Array, Array]:
+        """Reweighted NNLS from the linear unknowns (P, B) and (P, J, B)."""
+        values = columns[:, : 2 + self.rung.lobes]
+        for _ in range(rounds):
+            weight = self._inner_weight(self.model(columns, kd, ks))
+            kd, ks = self._linear(values, weight, kd)
+        return kd, ks
+
+    def first_guess(self, columns: Array, rounds: int) -> tuple[Array, Array]:
+        """The linear unknowns from scratch: relative weights first, then reweighting."""
+        values = columns[:, : 2 + self.rung.lobes]
+        weight = self._weight * (self._per_seen * self._per_seen)
+        kd, ks = self._linear(values, weight, np.zeros((len(columns), self.bands)))
+        return self.inner(columns, kd, ks, rounds)
+
+    def _inner_weight(self, model: Array) -> Array:
+        above = model + self._floor
+        residual = np.log(above * self._per_seen)
+        near = np.abs(residual) < 1e-6
+        if np.any(near):
+            mean = np.where(near, above, (above - self._seen) / np.where(near, 1.0, residual))
+        else:
+            mean = (above - self._seen) / residual
+        return np.asarray(self._weight * influence(residual, self.alpha) / (mean * above))
+
+    def _linear(self, values: Array, weight: Array, kd: Array) -> tuple[Array, Array]:
+        """Weighted NNLS with the rho^2 term linearised about the running albedo."""
+        problems, used, samples = values.shape
+        bands, lobes = self.bands, used - 2
+        transposed = np.swapaxes(values, 1, 2)
+        weighted = (weight[:, :, None] * values[:, None]).reshape(problems, bands * used, samples)
+        gram = (weighted @ transposed).reshape(problems, bands, used, used)
+        aim = (weight * self._value) @ transposed + (kd * kd)[..., None] * gram[:, :, 1]
+        twice = 2.0 * kd
+        a = np.empty((problems, bands, 1 + lobes, 1 + lobes))
+        r = np.empty((problems, bands, 1 + lobes))
+        first = gram[:, :, 0] + twice[..., None] * gram[:, :, 1]
+        a[:, :, 0, 0] = first[:, :, 0] + twice * first[:, :, 1]
+        a[:, :, 0, 1:] = a[:, :, 1:, 0] = first[:, :, 2:]
+        a[:, :, 1:, 1:] = gram[:, :, 2:, 2:]
+        r[:, :, 0] = aim[:, :, 0] + twice * aim[:, :, 1]
+        r[:, :, 1:] = aim[:, :, 2:]
+        if lobes == 0 or self.rung.spectral:
+            x = linear.nnls_blocks(a.reshape(-1, 1 + lobes, 1 + lobes), r.reshape(-1, 1 + lobes))
+            x = x.reshape(problems, bands, 1 + lobes)
+            return x[:, :, 0], np.swapaxes(x[:, :, 1:], 1, 2)
+        x0, y = linear.nnls_arrow(
+            a[:, :, 0, 0],
+            a[:, :, 0, 1:],
+            np.sum(a[:, :, 1:, 1:], axis=1),
+            r[:, :, 0],
+            np.sum(r[:, :, 1:], axis=1),
+        )
+        return x0, np.repeat(y[:, :, None], bands, axis=2)
+
+    # --- outside: Gauss-Newton on everything, the linear unknowns eliminated ---------------------
+
+    def _jacobian_maps(self, states: States) -> tuple[Array, Array]:
+        """How columns combine into derivatives: own (P, B, C, K) and shared (P, B, C, S)."""
+        rung, lobes, unknowns = self.rung, self.rung.lobes, self.unknowns
+        slope = 2 + lobes
+        count = 2 * slope + (lobes if rung.free_index else 0)
+        own_lobes = lobes if rung.spectral else 0
+        own = np.zeros((len(states), self.bands, count, 1 + own_lobes))
+        shared = np.zeros((len(states), self.bands, count, unknowns.count))
+        own[:, :, 0, 0], own[:, :, 1, 0] = 1.0, 2.0 * states.kd
+        for j in range(own_lobes):
+            own[:, :, 2 + j, 1 + j] = 1.0
+        if rung.rough:
+            shared[:, :, slope, unknowns.t.start] = states.kd
+            shared[:, :, slope + 1, unknowns.t.start] = states.kd**2
+        for j in range(lobes):
+            shared[:, :, slope + 2 + j, unknowns.log_s.start + j] = states.ks[:, j]
+            if rung.free_index:
+                shared[:, :, 2 * slope + j, unknowns.n.start + j] = states.ks[:, j]
+            if not rung.spectral:
+                shared[:, :, 2 + j, unknowns.ks.start + j] = 1.0
+        return own, shared
+
+    def equations(self, columns: Array, misfit: Misfit, states: States) -> Equations:
+        """The normal equations of a Gauss-Newton step at `states`."""
+        problems, count, samples = columns.shape
+        slope = self._weight * influence(misfit.residual, self.alpha) / misfit.above
+        transposed = np.swapaxes(columns, 1, 2)
+        weighted = (slope / misfit.above)[:, :, None] * columns[:, None]
+        gram = weighted.reshape(problems, self.bands * count, samples) @ transposed
+        gram = gram.reshape(problems, self.bands, count, count)
+        gradient = ((slope * misfit.residual) @ transposed)[..., None, :]
+        own, shared = self._jacobian_maps(states)
+        gram_own = gram @ own
+        return Equations(
+            np.swapaxes(own, 2, 3) @ gram_own,
+            np.swapaxes(gram_own, 2, 3) @ shared,
+            np.sum(np.swapaxes(shared, 2, 3) @ (gram @ shared), axis=1),
+            (gradient @ own)[..., 0, :],
+            np.sum((gradient @ shared)[..., 0, :], axis=1),
+        )
+
+    def reweighted(self, columns: Array, states: States) -> tuple[States, Misfit]:
+        """The states after one reweighting of their linear unknowns, and their misfit."""
+        kd, ks = self.inner(columns, states.kd, states.ks, 1)
+        states = States(states.t, states.log_s, states.n, kd, ks)
+        return states, self.misfit(self.model(columns, kd, ks))

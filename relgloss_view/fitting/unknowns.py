@@ -1,0 +1,76 @@
+"""Where each unknown that all bands share has its place in one vector."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.fitting.model import (
+    INDEX_RANGE,
+    LOG_S_RANGE,
+    T_MAX,
+    Rung,
+    States,
+)
+
+Array = NDArray[np.float64]
+
+WIDTH_STEP, INDEX_STEP = 0.7, 0.5  #: limits of one step in ln s and in a refractive index
+
+
+@dataclass(frozen=True)
+class SharedUnknowns:
+    """The S shared unknowns of a rung, in order, with their bounds and limits of one step."""
+
+    t: slice
+    log_s: slice
+    n: slice
+    ks: slice  #: empty where each band has its own strengths
+    low: Array  #: (S,)
+    high: Array  #: (S,)
+    limit: Array  #: (S,)
+
+    @property
+    def count(self) -> int:
+        """S."""
+        return len(self.low)
+
+    def values(self, states: States) -> Array:
+        """(P, S), the shared unknowns of P states."""
+        values = np.empty((len(states), self.count))
+        values[:, self.t] = states.t[:, None][:, : self.t.stop]
+        values[:, self.log_s] = states.log_s
+        values[:, self.n] = states.n[:, : self.n.stop - self.n.start]
+        values[:, self.ks] = states.ks[:, : self.ks.stop - self.ks.start, 0]
+        return values
+
+    def replaced(self, states: States, values: Array, kd: Array, own_ks: Array) -> States:
+        """The states with new shared unknowns (P, S), albedos (P, B) and own strengths (P, J, B).
+
+        Unknowns that the rung holds keep their values.
+        """
+        bands = kd.shape[1]
+        neutral = values[:, self.ks]
+        return States(
+            values[:, 0] if self.t.stop else states.t,
+            values[:, self.log_s],
+            values[:, self.n] if self.n.stop > self.n.start else states.n,
+            kd,
+            np.repeat(neutral[:, :, None], bands, axis=2) if neutral.shape[1] else own_ks,
+        )
+
+
+@lru_cache(maxsize=64)
+def shared_unknowns(rung: Rung) -> SharedUnknowns:
+    """Roughness, widths, freed indices and neutral strengths, each present as the rung has it."""
+    neutral = 0 if rung.spectral else rung.lobes
+    counts = (int(rung.rough), rung.lobes, rung.lobes if rung.free_index else 0, neutral)
+    ends = np.cumsum(counts).tolist()
+    ranges = ((0.0, T_MAX), LOG_S_RANGE, INDEX_RANGE, (0.0, np.inf))
+    low, high = np.repeat(np.array(ranges), counts, axis=0).T
+    limit = np.repeat((np.inf, WIDTH_STEP, INDEX_STEP, np.inf), counts)
+    t, log_s, n, ks = (slice(e - c, e) for c, e in zip(counts, ends, strict=True))
+    return SharedUnknowns(t, log_s, n, ks, low, high, limit)

@@ -1,0 +1,62 @@
+"""Constants of the shaders: each named choice has one number, which Python alone assigns.
+
+shader.py writes them at the head of every stage as TABLE_NAME, such as NOISE_PAPER, so that neither
+GLSL nor Python repeats a number.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from relgloss_view.material import approximations
+from relgloss_view.picture import method
+from relgloss_view.picture.scene.look import GRAINS, NOISE_LAWS
+from relgloss_view.picture.scene.setup import GAMUTS, SHAPES, TRANSFERS
+
+#: What pass 1 writes: the weights of the shapes, XYZ, the split of L*, or the last two.
+WRITES = ("weights", "xyz", "split", "xyz and split")
+OVERLAYS = (
+    "clipped",
+    "out of gamut",
+    "lightness",
+    "diffuse only",
+    "specular only",
+    "normals",
+)
+
+#: The names of each table, in the order of their numbers.
+NAMES: Mapping[str, tuple[str, ...]] = {
+    "SHAPE": SHAPES,
+    "DIFFUSE": ("lambert", "oren-nayar", "eon", "qualitative"),
+    "NOISE": ("none", *NOISE_LAWS),
+    "GRAIN": GRAINS,
+    "FRESNEL": approximations.FRESNEL,
+    "SHADOWING": approximations.SHADOWING,
+    "FACETS": approximations.FACETS,
+    "LAMP": method.LAMPS,
+    "CUBE_ROOT": ("householder", "power", "table"),
+    "WRITES": WRITES,
+    "GAMUT": GAMUTS,
+    "TRANSFER": TRANSFERS,
+    "OVERLAY": OVERLAYS,
+}
+
+
+def code(table: str, name: str) -> int:
+    """The number of a name in a table; ValueError for a name that it lacks."""
+    return NAMES[table].index(name)
+
+
+def glsl_name(table: str, name: str) -> str:
+    """How the shaders call a name: NOISE_PAPER, SHADOWING_V_GROOVE."""
+    return f"{table}_{re.sub('[^A-Z0-9]', '_', name.upper())}"
+
+
+def definitions() -> list[str]:
+    """The lines that define every constant."""
+    return [
+        f"#define {glsl_name(table, name)} {number}"
+        for table, names in NAMES.items()
+        for number, name in enumerate(names)
+    ]

@@ -1,0 +1,128 @@
+"""Renderer: a scene and a look become a Frame, for window, files and tests alike."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+from collections.abc import Callable
+from functools import partial
+
+import moderngl
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.picture.frame import Frame, scene_warnings
+from relgloss_view.picture.gpu.context import collect, make_current
+from relgloss_view.picture.gpu.passes import Passes
+from relgloss_view.picture.gpu.programs import Programs
+from relgloss_view.picture.gpu.request import Request
+from relgloss_view.picture.method import EXACT, Method
+from relgloss_view.picture.model.drawn import as_drawn
+from relgloss_view.picture.model.view import Size, check_size
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
+
+PREPARED_SIZE = (80, 8)  #: wide enough for the reduction's further steps
+
+#: Scene, look and size -> how much of the model the picture is drawn with.
+Chooser = Callable[[Scene, Look, Size], Method]
+
+
+def everything(scene: Scene, look: Look, size: Size) -> Method:
+    """The chooser that takes the whole model for every picture."""
+    return EXACT
+
+
+class Renderer:
+    """Draws frames on one OpenGL context.
+
+    programs: Renderers of one context may share theirs. choose: the method for a look of quality
+    "auto" (quality.planner.Planner.method); without it every picture is drawn with the whole model.
+    `draws` counts the passes drawn so far by name, for those who check what is drawn again.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        programs: Programs | None = None,
+        choose: Chooser = everything,
+    ) -> None:
+        self.ctx = ctx
+        make_current(ctx)
+        self.programs = programs or Programs(ctx)
+        self.choose = choose
+        self.passes = Passes(ctx, self.programs)
+        self._shares_programs = programs is not None
+        self._device = str(ctx.info["GL_RENDERER"])
+        self._last: Frame | None = None
+
+    @property
+    def draws(self) -> dict[str, int]:
+        """How often each pass was drawn so far."""
+        return self.passes.draws
+
+    def prepare(self, scene: Scene, look: Look) -> None:
+        """Compile every variant that sliders of this scene and look can reach without a pause.
+
+        A driver compiles a program when it is first drawn with, so each draws a few pixels.
+        """
+        for samples in (1, 2):
+            for sigma_n_deg in (0.0, max(look.sigma_n_deg, 1.0)):
+                tried = dataclasses.replace(
+                    look, sigma_n_deg=sigma_n_deg, samples=samples, quality="exact"
+                )
+                with contextlib.suppress(InputError):
+                    frame = self.render(scene, tried, PREPARED_SIZE)
+                    _ = frame.clip_count, frame.light, frame.normal, frame.specular
+
+    def request(
+        self, scene: Scene, look: Look, size: Size, method: Method | None = None
+    ) -> Request:
+        """What a frame is asked to be; no method: by the look's quality. InputError for a size."""
+        if method is None:
+            method = self.choose(scene, look, check_size(size))
+        return Request(as_drawn(scene, look), look, check_size(size), method)
+
+    def render(self, scene: Scene, look: Look, size: Size, method: Method | None = None) -> Frame:
+        """Draw a scene. Raises InputError for a size or a material that can't be drawn.
+
+        The same arguments in a row give the same Frame, with what was fetched of it. A method
+        draws less than the whole model.
+        """
+        request = self.request(scene, look, size, method)
+        make_current(self.ctx)
+        before = self.passes.present
+        drawn = self.passes.bring_up_to_date(request)
+        last = self._last
+        same = before is not None and before is self.passes.present
+        asked = scene, look, size, request.method
+        if same and last and (last.scene, last.look, last.size, last.method) == asked:
+            return last
+        self._last = Frame(
+            scene,
+            look,
+            size,
+            drawn.scaling,
+            partial(self.passes.fetch, request),
+            self._device,
+            scene_warnings(scene, look, size, seen=drawn.object_pixels > 0, lit=drawn.white > 0.0),
+            request.method,
+            drawn.object_pixels,
+        )
+        return self._last
+
+    def framebuffer_name(self, targets: tuple[str, ...]) -> int:
+        """OpenGL's name of the framebuffer of targets that were drawn; it reads the first."""
+        return int(self.passes.targets.framebuffer(targets).glo)
+
+    def texture(self, name: str) -> moderngl.Texture:
+        """A target as it was last drawn, for passes that start from it."""
+        return self.passes.texture(name)
+
+    def release(self) -> None:
+        """Free everything on the device; frames already made are drawn again when asked."""
+        make_current(self.ctx)
+        self._last = None
+        self.passes.release()
+        if not self._shares_programs:
+            self.programs.release()
+        collect(self.ctx)

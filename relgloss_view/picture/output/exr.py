@@ -1,0 +1,88 @@
+"""OpenEXR: a frame with every stage as layers, for programs that compute with it."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from itertools import chain
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.version import __version__
+from relgloss_view.base.writing import whole_file
+from relgloss_view.picture.displayed import Displayed
+from relgloss_view.picture.frame import Frame
+from relgloss_view.picture.output.parameters import parameters
+
+#: Layer name, attribute of Frame, channel names.
+LAYERS = (
+    ("diffuse", "diffuse", "XYZ"),
+    ("specular", "specular", "XYZ"),
+    ("N", "normal", "XYZ"),
+    ("Np", "tilted_normal", "XYZ"),
+    ("P", "point_m", "XYZ"),
+    ("Lab", "lab", "LAB"),
+)
+
+
+def save_exr(
+    frame: Frame, path: str | os.PathLike[str], command: str, displayed: Displayed | None
+) -> None:
+    """Write a frame as OpenEXR, scan lines, ZIP, float32; arguments as save_frame.
+
+    Layers and attributes are listed in docs/files.md. Raises InputError where the file can't be
+    written.
+    """
+    import OpenEXR
+
+    channels: dict[str, NDArray[np.float32]] = {}
+
+    def put(name: str, values: NDArray[Any]) -> None:
+        channels[name] = np.ascontiguousarray(values, dtype=np.float32)
+
+    light = (frame if displayed is None else displayed).light
+    for k, name in enumerate("RGB"):
+        put(name, light[..., k])
+    put("A", frame.coverage)
+    for layer, attribute, names in LAYERS:
+        values = getattr(frame, attribute)
+        for k, name in enumerate(names):
+            put(f"{layer}.{name}", values[..., k])
+    l_d, l_s = frame.split
+    put("Ld.Y", l_d)
+    put("Ls.Y", l_s)
+    numbers = parameters(frame, displayed)
+    display = frame.scene.display
+    header = {
+        "compression": OpenEXR.ZIP_COMPRESSION,
+        "type": OpenEXR.scanlineimage,
+        "chromaticities": tuple(chain(*display.primaries_xy, display.white_xy)),
+        "whiteLuminance": float(frame.y_n_cd_m2),
+        "lamp_m": frame.scene.lamp.position_m.astype(np.float32),
+        "eye_m": frame.scene.eye.position_m.astype(np.float32),
+        "c": float(frame.c),
+        "c_max": _number(frame.c_max),
+        "c_max_eq4": _number(frame.scaling.c_max_eq4),
+        "sigma_n_deg": float(frame.look.sigma_n_deg),
+        "seed": frame.look.seed,
+        "operator": numbers["operator"],
+        "clip_count": numbers["clip_count"],
+        "out_of_gamut_count": numbers["out_of_gamut_count"],
+        "relgloss_version": __version__,  # EXR keeps "version" to itself
+        "parameters": json.dumps(numbers),
+        **({"command": command} if command else {}),
+    }
+    with whole_file(path) as temporary, OpenEXR.File(header, channels) as picture:
+        try:
+            picture.write(str(temporary))
+        except RuntimeError as error:  # what OpenEXR raises where the disk is full
+            raise InputError(f"{path}: can't be written ({error}); choose another place") from error
+
+
+def _number(value: float | None) -> float:
+    """An EXR attribute has no None: where there is no c_max it is NaN."""
+    return math.nan if value is None else float(value)

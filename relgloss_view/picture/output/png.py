@@ -1,0 +1,154 @@
+"""PNG: a picture for the eye, with its colour profile and the command that draws it again."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+from functools import lru_cache
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.version import __version__
+from relgloss_view.base.writing import whole_file
+from relgloss_view.picture.displayed import Displayed
+from relgloss_view.picture.frame import Frame
+from relgloss_view.picture.model import tone
+from relgloss_view.picture.output.parameters import parameters
+from relgloss_view.picture.output.png16 import write_png16
+from relgloss_view.picture.scene.setup import Display
+
+Digital = NDArray[np.uint8] | NDArray[np.uint16]
+
+SOFTWARE = f"relgloss {__version__}"
+
+
+def save_png(
+    frame: Frame,
+    path: str | os.PathLike[str],
+    command: str,
+    bits: int = 8,
+    displayed: Displayed | None = None,
+) -> None:
+    """Write a frame as PNG; arguments as save_frame."""
+    text = _text(json.dumps(parameters(frame, displayed)), command)
+    save_rgb(digital(frame, displayed, bits), path, text, srgb=is_srgb(frame.scene.display))
+
+
+def png_bytes(frame: Frame) -> bytes:
+    """A PNG of 8 bits with the profile but without parameters, which needs only the pixels."""
+    profile = srgb_profile() if is_srgb(frame.scene.display) else None
+    memory = io.BytesIO()
+    write_png8(memory, frame.display, {"Software": SOFTWARE}, profile)
+    return memory.getvalue()
+
+
+def save_pair(
+    frames: tuple[Frame, Frame],
+    path: str | os.PathLike[str],
+    commands: tuple[str, str],
+    *,
+    gap_px: int = 0,
+    mirrored: bool = False,
+    bits: int = 8,
+    displayed: tuple[Displayed | None, Displayed | None] = (None, None),
+) -> None:
+    """Write the reference and the test picture side by side as one PNG, as the window shows them.
+
+    frames: reference and test, of one size and for one display; the surround fills the gap.
+    commands: the command line of each. gap_px: width of the gap. mirrored: swap the pictures and
+    mirror each. bits, displayed: as save_frame, displayed one for each picture. Raises InputError
+    where the name does not end in .png or the file can't be written.
+    """
+    file = Path(path)
+    if file.suffix.lower() != ".png":
+        raise InputError(f"{file}: expected a name that ends in .png, which holds both pictures")
+    pair = {
+        "reference": parameters(frames[0], displayed[0]),
+        "test": parameters(frames[1], displayed[1]),
+        "gap_px": gap_px,
+        "mirrored": mirrored,
+    }
+    display = frames[0].scene.display
+    left, right = (digital(*both, bits) for both in zip(frames, displayed, strict=True))
+    if mirrored:
+        left, right = right[:, ::-1], left[:, ::-1]
+    model = tone.DisplayModel.of(display)
+    surround = _quantised(np.array(tone.encode(np.array(model.background_light), model)), bits)
+    gap = np.full((left.shape[0], gap_px, 3), surround, dtype=surround.dtype)
+    text = _text(json.dumps(pair), "\n".join(commands))
+    save_rgb(np.concatenate([left, gap, right], axis=1), file, text, srgb=is_srgb(display))
+
+
+def digital(frame: Frame, displayed: Displayed | None, bits: int) -> Digital:
+    """(H, W, 3), digital values of the display: the picture's own 8 bits, or its light in 16."""
+    if bits == 8:
+        return frame.display if displayed is None else displayed.digital
+    light = (frame if displayed is None else displayed).light.astype(np.float64)
+    return _quantised(tone.encode(light, tone.DisplayModel.of(frame.scene.display)), bits)
+
+
+def save_rgb(
+    rgb: Digital, path: str | os.PathLike[str], text: dict[str, str], *, srgb: bool = True
+) -> None:
+    """Write RGB (H, W, 3) of 8 or 16 bits as PNG with text chunks and, for sRGB, the profile."""
+    profile = srgb_profile() if srgb else None
+    with whole_file(path) as temporary:
+        if rgb.dtype == np.uint16:
+            write_png16(temporary, rgb.astype(np.uint16, copy=False), text, profile)
+        else:
+            write_png8(temporary, rgb, text, profile)
+
+
+@lru_cache(maxsize=1)
+def srgb_profile() -> bytes:
+    """An sRGB ICC profile, the same bytes each time (its date field is cleared)."""
+    from PIL import ImageCms
+
+    data = bytearray(ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes())
+    data[24:36] = bytes((7, 234, 0, 1, 0, 1)) + bytes(6)  # 2026-01-01, big-endian words
+    return bytes(data)
+
+
+def write_png8(
+    file: Path | BinaryIO, rgb: Digital, text: dict[str, str], profile: bytes | None
+) -> None:
+    """Write RGB (H, W, 3) of 8 bits as PNG, with text chunks and an ICC profile if there is one."""
+    from PIL import Image
+    from PIL.PngImagePlugin import PngInfo
+
+    info = PngInfo()
+    for key, value in text.items():
+        info.add_itxt(key, value)
+    extra = {"icc_profile": profile} if profile else {}
+    Image.fromarray(np.ascontiguousarray(rgb)).save(
+        file, format="PNG", pnginfo=info, compress_level=4, **extra
+    )
+
+
+def _text(content: str, command: str) -> dict[str, str]:
+    """The text chunks of a PNG; `content` is the JSON of its parameters."""
+    texts = {"Software": SOFTWARE, "Parameters": content}
+    return texts | ({"Command": command} if command else {})
+
+
+def _quantised(values: NDArray[np.float64], bits: int) -> Digital:
+    """Digital values 0..1 as whole numbers, rounded as the display's 8 bits are."""
+    whole = np.floor((2**bits - 1) * values + 0.5)
+    if bits == 8:
+        return np.asarray(whole.astype(np.uint8))
+    return np.asarray(whole.astype(np.uint16))
+
+
+def is_srgb(display: Display) -> bool:
+    """Whether digital values of a display are sRGB's."""
+    standard = Display()
+    return (display.transfer, display.primaries_xy, display.white_xy) == (
+        standard.transfer,
+        standard.primaries_xy,
+        standard.white_xy,
+    )

@@ -1,0 +1,63 @@
+"""The one entry to a renderer: EGL, OSMesa, or the float64 reference.
+
+Here the renderer is handed the planner, which chooses the method of pictures of quality "auto".
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from typing import Protocol
+
+from relgloss_view.base.terminal import ProgressReport, no_progress
+from relgloss_view.picture.frame import Frame
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
+
+BACKENDS = ("auto", "egl", "osmesa", "reference")
+
+
+class FrameRenderer(Protocol):
+    """Draws frames: Renderer through OpenGL, ReferenceRenderer in float64."""
+
+    def render(self, scene: Scene, look: Look, size: tuple[int, int]) -> Frame:
+        """Draw a scene; `size` is width and height in pixels. Raises InputError."""
+        ...
+
+
+@contextlib.contextmanager
+def open_renderer(
+    backend: str = "auto", progress: ProgressReport = no_progress
+) -> Iterator[FrameRenderer]:
+    """A renderer for the length of a block; fetch a frame's stages inside the block.
+
+    backend: 'egl' or 'osmesa' draw through OpenGL, 'reference' in float64 without it; 'auto' takes
+    the first OpenGL that works.
+    progress: called with a share from 0 to 1 and a text while the reference draws.
+
+    Raises GLUnavailableError where no OpenGL context can be made.
+
+    >>> from relgloss_view import Look, Scene, load_sample
+    >>> with open_renderer("reference") as renderer:
+    ...     frame = renderer.render(Scene(load_sample("art-coated")), Look(samples=1), (24, 24))
+    >>> round(frame.c_max, 3), frame.display.shape
+    (0.464, (24, 24, 3))
+    """
+    if backend == "reference":
+        from relgloss_view.picture.reference import ReferenceRenderer
+
+        yield ReferenceRenderer(progress)
+        return
+    from relgloss_view.picture.gpu.context import open_context
+    from relgloss_view.picture.gpu.renderer import Renderer
+    from relgloss_view.quality.planner import Planner
+
+    ctx = open_context(backend)
+    try:
+        renderer = Renderer(ctx, choose=Planner().method)
+        try:
+            yield renderer
+        finally:
+            renderer.release()
+    finally:
+        ctx.release()

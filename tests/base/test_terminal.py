@@ -1,0 +1,72 @@
+"""Tables line up whatever their cells hold; the bar is drawn only where someone watches."""
+
+from __future__ import annotations
+
+import io
+import sys
+
+import pytest
+
+from relgloss_view.base.terminal import Column, Progress, no_progress, table, warn
+
+COLUMNS = (Column("sample", left=True), Column("gloss\n60 deg", 8), Column("note", left=True))
+
+
+def test_columns_align_under_their_headings():
+    text = table(COLUMNS, [("uncoated", "2.2", ""), ("art", "30.3", "glossy")], indent="  ")
+    assert text.split("\n") == [
+        "  sample       gloss  note",
+        "              60 deg",
+        "  uncoated       2.2",
+        "  art           30.3  glossy",
+    ]
+
+
+@pytest.mark.parametrize("cell", ["a name much longer than its column", "", "Ä"])
+def test_a_cell_never_moves_its_neighbours(cell):
+    columns = (Column("a", 3, left=True), Column("b", 3), Column("c", 3))
+    first, second, third = table(columns, [(cell, "1", "2"), ("x", "10", "20")]).split("\n")
+    assert len(first) == len(second) == len(third)
+    assert first.index("b") == second.rindex("1") == third.rindex("10") + 1
+
+
+def test_no_heading_no_line():
+    assert table([Column(), Column()], [("1", "2")]) == "1  2"
+    assert table([Column("a")], []) == "a"
+    assert table([Column()], []) == ""
+
+
+def test_a_row_has_a_cell_for_each_column():
+    with pytest.raises(ValueError, match="argument 2"):
+        table([Column("a"), Column("b")], [("1",)])
+
+
+class Watched(io.StringIO):
+    def isatty(self):
+        return True
+
+
+def test_the_bar_is_cleared(monkeypatch):
+    watched = Watched()
+    monkeypatch.setattr(sys, "stderr", watched)
+    with Progress("fit") as progress:
+        assert progress(0.5, "half")
+    written = watched.getvalue()
+    assert "fit [============            ] half" in written
+    assert written.endswith("\r")
+    assert not written.split("\r")[-2].strip()
+
+
+def test_nobody_watches(capsys):
+    with Progress("fit") as progress:
+        assert progress(1.0, "done")
+    no_progress(1.0, "done")
+    assert capsys.readouterr().err == ""
+
+
+def test_a_warning_is_one_line(capsys):
+    warn("two\nlines \x1b[31m" + 1000 * "x")
+    error = capsys.readouterr().err
+    assert error.startswith("warning: two lines \\x1b[31mxx")
+    assert error.count("\n") == 1
+    assert len(error) < 320

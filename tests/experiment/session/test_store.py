@@ -1,0 +1,331 @@
+"""The session file: nothing acknowledged that is not stored, nobody else's hand in it."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import resource
+import signal
+import sqlite3
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from cases import answer, answer_all, replaced, standing, started, study
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.experiment.design.grid import Grid
+from relgloss_view.experiment.session import session_file
+from relgloss_view.experiment.session.records import SIMULATED, read_record
+from relgloss_view.experiment.session.store import Store
+
+SMALL = Grid((0.0, 2.0), (0.5, 1.0))
+
+
+@pytest.fixture
+def file(tmp_path):
+    return tmp_path / "s.sqlite"
+
+
+def test_answers_come_back(file):
+    made = study(grid=SMALL, ask_grain=True)
+    with Store(file, made) as store:
+        flow = started(store)
+        answer_all(flow, (0, 3, 1))
+        flow.end()
+        kept = standing(store)
+    assert len(kept) == 8
+    assert os.listdir(file.parent) == ["s.sqlite"]  # one plain file
+    with Store(file, made) as store:
+        assert standing(store) == kept
+        assert [o.ended for o in store.observers()] == [True]
+    record = read_record(file, file.parent)
+    assert len(record.answers) == 8
+    assert record.answers[0].response_s == pytest.approx(1.0)
+    assert record.runs[0]["device"] == "device"
+    assert record.runs[0]["ended_utc"] is not None
+
+
+def test_each_answer_is_in_the_file_before_the_call_returns(file):
+    """Seen by another process, in a copy of the files as they lie on the disk."""
+    with Store(file, study(grid=SMALL)) as store:
+        flow = started(store)
+        for count in (1, 2, 3):
+            answer(flow)
+            copy = file.parent / f"copy{count}"
+            copy.mkdir()
+            for name in os.listdir(file.parent):
+                if name.startswith("s.sqlite"):
+                    (copy / name).write_bytes((file.parent / name).read_bytes())
+            assert len(read_record(copy / "s.sqlite", copy).answers) == count
+
+
+def test_write_ahead_and_synchronous(file):
+    with Store(file, study(grid=SMALL)) as store:
+        connection = store._connection
+        assert connection.execute("PRAGMA journal_mode").fetchone() == ("wal",)
+        assert connection.execute("PRAGMA synchronous").fetchone() == (2,)  # FULL
+    with session_file.open_to_read(file) as connection:
+        assert connection.execute("PRAGMA journal_mode").fetchone() == ("delete",)
+
+
+class TestOneProgramAlone:
+    def test_second_is_refused(self, file):
+        with Store(file, study(grid=SMALL)) as store:
+            answer(started(store))
+            with pytest.raises(InputError, match="another program has this session open"):
+                Store(file)
+            with pytest.raises(InputError, match="another program has this session open"):
+                read_record(file, file.parent)
+            answer(started(store))
+        with Store(file) as store:
+            assert len(store.answers()) == 2
+
+    def test_second_process_is_refused(self, file):
+        code = (
+            "import sys; from relgloss_view.experiment.session.store import Store\n"
+            "from relgloss_view.base.errors import InputError\n"
+            "try: Store(sys.argv[1])\n"
+            "except InputError as error: print(error)\n"
+            "else: print('opened')"
+        )
+        words = [sys.executable, "-c", code, str(file)]
+        with Store(file, study(grid=SMALL)):
+            refused = subprocess.run(words, capture_output=True, text=True, check=True).stdout
+        opened = subprocess.run(words, capture_output=True, text=True, check=True).stdout
+        assert "another program has this session open; close it first" in refused
+        assert opened == "opened\n"
+
+    def test_two_read_at_once(self, file):
+        Store(file, study(grid=SMALL)).close()
+        with session_file.open_to_read(file), session_file.open_to_read(file):
+            pass
+
+
+class TestObservers:
+    def test_pseudonyms(self, file):
+        with Store(file, study(grid=SMALL)) as store:
+            first = store.observer()
+            assert (first.name, first.number) == ("O01", 0)
+            assert store.observer() == first  # not through yet
+            store.end(first)
+            assert store.observer().name == "O02"
+            assert store.observer("blue").number == 2
+            with pytest.raises(InputError, match="'O01' is through with this study"):
+                store.observer("O01")
+
+    @pytest.mark.parametrize("name", ["", "  ", "a\nb", "x" * 41, "\x1b[31m"])
+    def test_bad_names(self, file, name):
+        with Store(file, study(grid=SMALL)) as store, pytest.raises(InputError, match="pseudonym"):
+            store.observer(name)
+
+    def test_no_name_is_asked_for_and_none_kept(self, file):
+        with Store(file, study(grid=SMALL)) as store:
+            store.observer()
+            columns = [row[1] for row in store._rows("PRAGMA table_info(observer)")]
+        assert columns == [
+            "number", "name", "kind", "begun_utc", "consented_utc", "ended_utc", "details",
+        ]  # fmt: skip
+
+    def test_simulated_are_marked(self, file):
+        with Store(file, study(grid=SMALL)) as store:
+            assert store.observer(kind=SIMULATED, details={"x": 1}).kind == SIMULATED
+        assert read_record(file, file.parent).details == ({"x": 1},)
+
+
+class TestUndo:
+    def test_the_last_answer_is_taken_back_and_kept(self, file):
+        with Store(file, study(grid=SMALL)) as store:
+            flow = started(store)
+            answer(flow, 4)
+            answer(flow, 1)
+            assert flow.undo()
+            assert [a.category for a in store.answers()] == [4]
+            assert flow.trial.position == 1
+        record = read_record(file, file.parent)
+        assert record.undone == 1
+        with session_file.open_to_read(file) as connection:
+            rows = connection.execute("SELECT category FROM answer ORDER BY id").fetchall()
+        assert rows == [(4,), (1,)]
+
+    def test_one_standing_answer_a_question(self, file):
+        with Store(file, study(grid=SMALL)) as store:
+            flow = started(store)
+            trial = flow.trial
+            answer(flow)
+            with pytest.raises(InputError):
+                store.answer(flow.observer, trial, "ratio", 1, 1.0, flow.run)
+            assert len(store.answers()) == 1
+
+
+class TestAnotherStudy:
+    def test_is_refused(self, file):
+        made = study(grid=SMALL)
+        Store(file, made).close()
+        with pytest.raises(InputError, match="another study, or to this one before it was edited"):
+            Store(file, replaced(made, categories=("yes", "no")))
+        with Store(file) as store:
+            assert store.study.categories == made.categories
+
+
+class TestBadFiles:
+    @pytest.mark.parametrize(
+        "content",
+        [b"", b"not a database", b"SQLite format 3\x00" + bytes(90), os.urandom(5000)],
+        ids=["empty", "text", "header", "noise"],
+    )
+    def test_not_a_session(self, file, content):
+        file.write_bytes(content)
+        for opener in (lambda: Store(file), lambda: read_record(file, file.parent)):
+            with pytest.raises(InputError, match=r"s\.sqlite: .*(session file|damaged)") as caught:
+                opener()
+            assert "\n" not in str(caught.value)
+        assert file.read_bytes() == content
+
+    def test_somebody_elses_database(self, file):
+        with contextlib.closing(sqlite3.connect(file)) as connection:
+            connection.execute("CREATE TABLE mine (x)")
+        before = file.read_bytes()
+        with pytest.raises(InputError, match="not a session file"):
+            Store(file, study(grid=SMALL))
+        assert file.read_bytes() == before
+
+    def test_newer_version(self, file):
+        Store(file, study(grid=SMALL)).close()
+        with contextlib.closing(sqlite3.connect(file)) as connection:
+            connection.execute("PRAGMA user_version = 9")
+        with pytest.raises(InputError, match="of version 9, expected 1"):
+            Store(file)
+
+    def test_damaged_in_the_middle(self, file):
+        with Store(file, study()) as store:
+            answer_all(started(store))
+        content = bytearray(file.read_bytes())
+        content[4096:12288] = os.urandom(8192)
+        file.write_bytes(content)
+        with pytest.raises(InputError, match=r"s\.sqlite: "):
+            read_record(file, file.parent)
+
+    @pytest.mark.parametrize("name", ["", "a folder", "/dev/null", "gone/s.sqlite"])
+    def test_no_place_for_a_file(self, tmp_path, monkeypatch, name):
+        monkeypatch.chdir(tmp_path)
+        (tmp_path / "a folder").mkdir()
+        with pytest.raises(InputError):
+            Store(name, study(grid=SMALL))
+        assert os.listdir(tmp_path) == ["a folder"]
+
+    def test_two_creators(self, file):
+        """Who comes second finds the first one's file, and does not replace it."""
+        first = Store(file, study(grid=SMALL))
+        with pytest.raises(InputError, match="is there already"):
+            session_file.create_file(file, "{}", "", "")
+        first.close()
+        assert os.listdir(file.parent) == ["s.sqlite"]
+
+
+class TestNoRoom:
+    def fill(self, store, flow):
+        """Answer until the disk says no; how many were acknowledged."""
+        count = 0
+        told = ""
+        while not told:
+            before = flow.trial
+            try:
+                answer(flow)
+                count += 1
+            except InputError as error:
+                told = str(error)
+        assert told.endswith(
+            "the disk is full; make room and start again: all answers so far are kept"
+        )
+        assert flow.trial == before  # it is still asked for
+        return count
+
+    def test_full_disk(self, file):
+        """SQLite's own limit of pages answers as a full disk does."""
+        with Store(file, study(repeats=20)) as store:
+            flow = started(store)
+            (pages,) = store._connection.execute("PRAGMA page_count").fetchone()
+            store._connection.execute(f"PRAGMA max_page_count = {pages + 1}")
+            count = self.fill(store, flow)
+            assert len(store.answers()) == count
+            store._connection.execute("PRAGMA max_page_count = 100000")
+            assert flow.answer(2)  # after room was made the same trial takes its answer
+            assert len(store.answers()) == count + 1
+        assert len(read_record(file, file.parent).answers) == count + 1
+
+    def test_file_that_may_not_grow(self, file):
+        """A limit of the system: the log can't be written, and what is told was stored before."""
+        code = (
+            f"import sys; sys.path.insert(0, {str(Path(__file__).parent.parent)!r})\n"
+            "import resource, signal\n"
+            "from cases import answer, started, study\n"
+            "from relgloss_view.base.errors import InputError\n"
+            "from relgloss_view.experiment.session.store import Store\n"
+            "store = Store(sys.argv[1], study())\n"
+            "flow = started(store)\n"
+            "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
+            "resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, resource.RLIM_INFINITY))\n"
+            "try:\n"
+            "    for n in range(42): answer(flow); print(n, flush=True)\n"
+            "except InputError as error: print(error)\n"
+            "store.close()\n"
+        )
+        done = subprocess.run(
+            [sys.executable, "-c", code, str(file)], capture_output=True, text=True, check=True
+        )
+        *told, fault = done.stdout.splitlines()
+        assert fault.startswith(f"{file}: ")
+        assert 0 < len(told) < 42
+        assert len(read_record(file, file.parent).answers) == len(told)
+
+    @pytest.mark.skipif(os.geteuid() != 0, reason="needs root, to become somebody else")
+    def test_folder_that_may_not_be_written(self, file):
+        made = study(grid=SMALL)
+        Store(file, made).close()
+        os.chmod(file.parent, 0o755)
+        for parent in list(file.parent.parents)[:3]:
+            os.chmod(parent, os.stat(parent).st_mode | 0o055)
+        os.seteuid(65534)
+        try:
+            with pytest.raises(InputError, match="can't be written"):
+                Store(file)
+            with pytest.raises(InputError, match="can't be written"):
+                Store(file.parent / "new.sqlite", made)
+            assert read_record(file, Path("/tmp")).answers == ()  # reading is possible
+        finally:
+            os.seteuid(0)
+        assert os.listdir(file.parent) == ["s.sqlite"]
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="needs root, to become somebody else")
+def test_after_a_kill_it_is_read_where_nothing_can_be_written(tmp_path, file):
+    """The log beside the file holds the last answers; the files stay as they are."""
+    Store(file, study(grid=SMALL)).close()
+    code = (
+        f"import sys; sys.path.insert(0, {str(Path(__file__).parent.parent)!r})\n"
+        "import os, signal\n"
+        "from cases import answer, started\n"
+        "from relgloss_view.experiment.session.store import Store\n"
+        "flow = started(Store(sys.argv[1])); answer(flow); answer(flow)\n"
+        "os.kill(os.getpid(), signal.SIGKILL)"
+    )
+    done = subprocess.run([sys.executable, "-c", code, str(file)], capture_output=True)
+    assert done.returncode == -signal.SIGKILL
+    for parent in list(file.parent.parents)[:3]:
+        os.chmod(parent, os.stat(parent).st_mode | 0o055)
+    os.chmod(tmp_path, 0o755)
+    before = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
+    os.seteuid(65534)
+    try:
+        assert len(read_record(file, Path("/tmp")).answers) == 2
+    finally:
+        os.seteuid(0)
+    assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == before
+
+
+def test_limits_are_this_process_alone():
+    """The control of the tests above: nothing of them is left."""
+    assert resource.getrlimit(resource.RLIMIT_FSIZE)[1] == resource.RLIM_INFINITY
+    assert os.geteuid() == os.getuid()
