@@ -214,6 +214,13 @@ EQUIVALENTS = (
     Equivalent(
         "relgloss_view/picture/model/shape.py",
         "travel = np.where(facing, -eye_m[2] / np.where(facing, dz, -1.0), 0.0)",
+        "0.0",
+        "1.0",
+        _MISS,
+    ),
+    Equivalent(
+        "relgloss_view/picture/model/shape.py",
+        "travel = np.where(facing, -eye_m[2] / np.where(facing, dz, -1.0), 0.0)",
         "-1.0",
         "(1.0)",
         "a divisor whose quotient is not used",
