@@ -13,7 +13,7 @@ from relgloss_view.picture.gpu.programs import Uniforms
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.model.drawn import drawn_diffuse, drawn_facets, drawn_lobes
 from relgloss_view.picture.model.tone import DisplayModel
-from relgloss_view.picture.model.view import View
+from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 
@@ -31,6 +31,11 @@ def view_uniforms(scene: Scene, view: View) -> Uniforms:
         "half_extent_m": scene.shape.half_extent_m(),
         "lamp_m": scene.lamp.position_m,
     }
+
+
+def per_size(size: Size) -> Uniforms:
+    """What reads the pixels of earlier passes (texel.glsl)."""
+    return {"per_size": (1.0 / size[0], 1.0 / size[1])}
 
 
 #: Of a variant that reads none of them; a linker may keep them all the same.
@@ -51,34 +56,27 @@ NO_LOBE = (1.0, 0.0, 1.5, 0.0)  #: reflects nothing, where one is drawn all the 
 
 
 def material_uniforms(scene: Scene, look: Look, method: Method) -> Uniforms:
-    """The shapes of the material's reflections: what its weights follow from."""
+    """The shapes of the material's reflections, and its spectra under the scene's lamp.
+
+    Those are folded into XYZ; for the bench they also come band by band.
+    """
     material = scene.material
-    shape = np.tile(NO_LOBE, (2, 1))
+    weights = xyz_weights(material.bands, illuminant(scene.lamp.illuminant))
+    model = drawn_diffuse(material, method)
+    albedo = np.asarray(material.diffuse.albedo)
+    second = brdf.second_albedo(model, albedo, material.diffuse.sigma)
+    strength, shape = np.zeros((2, material.bands.count)), np.tile(NO_LOBE, (2, 1))
     blurred = drawn_facets(look, method) == "mean-gaussian"
     for k, lobe in enumerate(drawn_lobes(material, method)):
+        strength[k] = lobe.per_band(material.bands.count)
         shape[k] = (
             mean_lobe(lobe.s, lobe.refractive_index, math.radians(look.sigma_n_deg), look.noise_law)
             if blurred
             else plain_lobe(lobe.s, lobe.refractive_index)
         )
-    model = drawn_diffuse(material, method)
     return {
         "diffuse_terms": brdf.diffuse_terms(model, material.diffuse.sigma),
         "lobe_shape": shape,
-    }
-
-
-def colour_uniforms(scene: Scene, method: Method) -> Uniforms:
-    """The material's spectra, folded into XYZ under the scene's lamp and band by band."""
-    material, lamp = scene.material, illuminant(scene.lamp.illuminant)
-    weights = xyz_weights(material.bands, lamp)
-    albedo = np.asarray(material.diffuse.albedo)
-    second = brdf.second_albedo(drawn_diffuse(material, method), albedo, material.diffuse.sigma)
-    strength = np.zeros((2, material.bands.count))
-    for k, lobe in enumerate(drawn_lobes(material, method)):
-        strength[k] = lobe.per_band(material.bands.count)
-    return {
-        "per_white": 1.0 / lamp.white_xyz(),
         "albedo_xyz": albedo @ weights,
         "second_albedo_xyz": second @ weights,
         "lobe_strength_xyz": strength @ weights,
@@ -87,9 +85,10 @@ def colour_uniforms(scene: Scene, method: Method) -> Uniforms:
     }
 
 
-def white_uniform(scene: Scene) -> Uniforms:
-    """The white of the scene's lamp."""
-    return {"white": illuminant(scene.lamp.illuminant).white_xyz()}
+def white_uniforms(scene: Scene) -> Uniforms:
+    """The white of the scene's lamp, and one over it."""
+    white = illuminant(scene.lamp.illuminant).white_xyz()
+    return {"white": white, "per_white": 1.0 / white}
 
 
 def display_uniforms(scene: Scene) -> Uniforms:
