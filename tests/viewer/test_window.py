@@ -72,7 +72,7 @@ def tunes_the_look(hand, found):
     hand.frames(2)
     found["c"] = [model.state.test.look.c, model.state.test.look.c_fraction]
     found["warned"] = [w for w in model.frames["test"].warnings if "above" in w]
-    hand.click(f"{LOOK}/Stay at the highest")
+    hand.click(f"{LOOK}/Hold c there")
     found["locked"] = [model.state.test.look.c, model.state.test.look.c_fraction]
     hand.click(f"{LOOK}/Reference")
     hand.ctx.item_input_value(f"{LOOK}/##{C_SHARE}", 0.5)
@@ -324,13 +324,13 @@ def survives_lost_objects(hand, found):
 
 
 def draws_smaller_while_too_slow(hand, found):
-    from relgloss_view.viewer.drawing import pace
+    from relgloss_view.viewer.drawing import draft_scale
 
     hand.until(lambda: not hand.model.dragging)
     hand.frames(3)
     full = hand.model.picture_size
     before = hand.do(lambda: {s: f.display.copy() for s, f in hand.model.frames.items()})
-    budget, pace.BUDGET_S = pace.BUDGET_S, 1e-9  # no machine keeps that
+    budget, draft_scale.BUDGET_S = draft_scale.BUDGET_S, 1e-9  # no machine keeps that
     try:
         place = middle(hand)
         hand.ctx.mouse_move_to_pos(place)
@@ -343,7 +343,7 @@ def draws_smaller_while_too_slow(hand, found):
         hand.ctx.mouse_up(0)
         hand.frames(3)
     finally:
-        pace.BUDGET_S = budget
+        draft_scale.BUDGET_S = budget
     found["full again"] = [hand.model.draft, *hand.model.frames["test"].size]
     hand.model.history.undo()
     hand.frames(2)
