@@ -227,7 +227,7 @@ class TestForgiving:
         assert len(told) == 3
         for line, name in zip(told, ("lamp.csv", "plain.json", "two words.json"), strict=True):
             assert name in line
-            assert "stands in" in line
+            assert "is used as the" in line
 
     def test_what_can_not_be_named_is_left_out(self, tmp_path):
         state = State.initial().with_sample("test", Sample(materials.paper("art")))
