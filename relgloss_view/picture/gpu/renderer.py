@@ -99,12 +99,14 @@ class Renderer:
             scene,
             look,
             size,
-            drawn.scaling,
-            partial(self.passes.fetch, request),
-            self._device,
-            scene_warnings(scene, look, size, seen=drawn.object_pixels > 0, lit=drawn.white > 0.0),
-            request.method,
-            drawn.object_pixels,
+            scaling=drawn.scaling,
+            fetch=partial(self.passes.fetch, request),
+            device=self._device,
+            warnings=scene_warnings(
+                scene, look, size, seen=drawn.object_pixels > 0, lit=drawn.white > 0.0
+            ),
+            method=request.method,
+            object_pixels=drawn.object_pixels,
         )
         return self._last
 

@@ -13,13 +13,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.parameters import Checked, choice, parameter
 from relgloss_view.base.reading import fault
-
-Array = NDArray[np.float64]
 
 SHAPES = ("cylinder", "sphere", "plane", "box")
 

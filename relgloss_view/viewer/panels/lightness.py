@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from imgui_bundle import imgui, implot
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.picture.frame import Frame
 from relgloss_view.viewer.panels import plot_widgets
@@ -178,7 +179,7 @@ def _draw_line(curves: _Curves, *, faint: bool) -> None:
     line = curves.line
     x = np.arange(len(line.l_d), dtype=np.float64) + 0.5
 
-    def on_object(values: plot_widgets.Array) -> plot_widgets.Array:
+    def on_object(values: Array) -> Array:
         return np.where(line.on_object, values, np.nan)
 
     if faint:

@@ -10,14 +10,13 @@ from typing import Generic, TypeVar
 
 import numpy as np
 from imgui_bundle import ImVec2, ImVec4, imgui, implot
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import CURVES, PANEL, QUIET, em, gray
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.state import SIDES
 
-Array = NDArray[np.float64]
 T = TypeVar("T")
 
 TOTAL, DIFFUSE, SPECULAR, PLAIN = CURVES[0], CURVES[1], CURVES[2], CURVES[4]
