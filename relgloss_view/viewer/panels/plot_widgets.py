@@ -139,7 +139,7 @@ def note_if_waiting(current: bool) -> None:
 def note_split(model: Model) -> None:
     """Note that numbers are the split's, where a picture shows another operator's."""
     if model.operator_pictures:
-        text = "Tone mapping: split"
+        text = "Values of the split"
         beside(imgui.calc_text_size(text).x)
         imgui.align_text_to_frame_padding()
         widgets.quiet(text)
