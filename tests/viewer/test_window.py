@@ -522,8 +522,8 @@ def test_only_what_changed_is_drawn(found):
     got = found["draws_only_what_changed"]
     assert got["c"] == {"test tone": 1}
     for name in ("sigma_n", "no sigma_n", "sigma_n again"):
-        assert got[name] == {"test shade": 1, "test tone": 1}, name
-    passes = ("shade", "tone", "white")
+        assert got[name] == {"test shade": 1, "test split": 1, "test tone": 1}, name
+    passes = ("shade", "split", "tone", "white")
     assert got["lamp"] == [f"{side} {name}" for side in ("reference", "test") for name in passes]
     assert got["compiled"] == 0
 
