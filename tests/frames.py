@@ -1,4 +1,4 @@
-"""Comparison of frames: CIEDE2000 over the object, and what two renderers must agree on."""
+"""Comparison of frames: the colour differences between two drawings of one picture."""
 
 from __future__ import annotations
 
@@ -8,14 +8,13 @@ from pictures import assert_same_pixels
 
 from relgloss_view.picture.model import tone
 
-colour = pytest.importorskip("colour")
-
 SIZE = (512, 512)
 SMALL = (160, 120)
 
 
 def delta_e(frame, truth):
     """dE2000 over the object between two frames' Lab before gamut mapping."""
+    colour = pytest.importorskip("colour")
     seen = frame.on_object & truth.on_object
     return colour.delta_E(
         frame.lab[seen].astype(np.float64), truth.lab[seen].astype(np.float64), method="CIE 2000"
@@ -24,6 +23,7 @@ def delta_e(frame, truth):
 
 def displayed_delta_e(frame, truth):
     """dE2000 of the displayed light, before quantisation."""
+    colour = pytest.importorskip("colour")
     model = tone.DisplayModel.of(frame.scene.display)
     back = np.linalg.inv(model.rgb_from_xyz).T
     a, b = (

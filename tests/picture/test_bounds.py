@@ -1,4 +1,4 @@
-"""The rectangle that passes are drawn in."""
+"""Passes inside the bounds of the object, and the surround around them."""
 
 from __future__ import annotations
 

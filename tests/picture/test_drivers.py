@@ -1,4 +1,4 @@
-"""The same pictures from other drivers, contexts and backends."""
+"""One picture on every driver: EGL, OSMesa, softpipe, OpenGL 4.1, the window's own context."""
 
 from __future__ import annotations
 

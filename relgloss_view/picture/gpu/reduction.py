@@ -48,7 +48,9 @@ class Reduction:
 
     def extremes(self, split: moderngl.Texture, region: Box, stride: int = 1) -> Extremes:
         """The extremes of L_d* and L_s* in a region of a split picture, by every so many pixels."""
-        first = Step("measure.frag", {"STRIDE": stride}, {"split_image": split, **per_size(split.size)})
+        first = Step(
+            "measure.frag", {"STRIDE": stride}, {"split_image": split, **per_size(split.size)}
+        )
         names = ("extremes_image", "brightest_image")
         results = self._run(first, "reduce.frag", names, region, stride=stride)
         if results is None:

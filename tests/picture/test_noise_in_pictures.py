@@ -1,4 +1,4 @@
-"""The grain as it is drawn: its cells, its draws, its energy."""
+"""The grain in pictures: against the float64 reference, its keys, its energy."""
 
 from __future__ import annotations
 

@@ -1,15 +1,19 @@
-"""Scenes at the edge of what can be drawn, and what is promised of c_max."""
+"""Scenes at the ends of their ranges: unlit, unseen, brighter than white, narrow lobes."""
 
 from __future__ import annotations
+
+import dataclasses
 
 import materials
 import numpy as np
 import pytest
 from frames import SIZE, SMALL
+from pictures import assert_same_pixels
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.material.material import Lobe
 from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Eye, Lamp, Shape
 
@@ -120,9 +124,17 @@ class TestScenes:
         assert np.max(frame.specular) == 0.0
         assert frame.c == 1.0
 
-    @pytest.mark.parametrize(
-        "size", [(0, 10), (10, 0), (100_000, 100_000), (16_385, 1), (6200, 6200)]
-    )
-    def test_impossible_sizes(self, renderer, size):
-        with pytest.raises(InputError, match="size"):
-            renderer.render(Scene(materials.flat()), Look(), size)
+    def test_slightly_negative_light_is_on_the_object(self, renderer, reference):
+        """Weights of a broad band can be negative, and so its Y."""
+        paper = load_sample("uncoated")
+        albedo = [0.0] * paper.bands.count
+        albedo[paper.bands.wavelengths_nm.index(530.0)] = 0.9
+        material = dataclasses.replace(
+            paper, diffuse=dataclasses.replace(paper.diffuse, albedo=tuple(albedo))
+        )
+        scene = Scene(material, lamp=Lamp(illuminant="FL11"))
+        look = Look(c=0.0)
+        got, wanted = (r.render(scene, look, SMALL) for r in (renderer, reference))
+        assert np.min(got.diffuse[..., 1]) < 0.0
+        assert_same_pixels(got.display, wanted.display, within=1)
+        assert got.c_max == pytest.approx(wanted.c_max, rel=1e-4)
