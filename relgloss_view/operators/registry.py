@@ -37,7 +37,7 @@ DEFAULT_OPERATOR = Split.name
 def make_operator(name: str, parameters: Mapping[str, Any] | None = None) -> Operator:
     """A tone mapping by its name in OPERATORS, with its parameters by their names.
 
-    Raises InputError for an unknown name and for a value out of its declared range. Every operator
+    Raises InputError for an unnames name and for a value out of its declared range. Every operator
     names its source; docs/operators.md lists them.
 
     >>> make_operator("clip").name
@@ -50,8 +50,8 @@ def make_operator(name: str, parameters: Mapping[str, Any] | None = None) -> Ope
     if name not in OPERATORS:
         fault("operator", f"one of {', '.join(OPERATORS)}", name)
     kind = OPERATORS[name]
-    known = [f.name for f in dataclasses.fields(kind)]
+    names = [f.name for f in dataclasses.fields(kind)]
     for parameter in parameters or {}:
-        if parameter not in known:
-            fault(f"operator {name}", f"a parameter of {', '.join(known) or 'none'}", parameter)
+        if parameter not in names:
+            fault(f"operator {name}", f"a parameter of {', '.join(names) or 'none'}", parameter)
     return kind(**(parameters or {}))
