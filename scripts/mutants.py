@@ -16,7 +16,6 @@ import json
 import os
 import queue
 import random
-import re
 import shutil
 import subprocess
 import sys
@@ -89,34 +88,44 @@ HEART = {
         ("tests/material/test_spectra.py",),
     ),
     "solver": Part(
-        ("relgloss_view/fitting/solver.py",),
+        ("relgloss_view/fitting/problem.py", "relgloss_view/fitting/descent.py"),
         (
+            "tests/fitting/test_fit_descent.py",
+            "tests/fitting/test_fit_verdict.py",
             "tests/fitting/test_fit_solver.py",
             "tests/fitting/test_fit.py",
-            "tests/fitting/test_fit_real.py",
-            "tests/material/test_sample_papers.py",
         ),
     ),
     "verdict": Part(
-        ("relgloss_view/fitting/verdict.py", "relgloss_view/experiment/verdict.py"),
+        ("relgloss_view/fitting/verdict.py", "relgloss_view/experiment/verdict/full_grid.py"),
         (
-            "tests/experiment/test_unfolding.py",
+            "tests/experiment/verdict/test_full_grid.py",
+            "tests/experiment/verdict/test_full_grid_by_hand.py",
+            "tests/fitting/test_fit_verdict.py",
             "tests/fitting/test_fit.py",
-            "tests/experiment/test_pool.py",
         ),
     ),
     "ordinal": Part(
-        ("relgloss_view/experiment/ordinal.py",),
         (
-            "tests/experiment/test_ordinal.py",
-            "tests/experiment/test_successive.py",
+            "relgloss_view/experiment/scaling/ordinal.py",
+            "relgloss_view/experiment/scaling/ordinal_draws.py",
+        ),
+        (
+            "tests/experiment/scaling/test_ordinal_starts.py",
+            "tests/experiment/scaling/test_ordinal.py",
+            "tests/experiment/scaling/test_ordinal_draws.py",
+            "tests/experiment/scaling/test_successive_categories.py",
         ),
     ),
     "unfolding": Part(
-        ("relgloss_view/experiment/unfolding.py",),
         (
-            "tests/experiment/test_unfolding.py",
-            "tests/experiment/test_adaptive.py",
+            "relgloss_view/experiment/scaling/unfolding.py",
+            "relgloss_view/experiment/scaling/bounded_minima.py",
+        ),
+        (
+            "tests/experiment/scaling/test_unfolding_posterior.py",
+            "tests/experiment/scaling/test_unfolding.py",
+            "tests/experiment/session/test_adaptive.py",
         ),
     ),
     "gloss meter": Part(
@@ -149,7 +158,102 @@ class Equivalent:
 
 _MISS = "the hit of a ray that misses is unspecified; callers check `found` first"
 _ORDER = "the quadrature has converged to rounding; one node more or less changes nothing"
+_BUDGET = "a budget of a search that ends long before; one more or less changes no result"
+_START = "where an iteration begins whose end does not depend on it"
+_ACCEPTED = "decides how early a step is accepted, not where the search ends"
 EQUIVALENTS = (
+    Equivalent(
+        "relgloss_view/experiment/scaling/ordinal_draws.py",
+        "falls = after[0] <= value",
+        "DECREASE * share * promise",
+        "",
+        _ACCEPTED,
+    ),
+    Equivalent(
+        "relgloss_view/experiment/scaling/ordinal_draws.py",
+        "promise = np.sum(slope * step, axis=1)",
+        "np.sum(slope * step, axis=1)",
+        "(np.mean(slope * step, axis=1))",
+        _ACCEPTED,
+    ),
+    Equivalent(
+        "relgloss_view/experiment/scaling/ordinal.py",
+        "FIRST_RADIUS = 10.0",
+        "10.0",
+        "11.0",
+        _START,
+    ),
+    Equivalent(
+        "relgloss_view/picture/model/shape.py",
+        "latitude = np.arcsin(np.clip(n[..., 1], -1.0, 1.0))",
+        "np.clip(n[..., 1], -1.0, 1.0)",
+        "",
+        "a component over the root of its square plus others is at most 1, rounding included",
+    ),
+    Equivalent(
+        "relgloss_view/experiment/scaling/unfolding.py",
+        "self._ends = np.where(ends > 0.0, ends, 1.0)",
+        "0.0",
+        "1.0",
+        "an axis of one step has the end 1.0 either way; ends are whole numbers",
+    ),
+    Equivalent(
+        "relgloss_view/experiment/scaling/ordinal.py",
+        "MOST_STEPS = 200",
+        "200",
+        "",
+        _BUDGET,
+    ),
+    Equivalent(
+        "relgloss_view/experiment/scaling/ordinal.py",
+        "share = np.cumsum(loss.counts.sum(axis=0))",
+        "loss.counts.sum(axis=0)",
+        "(loss.counts.mean(axis=0))",
+        "the shares are divided by the last one, so a common factor drops out",
+    ),
+    Equivalent(
+        "relgloss_view/picture/model/shape.py",
+        "travel = np.where(facing, -eye_m[2] / np.where(facing, dz, -1.0), 0.0)",
+        "0.0",
+        "1.0",
+        _MISS,
+    ),
+    Equivalent(
+        "relgloss_view/picture/model/shape.py",
+        "travel = np.where(facing, -eye_m[2] / np.where(facing, dz, -1.0), 0.0)",
+        "-1.0",
+        "(1.0)",
+        "a divisor whose quotient is not used",
+    ),
+    Equivalent("relgloss_view/fitting/descent.py", "TRIALS = 6", "6", "", _BUDGET),
+    Equivalent(
+        "relgloss_view/fitting/descent.py",
+        "damping = np.full(len(states), 1e-4)",
+        "1e-4",
+        "",
+        "where the damping begins; it follows the loss from then on",
+    ),
+    Equivalent(
+        "relgloss_view/fitting/problem.py",
+        "kd, ks = self._linear(values, weight, np.zeros(",
+        "np.zeros((len(columns), self.bands))",
+        "",
+        _START,
+    ),
+    Equivalent(
+        "relgloss_view/fitting/verdict.py",
+        "_LARGEST_STRENGTH = 1e4",
+        "1e4",
+        "11000.0",
+        "the upper end of a bisection, a thousand times what any sample reflects",
+    ),
+    Equivalent(
+        "shaders/noise.glsl",
+        "float radius = sqrt(max(-2.0 * log(u.x), 0.0));",
+        "max(-2.0 * log(u.x), 0.0)",
+        "(-2.0 * log(u.x))",
+        "guards against a driver whose logarithm is above 0 near 1; Mesa's never is",
+    ),
     Equivalent(
         "relgloss_view/gloss/meter/geometry.py",
         "x, wx = _gauss(SOURCE_NODES[0]) if half_x > 0.0",
@@ -177,13 +281,6 @@ EQUIVALENTS = (
         "1024",
         "",
         "a limit against huge files; nothing depends on its last digits",
-    ),
-    Equivalent(
-        "relgloss_view/experiment/unfolding.py",
-        "self._ends = np.where(ends > 0.0, ends, 1.0)",
-        "0.0",
-        "1.0",
-        "an axis of one step has the end 1.0 either way; ends are whole numbers",
     ),
     Equivalent(
         "relgloss_view/material/brdf.py",
@@ -296,13 +393,13 @@ def compiles(one: Mutant) -> bool:
         except SyntaxError:
             return False
         return True
-    included = re.compile(r'^#include "([\w.]+)"$', re.MULTILINE)
-    while included.search(text):
-        text = included.sub(lambda m: (ROOT / "shaders" / m[1]).read_text(encoding="utf-8"), text)
-    constants = "".join(f"#define {name} 0\n" for name in ("FRESNEL", "SHADOWING", "FACETS"))
-    stage = f"#version 330 core\n{constants}{text}\nvoid main() {{}}\n"
+    from relgloss_view.picture.gpu.shader import ShaderSource
+
+    constants = {"FRESNEL": 0, "SHADOWING": 0, "FACETS": 0}
+    stage = ShaderSource("mutant", constants, f"#version 330 core\n{text}\nvoid main() {{}}\n")
     command = ["glslangValidator", "--stdin", "-S", "frag"]
-    return subprocess.run(command, input=stage, capture_output=True, text=True).returncode == 0
+    done = subprocess.run(command, input=stage.text, capture_output=True, text=True)
+    return done.returncode == 0
 
 
 class Copy:

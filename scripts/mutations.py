@@ -146,6 +146,11 @@ class _Finder(ast.NodeVisitor):
     def visit_JoinedStr(self, node: ast.JoinedStr) -> None:
         """Messages."""
 
+    def visit_keyword(self, node: ast.keyword) -> None:
+        """`strict` of a zip finds errors of a programmer, which the rest has not."""
+        if node.arg != "strict":
+            self.generic_visit(node)
+
     def visit_Constant(self, node: ast.Constant) -> None:
         """Numbers and truth values; no text."""
         if isinstance(node.value, bool):

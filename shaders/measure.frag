@@ -5,6 +5,7 @@
 //   extremes  = (smallest (100 - L_d) / L_s, largest L_d, largest L_s, 0)
 //   brightest = (L*, L_d, L_s of the brightest pixel, number of pixels that are not finite)
 
+#include "texel.glsl"
 #include "tone.glsl"
 
 uniform sampler2D split_image;
@@ -21,7 +22,7 @@ void main() {
     for (int y = 0; y < BLOCK; ++y) {
         for (int x = 0; x < BLOCK; ++x) {
             ivec2 at = first + STRIDE * ivec2(x, y);
-            vec4 split = texelFetch(split_image, min(at, region.zw - 1), 0);
+            vec4 split = texel(split_image, min(at, region.zw - 1));
             // What is not finite fails every comparison; some compilers fold isnan away.
             float size = dot(abs(split), vec4(1.0));
             bool finite = size < 1e30;

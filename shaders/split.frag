@@ -5,6 +5,7 @@
 //   split = (L_d*, L_s*, a*, b*); off the object L_d* is OFF_OBJECT
 // Constants: WRITES (of pass 1: WRITES_WEIGHTS or WRITES_XYZ), LOBES, BANDS, CUBE_ROOT.
 
+#include "texel.glsl"
 #include "tone.glsl"
 
 uniform sampler2D diffuse_image;
@@ -19,8 +20,8 @@ layout(location = 0) out vec4 split;
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
-    vec4 diffuse = texelFetch(diffuse_image, at, 0);
-    vec4 specular = texelFetch(specular_image, at, 0);
+    vec4 diffuse = texel(diffuse_image, at);
+    vec4 specular = texel(specular_image, at);
 #if WRITES == WRITES_WEIGHTS
     bool seen = on_object(diffuse);
     vec4 lab = split_lab(diffuse_xyz(diffuse.xy), specular_xyz(specular.xy), per_white);

@@ -88,7 +88,7 @@ def test_the_shader_has_the_same_cells(ctx, kind, face):
     extent = f"vec3{tuple(half.tolist())}"
     body = (
         f"Hit hit = Hit(true, vec3(0.0), vec3(0.0), p.xy, {face});"
-        f"result = vec4(surface_cell({kind.upper()}, hit, {cell!r}, {extent}), 0.0);"
+        f"result = vec4(surface_cell(SHAPE_SHAPE_{kind.upper()}, hit, {cell!r}, {extent}), 0.0);"
     )
     got = glsl.evaluate(ctx, ["shape.glsl"], body, {"p": points})[:, :3]
     expected = shape.surface_cell(kind, hit(points, face), cell, half)
@@ -111,3 +111,18 @@ def test_a_miss_is_finite(kind):
     np.testing.assert_allclose(np.linalg.norm(missed.normal, axis=-1), 1.0, rtol=1e-12)
     assert np.all(np.isfinite(missed.surface_m))
     assert np.all(missed.face == 0)
+
+
+def test_a_level_ray_above_a_cap_meets_nothing(ctx):
+    """Seen from above its rim, a cylinder has a cap; a level ray runs along it and misses."""
+    eye, ray = np.array([0.3, 0.2, 0.0]), np.array([[-0.3, 0.0, 0.0]])
+    assert not np.any(shape.meet("cylinder", eye, ray, HALF).found)
+    assert np.all(shape.meet("cylinder", eye, ray - [0.0, 0.15, 0.0], HALF).found)
+    body = (
+        f"Hit hit = meet(SHAPE_CYLINDER, vec3(0.3, 0.2, 0.0), r.xyz, vec3{tuple(HALF.tolist())});"
+    )
+    rays = np.concatenate([ray, ray - [0.0, 0.15, 0.0]]).astype(np.float32)
+    got = glsl.evaluate(
+        ctx, ["shape.glsl"], body + "result = vec4(hit.found ? 1 : 0);", {"r": rays}
+    )
+    assert got[:, 0].tolist() == [0.0, 1.0]

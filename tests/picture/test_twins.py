@@ -230,6 +230,17 @@ class TestNoise:
         expected = noise.tilted(n.astype(np.float64), noise.tilt_angles(law, hashes, sigma))
         np.testing.assert_allclose(result[:, :3], expected, atol=3e-6)
 
+    def test_series_hold_up_to_the_largest_tilt(self, ctx):
+        """Cosine and sine over angle, to 3e-8 as the library says and 6e-8 of float32's rounding.
+
+        The largest is sigma_N of 10 degrees times the largest Gaussian that 23 bits make, 5.77.
+        """
+        t2 = float32(np.linspace(0.0, (np.radians(10.0) * 5.77) ** 2, 5001))
+        result = glsl.evaluate(ctx, ["noise.glsl"], "result = vec4(turn(t.x), 0, 0);", {"t": t2})
+        angle = np.sqrt(t2.astype(np.float64))
+        np.testing.assert_allclose(result[:, 0], np.cos(angle), atol=3e-8 + 9e-8)
+        np.testing.assert_allclose(result[:, 1], np.sinc(angle / np.pi), atol=3e-8 + 9e-8)
+
     def test_series_for_small_tilts_meets_the_sine(self, ctx):
         angles = np.zeros((2001, 2))
         angles[:, 0] = np.linspace(0, 0.3, 2001)

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
-from pathlib import Path
 
+import fit_cases
 import numpy as np
 import pytest
 
@@ -21,17 +20,6 @@ from relgloss_view.picture.scene.setup import Display
 
 colour = pytest.importorskip("colour")
 
-
-def _helpers(path):
-    """Another folder's helpers, so that they are written once."""
-    place = Path(__file__).resolve().parent.parent / path
-    spec = importlib.util.spec_from_file_location(place.stem, place)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-fit_cases = _helpers("fitting/fit_cases.py")
 #: Five of the fifteen incidence planes.
 SMALL = fit_cases.GRID[np.isin(fit_cases.GRID[:, 0], (-60.0, -40.0, -20.0, 10.0, 30.0))]
 COARSE = fit_cases.COARSE[np.isin(fit_cases.COARSE[:, 0], (-60.0, -40.0, -20.0, 10.0, 30.0))]

@@ -47,12 +47,12 @@ def write_report(
     page = report_page(folder, analysis, plots, scenes, command)
     (folder / PAGE).write_text(page, encoding="utf-8", newline="\n")
     written = sorted({path.name for path in folder.iterdir()} | {RESULTS})
-    found = as_numbers(analysis)
-    for sample in found["samples"]:
+    content = as_numbers(analysis)
+    for sample in content["samples"]:
         sample["scene"] = scenes.get(sample["label"])
         sample["plots"] = [plot.file for plot in plots[sample["label"]]]
-    found["written"] = written
-    text = json.dumps(found, indent=1, allow_nan=False) + "\n"
+    content["written"] = written
+    text = json.dumps(content, indent=1, allow_nan=False) + "\n"
     (folder / RESULTS).write_text(text, encoding="utf-8")
     return tuple(written)
 
@@ -60,10 +60,10 @@ def write_report(
 def earlier_files(folder: Path) -> tuple[str, ...]:
     """What a former report has written into a folder, as its results.json tells."""
     try:
-        found = json.loads(read_text(folder / RESULTS, MAX_BYTES, "results"))["written"]
+        written = json.loads(read_text(folder / RESULTS, MAX_BYTES, "results"))["written"]
     except (InputError, ValueError, LookupError, TypeError, RecursionError):
         return ()
-    names = found if isinstance(found, list) else []
+    names = written if isinstance(written, list) else []
     return tuple(n for n in names if isinstance(n, str) and _is_plain(folder, n))
 
 

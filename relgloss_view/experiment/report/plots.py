@@ -32,7 +32,7 @@ def write_plots(
 ) -> dict[str, tuple[Plot, ...]]:
     """Write overview.png and each sample's plots; by label. `names` are those of the files."""
     write_overview(folder / OVERVIEW, analysis)
-    found = {}
+    plots_by_label = {}
     for number, result in enumerate(analysis.samples):
         label = label_of(result)
         progress(number / len(analysis.samples), f"plots of {label}")
@@ -47,5 +47,5 @@ def write_plots(
             plots.append(Plot(winners, f"{label}: map of how often each setting leads"))
         write_bounds(folder / bounds, result, analysis)
         plots.append(Plot(bounds, f"{label}: settings among the category bounds, closest first"))
-        found[result.label] = tuple(plots)
-    return found
+        plots_by_label[result.label] = tuple(plots)
+    return plots_by_label

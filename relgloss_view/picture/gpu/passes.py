@@ -38,6 +38,7 @@ from relgloss_view.picture.gpu.uniforms import (
     display_uniforms,
     grain_uniforms,
     material_uniforms,
+    per_size,
     view_uniforms,
 )
 from relgloss_view.picture.gpu.variant import Variant, tone_defines
@@ -232,7 +233,7 @@ class Passes:
         if not variant.splits and self.held.renew("split"):
             diffuse, specular = map(self.texture, WRITTEN[variant.writes])
             images = {"diffuse_image": diffuse, "specular_image": specular}
-            uniforms = {**colours, **images, **self._table(variant)}
+            uniforms = {**colours, **images, **self._table(variant), **per_size(request.size)}
             self.draw("split", "split.frag", variant.split_defines(), uniforms, SPLIT, bounds)
         stride = 2 if request.method.c_max == "sparse" else 1
         if self.held.renew("extremes", stride):
@@ -314,7 +315,12 @@ class Passes:
         if self.held.renew(name, tuple(defines.items()), around, scaling.c):
             key = key_of(tuple(defines.items()), around, bounds)
             sources = ("diffuse", "split") if samples > 1 else ("split",)
-            uniforms = {**around, "c": scaling.c, **self.images(sources)}
+            uniforms = {
+                **around,
+                **per_size(request.size),
+                **self.images(sources),
+                "c": scaling.c,
+            }
             if self._around.get(name) != key:
                 bounds = None
             self.draw(name, f"{name}.frag", defines, uniforms, targets, bounds)

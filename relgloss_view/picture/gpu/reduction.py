@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from relgloss_view.picture.frame import Extremes
 from relgloss_view.picture.gpu.programs import Programs, Uniforms
+from relgloss_view.picture.gpu.uniforms import per_size
 from relgloss_view.picture.model.view import Box, Size
 
 #: Side of the first step's tiles: small, so that a software driver's threads share the work.
@@ -47,7 +48,9 @@ class Reduction:
 
     def extremes(self, split: moderngl.Texture, region: Box, stride: int = 1) -> Extremes:
         """The extremes of L_d* and L_s* in a region of a split picture, by every so many pixels."""
-        first = Step("measure.frag", {"STRIDE": stride}, {"split_image": split})
+        first = Step(
+            "measure.frag", {"STRIDE": stride}, {"split_image": split, **per_size(split.size)}
+        )
         names = ("extremes_image", "brightest_image")
         results = self._run(first, "reduce.frag", names, region, stride=stride)
         if results is None:

@@ -13,7 +13,7 @@ from relgloss_view.picture.gpu.programs import Uniforms
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.model.drawn import drawn_diffuse, drawn_facets, drawn_lobes
 from relgloss_view.picture.model.tone import DisplayModel
-from relgloss_view.picture.model.view import View
+from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 
@@ -31,6 +31,11 @@ def view_uniforms(scene: Scene, view: View) -> Uniforms:
         "half_extent_m": scene.shape.half_extent_m(),
         "lamp_m": scene.lamp.position_m,
     }
+
+
+def per_size(size: Size) -> Uniforms:
+    """What reads the pixels of earlier passes (texel.glsl)."""
+    return {"per_size": (1.0 / size[0], 1.0 / size[1])}
 
 
 #: Of a variant that reads none of them; a linker may keep them all the same.

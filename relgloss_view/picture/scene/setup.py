@@ -133,7 +133,7 @@ class Lamp(Checked):
         Y_N_PLACES,
         "maximum: the perfect diffuser shows Y_n in its brightest pixel; "
         "front: at the point that faces the eye",
-        label="White taken from (Y_n)",
+        label="White measured at (Y_n)",
     )
     #: A name that spectra.illuminant knows, or a two-column file.
     illuminant: str = field(default="HP5", metadata={"label": "Lamp spectrum"})
