@@ -1,19 +1,24 @@
-"""What the documents say is so: the functions they name exist, their examples run."""
+"""What the documents say is so: the functions and places they name exist, their commands run."""
 
 from __future__ import annotations
 
+import os
 import re
 import shlex
 import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from relgloss_view import cli
 
 ROOT = Path(__file__).resolve().parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 METHOD = (ROOT / "docs" / "method.md").read_text(encoding="utf-8")
-DOCUMENTS = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
+FIRST_PAIR = (ROOT / "docs" / "first-pair.md").read_text(encoding="utf-8")
+PAGES = sorted((ROOT / "docs").glob("*.md"))
+DOCUMENTS = [ROOT / "README.md", ROOT / "CHANGELOG.md", ROOT / "shaders" / "README.md", *PAGES]
 
 
 def block(language):
@@ -155,6 +160,94 @@ def test_readme_commands_run(tmp_path, monkeypatch, capsys):
         assert cli.main(words[1:]) == 0, words
     assert "written" in capsys.readouterr().out
     assert len(list((tmp_path / "stimuli").glob("*.png"))) == 43
+
+
+@pytest.fixture
+def fresh_tree(tmp_path):
+    """A folder of relgloss as `make demo` leaves it, and the environment of a newcomer's shell."""
+    tree = tmp_path / "relgloss"
+    programs = tree / ".venv" / "bin"
+    programs.mkdir(parents=True)
+    (tree / "assets").symlink_to(ROOT / "assets")
+    (programs / "activate").write_text(f"PATH={shlex.quote(str(programs))}:$PATH\n")
+    command = programs / "relgloss"
+    command.write_text(
+        f"#!/bin/sh\nexec {shlex.quote(sys.executable)} -c "
+        f"'import sys; from relgloss_view.cli import main; sys.exit(main())' \"$@\"\n"
+    )
+    command.chmod(0o755)
+    environment = {
+        **os.environ,
+        "PYTHONPATH": str(ROOT),
+        "RELGLOSS_HOME": str(tmp_path / "home"),
+    }
+    return tree, environment
+
+
+def test_the_first_pair_is_drawn_as_its_page_says(fresh_tree):
+    """Every block is pasted into one shell; what the page shows of the output is printed."""
+    tree, environment = fresh_tree
+    blocks = re.findall(r"```(\w*)\n(.*?)```", FIRST_PAIR, re.S)
+    assert {language for language, _ in blocks} == {"sh", "text"}
+    scripts = [code for language, code in blocks if language == "sh"]
+    end = "-- end of a block --"
+    done = subprocess.run(
+        ["bash", "-eu"],
+        input="".join(f"{code}\necho '{end}'\n" for code in scripts),
+        cwd=tree,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stderr
+    printed = iter(done.stdout.split(end))
+    output, compared = "", 0
+    for language, text in blocks:
+        if language == "sh":
+            output = next(printed)
+            continue
+        for line in text.splitlines():
+            assert line in output.splitlines(), line
+            compared += 1
+    assert compared >= 4
+    made = {path.name for path in (tree / "first-pair").iterdir()}
+    named = set(re.findall(r"[\w-]+\.(?:png|toml)\b", "".join(scripts)))
+    assert len(named) >= 6
+    assert named <= made
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_a_page_begins_with_its_task_and_a_command(page):
+    """A paragraph of words, and something to paste before the first heading below the title."""
+    text = page.read_text(encoding="utf-8")
+    assert text.startswith("# ")
+    opening = text.split("\n## ")[0]
+    assert re.match(r"# .+\n\n[A-Z`]", opening), "no words below the title"
+    assert re.search(r"```(sh)?\n", opening), "no command before the first heading"
+
+
+def commands_of_pages():
+    """(place, words) of every relgloss line that stands in a fenced block of a page."""
+    for page in DOCUMENTS:
+        for text in re.findall(r"```(?:sh)?\n(.*?)```", page.read_text(encoding="utf-8"), re.S):
+            for line in text.splitlines():
+                if line.startswith("relgloss "):
+                    yield page.name, shlex.split(line, comments=True)[1:]
+
+
+def test_options_of_commands_exist(capsys):
+    """The commands of the pages parse, without being run."""
+    checked = 0
+    for place, words in commands_of_pages():
+        try:
+            cli._parser(words).parse_args(words)
+        except SystemExit:
+            pytest.fail(f"{place}: relgloss {shlex.join(words)}: {capsys.readouterr().err}")
+        checked += 1
+    assert checked > 30
+    with pytest.raises(SystemExit):
+        cli._parser(["fit"]).parse_args(["fit", "--no-such-option"])
 
 
 def test_readme_names_the_make_targets():
