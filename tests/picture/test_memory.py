@@ -46,7 +46,7 @@ def test_a_picture_takes_what_the_formula_says():
 
 
 def test_more_is_asked_for_more():
-    # Diffuse, specular and their split L*, four floats each; display, four bytes; two results of four
-    # floats for 4 x 4 pixels.
+    # Diffuse, specular and their split L*, four floats each; display, four bytes; two results of
+    # four floats for 4 x 4 pixels.
     assert bytes_per_pixel() == pytest.approx(3 * 16 + 4 + 2, abs=0.01)
     assert bytes_per_pixel(("normals",)) - bytes_per_pixel() == pytest.approx(48)
