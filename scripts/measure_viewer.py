@@ -59,8 +59,8 @@ def drag() -> None:
             super().frame()
 
         def after_frame(self, frame_s: float) -> bool:
-            assert self.pictures is not None
-            self.pictures.ctx.finish()
+            assert self.pair_renderer is not None
+            self.pair_renderer.ctx.finish()
             now = time.perf_counter()
             if self.count > WARM_UP:
                 self.times.append(now - self._last)
@@ -179,8 +179,8 @@ def soak(frames: int) -> None:
             super().frame()
 
         def after_frame(self, frame_s: float) -> bool:
-            assert self.pictures is not None
-            self.errors += self.pictures.ctx.error != "GL_NO_ERROR"
+            assert self.pair_renderer is not None
+            self.errors += self.pair_renderer.ctx.error != "GL_NO_ERROR"
             if self.count % max(frames // 20, 1) == 0:
                 self.memory.append((self.count, _memory_mb()))
             return super().after_frame(frame_s)

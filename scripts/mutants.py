@@ -111,6 +111,7 @@ HEART = {
             "relgloss_view/experiment/scaling/ordinal_draws.py",
         ),
         (
+            "tests/experiment/scaling/test_ordinal_starts.py",
             "tests/experiment/scaling/test_ordinal.py",
             "tests/experiment/scaling/test_ordinal_draws.py",
             "tests/experiment/scaling/test_successive_categories.py",
@@ -159,7 +160,36 @@ _MISS = "the hit of a ray that misses is unspecified; callers check `found` firs
 _ORDER = "the quadrature has converged to rounding; one node more or less changes nothing"
 _BUDGET = "a budget of a search that ends long before; one more or less changes no result"
 _START = "where an iteration begins whose end does not depend on it"
+_ACCEPTED = "decides how early a step is accepted, not where the search ends"
 EQUIVALENTS = (
+    Equivalent(
+        "relgloss_view/experiment/scaling/ordinal_draws.py",
+        "falls = after[0] <= value",
+        "DECREASE * share * promise",
+        "",
+        _ACCEPTED,
+    ),
+    Equivalent(
+        "relgloss_view/experiment/scaling/ordinal_draws.py",
+        "promise = np.sum(slope * step, axis=1)",
+        "np.sum(slope * step, axis=1)",
+        "(np.mean(slope * step, axis=1))",
+        _ACCEPTED,
+    ),
+    Equivalent(
+        "relgloss_view/experiment/scaling/ordinal.py",
+        "FIRST_RADIUS = 10.0",
+        "10.0",
+        "11.0",
+        _START,
+    ),
+    Equivalent(
+        "relgloss_view/picture/model/shape.py",
+        "latitude = np.arcsin(np.clip(n[..., 1], -1.0, 1.0))",
+        "np.clip(n[..., 1], -1.0, 1.0)",
+        "",
+        "a component over the root of its square plus others is at most 1, rounding included",
+    ),
     Equivalent(
         "relgloss_view/experiment/scaling/unfolding.py",
         "self._ends = np.where(ends > 0.0, ends, 1.0)",
@@ -180,6 +210,13 @@ EQUIVALENTS = (
         "loss.counts.sum(axis=0)",
         "(loss.counts.mean(axis=0))",
         "the shares are divided by the last one, so a common factor drops out",
+    ),
+    Equivalent(
+        "relgloss_view/picture/model/shape.py",
+        "travel = np.where(facing, -eye_m[2] / np.where(facing, dz, -1.0), 0.0)",
+        "0.0",
+        "1.0",
+        _MISS,
     ),
     Equivalent(
         "relgloss_view/picture/model/shape.py",

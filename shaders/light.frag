@@ -4,6 +4,7 @@
 //   light = linear display RGB over the surround, alpha = the object's share of the pixel
 //   lab   = L~*, a*, b* before gamut mapping; 0 off the object
 
+#include "texel.glsl"
 #include "tone.glsl"
 
 uniform sampler2D diffuse_image;
@@ -18,8 +19,8 @@ layout(location = 1) out vec4 lab;
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
-    vec4 split = texelFetch(split_image, at, 0);
-    float share = SAMPLED == 1 ? texelFetch(diffuse_image, at, 0).a : on_object(split) ? 1.0 : 0.0;
+    vec4 split = texel(split_image, at);
+    float share = SAMPLED == 1 ? texel(diffuse_image, at).a : on_object(split) ? 1.0 : 0.0;
     bool inside;
     vec3 scaled = scaled_lab(split, c);
     vec3 shown = display_rgb(GAMUT, scaled, display_white, rgb_from_xyz, inside);

@@ -1,13 +1,13 @@
 #version 330 core
 
 // Pass 1: meet the object, tilt its normal by the grain, evaluate the fitted BRDF under a lamp at its
-// place. Diffuse and specular go to two separate float targets, as XYZ relative to Y_n: the mean over the
-// share of the pixel that the object covers; alpha is that share. split.frag and tone.frag are pass 2.
-//
-// WRITES names what the targets hold:
-//   WRITES_XYZ            diffuse and specular; the exact path
-//   WRITES_SPLIT          what split.frag would make of them (L_d*, L_s*, a*, b*); quality "auto", for it is
-//                         cheaper on a software driver and the same within float32's rounding
+// place. Diffuse and specular go to two separate float targets, relative to Y_n. What they hold:
+//   WRITES_WEIGHTS        the weights of the models' shapes, from which colours.glsl makes XYZ; where the
+//                         object is not seen, the first diffuse weight is OFF_OBJECT
+//   WRITES_XYZ            XYZ, the mean over the share of the pixel that the object covers; alpha is that
+//                         share
+// A cheaper method splits L* here instead of in pass 2 (Ishii et al., eq. 1):
+//   WRITES_SPLIT          (L_d*, L_s*, a*, b*); where the object is not seen, L_d* is OFF_OBJECT
 //   WRITES_XYZ_AND_SPLIT  both, where several samples share a pixel
 //
 // Constants: SHAPE, CAPS, LAMP, DIFFUSE, LOBES, FRESNEL, SHADOWING, FACETS, NOISE, NOISY_DIFFUSE, GRAIN,
@@ -31,8 +31,11 @@ uniform vec4 lobe_shape[2];  // sharpness, amplitude, refractive index, spread: 
 
 #include "grain.glsl"
 
+#if WRITES == WRITES_WEIGHTS
+layout(location = 0) out vec2 diffuse;
+layout(location = 1) out vec2 specular;
+#else
 #include "colours.glsl"
-
 #if WRITES == WRITES_SPLIT
 layout(location = 0) out vec4 split;
 #else
@@ -44,6 +47,7 @@ layout(location = 2) out vec4 split;
 #endif
 #if WRITES != WRITES_XYZ
 uniform vec3 per_white;  // one over the white of the scene's lamp, whose Y is one
+#endif
 #endif
 
 // The weights of the diffuse shapes and of the lobes, and the share of the pixel that shows the object.
@@ -92,6 +96,10 @@ void main() {
         light = Light(mean * light.diffuse, mean * light.specular,
                       light.share / float(samples * samples));
     }
+#if WRITES == WRITES_WEIGHTS
+    diffuse = light.share > 0.0 ? light.diffuse : vec2(OFF_OBJECT, 0.0);
+    specular = light.specular;
+#else
     vec3 diffuse_light = diffuse_xyz(light.diffuse);
     vec3 specular_light = specular_xyz(light.specular);
 #if WRITES != WRITES_SPLIT
@@ -101,5 +109,6 @@ void main() {
 #if WRITES != WRITES_XYZ
     split = light.share > 0.0 ? split_lab(diffuse_light, specular_light, per_white)
                               : vec4(OFF_OBJECT, 0.0, 0.0, 0.0);
+#endif
 #endif
 }

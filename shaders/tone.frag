@@ -6,6 +6,7 @@
 //             gamut), so that a pixel says what was done to it at no cost
 // Constants: GAMUT, TRANSFER, SAMPLED.
 
+#include "texel.glsl"
 #include "tone.glsl"
 
 uniform sampler2D diffuse_image;  // for the object's share of a pixel, where there may be one
@@ -20,8 +21,8 @@ layout(location = 0) out vec4 display;
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
-    vec4 split = texelFetch(split_image, at, 0);
-    float share = SAMPLED == 1 ? texelFetch(diffuse_image, at, 0).a : on_object(split) ? 1.0 : 0.0;
+    vec4 split = texel(split_image, at);
+    float share = SAMPLED == 1 ? texel(diffuse_image, at).a : on_object(split) ? 1.0 : 0.0;
     bool inside;
     vec3 lab = scaled_lab(split, c);
     vec3 shown = display_rgb(GAMUT, lab, display_white, rgb_from_xyz, inside);

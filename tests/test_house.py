@@ -76,7 +76,7 @@ def test_imports_point_down(path):
         ("OpenEXR", ("picture/output/exr.py",)),
         (
             "matplotlib",
-            ("base/figures.py", "fitting/", "experiment/report/", "bench/"),
+            ("base/figures.py", "fitting/report.py", "experiment/report/", "bench/"),
         ),
         ("colour", ("material/spectra.py", "bench/peers/scientist.py")),
     ],

@@ -27,32 +27,43 @@ def add(commands: Any) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "bench",
-        description="Draw four papers under two lamps by every method: how long it takes beside "
-        "the least that two passes can cost on this machine, how far it is from the float64 "
-        "spectral reference. A chart, tables, and the same numbers as JSON.",
+        description="Draw four papers under two lamps by every method. Each time is compared with "
+        "the least that two passes can take on this machine, each picture with the float64 "
+        "spectral reference. Writes a chart, a table and all numbers as JSON.",
         epilog="example: relgloss bench --quick -o chart",
     )
-    parser.add_argument("-o", "--output", metavar="FOLDER", required=True)
+    parser.add_argument(
+        "-o", "--output", metavar="FOLDER", required=True, help="Folder for charts and numbers"
+    )
     parser.add_argument(
         "--quick",
         action="store_true",
-        help="two scenes, the main methods and few frames, in under half a minute",
+        help="Draw two scenes by the main methods in few frames; takes under half a minute",
     )
     parser.add_argument(
         "--stability",
         action="store_true",
-        help="instead, maps of where methods fail: their errors over what a scene may have",
+        help="Map where methods fail instead: their errors over the range of scenes",
     )
     parser.add_argument(
-        "--size", metavar="WxH", type=size_of_text, default=SIZE, help="in pixels, for the times"
+        "--size",
+        metavar="WxH",
+        type=size_of_text,
+        default=SIZE,
+        help="Size in pixels of the pictures that are timed (default 1280x720)",
     )
-    parser.add_argument("--backend", choices=BACKENDS, default="auto", help="(default auto)")
-    parser.add_argument("--json", action="store_true", help="print the numbers as JSON")
+    parser.add_argument(
+        "--backend",
+        choices=BACKENDS,
+        default="auto",
+        help="OpenGL context that draws (default auto)",
+    )
+    parser.add_argument("--json", action="store_true", help="Print the numbers as JSON")
     parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Measure beside the folder, and move the files in when the last is done."""
+    """Measure, and write the files beside the folder until the last is done."""
     if args.stability:
         maps = _folder(args.output)
         quick, as_json = bool(args.quick), bool(args.json)
@@ -66,22 +77,22 @@ def run(args: argparse.Namespace) -> int:
         ctx = open_context(args.backend)
         try:
             extent = QUICK if args.quick else FULL
-            found = measure(ctx, args.size, extent, lambda: _time_grid(args), progress)
+            results = measure(ctx, args.size, extent, lambda: _time_grid(args), progress)
         finally:
             ctx.release()
-        report.write_results(found, temporary)
-        chart.write_chart(found, temporary)
+        report.write_results(results, temporary)
+        chart.write_chart(results, temporary)
     if args.json:
-        print(json.dumps(found))
+        print(json.dumps(results))
         return 0
-    for line in report.lines(found):
+    for line in report.lines(results):
         print(line)
     print(f"{printable(folder)}: {', '.join(chart.CHARTS)}, {report.TABLE}, {report.RESULTS}")
     return 0
 
 
 def _folder(name: str) -> Path:
-    """The folder, which both kinds of a run may share."""
+    """The output folder, which the two kinds of runs may share."""
     from relgloss_view.bench.speed import report
 
     ours = {report.RESULTS: report.FORMAT, stability_maps.RESULTS: stability_maps.FORMAT}

@@ -1,22 +1,21 @@
-"""`relgloss compare`: samples under operators side by side, and whether the gloss order is kept."""
+"""`relgloss compare`: samples under several operators, and whether the gloss order is kept."""
 
 from __future__ import annotations
 
 import argparse
 import dataclasses
 import json
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
-from relgloss_view.base.terminal import Progress
+from relgloss_view.base.terminal import Column, Progress, table, warn
 from relgloss_view.base.writing import check_writable, whole_file
 from relgloss_view.commands.scene_options import add_scene_options, printable_command, scene_from
 
 if TYPE_CHECKING:
-    from relgloss_view.gloss.comparison import Comparison
+    from relgloss_view.gloss.comparison import Comparison, OperatorRow
     from relgloss_view.operators.operator import Operator
 
 DEFAULT_OPERATORS = "split,clip,multiscale"
@@ -27,25 +26,25 @@ MOST_CELLS = 200
 def add(commands: Any) -> None:
     """Declare the command."""
     from relgloss_view.commands.sample_arguments import METAVAR
-    from relgloss_view.gloss.comparison import DEFAULT_GLOSS, GLOSSES
+    from relgloss_view.gloss.samples import DEFAULT_GLOSS, GLOSSES
     from relgloss_view.operators.registry import OPERATORS
     from relgloss_view.picture.scene.sample import SAMPLES
 
     parser = commands.add_parser(
         "compare",
-        description="Draw samples under several tone-mapping operators on one sheet, measure what "
-        "each shows (contrast, grain, sharpness, clipping, body colour) and say whether the order "
-        "of the samples is that of the real materials' computed gloss.",
+        description="Draw samples under several tone-mapping operators on one sheet, measure each "
+        "picture (contrast, grain, sharpness, clipping, body colour), and check whether the "
+        "displayed gloss orders the samples as the computed gloss of the real materials does.",
         epilog="example: relgloss compare -o papers.png -o papers.html; "
         "relgloss compare cast-coated mine.json=2.0,1/3 --operators split,multiscale:local=0 "
         "-o mine.png",
     )
     parser.add_argument(
-        "cases",
+        "sample_words",  # --samples is another option
         metavar=METAVAR,
         nargs="*",
-        help=f"built-in papers or materials, with sigma_N in degrees and c as a share of c_max "
-        f"(default: {', '.join(SAMPLES)} as the paper's observers chose)",
+        help="Built-in papers or material files. A setting follows =: sigma_N in degrees, c as a "
+        f"share of c_max (default {', '.join(SAMPLES)} with the published settings)",
     )
     parser.add_argument(
         "-o",
@@ -53,29 +52,29 @@ def add(commands: Any) -> None:
         metavar="OUT.png|OUT.html",
         action="append",
         required=True,
-        help="the sheet as a picture, or a page that holds pictures and numbers; may be repeated",
+        help="Sheet as one picture, or page with pictures and numbers; may be repeated",
     )
     parser.add_argument(
         "--operators",
         metavar="LIST",
         default=DEFAULT_OPERATORS,
-        help=f"of {', '.join(OPERATORS)}, comma between, each with parameters if need be: "
-        f"multiscale:local=0:rods=true (default {DEFAULT_OPERATORS})",
+        help=f"Operators with commas between them, of {', '.join(OPERATORS)}. Parameters follow "
+        f"colons: multiscale:local=0:rods=true (default {DEFAULT_OPERATORS})",
     )
     parser.add_argument(
         "--gloss",
         choices=GLOSSES,
         default=DEFAULT_GLOSS,
-        help=f"that orders the real materials (default {DEFAULT_GLOSS})",
+        help=f"Computed gloss that orders the real materials (default {DEFAULT_GLOSS})",
     )
     add_scene_options(parser, tuned=False, sourced=False)
-    parser.add_argument("--json", action="store_true", help="print the numbers as JSON")
+    parser.add_argument("--json", action="store_true", help="Print the numbers as JSON")
     parser.set_defaults(run=run, wrong_usage=parser.error)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Draw everything, write the sheets, and say what holds."""
-    from relgloss_view.commands.sample_arguments import given_samples
+    """Draw everything, write the sheets, and print the verdicts."""
+    from relgloss_view.commands.sample_arguments import sample_arguments
     from relgloss_view.gloss.comparison import as_numbers, compare
     from relgloss_view.picture.scene.sample import SAMPLES
     from relgloss_view.quality.backends import open_renderer
@@ -84,16 +83,16 @@ def run(args: argparse.Namespace) -> int:
     operators = operators_of(args.operators)
     scene, look, size = scene_from(args)
     look = dataclasses.replace(look, quality="exact")  # auto is measured on the split's picture
-    found = given_samples(args.cases or list(SAMPLES), look)
-    cases = [given.case for given in found]
-    if len(cases) * len(operators) > MOST_CELLS:
+    arguments = sample_arguments(args.sample_words or list(SAMPLES), look)
+    if len(arguments) * len(operators) > MOST_CELLS:
         raise InputError(
-            f"{len(cases)} samples x {len(operators)} operators: expected at most "
+            f"{len(arguments)} samples x {len(operators)} operators: expected at most "
             f"{MOST_CELLS} pictures"
         )
+    samples = [argument.sample_look for argument in arguments]
     with Progress("compare") as progress, open_renderer(args.backend) as renderer:
         comparison = compare(
-            renderer, cases, operators, scene, size, gloss=args.gloss, progress=progress
+            renderer, samples, operators, scene, size, gloss=args.gloss, progress=progress
         )
     command = printable_command(args.argv)
     for output in outputs:
@@ -101,15 +100,15 @@ def run(args: argparse.Namespace) -> int:
     if args.json:
         print(json.dumps({"outputs": args.output, "size": list(size), **as_numbers(comparison)}))
         return 0
-    told = [
-        f"{g.case.label}: no settings given, so it has sigma_N 0 and c_max; "
-        f"{g.sample.file}=2.0,1/3 would set others"
-        for g in found
-        if not g.settings
+    without_setting = [
+        f"{a.sample_look.label}: without a setting it is drawn at sigma_N 0 and c_max; give one "
+        f"after the name, such as {a.sample.file}=2.0,1/3"
+        for a in arguments
+        if not a.origin
     ]
-    for text in dict.fromkeys([*told, *_warnings(comparison)]):
-        print(f"warning: {printable(text, 300)}", file=sys.stderr)
-    print(_table(comparison))
+    for text in dict.fromkeys([*without_setting, *_warnings(comparison)]):
+        warn(text)
+    print(_tables(comparison))
     for output in outputs:
         print(f"{printable(output)}: written")
     return 0
@@ -127,17 +126,17 @@ def _checked_outputs(names: list[str]) -> list[Path]:
 
 
 def operators_of(text: str) -> list[Operator]:
-    """Operators of words such as split,multiscale:local=0; InputError where one is none."""
-    from relgloss_view.commands.operator_options import read_settings
+    """Operators of words such as split,multiscale:local=0; InputError where one is wrong."""
+    from relgloss_view.commands.operator_options import read_parameters
     from relgloss_view.operators.registry import make_operator
 
     operators = []
     for word in text.split(","):
-        name, *settings = word.strip().split(":")
-        make_operator(name)  # an unknown name is told before its parameters
-        operators.append(make_operator(name, read_settings(name, settings)))
+        name, *parameters = word.strip().split(":")
+        make_operator(name)  # so that an unknown name is refused before its parameters
+        operators.append(make_operator(name, read_parameters(name, parameters)))
     if len(set(operators)) < len(operators):
-        raise InputError(f"--operators {text}: one stands there twice")
+        raise InputError(f"--operators {text}: lists one operator twice; leave one out")
     return operators
 
 
@@ -147,7 +146,7 @@ def _write(comparison: Comparison, output: Path, command: str) -> None:
     from relgloss_view.gloss.comparison_sheet import comparison_sheet
     from relgloss_view.picture.output.png import save_rgb
 
-    synthetic = all(s.case.material.synthetic for s in comparison.samples)
+    synthetic = all(drawn.sample.material.synthetic for drawn in comparison.samples)
     title = "Is the order of gloss kept? Samples across, operators down"
     note = "All samples are synthetic. " if synthetic else ""
     note += "Contrasts and grain in L*; definitions in docs/operators.md."
@@ -161,46 +160,77 @@ def _write(comparison: Comparison, output: Path, command: str) -> None:
 
 
 def _warnings(comparison: Comparison) -> list[str]:
-    """What the pictures' warnings say, each with the sample and the operator it is about."""
-    told: list[str] = []
+    """The warnings of the pictures, each with its sample, and its operator if only some have it."""
+    warnings: list[str] = []
     for label in comparison.rows[0].cells:
         by_operator = {row.operator.name: row.cells[label].warnings for row in comparison.rows}
         for name, texts in by_operator.items():
             for text in texts:
                 everywhere = all(text in others for others in by_operator.values())
-                told.append(f"{label}: {text}" if everywhere else f"{label}, {name}: {text}")
-    return told
+                warnings.append(f"{label}: {text}" if everywhere else f"{label}, {name}: {text}")
+    return warnings
 
 
-def _table(comparison: Comparison) -> str:
-    """The numbers in columns, operator by operator."""
-    from relgloss_view.gloss.comparison import title_of, words_of
-    from relgloss_view.gloss.comparison_sheet import MEASURES, VERDICTS, body_words, number
+def _tables(comparison: Comparison) -> str:
+    """The numbers in columns: the samples, then each operator with its verdicts."""
+    labels = [drawn.sample.label for drawn in comparison.samples]
+    width = 2 + max(map(len, ["sample", *labels]))
+    blocks = [_sample_table(comparison, width)]
+    blocks += [_operator_block(row, width) for row in comparison.rows]
+    return "\n\n".join(blocks)
 
-    wide = max(len("sample"), *(len(s.case.label) for s in comparison.samples)) + 2
-    lines = [f"{'sample':{wide}}{words_of(comparison.gloss):>17}{'sigma_N':>9}{'c':>8}{'c_max':>8}"]
-    for s in comparison.samples:
-        c_max = "-" if s.c_max is None else f"{s.c_max:.3g}"
-        gloss = s.gloss[comparison.gloss]
-        shown = "-" if gloss is None else f"{gloss:.4g}"
-        lines.append(
-            f"{s.case.label:{wide}}{shown:>17}{s.case.look.sigma_n_deg:>9.2f}{s.c:>8.3g}{c_max:>8}"
-        )
-    for row in comparison.rows:
-        lines += ["", title_of(row.operator)]
-        heads = f"{'p99':>7}{'peak':>7}{'grain':>7}{'sharp':>7}{'clipped':>9}{'body dE':>9}"
-        lines.append(f"  {'':{wide}}{heads}")
-        for label, cell in row.cells.items():
-            m = cell.measures
-            share = None if m.clipped_share is None else 100.0 * m.clipped_share
-            lines.append(
-                f"  {label:{wide}}{number(m.contrast_gloss):>7}{number(m.peak_contrast):>7}"
-                f"{number(m.graininess, 2):>7}{number(m.sharpness, 0):>7}"
-                f"{number(share) + ' %':>9}{number(m.body_difference, 2):>9}"
+
+def _sample_table(comparison: Comparison, width: int) -> str:
+    from relgloss_view.gloss.samples import gloss_words
+
+    columns = (
+        Column("sample", width, left=True),
+        Column(gloss_words(comparison.gloss), 15),
+        Column("sigma_N", 7),
+        Column("c", 6),
+        Column("c_max", 6),
+    )
+    rows = []
+    for drawn in comparison.samples:
+        gloss = drawn.gloss[comparison.gloss]
+        rows.append(
+            (
+                drawn.sample.label,
+                "-" if gloss is None else f"{gloss:.4g}",
+                f"{drawn.sample.look.sigma_n_deg:.2f}",
+                f"{drawn.c:.3g}",
+                "-" if drawn.c_max is None else f"{drawn.c_max:.3g}",
             )
-        for name, words in MEASURES.items():
-            order = row.orders[name]
-            tau = "" if order.tau is None else f", tau {order.tau:.2f}"
-            lines.append(f"  {words}: {VERDICTS[order.verdict]}{tau}: {order.words}")
-        lines.append(f"  {body_words(row)}")
-    return "\n".join(lines)
+        )
+    return table(columns, rows)
+
+
+def _operator_block(row: OperatorRow, width: int) -> str:
+    from relgloss_view.gloss.comparison_sheet import MEASURES, VERDICTS, body_words, number, percent
+
+    columns = (
+        Column("", width, left=True),
+        *(Column(heading, 5) for heading in ("p99", "peak", "grain", "sharp")),
+        Column("clipped", 7),
+        Column("body dE", 7),
+    )
+    cells = []
+    for label, cell in row.cells.items():
+        m = cell.measures
+        cells.append(
+            (
+                label,
+                number(m.contrast_gloss),
+                number(m.peak_contrast),
+                number(m.graininess, 2),
+                number(m.sharpness, 0),
+                f"{number(percent(m.clipped_share))} %",
+                number(m.body_difference, 2),
+            )
+        )
+    lines = [row.operator.label, table(columns, cells, indent="  ")]
+    for name, words in MEASURES.items():
+        order = row.orders[name]
+        tau = "" if order.tau is None else f", tau {order.tau:.2f}"
+        lines.append(f"  {words}: {VERDICTS[order.verdict]}{tau}: {order.words}")
+    return "\n".join([*lines, f"  {body_words(row)}"])

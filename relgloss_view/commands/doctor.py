@@ -29,11 +29,11 @@ def add(commands: Any) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "doctor",
-        description="Look at this machine: libraries, OpenGL contexts, and a picture drawn on each "
-        "and held against the float64 reference.",
+        description="Check the libraries and the OpenGL contexts of this machine. A picture drawn "
+        "on each context is compared with the float64 reference.",
         epilog="example: relgloss doctor --json",
     )
-    parser.add_argument("--json", action="store_true", help="print the findings as JSON")
+    parser.add_argument("--json", action="store_true", help="Print the findings as JSON")
     parser.set_defaults(run=run)
 
 

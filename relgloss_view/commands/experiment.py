@@ -14,9 +14,10 @@ def add(commands: Any) -> None:
     parser = commands.add_parser(
         "experiment",
         help="the subjective evaluation: run it, simulate it, analyse it",
-        description="Which settings keep a sample's ratio of gloss to the reference? People are "
-        "asked (Ishii et al.): a study file says what they see, `run` asks them and keeps each "
-        "answer, `analyse` tells what is best. `simulate` does the same with simulated observers.",
+        description="Find the settings that keep a sample's ratio of gloss to the reference, by "
+        "asking people (Ishii et al.). A study file defines what they see, `run` asks them and "
+        "keeps each answer, `analyse` finds the best settings. `simulate` asks simulated "
+        "observers.",
         epilog="example: relgloss experiment simulate paper -o trial.sqlite && "
         "relgloss experiment analyse trial.sqlite -o report",
     )

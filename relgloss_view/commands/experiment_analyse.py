@@ -1,4 +1,4 @@
-"""`relgloss experiment analyse`: what the answers of a study tell."""
+"""`relgloss experiment analyse`: scales, bounds and verdicts from the answers of a study."""
 
 from __future__ import annotations
 
@@ -29,25 +29,31 @@ def add(commands: Any) -> None:
         "PNG, CSV, JSON) and a scene file of each chosen setting, which the window opens.",
         epilog="example: relgloss experiment analyse monday.sqlite tuesday.sqlite -o report",
     )
-    parser.add_argument("files", metavar="FILE", nargs="+", help="session files of one study")
-    parser.add_argument("-o", "--output", metavar="FOLDER", help="where the report goes")
+    parser.add_argument("files", metavar="FILE", nargs="+", help="Session files of one study")
+    parser.add_argument("-o", "--output", metavar="FOLDER", help="Folder for the report")
     parser.add_argument(
-        "--draws", metavar="N", type=int, default=DRAWS, help=f"of the bootstrap (default {DRAWS})"
+        "--draws",
+        metavar="N",
+        type=int,
+        default=DRAWS,
+        help=f"Number of resamplings of the observers (default {DRAWS})",
     )
-    parser.add_argument("--seed", metavar="N", type=int, default=0, help="of the bootstrap")
+    parser.add_argument(
+        "--seed", metavar="N", type=int, default=0, help="Seed of the resampling (default 0)"
+    )
     parser.add_argument(
         "--observer-effects",
         action="store_true",
-        help="let each observer call everything closer or farther by an amount of their own",
+        help="Let each observer judge everything closer or farther by an amount of their own",
     )
     parser.add_argument(
         "--zero",
         choices=("clip", "drop"),
         default="clip",
-        help="what condition D does with proportions of 0 and 1: clip them to 1/(2N), or leave "
-        "them out (default clip)",
+        help="Treatment of proportions of 0 and 1 in condition D: clip them to 1/(2N), or drop "
+        "them (default clip)",
     )
-    parser.add_argument("--json", action="store_true", help="print the results as JSON")
+    parser.add_argument("--json", action="store_true", help="Print the results as JSON")
     parser.set_defaults(run=run)
 
 
@@ -84,5 +90,5 @@ def run(args: argparse.Namespace) -> int:
                 remove_stale(folder, earlier, written)
     print(json.dumps(as_numbers(analysis)) if args.json else summary(analysis))
     if folder is not None and not args.json:
-        print(f"{printable(folder)}: report.html and what it is made of")
+        print(f"{printable(folder)}: report.html, and the files that belong to it")
     return 0

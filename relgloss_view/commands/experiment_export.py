@@ -30,14 +30,20 @@ def add(commands: Any) -> None:
         "export",
         help="the answers as a table, and the stimuli as pictures",
         description="Write every answer of session files as one table (CSV or JSON), or draw the "
-        "study's stimuli again, each held against what was on the observers' screen.",
+        "study's stimuli again and compare each with what the observers saw.",
         epilog="example: relgloss experiment export monday.sqlite -o answers.csv",
     )
-    parser.add_argument("files", metavar="FILE", nargs="+", help="session files of one study")
-    parser.add_argument("-o", "--output", metavar="OUT.csv|OUT.json", help="the table of answers")
-    parser.add_argument("--stimuli", metavar="FOLDER", help="where the stimuli go, as PNG")
-    parser.add_argument("--backend", choices=BACKENDS, default="auto", help="what draws")
-    parser.add_argument("--json", action="store_true", help="print what was written as JSON")
+    parser.add_argument("files", metavar="FILE", nargs="+", help="Session files of one study")
+    parser.add_argument(
+        "-o", "--output", metavar="OUT.csv|OUT.json", help="File for the table of answers"
+    )
+    parser.add_argument("--stimuli", metavar="FOLDER", help="Folder for the stimuli, as PNG")
+    parser.add_argument(
+        "--backend", choices=BACKENDS, default="auto", help="Renderer of the pictures"
+    )
+    parser.add_argument(
+        "--json", action="store_true", help="Print a list of the written files as JSON"
+    )
     parser.set_defaults(run=run, wrong_usage=parser.error)
 
 
@@ -58,18 +64,18 @@ def run(args: argparse.Namespace) -> int:
         folder = own_folder(args.stimuli, {MANIFEST: FORMAT}, "export", alone=True)
     with tempfile.TemporaryDirectory(prefix="relgloss-") as lamps:
         pool = read_pool(args.files, Path(lamps))
-        told: dict[str, Any] = {}
+        written: dict[str, Any] = {}
         if table is not None:
-            told["answers"] = _write_answers(table, pool)
+            written["answers"] = _write_answers(table, pool)
         if folder is not None:
-            told["stimuli"] = _draw_stimuli(folder, pool, args.backend)
+            written["stimuli"] = _draw_stimuli(folder, pool, args.backend)
     if args.json:
-        print(json.dumps({"files": args.files, **told}))
+        print(json.dumps({"files": args.files, **written}))
         return 0
     if table is not None:
-        print(f"{printable(table)}: {told['answers']} answers")
+        print(f"{printable(table)}: {written['answers']} answers")
     if folder is not None:
-        print(f"{printable(folder)}: {_words(told['stimuli'])}")
+        print(f"{printable(folder)}: {_words(written['stimuli'])}")
     return 0
 
 
@@ -81,8 +87,8 @@ def _write_answers(path: Path, pool: Pool) -> int:
         if path.suffix.lower() == ".csv":
             write_csv(temporary, ANSWER_COLUMNS, rows)
         else:
-            told = [dict(zip(ANSWER_COLUMNS, row, strict=True)) for row in rows]
-            temporary.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+            answers = [dict(zip(ANSWER_COLUMNS, row, strict=True)) for row in rows]
+            temporary.write_text(json.dumps(answers, indent=1) + "\n", encoding="utf-8")
     return len(rows)
 
 
@@ -92,17 +98,17 @@ def _draw_stimuli(folder: Path, pool: Pool, backend: str) -> list[dict[str, Any]
         digest_of,
         draw_reference,
         draw_stimulus,
-        told_of,
+        frame_record,
     )
     from relgloss_view.experiment.report.file_names import file_names
     from relgloss_view.picture.output.writers import Writers
     from relgloss_view.quality.backends import open_renderer
 
     study = pool.study
-    shown: dict[tuple[int | None, int | None], set[str]] = {}
+    digests: dict[tuple[int | None, int | None], set[str]] = {}
     for record in pool.records:
         for picture in record.pictures:
-            shown.setdefault((picture.sample, picture.setting), set()).add(picture.sha256)
+            digests.setdefault((picture.sample, picture.setting), set()).add(picture.sha256)
     names = file_names([sample.label for sample in study.samples])
     wanted: list[tuple[int | None, int | None]] = [(None, None)]
     wanted += [(k, j) for k in range(len(names)) for j in range(len(study.grid))]
@@ -122,16 +128,16 @@ def _draw_stimuli(folder: Path, pool: Pool, backend: str) -> list[dict[str, Any]
                 name = f"{names[sample]}-{setting:03d}.png"
                 progress(number / len(wanted), f"{study.samples[sample].label}, {at.words}")
             digest = digest_of(frame)
-            known = shown.get((sample, setting))
+            digests_then = digests.get((sample, setting))
             writers.save(frame, temporary / name, "")
             stimuli.append(
                 {
                     "file": name,
                     "sample": None if sample is None else study.samples[sample].label,
                     "setting": setting,
-                    **told_of(frame),
+                    **frame_record(frame),
                     "sha256": digest,
-                    "as_shown": None if known is None else known == {digest},
+                    "as_shown": None if digests_then is None else digests_then == {digest},
                 }
             )
         manifest = {
@@ -144,10 +150,10 @@ def _draw_stimuli(folder: Path, pool: Pool, backend: str) -> list[dict[str, Any]
 
 
 def _words(stimuli: list[dict[str, Any]]) -> str:
-    told = f"{len(stimuli)} pictures"
+    drawn = f"{len(stimuli)} pictures"
     compared = [s for s in stimuli if s["as_shown"] is not None]
     other = [s["file"] for s in compared if not s["as_shown"]]
     if not compared:
-        return f"{told}; nobody has seen them in a window, so there is nothing to compare with"
+        return f"{drawn}; nobody has seen them in a window, so there is nothing to compare"
     same = f"{len(compared) - len(other)} of {len(compared)} that were shown are the same"
-    return f"{told}; {same}, bit by bit" + (f" (not: {', '.join(other[:5])})" if other else "")
+    return f"{drawn}; {same}, bit by bit" + (f" (not: {', '.join(other[:5])})" if other else "")

@@ -17,12 +17,14 @@ def add(commands: Any) -> None:
     parser = commands.add_parser(
         "new",
         help="write a study file to start from: the paper's experiment",
-        description="Write the paper's experiment as a study file, to be changed by hand. "
-        "Every entry that a study may have is in docs/experiment.md.",
+        description="Write the paper's experiment as a study file to edit. docs/experiment.md "
+        "describes every entry.",
         epilog="example: relgloss experiment new -o mine.toml",
     )
     parser.add_argument("-o", "--output", metavar="STUDY.toml", required=True)
-    parser.add_argument("--json", action="store_true", help="print what was written as JSON")
+    parser.add_argument(
+        "--json", action="store_true", help="Print a list of the written files as JSON"
+    )
     parser.set_defaults(run=run)
 
 
@@ -35,6 +37,6 @@ def run(args: argparse.Namespace) -> int:
         raise InputError(f"-o {printable(named)}: expected a name that ends in .toml")
     with fresh_file(args.output) as temporary:
         temporary.write_bytes(built_in_file(BUILT_IN[0]).read_bytes())
-    shown = f"{printable(args.output)}: the paper's study"
-    print(json.dumps({"file": args.output}) if args.json else shown)
+    text = f"{printable(args.output)}: the paper's study"
+    print(json.dumps({"file": args.output}) if args.json else text)
     return 0

@@ -27,13 +27,13 @@ def add(commands: Any) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "run",
-        help="one observer's session: the window in which pictures are judged",
+        help="one observer's session: the window for judging pictures",
         description="Lead one observer through a study: consent, instructions, adaptation, then "
-        "pairs of pictures that are judged with the keys 1, 2, ... or the mouse. Every answer is "
-        "on the disk before the next pictures show; a session that was broken off in any way goes "
-        "on at the same pair when the command is given again, and says whose it is. Keys: "
-        "Backspace takes the last answer back, P makes a pause, Tab (held) shows the operator how "
-        "far it is, Ctrl+Enter ends the adaptation early, Ctrl+Q ends.",
+        "pairs of pictures, judged with the keys 1, 2, ... or the mouse. Every answer is on the "
+        "disk before the next pictures show. Give the command again to resume an interrupted "
+        "session at the same pair; it prints whose session it is. Keys: Backspace takes the last "
+        "answer back, P pauses, Tab (held) shows the progress to the experimenter, Ctrl+Enter "
+        "ends the adaptation early, Ctrl+Q ends.",
         epilog="example: relgloss experiment run paper -o answers.sqlite; the next observer, or "
         "the same one later: relgloss experiment run answers.sqlite; the next observer where the "
         "last one does not come back: relgloss experiment run answers.sqlite --new",
@@ -41,63 +41,67 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "study",
         metavar="STUDY",
-        help="a study file (TOML), `paper` for the built-in study, or a session file to go on with",
+        help="Study file (TOML), `paper` for the built-in study, or a session file to resume",
     )
     parser.add_argument(
         "-o",
         "--output",
         metavar="FILE.sqlite",
-        help="the session file, which takes the answers of all observers of a study (default: "
-        "beside the study file, with its name)",
+        help="Session file for the answers of all observers of a study (default: beside the study "
+        "file, with its name)",
     )
     who = parser.add_mutually_exclusive_group()
     who.add_argument(
         "--observer",
         metavar="ID",
-        help="a pseudonym; by default whoever is not through yet goes on, or a new observer begins",
+        help="Pseudonym of the observer. By default the first observer who has not finished "
+        "resumes, or a new one begins",
     )
     who.add_argument(
         "--new",
         action="store_true",
-        help="begin a new observer, whoever is not through yet; what they answered is kept",
+        help="Begin a new observer. Unfinished sessions of others keep their answers",
     )
     parser.add_argument(
-        "--window", metavar="WxH", type=size_of_text, help="in pixels, in place of the full screen"
+        "--window",
+        metavar="WxH",
+        type=size_of_text,
+        help="Window size in pixels, in place of the full screen",
     )
     parser.add_argument(
         "--display-profile",
         metavar="FILE.icc",
-        help="the display's ICC profile, kept with the answers; pictures are not converted through "
-        "it: what the display does is in the study's [display]",
+        help="ICC profile of the display, kept with the answers. Pictures are not converted "
+        "through it: the study's [display] describes the display",
     )
-    parser.add_argument("--json", action="store_true", help="print what was done as JSON")
+    parser.add_argument("--json", action="store_true", help="Print the outcome as JSON")
     parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:
     """Open the window, and tell in the end how far the observer came."""
-    from relgloss_view.commands.view import tell_clamped
+    from relgloss_view.commands.view import warn_if_clamped
     from relgloss_view.experiment.session.store import Store
     from relgloss_view.viewer.shell.platform import open_platform
     from relgloss_view.viewer.shell.window import Window
     from relgloss_view.viewer.trials.app import Trials
     from relgloss_view.viewer.trials.device import full_screen, read_profile
-    from relgloss_view.viewer.trials.experimenter_line import goes_on
+    from relgloss_view.viewer.trials.experimenter_line import continues
 
     profile = None if args.display_profile is None else read_profile(args.display_profile)
     path, study = _session(args.study, args.output)
     open_platform(headless=False)  # where no window can show, no file is made
     with Store(path, study) as store:
         observer = _observer(store, args.observer, new=args.new)
-        told = goes_on(store, observer) or f"{printable(observer.name)} begins"
-        print(told, file=sys.stderr, flush=True)
+        notice = continues(store, observer) or f"{printable(observer.name)} begins"
+        print(notice, file=sys.stderr, flush=True)
         with Progress("experiment") as progress:
             program = Trials(store, observer, profile, progress)
             if args.window is None:
                 window = Window(program, tune=full_screen)
             else:
                 window = Window(program, args.window)
-                tell_clamped(args, window.size)
+                warn_if_clamped(args, window.size)
             window.run()
     if program.failed:
         raise InputError(program.failed)
@@ -124,31 +128,31 @@ def _observer(store: Store, name: str | None, *, new: bool) -> Observer:
     return observer
 
 
-def _session(given: str, output: str | None) -> tuple[Path, Study | None]:
+def _session(argument: str, output: str | None) -> tuple[Path, Study | None]:
     """The session file, and its study; no study where the session file itself is given."""
     from relgloss_view.experiment.design.study_file import BUILT_IN, load_study
 
-    if _is_sqlite(given):
+    if _is_sqlite(argument):
         if output is not None:
             raise InputError(
-                f"{printable(given)}: is a session file, and goes on in itself; leave -o out, or "
-                "give its study file to begin another one"
+                f"{printable(argument)}: is a session file and is continued; leave -o out, or give "
+                "a study file to begin another session"
             )
-        return Path(given), None
-    study = load_study(given)
+        return Path(argument), None
+    study = load_study(argument)
     if output is not None:
         return Path(output), study
-    if given in BUILT_IN and not Path(given).exists():
+    if argument in BUILT_IN and not Path(argument).exists():
         raise InputError(
-            f"the built-in study {given!r} has no folder of yours beside it; say where the answers "
-            f"go: -o {given}{SUFFIX}"
+            f"the built-in study {argument!r} needs a place for its answers; give one, such as "
+            f"-o {argument}{SUFFIX}"
         )
-    return Path(given).with_suffix(SUFFIX), study
+    return Path(argument).with_suffix(SUFFIX), study
 
 
-def _is_sqlite(given: str) -> bool:
+def _is_sqlite(argument: str) -> bool:
     try:
-        path = Path(given)
+        path = Path(argument)
         if not path.is_file():
             return False
         with path.open("rb") as file:
@@ -159,11 +163,11 @@ def _is_sqlite(given: str) -> bool:
 
 def _tell(args: argparse.Namespace, path: Path, observer: str, answered: int, total: int) -> None:
     if args.json:
-        told = {"session": str(path), "observer": observer, "answered": answered, "total": total}
-        print(json.dumps(told))
+        content = {"session": str(path), "observer": observer, "answered": answered, "total": total}
+        print(json.dumps(content))
         return
     text = f"{printable(path)}: {printable(observer)} has judged {answered} of {total}"
     if answered < total:
         name = shlex.quote(printable(observer))
-        text += f"; `relgloss experiment run {printable(path)} --observer {name}` goes on"
+        text += f"; `relgloss experiment run {printable(path)} --observer {name}` resumes"
     print(text)

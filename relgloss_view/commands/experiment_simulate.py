@@ -6,6 +6,7 @@ import argparse
 import dataclasses
 import json
 import re
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.errors import InputError
@@ -17,6 +18,7 @@ from relgloss_view.quality.backends import BACKENDS
 if TYPE_CHECKING:
     from relgloss_view.experiment.design.study import Study
     from relgloss_view.experiment.observers.population import Population
+    from relgloss_view.experiment.verdict.recovery import Recovery
     from relgloss_view.picture.scene.setting import Setting
 
 OBSERVERS = 15  #: as in the paper
@@ -32,39 +34,49 @@ def add(commands: Any) -> None:
         "simulate",
         help="simulated observers with a known truth answer a study",
         description="Lead simulated observers through a study by the code that leads people, "
-        "without a window. They see the pictures as drawn, and each sample has a setting that is "
-        "right. A session file that is there already is gone on with. With --studies, that many "
-        "studies are run and analysed, and it is told how often the truth was found.",
+        "without a window. They see the pictures as drawn, and each sample has a right setting. An "
+        "existing session file is continued. --studies N runs and analyses N studies and reports "
+        "how often they found the truth.",
         epilog="example: relgloss experiment simulate paper -o trial.sqlite",
     )
     add_study_options(parser)
-    parser.add_argument("-o", "--output", metavar="FILE.sqlite", help="the session file")
+    parser.add_argument("-o", "--output", metavar="FILE.sqlite", help="Session file")
     parser.add_argument(
-        "--observers", metavar="N", type=int, default=OBSERVERS, help=f"default {OBSERVERS}"
+        "--observers",
+        metavar="N",
+        type=int,
+        default=OBSERVERS,
+        help=f"Number of observers (default {OBSERVERS})",
     )
-    parser.add_argument("--seed", metavar="N", type=int, default=0, help="of the observers")
+    parser.add_argument(
+        "--seed", metavar="N", type=int, default=0, help="Seed of the observers (default 0)"
+    )
     parser.add_argument(
         "--truth",
         metavar="SAMPLE=SIGMA_N,C|published|cells|anywhere",
         action="append",
         default=[],
-        help="the right setting of a sample, c as a share of c_max; or of all samples: published "
-        "(default), cells or anywhere (by chance, of the grid or of its range)",
+        help="Right setting of a sample, c as a share of c_max; or the choice for all samples: "
+        "published (default), or by chance from the grid (cells) or its range (anywhere)",
     )
     add_population_options(parser)
-    parser.add_argument("--studies", metavar="N", type=int, help="run and analyse so many studies")
+    parser.add_argument(
+        "--studies", metavar="N", type=int, help="Number of studies to run and analyse"
+    )
     parser.add_argument(
         "--draws",
         metavar="N",
         type=int,
         default=PROOF_DRAWS,
-        help=f"of the bootstrap in each of the --studies (default {PROOF_DRAWS})",
+        help=f"Number of resamplings in each of the --studies (default {PROOF_DRAWS})",
     )
     parser.add_argument(
-        "--echo", action="store_true", help="print each answer as soon as it is stored"
+        "--echo", action="store_true", help="Print each answer as soon as it is stored"
     )
-    parser.add_argument("--backend", choices=BACKENDS, default="auto", help="what draws")
-    parser.add_argument("--json", action="store_true", help="print the result as JSON")
+    parser.add_argument(
+        "--backend", choices=BACKENDS, default="auto", help="Renderer of the pictures"
+    )
+    parser.add_argument("--json", action="store_true", help="Print the result as JSON")
     parser.set_defaults(run=run, wrong_usage=parser.error)
 
 
@@ -119,7 +131,7 @@ def _truths(args: argparse.Namespace) -> tuple[str, dict[str, Setting]]:
     from relgloss_view.experiment.observers.truth import CHOICES, PUBLISHED
     from relgloss_view.picture.scene.setting import Setting
 
-    choice, given = PUBLISHED, {}
+    choice, stated = PUBLISHED, {}
     for word in args.truth:
         match = TRUTH.fullmatch(word)
         if word in CHOICES:
@@ -130,22 +142,23 @@ def _truths(args: argparse.Namespace) -> tuple[str, dict[str, Setting]]:
                 f"matte-coated=2.0,2/6, or {', '.join(CHOICES)}"
             )
         else:
-            given[match[1]] = Setting(float(match[2]), share_of(match[3], f"--truth {word}"))
-    return choice, given
+            stated[match[1]] = Setting(float(match[2]), share_of(match[3], f"--truth {word}"))
+    return choice, stated
 
 
 def _session(args: argparse.Namespace, study: Study) -> int:
     from relgloss_view.experiment.observers.percept import see_study
-    from relgloss_view.experiment.observers.simulation import Given, run_observers
+    from relgloss_view.experiment.observers.simulation import StoredAnswer, run_observers
     from relgloss_view.experiment.observers.truth import truths_of
+    from relgloss_view.experiment.report.results import setting_numbers
     from relgloss_view.experiment.session.store import Store
     from relgloss_view.quality.backends import open_renderer
 
     population = _population(args)
-    choice, given = _truths(args)
-    truths = truths_of(study, choice, given, args.seed)
+    choice, stated = _truths(args)
+    truths = truths_of(study, choice, stated, args.seed)
 
-    def echo(answer: Given) -> None:
+    def echo(answer: StoredAnswer) -> None:
         trial = answer.trial
         print(
             answer.observer, trial.position, trial.sample, trial.setting, answer.question,
@@ -162,17 +175,17 @@ def _session(args: argparse.Namespace, study: Study) -> int:
         silent = (lambda answer: None) if not args.echo else echo
         run_observers(store, percepts, population, args.observers, args.seed, silent, progress)
         answers, observers = len(store.answers()), len(store.observers())
-    told = {
+    result = {
         "file": args.output,
         "observers": observers,
         "answers": answers,
         "truths": {
-            sample.label: dataclasses.asdict(truth)
+            sample.label: setting_numbers(truth)
             for sample, truth in zip(study.samples, truths, strict=True)
         },
     }
     if args.json:
-        print(json.dumps(told))
+        print(json.dumps(result))
     else:
         right = "; ".join(
             f"{printable(s.label)} {t.words}" for s, t in zip(study.samples, truths, strict=True)
@@ -183,41 +196,44 @@ def _session(args: argparse.Namespace, study: Study) -> int:
 
 
 def _proof(args: argparse.Namespace, study: Study) -> int:
-    from relgloss_view.experiment.verdict.recovery import prove, summary
+    from relgloss_view.experiment.report.results import recovery_numbers
+    from relgloss_view.experiment.verdict.recovery import run_studies
     from relgloss_view.quality.backends import open_renderer
 
     population = _population(args)
-    choice, given = _truths(args)
+    choice, stated = _truths(args)
     with Progress("simulate") as progress, open_renderer(args.backend) as renderer:
-        found = prove(
-            renderer, study, args.studies, args.observers, population, truth=choice, given=given,
+        recoveries = run_studies(
+            renderer, study, args.studies, args.observers, population, truth=choice, stated=stated,
             draws=args.draws, seed=args.seed, progress=progress,
         )  # fmt: skip
-    told = summary(found)
-    print(json.dumps(told) if args.json else _table(told, args))
+    print(json.dumps(recovery_numbers(recoveries)) if args.json else _table(recoveries, args))
     return 0
 
 
-def _table(told: dict[str, Any], args: argparse.Namespace) -> str:
+def _table(recoveries: Sequence[Recovery], args: argparse.Namespace) -> str:
+    from relgloss_view.experiment.verdict.recovery import recovery_shares, shares_by_sample
+
+    everything = recovery_shares(recoveries)
     heads = ("sample", "answers", "exact", "+-1", "median error", "sigma_N in", "c in", "declared")
     lines = [
         f"{args.studies} studies of {args.observers} observers, {args.kind}",
         "",
         f"{heads[0]:<20}" + "".join(f"{h:>14}" for h in heads[1:]),
     ]
-    for name, shares in {**told["samples"], "all": told["all"]}.items():
-        declared = shares["status"].get("best", 0) / shares["cases"]
+    for name, shares in {**shares_by_sample(recoveries), "all": everything}.items():
+        declared = shares.status.get("best", 0) / shares.cases
         cells = (
-            f"{shares['answers']:.0f}",
-            f"{100 * shares['exact']:.0f} %",
-            f"{100 * shares['near']:.0f} %",
-            f"{shares['median_error_steps']:.2f} steps",
-            _percent(shares["sigma_n_inside"]),
-            _percent(shares["c_inside"]),
+            f"{shares.answers:.0f}",
+            f"{100 * shares.exact:.0f} %",
+            f"{100 * shares.near:.0f} %",
+            f"{shares.median_error_steps:.2f} steps",
+            _percent(shares.sigma_n_inside),
+            _percent(shares.c_inside),
             f"{100 * declared:.0f} %",
         )
         lines.append(f"{printable(name, 20):<20}" + "".join(f"{cell:>14}" for cell in cells))
-    nothing = 100 * told["all"]["nothing_declared"]
+    nothing = 100 * everything.nothing_declared
     lines += [
         "",
         "exact, +-1: the leading setting is the one nearest to the truth, or beside it",

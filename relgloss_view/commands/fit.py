@@ -21,33 +21,53 @@ def add(commands: Any) -> None:
 
     parser = commands.add_parser(
         "fit",
-        description="Fit Torrance-Sparrow and Oren-Nayar to a goniophotometer table (CSV), an RGL "
-        ".bsdf or a MERL .binary file. The smallest model that is enough is chosen by "
-        "cross-validation over incidence planes, and the evidence goes into the material.",
+        description="Fit the Torrance-Sparrow and Oren-Nayar models to a goniophotometer table "
+        "(CSV), an RGL .bsdf or a MERL .binary file. Cross-validation over incidence planes "
+        "chooses the smallest model that is enough; the material file keeps the evidence.",
         epilog="example: relgloss fit paper.csv -o paper.json --report paper.png",
     )
-    parser.add_argument("table", metavar="TABLE", help="the measurement; its format is recognised")
-    parser.add_argument("-o", "--output", metavar="MATERIAL.json", required=True)
-    parser.add_argument("--report", metavar="OUT.png", help="plots of data, fit and candidates")
-    parser.add_argument("--model", choices=MODELS, default="auto", help="default auto")
-    parser.add_argument("--seed", metavar="N", type=int, default=0, help="of the resampling")
+    parser.add_argument("table", metavar="TABLE", help="Measured table; its format is recognised")
     parser.add_argument(
-        "--quantity", choices=QUANTITIES, help="what the table holds, where it does not say so"
+        "-o", "--output", metavar="MATERIAL.json", required=True, help="File of the fitted material"
     )
     parser.add_argument(
-        "--gamma-s-deg", metavar="DEG", type=float, help="tilt that sees the mirror direction"
+        "--report", metavar="OUT.png", help="Plot data, fit and candidates into this file"
     )
     parser.add_argument(
-        "--refractive-index", metavar="N", type=float, default=1.5, help="held at this (1.5)"
+        "--model",
+        choices=MODELS,
+        default="auto",
+        help="Model to fit, or auto: the smallest that is enough (default auto)",
+    )
+    parser.add_argument(
+        "--seed", metavar="N", type=int, default=0, help="Seed of the cross-validation (default 0)"
+    )
+    parser.add_argument(
+        "--quantity",
+        choices=QUANTITIES,
+        help="Quantity that the table holds, if it does not state it",
+    )
+    parser.add_argument(
+        "--gamma-s-deg",
+        metavar="DEG",
+        type=float,
+        help="Tilt of the table at which the receiver sees the mirror direction",
+    )
+    parser.add_argument(
+        "--refractive-index",
+        metavar="N",
+        type=float,
+        default=1.5,
+        help="Refractive index, held fixed in the fit (default 1.5)",
     )
     parser.add_argument(
         "--aperture-sd-deg",
         metavar="DEG",
         type=float,
         nargs=2,
-        help="per-axis angular sd of lamp and receiver apertures",
+        help="Angular standard deviations of the apertures of lamp and receiver, along one axis",
     )
-    parser.add_argument("--json", action="store_true", help="print the outcome as JSON")
+    parser.add_argument("--json", action="store_true", help="Print the fitted material as JSON")
     parser.set_defaults(run=run)
 
 
@@ -90,7 +110,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _check_places(args: argparse.Namespace) -> None:
-    """Refuse, before long work, names that are wrong, the same or not to be written."""
+    """Refuse names that are wrong, the same or not writable, before the fit takes its time."""
     places = {"TABLE": args.table, "-o": args.output}
     if args.report is not None:
         places["--report"] = args.report
@@ -102,7 +122,7 @@ def _check_places(args: argparse.Namespace) -> None:
             raise InputError(f"{option} {path or repr(path)}: expected {expected}")
         if option != "TABLE":
             check_writable(path)
-        real = os.path.realpath(path.replace("\0", ""))  # whoever opens it refuses a NUL
+        real = os.path.realpath(path.replace("\0", ""))  # opening it refuses a NUL
         other = seen.setdefault(real, option)
         if other != option:
             raise InputError(

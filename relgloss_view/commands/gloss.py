@@ -1,4 +1,4 @@
-"""`relgloss gloss`: what gloss meters would read on a material, or read in a measured table."""
+"""`relgloss gloss`: the readings of gloss meters, computed from a material or a measured table."""
 
 from __future__ import annotations
 
@@ -7,17 +7,20 @@ import dataclasses
 import json
 import math
 import os
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import WARNING_LENGTH, Column, table
 from relgloss_view.base.writing import check_writable
 from relgloss_view.commands.fit import QUANTITIES
 
 if TYPE_CHECKING:
     from relgloss_view.gloss.meter.meter import Reading
     from relgloss_view.material.material import Material
-    from relgloss_view.measure.table import Measurement
+
+MATERIAL, TABLE, HYPOTHETICAL = "material", "table", "hypothetical"
 
 
 def add(commands: Any) -> None:
@@ -26,10 +29,10 @@ def add(commands: Any) -> None:
 
     parser = commands.add_parser(
         "gloss",
-        description="Specular gloss at 20, 60 and 85 degrees and of paper at 75, haze, "
-        "distinctness of image, and contrast gloss and distinctness as Ferwerda and others define "
-        "them; from fitted materials with the uncertainty that the fit implies, and from measured "
-        "tables where they hold the directions.",
+        description="Compute what gloss meters would read: specular gloss at 20, 60 and 85 "
+        "degrees, paper gloss at 75, haze, distinctness of image, and the contrast gloss and "
+        "distinctness of Ferwerda and others. Fitted materials give a standard error too; "
+        "measured tables give the readings whose directions they hold.",
         epilog="example: relgloss gloss art.json; "
         "relgloss gloss art.json --reading 60=45 -o glossier.json",
     )
@@ -37,52 +40,87 @@ def add(commands: Any) -> None:
         "samples",
         metavar="MATERIAL.json|SAMPLE|TABLE",
         nargs="+",
-        help=f"a material that `fit` wrote, a built-in paper ({', '.join(SAMPLES)}), or a table",
+        help="Material that `relgloss fit` wrote, built-in paper "
+        f"({', '.join(SAMPLES)}), or measured table",
     )
     parser.add_argument(
         "--reading",
         metavar="ANGLE=VALUE",
         type=_wanted,
-        help="the other way round: the lobe width that would read VALUE at ANGLE",
+        help="Find the lobe width with which the material would read VALUE at ANGLE degrees",
     )
     parser.add_argument(
-        "-o", "--output", metavar="MATERIAL.json", help="write that hypothetical material"
+        "-o",
+        "--output",
+        metavar="MATERIAL.json",
+        help="Write the hypothetical material of --reading into this file",
     )
     parser.add_argument(
-        "--quantity", choices=QUANTITIES, help="what a table holds, where it does not say so"
+        "--quantity",
+        choices=QUANTITIES,
+        help="Quantity that a table holds, if it does not state it",
     )
     parser.add_argument(
-        "--gamma-s-deg", metavar="DEG", type=float, help="tilt that sees the mirror direction"
+        "--gamma-s-deg",
+        metavar="DEG",
+        type=float,
+        help="Tilt of a table at which the receiver sees the mirror direction",
     )
-    parser.add_argument("--json", action="store_true", help="print the readings as JSON")
+    parser.add_argument("--json", action="store_true", help="Print the readings as JSON")
     parser.set_defaults(run=run, wrong_usage=parser.error)
 
 
+@dataclass(frozen=True)
+class SampleReadings:
+    """The gloss readings of one sample of the command line."""
+
+    name: str
+    source: str
+    kind: str  #: MATERIAL, TABLE or HYPOTHETICAL
+    readings: tuple[Reading, ...]
+    warnings: tuple[str, ...]
+    lobe_widths_deg: tuple[float, ...] | None = None  #: of the material that --reading makes
+    output: str | None = None  #: the file that this material was written to
+
+    def as_json(self) -> dict[str, Any]:
+        """The sample as JSON holds it; readings by their key."""
+        numbers: dict[str, Any] = {
+            "name": self.name,
+            "source": self.source,
+            "kind": self.kind,
+            "readings": {r.key: _reading_numbers(r) for r in self.readings},
+            "warnings": list(self.warnings),
+        }
+        if self.lobe_widths_deg is not None:
+            numbers["s_deg"] = list(self.lobe_widths_deg)
+        if self.output is not None:
+            numbers["output"] = self.output
+        return numbers
+
+
 def run(args: argparse.Namespace) -> int:
-    """Read everything, then print; with --reading make the hypothetical material first."""
+    """Compute all readings, then print; with --reading make the hypothetical material first."""
     if args.output is not None and args.reading is None:
-        args.wrong_usage(
-            "argument -o: gives a place to the material of --reading, which is missing"
-        )
+        args.wrong_usage("argument -o: writes the material of --reading, which is missing")
     if args.reading is not None and len(args.samples) != 1:
         args.wrong_usage("argument --reading: expected one material")
     if args.output is not None:
         _check_place(args.output, args.samples[0])
     if args.reading is None:
-        found = [_read(name, args) for name in args.samples]
+        samples = [_read(name, args) for name in args.samples]
     else:
-        found = [_hypothetical(args)]
+        samples = [_hypothetical(args)]
     if args.json:
-        print(json.dumps({"samples": found}))
+        print(json.dumps({"samples": [sample.as_json() for sample in samples]}))
         return 0
-    print("\n\n".join(_table(sample) for sample in found))
+    print("\n\n".join(_table(sample) for sample in samples))
     if args.output is not None:
         print(f"{printable(args.output)}: written")
     return 0
 
 
-def _read(name: str, args: argparse.Namespace) -> dict[str, Any]:
-    """Name, source, readings and warnings of a built-in sample, a material or a table."""
+def _read(name: str, args: argparse.Namespace) -> SampleReadings:
+    """The readings of a built-in sample, a material file or a measured table."""
     from relgloss_view.gloss.meter.table import table_readings
     from relgloss_view.measure.readers import read_measurement
     from relgloss_view.picture.scene import file_kinds
@@ -93,39 +131,45 @@ def _read(name: str, args: argparse.Namespace) -> dict[str, Any]:
         raise InputError(f"{name}: this is a scene; give a material, a table or a built-in paper")
     if kind == file_kinds.MATERIAL:
         return _of_material(name, _material(name))
-    table = read_measurement(name, quantity=args.quantity, gamma_s_deg=args.gamma_s_deg)
-    return _found("table", table, table_readings(table), table.warnings)
+    measured = read_measurement(name, quantity=args.quantity, gamma_s_deg=args.gamma_s_deg)
+    readings = table_readings(measured)
+    return SampleReadings(measured.name, measured.source, TABLE, readings, measured.warnings)
 
 
-def _of_material(place: str, material: Material) -> dict[str, Any]:
+def _of_material(place: str, material: Material) -> SampleReadings:
     from relgloss_view.gloss.meter.meter import gloss_readings
 
     try:
         readings = gloss_readings(material)
     except InputError as error:  # of a number inside the file
         raise InputError(f"{place}: {error}") from error
-    found = _found("material", material, readings, material.warnings)
+    warnings = material.warnings
     limits = [k + 1 for k, lobe in enumerate(material.specular) if lobe.at_the_limit]
     if material.fit and limits:
-        found["warnings"].append(
-            f"the width of lobe {limits[0]} is the widest there is, so it has no standard error"
-        )
-    return found
+        text = f"the width of lobe {limits[0]} is the widest there is, so it has no standard error"
+        warnings = (*warnings, text)
+    kind = HYPOTHETICAL if material.hypothetical else MATERIAL
+    return SampleReadings(material.name, material.source, kind, readings, warnings)
 
 
-def _hypothetical(args: argparse.Namespace) -> dict[str, Any]:
+def _hypothetical(args: argparse.Namespace) -> SampleReadings:
     """The readings of the material whose lobe width gives the wanted one; written if asked."""
     from relgloss_view.gloss.meter.meter import gloss_readings, hypothetical
     from relgloss_view.material.files import save_material
 
     angle_deg, value = args.reading
     material = hypothetical(_material(args.samples[0]), angle_deg, value)
-    found = _found("hypothetical", material, gloss_readings(material), material.warnings)
-    found["s_deg"] = [lobe.s_deg for lobe in material.specular]
     if args.output is not None:
         save_material(material, args.output)
-        found["output"] = args.output
-    return found
+    return SampleReadings(
+        material.name,
+        material.source,
+        HYPOTHETICAL,
+        gloss_readings(material),
+        material.warnings,
+        tuple(lobe.s_deg for lobe in material.specular),
+        args.output,
+    )
 
 
 def _material(name: str) -> Material:
@@ -135,45 +179,38 @@ def _material(name: str) -> Material:
     return load_sample(name) if name in SAMPLES else load_material(name)
 
 
-def _found(
-    kind: str,
-    of: Material | Measurement,
-    readings: tuple[Reading, ...],
-    warnings: tuple[str, ...],
-) -> dict[str, Any]:
-    return {
-        "name": of.name,
-        "source": of.source,
-        "kind": "hypothetical" if getattr(of, "hypothetical", False) else kind,
-        "readings": {r.key: _shown(r) for r in readings},
-        "warnings": list(warnings),
-    }
-
-
-def _shown(reading: Reading) -> dict[str, Any]:
-    """A reading as JSON: its key is the name of it."""
+def _reading_numbers(reading: Reading) -> dict[str, Any]:
+    """A reading as JSON; the key is its name there."""
     return {k: v for k, v in dataclasses.asdict(reading).items() if k != "key"}
 
 
-def _table(sample: dict[str, Any]) -> str:
+COLUMNS = (
+    Column("", 29, left=True),
+    Column("", 36, left=True),
+    Column("reading", 8),
+    Column("se", 8),
+    Column("diffuse", 8),
+    Column("", left=True),
+)
+
+
+def _table(sample: SampleReadings) -> str:
     """A sample's readings in columns."""
-    lines = [printable(sample["name"]), f"  {printable(sample['source'])}"]
-    if "s_deg" in sample:
-        widths = ", ".join(f"{s:.4g}" for s in sample["s_deg"])
+    lines = [printable(sample.name), f"  {printable(sample.source)}"]
+    if sample.lobe_widths_deg is not None:
+        widths = ", ".join(f"{width:.4g}" for width in sample.lobe_widths_deg)
         lines.append(f"  lobe widths {widths} degrees; no one has measured such a sample")
-    lines.append(f"  {'':31}{'':38}{'reading':>8}{'se':>10}{'diffuse':>10}")
-    for reading in sample["readings"].values():
-        line = f"  {reading['name']:31}{reading['standard']:38}"
-        if reading["value"] is None:
-            lines.append(f"{line}{'-':>8}  {reading['reason']}")
-            continue
-        error, diffuse = reading["standard_error"], reading["diffuse"]
-        line += f"{reading['value']:8.4g}"
-        line += f"{'' if error is None else f'{error:.2g}':>10}"
-        line += f"{'' if diffuse is None else f'{diffuse:.2g}':>10}"
-        lines.append(f"{line.rstrip()}  {reading['note']}".rstrip())
-    lines += [f"  warning: {printable(text, 300)}" for text in sample["warnings"]]
+    lines.append(table(COLUMNS, [_row(reading) for reading in sample.readings], indent="  "))
+    lines += [f"  warning: {printable(text, WARNING_LENGTH)}" for text in sample.warnings]
     return "\n".join(lines)
+
+
+def _row(reading: Reading) -> tuple[str, ...]:
+    if reading.value is None:
+        return reading.name, reading.standard, "-", "", "", reading.reason
+    parts = (reading.standard_error, reading.diffuse)
+    rounded = ("" if part is None else f"{part:.2g}" for part in parts)
+    return reading.name, reading.standard, f"{reading.value:.4g}", *rounded, reading.note
 
 
 def _wanted(text: str) -> tuple[float, float]:

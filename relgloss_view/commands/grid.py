@@ -14,9 +14,9 @@ from relgloss_view.base.version import __version__
 from relgloss_view.base.writing import whole_folder
 from relgloss_view.commands.operator_options import (
     add_operator_options,
+    displayed_by,
     operator_from,
     operator_words,
-    shown_by,
 )
 from relgloss_view.commands.output_folder import own_folder
 from relgloss_view.commands.scene_options import (
@@ -44,14 +44,21 @@ def add(commands: Any) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "grid",
-        description="Draw the paper's 42 stimuli of a sample: sigma_N 0 to 3 degrees by 0.5, "
-        "c from c_max/6 to c_max. An operator that takes no account of c has 7.",
+        description="Draw the 42 stimuli of a sample that the paper's observers judged: sigma_N "
+        "from 0 to 3 degrees in steps of 0.5, c from c_max/6 to c_max. An operator that takes no "
+        "account of c has 7 stimuli.",
         epilog="example: relgloss grid --sample uncoated --size 512x512 -o stimuli",
     )
-    parser.add_argument("-o", "--output", metavar="FOLDER", required=True)
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="FOLDER",
+        required=True,
+        help="Folder for the pictures, the contact sheet and the manifest",
+    )
     add_scene_options(parser, tuned=False)
     add_operator_options(parser)
-    parser.add_argument("--json", action="store_true", help="print the manifest as JSON")
+    parser.add_argument("--json", action="store_true", help="Print the manifest as JSON")
     parser.set_defaults(run=run)
 
 
@@ -72,8 +79,8 @@ def run(args: argparse.Namespace) -> int:
         by = renderer, writers, operator
         manifest = _draw(args, temporary, by, scene, look, size, progress)
     count = len(manifest["stimuli"])
-    shown = f"{printable(folder)}: {count} stimuli, {SHEET} and {MANIFEST}"
-    print(json.dumps(manifest) if args.json else shown)
+    summary = f"{printable(folder)}: {count} stimuli, {SHEET} and {MANIFEST}"
+    print(json.dumps(manifest) if args.json else summary)
     return 0
 
 
@@ -107,12 +114,12 @@ def _draw(
             variant = look.at(Setting(sigma_n_deg, (sixths or 6) / 6))
             variant = variant if sixths else variant.without_c()
             frame = renderer.render(scene, variant, size)
-            shown = shown_by(operator, frame)
+            displayed = displayed_by(operator, frame)
             command = _command(args, sigma_n_deg, sixths, name)
-            writers.save(frame, folder / name, command, shown)
-            numbers = parameters(frame, shown)
+            writers.save(frame, folder / name, command, displayed)
+            numbers = parameters(frame, displayed)
             stimuli.append({"file": name, "c_sixths": sixths, **_varying(numbers)})
-            rows[-1].append(thumbnail(frame, THUMBNAIL_PX, shown))
+            rows[-1].append(thumbnail(frame, THUMBNAIL_PX, displayed))
             # A narrow picture has no room for more.
             room = rows[0][0].shape[1] >= CAPTION_PX
             absolute = f", c {frame.c:.3g}" if room else ""
@@ -144,11 +151,11 @@ def _draw(
 
 
 def _c_max(stimuli: list[dict[str, Any]]) -> str:
-    """The largest c of the sheet, in words: grain moves it from row to row."""
-    found = [s["c_max"] for s in stimuli if s["c_max"] is not None]
-    if not found:
+    """The range of c_max on the sheet, in words; it changes from row to row with the grain."""
+    values = [s["c_max"] for s in stimuli if s["c_max"] is not None]
+    if not values:
         return ""
-    low, high = f"{min(found):.3g}", f"{max(found):.3g}"
+    low, high = f"{min(values):.3g}", f"{max(values):.3g}"
     return f", c_max {low}" + ("" if low == high else f" to {high}")
 
 

@@ -26,26 +26,27 @@ def add_operator_options(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         choices=list(OPERATORS),
         default=DEFAULT_OPERATOR,
-        help=f"{', '.join(OPERATORS)} (default {DEFAULT_OPERATOR}; c is {SHOWS_C}'s alone)",
+        help=f"Operator that maps the tones: {', '.join(OPERATORS)} (default {DEFAULT_OPERATOR}). "
+        f"c changes the picture of {SHOWS_C} only",
     )
     how.add_argument(
         "--operator-set",
         metavar="NAME=VALUE",
         action="append",
         default=[],
-        help="a parameter of the operator: " + "; ".join(_described()),
+        help="Value of a parameter of the operator: " + "; ".join(_parameter_names()),
     )
 
 
 def operator_from(args: argparse.Namespace) -> Operator:
     """The operator of parsed options; InputError where a parameter does not fit it."""
-    return make_operator(args.operator, read_settings(args.operator, args.operator_set))
+    return make_operator(args.operator, read_parameters(args.operator, args.operator_set))
 
 
-def read_settings(operator: str, settings: Sequence[str]) -> dict[str, Any]:
-    """Parameters of an operator from words such as local=0.3."""
+def read_parameters(operator: str, settings: Sequence[str]) -> dict[str, Any]:
+    """Parameters of an operator by name, from words such as local=0.3."""
     optional = {f.name: f.default is None for f in dataclasses.fields(OPERATORS[operator])}
-    found: dict[str, Any] = {}
+    parameters: dict[str, Any] = {}
     for setting in settings:
         name, mark, text = setting.partition("=")
         if not (name and mark):
@@ -53,43 +54,43 @@ def read_settings(operator: str, settings: Sequence[str]) -> dict[str, Any]:
                 f"{operator}, setting {setting}: expected NAME=VALUE such as contrast=50"
             )
         value = {"true": True, "false": False}.get(text.lower(), read_value(text))
-        found[name] = None if value == AUTO and optional.get(name) else value
-    return found
+        parameters[name] = None if value == AUTO and optional.get(name) else value
+    return parameters
 
 
 def operator_words(args: argparse.Namespace) -> list[str]:
-    """The options again, for a command that draws the same; none where they are the default."""
+    """The options again, for a command that draws the same; none where all are the default."""
     words = [] if args.operator == DEFAULT_OPERATOR else ["--operator", args.operator]
     for setting in args.operator_set:
         words += ["--operator-set", setting]
     return words
 
 
-def shown_by(operator: Operator, frame: Frame) -> Displayed | None:
-    """What the operator shows of a frame; None for the split, whose picture the frame is.
+def displayed_by(operator: Operator, frame: Frame) -> Displayed | None:
+    """The operator's picture of a frame; None for the split, whose picture the frame is.
 
-    It says so where c was asked for and has no part in the picture, and where the frame was drawn
-    as well as the split's picture needs.
+    The picture has a warning where c was given and has no effect, and where quality auto chose
+    how to draw by the split's picture.
     """
     if operator.name == DEFAULT_OPERATOR:
         return None
-    shown = operator.draw(frame)
-    told = []
+    picture = operator.draw(frame)
+    warnings = []
     if not operator.uses_c and frame.look != frame.look.without_c():
-        told.append(f"{operator.name} takes no account of c, which is the split's")
+        warnings.append(f"{operator.name} takes no account of c, which is the split's")
     if frame.look.quality == AUTO:
-        told.append(
+        warnings.append(
             f"quality auto is measured on the split's picture; {operator.name} may show more of "
             "what it leaves out"
         )
-    return dataclasses.replace(shown, warnings=(*told, *shown.warnings))
+    return dataclasses.replace(picture, warnings=(*warnings, *picture.warnings))
 
 
-def _described() -> list[str]:
-    """Each operator's parameters, in words; the split's are those of the look."""
-    told = []
+def _parameter_names() -> list[str]:
+    """Each operator with the names of its parameters; the split has those of the look."""
+    lines = []
     for name, kind in OPERATORS.items():
         fields = [f.name for f in dataclasses.fields(kind)]
         if fields:
-            told.append(f"{name}: {', '.join(fields)}")
-    return told
+            lines.append(f"{name}: {', '.join(fields)}")
+    return lines

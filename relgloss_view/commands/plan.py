@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from relgloss_view.quality.planner import Advice, Choice
     from relgloss_view.quality.proxy import Error
 
-#: What the stages are, for people.
+#: The stages as people read them.
 STAGES = {
     "noise": "grain",
     "lobes": "specular lobes, at most",
@@ -33,29 +33,29 @@ def add(commands: Any) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "plan",
-        description="Choose, stage by stage, the cheapest way of drawing whose error on this scene "
-        "is inside a tolerance: what `--quality auto` draws. Errors are CIEDE2000 against the "
-        "whole model, measured on a thousand pixels of the picture.",
+        description="Choose for each stage the cheapest way of drawing whose error on this scene "
+        "is within a tolerance, as `--quality auto` does. Errors are CIEDE2000 differences from "
+        "the whole model, measured on a thousand pixels of the picture.",
         epilog="example: relgloss plan --sample uncoated --set lamp.azimuth_deg=110 --matched",
     )
     add_scene_options(parser)
     parser.add_argument(
-        "--p95", metavar="DE", type=float, help="95th percentile allowed (default 0.5)"
+        "--p95", metavar="DE", type=float, help="Largest 95th percentile of the error (default 0.5)"
     )
     parser.add_argument(
-        "--largest", metavar="DE", type=float, help="error allowed at any pixel (default 2)"
+        "--largest", metavar="DE", type=float, help="Largest error at any pixel (default 2)"
     )
-    parser.add_argument("--json", action="store_true", help="print the plan as JSON")
+    parser.add_argument("--json", action="store_true", help="Print the plan as JSON")
     parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Plan and tell."""
+    """Plan, and print the plan."""
     from relgloss_view.quality.planner import Tolerance, advise
 
     scene, look, size = scene_from(args)
-    given = {"p95": args.p95, "largest": args.largest}
-    tolerance = Tolerance(**{name: value for name, value in given.items() if value is not None})
+    limits = {"p95": args.p95, "largest": args.largest}
+    tolerance = Tolerance(**{name: value for name, value in limits.items() if value is not None})
     advice = advise(scene, look, size, tolerance)
     if args.json:
         print(json.dumps(_numbers(advice, tolerance)))

@@ -1,4 +1,4 @@
-"""Samples as words of a command line: a built-in paper or a material file, with its settings."""
+"""Samples as arguments of a command: a built-in paper or a material file, with its setting."""
 
 from __future__ import annotations
 
@@ -10,31 +10,31 @@ from pathlib import Path
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import fault, printable
-from relgloss_view.gloss.comparison import Case
+from relgloss_view.gloss.samples import SampleLook
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
 from relgloss_view.picture.scene.setting import Setting
 
 METAVAR = "SAMPLE|MATERIAL.json[=SIGMA_N,C]"
-SETTINGS = re.compile(r"(.+)=([0-9.]+),([0-9.]+)(?:/([0-9.]+))?", re.DOTALL)
+SYNTAX = re.compile(r"(.+)=([0-9.]+),([0-9.]+)(?:/([0-9.]+))?", re.DOTALL)
 
 
 @dataclass(frozen=True)
-class Given:
-    """A sample as it was given."""
+class SampleArgument:
+    """A sample of the command line."""
 
-    case: Case
+    sample_look: SampleLook  #: with the setting of the argument
     sample: Sample  #: as a scene file names it
-    settings: str  #: "given", "published", or none: sigma_N 0 and c_max
+    origin: str  #: of its setting: "given", "published", or "" for sigma_N 0 and c_max
 
 
-def given_sample(word: str, look: Look) -> Given:
-    """A sample from NAME|FILE[=SIGMA_N,C_FRACTION]; the rest of its look is `look`'s.
+def sample_argument(word: str, look: Look) -> SampleArgument:
+    """A sample from NAME|FILE[=SIGMA_N,C]; the rest of its look is `look`'s.
 
-    Without settings a built-in paper has the published ones. InputError where the sample or a
-    number is none.
+    Without a setting a built-in paper has the published one, a file sigma_N 0 and c_max. Raises
+    InputError where there is no such sample or a number is out of range.
     """
-    match = SETTINGS.fullmatch(word)
+    match = SYNTAX.fullmatch(word)
     name = match[1] if match else word
     built_in = name in SAMPLES
     start = name.rpartition("=")[0]
@@ -44,23 +44,24 @@ def given_sample(word: str, look: Look) -> Given:
     setting = SAMPLES[name] if built_in else Setting()
     if match:
         setting = _setting(word, match[2], match[3], match[4])
-    look = look.at(setting)
     label = name if built_in else printable(Path(name).stem, 40)
-    settings = "given" if match else "published" if built_in else ""
-    return Given(Case(label, sample.material, look), sample, settings)
+    origin = "given" if match else "published" if built_in else ""
+    return SampleArgument(SampleLook(label, sample.material, look.at(setting)), sample, origin)
 
 
-def given_samples(words: Sequence[str], look: Look) -> list[Given]:
-    """Samples as given_sample; labels that come again get a number."""
-    found: list[Given] = []
+def sample_arguments(words: Sequence[str], look: Look) -> list[SampleArgument]:
+    """Samples as sample_argument; a label that an earlier sample has gets a number."""
+    samples: list[SampleArgument] = []
     for word in words:
-        given = given_sample(word, look)
-        label, n = given.case.label, 1
-        while label in {other.case.label for other in found}:
+        argument = sample_argument(word, look)
+        first = argument.sample_look.label
+        label, n = first, 1
+        while label in {other.sample_look.label for other in samples}:
             n += 1
-            label = f"{given.case.label} ({n})"
-        found.append(dataclasses.replace(given, case=dataclasses.replace(given.case, label=label)))
-    return found
+            label = f"{first} ({n})"
+        labelled = dataclasses.replace(argument.sample_look, label=label)
+        samples.append(dataclasses.replace(argument, sample_look=labelled))
+    return samples
 
 
 def _setting(word: str, sigma_n: str, share: str, of: str | None) -> Setting:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from typing import Any
 
 from relgloss_view.base.reading import printable
-from relgloss_view.base.terminal import Progress
+from relgloss_view.base.terminal import Progress, warn
 from relgloss_view.base.writing import check_writable
-from relgloss_view.commands.operator_options import add_operator_options, operator_from, shown_by
+from relgloss_view.commands.operator_options import (
+    add_operator_options,
+    displayed_by,
+    operator_from,
+)
 from relgloss_view.commands.scene_options import add_scene_options, printable_command, scene_from
 
 BITS = (8, 16)
@@ -20,22 +23,24 @@ def add(commands: Any) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "snapshot",
-        description="Draw one picture of a sample, as PNG for eyes or OpenEXR for numbers.",
+        description="Draw one picture of a sample and save it: PNG to look at, OpenEXR to measure.",
         epilog="example: relgloss snapshot --sample art-coated --sigma-n 0.5 --c-fraction 0.8 "
         "-o art.png",
     )
-    parser.add_argument("-o", "--output", metavar="OUT.png|OUT.exr", required=True)
+    parser.add_argument(
+        "-o", "--output", metavar="OUT.png|OUT.exr", required=True, help="File of the picture"
+    )
     add_scene_options(parser)
     add_operator_options(parser)
     parser.add_argument(
-        "--bits", type=int, choices=BITS, help="of each channel of a PNG, 8 or 16 (default 8)"
+        "--bits", type=int, choices=BITS, help="Bits in each channel of a PNG (default 8)"
     )
-    parser.add_argument("--json", action="store_true", help="print the picture's numbers as JSON")
+    parser.add_argument("--json", action="store_true", help="Print the picture's numbers as JSON")
     parser.set_defaults(run=run, wrong_usage=parser.error)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Draw, write, and say what was drawn."""
+    """Draw, write, and print the sample and its setting."""
     from relgloss_view.picture.output.export import check_suffix, save_frame
     from relgloss_view.picture.output.parameters import parameters, warnings
     from relgloss_view.quality.backends import open_renderer
@@ -49,17 +54,17 @@ def run(args: argparse.Namespace) -> int:
     with Progress("snapshot") as progress, open_renderer(args.backend, progress) as renderer:
         frame = renderer.render(scene, look, size)
         progress(0.5, operator.name)
-        shown = shown_by(operator, frame)
+        displayed = displayed_by(operator, frame)
         command = printable_command(args.argv)
-        save_frame(frame, output, command, bits=args.bits or 8, displayed=shown)
-        numbers = parameters(frame, shown)
+        save_frame(frame, output, command, bits=args.bits or 8, displayed=displayed)
+        numbers = parameters(frame, displayed)
     if args.json:
         print(json.dumps({"output": str(output), **numbers}))
         return 0
-    for warning in warnings(frame, shown):
-        print(f"warning: {printable(warning, 300)}", file=sys.stderr)
+    for warning in warnings(frame, displayed):
+        warn(warning)
     settings = f"sigma_N {look.sigma_n_deg:g} deg, "
-    if shown is None:
+    if displayed is None:
         c_max = "no highlight" if frame.c_max is None else f"c_max {frame.c_max:.4g}"
         settings += f"c {frame.c:.4g} ({c_max})"
     else:

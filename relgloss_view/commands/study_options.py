@@ -16,14 +16,14 @@ if TYPE_CHECKING:
 def add_study_options(parser: argparse.ArgumentParser) -> None:
     """Declare STUDY and --set."""
     parser.add_argument(
-        "study", metavar="STUDY", help="a study file (TOML), or the built-in study: paper"
+        "study", metavar="STUDY", help="Study file (TOML), or the built-in study: paper"
     )
     parser.add_argument(
         "--set",
         metavar="NAME=VALUE",
         action="append",
         default=[],
-        help="any entry of the study file, such as procedure.repeats=2 or screen.width_px=256",
+        help="Change an entry of the study, such as procedure.repeats=2 or screen.width_px=256",
     )
 
 

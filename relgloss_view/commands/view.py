@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import sys
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.errors import InputError, RelglossError
 from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import Progress, warn
 from relgloss_view.base.writing import check_writable
 from relgloss_view.commands.scene_options import size_of_text
 
@@ -26,30 +26,38 @@ def add(commands: Any) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "view",
-        description="Open the window, on the built-in papers or on given scenes, materials and "
-        "measurements (which are fitted first). The first sample given is the test picture's; "
-        "where two are given, the first is the reference's. The last session comes back.",
+        description="Open the window on the built-in papers, or on scenes, materials and measured "
+        "tables, which are fitted first. One sample becomes the test picture's; of two samples, "
+        "the first becomes the reference's. The last session is restored.",
         epilog="example: relgloss view paper.csv",
     )
-    parser.add_argument("files", metavar="FILE", nargs="*", help="scene, material or measurement")
-    parser.add_argument("--fresh", action="store_true", help="start without the last session")
+    parser.add_argument(
+        "files", metavar="FILE", nargs="*", help="Scene, material or measured table"
+    )
+    parser.add_argument("--fresh", action="store_true", help="Start without the last session")
     parser.add_argument(
         "--screenshot",
         metavar="OUT.png",
-        help="draw without a display, save the window as a picture and leave",
+        help="Draw the window without a display, save it as a picture and leave",
     )
     parser.add_argument(
         "--frames",
         metavar="N",
         type=int,
         default=DEFAULT_FRAMES,
-        help=f"that are drawn before the screenshot (default {DEFAULT_FRAMES})",
+        help=f"Number of frames to draw before the screenshot (default {DEFAULT_FRAMES})",
     )
     parser.add_argument(
-        "--window", metavar="WxH", type=size_of_text, help="size in pixels (default 1280x800)"
+        "--window",
+        metavar="WxH",
+        type=size_of_text,
+        help="Size of the window in pixels (default 1280x800)",
     )
     parser.add_argument(
-        "--font-scale", metavar="F", type=float, help="size of the text, 0.5 to 4 (default 1)"
+        "--font-scale",
+        metavar="F",
+        type=float,
+        help="Size of the text, 0.5 to 4 times the normal (default 1)",
     )
     parser.set_defaults(run=run)
 
@@ -81,7 +89,7 @@ def _screenshot(args: argparse.Namespace) -> int:
     window = Window(
         app, args.window or DEFAULT_SIZE, headless=True, font_scale=args.font_scale or 1.0
     )
-    tell_clamped(args, window.size)
+    warn_if_clamped(args, window.size)
     pixels = window.run(args.frames)
     from relgloss_view.picture.output.png import save_rgb
 
@@ -109,8 +117,8 @@ def _interactive(args: argparse.Namespace) -> int:
         faults.append(str(error))
     restored = Restored() if args.fresh or session_path is None else restore(session_path)
     app = App(restored.state or State.initial())
-    for told in (*faults, *restored.messages):
-        app.model.report(told, fault=True)
+    for text in (*faults, *restored.messages):
+        app.model.report(text, fault=True)
     if session_path is not None:
         app.files.session = Autosave(session_path, app.model.state)
     _show(app, opened)
@@ -119,21 +127,20 @@ def _interactive(args: argparse.Namespace) -> int:
     size = args.window or app.kept_layout.size
     scale = args.font_scale or app.kept_layout.font_scale
     window = Window(app, size, font_scale=scale)
-    tell_clamped(args, window.size)
+    warn_if_clamped(args, window.size)
     window.run()
     return 0
 
 
-def tell_clamped(args: argparse.Namespace, size: tuple[int, int]) -> None:
-    """Warn where a window is not as large as it was asked to be."""
+def warn_if_clamped(args: argparse.Namespace, size: tuple[int, int]) -> None:
+    """Warn where the window could not have the size of --window."""
     if args.window is not None and args.window != size:
         asked = f"{args.window[0]}x{args.window[1]}"
-        print(f"warning: --window {asked}: clamped to {size[0]}x{size[1]}", file=sys.stderr)
+        warn(f"--window {asked}: clamped to {size[0]}x{size[1]}")
 
 
 def _opened(files: list[str]) -> list[Opened]:
-    """What the files hold, before the window is there, so that a fault ends the command."""
-    from relgloss_view.base.terminal import Progress
+    """The content of the files, read before there is a window, so that a fault ends the command."""
     from relgloss_view.viewer.files.open_job import OpenJob
 
     _check_files(files)
@@ -155,7 +162,7 @@ def _opened(files: list[str]) -> list[Opened]:
 
 
 def _show(app: App, opened: list[Opened]) -> None:
-    """Have the window show what was opened: a scene first, the samples on its sides."""
+    """Show the opened files in the window: a scene first, then the samples on its sides."""
     state = app.model.state
     for one in opened:
         if one.sample is None:
@@ -174,7 +181,7 @@ def _show(app: App, opened: list[Opened]) -> None:
 
 
 def _check_files(files: list[str]) -> None:
-    """Raise InputError before the first is fitted, which takes a while."""
+    """Raise InputError for too many files before the first is fitted, which takes a while."""
     from relgloss_view.picture.scene.file_kinds import SCENE, likely_kind
 
     scenes = [likely_kind(file) for file in files].count(SCENE)

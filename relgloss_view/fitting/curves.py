@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.fitting.model import State, predict
 from relgloss_view.fitting.shapes import geometry
 from relgloss_view.material import brdf
 from relgloss_view.material.material import Material
 from relgloss_view.measure.gonio import direction, spherical
-
-Array = NDArray[np.float64]
 
 
 def state_of(material: Material) -> State:

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.fitting.model import Solution, State, States
 from relgloss_view.fitting.problem import Equations, Misfit, Problem
 from relgloss_view.fitting.unknowns import SharedUnknowns
-
-Array = NDArray[np.float64]
 
 TRIALS = 6  #: of one step, each damped ten times more, before a descent ends
 TOLERANCE = 1e-5  #: a descent ends when t, ln s and n together move by less

@@ -5,7 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import Column, table
 from relgloss_view.material.material import Material
+
+CANDIDATES = (
+    Column("  model", 27, left=True),
+    Column("unknowns", 8),
+    Column("held-out error", 20),
+    Column("median", 7),
+    Column("", left=True),
+)
 
 
 def describe_fit(material: Material) -> str:
@@ -15,15 +24,13 @@ def describe_fit(material: Material) -> str:
         return f"{printable(material.name)}: not fitted, its parameters were given"
     source = printable(material.source) + (" [synthetic]" if material.synthetic else "")
     lines = [printable(material.name), f"  source     {source}", ""]
-    lines.append(f"  {'model':26}{'unknowns':>9}{'held-out error':>22}{'median':>9}  ")
+    rows = []
     for c in fit.candidates:
         mark = "*" if c["name"] == fit.chosen else " "
         error = f"{c['cv_mean']:.2%} +- {c['cv_se']:.2%}"
         median = f"{c['median_relative_error']:.1%}"
-        lines.append(
-            f"{mark} {c['name']:26}{c['parameters']:>9}{error:>22}{median:>9}  {c['verdict']}"
-        )
-    lines.append("")
+        rows.append((f"{mark} {c['name']}", str(c["parameters"]), error, median, c["verdict"]))
+    lines += [table(CANDIDATES, rows), ""]
     se = fit.standard_errors
     albedo = np.asarray(material.diffuse.albedo)
     lines.append(

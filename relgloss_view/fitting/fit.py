@@ -11,13 +11,14 @@ import time
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.fitting import ladder, verdict
 from relgloss_view.fitting.descent import refine
 from relgloss_view.fitting.evidence import ChosenFit, judge, record_fit, with_energy_warning
-from relgloss_view.fitting.ladder import Candidate, Progress
+from relgloss_view.fitting.ladder import Candidate
 from relgloss_view.fitting.model import (
     INDEX_RANGE,
     LOG_S_RANGE,
@@ -33,8 +34,6 @@ from relgloss_view.fitting.problem import Problem
 from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material, Quality
 from relgloss_view.measure.table import Measurement
 
-Array = NDArray[np.float64]
-
 MODELS = ladder.MODELS
 _FINAL_ROUNDS = 40
 _HIGHLIGHT_COST = 1.05
@@ -48,7 +47,7 @@ def fit_material(
     refractive_index: float = 1.5,
     aperture_sd_deg: tuple[float, float] | None = None,
     seed: int = 0,
-    progress: Progress | None = None,
+    progress: ProgressReport | None = None,
     free_index: bool = True,
     start_s_deg: float | None = None,
 ) -> Material:

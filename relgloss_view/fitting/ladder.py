@@ -8,13 +8,13 @@ models keep gaining by amounts that nobody could see.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import FitCancelled
+from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.fitting.descent import refine
 from relgloss_view.fitting.model import (
     Rung,
@@ -29,9 +29,6 @@ from relgloss_view.fitting.model import (
 from relgloss_view.fitting.observations import Observations
 from relgloss_view.fitting.problem import Problem
 from relgloss_view.fitting.search import solve
-
-Array = NDArray[np.float64]
-Progress = Callable[[float, str], bool | None]
 
 LADDER = (
     Rung("lambert", rough=False),
@@ -110,7 +107,7 @@ def climb(
     observations: Observations,
     rungs: tuple[Rung, ...],
     n: float,
-    progress: Progress | None = None,
+    progress: ProgressReport | None = None,
     start_s_deg: float | None = None,
 ) -> tuple[list[Candidate], Folds]:
     """Fit and cross-validate the rungs in order; each starts also from the rung before."""
@@ -165,9 +162,9 @@ def free_index(folds: Folds, candidate: Candidate) -> Candidate | None:
     return evaluate(folds, rung, min(solutions, key=lambda s: s.loss))
 
 
-def report(progress: Progress | None, fraction: float, text: str) -> None:
+def report(progress: ProgressReport | None, share: float, text: str) -> None:
     """Report to the caller; raises FitCancelled when the callback returns False."""
-    if progress is not None and progress(fraction, text) is False:
+    if progress is not None and progress(share, text) is False:
         raise FitCancelled("the fit was cancelled")
 
 

@@ -12,9 +12,8 @@ from __future__ import annotations
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from relgloss_view.base.arrays import Array, Ints, Mask
 
 #: Relative ridge: keeps columns that the samples cannot separate from dividing by zero.
 RIDGE = 1e-11
@@ -49,7 +48,7 @@ def nnls_blocks(a: Array, r: Array) -> Array:
     return np.asarray(best * scale)
 
 
-def _solve_present(block: Array, right: Array, present: NDArray[np.bool_]) -> Array:
+def _solve_present(block: Array, right: Array, present: Mask) -> Array:
     """Solve A x = r with a ridge; a column that is not present gets its right-hand side, zero."""
     size = right.shape[1]
     if size == 1:
@@ -94,8 +93,8 @@ def nnls_arrow(a: Array, c: Array, d: Array, r: Array, q: Array) -> tuple[Array,
 
 
 def _arrow_at(
-    index: NDArray[np.int64], a: Array, c: Array, d: Array, r: Array, q: Array
-) -> tuple[Array, Array, NDArray[np.bool_]]:
+    index: Ints, a: Array, c: Array, d: Array, r: Array, q: Array
+) -> tuple[Array, Array, Mask]:
     """x and y where only the shared unknowns of `index` may differ from zero.
 
     Also returns, (P,), whether the set of positive x was a fixed point at the end.

@@ -6,12 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.fitting.observations import Observations
 from relgloss_view.fitting.shapes import Geometry, diffuse_columns, lobe_columns
-
-Array = NDArray[np.float64]
 
 TAU = 0.03  #: logarithmic residual where the loss leaves the square: a good instrument's worst
 SOFT_L1, REDESCENDING = 1.0, 0.25  #: shapes of the loss: of the search, of the last refinement
@@ -77,11 +75,11 @@ class States:
             self.ks[place].copy(),
         )
 
-    def subset(self, rows: NDArray[np.bool_]) -> States:
+    def subset(self, rows: Mask) -> States:
         """The states marked in `rows`."""
         return States(self.t[rows], self.log_s[rows], self.n[rows], self.kd[rows], self.ks[rows])
 
-    def updated(self, rows: NDArray[np.bool_], other: States) -> States:
+    def updated(self, rows: Mask, other: States) -> States:
         """These states, with those of `other` where `rows` is true."""
         return States(
             np.where(rows, other.t, self.t),

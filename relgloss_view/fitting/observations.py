@@ -6,13 +6,11 @@ from collections import Counter
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Ints, Mask
 from relgloss_view.base.errors import InputError
 from relgloss_view.fitting.shapes import Geometry, geometry
 from relgloss_view.measure.table import NEGATIVE, Measurement
-
-Array = NDArray[np.float64]
 
 #: Radiance factor below which an instrument's reading is its own floor. Dark samples lower it.
 FLOOR = 1e-3
@@ -38,7 +36,7 @@ class Observations:
     value: Array  #: (N, B), zero where there is no usable value
     floor: Array  #: (N, B), added to value and model before the logarithm
     weight: Array  #: (N, B), 0 where there is no usable value, else the band's share
-    group: NDArray[np.int64]  #: (N,), 0 .. G-1
+    group: Ints  #: (N,), 0 .. G-1
     groups: int
 
     @property
@@ -46,7 +44,7 @@ class Observations:
         """Number of bands."""
         return int(self.value.shape[1])
 
-    def subset(self, rows: NDArray[np.bool_]) -> Observations:
+    def subset(self, rows: Mask) -> Observations:
         """The samples marked in `rows`; groups keep their numbers."""
         return replace(
             self,
@@ -58,7 +56,7 @@ class Observations:
         )
 
 
-def usable_rows(measurement: Measurement) -> NDArray[np.bool_]:
+def usable_rows(measurement: Measurement) -> Mask:
     """(N,), the geometries a fit uses.
 
     A sample marked negative is still used in linear sRGB when another channel is positive: a
@@ -111,9 +109,7 @@ def prepare(measurement: Measurement, seed: int = 0) -> Observations:
     )
 
 
-def _unusable(
-    measurement: Measurement, rows: NDArray[np.bool_], positive: NDArray[np.bool_]
-) -> str:
+def _unusable(measurement: Measurement, rows: Mask, positive: Mask) -> str:
     """Why samples are not usable, with counts that account for each of them."""
     usable = np.zeros(len(rows), dtype=bool)
     usable[rows] = np.any(positive, axis=1)
@@ -121,7 +117,7 @@ def _unusable(
     return ", ".join(f"{count} {reason}" for reason, count in reasons.items())
 
 
-def foreshortening(measurement: Measurement, rows: NDArray[np.bool_]) -> Array:
+def foreshortening(measurement: Measurement, rows: Mask) -> Array:
     """sqrt(cos_i cos_o) of the marked samples: what a sample weighs.
 
     A surface seen or lit at grazing angles covers few pixels and gets little light; the cosine
@@ -132,7 +128,7 @@ def foreshortening(measurement: Measurement, rows: NDArray[np.bool_]) -> Array:
     return np.asarray(np.sqrt(cosines))
 
 
-def _floors(value: Array, positive: NDArray[np.bool_]) -> Array:
+def _floors(value: Array, positive: Mask) -> Array:
     floor = np.full(value.shape, FLOOR)
     for band in range(value.shape[1]):
         if np.any(positive[:, band]):
@@ -143,7 +139,7 @@ def _floors(value: Array, positive: NDArray[np.bool_]) -> Array:
     return np.where(positive, floor, np.maximum(floor, slack))
 
 
-def _groups(group: NDArray[np.int64], seed: int) -> tuple[NDArray[np.int64], int]:
+def _groups(group: Ints, seed: int) -> tuple[Ints, int]:
     """Consecutive group numbers; random folds when the measurement names too few planes."""
     names, number = np.unique(group, return_inverse=True)
     if len(names) >= FEWEST_GROUPS:

@@ -16,8 +16,8 @@ import copy
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.fitting import linear
 from relgloss_view.fitting.model import (
     SOFT_L1,
@@ -31,8 +31,6 @@ from relgloss_view.fitting.observations import Observations
 from relgloss_view.fitting.shapes import diffuse_columns, facet_columns, index_slope
 from relgloss_view.fitting.unknowns import shared_unknowns
 from relgloss_view.material import brdf
-
-Array = NDArray[np.float64]
 
 
 class Equations(NamedTuple):
@@ -120,7 +118,7 @@ class Problem:
     def _mean(self, size: Array) -> Array:
         return np.asarray(np.sum(self._weight * size, axis=(1, 2)) / self._total)
 
-    def part(self, rows: NDArray[np.bool_]) -> Problem:
+    def part(self, rows: Mask) -> Problem:
         """The problems marked in `rows`."""
         part = copy.copy(self)
         if len(self._weight) > 1:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.figures import ACCENT, INK, MUTED, drawing, new_figure, save_figure
 from relgloss_view.base.reading import printable
 from relgloss_view.base.writing import whole_file
 from relgloss_view.fitting import curves, slices
@@ -17,48 +16,20 @@ from relgloss_view.fitting.observations import usable_rows
 from relgloss_view.material.material import Material, Quality
 from relgloss_view.measure.table import Measurement
 
-Array = NDArray[np.float64]
-
-INK, MUTED, FAINT, ACCENT = "#1b1f24", "#66707a", "#d9dee3", "#b3261e"
 GOOD = "#2e7d4f"
 BADGE = {Quality.GOOD: GOOD, Quality.POOR: ACCENT, Quality.UNIDENTIFIABLE: "#b26a00"}
-STYLE: Any = {
-    "font.size": 8.0,
-    "font.family": "DejaVu Sans",
-    "axes.edgecolor": MUTED,
-    "axes.labelcolor": INK,
-    "axes.linewidth": 0.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.titlesize": 9.0,
-    "axes.titleweight": "bold",
-    "axes.titlelocation": "left",
-    "axes.grid": True,
-    "grid.color": FAINT,
-    "grid.linewidth": 0.5,
-    "xtick.color": MUTED,
-    "ytick.color": MUTED,
-    "legend.frameon": False,
-    "legend.fontsize": 7.0,
-}
 
 
 def write_fit_report(material: Material, measurement: Measurement, path: str | Path) -> None:
     """Write a one-page PNG of a fitted material beside the measurement it was fitted to.
 
-    matplotlib is imported here, without its window system. Raises ValueError for a material
-    without a fit; the file appears whole or not at all.
+    Raises ValueError for a material without a fit; the file appears whole or not at all.
     """
     fit = material.fit
     if fit is None:
         raise ValueError(f"{material.name} was not fitted")
-    from matplotlib import rc_context
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    with rc_context(STYLE):
-        figure = Figure(figsize=(13.2, 9.0), dpi=120, facecolor="white")
-        FigureCanvasAgg(figure)
+    with drawing():
+        figure = new_figure(13.2, 9.0, dpi=120)
         grid = figure.add_gridspec(
             3,
             6,
@@ -79,10 +50,8 @@ def write_fit_report(material: Material, measurement: Measurement, path: str | P
         _residuals(figure.add_subplot(grid[1, 4:]), measured)
         _candidates(figure.add_subplot(grid[2, 1:4]), fit.candidates, fit.chosen)
         _facts(figure.add_subplot(grid[2, 4:]), material)
-        with whole_file(path) as temporary, warnings.catch_warnings():
-            # A name in a script that DejaVu lacks shows boxes; that is no fault.
-            warnings.filterwarnings("ignore", message="Glyph", category=UserWarning)
-            figure.savefig(temporary, format="png")
+        with whole_file(path) as temporary:
+            save_figure(figure, temporary)
 
 
 def _heading(figure: Any, material: Material) -> None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.fitting.descent import refine
 from relgloss_view.fitting.model import (
     LOG_S_RANGE,
@@ -17,8 +17,6 @@ from relgloss_view.fitting.model import (
 )
 from relgloss_view.fitting.observations import Observations
 from relgloss_view.fitting.problem import Problem
-
-Array = NDArray[np.float64]
 
 ONE_LOBE_STEPS = 24
 TWO_LOBE_STEPS = 11

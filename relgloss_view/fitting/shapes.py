@@ -13,11 +13,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.material import brdf
-
-Array = NDArray[np.float64]
 
 #: exp(-100) is far below any floor, and its square and fourth power are still normal numbers.
 LARGEST_EXPONENT = 100.0
@@ -39,7 +38,7 @@ class Geometry:
     directed: Array  #: (N,), single scattering
     interreflected: Array  #: (N,), and its rho^2 term
 
-    def subset(self, rows: NDArray[np.bool_]) -> Geometry:
+    def subset(self, rows: Mask) -> Geometry:
         """The geometries marked in `rows`."""
         return Geometry(
             brdf.Facing(*(part[rows] for part in self.facing)),

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.fitting import curves
 from relgloss_view.material.material import Material
 from relgloss_view.measure.table import Measurement
-
-Array = NDArray[np.float64]
 
 _ANGLE_DEG = 0.3  #: angles nearer than this are the same
 
@@ -26,7 +24,7 @@ class Slices:
     receiver_deg: Array  #: (N,), positive on the mirror side
     half_deg: Array  #: (N,), half-vector from the normal
     difference_deg: Array  #: (N,), half of the angle between lamp and receiver
-    planar: NDArray[np.bool_]  #: (N,), lamp, normal and receiver in one plane
+    planar: Mask  #: (N,), lamp, normal and receiver in one plane
     band: int  #: the one that is drawn
     label: str
     goniometer: bool  #: the sample tilts; otherwise the receiver goes around
@@ -52,7 +50,7 @@ class Slices:
     def _tilt_key(self) -> Array:
         return self.difference_deg if self.goniometer else self.incidence_deg
 
-    def _symmetric(self) -> NDArray[np.bool_]:
+    def _symmetric(self) -> Mask:
         return np.abs(self.incidence_deg - np.abs(self.receiver_deg)) < _ANGLE_DEG
 
     def tilt_angles(self) -> Array:
@@ -80,7 +78,7 @@ class Slices:
         return half, 100.0 * (self.fitted[seen] / self.value[seen] - 1.0)
 
 
-def prepare(material: Material, measurement: Measurement, rows: NDArray[np.bool_]) -> Slices:
+def prepare(material: Material, measurement: Measurement, rows: Mask) -> Slices:
     """Slices of the marked samples, in the band of green light or the brightest one."""
     lamp, receiver = measurement.to_lamp[rows], measurement.to_receiver[rows]
     value = np.nan_to_num(measurement.radiance_factor[rows], nan=0.0, posinf=0.0, neginf=0.0)

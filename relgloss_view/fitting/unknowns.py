@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.fitting.model import (
     INDEX_RANGE,
     LOG_S_RANGE,
@@ -15,8 +15,6 @@ from relgloss_view.fitting.model import (
     Rung,
     States,
 )
-
-Array = NDArray[np.float64]
 
 WIDTH_STEP, INDEX_STEP = 0.7, 0.5  #: limits of one step in ln s and in a refractive index
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.fitting.ladder import Candidate, group_errors
 from relgloss_view.fitting.model import (
     LOG_S_RANGE,
@@ -27,8 +27,6 @@ from relgloss_view.fitting.results import (
 )
 from relgloss_view.fitting.shapes import lobe_columns
 from relgloss_view.measure.table import Measurement
-
-Array = NDArray[np.float64]
 
 NEAR_MIRROR_DEG = 5.0  #: half-vector within this of the normal
 PROFILE_STEPS = 25
@@ -77,7 +75,7 @@ def residuals(measurement: Measurement, observations: Observations, model: Array
     )
 
 
-def mostly_outside(observations: Observations) -> NDArray[np.bool_]:
+def mostly_outside(observations: Observations) -> Mask:
     """(B,), channels of linear sRGB that are not positive in most samples.
 
     Relative errors mean nothing there: the few positive values are differences of large numbers.

@@ -1,4 +1,4 @@
-"""Samples under operators side by side: what each shows of their gloss, order and body colour.
+"""Samples under several operators: their displayed gloss, its order, and the body's colour.
 
 Defined in docs/compare.md.
 """
@@ -14,35 +14,22 @@ import numpy as np
 
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.terminal import ProgressReport, no_progress
-from relgloss_view.gloss.meter.meter import gloss_readings
+from relgloss_view.gloss.samples import DEFAULT_GLOSS, SampleLook, computed_gloss
 from relgloss_view.gloss.shown import ORDER_TIE_LSTAR, Measures, agreement, measure, ranks
-from relgloss_view.material.material import Material
 from relgloss_view.operators.operator import Operator
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.output.parameters import SPLIT, warnings
 from relgloss_view.picture.output.png import is_srgb
-from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 
 if TYPE_CHECKING:
     from relgloss_view.quality.backends import FrameRenderer
 
-#: Measures that pictures are put in order by: both, since one does not see narrow highlights.
+#: Measures by which pictures are ordered: both, since one does not see narrow highlights.
 ORDERED_BY = ("contrast_gloss", "peak_contrast")
-GLOSSES = ("gloss-20", "gloss-60", "gloss-75", "gloss-85", "contrast-gloss")
-DEFAULT_GLOSS = "gloss-75"  #: the paper's own: "75/75 for papers"
 MARGIN = 0.06  #: of surround around the object in a picture, of its longer side
 KEPT_DE = 1.0  #: a body colour that moved by less than this, CIEDE2000, is kept
 KEPT, TIED, BROKEN, NONE = "kept", "tied", "broken", "none"
-
-
-@dataclass(frozen=True)
-class Case:
-    """A sample and how it is to look; the label is unique in a comparison."""
-
-    label: str
-    material: Material
-    look: Look
 
 
 @dataclass(frozen=True)
@@ -55,12 +42,12 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Order:
-    """The samples as one measure of their pictures puts them, against the real materials."""
+class GlossOrder:
+    """The order of the samples by one measure of their pictures, against the real materials'."""
 
-    ranks: Mapping[str, int]
+    ranks: Mapping[str, int]  #: by label, 0 the glossiest
     tau: float | None  #: Kendall's tau-b against the order of the materials' gloss
-    verdict: str  #: KEPT; TIED: nothing exchanged, but not told apart; BROKEN; NONE: no order
+    verdict: str  #: KEPT; TIED: no pair is exchanged, but one is tied; BROKEN; NONE: no order
 
     @property
     def words(self) -> str:
@@ -73,18 +60,18 @@ class Order:
 
 
 @dataclass(frozen=True)
-class Row:
+class OperatorRow:
     """One operator: its cells by label, and the orders by measure."""
 
     operator: Operator
     cells: Mapping[str, Cell]
-    orders: Mapping[str, Order]
+    orders: Mapping[str, GlossOrder]
 
     @property
     def body_difference(self) -> float | None:
         """The largest of its samples, CIEDE2000."""
-        found = [cell.measures.body_difference for cell in self.cells.values()]
-        return max((d for d in found if d is not None), default=None)
+        differences = [cell.measures.body_difference for cell in self.cells.values()]
+        return max((d for d in differences if d is not None), default=None)
 
     @property
     def body_kept(self) -> bool | None:
@@ -93,10 +80,10 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Settled:
-    """What a sample was drawn with, and its material's computed gloss."""
+class DrawnSample:
+    """A sample with the c of its picture and its material's computed gloss."""
 
-    case: Case
+    sample: SampleLook
     gloss: Mapping[str, float | None]  #: by key, GLOSSES
     c: float
     c_max: float | None
@@ -104,18 +91,18 @@ class Settled:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Everything that a sheet or a table says."""
+    """Everything that a sheet, a page or a table shows."""
 
-    samples: tuple[Settled, ...]
-    rows: tuple[Row, ...]
+    samples: tuple[DrawnSample, ...]
+    rows: tuple[OperatorRow, ...]
     gloss: str  #: which of GLOSSES orders the real materials
-    truth: Mapping[str, int]  #: their ranks, 0 the glossiest
+    real_ranks: Mapping[str, int]  #: of the materials by label, 0 the glossiest
     srgb: bool  #: whether the display, and so the pictures, are sRGB
 
 
 def compare(
     renderer: FrameRenderer,
-    cases: Sequence[Case],
+    samples: Sequence[SampleLook],
     operators: Sequence[Operator],
     scene: Scene,
     size: tuple[int, int],
@@ -123,32 +110,39 @@ def compare(
     gloss: str = DEFAULT_GLOSS,
     progress: ProgressReport = no_progress,
 ) -> Comparison:
-    """Draw every sample once, show it with every operator; `scene` gives all but the material."""
-    settled, cells = [], []
-    for k, case in enumerate(cases):
-        frame = renderer.render(dataclasses.replace(scene, material=case.material), case.look, size)
-        rows_seen, columns_seen = _bounds(frame)
-        settled.append(Settled(case, computed_gloss(case.material), frame.c, frame.c_max))
-        shown = []
+    """Draw every sample once and show its picture with every operator.
+
+    `scene` gives all but the material, `size` is (width, height) in pixels, and `gloss` is the one
+    of GLOSSES that orders the real materials.
+    """
+    drawn, cells = [], []
+    for k, sample in enumerate(samples):
+        of_sample = dataclasses.replace(scene, material=sample.material)
+        frame = renderer.render(of_sample, sample.look, size)
+        rows_kept, columns_kept = _bounds(frame)
+        drawn.append(DrawnSample(sample, computed_gloss(sample.material), frame.c, frame.c_max))
+        by_operator = []
         for n, operator in enumerate(operators):
-            progress((k + n / len(operators)) / len(cases), f"{case.label}, {operator.name}")
+            progress((k + n / len(operators)) / len(samples), f"{sample.label}, {operator.name}")
             picture = operator.draw(frame)
-            cut = np.ascontiguousarray(picture.digital[rows_seen, columns_seen])
-            told = warnings(frame, None if operator.name == SPLIT else picture)
-            shown.append(Cell(cut, measure(frame, picture), told))
-        cells.append(shown)
-    labels = [case.label for case in cases]
-    real = {s.case.label: s.gloss[gloss] or 0.0 for s in settled}
+            cut = np.ascontiguousarray(picture.digital[rows_kept, columns_kept])
+            texts = warnings(frame, None if operator.name == SPLIT else picture)
+            by_operator.append(Cell(cut, measure(frame, picture), texts))
+        cells.append(by_operator)
+    labels = [sample.label for sample in samples]
+    real = {d.sample.label: d.gloss[gloss] or 0.0 for d in drawn}
     rows = []
     for n, operator in enumerate(operators):
-        of_it = {label: shown[n] for label, shown in zip(labels, cells, strict=True)}
-        orders = {name: order_of(name, of_it, real) for name in ORDERED_BY}
-        rows.append(Row(operator, of_it, orders))
-    return Comparison(tuple(settled), tuple(rows), gloss, ranks(real), is_srgb(scene.display))
+        of_operator = {
+            label: by_operator[n] for label, by_operator in zip(labels, cells, strict=True)
+        }
+        orders = {name: gloss_order(name, of_operator, real) for name in ORDERED_BY}
+        rows.append(OperatorRow(operator, of_operator, orders))
+    return Comparison(tuple(drawn), tuple(rows), gloss, ranks(real), is_srgb(scene.display))
 
 
 def _bounds(frame: Frame) -> tuple[slice, slice]:
-    """Rows and columns that hold the object and a margin; all of them where it is not seen."""
+    """Rows and columns that hold the object and a margin; all of them where none of it is seen."""
     seen = frame.on_object
     if not np.any(seen):
         return slice(None), slice(None)
@@ -160,45 +154,42 @@ def _bounds(frame: Frame) -> tuple[slice, slice]:
     return bounds[0], bounds[1]
 
 
-def computed_gloss(material: Material) -> dict[str, float | None]:
-    """What gloss meters would read on a material, by key."""
-    return {r.key: r.value for r in gloss_readings(material) if r.key in GLOSSES}
-
-
-def order_of(name: str, cells: Mapping[str, Cell], real: Mapping[str, float]) -> Order:
-    """The order by a measure, and how it agrees with that of the real materials."""
+def gloss_order(name: str, cells: Mapping[str, Cell], real: Mapping[str, float]) -> GlossOrder:
+    """The order by a measure of ORDERED_BY, and its agreement with that of the real materials."""
     values = {label: getattr(cell.measures, name) for label, cell in cells.items()}
     if any(value is None for value in values.values()):
-        return Order({}, None, NONE)
-    shown, truth = ranks(values, ORDER_TIE_LSTAR), ranks(real)
-    found = agreement(values, real, ORDER_TIE_LSTAR)
-    exchanged = any(shown[a] > shown[b] and truth[a] < truth[b] for a in real for b in real)
-    if len(set(truth.values())) < 2:
+        return GlossOrder({}, None, NONE)
+    displayed, material = ranks(values, ORDER_TIE_LSTAR), ranks(real)
+    agreed = agreement(values, real, ORDER_TIE_LSTAR)
+    exchanged = any(
+        displayed[a] > displayed[b] and material[a] < material[b] for a in real for b in real
+    )
+    if len(set(material.values())) < 2:
         verdict = NONE
-    elif found.same:
+    elif agreed.same:
         verdict = KEPT
     else:
         verdict = BROKEN if exchanged else TIED
-    return Order(shown, found.tau, verdict)
+    return GlossOrder(displayed, agreed.tau, verdict)
 
 
 def as_numbers(comparison: Comparison) -> dict[str, Any]:
-    """A comparison as JSON holds it."""
+    """The comparison as JSON holds it."""
     return {
         "gloss": comparison.gloss,
         "samples": [
             {
-                "label": s.case.label,
-                "name": s.case.material.name,
-                "source": s.case.material.source,
-                "sigma_n_deg": s.case.look.sigma_n_deg,
-                "c": s.c,
-                "c_max": s.c_max,
-                "gloss": dict(s.gloss),
-                "rank": comparison.truth[s.case.label],
-                "warnings": list(s.case.material.warnings),
+                "label": d.sample.label,
+                "name": d.sample.material.name,
+                "source": d.sample.material.source,
+                "sigma_n_deg": d.sample.look.sigma_n_deg,
+                "c": d.c,
+                "c_max": d.c_max,
+                "gloss": dict(d.gloss),
+                "rank": comparison.real_ranks[d.sample.label],
+                "warnings": list(d.sample.material.warnings),
             }
-            for s in comparison.samples
+            for d in comparison.samples
         ],
         "operators": [
             {
@@ -224,19 +215,3 @@ def as_numbers(comparison: Comparison) -> dict[str, Any]:
             for row in comparison.rows
         ],
     }
-
-
-def words_of(gloss: str) -> str:
-    """A gloss in words: its angle, or what it is."""
-    angle = gloss.removeprefix("gloss-")
-    return f"gloss at {angle} deg" if angle != gloss else "contrast gloss c"
-
-
-def title_of(operator: Operator) -> str:
-    """An operator's name with the parameters that are not their defaults."""
-    changed = [
-        f"{f.name} {getattr(operator, f.name)}"
-        for f in dataclasses.fields(operator)
-        if getattr(operator, f.name) != f.default
-    ]
-    return f"{operator.name} ({', '.join(changed)})" if changed else operator.name

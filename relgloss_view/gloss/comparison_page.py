@@ -1,4 +1,4 @@
-"""A comparison as a page of HTML that stands alone: pictures inside, numbers in a table."""
+"""A comparison as one file of HTML: the pictures inside it, the numbers in tables."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from html import escape
 from relgloss_view.base import pages
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.version import __version__
-from relgloss_view.gloss.comparison import Comparison, Row, Settled, title_of, words_of
-from relgloss_view.gloss.comparison_sheet import MEASURES, VERDICTS, body_words, number
+from relgloss_view.gloss.comparison import Cell, Comparison, DrawnSample, OperatorRow
+from relgloss_view.gloss.comparison_sheet import MEASURES, VERDICTS, body_words, number, percent
+from relgloss_view.gloss.samples import gloss_words
 
 STYLE = """
 h2 { font-size: 1.1rem; font-weight: 600; margin: 2rem 0 .2rem; }
@@ -29,7 +30,7 @@ COLUMNS = (
 
 
 def comparison_page(comparison: Comparison, note: str, command: str) -> str:
-    """The page as text; `command` is the line that makes it again."""
+    """The page as text; `command` is the command line that makes it again."""
     parts = [
         "<h1>Samples under each operator</h1>",
         f'<p class="muted">{escape(note)} Pictures are shown pixel by pixel; look at them at 100 %.'
@@ -43,44 +44,30 @@ def comparison_page(comparison: Comparison, note: str, command: str) -> str:
 
 
 def _samples(comparison: Comparison) -> str:
-    heads = ("sample", words_of(comparison.gloss), "sigma_N, deg", "c of the split", "c_max")
+    heads = ("sample", gloss_words(comparison.gloss), "sigma_N, deg", "c of the split", "c_max")
 
-    def cells(s: Settled) -> tuple[str, ...]:
+    def cells(drawn: DrawnSample) -> tuple[str, ...]:
         return (
-            s.case.label,
-            _rounded(s.gloss[comparison.gloss]),
-            f"{s.case.look.sigma_n_deg:g}",
-            _rounded(s.c),
-            _rounded(s.c_max),
+            drawn.sample.label,
+            _rounded(drawn.gloss[comparison.gloss]),
+            f"{drawn.sample.look.sigma_n_deg:g}",
+            _rounded(drawn.c),
+            _rounded(drawn.c_max),
         )
 
-    return pages.table(heads, [cells(s) for s in comparison.samples])
+    return pages.table(heads, [cells(drawn) for drawn in comparison.samples])
 
 
-def _operator(row: Row, srgb: bool) -> str:
+def _operator(row: OperatorRow, srgb: bool) -> str:
     figures = [
         f'<figure><img src="{_embedded(cell.picture, srgb)}" width="{cell.picture.shape[1]}" '
         f'height="{cell.picture.shape[0]}" alt="{escape(label, quote=True)} shown by '
-        f'{escape(title_of(row.operator), quote=True)}"><figcaption>{escape(label)}</figcaption>'
+        f'{escape(row.operator.label, quote=True)}"><figcaption>{escape(label)}</figcaption>'
         "</figure>"
         for label, cell in row.cells.items()
     ]
     heads = ("sample", *(f"{name}, {unit}" for name, unit in COLUMNS))
-    numbers = []
-    for label, cell in row.cells.items():
-        m = cell.measures
-        share = None if m.clipped_share is None else 100.0 * m.clipped_share
-        numbers.append(
-            (
-                label,
-                number(m.contrast_gloss),
-                number(m.peak_contrast),
-                number(m.graininess, 2),
-                number(m.sharpness, 0),
-                number(share, 2),
-                number(m.body_difference, 2),
-            )
-        )
+    numbers = [_numbers(label, cell) for label, cell in row.cells.items()]
     orders = []
     for name, words in MEASURES.items():
         order = row.orders[name]
@@ -89,21 +76,34 @@ def _operator(row: Row, srgb: bool) -> str:
             f"<p>By {words}: <strong>{VERDICTS[order.verdict]}</strong>{tau}"
             f"{escape(f' ({order.words})') if order.ranks else ''}</p>"
         )
-    told = [
+    warnings = [
         f'<p class="muted">{escape(label)}: {escape(text)}</p>'
         for label, cell in row.cells.items()
         for text in cell.warnings
     ]
     return "\n".join(
         [
-            f"<h2>{escape(title_of(row.operator))}</h2>",
+            f"<h2>{escape(row.operator.label)}</h2>",
             f'<p class="muted">{escape(row.operator.meaning)} ({escape(row.operator.source)})</p>',
             f'<div class="pictures">{"".join(figures)}</div>',
             *orders,
             f"<p>{escape(pages.sentence_case(body_words(row)))}</p>",
             pages.table(heads, numbers),
-            *told,
+            *warnings,
         ]
+    )
+
+
+def _numbers(label: str, cell: Cell) -> tuple[str, ...]:
+    m = cell.measures
+    return (
+        label,
+        number(m.contrast_gloss),
+        number(m.peak_contrast),
+        number(m.graininess, 2),
+        number(m.sharpness, 0),
+        number(percent(m.clipped_share), 2),
+        number(m.body_difference, 2),
     )
 
 
@@ -117,7 +117,7 @@ def _embedded(picture: Bytes, srgb: bool) -> str:
 
     from relgloss_view.picture.output.png import srgb_profile
 
-    held = io.BytesIO()
+    file = io.BytesIO()
     profile = {"icc_profile": srgb_profile()} if srgb else {}
-    Image.fromarray(picture).save(held, format="PNG", **profile)
-    return pages.embedded_png(held.getvalue())
+    Image.fromarray(picture).save(file, format="PNG", **profile)
+    return pages.embedded_png(file.getvalue())

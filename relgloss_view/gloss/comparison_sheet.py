@@ -1,4 +1,4 @@
-"""A comparison as one picture: samples across, operators down, each with its numbers."""
+"""A comparison as one picture: a column for each sample, a row for each operator."""
 
 from __future__ import annotations
 
@@ -15,16 +15,15 @@ from relgloss_view.gloss.comparison import (
     TIED,
     Cell,
     Comparison,
-    Row,
-    Settled,
-    title_of,
-    words_of,
+    DrawnSample,
+    OperatorRow,
 )
+from relgloss_view.gloss.samples import gloss_words
 from relgloss_view.picture.output.contact_sheet import INK_GRAY, PAPER_GRAY
 
 MUTED_GRAY = 208
 LINE_GRAY = 140
-HELD = "\u00a0"  #: a space at which no line ends
+NO_BREAK = "\u00a0"  #: a space at which no line ends
 MEASURES = {"peak_contrast": "peak contrast", "contrast_gloss": "99th percentile"}
 VERDICTS = {
     KEPT: "order kept",
@@ -39,12 +38,17 @@ def number(value: float | None, digits: int = 1) -> str:
     return "-" if value is None else f"{value:.{digits}f}"
 
 
-def body_words(row: Row) -> str:
-    """What became of the body's colour."""
+def percent(share: float | None) -> float | None:
+    """A share in percent; None where there is no share."""
+    return None if share is None else 100.0 * share
+
+
+def body_words(row: OperatorRow) -> str:
+    """Whether the body's colour is kept, and how far it moved at most."""
     if row.body_difference is None:
         return "no body to judge the colour of"
-    told = "kept" if row.body_kept else "drifts"
-    return f"body colour {told}: dE2000 up to {row.body_difference:.2f}"
+    verdict = "kept" if row.body_kept else "drifts"
+    return f"body colour {verdict}: dE2000 up to {row.body_difference:.2f}"
 
 
 @dataclass
@@ -58,8 +62,9 @@ class _Pen:
 
     def write(self, text: str, font: Any, gray: int = INK_GRAY) -> None:
         for line in self._wrapped(text, font):
-            shown = line.replace(HELD, " ")
-            self.draw.text((self.x, self.y), shown, fill=(gray,) * 3, font=font)
+            self.draw.text(
+                (self.x, self.y), line.replace(NO_BREAK, " "), fill=(gray,) * 3, font=font
+            )
             self.y += 1.35 * font.size
 
     def skip(self, pixels: float) -> None:
@@ -77,7 +82,7 @@ class _Pen:
 
 
 def comparison_sheet(comparison: Comparison, title: str, note: str) -> Bytes:
-    """The sheet's pixels (H, W, 3); text is gray, so that nothing coloured stands by a picture."""
+    """The sheet's pixels (H, W, 3); text is gray, so that no colour is near a picture."""
     from PIL import Image, ImageDraw, ImageFont
 
     height, width = _size(comparison)
@@ -100,16 +105,16 @@ def comparison_sheet(comparison: Comparison, title: str, note: str) -> Bytes:
     draw = ImageDraw.Draw(sheet)
     _Pen(draw, gap, 0.8 * head_px, sheet.width - 2 * gap).write(title, head)
     x_of = [2 * gap + side + k * (cell + gap) for k in range(len(comparison.samples))]
-    for x, settled in zip(x_of, comparison.samples, strict=True):
-        _heading(_Pen(draw, x, 2.9 * head_px, cell), settled, comparison, (large, small))
+    for x, drawn in zip(x_of, comparison.samples, strict=True):
+        _heading(_Pen(draw, x, 2.9 * head_px, cell), drawn, comparison, (large, small))
     for n, row in enumerate(comparison.rows):
         y = top + n * row_height
         draw.line((gap, y - 0.5 * gap, sheet.width - gap, y - 0.5 * gap), fill=(LINE_GRAY,) * 3)
         _operator(_Pen(draw, gap, y, side), row, (large, small))
-        for x, settled in zip(x_of, comparison.samples, strict=True):
-            shown = row.cells[settled.case.label]
-            sheet.paste(Image.fromarray(shown.picture), (round(x), round(y)))
-            _caption(_Pen(draw, x, y + height + 0.3 * line, cell + gap), shown, small)
+        for x, drawn in zip(x_of, comparison.samples, strict=True):
+            content = row.cells[drawn.sample.label]
+            sheet.paste(Image.fromarray(content.picture), (round(x), round(y)))
+            _caption(_Pen(draw, x, y + height + 0.3 * line, cell + gap), content, small)
     _Pen(draw, gap, sheet.height - 1.7 * line, sheet.width).write(note, small, MUTED_GRAY)
     return np.asarray(sheet)
 
@@ -120,20 +125,20 @@ def _size(comparison: Comparison) -> tuple[int, int]:
     return max(s[0] for s in shapes), max(s[1] for s in shapes)
 
 
-def _heading(pen: _Pen, settled: Settled, comparison: Comparison, fonts: tuple[Any, Any]) -> None:
+def _heading(pen: _Pen, drawn: DrawnSample, comparison: Comparison, fonts: tuple[Any, Any]) -> None:
     large, small = fonts
-    look = settled.case.look
-    pen.write(settled.case.label, large)
-    gloss = number(settled.gloss[comparison.gloss], 3 if comparison.gloss[-1] == "s" else 1)
-    pen.write(f"{words_of(comparison.gloss)}: {gloss}", small, MUTED_GRAY)
-    share = "" if settled.c_max is None else f" = {settled.c / settled.c_max:.3g} c_max"
+    look = drawn.sample.look
+    pen.write(drawn.sample.label, large)
+    gloss = number(drawn.gloss[comparison.gloss], 3 if comparison.gloss[-1] == "s" else 1)
+    pen.write(f"{gloss_words(comparison.gloss)}: {gloss}", small, MUTED_GRAY)
+    share = "" if drawn.c_max is None else f" = {drawn.c / drawn.c_max:.3g} c_max"
     pen.write(f"sigma_N {look.sigma_n_deg:g} deg", small, MUTED_GRAY)
-    pen.write(f"c {settled.c:.3g}{share} (split)", small, MUTED_GRAY)
+    pen.write(f"c {drawn.c:.3g}{share} (split)", small, MUTED_GRAY)
 
 
-def _operator(pen: _Pen, row: Row, fonts: tuple[Any, Any]) -> None:
+def _operator(pen: _Pen, row: OperatorRow, fonts: tuple[Any, Any]) -> None:
     large, small = fonts
-    pen.write(title_of(row.operator), large)
+    pen.write(row.operator.label, large)
     pen.write(row.operator.meaning, small, MUTED_GRAY)
     for name, words in MEASURES.items():
         order = row.orders[name]
@@ -141,21 +146,22 @@ def _operator(pen: _Pen, row: Row, fonts: tuple[Any, Any]) -> None:
         pen.skip(0.5 * small.size)
         pen.write(f"{words}: {VERDICTS[order.verdict]}{tau}", small)
         if order.ranks:
-            held = order.words.replace(" >", f"{HELD}>").replace(" =", f"{HELD}=")
-            pen.write(held, small, MUTED_GRAY)
+            order_words = order.words.replace(" >", f"{NO_BREAK}>").replace(" =", f"{NO_BREAK}=")
+            pen.write(order_words, small, MUTED_GRAY)
     pen.skip(0.5 * small.size)
     pen.write(body_words(row), small)
 
 
-def _caption(pen: _Pen, shown: Cell, small: Any) -> None:
-    found = shown.measures
-    clipped = None if found.clipped_share is None else 100.0 * found.clipped_share
+def _caption(pen: _Pen, cell: Cell, small: Any) -> None:
+    m = cell.measures
     pen.write(
-        f"peak {number(found.peak_contrast)}, p99 {number(found.contrast_gloss)}, "
-        f"grain {number(found.graininess)}",
+        f"peak {number(m.peak_contrast)}, p99 {number(m.contrast_gloss)}, "
+        f"grain {number(m.graininess)}",
         small,
     )
     pen.write(
-        f"sharp {number(found.sharpness, 0)}/deg, clipped {number(clipped)} %", small, MUTED_GRAY
+        f"sharp {number(m.sharpness, 0)}/deg, clipped {number(percent(m.clipped_share))} %",
+        small,
+        MUTED_GRAY,
     )
-    pen.write(f"body dE2000 {number(found.body_difference, 2)}", small, MUTED_GRAY)
+    pen.write(f"body dE2000 {number(m.body_difference, 2)}", small, MUTED_GRAY)

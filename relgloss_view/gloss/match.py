@@ -1,8 +1,9 @@
-"""Settings whose displayed gloss stands to a reference picture's as the materials' glosses do.
+"""Settings that give the same gloss ratio to a reference picture as the materials have.
 
 Relative-glossiness matching (Ishii et al.): R = G_1 / G~_1 is seen on the reference, and a picture
-of sample i shows it right where G_i = R G~_i. Here the G are computed: G of the materials by a
-gloss meter's geometry, G~ of the pictures by a contrast. Defined in docs/match.md.
+of sample i shows the right gloss where G_i = R G~_i. Here all four are computed: the G of the
+materials as a gloss meter would read them, the G~ of the pictures by a contrast. Defined in
+docs/match.md.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import ProgressReport, no_progress
-from relgloss_view.gloss.comparison import Case, computed_gloss
+from relgloss_view.gloss.samples import DEFAULT_GLOSS, SampleLook, computed_gloss
 from relgloss_view.gloss.shown import Regions, contrast_gloss, peak_contrast
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.scene.scene import Scene
@@ -36,36 +37,49 @@ DEFAULT_MEASURE = "peak-contrast"  #: the other does not see narrow highlights
 C_TOLERANCE = 1e-4  #: of c_max
 
 
-class ShownGloss:
-    """The gloss that the split shows of a frame, as a function of c."""
+@dataclass(frozen=True)
+class Criterion:
+    """The two glosses whose ratios are held equal: of the materials and of their pictures."""
+
+    gloss: str = DEFAULT_GLOSS  #: of a material, one of GLOSSES
+    measure: str = DEFAULT_MEASURE  #: of a picture, one of MEASURES
+
+    @property
+    def measure_words(self) -> str:
+        """The measure as people read it."""
+        return self.measure.replace("-", " ")
+
+
+class DisplayedGloss:
+    """The gloss that the split displays of a frame, in L*, as a function of c."""
 
     def __init__(self, frame: Frame, measure: str) -> None:
         self.c_max = frame.c_max
         self._lightness = tuple(np.asarray(part, dtype=np.float64) for part in frame.split)
         self._regions = Regions.of(frame)
         self._measure = MEASURES[measure]
-        self._without = self._measured(0.0)
+        self._of_body = self._measured(0.0)
 
     def __call__(self, c: float) -> float:
-        """The measure less that of c = 0: a body without highlight has no gloss. L*."""
-        return self._measured(c) - self._without
+        """The measure less that of c = 0, because a body without a highlight has no gloss."""
+        return self._measured(c) - self._of_body
 
     def _measured(self, c: float) -> float:
         l_d, l_s = self._lightness
-        found = self._measure(np.minimum(l_d + c * l_s, 100.0), self._regions)
-        if found is None:
+        contrast = self._measure(np.minimum(l_d + c * l_s, 100.0), self._regions)
+        if contrast is None:
             raise InputError("too little of the object is seen to measure its gloss")
-        return found
+        return contrast
 
 
 @dataclass(frozen=True)
-class Point:
-    """A place of the curve: what c gives the wanted gloss at a sigma_N."""
+class CurvePoint:
+    """The c that gives the wanted gloss at one sigma_N."""
 
     sigma_n_deg: float
     c: float | None  #: None where no c up to c_max gives it
     c_max: float | None
-    most: float  #: gloss shown at c_max, L*
+    most: float  #: displayed gloss at c_max, L*
 
     @property
     def c_fraction(self) -> float | None:
@@ -74,25 +88,26 @@ class Point:
 
 
 @dataclass(frozen=True)
-class Present:
-    """A setting that is there already, against the curve."""
+class ComparedSetting:
+    """A sample's own setting, compared with the curve."""
 
     sigma_n_deg: float
     c: float
     c_fraction: float | None
-    shown: float  #: gloss, L*
-    c_distance: float | None  #: c less the curve's at the same sigma_N; None where that has none
+    displayed_gloss: float  #: L*
+    c_distance: float | None  #: c less the curve's at the same sigma_N; None where it has none
     fraction_distance: float | None  #: the same in shares of c_max
     sigma_n_distance_deg: float | None  #: sigma_N less the curve's nearest at the same c
 
 
 @dataclass(frozen=True)
 class Reference:
-    """The reference picture and what it shows."""
+    """The reference picture and its gloss, by the criterion that every match to it uses."""
 
-    case: Case
+    sample: SampleLook
+    criterion: Criterion
     gloss: float  #: of the material
-    shown: float  #: of the picture, L*
+    displayed_gloss: float  #: of the picture, L*
     c: float
 
 
@@ -100,139 +115,158 @@ class Reference:
 class Match:
     """The settings of one sample that keep its ratio to the reference."""
 
-    case: Case
+    sample: SampleLook
     gloss: float  #: of the material
-    wanted: float  #: of the picture, L*
-    curve: tuple[Point, ...]
-    grain_deg: float  #: the sigma_N that the sample's own grain is taken to have
-    proposed: Point | None  #: the curve's nearest to it
-    present: Present | None
+    wanted: float  #: displayed gloss that keeps the ratio, L*
+    curve: tuple[CurvePoint, ...]  #: by sigma_N
+    grain_deg: float  #: the sigma_N that looks like the sample's own grain
+    proposed: CurvePoint | None  #: the curve's nearest to it
+    own_setting: ComparedSetting | None  #: None where the sample came without a setting
 
 
 def reference_of(
-    renderer: FrameRenderer, case: Case, scene: Scene, size: tuple[int, int], gloss: str, by: str
+    renderer: FrameRenderer,
+    sample: SampleLook,
+    scene: Scene,
+    size: tuple[int, int],
+    criterion: Criterion,
 ) -> Reference:
-    """Draw the reference picture and take its gloss; InputError where it shows or has none."""
-    frame = _drawn(renderer, case, scene, size, case.look.sigma_n_deg)
-    real, shown = computed_gloss(case.material)[gloss], ShownGloss(frame, by)(frame.c)
-    if not real or shown <= 0.0:
+    """Draw the reference picture and measure it; InputError where it or its material has no gloss.
+
+    `scene` gives all but the material; `size` is (width, height) in pixels.
+    """
+    frame = _drawn(renderer, sample, scene, size, sample.look.sigma_n_deg)
+    real = computed_gloss(sample.material)[criterion.gloss]
+    displayed = DisplayedGloss(frame, criterion.measure)(frame.c)
+    if not real or displayed <= 0.0:
         raise InputError(
-            f"{printable(case.label)}: shows no gloss, so no ratio to it can be kept; choose "
+            f"{printable(sample.label)}: shows no gloss, so no ratio to it can be kept; choose "
             "another --reference"
         )
-    return Reference(case, real, shown, frame.c)
+    return Reference(sample, criterion, real, displayed, frame.c)
 
 
 def match(
     renderer: FrameRenderer,
     reference: Reference,
-    case: Case,
+    sample: SampleLook,
     scene: Scene,
     size: tuple[int, int],
     *,
-    gloss: str,
-    by: str,
     grain_deg: float,
-    settled: bool,
+    compare_setting: bool,
     progress: ProgressReport = no_progress,
 ) -> Match:
-    """The curve of a sample; with `settled` its look is a setting to be held against the curve."""
-    real = computed_gloss(case.material)[gloss] or 0.0
-    wanted = reference.shown * real / reference.gloss
-    look = case.look
-    sigmas = sorted({*SIGMAS_N_DEG, grain_deg, *([look.sigma_n_deg] if settled else [])})
-    curve, present = [], None
+    """The curve of a sample, and its proposal: the point nearest to `grain_deg`, in degrees.
+
+    With `compare_setting` the sample's look is a setting that is compared with the curve. `scene`
+    and `size` as for reference_of.
+    """
+    criterion = reference.criterion
+    real = computed_gloss(sample.material)[criterion.gloss] or 0.0
+    wanted = reference.displayed_gloss * real / reference.gloss
+    own_sigma = sample.look.sigma_n_deg
+    sigmas = sorted({*SIGMAS_N_DEG, grain_deg, *([own_sigma] if compare_setting else [])})
+    curve, own = [], None
     for k, sigma in enumerate(sigmas):
-        progress(k / len(sigmas), f"{case.label}, sigma_N {sigma:g}")
-        frame = _drawn(renderer, case, scene, size, sigma)
-        shown = ShownGloss(frame, by)
-        curve.append(_point(sigma, shown, wanted))
-        if settled and sigma == look.sigma_n_deg:
-            present = (frame.c, shown(frame.c), curve[-1])
+        progress(k / len(sigmas), f"{sample.label}, sigma_N {sigma:g}")
+        frame = _drawn(renderer, sample, scene, size, sigma)
+        displayed = DisplayedGloss(frame, criterion.measure)
+        curve.append(_point(sigma, displayed, wanted))
+        if compare_setting and sigma == own_sigma:
+            own = (frame.c, displayed(frame.c), curve[-1])
     solved = [point for point in curve if point.c is not None]
     proposed = min(solved, key=lambda p: abs(p.sigma_n_deg - grain_deg), default=None)
-    found = None if present is None else _present(*present, curve)
-    return Match(case, real, wanted, tuple(curve), grain_deg, proposed, found)
+    own_setting = None if own is None else _compared(*own, curve)
+    return Match(sample, real, wanted, tuple(curve), grain_deg, proposed, own_setting)
 
 
 def _drawn(
-    renderer: FrameRenderer, case: Case, scene: Scene, size: tuple[int, int], sigma_n_deg: float
+    renderer: FrameRenderer,
+    sample: SampleLook,
+    scene: Scene,
+    size: tuple[int, int],
+    sigma_n_deg: float,
 ) -> Frame:
-    look = dataclasses.replace(case.look, sigma_n_deg=sigma_n_deg)
-    return renderer.render(dataclasses.replace(scene, material=case.material), look, size)
+    look = dataclasses.replace(sample.look, sigma_n_deg=sigma_n_deg)
+    return renderer.render(dataclasses.replace(scene, material=sample.material), look, size)
 
 
-def _point(sigma_n_deg: float, shown: ShownGloss, wanted: float) -> Point:
+def _point(sigma_n_deg: float, displayed: DisplayedGloss, wanted: float) -> CurvePoint:
     from scipy.optimize import brentq
 
-    c_max = shown.c_max
+    c_max = displayed.c_max
     if not c_max:
-        return Point(sigma_n_deg, None, c_max, 0.0)
-    most = shown(c_max)
+        return CurvePoint(sigma_n_deg, None, c_max, 0.0)
+    most = displayed(c_max)
     if wanted > most:
-        return Point(sigma_n_deg, None, c_max, most)
+        return CurvePoint(sigma_n_deg, None, c_max, most)
     if wanted <= 0.0:
-        return Point(sigma_n_deg, 0.0, c_max, most)
-    c = brentq(lambda c: shown(c) - wanted, 0.0, c_max, xtol=C_TOLERANCE * c_max)
-    return Point(sigma_n_deg, float(c), c_max, most)
+        return CurvePoint(sigma_n_deg, 0.0, c_max, most)
+    c = brentq(lambda c: displayed(c) - wanted, 0.0, c_max, xtol=C_TOLERANCE * c_max)
+    return CurvePoint(sigma_n_deg, float(c), c_max, most)
 
 
-def _present(c: float, shown: float, at_it: Point, curve: Sequence[Point]) -> Present:
+def _compared(
+    c: float, displayed_gloss: float, at_it: CurvePoint, curve: Sequence[CurvePoint]
+) -> ComparedSetting:
     """The distances of a setting from the curve, along c and along sigma_N."""
     fraction = c / at_it.c_max if at_it.c_max else None
     along = None if at_it.c is None else c - at_it.c
     share = None if along is None or not at_it.c_max else along / at_it.c_max
-    crossings = _crossings(curve, c)
     sigma = at_it.sigma_n_deg
-    across = [sigma - crossing for crossing in crossings]
+    across = [sigma - crossing for crossing in _crossings(curve, c)]
     nearest = min(across, key=abs, default=None)
-    return Present(sigma, c, fraction, shown, along, share, nearest)
+    return ComparedSetting(sigma, c, fraction, displayed_gloss, along, share, nearest)
 
 
-def _crossings(curve: Sequence[Point], c: float) -> list[float]:
+def _crossings(curve: Sequence[CurvePoint], c: float) -> list[float]:
     """The sigma_N at which the curve has this c, between neighbours on a straight line."""
-    found = []
+    crossings = []
     for a, b in itertools.pairwise(curve):
         if a.c is None or b.c is None or (a.c - c) * (b.c - c) > 0.0:
             continue
         share = 0.0 if a.c == b.c else (c - a.c) / (b.c - a.c)
-        found.append(a.sigma_n_deg + share * (b.sigma_n_deg - a.sigma_n_deg))
-    return found
+        crossings.append(a.sigma_n_deg + share * (b.sigma_n_deg - a.sigma_n_deg))
+    return crossings
 
 
-def as_numbers(
-    reference: Reference, matches: Sequence[Match], gloss: str, by: str
-) -> dict[str, Any]:
-    """Matches as JSON holds them."""
+def as_numbers(reference: Reference, matches: Sequence[Match]) -> dict[str, Any]:
+    """The reference and its matches as JSON holds them."""
     return {
-        "gloss": gloss,
-        "measure": by,
+        "gloss": reference.criterion.gloss,
+        "measure": reference.criterion.measure,
         "reference": {
-            "label": reference.case.label,
-            "name": reference.case.material.name,
-            "sigma_n_deg": reference.case.look.sigma_n_deg,
+            "label": reference.sample.label,
+            "name": reference.sample.material.name,
+            "sigma_n_deg": reference.sample.look.sigma_n_deg,
             "c": reference.c,
             "gloss": reference.gloss,
-            "shown": reference.shown,
+            "shown": reference.displayed_gloss,
         },
         "samples": [
             {
-                "label": m.case.label,
-                "name": m.case.material.name,
-                "source": m.case.material.source,
+                "label": m.sample.label,
+                "name": m.sample.material.name,
+                "source": m.sample.material.source,
                 "gloss": m.gloss,
                 "ratio": m.gloss / reference.gloss,
                 "wanted": m.wanted,
-                "curve": [_as_numbers(p) for p in m.curve],
+                "curve": [_point_numbers(p) for p in m.curve],
                 "grain_deg": m.grain_deg,
-                "proposed": None if m.proposed is None else _as_numbers(m.proposed),
-                "present": None if m.present is None else dataclasses.asdict(m.present),
-                "warnings": list(m.case.material.warnings),
+                "proposed": None if m.proposed is None else _point_numbers(m.proposed),
+                "present": None if m.own_setting is None else _setting_numbers(m.own_setting),
+                "warnings": list(m.sample.material.warnings),
             }
             for m in matches
         ],
     }
 
 
-def _as_numbers(point: Point) -> dict[str, Any]:
+def _point_numbers(point: CurvePoint) -> dict[str, Any]:
     return {**dataclasses.asdict(point), "c_fraction": point.c_fraction}
+
+
+def _setting_numbers(setting: ComparedSetting) -> dict[str, Any]:
+    numbers = dataclasses.asdict(setting)
+    return {"shown" if key == "displayed_gloss" else key: v for key, v in numbers.items()}

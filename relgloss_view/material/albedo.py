@@ -5,12 +5,11 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.material import brdf
 from relgloss_view.material.material import Material
-
-Array = NDArray[np.float64]
 
 POLAR_NODES = 48  #: Gauss-Legendre nodes of the polar angle
 AZIMUTHS = 48  #: half a turn, by symmetry

@@ -8,12 +8,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.material import brdf
 from relgloss_view.material.brdf import Facing
-
-Array = NDArray[np.float64]
 
 FRESNEL = ("exact", "schlick", "constant")
 SHADOWING = ("v-groove", "none")

@@ -12,9 +12,9 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from relgloss_view.base.arrays import Array, Mask
 
 #: Below this product of sines the azimuth between i and o is undefined; every term that holds it
 #: is itself at most of this size there, so it is taken as cos(phi) = 0.
@@ -155,7 +155,7 @@ def torrance_sparrow(f: Facing, s: float, n: float) -> Array:
     return np.where(_above(f), value, 0.0)
 
 
-def _above(f: Facing) -> NDArray[np.bool_]:
+def _above(f: Facing) -> Mask:
     return (f.mu_i > 0.0) & (f.mu_o > 0.0) & (f.cos_d > 0.0)
 
 

@@ -8,15 +8,13 @@ from enum import StrEnum
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from relgloss_view.base import reading
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.notebook import html_table, span
 from relgloss_view.base.reading import fault, printable
 from relgloss_view.material import brdf
 from relgloss_view.measure.bands import Bands
-
-Array = NDArray[np.float64]
 
 DIFFUSE_MODELS = ("lambert", "oren-nayar", "eon")
 ALBEDO_MAX = 4.0  # fluorescent papers pass 1; anything above this is a unit mistake

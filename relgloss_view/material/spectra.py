@@ -15,14 +15,12 @@ from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable, read_text, unreadable
 from relgloss_view.base.resources import asset
 from relgloss_view.measure.bands import Bands
-
-Array = NDArray[np.float64]
 
 #: Linear sRGB to XYZ, IEC 61966-2-1:1999 with its primaries and D65 (0.3127, 0.3290) carried to
 #: full precision, so that white is exactly Y = 1.

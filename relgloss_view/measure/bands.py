@@ -6,8 +6,8 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.reading import fault, numbers_of
 
 #: No instrument reads reflectance outside; a header in micrometres or picometres falls outside too.
@@ -77,7 +77,7 @@ class Bands:
             return "linear sRGB"
         return f"{self.count} bands, {self.labels[0][:-3]} to {self.labels[-1]}"
 
-    def centres_nm(self) -> NDArray[np.float64]:
+    def centres_nm(self) -> Array:
         """The band centres, (B,), nanometres; raises ValueError for linear sRGB."""
         if self.wavelengths_nm is None:
             raise ValueError("linear sRGB channels have no wavelengths")

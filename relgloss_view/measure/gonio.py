@@ -6,9 +6,9 @@ Sample frame: normal +z, the instrument's plane of incidence at zero tilt is x-z
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from relgloss_view.base.arrays import Array
 
 #: Tilt at which the extra scan of Ishii et al., "to measure sharp specular", crosses the mirror
 #: direction. The readers take it as the tilt of the mirror plane and check the data against it.

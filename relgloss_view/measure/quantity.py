@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
-
-Array = NDArray[np.float64]
 
 RADIANCE_FACTOR = "radiance-factor"  #: pi f_r; 1 is the perfect diffuser
 BRDF = "brdf"  #: f_r, 1/sr

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from relgloss_view.base.arrays import Array
 
 #: A ridge exceeds the declared tilt by at least this much, in natural logarithms. The diffuse part
 #: alone varies less with tilt, and 3 % noise on a Lambertian sample did not reach it once in 4000

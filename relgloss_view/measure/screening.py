@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.measure import table
 from relgloss_view.measure.gonio import GRAZING_COSINE, OCCLUSION_DEG
-
-Array = NDArray[np.float64]
 
 
 def reasons(

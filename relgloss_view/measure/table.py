@@ -8,11 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Ints, Mask
 from relgloss_view.base.notebook import html_table, span
 from relgloss_view.base.reading import printable
 from relgloss_view.measure.bands import Bands
-
-Array = NDArray[np.float64]
 
 #: Why a sample is not used. The empty string marks one that is.
 KEPT = ""
@@ -56,7 +55,7 @@ class Measurement:
     radiance_factor: Array  #: (N, B), pi times the BRDF; may hold NaN where the sample is left out
     reasons: NDArray[np.str_]  #: (N,), KEPT or why the sample is left out
     #: (N,), samples that share a plane or a setting of the lamp; validation leaves whole groups out
-    group: NDArray[np.int64]
+    group: Ints
     #: (e_i, e_o): per-axis angular standard deviations of lamp and receiver apertures, degrees
     aperture_sd_deg: tuple[float, float] = (0.0, 0.0)
     gamma_s_deg: float | None = None  #: tilt at which a GCMS table sees the mirror direction
@@ -70,7 +69,7 @@ class Measurement:
         return self.file or self.name
 
     @property
-    def kept(self) -> NDArray[np.bool_]:
+    def kept(self) -> Mask:
         """(N,), True for the samples that are used."""
         return np.asarray(self.reasons == KEPT)
 

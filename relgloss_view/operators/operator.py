@@ -93,6 +93,16 @@ class Operator(Checked, ABC):
     source: ClassVar[str]  #: who published it
     uses_c: ClassVar[bool] = False  #: whether the look's c goes into its picture
 
+    @property
+    def label(self) -> str:
+        """The name with the parameters that differ from their defaults."""
+        changed = [
+            f"{f.name} {getattr(self, f.name)}"
+            for f in dataclasses.fields(self)
+            if getattr(self, f.name) != f.default
+        ]
+        return f"{self.name} ({', '.join(changed)})" if changed else self.name
+
     @abstractmethod
     def draw(self, frame: Frame) -> Displayed:
         """The picture that the operator makes of a frame."""

@@ -84,11 +84,11 @@ def test_materials_settings_and_parameters(capsys, tmp_path):
     assert found["samples"][0]["rank"] == 0
 
 
-def test_settings_that_were_not_given_are_told(capsys, tmp_path):
+def test_a_file_without_a_setting_is_a_warning(capsys, tmp_path):
     save_material(paper("matte"), tmp_path / "mine.json")
     words = ("art-coated", tmp_path / "mine.json", *SMALL, "--operators", "split")
     err = run(capsys, "compare", *words, "-o", tmp_path / "a.png")[2]
-    assert "mine: no settings given, so it has sigma_N 0 and c_max" in err
+    assert "mine: without a setting it is drawn at sigma_N 0 and c_max" in err
 
 
 def test_the_profile_is_srgbs_where_the_display_is(capsys, tmp_path):

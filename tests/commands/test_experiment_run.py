@@ -137,7 +137,7 @@ class TestWhoIsLed:
 
     def test_the_last_one_goes_on_and_it_is_said(self, run, session):
         said = (
-            "O01 goes on: 2 of 4 are judged. Somebody else? Close the window (Ctrl+Q) and start "
+            "O01 continues: 2 of 4 are judged. Somebody else? Close the window (Ctrl+Q) and start "
             "with --new.\n"
         )
         assert run(session) == (0, said)
@@ -148,7 +148,7 @@ class TestWhoIsLed:
         assert self.names(session) == [("O01", False), ("O02", False)]
         assert run(session, "--observer", "O02") == (0, "O02 begins\n")
         assert run(session, "--observer", "Z") == (0, "Z begins\n")
-        assert run(session)[1].startswith("O01 goes on")
+        assert run(session)[1].startswith("O01 continues")
 
     def test_new_and_a_name_exclude_each_other(self, run, session):
         status, said = run(session, "--new", "--observer", "O03")
@@ -162,7 +162,7 @@ class TestWhoIsLed:
             self.judge(store, store.observer(), 2)
             assert nothing_left(store, store.observer())
         # By name, the last answer can still be taken back.
-        assert run(session, "--observer", "O01")[1].startswith("O01 goes on: 4 of 4")
+        assert run(session, "--observer", "O01")[1].startswith("O01 continues: 4 of 4")
         assert self.names(session) == [("O01", False)]
         assert run(session) == (0, "O02 begins\n")
         assert self.names(session) == [("O01", True), ("O02", False)]
@@ -171,7 +171,7 @@ class TestWhoIsLed:
         experiment_run._tell(SimpleNamespace(json=False), session, "Z 1", 1, 4)
         assert capsys.readouterr().out == (
             f"{session}: Z 1 has judged 1 of 4; `relgloss experiment run {session} "
-            "--observer 'Z 1'` goes on\n"
+            "--observer 'Z 1'` resumes\n"
         )
 
     @pytest.mark.parametrize("words", [(), ("--new",), ("--observer", "O07")])

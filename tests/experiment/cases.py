@@ -8,10 +8,9 @@ import itertools
 import numpy as np
 
 from relgloss_view.experiment.design.grid import Grid
-from relgloss_view.experiment.design.study import Procedure, Study, StudySample
-from relgloss_view.experiment.design.study import Screen as Pictures
+from relgloss_view.experiment.design.study import Procedure, Screen, Study, StudySample
 from relgloss_view.experiment.observers.percept import Percepts
-from relgloss_view.experiment.session.flow import Flow, Screen
+from relgloss_view.experiment.session.flow import Flow, Phase
 from relgloss_view.picture.scene.sample import Sample, load_sample
 from relgloss_view.picture.scene.setting import Setting
 
@@ -28,7 +27,7 @@ def study(samples=("matte-coated",), grid=None, size_px=96, **procedure):
         built_in("cast-coated"),
         grid=grid or Grid(),
         procedure=Procedure(**made),
-        screen=Pictures(width_px=size_px, height_px=size_px),
+        screen=Screen(width_px=size_px, height_px=size_px),
     )
 
 
@@ -63,14 +62,14 @@ def started(store, clock=None, name=None):
 
 def to_trial(flow, limit=10):
     for _ in range(limit):
-        if flow.screen in (Screen.TRIAL, Screen.FINISHED):
+        if flow.phase in (Phase.TRIAL, Phase.FINISHED):
             return
-        if flow.screen in (Screen.GAP, Screen.ADAPTATION):
+        if flow.phase in (Phase.GAP, Phase.ADAPTATION):
             flow._clock.now_s += flow.left_s()
             flow.tick()
         else:
             flow.confirm()
-    raise AssertionError(flow.screen)
+    raise AssertionError(flow.phase)
 
 
 def answer(flow, category=0, after_s=1.0):
@@ -83,7 +82,7 @@ def answer(flow, category=0, after_s=1.0):
 
 def answer_all(flow, categories=(0, 1, 2, 3, 4)):
     for category in itertools.cycle(categories):
-        if flow.screen is Screen.FINISHED:
+        if flow.phase is Phase.FINISHED:
             return
         answer(flow, category)
 

@@ -13,13 +13,13 @@ from relgloss_view.gloss.comparison import (
     KEPT,
     NONE,
     TIED,
-    Case,
     Cell,
     as_numbers,
     compare,
-    order_of,
+    gloss_order,
 )
 from relgloss_view.gloss.comparison_sheet import comparison_sheet
+from relgloss_view.gloss.samples import SampleLook
 from relgloss_view.gloss.shown import Measures
 from relgloss_view.operators.registry import make_operator
 from relgloss_view.picture.scene.look import Look
@@ -49,14 +49,19 @@ class TestOrder:
         ],
     )
     def test_against_the_real_one(self, values, verdict, words, tau):
-        found = order_of("peak_contrast", cells(**dict(zip("abc", values, strict=True))), REAL)
+        found = gloss_order("peak_contrast", cells(**dict(zip("abc", values, strict=True))), REAL)
         assert (found.verdict, found.words) == (verdict, words)
         assert found.tau == (None if tau is None else pytest.approx(tau))
 
     def test_without_a_number_or_an_order_there_is_none(self):
-        assert order_of("peak_contrast", cells(a=1.0, b=None, c=3.0), REAL).verdict == NONE
+        assert gloss_order("peak_contrast", cells(a=1.0, b=None, c=3.0), REAL).verdict == NONE
         alike = dict.fromkeys("abc", 50.0)
-        assert order_of("peak_contrast", cells(a=1.0, b=9.0, c=3.0), alike).verdict == NONE
+        assert gloss_order("peak_contrast", cells(a=1.0, b=9.0, c=3.0), alike).verdict == NONE
+
+
+def published():
+    """The built-in papers at their published settings."""
+    return [SampleLook(n, load_sample(n), Look().at(setting)) for n, setting in SAMPLES.items()]
 
 
 @pytest.fixture(scope="module")
@@ -64,15 +69,17 @@ def papers(request):
     """The four papers at the published settings, as `relgloss compare` shows them."""
     from relgloss_view.quality.backends import open_renderer
 
-    cases = [Case(name, load_sample(name), Look().at(setting)) for name, setting in SAMPLES.items()]
+    samples = [
+        SampleLook(name, load_sample(name), Look().at(setting)) for name, setting in SAMPLES.items()
+    ]
     operators = [make_operator(name) for name in ("split", "clip", "multiscale")]
     with open_renderer("egl") as renderer:
-        yield compare(renderer, cases, operators, Scene(cases[0].material), (256, 256))
+        yield compare(renderer, samples, operators, Scene(samples[0].material), (256, 256))
 
 
 class TestFourPapers:
     def test_real_order(self, papers):
-        assert list(papers.truth) == list(SAMPLES)
+        assert list(papers.real_ranks) == list(SAMPLES)
 
     def test_split_keeps_order_and_body_colour(self, papers):
         split = papers.rows[0]
@@ -95,10 +102,10 @@ class TestFourPapers:
         assert multiscale.body_kept is False
 
     def test_numbers_are_json(self, papers):
-        told = json.loads(json.dumps(as_numbers(papers), allow_nan=False))
-        assert [o["name"] for o in told["operators"]] == ["split", "clip", "multiscale"]
-        assert told["samples"][0]["gloss"]["gloss-75"] == pytest.approx(100.9, abs=0.5)
-        assert told["operators"][0]["shown"]["uncoated"]["warnings"]
+        numbers = json.loads(json.dumps(as_numbers(papers), allow_nan=False))
+        assert [o["name"] for o in numbers["operators"]] == ["split", "clip", "multiscale"]
+        assert numbers["samples"][0]["gloss"]["gloss-75"] == pytest.approx(100.9, abs=0.5)
+        assert numbers["operators"][0]["shown"]["uncoated"]["warnings"]
 
     def test_pictures_are_the_object_with_a_margin(self, papers):
         shapes = {cell.picture.shape for row in papers.rows for cell in row.cells.values()}
@@ -119,9 +126,11 @@ def test_lamp_from_the_side_makes_clipped_matte_the_largest_highlight(renderer):
     """What the paper saw: three papers reach white, and matte on the largest area."""
     from relgloss_view.picture.scene.setup import Lamp
 
-    cases = [Case(name, load_sample(name), Look().at(setting)) for name, setting in SAMPLES.items()]
-    scene = Scene(cases[0].material, lamp=Lamp(azimuth_deg=100.0))
-    (clip,) = compare(renderer, cases, [make_operator("clip")], scene, (256, 256)).rows
+    samples = [
+        SampleLook(name, load_sample(name), Look().at(setting)) for name, setting in SAMPLES.items()
+    ]
+    scene = Scene(samples[0].material, lamp=Lamp(azimuth_deg=100.0))
+    (clip,) = compare(renderer, samples, [make_operator("clip")], scene, (256, 256)).rows
     assert clip.orders["peak_contrast"].words.count("=") == 2
     shares = {label: cell.measures.clipped_share for label, cell in clip.cells.items()}
     assert max(shares, key=shares.get) == "matte-coated"
@@ -131,8 +140,8 @@ def test_nothing_seen_has_no_order(renderer):
     from relgloss_view.picture.scene.setup import Eye
 
     scene = Scene(paper("cast"), eye=Eye(shift_right=10.0))
-    cases = [Case(name, paper(name), Look()) for name in ("cast", "art")]
-    found = compare(renderer, cases, [make_operator("split")], scene, (32, 32))
+    samples = [SampleLook(name, paper(name), Look()) for name in ("cast", "art")]
+    found = compare(renderer, samples, [make_operator("split")], scene, (32, 32))
     assert found.rows[0].orders["peak_contrast"].verdict == NONE
     assert found.rows[0].body_kept is None
     assert comparison_sheet(found, "", "").shape[2] == 3

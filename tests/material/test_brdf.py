@@ -180,6 +180,16 @@ class TestTorranceSparrow:
         assert np.all(brdf.torrance_sparrow(facing(i, o), 0.1, 1.0) == 0.0)
 
 
+class TestHorizon:
+    @pytest.mark.parametrize("model", ["lambert", "oren-nayar", "eon", "qualitative"])
+    @pytest.mark.parametrize(("mu_i", "mu_o"), [(-0.2, 0.5), (0.5, -0.2), (-0.3, -0.4), (0.0, 0.5)])
+    def test_nothing_is_lit_or_seen_from_below(self, model, mu_i, mu_o):
+        f = brdf.Facing(*(np.array([v]) for v in (mu_i, mu_o, 0.1, 0.6, 0.2)))
+        for part in brdf.diffuse_shapes(model, f, 0.4):
+            assert part.tolist() == [0.0]
+        assert brdf.torrance_sparrow(f, 0.1, 1.5).tolist() == [0.0]
+
+
 class TestDiffuse:
     @pytest.mark.parametrize("r", [0.0, 0.1, 0.5, 1.0])
     @pytest.mark.parametrize("theta_deg", [0.0, 40.0, 75.0, 88.0])

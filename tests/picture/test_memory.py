@@ -27,7 +27,7 @@ for size in ((64, 64), (2048, 2048)):
     renderer.passes.bring_up_to_date(request)
     ctx.finish()
     shown = resident()
-    renderer.passes.bring_geometry(request)
+    renderer.passes.bring_xyz(request)
     ctx.finish()
 print(shown - before, resident() - shown)
 """
@@ -39,14 +39,14 @@ def test_a_picture_takes_what_the_formula_says():
     done = subprocess.run(
         [sys.executable, "-c", GROWTH], capture_output=True, text=True, timeout=60, check=True
     )
-    shown, normals = (int(word) for word in done.stdout.split())
+    shown, parts = (int(word) for word in done.stdout.split())
     size = (2048, 2048)
     assert shown == pytest.approx(device_bytes(size), rel=0.15)
-    assert normals == pytest.approx(device_bytes(size, ("normals",)) - device_bytes(size), rel=0.15)
+    assert parts == pytest.approx(device_bytes(size, ("XYZ",)) - device_bytes(size), rel=0.15)
 
 
 def test_more_is_asked_for_more():
-    # Diffuse, specular and their split L*, four floats each; display, four bytes; two results of
-    # four floats for 4 x 4 pixels.
-    assert bytes_per_pixel() == pytest.approx(3 * 16 + 4 + 2, abs=0.01)
-    assert bytes_per_pixel(("normals",)) - bytes_per_pixel() == pytest.approx(48)
+    # Two targets of two floats; L* split, four; display, four bytes; two results of four floats for
+    # 4 x 4 pixels.
+    assert bytes_per_pixel() == pytest.approx(2 * 8 + 16 + 4 + 2, abs=0.01)
+    assert bytes_per_pixel(("XYZ", "normals")) - bytes_per_pixel() == 32 + 48

@@ -11,7 +11,7 @@ import random
 
 import pytest
 
-from relgloss_view.viewer.drawing import pace
+from relgloss_view.viewer.drawing import draft_scale
 from relgloss_view.viewer.drawing.draft_scale import BUDGET_S, SCALES, DraftScale
 
 FRAMES = 60
@@ -63,7 +63,7 @@ def test_settles_on_every_machine(fixed_s):
         # No smaller than it takes: what is next larger is over the budget, or too near to it.
         if last < 1.0:
             larger = SCALES[SCALES.index(last) - 1]
-            assert fixed_s + full_s * larger**2 > pace.ROOM * BUDGET_S, full_s
+            assert fixed_s + full_s * larger**2 > draft_scale.ROOM * BUDGET_S, full_s
 
 
 def test_settles_where_frames_are_uneven():

@@ -312,7 +312,7 @@ def test_it_asks_before_it_replaces_and_tells_faults(found):
     assert got["kept"] == "held before"
     assert got["replaced"] == "PNG"
     assert "no such folder" in got["nowhere"]
-    assert "give the name" in got["empty"]
+    assert "type the name" in got["empty"]
     assert "is a folder" in got["folder"]
     assert got["suffix"] == "x.exr"
     assert got["none left"]

@@ -36,7 +36,12 @@ class TestState:
         assert INITIAL.reference.sample.name == "cast-coated"
         assert INITIAL.test.sample.name == "matte-coated"
         for side in SIDES:
-            assert INITIAL.side(side).look == Look().at(SAMPLES[INITIAL.side(side).sample.name])
+            expected = Look(quality="auto").at(SAMPLES[INITIAL.side(side).sample.name])
+            assert INITIAL.side(side).look == expected
+
+    def test_only_the_window_draws_by_quality_auto(self):
+        assert {INITIAL.side(side).look.quality for side in SIDES} == {"auto"}
+        assert Look().quality == "exact"
 
     def test_changes_touch_one_thing(self):
         other = Sample.built_in("uncoated")

@@ -58,9 +58,9 @@ def shows_an_operator(hand, found):
     from imgui_bundle import imgui
 
     found["copied"] = imgui.get_clipboard_text()
-    before = sum(hand.app.pictures.drawn["test"].values())
+    before = sum(hand.app.pair_renderer.drawn["test"].values())
     hand.frames(10)
-    found["drawn at rest"] = sum(hand.app.pictures.drawn["test"].values()) - before
+    found["drawn at rest"] = sum(hand.app.pair_renderer.drawn["test"].values()) - before
 
 
 def is_exported(hand, found):
@@ -228,7 +228,7 @@ def test_it_waits_for_the_hand_and_says_what_shows(window):
     found, _ = window
     told = found["stays_while_c_moves_and_waits_for_the_hand"]
     assert told["same while c changes"]
-    assert told["while dragging"] == "comes when you let go"
+    assert told["while dragging"] == "follows when you let go"
     assert told["none while dragging"]
     assert told["again at rest"] == "clip"
     assert "overlays" in told["overlay"]

@@ -88,9 +88,13 @@ def test_relative_names_are_of_the_present_folder(tmp_path, monkeypatch):
 def test_without_a_reference_there_is_the_papers(tmp_path):
     (tmp_path / "s.toml").write_text('[sample]\nname = "uncoated"\n[look]\nseed = 3\n')
     state = load_state(tmp_path / "s.toml")
-    assert state.reference == State.initial().reference
+    initial = State.initial().reference
+    assert state.reference.sample == initial.sample
+    assert state.reference.look == dataclasses.replace(initial.look, quality="exact")
     assert state.test.sample.name == "uncoated"
     assert state.test.look == Look(seed=3)
+    (tmp_path / "s.toml").write_text('[look]\nquality = "auto"\n')
+    assert load_state(tmp_path / "s.toml").reference == initial
     (tmp_path / "s.toml").write_text('[reference]\nname = "uncoated"\n')
     assert load_state(tmp_path / "s.toml").reference.look == Look()
     (tmp_path / "s.toml").write_text("[reference.look]\nseed = 4\n")
@@ -223,7 +227,7 @@ class TestForgiving:
         assert len(told) == 3
         for line, name in zip(told, ("lamp.csv", "plain.json", "two words.json"), strict=True):
             assert name in line
-            assert "stands in" in line
+            assert "is used as the" in line
 
     def test_what_can_not_be_named_is_left_out(self, tmp_path):
         state = State.initial().with_sample("test", Sample(materials.paper("art")))

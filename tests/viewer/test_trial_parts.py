@@ -9,7 +9,7 @@ import pytest
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.design.study_file import load_study
-from relgloss_view.experiment.session.flow import Flow, Progress, Screen
+from relgloss_view.experiment.session.flow import Flow, Phase, Progress
 from relgloss_view.experiment.session.store import Store
 from relgloss_view.picture.scene.setup import Display
 from relgloss_view.viewer.drawing.arrangement import centred
@@ -17,7 +17,7 @@ from relgloss_view.viewer.drawing.canvas import surround_gray
 from relgloss_view.viewer.state.state import Presentation
 from relgloss_view.viewer.trials import category_strip, ink, keys, pages, placement
 from relgloss_view.viewer.trials.device import read_profile
-from relgloss_view.viewer.trials.experimenter_line import OperatorLine, goes_on
+from relgloss_view.viewer.trials.experimenter_line import ExperimenterLine, continues
 from relgloss_view.viewer.trials.ink import Ink
 from relgloss_view.viewer.trials.placement import Below, needed_below
 
@@ -118,16 +118,16 @@ class TestPlaces:
         assert got.strip is not None or not strip
 
 
-class TestOperatorLine:
+class TestExperimenterLine:
     def test_the_time_left_is_by_the_median(self):
         told = []
         flow = SimpleNamespace(
-            study=SimpleNamespace(questions=("ratio",)), trial=object(), screen=Screen.TRIAL
+            study=SimpleNamespace(questions=("ratio",)), trial=object(), phase=Phase.TRIAL
         )
         now_s = [0.0]
         answered = [0]
         flow.progress = lambda: Progress("O01", answered[0], 100, "matte", "ratio")
-        line = OperatorLine(flow, lambda: now_s[0], lambda *words: told.append(words))
+        line = ExperimenterLine(flow, lambda: now_s[0], lambda *words: told.append(words))
         assert told == [(0.0, "O01: 0 of 100, matte, ratio")]
         for took_s in (5.0, 6.0, 6.0, 600.0, 7.0):
             now_s[0] += took_s
@@ -138,18 +138,18 @@ class TestOperatorLine:
         now_s[0] += 3600.0
         line.note_answer()
         assert line.text.endswith("about 10 min left")
-        flow.screen = Screen.ADAPTATION
+        flow.phase = Phase.ADAPTATION
         assert line.text.endswith("; Ctrl+Enter ends the adaptation")
 
     def test_tells_what_stands_on_the_screen_once(self):
         told = []
         flow = SimpleNamespace(
-            study=SimpleNamespace(questions=("ratio",)), trial=object(), screen=Screen.CONSENT
+            study=SimpleNamespace(questions=("ratio",)), trial=object(), phase=Phase.CONSENT
         )
         flow.progress = lambda: Progress("O01", 0, 100, "matte", "ratio")
-        line = OperatorLine(flow, lambda: 0.0, lambda share, text: told.append(text))
-        for screen in (Screen.CONSENT, Screen.ADAPTATION, Screen.GAP, Screen.TRIAL, Screen.GAP):
-            flow.screen = screen
+        line = ExperimenterLine(flow, lambda: 0.0, lambda share, text: told.append(text))
+        for phase in (Phase.CONSENT, Phase.ADAPTATION, Phase.GAP, Phase.TRIAL, Phase.GAP):
+            flow.phase = phase
             line.follow()
             line.follow()
         assert told == [
@@ -166,23 +166,23 @@ class TestFirstPage:
 
     def test_says_whose_session_goes_on(self, tmp_path):
         with Store(tmp_path / "s.sqlite", load_study("paper")) as store:
-            assert goes_on(store, store.observer("O01")) == ""
+            assert continues(store, store.observer("O01")) == ""
             flow = self.flow(store)
-            assert goes_on(store, flow.observer) == ""
+            assert continues(store, flow.observer) == ""
             flow.confirm()  # who comes next has not agreed
-            told = goes_on(store, store.observer("O01"))
+            told = continues(store, store.observer("O01"))
             assert told == (
-                "O01 goes on: 0 of 126 are judged. Somebody else? Close the window (Ctrl+Q) and "
+                "O01 continues: 0 of 126 are judged. Somebody else? Close the window (Ctrl+Q) and "
                 "start with --new."
             )
             store.answer(flow.observer, flow.trial, "ratio", 1, 0.5, flow.run)
-            told = goes_on(store, store.observer("O01"))
-            assert told.startswith("O01 goes on: 1 of 126 are judged.")
+            told = continues(store, store.observer("O01"))
+            assert told.startswith("O01 continues: 1 of 126 are judged.")
             page = pages.page_of(self.flow(store), answered=True, note=told)
             assert (page.text, page.note) == (store.study.guide, told)
 
     def test_of_one_who_has_judged_all(self):
-        flow = SimpleNamespace(study=None, screen=Screen.FINISHED)
+        flow = SimpleNamespace(study=None, phase=Phase.FINISHED)
         assert pages.page_of(flow, answered=True, note="O01 goes on").note == "O01 goes on"
 
 

@@ -26,7 +26,7 @@ OBSERVER = "O07"
 GAP_S = 0.05
 SLOW_S = EARLIEST_S + 0.05  #: what nobody answers sooner than
 LONGEST_S = 20.0
-PAGE, SCALE = "//##page", "//##scale"
+PAGE, STRIP = "//##page", "//##strip"
 PICTURE = 64
 
 
@@ -59,7 +59,7 @@ def opened(folder, run):
 
 
 def screen(hand):
-    return hand.app.flow.screen.value
+    return hand.app.flow.phase.value
 
 
 def wait(hand, condition):
@@ -92,8 +92,8 @@ def page(hand):
 
 
 LABELS = (
-    "I agree (Enter)", "I decline", "Go on (Enter)", "It stands there (Enter)",
-    "Go on (Enter or Space)", "End (Enter)", "Take the last answer back (Backspace)",
+    "I agree (Enter)", "I decline", "Continue (Enter)", "It is in place (Enter)",
+    "Continue (Enter or Space)", "End (Enter)", "Take the last answer back (Backspace)",
     "Close (Enter)", "Go back (Enter)", "End (Ctrl+Q)",
 )  # fmt: skip
 
@@ -124,7 +124,7 @@ def trial(hand):
 def park(hand):
     """Put the mouse where it covers nothing, and let the categories go."""
     hand.ctx.mouse_move_to_pos((2.0, 2.0))
-    hand.app._scale.hide()
+    hand.app._strip.hide()
     hand.frames(2)
 
 
@@ -193,31 +193,31 @@ def takes_the_last_answer_back(hand, found):
 
 
 def answers_by_mouse(hand, found):
-    from relgloss_view.viewer.trials import scale
+    from relgloss_view.viewer.trials import category_strip
 
     to_trial(hand)
     park(hand)
     bare = seen(hand)
-    found["at rest"] = hand.there(f"{SCALE}/5")
+    found["at rest"] = hand.there(f"{STRIP}/5")
     hand.ctx.mouse_move_to_pos((200.0, 100.0))
     hand.ctx.mouse_move_to_pos((210.0, 100.0))
     hand.frames(2)
-    found["moving"] = hand.there(f"{SCALE}/5")
+    found["moving"] = hand.there(f"{STRIP}/5")
     shown = seen(hand)
     changed = np.flatnonzero(np.any(shown != bare, axis=(1, 2)))
     pictures = np.flatnonzero(np.any(bare != bare[0, 0], axis=(1, 2)))
     pointer = 40  # pixels, at most, of the engine's own pointer
     found["below"] = bool(changed[changed > 100 + pointer].min() > pictures.max())
     found["colours"] = int(np.ptp(shown[pictures.max() + 1 :].astype(int), axis=-1).max())
-    rest, scale.REST_S = scale.REST_S, 0.05
-    wait(hand, lambda: hand.app._scale.alpha == 0.0)
+    rest, category_strip.REST_S = category_strip.REST_S, 0.05
+    wait(hand, lambda: hand.app._strip.alpha == 0.0)
     hand.frames(2)
-    found["gone"] = not hand.there(f"{SCALE}/5")
-    scale.REST_S = rest
+    found["gone"] = not hand.there(f"{STRIP}/5")
+    category_strip.REST_S = rest
     hand.ctx.mouse_move_to_pos((220.0, 130.0))
     hand.ctx.mouse_move_to_pos((230.0, 130.0))
     hand.frames(1)
-    hand.click(f"{SCALE}/5")
+    hand.click(f"{STRIP}/5")
     found["rows"] = rows(hand)
     park(hand)
 
@@ -375,7 +375,7 @@ def one_press_takes_one_answer_back(hand, found):
 
 def a_key_is_for_what_stood_there(hand, found):
     """Pages that come in the frame of a key which they take too."""
-    from relgloss_view.experiment.session.flow import Screen as Shown
+    from relgloss_view.experiment.session.flow import Phase as Shown
     from relgloss_view.viewer.trials import keys
 
     flow = hand.app.flow
@@ -390,7 +390,7 @@ def a_key_is_for_what_stood_there(hand, found):
             tick()
             if keys.pressed(chords):
                 flow.tick = tick  # once
-                flow.screen = comes
+                flow.phase = comes
 
         flow.tick = comes_now
         press(hand, name)
@@ -461,14 +461,14 @@ def asks_for_the_grain_too(hand, found):
     first = seen(hand)
     np.save(hand.folder / "mirrored.npy", first)
     found["trial"] = trial(hand)
-    found["always"] = hand.there(f"{SCALE}/1")
-    hand.click(f"{SCALE}/2")
+    found["always"] = hand.there(f"{STRIP}/1")
+    hand.click(f"{STRIP}/2")
     found["question"] = hand.app.flow.question
     to_trial(hand)
     park(hand)
     second = seen(hand)
     np.save(hand.folder / "grain.npy", second)
-    hand.click(f"{SCALE}/4")
+    hand.click(f"{STRIP}/4")
     found["rows"] = rows(hand)
     to_trial(hand)
     press(hand, "backspace")
@@ -554,8 +554,8 @@ def test_from_consent_to_the_first_trial(walk):
     got = walk[0]["leads_to_the_first_trial"]
     assert got["consent"] == ["consent", ["I agree (Enter)", "I decline"]]
     assert got["still"] == "consent"
-    assert got["instructions"] == ["instructions", ["Go on (Enter)"]]
-    assert got["object"] == ["object", ["It stands there (Enter)"]]
+    assert got["instructions"] == ["instructions", ["Continue (Enter)"]]
+    assert got["object"] == ["object", ["It is in place (Enter)"]]
     assert got["words on the page"] > 100
     assert got["gap"] == "gap"
     assert got["surround"] == [119, 119]  # sRGB of L* 50
@@ -638,7 +638,7 @@ def test_the_mouse_answers_while_it_moves(walk):
 
 def test_pause(walk):
     got = walk[0]["pauses"]
-    assert got["pause"] == ["pause", ["Go on (Enter or Space)"]]
+    assert got["pause"] == ["pause", ["Continue (Enter or Space)"]]
     assert len(got["rows"]) == 2
     assert got["same"]
 
@@ -689,11 +689,11 @@ def test_a_session_goes_on_and_ends(resumed):
     assert screen_ == "instructions"  # agreed to already
     assert at[0] == len(rows_) == 3
     assert got["note"][1] == (
-        f"{OBSERVER} goes on: 3 of 4 are judged. Somebody else? Close the window (Ctrl+Q) and "
+        f"{OBSERVER} continues: 3 of 4 are judged. Somebody else? Close the window (Ctrl+Q) and "
         "start with --new."
     )
     assert got["last page"] == ["Thank you", ""]  # told once
-    assert got["object"] == ["It stands there (Enter)", "Take the last answer back (Backspace)"]
+    assert got["object"] == ["It is in place (Enter)", "Take the last answer back (Backspace)"]
     assert got["finished"] == ["End (Enter)", "Take the last answer back (Backspace)"]
     assert got["taken back"] == 1
     assert got["last"] == [3, "ratio", 0]
@@ -720,14 +720,14 @@ def test_a_key_is_for_what_stood_there(two):
 def test_the_first_page_says_whose_session_goes_on(two, tmp_path):
     """Also where the study has no instructions to show."""
     found, folder = two
-    assert found["one_press_takes_one_answer_back"]["begins"][1] == "The operator does this."
+    assert found["one_press_takes_one_answer_back"]["begins"][1] == "The experimenter does this."
     session = str(folder / "session.sqlite")
     got = driven_session("again", tmp_path, study=TWO, session=session)
     first, then = got["says_whose_session_goes_on"].values()
     assert first[:2] == ["instructions", "Relative gloss"]
-    assert first[2].startswith(f"{OBSERVER} goes on: 2 of 8 are judged. Somebody else? ")
+    assert first[2].startswith(f"{OBSERVER} continues: 2 of 8 are judged. Somebody else? ")
     assert then[0] == "object"
-    assert then[2] == "The operator does this."
+    assert then[2] == "The experimenter does this."
 
 
 def test_what_was_shown_is_kept(resumed, renderer):

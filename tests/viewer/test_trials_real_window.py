@@ -145,7 +145,7 @@ def test_keys_answer_and_what_was_acknowledged_outlives_a_kill(tmp_path, display
     planned = planned_trials(record.study, 0)
     assert [a.trial for a in kept] == list(planned[: len(kept)])
     assert {a.category for a in kept} == {1}
-    assert record.runs[0]["ended_utc"] is None
+    assert record.runs[0].ended_utc is None
     with session(tmp_path, display, file) as second:
         assert second.acknowledged == len(kept)
         assert "consent" not in second.told  # it is kept
@@ -158,8 +158,8 @@ def test_keys_answer_and_what_was_acknowledged_outlives_a_kill(tmp_path, display
     assert [a.trial for a in record.answers] == list(planned)
     assert [a.category for a in record.answers[len(kept) :]] == [2] * (TOTAL - len(kept))
     assert record.observers[0].ended
-    assert record.runs[1]["ended_utc"] is not None
-    screen = record.runs[1]["screen"]
+    assert record.runs[1].ended_utc is not None
+    screen = record.runs[1].screen
     assert screen["full_screen"]
     assert screen["window_px"] == screen["monitor"]["resolution_px"] == [1400, 900]
     assert sorted(p.name for p in tmp_path.iterdir()) == ["mine.sqlite", "mine.toml"]

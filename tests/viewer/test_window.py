@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import dataclasses
 import itertools
 import time
 
@@ -11,8 +12,10 @@ import numpy as np
 import pytest
 
 from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.setup import SHAPES, Display, Eye, Lamp, Shape
+from relgloss_view.viewer.panels import scene
 from relgloss_view.viewer.shell.widgets import label_of
-from relgloss_view.viewer.state.state import COMPARE_MODES
+from relgloss_view.viewer.state.state import COMPARE_MODES, Presentation
 
 SIZE = (1000, 760)
 LOOK, SCENE, SAMPLE = "//Look", "//Scene", "//Sample"
@@ -34,7 +37,7 @@ def middle(hand, side="test"):
 
 def passes(hand):
     """How often each pass was drawn so far, as 'side pass'."""
-    drawn = hand.app.pictures.drawn
+    drawn = hand.app.pair_renderer.drawn
     return {f"{s} {n}": c for s, counts in drawn.items() for n, c in counts.items() if c}
 
 
@@ -46,10 +49,10 @@ def starts_full_and_then_rests(hand, found):
     hand.frames(6)
     found["frames"] = sorted(hand.model.frames)
     before = passes(hand)
-    compiled = hand.app.pictures.compiled
+    compiled = hand.app.pair_renderer.compiled
     hand.frames(10)
     found["drawn at rest"] = since(before, hand)
-    found["compiled at rest"] = hand.app.pictures.compiled - compiled
+    found["compiled at rest"] = hand.app.pair_renderer.compiled - compiled
 
 
 def tunes_the_look(hand, found):
@@ -72,13 +75,58 @@ def tunes_the_look(hand, found):
     hand.frames(2)
     found["c"] = [model.state.test.look.c, model.state.test.look.c_fraction]
     found["warned"] = [w for w in model.frames["test"].warnings if "above" in w]
-    hand.click(f"{LOOK}/Stay at the highest")
+    hand.click(f"{LOOK}/Hold c there")
     found["locked"] = [model.state.test.look.c, model.state.test.look.c_fraction]
     hand.click(f"{LOOK}/Reference")
     hand.ctx.item_input_value(f"{LOOK}/##{C_SHARE}", 0.5)
     hand.frames(2)
     found["reference"] = model.state.reference.look.c_fraction
     found["steps"] = len(model.history._past) - steps
+
+
+def chooses_the_quality(hand, found):
+    from imgui_bundle import imgui
+
+    from relgloss_view.viewer.panels.drawing_words import quality_words
+
+    model = hand.model
+    kept, side = model.state, model.active_side
+
+    def quality():
+        hand.frames(3)
+        return [model.state.side(side).look.quality, quality_words(model.frames[side])]
+
+    text = label_of(Look, "quality")
+    hand.click(f"{LOOK}/auto##{text}")
+    found["auto"] = quality()
+    hand.click(f"{LOOK}/exact##{text}")
+    found["exact"] = quality()
+    hand.key(int(imgui.Key.q))
+    found["by key"] = quality()
+    model.change(kept)
+    hand.frames(2)
+
+
+def tunes_the_scene(hand, found):
+    model = hand.model
+    kept = model.state
+    hand.app.layout.focus("Scene")
+    hand.frames(3)
+    sliders = {"lamp": Lamp, "eye": Eye, "display": Display, "presentation": Presentation}
+    for part, owner in sliders.items():
+        for name in getattr(scene, f"_{part.upper()}"):
+            hand.ctx.item_input_value(f"{SCENE}/##{label_of(owner, name)}", 12.5)
+            hand.frames(1)
+            found[f"{part}.{name}"] = getattr(model.state.part(part), name)
+    sizes = [f.name for f in dataclasses.fields(Shape) if f.name != "kind"]
+    for kind in SHAPES:
+        hand.choose(f"{SCENE}/##{label_of(Shape, 'kind')}", kind)
+        hand.frames(2)
+        there = [name for name in sizes if hand.there(f"{SCENE}/##{label_of(Shape, name)}")]
+        found[kind] = [model.state.setup.shape.kind, *there]
+    hand.app.layout.focus("Look")
+    model.change(kept)
+    hand.frames(4)
 
 
 def takes_back_and_does_again(hand, found):
@@ -127,7 +175,7 @@ def draws_only_what_changed(hand, found):
     model = hand.model
     hand.until(lambda: not model.dragging)
     hand.frames(5)
-    compiled = hand.app.pictures.compiled
+    compiled = hand.app.pair_renderer.compiled
     for name, change in (
         ("c", {"c_fraction": 0.41, "c": None}),
         ("sigma_n", {"sigma_n_deg": 1.7}),
@@ -145,7 +193,7 @@ def draws_only_what_changed(hand, found):
     hand.frames(3)
     fetched = ("counts", "light", "geometry")  # by panels that show numbers
     found["lamp"] = sorted(k for k in since(before, hand) if not k.endswith(fetched))
-    found["compiled"] = hand.app.pictures.compiled - compiled
+    found["compiled"] = hand.app.pair_renderer.compiled - compiled
 
 
 def draws_no_more_than_needed(hand, found):
@@ -158,7 +206,7 @@ def draws_no_more_than_needed(hand, found):
     model.set_look("test", quality="auto", sigma_n_deg=1.0)
     hand.frames(6)
     found["auto"] = methods()
-    compiled = hand.app.pictures.compiled
+    compiled = hand.app.pair_renderer.compiled
     found["moved"] = []
     for k in range(12):
         model.hold()
@@ -166,7 +214,7 @@ def draws_no_more_than_needed(hand, found):
         hand.frames(2)
         found["moved"].append(methods()["test"])
         time.sleep(0.03)
-    found["compiled in the drag"] = hand.app.pictures.compiled - compiled
+    found["compiled in the drag"] = hand.app.pair_renderer.compiled - compiled
     hand.until(lambda: not model.dragging)
     hand.frames(6)
     found["rested"] = methods()["test"]
@@ -305,32 +353,32 @@ def survives_lost_objects(hand, found):
     def destroy():
         pointer = ctypes.cast(glfw.get_proc_address("glDeleteTextures"), ctypes.c_void_p).value
         delete = ctypes.CFUNCTYPE(None, ctypes.c_int, ctypes.POINTER(ctypes.c_uint))(pointer)
-        for renderer in hand.app.pictures._full.values():
+        for renderer in hand.app.pair_renderer._full.values():
             for name in ("diffuse", "specular", "split", "display"):
                 delete(1, ctypes.byref(ctypes.c_uint(renderer.texture(name).glo)))
 
     hand.frames(4)
     before = hand.do(displays)
-    pictures = hand.app.pictures
+    pictures = hand.app.pair_renderer
     hand.do(destroy)
-    hand.until(lambda: hand.app.pictures is not pictures, 5)
-    found["rebuilt"] = hand.app.pictures is not pictures
+    hand.until(lambda: hand.app.pair_renderer is not pictures, 5)
+    found["rebuilt"] = hand.app.pair_renderer is not pictures
     hand.frames(1)
     after = hand.do(displays)
     found["identical"] = all(np.array_equal(before[s], after[s]) for s in before)
     found["bright"] = int(max(np.max(d) for d in after.values()))
-    found["error"] = hand.do(lambda: hand.app.pictures.ctx.error)
+    found["error"] = hand.do(lambda: hand.app.pair_renderer.ctx.error)
     found["said"] = hand.said()[-1][0]
 
 
 def draws_smaller_while_too_slow(hand, found):
-    from relgloss_view.viewer.drawing import pace
+    from relgloss_view.viewer.drawing import draft_scale
 
     hand.until(lambda: not hand.model.dragging)
     hand.frames(3)
     full = hand.model.picture_size
     before = hand.do(lambda: {s: f.display.copy() for s, f in hand.model.frames.items()})
-    budget, pace.BUDGET_S = pace.BUDGET_S, 1e-9  # no machine keeps that
+    budget, draft_scale.BUDGET_S = draft_scale.BUDGET_S, 1e-9  # no machine keeps that
     try:
         place = middle(hand)
         hand.ctx.mouse_move_to_pos(place)
@@ -343,7 +391,7 @@ def draws_smaller_while_too_slow(hand, found):
         hand.ctx.mouse_up(0)
         hand.frames(3)
     finally:
-        pace.BUDGET_S = budget
+        draft_scale.BUDGET_S = budget
     found["full again"] = [hand.model.draft, *hand.model.frames["test"].size]
     hand.model.history.undo()
     hand.frames(2)
@@ -380,12 +428,14 @@ def takes_every_size(hand, found):
     hand.frames(3)
     hand.do(lambda: glfw.restore_window(window))
     hand.frames(3)
-    found["error"] = hand.do(lambda: hand.app.pictures.ctx.error)
+    found["error"] = hand.do(lambda: hand.app.pair_renderer.ctx.error)
 
 
 SCRIPTS = [
     starts_full_and_then_rests,
     tunes_the_look,
+    chooses_the_quality,
+    tunes_the_scene,
     takes_back_and_does_again,
     turns_moves_and_zooms,
     draws_only_what_changed,
@@ -424,6 +474,26 @@ def test_sliders_type_reset_and_stay_in_range(found):
     assert got["locked"] == [None, 1.0]
     assert got["reference"] == pytest.approx(0.5)
     assert got["steps"] == 4  # the reset, c, the lock, the reference's share
+
+
+def test_quality_is_one_click_away(found):
+    got = found["chooses_the_quality"]
+    assert got["auto"][0] == "auto"
+    assert got["auto"][1] in ("auto: drawn simpler", "auto: whole model")
+    assert got["exact"] == ["exact", "exact"]
+    assert got["by key"] == got["auto"]
+
+
+def test_every_slider_of_the_scene_sets_its_entry(found):
+    got = dict(found["tunes_the_scene"])
+    assert {kind: got.pop(kind) for kind in SHAPES} == {
+        "cylinder": ["cylinder", "diameter_m", "height_m"],
+        "sphere": ["sphere", "diameter_m"],
+        "plane": ["plane", "height_m", "width_m"],
+        "box": ["box", "height_m", "width_m", "depth_m"],
+    }
+    assert len(got) == 10
+    assert set(got.values()) == {12.5}
 
 
 def test_undo_and_redo(found):

@@ -14,7 +14,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view.base.terminal import Column, ProgressReport, no_progress, table
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.bench.stability import grain_errors, model_errors
 from relgloss_view.quality.domains import DOMAINS, FOOT_SD, Domain
 
@@ -283,27 +283,3 @@ def as_json(maps: list[Map]) -> list[dict[str, Any]]:
 
 def _plain(value: float) -> float | None:
     return float(f"{value:.4g}") if np.isfinite(value) else None
-
-
-COLUMNS = (
-    Column("", 40, left=True),
-    Column("cells", 7),
-    Column("inside", 6),
-    Column("worst inside", 12),
-    Column("bound", 6),
-    Column("failed", 6),
-)
-
-
-def summary_table(maps: list[Map]) -> str:
-    """A row for each map of errors: cells, those in its domain, their largest error, failures."""
-    return table(COLUMNS, [_row(m) for m in maps if m.subject.is_error], indent="  ")
-
-
-def _row(m: Map) -> tuple[str, ...]:
-    domain = m.subject.domain
-    inside = int(np.sum(m.inside)) if domain else 0
-    worst = f"{np.max(m.error[m.inside]):.1e}" if inside else "nowhere"
-    in_domain = (str(inside), worst, f"{domain.bound:g}") if domain else ("", "", "")
-    failed = int(np.sum(~np.isfinite(m.error)))
-    return (m.subject.title, str(m.error.size), *in_domain, str(failed))

@@ -34,7 +34,7 @@ def digest_of(frame: Frame) -> str:
     return hashlib.sha256(frame.display.tobytes()).hexdigest()
 
 
-def told_of(frame: Frame) -> dict[str, Any]:
+def frame_record(frame: Frame) -> dict[str, Any]:
     """The numbers of a frame that a session keeps: what was asked for is in the study."""
     numbers = parameters(frame)
     kept = ("sigma_n_deg", "c", "c_max", "clip_count", "out_of_gamut_count", "warnings", "version")

@@ -28,7 +28,7 @@ FULL, ADAPTIVE = "full", "adaptive"
 DESIGNS = (FULL, ADAPTIVE)
 ORDERS = ("balanced", "random")
 ON_DEMAND, ALWAYS, NEVER = "on demand", "always", "never"
-SCALES = (ON_DEMAND, ALWAYS, NEVER)
+STRIP_TIMES = (ON_DEMAND, ALWAYS, NEVER)
 RATIO, GRAIN = "ratio", "grain"  #: the questions
 QUESTIONS = {
     RATIO: "How close is the ratio of gloss between the pictures to that between the objects?",
@@ -95,7 +95,7 @@ class Screen(Checked):
     gap_px: float = parameter(24.0, 0.0, 2000.0, "px", "between the two pictures")
     mirror: bool = switch(False, "swap and mirror the pictures, for a mirror before the monitor")
     scale: str = choice(
-        ON_DEMAND, SCALES, "when the categories show below the pictures: as the mouse moves"
+        ON_DEMAND, STRIP_TIMES, "when the categories show below the pictures: as the mouse moves"
     )
 
     @property

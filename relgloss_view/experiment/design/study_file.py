@@ -66,11 +66,11 @@ def built_in_file(name: str) -> Path:
 
 
 def _study(content: Mapping[str, Any], folder: Path) -> Study:
-    known = ("study", "samples", "reference", "grid", *PARTS, *TABLES)
+    tables = ("study", "samples", "reference", "grid", *PARTS, *TABLES)
     for name in content:
-        if name not in known:
-            shown = printable(name, 60)
-            raise InputError(f"[{shown}]: no such table; expected one of {', '.join(known)}")
+        if name not in tables:
+            unknown = printable(name, 60)
+            raise InputError(f"[{unknown}]: no such table; expected one of {', '.join(tables)}")
     words = _entries(content, "study", WORDS)
     if "categories" in words:
         if not isinstance(words["categories"], list):
@@ -94,14 +94,16 @@ def _study(content: Mapping[str, Any], folder: Path) -> Study:
     )
 
 
-def _entries(content: Mapping[str, Any], table: str, known: tuple[str, ...]) -> dict[str, Any]:
+def _entries(content: Mapping[str, Any], table: str, names: tuple[str, ...]) -> dict[str, Any]:
     values = content.get(table, {})
     if not isinstance(values, dict):
         fault(f"[{table}]", "a table", values)
     for key in values:
-        if key not in known:
-            shown = printable(key, 60)
-            raise InputError(f"{table}.{shown}: no such entry; expected one of {', '.join(known)}")
+        if key not in names:
+            unknown = printable(key, 60)
+            raise InputError(
+                f"{table}.{unknown}: no such entry; expected one of {', '.join(names)}"
+            )
     return dict(values)
 
 

@@ -9,12 +9,13 @@ relation to that contrast. The measures are those of docs/operators.md, of what 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.experiment.design.stimuli import draw_look
 from relgloss_view.experiment.design.study import Study
 from relgloss_view.gloss.shown import Regions, graininess, peak_contrast, sharpness
@@ -67,7 +68,7 @@ def see_study(
     renderer: FrameRenderer,
     study: Study,
     truths: Sequence[Setting],
-    progress: Callable[[float, str], object] = lambda share, text: None,
+    progress: ProgressReport = no_progress,
 ) -> Percepts:
     """Draw every stimulus, and each sample's truth, and see it."""
     settings = study.grid.settings

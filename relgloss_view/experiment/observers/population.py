@@ -87,7 +87,7 @@ class SimulatedObserver:
         random = np.random.default_rng([self.seed, OF_ANSWER, self.number, position, 99])
         return float(np.exp(np.log(2.0) + 0.4 * random.standard_normal())) + 0.2
 
-    def told(self) -> dict[str, object]:
+    def details(self) -> dict[str, object]:
         """How this observer was made, for the session file."""
         return {
             "seed": self.seed,

@@ -6,10 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.experiment.design.trial_order import Trial
 from relgloss_view.experiment.observers.percept import Percepts
 from relgloss_view.experiment.observers.population import Population, SimulatedObserver
-from relgloss_view.experiment.session.flow import Flow, Screen
+from relgloss_view.experiment.session.flow import Flow, Phase
 from relgloss_view.experiment.session.records import SIMULATED, Observer
 from relgloss_view.experiment.session.store import Store
 
@@ -17,7 +18,7 @@ DEVICE = "none: simulated"
 
 
 @dataclass(frozen=True)
-class Given:
+class StoredAnswer:
     """An answer that is on the disk."""
 
     observer: str
@@ -43,8 +44,8 @@ def run_observers(
     population: Population,
     count: int,
     seed: int,
-    given: Callable[[Given], object] = lambda answer: None,
-    progress: Callable[[float, str], object] = lambda share, text: None,
+    on_stored: Callable[[StoredAnswer], object] = lambda answer: None,
+    progress: ProgressReport = no_progress,
 ) -> None:
     """Lead observers through the store's study until `count` of them are through.
 
@@ -52,30 +53,30 @@ def run_observers(
     answer when it is stored.
     """
     while True:
-        known = store.observers()
-        if any(o.kind != SIMULATED for o in known):
+        observers = store.observers()
+        if any(o.kind != SIMULATED for o in observers):
             raise InputError(
                 f"{store.path}: holds answers of people; give simulated observers a file of their "
                 "own"
             )
-        ended = sum(o.ended for o in known)
+        ended = sum(o.ended for o in observers)
         if ended >= count:
             return
-        number = next((o.number for o in known if not o.ended), len(known))
+        number = next((o.number for o in observers if not o.ended), len(observers))
         simulated = SimulatedObserver.of(population, seed, number, len(store.study.categories))
         truths = {
             sample.label: [truth.sigma_n_deg, truth.c_fraction]
             for sample, truth in zip(store.study.samples, percepts.truths, strict=True)
         }
-        details = {**simulated.told(), "truths": truths}
-        if number < len(known) and store.details(known[number]) != details:
+        details = {**simulated.details(), "truths": truths}
+        if number < len(observers) and store.details(observers[number]) != details:
             raise InputError(
-                f"{store.path}: {known[number].name} is half way through with other truths, seed "
-                "or options; go on with those, or give another file"
+                f"{store.path}: {observers[number].name} began with other truths, seed or options; "
+                "continue with those, or give another file"
             )
         observer = store.observer(kind=SIMULATED, details=details)
         progress(ended / count, f"observer {observer.name}")
-        _run(store, observer, simulated, percepts, given)
+        _run(store, observer, simulated, percepts, on_stored)
 
 
 def _run(
@@ -83,14 +84,14 @@ def _run(
     observer: Observer,
     simulated: SimulatedObserver,
     percepts: Percepts,
-    given: Callable[[Given], object],
+    on_stored: Callable[[StoredAnswer], object],
 ) -> None:
     """One observer, from consent to the end."""
     clock = VirtualClock()
     flow = Flow(store, observer, store.begin_run(observer, DEVICE, {}), clock)
     questions = store.study.questions
-    while flow.screen is not Screen.FINISHED:
-        if flow.screen is Screen.TRIAL:
+    while flow.phase is not Phase.FINISHED:
+        if flow.phase is Phase.TRIAL:
             trial, question = flow.trial, flow.question
             assert trial is not None
             flow.shown()
@@ -104,8 +105,8 @@ def _run(
             )
             stored = flow.answer(category)
             assert stored
-            given(Given(observer.name, trial, question, category))
-        elif flow.screen in (Screen.GAP, Screen.ADAPTATION):
+            on_stored(StoredAnswer(observer.name, trial, question, category))
+        elif flow.phase in (Phase.GAP, Phase.ADAPTATION):
             clock.now_s += flow.left_s()
             flow.tick()
         else:

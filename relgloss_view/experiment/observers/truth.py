@@ -19,7 +19,7 @@ OF_TRUTHS = 7  #: what a seed is for; see order.py
 
 
 def truths_of(
-    study: Study, choice: str, given: Mapping[str, Setting], seed: int
+    study: Study, choice: str, stated: Mapping[str, Setting], seed: int
 ) -> tuple[Setting, ...]:
     """The right setting of each sample; those that are `given` by label count first.
 
@@ -28,13 +28,13 @@ def truths_of(
     InputError for a label that is no sample's and a truth outside the grid's range.
     """
     labels = [sample.label for sample in study.samples]
-    for label in given:
+    for label in stated:
         if label not in labels:
             raise InputError(
                 f"--truth {printable(label, 60)!r}: no such sample; expected {', '.join(labels)}"
             )
     random = np.random.default_rng([seed, OF_TRUTHS])
-    found = []
+    truths = []
     for sample in study.samples:
         settings = study.grid.settings
         if choice == CELLS:
@@ -49,9 +49,9 @@ def truths_of(
         else:
             rows, columns = study.grid.shape
             chosen = settings[(rows // 2) * columns + columns // 2]
-        found.append(given.get(sample.label, chosen))
-        _check_inside(study, sample.label, found[-1])
-    return tuple(found)
+        truths.append(stated.get(sample.label, chosen))
+        _check_inside(study, sample.label, truths[-1])
+    return tuple(truths)
 
 
 def _check_inside(study: Study, label: str, setting: Setting) -> None:

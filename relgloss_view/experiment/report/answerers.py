@@ -1,4 +1,4 @@
-"""Who answered, in which file, and what simulated observers were told to be right."""
+"""Who answered, in which file, and what is right for simulated observers."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ def answerers(pool: Pool) -> Iterator[tuple[Record, Observer, Member]]:
     """Each member of the pool with its file and its place in it."""
     members = iter(pool.members)
     for record in pool.records:
-        given = {answer.observer for answer in record.answers}
+        answered = {answer.observer for answer in record.answers}
         for observer in record.observers:
-            if observer.number in given:
+            if observer.number in answered:
                 yield record, observer, next(members)
 
 
 def silent(pool: Pool) -> list[str]:
     """Who came and has not answered anything, by name."""
-    found = []
+    names = []
     for record in pool.records:
-        given = {answer.observer for answer in record.answers}
-        found += [o.name for o in record.observers if o.number not in given]
-    return found
+        answered = {answer.observer for answer in record.answers}
+        names += [o.name for o in record.observers if o.number not in answered]
+    return names
 
 
 def made(pool: Pool) -> list[dict[str, object]]:
@@ -41,17 +41,17 @@ def made(pool: Pool) -> list[dict[str, object]]:
 
 
 def truths(pool: Pool) -> dict[str, Setting]:
-    """What is right for each sample, where all simulated observers were told the same."""
-    found: dict[str, Setting | None] = {}
+    """What is right for each sample, where it is the same for all simulated observers."""
+    settings: dict[str, Setting | None] = {}
     for details in made(pool):
-        told = details.get("truths")
-        if not isinstance(told, dict):
+        stored = details.get("truths")
+        if not isinstance(stored, dict):
             continue
         for sample in pool.study.samples:
-            setting = _setting(told.get(sample.label))
-            same = found.setdefault(sample.label, setting) == setting
-            found[sample.label] = setting if same else None
-    return {label: setting for label, setting in found.items() if setting is not None}
+            setting = _setting(stored.get(sample.label))
+            same = settings.setdefault(sample.label, setting) == setting
+            settings[sample.label] = setting if same else None
+    return {label: setting for label, setting in settings.items() if setting is not None}
 
 
 def _setting(pair: object) -> Setting | None:
@@ -64,21 +64,21 @@ def _setting(pair: object) -> Setting | None:
 
 
 def people(pool: Pool) -> str:
-    """How many of which kind answered, and how many of them are through."""
-    told = []
+    """How many of which kind answered, and how many of them have finished."""
+    parts = []
     for kind, one, many in (
         (PERSON, "person", "persons"),
         (SIMULATED, "simulated observer", "simulated observers"),
     ):
         those = [m for m in pool.members if m.kind == kind]
         if those:
-            through = sum(m.ended for m in those)
+            finished = sum(m.ended for m in those)
             if len(those) == 1:
-                told.append(f"1 {one}, {'through' if through else 'not through'}")
+                parts.append(f"1 {one}, {'finished' if finished else 'not finished'}")
             else:
-                all_ = "all" if through == len(those) else through
-                told.append(f"{len(those)} {many}, {all_} through")
-    return "; ".join(told)
+                all_ = "all" if finished == len(those) else finished
+                parts.append(f"{len(those)} {many}, {all_} finished")
+    return "; ".join(parts)
 
 
 def path_words(record: Record) -> str:

@@ -8,15 +8,20 @@ from typing import Any
 
 import numpy as np
 
+from relgloss_view.base.figures import INK, MUTED
 from relgloss_view.base.reading import printable
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.report import figures
-from relgloss_view.experiment.report.chosen_setting import Array, Choice, choice_by, chosen
+from relgloss_view.experiment.report.chosen_setting import (
+    Array,
+    ChosenSetting,
+    chosen_setting,
+    setting_chosen_by,
+)
 from relgloss_view.experiment.report.panels import EDGE_IN, heading
 from relgloss_view.experiment.report.sentences import BY, label_of
 from relgloss_view.experiment.scaling.bootstrap import ScaleValues
 from relgloss_view.experiment.verdict.analysis import Analysis, SampleResult
-from relgloss_view.fitting.report import INK, MUTED
 
 LEAST_ROWS, MOST_ROWS = 4, 48  #: settings, the closest ones; scale.csv has all
 ROW_IN, NAMES_IN, PANEL_IN, PANEL_GAP_IN = 0.165, 1.25, 4.6, 0.25
@@ -37,9 +42,9 @@ def write_bounds(path: Path, result: SampleResult, analysis: Analysis) -> None:
         head = EDGE_IN + 0.3 + figures.height_of(words, room, figures.SMALL_PT, 6)
         title_in = 0.25 if len(result.scales) > 1 else 0.0
         choices = [
-            choice_by(result, study.grid, s.question)
+            setting_chosen_by(result, study.grid, s.question)
             if result.adaptive is None
-            else chosen(result, study.grid)
+            else chosen_setting(result, study.grid)
             for s in result.scales
         ]
         height = (max(rows, LEAST_ROWS) + len(study.categories)) * ROW_IN
@@ -54,11 +59,11 @@ def write_bounds(path: Path, result: SampleResult, analysis: Analysis) -> None:
                 axes.set_title(BY[scale.question], fontsize=figures.TEXT_PT, color=INK, pad=20.0)
             _panel(axes, scale, choices[k], study.grid, rows)
         plain = all(s.interval is None for s in result.scales)
-        _foot(figure, plain=plain, chosen_shown=any(c.shown for c in choices))
+        _foot(figure, plain=plain, chosen_shown=any(c.may_be_named for c in choices))
         figures.save(figure, path)
 
 
-def _panel(axes: Any, scale: ScaleValues, choice: Choice, grid: Grid, rows: int) -> None:
+def _panel(axes: Any, scale: ScaleValues, choice: ChosenSetting, grid: Grid, rows: int) -> None:
     figures.bare(axes)
     order = np.argsort(-np.where(scale.answered, scale.scale, -np.inf), kind="stable")
     order = order[: min(rows, int(np.sum(scale.answered)))]
@@ -78,9 +83,9 @@ def _panel(axes: Any, scale: ScaleValues, choice: Choice, grid: Grid, rows: int)
         names.append((row, f"bound {k + 1} | {k + 2}", figures.GOOD))
     for row, k in enumerate(order.tolist()):
         look = (MUTED, "o", 3.6)
-        if choice.shown and choice.as_good[k]:
+        if choice.may_be_named and choice.as_good[k]:
             look = (INK, "o", 4.4)
-        if choice.shown and k == choice.leading:
+        if choice.may_be_named and k == choice.leading:
             look = (figures.MARK, "o", 5.6)
         ends = None if scale.interval is None else scale.interval[:, k]
         _row(axes, row, (scale.scale[k], scale.torgerson.scale[k]), ends, look)
@@ -111,12 +116,12 @@ def _limits(scale: ScaleValues, order: Any) -> tuple[float, float]:
     """From the least to the largest of what is shown, and room for the end categories."""
     bounds = -scale.probit.bounds[np.isfinite(scale.probit.bounds)]
     values = scale.scale[order]
-    shown = [values, bounds]
+    placed = [values, bounds]
     if scale.interval is not None:
-        shown += [*scale.interval[:, order]]
+        placed += [*scale.interval[:, order]]
     if scale.bounds_interval is not None:
-        shown += [*-scale.bounds_interval]
-    every = np.concatenate(shown)
+        placed += [*-scale.bounds_interval]
+    every = np.concatenate(placed)
     every = every[np.isfinite(every)]
     low, high = float(np.min(every)), float(np.max(every))
     room = 0.06 * max(high - low, 0.5)
@@ -148,10 +153,10 @@ def _categories(axes: Any, scale: ScaleValues, across: tuple[float, float]) -> N
 
 def _apart(numbers: Sequence[tuple[float, str]], gap: float) -> list[tuple[float, str]]:
     """Moved to the left, from the right end on, where they would touch."""
-    found: list[tuple[float, str]] = []
+    moved: list[tuple[float, str]] = []
     for place, number in numbers:
-        found.append((min(place, found[-1][0] - gap) if found else place, number))
-    return found
+        moved.append((min(place, moved[-1][0] - gap) if moved else place, number))
+    return moved
 
 
 def _foot(figure: Any, *, plain: bool, chosen_shown: bool) -> None:
@@ -165,7 +170,7 @@ def _foot(figure: Any, *, plain: bool, chosen_shown: bool) -> None:
         (_sign(figures.GOOD, "D", 4.0), "bound between two categories"),
         (_sign(MUTED, "o", 4.0), "setting" + ("" if plain else ", with 95 % interval")),
         (_sign(figures.MARK, "o", 5.6), "leading setting"),
-        (_sign(INK, "o", 4.4), "not told apart from it"),
+        (_sign(INK, "o", 4.4), "not significantly worse"),
         (Line2D([], [], color=INK, marker="|", ms=6.0, lw=0), "either by Torgerson's method"),
     ]
     if not chosen_shown:

@@ -20,7 +20,7 @@ Interval = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Choice:
+class ChosenSetting:
     """A verdict, and the setting that it chooses. Arrays are over the settings of the grid."""
 
     status: str
@@ -42,23 +42,23 @@ class Choice:
         return None if self.shares is None else float(self.shares[self.leading])
 
     @property
-    def shown(self) -> bool:
+    def may_be_named(self) -> bool:
         """Whether a setting may be pointed at; not where the answers may be by chance."""
         return self.status != CHANCE
 
 
-def chosen(result: SampleResult, grid: Grid) -> Choice:
+def chosen_setting(result: SampleResult, grid: Grid) -> ChosenSetting:
     """The choice for a sample."""
     if result.adaptive is not None:
         return _of_posterior(result.adaptive, grid)
-    return choice_by(result, grid, result.decided_by)
+    return setting_chosen_by(result, grid, result.decided_by)
 
 
-def choice_by(result: SampleResult, grid: Grid, question: str) -> Choice:
+def setting_chosen_by(result: SampleResult, grid: Grid, question: str) -> ChosenSetting:
     """The choice that the scale of one question makes."""
     verdict: Verdict = result.verdicts[question]
     best = verdict.optimum
-    return Choice(
+    return ChosenSetting(
         verdict.status,
         verdict.leading,
         grid.settings[verdict.leading],
@@ -74,9 +74,9 @@ def choice_by(result: SampleResult, grid: Grid, question: str) -> Choice:
     )
 
 
-def _of_posterior(verdict: AdaptiveVerdict, grid: Grid) -> Choice:
+def _of_posterior(verdict: AdaptiveVerdict, grid: Grid) -> ChosenSetting:
     best = verdict.estimate
-    return Choice(
+    return ChosenSetting(
         verdict.status,
         verdict.leading,
         grid.settings[verdict.leading],
@@ -110,7 +110,7 @@ def nearest_shares(grid: Grid, posterior: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Values:
+class ScaleTable:
     """Closeness of the settings by one question, or by both together. Arrays are (J,)."""
 
     probit: Array  #: NaN without answers
@@ -120,16 +120,16 @@ class Values:
     counts: Array | None  #: (J, K), None for both together
 
 
-def values_of(result: SampleResult, counts: dict[str, Array], question: str) -> Values:
+def scale_table(result: SampleResult, counts: dict[str, Array], question: str) -> ScaleTable:
     """The scale values of a question; `counts` holds (J, K) of each that was asked."""
     if question != JOINT:
         scale = next(s for s in result.scales if s.question == question)
         none = np.full(len(scale.scale), np.nan)
         low, high = (none, none) if scale.interval is None else scale.interval
-        return Values(scale.scale, low, high, scale.torgerson.scale, counts[question])
+        return ScaleTable(scale.scale, low, high, scale.torgerson.scale, counts[question])
     first, second = result.scales
     low = high = np.full(len(first.scale), np.nan)
     if first.draws is not None and second.draws is not None:
         low, high = np.quantile(first.draws + second.draws, (0.025, 0.975), axis=0)
     torgerson = first.torgerson.scale + second.torgerson.scale
-    return Values(first.scale + second.scale, low, high, torgerson, None)
+    return ScaleTable(first.scale + second.scale, low, high, torgerson, None)

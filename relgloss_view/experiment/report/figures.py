@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import math
-import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from relgloss_view.fitting.report import INK, STYLE
+from relgloss_view.base import figures
+from relgloss_view.base.figures import INK
 
 DPI = 130
 PAPER = "#f4f4f4"  #: of plots: bright, and gray enough to stand on the page
@@ -27,12 +27,10 @@ FAMILIES = ("Noto Sans CJK JP", "Noto Sans JP", "IPAGothic", "WenQuanYi Zen Hei"
 @contextlib.contextmanager
 def drawing() -> Iterator[None]:
     """Within it, figures look alike and nothing from outside is mathematics."""
-    from matplotlib import rc_context
     from matplotlib.font_manager import fontManager
 
     there = {font.name for font in fontManager.ttflist}
     style = {
-        **STYLE,
         "font.size": TEXT_PT,
         "font.family": ["DejaVu Sans", *(name for name in FAMILIES if name in there)],
         "text.parse_math": False,
@@ -40,25 +38,18 @@ def drawing() -> Iterator[None]:
         "axes.facecolor": PAPER,
         "hatch.linewidth": 0.6,
     }
-    with rc_context(style), warnings.catch_warnings():
-        # A name in a script that no font has shows boxes; that is no fault.
-        warnings.filterwarnings("ignore", message="Glyph", category=UserWarning)
+    with figures.drawing(style):
         yield
 
 
 def new_figure(width_in: float, height_in: float) -> Any:
-    """A figure without a window system."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width_in, height_in), dpi=DPI, facecolor=PAPER)
-    FigureCanvasAgg(figure)
-    return figure
+    """A figure of the report, without a window system."""
+    return figures.new_figure(width_in, height_in, dpi=DPI, paper=PAPER)
 
 
 def save(figure: Any, path: Path) -> None:
     """As PNG; the same figure gives the same bytes."""
-    figure.savefig(path, format="png", metadata={"Software": None})
+    figures.save_figure(figure, path)
 
 
 def axes_at(figure: Any, x_in: float, y_in: float, width_in: float, height_in: float) -> Any:

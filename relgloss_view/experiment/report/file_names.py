@@ -13,7 +13,7 @@ TAKEN = {"con", "prn", "aux", "nul", *(f"{d}{k}" for d in ("com", "lpt") for k i
 def file_names(labels: Sequence[str]) -> tuple[str, ...]:
     """One name a label, without an ending; labels that would have the same get a number."""
     used: set[str] = set()
-    found = []
+    names = []
     for label in labels:
         stem = _stem(label)
         name, number = stem, 1
@@ -21,8 +21,8 @@ def file_names(labels: Sequence[str]) -> tuple[str, ...]:
             number += 1
             name = f"{stem}-{number}"
         used.add(_folded(name))
-        found.append(name)
-    return tuple(found)
+        names.append(name)
+    return tuple(names)
 
 
 def _stem(label: str) -> str:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import read_text
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.experiment.report.file_names import file_names
 from relgloss_view.experiment.report.page import report_page
 from relgloss_view.experiment.report.plots import write_plots
@@ -27,7 +28,7 @@ def write_report(
     analysis: Analysis,
     *,
     command: str | None = None,
-    progress: Callable[[float, str], object] = lambda share, text: None,
+    progress: ProgressReport = no_progress,
 ) -> tuple[str, ...]:
     """Fill an existing, empty folder; the names of what was written, all of them plain files.
 
@@ -46,12 +47,12 @@ def write_report(
     page = report_page(folder, analysis, plots, scenes, command)
     (folder / PAGE).write_text(page, encoding="utf-8", newline="\n")
     written = sorted({path.name for path in folder.iterdir()} | {RESULTS})
-    found = as_numbers(analysis)
-    for sample in found["samples"]:
+    content = as_numbers(analysis)
+    for sample in content["samples"]:
         sample["scene"] = scenes.get(sample["label"])
         sample["plots"] = [plot.file for plot in plots[sample["label"]]]
-    found["written"] = written
-    text = json.dumps(found, indent=1, allow_nan=False) + "\n"
+    content["written"] = written
+    text = json.dumps(content, indent=1, allow_nan=False) + "\n"
     (folder / RESULTS).write_text(text, encoding="utf-8")
     return tuple(written)
 
@@ -59,10 +60,10 @@ def write_report(
 def earlier_files(folder: Path) -> tuple[str, ...]:
     """What a former report has written into a folder, as its results.json tells."""
     try:
-        found = json.loads(read_text(folder / RESULTS, MAX_BYTES, "results"))["written"]
+        written = json.loads(read_text(folder / RESULTS, MAX_BYTES, "results"))["written"]
     except (InputError, ValueError, LookupError, TypeError, RecursionError):
         return ()
-    names = found if isinstance(found, list) else []
+    names = written if isinstance(written, list) else []
     return tuple(n for n in names if isinstance(n, str) and _is_plain(folder, n))
 
 

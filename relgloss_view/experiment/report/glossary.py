@@ -9,7 +9,7 @@ def terms(analysis: Analysis) -> list[tuple[str, str]]:
     """Those that the report of this analysis uses."""
     adaptive = any(r.adaptive is not None for r in analysis.samples)
     both = any(JOINT in r.verdicts for r in analysis.samples)
-    found = [
+    entries = [
         (
             "c, c_max, sigma_N",
             "c scales the gloss of the picture and is given as a share of the largest that the "
@@ -43,8 +43,9 @@ def terms(analysis: Analysis) -> list[tuple[str, str]]:
             "The share of those resamplings in which a setting has the largest closeness.",
         ),
         (
-            "not told apart",
-            "Settings that are not worse than the leading one at 95 %, all comparisons together.",
+            "not significantly worse",
+            "Settings that are not worse than the leading one at 95 %, over all comparisons "
+            "together.",
         ),
         (
             "between grid points",
@@ -54,7 +55,7 @@ def terms(analysis: Analysis) -> list[tuple[str, str]]:
         (
             "a curve is as good",
             "The ratio of gloss alone is one number, sigma_N and c are two: settings along a curve "
-            "may have the same ratio. The grain, asked for too, tells them apart.",
+            "may have the same ratio. The grain, asked for too, separates them.",
         ),
         (
             "p of chance",
@@ -72,14 +73,14 @@ def terms(analysis: Analysis) -> list[tuple[str, str]]:
         ),
     ]
     if both:
-        found.append(
+        entries.append(
             (
                 "by both together",
                 "The sum of the closeness by the ratio of gloss and by the grain; it decides.",
             )
         )
     if adaptive:
-        found.append(
+        entries.append(
             (
                 "posterior",
                 "In an adaptive study: how probable it is, given all answers, that the right "
@@ -87,4 +88,4 @@ def terms(analysis: Analysis) -> list[tuple[str, str]]:
                 "all answers as those of one observer.",
             )
         )
-    return found
+    return entries

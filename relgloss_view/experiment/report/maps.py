@@ -7,13 +7,18 @@ from typing import Any
 
 import numpy as np
 
+from relgloss_view.base.figures import INK
 from relgloss_view.experiment.report import figures, panels
 from relgloss_view.experiment.report.answerers import truths
-from relgloss_view.experiment.report.chosen_setting import Array, choice_by, chosen, values_of
+from relgloss_view.experiment.report.chosen_setting import (
+    Array,
+    chosen_setting,
+    scale_table,
+    setting_chosen_by,
+)
 from relgloss_view.experiment.report.results import counts_of
 from relgloss_view.experiment.report.sentences import BY
 from relgloss_view.experiment.verdict.analysis import Analysis, SampleResult
-from relgloss_view.fitting.report import INK
 
 REGION = 0.95  #: of a posterior, within its outline
 LEAST_RANGE = 2.0  #: dispersions, from white to dark: less must not look like more
@@ -30,24 +35,24 @@ def write_closeness(path: Path, result: SampleResult, analysis: Analysis) -> Non
         if result.adaptive is not None:
             figure, (axes,) = panels.panels(result, analysis, [""])
             posterior = result.adaptive.posterior
-            shown = panels.fine(axes, grid, posterior / posterior.max())
+            mesh = panels.fine(axes, grid, posterior / posterior.max())
             panels.contours(axes, grid, posterior, [level_of(posterior, REGION)])
-            panels.bar(figure, axes, shown, POSTERIOR)
-            handles = panels.marks(axes, grid, chosen(result, grid), truth)
+            panels.bar(figure, axes, mesh, POSTERIOR)
+            handles = panels.marks(axes, grid, chosen_setting(result, grid), truth)
         else:
             counts = counts_of(analysis.pool, result.label)
             titles = [BY[q] if len(result.verdicts) > 1 else "" for q in result.verdicts]
             figure, made = panels.panels(result, analysis, titles)
-            told: dict[str, Any] = {}
+            by_words: dict[str, Any] = {}
             for axes, (question, verdict) in zip(made, result.verdicts.items(), strict=True):
-                values = values_of(result, counts, question).probit
-                shown = panels.cells(axes, grid, values, least_range=LEAST_RANGE)
-                panels.bar(figure, axes, shown, CLOSENESS)
-                choice = choice_by(result, grid, question)
-                panels.contours(axes, grid, verdict.smooth if choice.shown else None)
+                values = scale_table(result, counts, question).probit
+                mesh = panels.cells(axes, grid, values, least_range=LEAST_RANGE)
+                panels.bar(figure, axes, mesh, CLOSENESS)
+                choice = setting_chosen_by(result, grid, question)
+                panels.contours(axes, grid, verdict.smooth if choice.may_be_named else None)
                 marked = panels.marks(axes, grid, choice, truth)
-                told |= {words: handle for handle, words in marked}
-            handles = [(handle, words) for words, handle in told.items()]
+                by_words |= {words: handle for handle, words in marked}
+            handles = [(handle, words) for words, handle in by_words.items()]
         panels.legend(figure, handles)
         figures.save(figure, path)
 
@@ -62,14 +67,14 @@ def level_of(posterior: Array, share: float) -> float:
 def write_winners(path: Path, result: SampleResult, analysis: Analysis) -> bool:
     """In how many resamplings each setting leads; False, and no file, where there are none."""
     grid = analysis.pool.study.grid
-    choice = chosen(result, grid)
+    choice = chosen_setting(result, grid)
     if choice.shares is None:
         return False
     with figures.drawing():
         figure, (axes,) = panels.panels(result, analysis, [""])
-        shown = panels.cells(axes, grid, choice.shares, low=0.0, least_range=0.1)
+        mesh = panels.cells(axes, grid, choice.shares, low=0.0, least_range=0.1)
         name = NEAREST if choice.adaptive else LEADS
-        panels.bar(figure, axes, shown, name, lambda share, _: f"{100.0 * share:.0f} %")
+        panels.bar(figure, axes, mesh, name, lambda share, _: f"{100.0 * share:.0f} %")
         sizes = np.divide(panels.panel_in(grid), grid.shape)
         if np.min(sizes) >= CELL_IN:
             top = float(np.max(choice.shares))

@@ -5,15 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from relgloss_view.base.figures import FAINT, INK, MUTED
 from relgloss_view.base.reading import printable
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.report import figures
 from relgloss_view.experiment.report.answerers import people, truths
-from relgloss_view.experiment.report.chosen_setting import Choice, Interval, chosen
+from relgloss_view.experiment.report.chosen_setting import ChosenSetting, Interval, chosen_setting
 from relgloss_view.experiment.report.panels import EDGE_IN, heading, legend
 from relgloss_view.experiment.report.sentences import SHORT, label_of
 from relgloss_view.experiment.verdict.analysis import Analysis
-from relgloss_view.fitting.report import FAINT, INK, MUTED
 from relgloss_view.picture.scene.setting import Setting, share_words
 
 NAMES_IN, PANEL_IN, GAP_IN, WORDS_IN, ROW_IN = 2.3, 2.5, 0.3, 1.75, 0.34
@@ -41,14 +41,14 @@ def write_overview(path: Path, analysis: Analysis) -> None:
         told: dict[str, Any] = {}
         right = truths(analysis.pool)
         for row, result in enumerate(analysis.samples):
-            choice = chosen(result, study.grid)
+            choice = chosen_setting(result, study.grid)
             middle = head + (row + 0.5) * ROW_IN
             figures.write(
                 figure, (EDGE_IN, middle), label_of(result), NAMES_IN - 0.2, va="center_baseline"
             )
             figures.write(
                 figure, (total - EDGE_IN - WORDS_IN, middle), SHORT[choice.status], WORDS_IN,
-                color=INK if choice.shown else MUTED, va="center_baseline",
+                color=INK if choice.may_be_named else MUTED, va="center_baseline",
             )  # fmt: skip
             told |= _row(sides, row, choice, right.get(result.label))
         legend(figure, [(handle, words) for words, handle in told.items()])
@@ -71,31 +71,33 @@ def _scale(axes: Any, grid: Grid, axis: int, rows: int) -> None:
     axes.set_xticks(kept, [share_words(v) if sixths else f"{v:.3g}" for v in kept])
 
 
-def _row(sides: list[Any], row: int, choice: Choice, truth: Setting | None) -> dict[str, Any]:
+def _row(
+    sides: list[Any], row: int, choice: ChosenSetting, truth: Setting | None
+) -> dict[str, Any]:
     """The marks of a sample, where there is anything to point at; those for a legend."""
-    found: dict[str, Any] = {}
+    handles: dict[str, Any] = {}
     for k, axes in enumerate(sides):
-        if choice.shown:
-            (found["leading setting of the grid"],) = axes.plot(
+        if choice.may_be_named:
+            (handles["leading setting of the grid"],) = axes.plot(
                 _of(choice.setting, k), row, "s", mfc="none", mec=figures.MARK, mew=1.8, ms=10.0,
                 zorder=3, ls="none", clip_on=False,
             )  # fmt: skip
-        if choice.shown:
+        if choice.may_be_named:
             ends: Interval | None = choice.c_interval if k else choice.sigma_n_interval_deg
             name = "between grid points"
             if ends is not None:
                 axes.plot(ends, [row, row], color=INK, lw=2.2, zorder=4, clip_on=False)
                 name += ", with 95 % interval"
-            (found[name],) = axes.plot(
+            (handles[name],) = axes.plot(
                 _of(choice.at, k), row, "o", mfc="white", mec=INK, mew=1.3, ms=5.5, zorder=5,
                 ls="none", clip_on=False,
             )  # fmt: skip
         if truth is not None:
-            (found["right for the simulated observers"],) = axes.plot(
+            (handles["right for the simulated observers"],) = axes.plot(
                 _of(truth, k), row + 0.33, "^", mfc=figures.TRUTH, mec="white", ms=6.0, zorder=6,
                 ls="none", clip_on=False,
             )  # fmt: skip
-    return found
+    return handles
 
 
 def _of(setting: Setting, axis: int) -> float:

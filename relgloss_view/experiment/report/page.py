@@ -13,7 +13,11 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.version import __version__
 from relgloss_view.experiment.report import sentences
 from relgloss_view.experiment.report.answerers import path_words, people, silent
-from relgloss_view.experiment.report.chosen_setting import choice_by, chosen, values_of
+from relgloss_view.experiment.report.chosen_setting import (
+    chosen_setting,
+    scale_table,
+    setting_chosen_by,
+)
 from relgloss_view.experiment.report.figures import DPI
 from relgloss_view.experiment.report.glossary import terms
 from relgloss_view.experiment.report.plots import OVERVIEW, Plot
@@ -74,7 +78,7 @@ def report_page(
             for result in analysis.samples
         ),
         _observers(analysis),
-        "<h2>What the words mean</h2>",
+        "<h2>Glossary</h2>",
         "<dl>",
         *(f"<dt>{escape(term)}</dt><dd>{escape(said)}</dd>" for term, said in terms(analysis)),
         "</dl>",
@@ -89,19 +93,19 @@ def _verdicts(analysis: Analysis) -> str:
     grid = analysis.pool.study.grid
     rows = []
     for result in analysis.samples:
-        choice = chosen(result, grid)
-        shown = choice.shown
+        choice = chosen_setting(result, grid)
+        named = choice.may_be_named
         rows.append(
             (
                 sentences.label_of(result),
                 sentences.SHORT[choice.status],
-                choice.setting.words if shown else "-",
-                "-" if choice.leads is None or not shown else sentences.percent(choice.leads),
-                sentences.between(choice) if shown else "-",
+                choice.setting.words if named else "-",
+                "-" if choice.leads is None or not named else sentences.percent(choice.leads),
+                sentences.between(choice) if named else "-",
                 sentences.small(choice.p_chance),
             )
         )
-    rows += [(label, why, *"----") for label, why in sentences.untold(analysis).items()]
+    rows += [(label, why, *"----") for label, why in sentences.unscaled(analysis).items()]
     adaptive = any(r.adaptive is not None for r in analysis.samples)
     heads = (
         "sample",
@@ -145,8 +149,8 @@ def _closest(result: SampleResult, analysis: Analysis) -> str:
     """The settings with the largest scale values, by what decides."""
     grid = analysis.pool.study.grid
     question = result.decided_by
-    values = values_of(result, counts_of(analysis.pool, result.label), question)
-    choice = choice_by(result, grid, question)
+    values = scale_table(result, counts_of(analysis.pool, result.label), question)
+    choice = setting_chosen_by(result, grid, question)
     judged = np.flatnonzero(np.isfinite(values.probit))
     order = judged[np.argsort(-values.probit[judged], kind="stable")]
     rows = []
@@ -179,10 +183,12 @@ def _bounds(result: SampleResult, analysis: Analysis) -> str:
             if scale.bounds_interval is not None and np.isfinite(bound):
                 low, high = -scale.bounds_interval[::-1, k]
                 ends = f"{sentences.number(low)} to {sentences.number(high)}"
-            told = f"{categories[k]} | {categories[k + 1]}"
-            told = f"{sentences.BY[scale.question]}: {told}" if len(result.scales) > 1 else told
+            between = f"{categories[k]} | {categories[k + 1]}"
+            between = (
+                f"{sentences.BY[scale.question]}: {between}" if len(result.scales) > 1 else between
+            )
             torgerson = -scale.torgerson.bounds[k]
-            rows.append((told, sentences.number(-bound), ends, sentences.number(torgerson)))
+            rows.append((between, sentences.number(-bound), ends, sentences.number(torgerson)))
     return table(("bound between", "closeness", "95 %", "Torgerson"), rows)
 
 
@@ -196,7 +202,7 @@ def _observers(analysis: Analysis) -> str:
             sentences.number(o.median_response_s),
             sentences.number(o.relation.correlation),
             sentences.number(o.relation.p),
-            "; ".join(o.told) or "-",
+            "; ".join(o.remarks) or "-",
         )
         for o in analysis.observers
     ]
@@ -205,19 +211,19 @@ def _observers(analysis: Analysis) -> str:
         for name in silent(analysis.pool)
     ]
     heads = (
-        "observer", "kind", "through", "answers", "median response, s", "follows the others",
-        "p of chance", "to look at",
+        "observer", "kind", "finished", "answers", "median response, s", "follows the others",
+        "p of chance", "to check",
     )  # fmt: skip
-    kept = "Everybody who answered is in the results; nobody is left out."
-    told = table(heads, rows, texts=(1, 7))
-    return f'<h2>Observers</h2>\n<p class="muted">{kept}</p>\n{told}'
+    kept = "The results contain everybody who answered."
+    rows_as_table = table(heads, rows, texts=(1, 7))
+    return f'<h2>Observers</h2>\n<p class="muted">{kept}</p>\n{rows_as_table}'
 
 
 def _made_with(analysis: Analysis, command: str | None) -> str:
     rows = []
     for record in analysis.pool.records:
-        devices = sorted({printable(run.get("device", "-"), 80) for run in record.runs})
-        versions = sorted({printable(run.get("version", "-"), 20) for run in record.runs})
+        devices = sorted({printable(run.device, 80) for run in record.runs})
+        versions = sorted({printable(run.version, 20) for run in record.runs})
         rows.append(
             (
                 path_words(record),
@@ -272,5 +278,5 @@ def _image(folder: Path, name: str, shows: str) -> str:
     data = (folder / name).read_bytes()
     width = round(int.from_bytes(data[16:20], "big") * CSS_DPI / DPI)
     held = base64.b64encode(data).decode("ascii")
-    told = escape(shows, quote=True)
-    return f'<img src="data:image/png;base64,{held}" width="{width}" alt="{told}">'
+    description = escape(shows, quote=True)
+    return f'<img src="data:image/png;base64,{held}" width="{width}" alt="{description}">'

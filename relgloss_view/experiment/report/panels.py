@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from relgloss_view.base.figures import INK, MUTED
 from relgloss_view.experiment.design.coordinates import coordinates, from_steps, grid_steps
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.report import figures
-from relgloss_view.experiment.report.chosen_setting import Array, Choice
+from relgloss_view.experiment.report.chosen_setting import Array, ChosenSetting
 from relgloss_view.experiment.report.sentences import label_of, sentence
 from relgloss_view.experiment.verdict.analysis import Analysis, SampleResult
-from relgloss_view.fitting.report import INK, MUTED
 from relgloss_view.picture.scene.setting import Setting, share_words
 
 CELL_IN, LEAST_IN, MOST_IN = 0.62, 1.1, (4.6, 3.9)  #: of a cell; of a panel
@@ -108,21 +108,21 @@ def cells(
 def fine(axes: Any, grid: Grid, values: Array) -> Any:
     """A fine table over the range of the grid, with a dot where a setting is."""
     x, y = _places(grid, values.shape)
-    shown = axes.pcolormesh(
+    mesh = axes.pcolormesh(
         _edges(x), _edges(y), values.T, cmap=figures.shades(), vmin=0.0, zorder=1
     )
     dots = np.array([divmod(k, grid.shape[1]) for k in range(len(grid))])
     axes.plot(dots[:, 0], dots[:, 1], ".", color=MUTED, ms=2.5, zorder=2, clip_on=False)
-    return shown
+    return mesh
 
 
-def bar(figure: Any, axes: Any, shown: Any, name: str, form: Any = None) -> None:
+def bar(figure: Any, axes: Any, mesh: Any, name: str, form: Any = None) -> None:
     """What the shades of a panel mean, beside it; `form` formats its numbers."""
     place, across = axes.get_position(), figure.get_size_inches()[0]
     beside = figure.add_axes(
         (place.x1 + BAR_GAP_IN / across, place.y0, BAR_IN / across, place.height)
     )
-    drawn = figure.colorbar(shown, cax=beside, format=form)
+    drawn = figure.colorbar(mesh, cax=beside, format=form)
     drawn.outline.set_visible(False)
     drawn.solids.set_edgecolor("face")  # else a viewer's smoothing shows lines between the shades
     beside.tick_params(length=0, labelsize=figures.SMALL_PT, labelcolor=MUTED)
@@ -141,32 +141,32 @@ def contours(axes: Any, grid: Grid, smooth: Array | None, levels: Any = 7) -> No
 
 
 def marks(
-    axes: Any, grid: Grid, choice: Choice, truth: Setting | None, *, optimum: bool = True
+    axes: Any, grid: Grid, choice: ChosenSetting, truth: Setting | None, *, optimum: bool = True
 ) -> list[tuple[Any, str]]:
     """What is chosen and what is as good, where it may be shown; handles for a legend."""
     from matplotlib.lines import Line2D
 
-    found: list[tuple[Any, str]] = []
+    handles: list[tuple[Any, str]] = []
     columns = grid.shape[1]
-    if choice.shown:
+    if choice.may_be_named:
         if np.sum(choice.as_good) > 1:
             _outline(axes, choice.as_good.reshape(grid.shape))
             line = Line2D([], [], color=figures.MARK, lw=1.5, ls=figures.DASHES)
-            found.append((line, "not told apart from it"))
+            handles.append((line, "not significantly worse"))
         row, column = divmod(choice.leading, columns)
         leading = _box(row, column, 1, 1, ec=figures.MARK, lw=2.4, zorder=4)
         leading.set_clip_on(False)
         axes.add_patch(leading)
-        found.insert(0, (_box(0, 0, 1, 1, ec=figures.MARK, lw=2.4), "leading setting"))
+        handles.insert(0, (_box(0, 0, 1, 1, ec=figures.MARK, lw=2.4), "leading setting"))
         if optimum:
-            found.append((_cross(axes, grid, choice), _best_words(choice)))
+            handles.append((_cross(axes, grid, choice), _best_words(choice)))
     if truth is not None:
         (point,) = axes.plot(
             *_cell(grid, truth), "D", mfc=figures.TRUTH, mec="white", mew=0.8, ms=5.0, zorder=6,
             ls="none", clip_on=False,
         )  # fmt: skip
-        found.append((point, "right for the simulated observers"))
-    return found
+        handles.append((point, "right for the simulated observers"))
+    return handles
 
 
 def legend(figure: Any, handles: list[tuple[Any, str]]) -> None:
@@ -180,14 +180,14 @@ def legend(figure: Any, handles: list[tuple[Any, str]]) -> None:
         )  # fmt: skip
 
 
-def _best_words(choice: Choice) -> str:
+def _best_words(choice: ChosenSetting) -> str:
     if choice.adaptive:
         return "mean of the posterior, with 95 % intervals"
     known = choice.sigma_n_interval_deg or choice.c_interval
     return "best between grid points" + (", with 95 % intervals" if known else "")
 
 
-def _cross(axes: Any, grid: Grid, choice: Choice) -> Any:
+def _cross(axes: Any, grid: Grid, choice: ChosenSetting) -> Any:
     """The best between grid points; its intervals along both axes."""
     from matplotlib.patheffects import withStroke
 
@@ -239,13 +239,15 @@ def _cell(grid: Grid, setting: Setting) -> tuple[float, float]:
 def _places(grid: Grid, shape: tuple[int, ...]) -> tuple[Array, Array]:
     """Where the rows and columns of a fine table over the grid's range stand in a panel."""
     ends = coordinates(grid)[-1]
-    found = []
+    along_axes = []
     for axis in (0, 1):
         points = np.zeros((shape[axis], 2))
         points[:, axis] = np.linspace(0.0, ends[axis], shape[axis])
         settings = from_steps(grid, points)
-        found.append(np.array([_cell(grid, Setting(s, c))[axis] for s, c in settings.tolist()]))
-    return found[0], found[1]
+        along_axes.append(
+            np.array([_cell(grid, Setting(s, c))[axis] for s, c in settings.tolist()])
+        )
+    return along_axes[0], along_axes[1]
 
 
 def _edges(places: Array) -> Array:

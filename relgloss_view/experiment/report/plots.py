@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.experiment.report.bounds_plot import write_bounds
 from relgloss_view.experiment.report.maps import write_closeness, write_winners
 from relgloss_view.experiment.report.overview import write_overview
@@ -27,11 +28,11 @@ def write_plots(
     folder: Path,
     analysis: Analysis,
     names: Mapping[str, str],
-    progress: Callable[[float, str], object] = lambda share, text: None,
+    progress: ProgressReport = no_progress,
 ) -> dict[str, tuple[Plot, ...]]:
     """Write overview.png and each sample's plots; by label. `names` are those of the files."""
     write_overview(folder / OVERVIEW, analysis)
-    found = {}
+    plots_by_label = {}
     for number, result in enumerate(analysis.samples):
         label = label_of(result)
         progress(number / len(analysis.samples), f"plots of {label}")
@@ -46,5 +47,5 @@ def write_plots(
             plots.append(Plot(winners, f"{label}: map of how often each setting leads"))
         write_bounds(folder / bounds, result, analysis)
         plots.append(Plot(bounds, f"{label}: settings among the category bounds, closest first"))
-        found[result.label] = tuple(plots)
-    return found
+        plots_by_label[result.label] = tuple(plots)
+    return plots_by_label

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,17 +14,22 @@ from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.report.answerers import made, path_words, silent, truths
 from relgloss_view.experiment.report.chosen_setting import (
     Array,
-    Choice,
+    ChosenSetting,
     Interval,
-    choice_by,
-    chosen,
-    values_of,
+    chosen_setting,
+    scale_table,
+    setting_chosen_by,
 )
-from relgloss_view.experiment.report.sentences import notes, sentence, untold
+from relgloss_view.experiment.report.sentences import notes, sentence, unscaled
 from relgloss_view.experiment.scaling.bootstrap import ScaleValues
 from relgloss_view.experiment.session.pool import Pool
 from relgloss_view.experiment.session.records import Record
 from relgloss_view.experiment.verdict.analysis import JOINT, Analysis, SampleResult
+from relgloss_view.experiment.verdict.recovery import (
+    Recovery,
+    recovery_shares,
+    shares_by_sample,
+)
 from relgloss_view.picture.scene.setting import Setting
 
 FORMAT, VERSION = "relgloss-experiment-results", 1
@@ -34,7 +39,7 @@ def as_numbers(analysis: Analysis) -> dict[str, Any]:
     """Everything that was found, in JSON's own types; None where there is no number."""
     pool = analysis.pool
     study = pool.study
-    found = {
+    content = {
         "format": FORMAT,
         "version": VERSION,
         "relgloss_version": __version__,
@@ -55,19 +60,36 @@ def as_numbers(analysis: Analysis) -> dict[str, Any]:
             "level": analysis.level,
         },
         "simulated": pool.simulated,
-        "truths": {label: _setting(truth) for label, truth in truths(pool).items()} or None,
+        "truths": {label: setting_numbers(truth) for label, truth in truths(pool).items()} or None,
         "simulated_observers": made(pool),
         "files": [_file(record) for record in pool.records],
         "observers": [
-            {**dataclasses.asdict(o), "relation": _relation(o.relation), "told": o.told}
+            {**dataclasses.asdict(o), "relation": _relation(o.relation), "told": o.remarks}
             for o in analysis.observers
         ],
         "without_answers": silent(pool),
-        "untold": untold(analysis),
+        "untold": unscaled(analysis),
         "samples": [_sample(result, analysis) for result in analysis.samples],
     }
-    plain: dict[str, Any] = plain_json(found)
+    plain: dict[str, Any] = plain_json(content)
     return plain
+
+
+def recovery_numbers(recoveries: Sequence[Recovery]) -> dict[str, Any]:
+    """What simulated studies recovered, in JSON's own types."""
+    by_sample = shares_by_sample(recoveries)
+    return {
+        "all": dataclasses.asdict(recovery_shares(recoveries)),
+        "samples": {label: dataclasses.asdict(shares) for label, shares in by_sample.items()},
+        "studies": [
+            {
+                **dataclasses.asdict(r),
+                "truth": setting_numbers(r.truth),
+                "leading": setting_numbers(r.leading),
+            }
+            for r in recoveries
+        ],
+    }
 
 
 def plain_json(value: Any) -> Any:
@@ -99,7 +121,7 @@ def _file(record: Record) -> dict[str, Any]:
         "observers": len(record.observers),
         "answers": len(record.answers),
         "taken_back": record.undone,
-        "runs": record.runs,
+        "runs": [dataclasses.asdict(run) for run in record.runs],
     }
 
 
@@ -107,14 +129,15 @@ def _relation(relation: Any) -> dict[str, Any]:
     return {"correlation": relation.correlation, "p": relation.p}
 
 
-def _setting(setting: Setting) -> dict[str, float]:
+def setting_numbers(setting: Setting) -> dict[str, float]:
+    """A setting of a grid."""
     return {"sigma_n_deg": setting.sigma_n_deg, "c_fraction": setting.c_fraction}
 
 
 def _sample(result: SampleResult, analysis: Analysis) -> dict[str, Any]:
     grid = analysis.pool.study.grid
     counts = counts_of(analysis.pool, result.label)
-    choice = chosen(result, grid)
+    choice = chosen_setting(result, grid)
     return {
         "label": result.label,
         "answers": result.answers,
@@ -132,9 +155,9 @@ def _sample(result: SampleResult, analysis: Analysis) -> dict[str, Any]:
     }
 
 
-def _choice(choice: Choice, grid: Grid) -> dict[str, Any]:
+def _choice(choice: ChosenSetting, grid: Grid) -> dict[str, Any]:
     best = {
-        **_setting(choice.at),
+        **setting_numbers(choice.at),
         "sigma_n_interval_deg": _ends(choice.sigma_n_interval_deg),
         "c_interval": _ends(choice.c_interval),
     }
@@ -142,10 +165,10 @@ def _choice(choice: Choice, grid: Grid) -> dict[str, Any]:
         "status": choice.status,
         "declared": choice.status == "best",
         "p_chance": choice.p_chance,
-        "leading": _setting(choice.setting),
+        "leading": setting_numbers(choice.setting),
         "leads_share": choice.leads,
         "optimum": best,
-        "as_good": [_setting(grid.settings[k]) for k in np.flatnonzero(choice.as_good)],
+        "as_good": [setting_numbers(grid.settings[k]) for k in np.flatnonzero(choice.as_good)],
         "shape": None if choice.shape is None else dataclasses.asdict(choice.shape),
         "edges": choice.edges,
     }
@@ -167,14 +190,14 @@ def _adaptive(result: SampleResult) -> dict[str, Any] | None:
 def _question(
     result: SampleResult, grid: Grid, counts: dict[str, Array], question: str
 ) -> dict[str, Any]:
-    choice = choice_by(result, grid, question)
-    values = values_of(result, counts, question)
+    choice = setting_chosen_by(result, grid, question)
+    values = scale_table(result, counts, question)
     settings = []
     for k, setting in enumerate(grid.settings):
         row = None if values.counts is None else values.counts[k]
         settings.append(
             {
-                **_setting(setting),
+                **setting_numbers(setting),
                 "probit": values.probit[k],
                 "low": values.low[k],
                 "high": values.high[k],
@@ -185,11 +208,11 @@ def _question(
                 "counts": None if row is None else [int(n) for n in row],
             }
         )
-    found = {**_choice(choice, grid), "settings": settings}
+    content = {**_choice(choice, grid), "settings": settings}
     if question != JOINT:
         scale = next(s for s in result.scales if s.question == question)
-        found |= _fit(scale)
-    return found
+        content |= _fit(scale)
+    return content
 
 
 def _fit(scale: ScaleValues) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
-from relgloss_view.experiment.report.chosen_setting import chosen
+from relgloss_view.experiment.report.chosen_setting import chosen_setting
 from relgloss_view.experiment.verdict.analysis import Analysis
 from relgloss_view.material.files import save_material
 from relgloss_view.material.spectra import is_lamp_name
@@ -28,13 +28,13 @@ def write_scenes(
     """
     study = analysis.pool.study
     samples = {sample.label: sample.sample for sample in study.samples}
-    choices = {result.label: chosen(result, study.grid) for result in analysis.samples}
-    written = {label: choice for label, choice in choices.items() if choice.shown}
+    choices = {result.label: chosen_setting(result, study.grid) for result in analysis.samples}
+    written = {label: choice for label, choice in choices.items() if choice.may_be_named}
     if not written:
         return {}
     lamp = _lamp_in(folder, study.setup.lamp)
     reference = _sample_in(folder, study.reference, of_reference)
-    found = {}
+    files = {}
     for label, choice in written.items():
         content = SceneFile(
             _sample_in(folder, samples[label], names[label]),
@@ -43,9 +43,9 @@ def write_scenes(
             reference,
             study.reference_look,
         )
-        found[label] = f"{names[label]}.toml"
-        write_scene_file(folder / found[label], content)
-    return found
+        files[label] = f"{names[label]}.toml"
+        write_scene_file(folder / files[label], content)
+    return files
 
 
 def _sample_in(folder: Path, sample: Sample, name: str) -> Sample:

@@ -8,7 +8,12 @@ from relgloss_view.base.reading import printable
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.design.study import GRAIN, RATIO
 from relgloss_view.experiment.report.answerers import path_words, people, silent, truths
-from relgloss_view.experiment.report.chosen_setting import Choice, Interval, choice_by, chosen
+from relgloss_view.experiment.report.chosen_setting import (
+    ChosenSetting,
+    Interval,
+    chosen_setting,
+    setting_chosen_by,
+)
 from relgloss_view.experiment.session.pool import Pool
 from relgloss_view.experiment.verdict.analysis import JOINT, Analysis, SampleResult
 from relgloss_view.experiment.verdict.full_grid import (
@@ -26,13 +31,13 @@ SHORT = {
     BEST: "best",
     RIDGE: "a curve is as good",
     BROAD: "many are as good",
-    CHANCE: "not told from chance",
-    FEW: "too few to say",
+    CHANCE: "may be chance",
+    FEW: "too few observers",
 }
 BY = {RATIO: "by the ratio of gloss", GRAIN: "by the grain", JOINT: "by both together"}
 MOST_NAMED = 7  #: settings, or sigma_N, that a sentence lists
 SIMULATED = (
-    "Simulated observers: these answers were computed, not given by people. They tell how well the "
+    "Simulated observers: these answers were computed, not given by people. They show how well the "
     "procedure finds a known truth, and nothing about real samples."
 )
 PARTLY_SIMULATED = (
@@ -49,10 +54,10 @@ def summary(analysis: Analysis) -> str:
         lines.append(f"{label_of(result)}: {sentence(result, analysis)}")
         lines += [f"  {note}" for note in notes(result, analysis)]
         lines.append(f"  {agreement(result)}")
-    lines += [f"{label}: {why}" for label, why in untold(analysis).items()]
-    told = observers_told(analysis)
-    if told:
-        lines += ["", "observers to look at:", *(f"  {line}" for line in told)]
+    lines += [f"{label}: {why}" for label, why in unscaled(analysis).items()]
+    remarks = observer_remarks(analysis)
+    if remarks:
+        lines += ["", "observers to check:", *(f"  {line}" for line in remarks)]
     return "\n".join(lines)
 
 
@@ -66,14 +71,14 @@ def _who(analysis: Analysis) -> list[str]:
 
 def files(pool: Pool) -> list[str]:
     """Each session file, in a line."""
-    found = []
+    lines = []
     for record in pool.records:
-        told = f"{path_words(record)}: {len(record.answers)} answers"
-        told += f", {record.undone} taken back" if record.undone else ""
+        line = f"{path_words(record)}: {len(record.answers)} answers"
+        line += f", {record.undone} taken back" if record.undone else ""
         if record.log_missing:
-            told += f"; {path_words(record)}-wal is not beside it: the last answers may be in that"
-        found.append(told)
-    return found
+            line += f"; {path_words(record)}-wal is not beside it: the last answers may be in it"
+        lines.append(line)
+    return lines
 
 
 def simulated_words(pool: Pool) -> str | None:
@@ -89,22 +94,24 @@ def label_of(result: SampleResult) -> str:
     return printable(result.label, 60)
 
 
-def untold(analysis: Analysis) -> dict[str, str]:
+def unscaled(analysis: Analysis) -> dict[str, str]:
     """Samples of which nothing can be told, by label, and why."""
-    return {printable(label, 60): why for label, why in analysis.untold.items()}
+    return {printable(label, 60): why for label, why in analysis.unscaled.items()}
 
 
 def sentence(result: SampleResult, analysis: Analysis) -> str:
     """The verdict on a sample."""
-    return _sentence(chosen(result, analysis.pool.study.grid), result, analysis.pool.study.grid)
+    return _sentence(
+        chosen_setting(result, analysis.pool.study.grid), result, analysis.pool.study.grid
+    )
 
 
-def _sentence(choice: Choice, result: SampleResult, grid: Grid) -> str:
+def _sentence(choice: ChosenSetting, result: SampleResult, grid: Grid) -> str:
     leading = choice.setting.words
     if choice.status == CHANCE:
         name = "probability" if choice.adaptive else "p"
         return (
-            "no setting is declared best: answers can't be told from chance "
+            "no setting is declared best: the answers may be by chance "
             f"({name} {choice.p_chance:.2g})"
         )
     if choice.status == FEW:
@@ -117,7 +124,7 @@ def _sentence(choice: Choice, result: SampleResult, grid: Grid) -> str:
     if choice.status == BROAD:
         share = float(np.mean(choice.as_good)) if choice.shape is None else choice.shape.share
         return (
-            f"no setting stands out: {percent(share)} of the grid is as good as the leading "
+            f"no setting is clearly best: {percent(share)} of the grid is as good as the leading "
             f"{leading}{_leads(choice)}"
         )
     return f"best {leading}{_leads(choice)}{_between(choice)}"
@@ -125,13 +132,13 @@ def _sentence(choice: Choice, result: SampleResult, grid: Grid) -> str:
 
 def _few(result: SampleResult) -> str:
     if result.observers == 1:
-        return "one observer: nothing can be said of other people"
+        return "one observer shows nothing about other people"
     if result.observers < FEWEST_OBSERVERS:
-        return f"{result.observers} observers are too few to tell how surely"
-    return "the observers were not resampled: how surely is not known"
+        return f"{result.observers} observers are too few to show how sure this is"
+    return "the observers were not resampled, so that nothing shows how sure this is"
 
 
-def _leads(choice: Choice) -> str:
+def _leads(choice: ChosenSetting) -> str:
     if choice.leads is None:
         return ""
     if choice.adaptive:
@@ -139,11 +146,11 @@ def _leads(choice: Choice) -> str:
     return f"; leads in {percent(choice.leads)} of resamplings"
 
 
-def _between(choice: Choice) -> str:
+def _between(choice: ChosenSetting) -> str:
     return f"; between grid points {between(choice)}"
 
 
-def between(choice: Choice) -> str:
+def between(choice: ChosenSetting) -> str:
     """The best between grid points, with its intervals."""
     sigma = f"{choice.at.sigma_n_deg:.2f} deg{interval(choice.sigma_n_interval_deg)}"
     return f"{sigma}, {choice.at.c_fraction:.2f} c_max{interval(choice.c_interval)}"
@@ -163,16 +170,16 @@ def percent(share: float) -> str:
     return f"{100.0 * share:.0f} %"
 
 
-def _others(choice: Choice, grid: Grid) -> str:
+def _others(choice: ChosenSetting, grid: Grid) -> str:
     """The settings other than the leading one that are as good."""
-    found = [grid.settings[k].words for k in np.flatnonzero(choice.as_good) if k != choice.leading]
-    more = len(found) - MOST_NAMED
-    return "; ".join(found[:MOST_NAMED]) + (f"; and {more} more" if more > 0 else "")
+    names = [grid.settings[k].words for k in np.flatnonzero(choice.as_good) if k != choice.leading]
+    more = len(names) - MOST_NAMED
+    return "; ".join(names[:MOST_NAMED]) + (f"; and {more} more" if more > 0 else "")
 
 
-def _curve(choice: Choice, grid: Grid) -> str:
+def _curve(choice: ChosenSetting, grid: Grid) -> str:
     """The settings that are as good: for each sigma_N from which c to which."""
-    found = []
+    ranges = []
     for sigma, good in zip(grid.sigma_n_deg, choice.as_good.reshape(grid.shape), strict=True):
         columns = np.flatnonzero(good).tolist()
         starts = [k for k in columns if k - 1 not in columns]
@@ -183,36 +190,36 @@ def _curve(choice: Choice, grid: Grid) -> str:
             for a, b in zip(starts, ends, strict=True)
         ]
         if runs:
-            found.append(f"{sigma:g} deg, {' and '.join(runs)} c_max")
-    more = len(found) - MOST_NAMED
-    return "; ".join(found[:MOST_NAMED]) + (f"; {more} sigma_N more" if more > 0 else "")
+            ranges.append(f"{sigma:g} deg, {' and '.join(runs)} c_max")
+    more = len(ranges) - MOST_NAMED
+    return "; ".join(ranges[:MOST_NAMED]) + (f"; {more} sigma_N more" if more > 0 else "")
 
 
 def notes(result: SampleResult, analysis: Analysis) -> list[str]:
     """What has to be known beside the verdict on a sample."""
     study = analysis.pool.study
-    choice = chosen(result, study.grid)
-    if not choice.shown:
+    choice = chosen_setting(result, study.grid)
+    if not choice.may_be_named:
         return [*_by_question(result, study.grid), *_truth(result, analysis)]
-    found = []
+    lines = []
     if choice.status == BEST and np.sum(choice.as_good) > 1:
-        found.append(f"not told apart from it: {_others(choice, study.grid)}")
+        lines.append(f"not significantly worse: {_others(choice, study.grid)}")
     if choice.status == RIDGE and len(result.scales) == 1:
-        found.append("the ratio alone leaves it open: ask for grain too (procedure.ask_grain)")
+        lines.append("the ratio alone can't decide: ask for grain too (procedure.ask_grain)")
     elif choice.status in (RIDGE, BROAD):
-        found.append("more observers, or more repeats, would tell more")
+        lines.append("more observers or repeats would narrow it down")
     if result.observers == 1 and choice.status != FEW:
-        found.append(_few(result))
+        lines.append(_few(result))
     if study.procedure.ask_grain and result.adaptive is not None:
-        found.append("the answers about grain take no part in an adaptive verdict")
+        lines.append("the answers about grain take no part in an adaptive verdict")
     elif study.procedure.ask_grain and JOINT not in result.verdicts:
-        found.append("by the ratio alone: the answers about grain are all the same, or not there")
+        lines.append("by the ratio alone: the answers about grain are missing or all the same")
     if choice.edges:
-        found.append(_edge_words(choice, study.grid))
-    return [*found, *_by_question(result, study.grid), *_truth(result, analysis)]
+        lines.append(_edge_words(choice, study.grid))
+    return [*lines, *_by_question(result, study.grid), *_truth(result, analysis)]
 
 
-def _edge_words(choice: Choice, grid: Grid) -> str:
+def _edge_words(choice: ChosenSetting, grid: Grid) -> str:
     """That the leading setting lies on an edge, and whether there is anything beyond."""
     ends = {
         "smallest sigma_N": grid.sigma_n_deg[0] == 0.0 and "there is no less grain",
@@ -220,20 +227,20 @@ def _edge_words(choice: Choice, grid: Grid) -> str:
         "largest c": grid.c_fraction[-1] >= 1.0 and "beyond c_max the display clips",
     }
     beyond = "a wider grid may find better"
-    told = [f"{edge} ({ends.get(edge) or beyond})" for edge in choice.edges]
-    return f"lies on the grid's edge: {', '.join(told)}"
+    edges = [f"{edge} ({ends.get(edge) or beyond})" for edge in choice.edges]
+    return f"lies on the grid's edge: {', '.join(edges)}"
 
 
 def _by_question(result: SampleResult, grid: Grid) -> list[str]:
     """Where two questions were asked: what each alone would choose."""
     if result.adaptive is not None or len(result.verdicts) == 1:
         return []
-    found = []
+    lines = []
     for question in result.verdicts:
         if question != result.decided_by:
-            choice = choice_by(result, grid, question)
-            found.append(f"{BY[question]} alone: {_sentence(choice, result, grid)}")
-    return found
+            choice = setting_chosen_by(result, grid, question)
+            lines.append(f"{BY[question]} alone: {_sentence(choice, result, grid)}")
+    return lines
 
 
 def _truth(result: SampleResult, analysis: Analysis) -> list[str]:
@@ -249,13 +256,13 @@ def setting_words(setting: Setting) -> str:
 def agreement(result: SampleResult) -> str:
     """How far the observers of a sample agree."""
     observers = "observer" if result.observers == 1 else "observers"
-    told = f"{result.answers} answers, {result.observers} {observers}"
-    found = []
+    number_of = f"{result.answers} answers, {result.observers} {observers}"
+    coefficients = []
     if result.alpha is not None:
-        found.append(f"Krippendorff's alpha {number(result.alpha)}")
+        coefficients.append(f"Krippendorff's alpha {number(result.alpha)}")
     if result.w is not None:
-        found.append(f"Kendall's W {number(result.w)}")
-    return f"{told}; agreement: {', '.join(found)}" if found else told
+        coefficients.append(f"Kendall's W {number(result.w)}")
+    return f"{number_of}; agreement: {', '.join(coefficients)}" if coefficients else number_of
 
 
 def number(value: float | None, digits: int = 2) -> str:
@@ -271,10 +278,10 @@ def small(p: float) -> str:
     return "< 0.001" if p < 0.001 else f"{p:.2g}"
 
 
-def observers_told(analysis: Analysis) -> list[str]:
+def observer_remarks(analysis: Analysis) -> list[str]:
     """Everybody there is something to say of, and those who have not answered at all."""
-    found = [f"{observer_name(o)}: {'; '.join(o.told)}" for o in analysis.observers if o.told]
-    return found + [f"{printable(n, 80)}: no answers yet" for n in silent(analysis.pool)]
+    lines = [f"{observer_name(o)}: {'; '.join(o.remarks)}" for o in analysis.observers if o.remarks]
+    return lines + [f"{printable(n, 80)}: no answers yet" for n in silent(analysis.pool)]
 
 
 def observer_name(observer: ObserverResult) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from relgloss_view.experiment.report.answerers import answerers, path_words
-from relgloss_view.experiment.report.chosen_setting import choice_by, values_of
+from relgloss_view.experiment.report.chosen_setting import scale_table, setting_chosen_by
 from relgloss_view.experiment.report.results import counts_of
 from relgloss_view.experiment.session.pool import Pool
 from relgloss_view.experiment.verdict.analysis import Analysis
@@ -24,7 +24,7 @@ ANSWER_COLUMNS = (
     "file", "observer", "kind", "position", "sample", "sigma_n_deg", "c_fraction", "repeat",
     "question", "category", "category_name", "response_s",
 )  # fmt: skip
-Row = Sequence[object]
+CsvRow = Sequence[object]
 
 
 def write_tables(folder: Path, analysis: Analysis) -> None:
@@ -35,7 +35,7 @@ def write_tables(folder: Path, analysis: Analysis) -> None:
     write_csv(folder / ANSWERS, ANSWER_COLUMNS, answer_rows(analysis.pool))
 
 
-def answer_rows(pool: Pool) -> Iterable[Row]:
+def answer_rows(pool: Pool) -> Iterable[CsvRow]:
     """Every standing answer; positions and repeats from 0, categories from 1, as the keys are."""
     study = pool.study
     settings = study.grid.settings
@@ -59,14 +59,14 @@ def answer_rows(pool: Pool) -> Iterable[Row]:
             )
 
 
-def _scale_rows(analysis: Analysis) -> Iterable[Row]:
+def _scale_rows(analysis: Analysis) -> Iterable[CsvRow]:
     grid = analysis.pool.study.grid
     categories = len(analysis.pool.study.categories)
     for result in analysis.samples:
         counts = counts_of(analysis.pool, result.label)
         for question in result.verdicts:
-            choice = choice_by(result, grid, question)
-            values = values_of(result, counts, question)
+            choice = setting_chosen_by(result, grid, question)
+            values = scale_table(result, counts, question)
             for k, setting in enumerate(grid.settings):
                 row: list[object] = [""] * (1 + categories)
                 if values.counts is not None:
@@ -91,7 +91,7 @@ def _number(value: float) -> object:
     return float(f"{value:.10g}") if np.isfinite(value) else ""
 
 
-def write_csv(path: Path, heads: Row, rows: Iterable[Row]) -> None:
+def write_csv(path: Path, heads: CsvRow, rows: Iterable[CsvRow]) -> None:
     """Write a table with its heads; fields are quoted where they need it."""
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")

@@ -59,9 +59,9 @@ class FineGrid:
         ((sigma, c),) = from_steps(self.grid, self.points[[np.argmax(smooth)]])
         if drawn is None:
             return Optimum(float(sigma), float(c), None, None)
-        found = self.points[np.argmax(drawn, axis=1)]
+        best = self.points[np.argmax(drawn, axis=1)]
         half = 0.5 / PER_STEP
-        low, high = np.quantile(found, (0.025, 0.975), axis=0)
+        low, high = np.quantile(best, (0.025, 0.975), axis=0)
         low, high = np.maximum(low - half, 0.0), np.minimum(high + half, self.points[-1])
         lows, highs = from_steps(self.grid, np.stack([low, high]))
         return Optimum(

@@ -156,8 +156,8 @@ def _incomplete(deviates: Array, there: Bools) -> tuple[Array, Array]:
     j, k = np.nonzero(cells)
     j_of = np.cumsum(rows) - 1
     k_of = np.cumsum(columns) - 1
-    found, limits = _least_squares(j_of[j], k_of[k], deviates[cells])
-    scale[rows], bounds[columns] = found, limits
+    values, limits = _least_squares(j_of[j], k_of[k], deviates[cells])
+    scale[rows], bounds[columns] = values, limits
     return scale, bounds
 
 

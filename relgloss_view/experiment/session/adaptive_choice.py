@@ -51,12 +51,12 @@ class AdaptiveChoice:
         """The posterior of a sample from all answers about its ratio of gloss."""
         if sample not in self._posteriors:
             self._posteriors[sample] = Posterior(self._study.grid, len(self._study.categories))
-        found = self._posteriors[sample]
-        found.update(
+        of_sample = self._posteriors[sample]
+        of_sample.update(
             [
                 (a.trial.setting, a.category)
                 for a in answers
                 if a.trial.sample == sample and a.question == RATIO
             ]
         )
-        return found
+        return of_sample

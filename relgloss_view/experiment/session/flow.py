@@ -1,8 +1,8 @@
-"""Flow: one observer's way through a study, screen by screen. No window, no pictures.
+"""Flow: one observer's way through a study, phase by phase. No window, no pictures.
 
-The window and the simulated observers drive the same Flow: it decides what is on the screen, takes
-what the observer does, and keeps every answer before it goes on. A program that was killed starts a
-new Flow, which goes on at the same trial.
+The window and the simulated observers drive the same Flow: it decides what shows, takes
+what the observer does, and stores every answer before the next phase. A program that was killed
+starts a new Flow, which resumes at the same trial.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from relgloss_view.experiment.session.store import Store
 EARLIEST_S = 0.15
 
 
-class Screen(enum.Enum):
-    """What an observer has before the eyes."""
+class Phase(enum.Enum):
+    """The phases of a session, by what the observer sees."""
 
     CONSENT = "consent"
     INSTRUCTIONS = "instructions"
-    OBJECT = "object"  #: the operator puts the sample's object beside the reference object
+    OBJECT = "object"  #: the experimenter puts the sample's object beside the reference object
     ADAPTATION = "adaptation"
     GAP = "gap"
     TRIAL = "trial"
@@ -39,7 +39,7 @@ class Screen(enum.Enum):
 
 @dataclass(frozen=True)
 class Progress:
-    """Where an observer stands; for the operator."""
+    """How far an observer is; for the experimenter."""
 
     observer: str
     answered: int  #: trials with all their answers
@@ -49,9 +49,9 @@ class Progress:
 
 
 class Flow:
-    """The state of a session; `screen` says what shows, methods say what the observer does.
+    """The state of a session; `phase` is what shows, methods are what the observer does.
 
-    Calls that do not fit the present screen change nothing and return False.
+    Calls that do not fit the present phase change nothing and return False.
     """
 
     def __init__(
@@ -73,25 +73,25 @@ class Flow:
         self._behind: tuple[Trial | None] | None = None
         self._find_trial()
         if self.trial is None:
-            self.screen = Screen.FINISHED
+            self.phase = Phase.FINISHED
         else:
-            self.screen = Screen.INSTRUCTIONS if observer.consented else Screen.CONSENT
+            self.phase = Phase.INSTRUCTIONS if observer.consented else Phase.CONSENT
 
-    # --- what the observer and the operator do ------------------------------------------------
+    # --- what the observer and the experimenter do --------------------------------------------
 
     def confirm(self) -> bool:
-        """Agree, have read, have placed the object, go on after a pause."""
-        if self.screen is Screen.CONSENT:
+        """Agree, have read, have placed the object, resume after a pause."""
+        if self.phase is Phase.CONSENT:
             self.store.consent(self.observer)
             self.observer = dataclasses.replace(self.observer, consented=True)
-            self.screen = Screen.INSTRUCTIONS
-        elif self.screen is Screen.INSTRUCTIONS:
-            self.screen = Screen.OBJECT
-        elif self.screen is Screen.OBJECT:
+            self.phase = Phase.INSTRUCTIONS
+        elif self.phase is Phase.INSTRUCTIONS:
+            self.phase = Phase.OBJECT
+        elif self.phase is Phase.OBJECT:
             assert self.trial is not None
             self._placed = self.trial.sample
             self._adapt()
-        elif self.screen is Screen.PAUSE:
+        elif self.phase is Phase.PAUSE:
             self.store.note(self.run, "resumed")
             self._adapt()
         else:
@@ -100,16 +100,16 @@ class Flow:
 
     def decline(self) -> bool:
         """Not agree: nothing is asked, and nothing but the refusal is kept."""
-        if self.screen is not Screen.CONSENT:
+        if self.phase is not Phase.CONSENT:
             return False
         self.store.note(self.run, "declined")
         self.store.end(self.observer)  # now: who is killed here does not come back either
-        self.screen = Screen.DECLINED
+        self.phase = Phase.DECLINED
         return True
 
     def skip_adaptation(self) -> bool:
         """End the adaptation early; it is kept how early."""
-        if self.screen is not Screen.ADAPTATION:
+        if self.phase is not Phase.ADAPTATION:
             return False
         self.store.note(self.run, "adaptation cut short", f"{self.left_s():.0f} s left")
         self._adapted = True
@@ -119,7 +119,7 @@ class Flow:
     def answer(self, category: int) -> bool:
         """Judge the stimulus, 0 close upwards. It is on the disk when this returns True."""
         now_s = self._clock()
-        if self.screen is not Screen.TRIAL or self._shown_s is None or self.trial is None:
+        if self.phase is not Phase.TRIAL or self._shown_s is None or self.trial is None:
             return False
         if self.behind:
             return False
@@ -132,7 +132,7 @@ class Flow:
 
     def undo(self) -> bool:
         """Take the last answer back; its stimulus comes again."""
-        if self.screen not in (Screen.TRIAL, Screen.GAP, Screen.OBJECT, Screen.FINISHED):
+        if self.phase not in (Phase.TRIAL, Phase.GAP, Phase.OBJECT, Phase.FINISHED):
             return False
         if self.observer.ended or self.behind:
             return False
@@ -143,33 +143,33 @@ class Flow:
 
     def pause(self) -> bool:
         """Show nothing until confirm; the stimulus is shown anew after it."""
-        if self.screen not in (Screen.TRIAL, Screen.GAP):
+        if self.phase not in (Phase.TRIAL, Phase.GAP):
             return False
         self.store.note(self.run, "paused")
-        self.screen = Screen.PAUSE
+        self.phase = Phase.PAUSE
         return True
 
-    # --- what the window tells ----------------------------------------------------------------
+    # --- what the window reports --------------------------------------------------------------
 
     def tick(self) -> None:
-        """Let time pass: ends the adaptation and gaps, and finds what could not be found before."""
+        """Let time pass: end the adaptation and gaps, look again for a trial that was missing."""
         if self._behind is not None:
             self._go_on(*self._behind)
-        if self.screen is Screen.ADAPTATION and self.left_s() <= 0.0:
+        if self.phase is Phase.ADAPTATION and self.left_s() <= 0.0:
             self.store.note(self.run, "adapted")
             self._adapted = True
             self._wait()
-        if self.screen is Screen.GAP and self.left_s() <= 0.0:
+        if self.phase is Phase.GAP and self.left_s() <= 0.0:
             self._shown_s = None
-            self.screen = Screen.TRIAL
+            self.phase = Phase.TRIAL
 
     def shown(self) -> None:
-        """The stimulus stands on the screen: response times count from the first such call."""
-        if self.screen is Screen.TRIAL and self._shown_s is None:
+        """The stimulus is on the screen: response times count from the first such call."""
+        if self.phase is Phase.TRIAL and self._shown_s is None:
             self._shown_s = self._clock()
 
     def hidden(self) -> None:
-        """Something else stands in its place: times count anew from the next shown()."""
+        """Something else shows in its place: times count anew from the next shown()."""
         self._shown_s = None
 
     @property
@@ -183,15 +183,15 @@ class Flow:
 
     def end(self) -> None:
         """The program ends; what was answered is kept anyway."""
-        if self.screen is Screen.FINISHED and not self.observer.ended:
+        if self.phase is Phase.FINISHED and not self.observer.ended:
             self.store.end(self.observer)
         self.store.end_run(self.run)
 
     def progress(self) -> Progress:
-        """Where the observer stands."""
+        """How far the observer is."""
         sample = "" if self.trial is None else self.study.samples[self.trial.sample].label
-        judged_ = judged(self.store, self.observer)
-        return Progress(self.observer.name, *judged_, sample, self.question)
+        answered, total = trials_answered(self.store, self.observer)
+        return Progress(self.observer.name, answered, total, sample, self.question)
 
     # --- the way -------------------------------------------------------------------------------
 
@@ -204,9 +204,9 @@ class Flow:
 
     def _find_trial(self) -> None:
         """The first trial with a question that has no answer; adaptive ones are chosen here."""
-        found = _first_open(self.store, self.observer)
-        if found is not None:
-            self.trial, self.question = found
+        open_trial = _first_open(self.store, self.observer)
+        if open_trial is not None:
+            self.trial, self.question = open_trial
             return
         self.trial, self.question = None, self.study.questions[0]
         if self._adaptive:
@@ -216,13 +216,13 @@ class Flow:
                 self.trial = chosen
 
     def _after(self, before: Trial | None) -> None:
-        """The next screen when an answer was given or taken back."""
+        """The phase after an answer, or after one was taken back."""
         if self.trial is None:
-            self.screen = Screen.FINISHED
+            self.phase = Phase.FINISHED
         elif self.trial.sample != self._placed:
-            self.screen = Screen.OBJECT
+            self.phase = Phase.OBJECT
         elif before is not None and before.position == self.trial.position:
-            self.screen, self._shown_s = Screen.TRIAL, None  # the next question about it
+            self.phase, self._shown_s = Phase.TRIAL, None  # the next question about it
         else:
             self._wait()
 
@@ -231,15 +231,15 @@ class Flow:
             self._wait()
             return
         self._until_s = self._clock() + 60.0 * self.study.procedure.adaptation_min
-        self.screen = Screen.ADAPTATION
+        self.phase = Phase.ADAPTATION
 
     def _wait(self) -> None:
         self._until_s = self._clock() + self.study.procedure.gap_s
-        self.screen = Screen.GAP
+        self.phase = Phase.GAP
         self.tick()
 
 
-def judged(store: Store, observer: Observer) -> tuple[int, int]:
+def trials_answered(store: Store, observer: Observer) -> tuple[int, int]:
     """How many trials have all their answers, and of how many; an adaptive study may take fewer."""
     study = store.study
     if study.procedure.design == ADAPTIVE:

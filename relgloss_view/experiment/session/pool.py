@@ -38,9 +38,9 @@ class Answers:
 
     def counts(self) -> NDArray[np.float64]:
         """(observers, settings, categories): how often each was answered."""
-        found = np.zeros((self.observers, self.settings, self.categories))
-        np.add.at(found, (self.observer, self.setting, self.category), 1.0)
-        return found
+        counts = np.zeros((self.observers, self.settings, self.categories))
+        np.add.at(counts, (self.observer, self.setting, self.category), 1.0)
+        return counts
 
     def ratings(self) -> NDArray[np.float64]:
         """(observers, settings): the mean category, NaN where an observer did not answer."""

@@ -110,13 +110,13 @@ class Posterior:
         """
         from scipy.special import gammaln
 
-        told = float(self._log.max() + np.log(self._summed().sum() / self._log.size))
+        by_setting = float(self._log.max() + np.log(self._summed().sum() / self._log.size))
         counts = np.zeros(self._categories)
         for (_, category), n in self._counted.items():
             counts[category] += n
         k = self._categories
         by_chance = float(gammaln(k) - gammaln(k + counts.sum()) + np.sum(gammaln(1.0 + counts)))
-        return float(1.0 / (1.0 + np.exp(np.clip(told - by_chance, -500.0, 500.0))))
+        return float(1.0 / (1.0 + np.exp(np.clip(by_setting - by_chance, -500.0, 500.0))))
 
     def estimate(self) -> Estimate:
         """The posterior's mean and its 95 % intervals, along each axis."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import sqlite3
 from dataclasses import dataclass
@@ -52,6 +53,19 @@ class Picture:
 
 
 @dataclass(frozen=True)
+class Run:
+    """A program that showed pictures to an observer, from its start to its end."""
+
+    id: int
+    observer: int
+    begun_utc: str
+    ended_utc: str | None  #: None where it was killed
+    version: str  #: of relgloss
+    device: str
+    screen: dict[str, Any]  #: window, monitor and platform
+
+
+@dataclass(frozen=True)
 class Record:
     """A session file as it was when it was read."""
 
@@ -63,7 +77,7 @@ class Record:
     details: tuple[dict[str, Any], ...]  #: of each observer: how a simulated one was made
     answers: tuple[Answer, ...]  #: standing ones
     undone: int  #: answers that were taken back
-    runs: tuple[dict[str, Any], ...]  #: each start of a program: device, screen, version, times
+    runs: tuple[Run, ...]
     pictures: tuple[Picture, ...]  #: what was shown
     log_missing: bool  #: after a kill the last answers are in a log, which is not beside the file
 
@@ -92,8 +106,9 @@ def _record(
     (undone,) = connection.execute(
         "SELECT count(*) FROM answer WHERE undone_utc IS NOT NULL"
     ).fetchone()
-    names = ("id", "observer", "begun_utc", "ended_utc", "version", "device", "screen")
-    runs = connection.execute(f"SELECT {', '.join(names)} FROM run ORDER BY id").fetchall()
+    runs = connection.execute(
+        "SELECT id, observer, begun_utc, ended_utc, version, device, screen FROM run ORDER BY id"
+    ).fetchall()
     pictures = connection.execute(
         "SELECT sample, setting, sha256, device FROM picture ORDER BY sample, setting, rowid"
     ).fetchall()
@@ -106,12 +121,16 @@ def _record(
         tuple(json.loads(text) for (text,) in details),
         tuple(read_answers(connection)),
         int(undone),
-        tuple(
-            {**dict(zip(names, row, strict=True)), "screen": json.loads(row[-1])} for row in runs
-        ),
+        tuple(_run(*row) for row in runs),
         tuple(Picture(*row) for row in pictures),
         log_missing,
     )
+
+
+def _run(*columns: Any) -> Run:
+    """A row of the table, in the order of Run's fields; `screen` is JSON."""
+    run = Run(*columns)
+    return dataclasses.replace(run, screen=json.loads(columns[-1]))
 
 
 def _check(record: Record) -> None:
@@ -123,8 +142,8 @@ def _check(record: Record) -> None:
         _expect(observer.kind in (PERSON, SIMULATED), "observer.kind")
     _expect(all(isinstance(details, dict) for details in record.details), "observer.details")
     for run in record.runs:
-        _expect(isinstance(run["screen"], dict), "run.screen")
-        texts = (run["begun_utc"], run["version"], run["device"])
+        _expect(isinstance(run.screen, dict), "run.screen")
+        texts = (run.begun_utc, run.version, run.device)
         _expect(all(isinstance(text, str) for text in texts), "run")
     _expect(isinstance(record.version, str), "study.version")
     for answer in record.answers:
@@ -144,7 +163,7 @@ def _expect(holds: bool, what: str) -> None:
 
 def read_study(connection: sqlite3.Connection, lamp_folder: Path, path: Path) -> tuple[Study, str]:
     """The study of a session file and its digest; InputError where it is damaged."""
-    with session_file.told(path):
+    with session_file.input_errors(path):
         content, digest, _ = connection.execute("SELECT * FROM study").fetchone() or ("", "", "")
     try:
         return study_from_dict(json.loads(content), lamp_folder), digest

@@ -63,7 +63,7 @@ def create_file(path: str | os.PathLike[str], content: str, digest: str, version
 
     Raises InputError where the name is taken or the place can't be written.
     """
-    with fresh_file(path) as temporary, told(path):
+    with fresh_file(path) as temporary, input_errors(path):
         connection = sqlite3.connect(temporary, isolation_level=None)
         with contextlib.closing(connection):
             connection.executescript(
@@ -76,7 +76,7 @@ def create_file(path: str | os.PathLike[str], content: str, digest: str, version
 def open_to_write(path: str | os.PathLike[str]) -> sqlite3.Connection:
     """A connection that has the file to itself until it is closed; InputError otherwise."""
     check_regular(path, EXPECTED)
-    with told(path):
+    with input_errors(path):
         connection = sqlite3.connect(_uri(path, "rw"), uri=True, isolation_level=None, timeout=0.0)
         try:
             _check_format(connection, path)
@@ -97,7 +97,7 @@ def open_to_write(path: str | os.PathLike[str]) -> sqlite3.Connection:
 def close(connection: sqlite3.Connection, path: str | os.PathLike[str]) -> None:
     """Close it so that one plain file is left, which can be copied as it is."""
     # A full disk may refuse that; what was committed stays in the log beside the file.
-    with told(path), contextlib.closing(connection), contextlib.suppress(sqlite3.Error):
+    with input_errors(path), contextlib.closing(connection), contextlib.suppress(sqlite3.Error):
         connection.execute("PRAGMA journal_mode = DELETE")
 
 
@@ -108,7 +108,7 @@ def open_to_read(path: str | os.PathLike[str]) -> Iterator[sqlite3.Connection]:
     A file that a program is writing into is refused: what is in it changes.
     """
     file = check_regular(path, EXPECTED)
-    with contextlib.ExitStack() as stack, told(path):
+    with contextlib.ExitStack() as stack, input_errors(path):
         try:
             connection = _reading(file)
         except sqlite3.OperationalError as error:
@@ -142,13 +142,13 @@ def log_missing(path: str | os.PathLike[str]) -> bool:
         with open(path, "rb") as file:
             header = file.read(20)
     except OSError:
-        return False  # told when it is opened
+        return False  # reported when it is opened
     writing_ahead = header[18:20] == b"\x02\x02"  # SQLite's file format, "File format versions"
     return writing_ahead and not os.path.exists(f"{os.fspath(path)}-wal")
 
 
 @contextlib.contextmanager
-def told(path: str | os.PathLike[str]) -> Iterator[None]:
+def input_errors(path: str | os.PathLike[str]) -> Iterator[None]:
     """Turn SQLite's errors into one line that says what is wrong with which file."""
     try:
         yield
@@ -161,7 +161,7 @@ def _reason(error: sqlite3.Error) -> str:
     if _is_lock(error):
         return "another program has this session open; close it first"
     if code & 0xFF == sqlite3.SQLITE_FULL:
-        return "the disk is full; make room and start again: all answers so far are kept"
+        return "the disk is full; make room and start again; all answers so far are kept"
     if code & 0xFF in (sqlite3.SQLITE_READONLY, sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_PERM):
         return "the file or its folder can't be written; choose another place with -o"
     if code & 0xFF == sqlite3.SQLITE_NOTADB:

@@ -55,7 +55,7 @@ class Store:
             if content is not None and study_digest(content) != digest:
                 raise InputError(
                     f"{printable(path)}: holds answers to another study, or to this one before it "
-                    "was edited; give another file with -o, or go on with "
+                    "was edited; give another file with -o, or continue with "
                     f"`relgloss experiment run {printable(path)}`"
                 )
         except BaseException:
@@ -83,7 +83,7 @@ class Store:
     def observers(self) -> list[Observer]:
         """All so far, by number."""
         assert self._connection is not None
-        with session_file.told(self.path):
+        with session_file.input_errors(self.path):
             return read_observers(self._connection)
 
     def observer(
@@ -94,23 +94,23 @@ class Store:
         A name is a pseudonym of up to 40 printable characters. InputError where it is none, or
         where this observer is through.
         """
-        known = self.observers()
+        observers = self.observers()
         if name is None:
-            unfinished = [o for o in known if not o.ended and o.kind == kind]
+            unfinished = [o for o in observers if not o.ended and o.kind == kind]
             if unfinished:
                 return unfinished[0]
-            name = _free_name({o.name for o in known})
+            name = _free_name({o.name for o in observers})
         name = name.strip()
         if not (1 <= len(name) <= LONGEST_NAME and name.isprintable()):
             raise InputError(
                 f"observer {printable(name, 60)!r}: expected a pseudonym of 1 to {LONGEST_NAME} "
                 "printable characters"
             )
-        for other in known:
+        for other in observers:
             if other.name == name:
                 if other.ended:
                     raise InputError(
-                        f"observer {name!r} is through with this study; give another name"
+                        f"observer {name!r} has finished this study; give another name"
                     )
                 return other
         return self._make_observer(name, kind, details)
@@ -118,13 +118,13 @@ class Store:
     def details(self, observer: Observer) -> dict[str, Any]:
         """How an observer was made; empty for people."""
         ((text,),) = self._rows("SELECT details FROM observer WHERE number = ?", observer.number)
-        found: dict[str, Any] = json.loads(text)
-        return found
+        content: dict[str, Any] = json.loads(text)
+        return content
 
     def new_observer(
         self, kind: str = PERSON, details: Mapping[str, Any] | None = None
     ) -> Observer:
-        """A new observer under a free pseudonym, whoever is not through yet."""
+        """A new observer under a free pseudonym, whoever is not finished yet."""
         return self._make_observer(_free_name({o.name for o in self.observers()}), kind, details)
 
     def _make_observer(self, name: str, kind: str, details: Mapping[str, Any] | None) -> Observer:
@@ -235,7 +235,7 @@ class Store:
     def answers(self, observer: Observer | None = None) -> list[Answer]:
         """Standing answers, by observer and position; of one observer or of all."""
         assert self._connection is not None
-        with session_file.told(self.path):
+        with session_file.input_errors(self.path):
             return read_answers(self._connection, None if observer is None else observer.number)
 
     def keep_picture(
@@ -261,14 +261,14 @@ class Store:
 
     def _rows(self, query: str, *values: object) -> list[Any]:
         assert self._connection is not None
-        with session_file.told(self.path):
+        with session_file.input_errors(self.path):
             return self._connection.execute(query, values).fetchall()
 
     @contextlib.contextmanager
     def _writing(self) -> Iterator[sqlite3.Connection]:
         """A transaction: on the disk when the block ends, undone where it can't be."""
         assert self._connection is not None
-        with session_file.told(self.path):
+        with session_file.input_errors(self.path):
             self._connection.execute("BEGIN IMMEDIATE")
             try:
                 yield self._connection

@@ -30,7 +30,7 @@ class AdaptiveVerdict:
     posterior: Array  #: (fine sigma_N, fine c), probability
 
 
-def judged_adaptively(posterior: Posterior, grid: Grid, level: float) -> AdaptiveVerdict:
+def adaptive_verdict(posterior: Posterior, grid: Grid, level: float) -> AdaptiveVerdict:
     """The verdict; nothing is best where the answers are by chance with more than `level`."""
     estimate = posterior.estimate()
     weights = posterior.weights()

@@ -104,7 +104,7 @@ def relation_to_others(
     their order, and the seed. Observers and the seed are not negative.
     """
     who, what, answer = _answers(observer, stimulus, category)
-    found = []
+    relations = []
     for number, mine in _by_observer(who):
         size = int(what.max()) + 1
         all_sum, all_count = _sums(what, answer, size)
@@ -118,15 +118,15 @@ def relation_to_others(
         others = 2.0 * _mid_ranks(np.round(mean[what[mine]], 9))
         spread = np.var(own) * np.var(others) if mine.size >= FEWEST_ANSWERS else 0.0
         if not spread:
-            found.append(Relation(number, None, None))
+            relations.append(Relation(number, None, None))
             continue
         covariance = np.mean(own * others) - np.mean(own) * np.mean(others)
         generator = np.random.default_rng([seed, number])
         shuffled = generator.permuted(np.tile(own, (permutations, 1)), axis=1)
         as_large = np.sum(shuffled @ others >= own @ others)
         p = (1.0 + float(as_large)) / (1.0 + permutations)
-        found.append(Relation(number, float(covariance / np.sqrt(spread)), p))
-    return found
+        relations.append(Relation(number, float(covariance / np.sqrt(spread)), p))
+    return relations
 
 
 def no_difference_p(

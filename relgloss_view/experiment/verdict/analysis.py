@@ -13,20 +13,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.experiment.design.study import ADAPTIVE, RATIO
 from relgloss_view.experiment.scaling.bootstrap import ScaleValues, observer_weights, scale_values
 from relgloss_view.experiment.scaling.fine_grid import FineGrid
 from relgloss_view.experiment.scaling.successive_categories import Zero
 from relgloss_view.experiment.session.pool import Pool
 from relgloss_view.experiment.session.posterior import Posterior
-from relgloss_view.experiment.verdict.adaptive import AdaptiveVerdict, judged_adaptively
+from relgloss_view.experiment.verdict.adaptive import AdaptiveVerdict, adaptive_verdict
 from relgloss_view.experiment.verdict.agreement import (
     kendall_w,
     krippendorff_alpha,
     no_difference_p,
 )
-from relgloss_view.experiment.verdict.full_grid import LEVEL, Verdict, judged
-from relgloss_view.experiment.verdict.screening import ObserverResult, judged_observers
+from relgloss_view.experiment.verdict.full_grid import LEVEL, Verdict, verdict_on
+from relgloss_view.experiment.verdict.screening import ObserverResult, observer_results
 
 DRAWS = 1000
 MOST_DRAWS = 20_000  #: each keeps the smooth fit of a fine grid: about half a gigabyte
@@ -82,13 +83,13 @@ class Analysis:
     observers: tuple[ObserverResult, ...]
     options: Options
     level: float  #: that p_chance is held against
-    untold: dict[str, str]  #: samples by label of which nothing can be told, and why
+    unscaled: dict[str, str]  #: samples by label of which nothing can be told, and why
 
 
 def analyse(
     pool: Pool,
     options: Options = Options(),
-    progress: Callable[[float, str], object] = lambda share, text: None,
+    progress: ProgressReport = no_progress,
 ) -> Analysis:
     """Analyse a pool; the same pool and options give the same analysis.
 
@@ -104,7 +105,7 @@ def analyse(
             asked.append(sample)
         elif len(categories) == 1:
             name = study.categories[categories[0]]
-            untold[named.label] = f"all answers are {name!r}, which tells no setting from another"
+            untold[named.label] = f"all answers are {name!r}, which separates no settings"
         else:
             untold[named.label] = "nobody has judged it yet"
     results = []
@@ -118,7 +119,7 @@ def analyse(
     return Analysis(
         pool,
         tuple(results),
-        judged_observers(pool, options.seed),
+        observer_results(pool, options.seed),
         options,
         level,
         untold,
@@ -139,7 +140,7 @@ def _sample(
     if study.procedure.design == ADAPTIVE:
         posterior = Posterior(study.grid, len(study.categories))
         posterior.update(list(zip(ratio.setting.tolist(), ratio.category.tolist(), strict=True)))
-        adaptive = judged_adaptively(posterior, study.grid, level)
+        adaptive = adaptive_verdict(posterior, study.grid, level)
     weights = observer_weights(ratio, options.draws, options.seed)
     questions = [q for q in study.questions if len(np.unique(pool.answers(sample, q).category)) > 1]
     scales = []
@@ -168,7 +169,7 @@ def _sample(
     }
     observers = {q: len(np.unique(a.observer)) for q, a in by_question.items()}
     verdicts = {
-        s.question: judged(
+        s.question: verdict_on(
             study.grid, s.scale, s.draws, s.smooth, p[s.question], level, observers[s.question]
         )
         for s in scales
@@ -183,7 +184,7 @@ def _sample(
             # A point needs both: where either may be chance, so may the whole.
             p[JOINT] = max(p.values())
             smooth, least = first.smooth.plus(second.smooth), min(observers.values())
-            verdicts[JOINT] = judged(study.grid, total, both, smooth, p[JOINT], level, least)
+            verdicts[JOINT] = verdict_on(study.grid, total, both, smooth, p[JOINT], level, least)
     ratings = ratio.ratings()
     return SampleResult(
         label,

@@ -44,7 +44,7 @@ class Verdict:
     smooth: Array  #: (fine sigma_N, fine c), closeness of the smooth fit
 
 
-def judged(
+def verdict_on(
     grid: Grid,
     scale: Array,
     draws: Array | None,
@@ -117,25 +117,25 @@ def _as_good(scale: Array, draws: Array, leading: int) -> NDArray[np.bool_]:
     filled = np.where(there, drawn, 0.0)
     mean = filled.sum(axis=0) / count
     sd = np.sqrt(np.sum(np.where(there, filled - mean, 0.0) ** 2, axis=0) / count)
-    known = np.isfinite(scale)
-    varies = known & (sd > TIE)
+    scaled = np.isfinite(scale)
+    varies = scaled & (sd > TIE)
     critical = 0.0
     if np.any(varies):
         behind = np.where(there, apart - filled, -np.inf)[:, varies] / sd[varies]
         critical = float(np.quantile(np.max(behind, axis=1), 0.95))
-    found = known & (np.where(known, apart, np.inf) <= critical * sd + TIE)
-    found[leading] = True
-    return np.asarray(found)
+    as_good = scaled & (np.where(scaled, apart, np.inf) <= critical * sd + TIE)
+    as_good[leading] = True
+    return np.asarray(as_good)
 
 
 def edges_of(grid: Grid, leading: int) -> tuple[str, ...]:
     """The edges of the grid on which a setting lies."""
     row, column = divmod(leading, grid.shape[1])
-    found = []
+    edges = []
     if len(grid.sigma_n_deg) > 1:
-        found += ["smallest sigma_N"] if row == 0 else []
-        found += ["largest sigma_N"] if row == grid.shape[0] - 1 else []
+        edges += ["smallest sigma_N"] if row == 0 else []
+        edges += ["largest sigma_N"] if row == grid.shape[0] - 1 else []
     if len(grid.c_fraction) > 1:
-        found += ["smallest c"] if column == 0 else []
-        found += ["largest c"] if column == grid.shape[1] - 1 else []
-    return tuple(found)
+        edges += ["smallest c"] if column == 0 else []
+        edges += ["largest c"] if column == grid.shape[1] - 1 else []
+    return tuple(edges)

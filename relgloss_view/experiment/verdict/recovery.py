@@ -8,13 +8,13 @@ from __future__ import annotations
 import dataclasses
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.experiment.design.coordinates import grid_steps
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.design.study import Study
@@ -36,7 +36,7 @@ EXACT_STEPS = 0.5
 
 
 @dataclass(frozen=True)
-class Found:
+class Recovery:
     """What one study told of one sample, against the truth."""
 
     study: int
@@ -52,7 +52,7 @@ class Found:
     c_inside: bool | None
 
 
-def prove(
+def run_studies(
     renderer: FrameRenderer,
     study: Study,
     studies: int,
@@ -60,23 +60,26 @@ def prove(
     population: Population,
     *,
     truth: str,
-    given: Mapping[str, Setting],
+    stated: Mapping[str, Setting],
     draws: int,
     seed: int = 0,
-    progress: Callable[[float, str], object] = lambda share, text: None,
-) -> list[Found]:
-    """Run so many studies, each with its own observers, order and, unless given, truth."""
-    first = truths_of(study, truth, given, seed)
+    progress: ProgressReport = no_progress,
+) -> list[Recovery]:
+    """Run so many studies, each with its own observers, order and truth.
+
+    `stated` holds truths by label that are the same in all of them.
+    """
+    first = truths_of(study, truth, stated, seed)
     percepts = see_study(renderer, study, first, lambda share, text: progress(0.0, text))
-    found: list[Found] = []
+    recoveries: list[Recovery] = []
     for number in range(studies):
         progress(number / studies, f"study {number + 1} of {studies}")
-        truths = truths_of(study, truth, given, seed + number)
+        truths = truths_of(study, truth, stated, seed + number)
         targets = see_truths(renderer, study, truths)
         seen = dataclasses.replace(percepts, truths=truths, targets=targets)
         own = study.with_procedure(seed=(study.procedure.seed + number) % 2**31)
-        found += _one(own, seen, observers, population, draws, seed + number, number)
-    return found
+        recoveries += _one(own, seen, observers, population, draws, seed + number, number)
+    return recoveries
 
 
 def _one(
@@ -87,7 +90,7 @@ def _one(
     draws: int,
     seed: int,
     number: int,
-) -> list[Found]:
+) -> list[Recovery]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         file = folder / "study.sqlite"
@@ -98,7 +101,7 @@ def _one(
     return [_found(study.grid, number, result, truths[result.label]) for result in results]
 
 
-def _found(grid: Grid, number: int, result: SampleResult, truth: Setting) -> Found:
+def _found(grid: Grid, number: int, result: SampleResult, truth: Setting) -> Recovery:
     if result.adaptive is not None:
         verdict = result.adaptive
         status, leading = verdict.status, grid.settings[verdict.leading]
@@ -110,7 +113,7 @@ def _found(grid: Grid, number: int, result: SampleResult, truth: Setting) -> Fou
     at = Setting(optimum.sigma_n_deg, optimum.c_fraction)
     apart = np.abs(np.subtract(_steps(grid, leading), _steps(grid, truth)))
     error = float(np.hypot(*np.subtract(_steps(grid, at), _steps(grid, truth))))
-    return Found(
+    return Recovery(
         number,
         result.label,
         truth,
@@ -133,31 +136,46 @@ def _inside(value: float, interval: tuple[float, float] | None) -> bool | None:
     return None if interval is None else interval[0] - 1e-9 <= value <= interval[1] + 1e-9
 
 
-def summary(found: Sequence[Found]) -> dict[str, Any]:
-    """Shares over all samples of all studies, and over those of each sample."""
-    samples = list(dict.fromkeys(f.sample for f in found))
-    return {
-        "all": _shares(found),
-        "samples": {name: _shares([f for f in found if f.sample == name]) for name in samples},
-        "studies": [dataclasses.asdict(f) for f in found],
-    }
+@dataclass(frozen=True)
+class RecoveryShares:
+    """Over some samples of some studies: how often the evaluation found what was right."""
+
+    cases: int
+    answers: float  #: about each sample, mean
+    exact: float  #: share of cases, as all that follows but the error
+    near: float
+    median_error_steps: float
+    sigma_n_inside: float | None  #: None where no case has an interval
+    c_inside: float | None
+    inside: float | None  #: of all intervals along both axes
+    nothing_declared: float  #: share of studies in which no sample has a best setting
+    status: dict[str, int]  #: cases by the status of their verdict
 
 
-def _shares(found: Sequence[Found]) -> dict[str, Any]:
-    by_study: dict[int, bool] = {}
-    for f in found:
-        by_study[f.study] = by_study.get(f.study, False) or f.status == BEST
-    sigma = [f.sigma_n_inside for f in found if f.sigma_n_inside is not None]
-    c = [f.c_inside for f in found if f.c_inside is not None]
+def recovery_shares(recoveries: Sequence[Recovery]) -> RecoveryShares:
+    """Shares over all of some recoveries."""
+    declared: dict[int, bool] = {}
+    for r in recoveries:
+        declared[r.study] = declared.get(r.study, False) or r.status == BEST
+    sigma = [r.sigma_n_inside for r in recoveries if r.sigma_n_inside is not None]
+    c = [r.c_inside for r in recoveries if r.c_inside is not None]
+    return RecoveryShares(
+        len(recoveries),
+        float(np.mean([r.answers for r in recoveries])),
+        float(np.mean([r.exact for r in recoveries])),
+        float(np.mean([r.near for r in recoveries])),
+        float(np.median([r.error_steps for r in recoveries])),
+        float(np.mean(sigma)) if sigma else None,
+        float(np.mean(c)) if c else None,
+        float(np.mean(sigma + c)) if sigma or c else None,
+        1.0 - float(np.mean(list(declared.values()))),
+        dict(Counter(r.status for r in recoveries)),
+    )
+
+
+def shares_by_sample(recoveries: Sequence[Recovery]) -> dict[str, RecoveryShares]:
+    """Shares over the recoveries of each sample, by its label."""
+    labels = dict.fromkeys(r.sample for r in recoveries)
     return {
-        "cases": len(found),
-        "answers": float(np.mean([f.answers for f in found])),
-        "exact": float(np.mean([f.exact for f in found])),
-        "near": float(np.mean([f.near for f in found])),
-        "median_error_steps": float(np.median([f.error_steps for f in found])),
-        "sigma_n_inside": float(np.mean(sigma)) if sigma else None,
-        "c_inside": float(np.mean(c)) if c else None,
-        "inside": float(np.mean(sigma + c)) if sigma or c else None,
-        "nothing_declared": 1.0 - float(np.mean(list(by_study.values()))),
-        "status": dict(Counter(f.status for f in found)),
+        label: recovery_shares([r for r in recoveries if r.sample == label]) for label in labels
     }

@@ -28,25 +28,27 @@ class ObserverResult:
     always_same: bool  #: whether every answer about the ratio is the same
 
     @property
-    def told(self) -> tuple[str, ...]:
+    def remarks(self) -> tuple[str, ...]:
         """What the reader is to be pointed at."""
-        found = []
+        remarks = []
         if self.relation.correlation is None and self.answers > 2:
-            found.append("always the same answer" if self.always_same else "nobody to compare with")
+            remarks.append(
+                "always the same answer" if self.always_same else "nobody to compare with"
+            )
         elif self.answers < FEWEST_TO_TELL:
-            found.append("too few answers to tell them from chance")
+            remarks.append("too few answers to compare with chance")
         elif self.relation.p is not None and self.relation.p > RELATED:
-            found.append(
-                f"answers can't be told from chance (p {self.relation.p:.2f}); they are left in"
+            remarks.append(
+                f"the answers may be by chance (p {self.relation.p:.2f}); they are left in"
             )
         if self.median_response_s < QUICK_S:
-            found.append(f"answers within {self.median_response_s:.2f} s")
+            remarks.append(f"answers within {self.median_response_s:.2f} s")
         if not self.ended:
-            found.append("not through")
-        return tuple(found)
+            remarks.append("not finished")
+        return tuple(remarks)
 
 
-def judged_observers(pool: Pool, seed: int) -> tuple[ObserverResult, ...]:
+def observer_results(pool: Pool, seed: int) -> tuple[ObserverResult, ...]:
     """Everybody, with how their ratings follow those of the others over all samples."""
     settings = len(pool.study.grid)
     rows = [

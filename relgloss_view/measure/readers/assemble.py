@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from relgloss_view.base.arrays import Array, Ints, Mask
 from relgloss_view.base.errors import InputError
 from relgloss_view.measure import screening as screen
 from relgloss_view.measure.bands import Bands
@@ -16,14 +17,12 @@ from relgloss_view.measure.readers.csv_table import TextTable
 from relgloss_view.measure.readers.declared import Declared
 from relgloss_view.measure.table import KEPT, Measurement, source_is_synthetic
 
-Array = NDArray[np.float64]
-
 #: Two readings of one geometry that differ by more than this contradict each other: noise of gonio
 #: instruments is a few percent.
 CONTRADICTION = 0.10
 
 
-def tabulated_directions() -> tuple[Array, Array, NDArray[np.int64]]:
+def tabulated_directions() -> tuple[Array, Array, Ints]:
     """To lamp and to receiver, (N, 3) each, of gonio.tabulated_grid(), and the group of each.
 
     The lamp has azimuth 180, so that the mirror direction is at azimuth 0. The group is the polar
@@ -95,7 +94,7 @@ def require_samples(measurement: Measurement, path: object) -> Measurement:
     )
 
 
-def contradictions(angles: Array, radiance_factor: Array, kept: NDArray[np.bool_]) -> str | None:
+def contradictions(angles: Array, radiance_factor: Array, kept: Mask) -> str | None:
     """A warning where rows of the same angles (N, A) differ by more than noise, else None."""
     angles, level = angles[kept], radiance_factor[kept].mean(axis=1)
     if len(angles) < 2:

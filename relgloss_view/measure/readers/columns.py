@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.measure.bands import FINEST_STEP_NM, RGB, WAVELENGTH_RANGE_NM, Bands
 from relgloss_view.measure.readers.csv_table import TextTable
-
-Array = NDArray[np.float64]
 
 
 def split_columns(

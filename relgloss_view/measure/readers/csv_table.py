@@ -8,11 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.errors import InputError
-
-Array = NDArray[np.float64]
 
 #: Beyond these a table is not a gonio scan, and reading it would exhaust the memory.
 MAX_BYTES = 1_000_000_000
@@ -35,7 +33,7 @@ class TextTable:
     columns: tuple[str, ...]
     header_line: int
     values: Array  #: (N, C)
-    lines: NDArray[np.int64]  #: (N,), line number of each row in the file, from 1
+    lines: Ints  #: (N,), line number of each row in the file, from 1
 
     def at(self, row: int, column: int) -> str:
         """The place of a value, for messages: 'FILE: line 7, column 3 (gamma_deg)'."""
@@ -124,7 +122,7 @@ def _columns(path: Path, line: int, header: str, delimiter: str) -> tuple[str, .
 
 def _rows(
     path: Path, lines: list[str], start: int, columns: tuple[str, ...], delimiter: str
-) -> tuple[Array, NDArray[np.int64]]:
+) -> tuple[Array, Ints]:
     """The numbers below the header, (N, C), and their line numbers."""
     width = len(columns)
     flat = array("d")

@@ -11,8 +11,9 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.errors import InputError
 from relgloss_view.measure import screening as screen
 from relgloss_view.measure.bands import RGB
@@ -22,8 +23,6 @@ from relgloss_view.measure.readers.assemble import (
     tabulated_directions,
 )
 from relgloss_view.measure.table import Measurement, source_is_synthetic
-
-Array = NDArray[np.float64]
 
 SHAPE = (90, 90, 180)  #: theta_h, theta_d, phi_d
 HEADER = np.array(SHAPE, dtype="<i4").tobytes()
@@ -109,7 +108,7 @@ class MerlBrdf:
         value = total / np.where(weight > 0.0, weight, 1.0)
         return np.asarray(np.where(missing, np.nan, value * SCALE))
 
-    def _at(self, index: NDArray[np.int64]) -> Array:
+    def _at(self, index: Ints) -> Array:
         return np.asarray(self.bins[:, index[:, 0], index[:, 1], index[:, 2]]).T
 
 

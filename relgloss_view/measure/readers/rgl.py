@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from relgloss_view.base.arrays import AnyArray, Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.measure import screening as screen
 from relgloss_view.measure import table
@@ -26,8 +26,6 @@ from relgloss_view.measure.readers.assemble import (
 )
 from relgloss_view.measure.readers.unit_square import Warp, bilinear, find_slices
 from relgloss_view.measure.table import Measurement, source_is_synthetic
-
-Array = NDArray[np.float64]
 
 #: Rec. 709 luminance of linear sRGB.
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -119,7 +117,7 @@ def load(path: Path) -> RglBrdf:
 
 
 def _floats(
-    path: Path, fields: dict[str, NDArray[Any]], name: str, shape: tuple[int | None, ...]
+    path: Path, fields: dict[str, AnyArray], name: str, shape: tuple[int | None, ...]
 ) -> Array:
     """A field as float64, its shape and values checked; None is any length that can hold a grid."""
     if name not in fields:

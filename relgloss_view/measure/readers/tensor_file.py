@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import AnyArray
 from relgloss_view.base.errors import InputError
 
 MAGIC = b"tensor_file\x00"
@@ -24,7 +24,7 @@ _TYPES = {
 }  # fmt: skip
 
 
-def read(path: Path) -> dict[str, NDArray[Any]]:
+def read(path: Path) -> dict[str, AnyArray]:
     """Read all arrays by name (Dupuy and Jakob 2018, their file format).
 
     Every field is checked against the size of the file before memory is allocated for it. Raises
@@ -88,7 +88,7 @@ class _Reader:
 
     def array(
         self, name: str, dtype: np.dtype[Any], offset: int, shape: tuple[int, ...]
-    ) -> NDArray[Any]:
+    ) -> AnyArray:
         self.file.seek(offset)
         data = self.take(math.prod(shape) * dtype.itemsize, f"field {name[:40]!r}")
         return np.frombuffer(data, dtype).reshape(shape)

@@ -6,12 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from relgloss_view.base.arrays import Array, Ints
 
 #: Lower slice, upper slice and weight of the upper one, each (M,).
-Slices = tuple[NDArray[np.int64], NDArray[np.int64], Array]
+Slices = tuple[Ints, Ints, Array]
 
 
 def find_slices(nodes: Array, theta: Array) -> Slices:

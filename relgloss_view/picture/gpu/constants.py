@@ -14,8 +14,8 @@ from relgloss_view.picture import method
 from relgloss_view.picture.scene.look import GRAINS, NOISE_LAWS
 from relgloss_view.picture.scene.setup import GAMUTS, SHAPES, TRANSFERS
 
-#: What pass 1 writes: diffuse and specular as XYZ, the split of their L*, or both.
-WRITES = ("xyz", "split", "xyz and split")
+#: What pass 1 writes: the weights of the shapes, XYZ, the split of L*, or the last two.
+WRITES = ("weights", "xyz", "split", "xyz and split")
 OVERLAYS = (
     "clipped",
     "out of gamut",

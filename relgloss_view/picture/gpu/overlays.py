@@ -11,7 +11,7 @@ from relgloss_view.picture.gpu.context import make_current
 from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.gpu.request import Request
 from relgloss_view.picture.gpu.targets import GEOMETRY, LIGHT, OVERLAY, SPLIT, TONE, XYZ
-from relgloss_view.picture.gpu.uniforms import display_uniforms, white_uniforms
+from relgloss_view.picture.gpu.uniforms import display_uniforms, white_uniform
 from relgloss_view.picture.gpu.variant import tone_defines
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.model import tone
@@ -44,7 +44,7 @@ def draw_overlay(
         defines["OVERLAY"] = code("OVERLAY", overlay)
         uniforms = {
             **display_uniforms(scene),
-            **white_uniforms(scene),
+            **white_uniform(scene),
             **passes.images(names),
             "c": drawn.scaling.c,
         }

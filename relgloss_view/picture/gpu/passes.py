@@ -34,12 +34,12 @@ from relgloss_view.picture.gpu.targets import (
 )
 from relgloss_view.picture.gpu.uniforms import (
     NO_GRAIN,
+    colour_uniforms,
     display_uniforms,
     grain_uniforms,
     material_uniforms,
     per_size,
     view_uniforms,
-    white_uniforms,
 )
 from relgloss_view.picture.gpu.variant import Variant, tone_defines
 from relgloss_view.picture.model.light import front_white, lit_white
@@ -226,16 +226,14 @@ class Passes:
         """Pass 1, the split of what it wrote, and its extremes; returns Y_n as in Drawn."""
         shading = self._shading(request)
         variant = shading.variant
-        if self.held.renew("shade", variant, request.size, shading.uniforms):
+        colours = colour_uniforms(request.scene, request.method)
+        if self.held.renew("shade", variant, request.size, {**shading.uniforms, **colours}):
             self._shade(request, shading, variant.writes)
         bounds = View.of(request.scene, request.size).bounds
         if not variant.splits and self.held.renew("split"):
-            uniforms = {
-                **self.images(XYZ),
-                **per_size(request.size),
-                **white_uniforms(request.scene),
-                **self._table(variant),
-            }
+            diffuse, specular = map(self.texture, WRITTEN[variant.writes])
+            images = {"diffuse_image": diffuse, "specular_image": specular}
+            uniforms = {**colours, **images, **self._table(variant), **per_size(request.size)}
             self.draw("split", "split.frag", variant.split_defines(), uniforms, SPLIT, bounds)
         stride = 2 if request.method.c_max == "sparse" else 1
         if self.held.renew("extremes", stride):
@@ -244,7 +242,11 @@ class Passes:
         return shading.white
 
     def _shade(self, request: Request, shading: Shading, writes: str) -> None:
-        uniforms = {**shading.uniforms, **self._table(shading.variant)}
+        uniforms = {
+            **shading.uniforms,
+            **colour_uniforms(request.scene, request.method),
+            **self._table(shading.variant),
+        }
         defines = shading.variant.writing(writes).defines()
         bounds = View.of(request.scene, request.size).bounds
         self.draw("shade", "shade.frag", defines, uniforms, WRITTEN[writes], bounds)
@@ -262,7 +264,6 @@ class Passes:
             **seen_from,
             **(grain_uniforms(look) if variant.noise != "none" else NO_GRAIN),
             **material_uniforms(scene, look, method),
-            **white_uniforms(scene),
             "irradiance": np.pi / white if white > 0.0 else 0.0,
         }
         return Shading(variant, uniforms, white)
@@ -314,7 +315,12 @@ class Passes:
         if self.held.renew(name, tuple(defines.items()), around, scaling.c):
             key = key_of(tuple(defines.items()), around, bounds)
             sources = ("diffuse", "split") if samples > 1 else ("split",)
-            uniforms = {**around, "c": scaling.c, **self.images(sources)}
+            uniforms = {
+                **around,
+                **per_size(request.size),
+                **self.images(sources),
+                "c": scaling.c,
+            }
             if self._around.get(name) != key:
                 bounds = None
             self.draw(name, f"{name}.frag", defines, uniforms, targets, bounds)

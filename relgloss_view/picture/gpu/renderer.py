@@ -60,18 +60,16 @@ class Renderer:
         """How often each pass was drawn so far."""
         return self.passes.draws
 
-    def prepare(self, scene: Scene, look: Look) -> None:
-        """Compile every variant that sliders of this scene and look can reach without a pause.
+    def prepare(self, scene: Scene, look: Look, method: Method = EXACT) -> None:
+        """Compile what sliders of this scene and look can reach with a method, without a pause.
 
         A driver compiles a program when it is first drawn with, so each draws a few pixels.
         """
         for samples in (1, 2):
             for sigma_n_deg in (0.0, max(look.sigma_n_deg, 1.0)):
-                tried = dataclasses.replace(
-                    look, sigma_n_deg=sigma_n_deg, samples=samples, quality="exact"
-                )
+                tried = dataclasses.replace(look, sigma_n_deg=sigma_n_deg, samples=samples)
                 with contextlib.suppress(InputError):
-                    frame = self.render(scene, tried, PREPARED_SIZE)
+                    frame = self.render(scene, tried, PREPARED_SIZE, method)
                     _ = frame.clip_count, frame.light, frame.normal, frame.specular
 
     def request(

@@ -14,10 +14,11 @@ from relgloss_view.picture.gpu.context import max_texture_size
 from relgloss_view.picture.model.tone import OFF_OBJECT
 from relgloss_view.picture.model.view import Size
 
+WEIGHTS = ("diffuse_weights", "specular_weights")
 XYZ = ("diffuse", "specular")
 SPLIT = ("split",)
 #: The targets of pass 1, by what it writes: constants.WRITES.
-WRITTEN = {"xyz": XYZ, "split": SPLIT, "xyz and split": (*XYZ, *SPLIT)}
+WRITTEN = {"weights": WEIGHTS, "xyz": XYZ, "split": SPLIT, "xyz and split": (*XYZ, *SPLIT)}
 TONE = ("display",)
 LIGHT = ("light", "lab")
 GEOMETRY = ("normal", "tilted_normal", "point_m")
@@ -29,15 +30,22 @@ TABLE_STEPS = 256  #: as in cube_root.glsl
 CLEARED = {
     "diffuse": (0.0, 0.0, 0.0, 0.0),
     "specular": (0.0, 0.0, 0.0, 0.0),
+    "diffuse_weights": (OFF_OBJECT, 0.0, 0.0, 0.0),
+    "specular_weights": (0.0, 0.0, 0.0, 0.0),
     "split": (OFF_OBJECT, 0.0, 0.0, 0.0),
 }
 #: The targets that hold 8-bit numbers; the others hold floats.
 EIGHT_BIT = ("display", "overlay")
 
 
+def components(name: str) -> int:
+    """Numbers a pixel of a target."""
+    return 2 if name in WEIGHTS else 4
+
+
 def bytes_per_pixel(name: str) -> int:
     """Bytes of a target for each pixel, of float32 or 8-bit numbers."""
-    return 4 * (1 if name in EIGHT_BIT else 4)
+    return components(name) * (1 if name in EIGHT_BIT else 4)
 
 
 class Targets:
@@ -46,7 +54,7 @@ class Targets:
     def __init__(self, ctx: moderngl.Context) -> None:
         self.ctx = ctx
         self.size: Size | None = None
-        self.numbers = "float32"  #: of the split
+        self.numbers = "float32"  #: that pass 1 writes
         self._textures: dict[str, moderngl.Texture] = {}
         self._framebuffers: dict[tuple[str, ...], moderngl.Framebuffer] = {}
         self._table: moderngl.Texture | None = None
@@ -145,10 +153,10 @@ class Targets:
             f"size {size[0]}x{size[1]}: the device has no memory for it; give a smaller --size"
         )
         dtype = "f1" if name in EIGHT_BIT else "f4"
-        if name in SPLIT and self.numbers == "float16":
+        if name in (*XYZ, *SPLIT) and self.numbers == "float16":
             dtype = "f2"
         try:
-            texture = self.ctx.texture(size, 4, dtype=dtype)
+            texture = self.ctx.texture(size, components(name), dtype=dtype)
         except moderngl.Error as error:
             raise refused from error
         if self.ctx.error != "GL_NO_ERROR":  # moderngl itself raises on few of these

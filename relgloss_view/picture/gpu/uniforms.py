@@ -56,27 +56,34 @@ NO_LOBE = (1.0, 0.0, 1.5, 0.0)  #: reflects nothing, where one is drawn all the 
 
 
 def material_uniforms(scene: Scene, look: Look, method: Method) -> Uniforms:
-    """The shapes of the material's reflections, and its spectra under the scene's lamp.
-
-    Those are folded into XYZ; for the bench they also come band by band.
-    """
+    """The shapes of the material's reflections: what its weights follow from."""
     material = scene.material
-    weights = xyz_weights(material.bands, illuminant(scene.lamp.illuminant))
-    model = drawn_diffuse(material, method)
-    albedo = np.asarray(material.diffuse.albedo)
-    second = brdf.second_albedo(model, albedo, material.diffuse.sigma)
-    strength, shape = np.zeros((2, material.bands.count)), np.tile(NO_LOBE, (2, 1))
+    shape = np.tile(NO_LOBE, (2, 1))
     blurred = drawn_facets(look, method) == "mean-gaussian"
     for k, lobe in enumerate(drawn_lobes(material, method)):
-        strength[k] = lobe.per_band(material.bands.count)
         shape[k] = (
             mean_lobe(lobe.s, lobe.refractive_index, math.radians(look.sigma_n_deg), look.noise_law)
             if blurred
             else plain_lobe(lobe.s, lobe.refractive_index)
         )
+    model = drawn_diffuse(material, method)
     return {
         "diffuse_terms": brdf.diffuse_terms(model, material.diffuse.sigma),
         "lobe_shape": shape,
+    }
+
+
+def colour_uniforms(scene: Scene, method: Method) -> Uniforms:
+    """The material's spectra, folded into XYZ under the scene's lamp and band by band."""
+    material, lamp = scene.material, illuminant(scene.lamp.illuminant)
+    weights = xyz_weights(material.bands, lamp)
+    albedo = np.asarray(material.diffuse.albedo)
+    second = brdf.second_albedo(drawn_diffuse(material, method), albedo, material.diffuse.sigma)
+    strength = np.zeros((2, material.bands.count))
+    for k, lobe in enumerate(drawn_lobes(material, method)):
+        strength[k] = lobe.per_band(material.bands.count)
+    return {
+        "per_white": 1.0 / lamp.white_xyz(),
         "albedo_xyz": albedo @ weights,
         "second_albedo_xyz": second @ weights,
         "lobe_strength_xyz": strength @ weights,
@@ -85,10 +92,9 @@ def material_uniforms(scene: Scene, look: Look, method: Method) -> Uniforms:
     }
 
 
-def white_uniforms(scene: Scene) -> Uniforms:
-    """The white of the scene's lamp, and one over it."""
-    white = illuminant(scene.lamp.illuminant).white_xyz()
-    return {"white": white, "per_white": 1.0 / white}
+def white_uniform(scene: Scene) -> Uniforms:
+    """The white of the scene's lamp."""
+    return {"white": illuminant(scene.lamp.illuminant).white_xyz()}
 
 
 def display_uniforms(scene: Scene) -> Uniforms:

@@ -34,7 +34,7 @@ class Variant:
     lamp: str = "point"
     bands: int = 0  #: drawn one by one; 0 where their spectra are folded into XYZ
     cube_root: str = "householder"
-    writes: str = "xyz"  #: what pass 1 writes: constants.WRITES
+    writes: str = "weights"  #: what pass 1 writes: constants.WRITES
 
     @classmethod
     def of(
@@ -102,7 +102,7 @@ class Variant:
 
     def split_defines(self) -> dict[str, int]:
         """The constants of the pass that splits what pass 1 wrote."""
-        return {"CUBE_ROOT": code("CUBE_ROOT", self.cube_root)}
+        return {name: self.defines()[name] for name in ("WRITES", "LOBES", "BANDS", "CUBE_ROOT")}
 
     def white_defines(self) -> dict[str, int]:
         """The constants of the pass that draws the perfect diffuser, for Y_n."""
@@ -122,7 +122,7 @@ def _written(chosen: method.Method, samples: int) -> str:
     # Half floats hold what is split: XYZ would be rounded before its difference is taken.
     if chosen.split == method.FIRST_PASS or chosen.targets == "float16":
         return "split" if samples == 1 else "xyz and split"
-    return "xyz"
+    return "weights" if samples == 1 else "xyz"
 
 
 def _sees_a_cap(scene: Scene) -> bool:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from relgloss_view.base.arrays import Array
 
 
 def chroma_weight(chroma: Array) -> Array:

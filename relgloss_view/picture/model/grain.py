@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.picture.model import noise, shape
 from relgloss_view.picture.model.view import float32
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def grain_normal(scene: Scene, look: Look, hit: shape.Hit, o: Array, pixel: Ints) -> Array:

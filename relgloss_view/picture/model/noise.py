@@ -7,10 +7,8 @@ float64. Angles are radians.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-UInts = NDArray[np.uint32]
+from relgloss_view.base.arrays import Array, Ints, UInts
 
 ATTEMPTS = 4
 
@@ -35,7 +33,7 @@ def pcg3d(v: UInts) -> UInts:
     return np.concatenate([x, y, z], axis=-1)
 
 
-def cell_hash(cell: NDArray[np.int64], seed: int) -> UInts:
+def cell_hash(cell: Ints, seed: int) -> UInts:
     """Three hashes of a grain cell (column, row, face), (..., 3); negative cells wrap."""
     key = np.array(cell, dtype=np.int64).astype(np.uint32)
     key[..., 2] = _U(seed) + key[..., 2] * _U(0x9E3779B9)

@@ -5,19 +5,18 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from relgloss_view.base.arrays import Array, Ints, Mask
 
 
 class Hit(NamedTuple):
     """Intersections of rays with the object; fields have the rays' shape, vectors (..., 3)."""
 
-    found: NDArray[np.bool_]  #: whether the ray meets the object
+    found: Mask  #: whether the ray meets the object
     point_m: Array
     normal: Array
     surface_m: Array  #: (..., 2), coordinates along the surface
-    face: NDArray[np.int64]
+    face: Ints
 
 
 def meet_cylinder(eye_m: Array, ray: Array, half_extent_m: Array) -> Hit:
@@ -136,7 +135,7 @@ def meet(kind: str, eye_m: Array, ray: Array, half_extent_m: Array) -> Hit:
     return _MEET[kind](eye_m, ray, half_extent_m)
 
 
-def surface_cell(kind: str, hit: Hit, cell_m: float, half_extent_m: Array) -> NDArray[np.int64]:
+def surface_cell(kind: str, hit: Hit, cell_m: float, half_extent_m: Array) -> Ints:
     """Grain cell on the surface (column, row, face), (..., 3).
 
     A whole number of cells goes around a cylinder or a row of a sphere, so that no seam shows.

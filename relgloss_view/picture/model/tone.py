@@ -9,12 +9,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.material.spectra import rgb_to_xyz_matrix, white_from_xy
 from relgloss_view.picture.scene.setup import Display
-
-Array = NDArray[np.float64]
 
 LAB_EPSILON = 216.0 / 24389.0
 LAB_KAPPA = 24389.0 / 27.0
@@ -129,7 +127,7 @@ def largest_c(l_diffuse: Array, l_specular: Array) -> Array:
     return np.where(seen, (100.0 - l_diffuse) / np.where(seen, l_specular, 1.0), 1e30)
 
 
-def in_gamut(rgb: Array) -> NDArray[np.bool_]:
+def in_gamut(rgb: Array) -> Mask:
     """Whether linear RGB lies in the display's cube."""
     return np.asarray(np.all((rgb >= -GAMUT_TOLERANCE) & (rgb <= 1.0 + GAMUT_TOLERANCE), axis=-1))
 
@@ -168,7 +166,7 @@ def _model_of(display: Display) -> DisplayModel:
     )
 
 
-def display_rgb(lab: Array, display: DisplayModel) -> tuple[Array, NDArray[np.bool_]]:
+def display_rgb(lab: Array, display: DisplayModel) -> tuple[Array, Mask]:
     """Linear display RGB (..., 3), 0 to 1, and (...) whether each colour is inside the gamut.
 
     lab: (..., 3), relative to the display's white. Outside the gamut, 'chroma' keeps L* and hue and

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Floats
 from relgloss_view.base.errors import InputError
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Eye, Shape
 
-Array = NDArray[np.float64]
-Floats = NDArray[np.floating[Any]]
 Size = tuple[int, int]  #: width, height in pixels
 #: left, bottom, right, top in pixels, counted from the bottom left as OpenGL does
 Box = tuple[int, int, int, int]

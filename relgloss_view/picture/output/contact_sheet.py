@@ -5,19 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Bytes
 from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model.tone import DisplayModel, encode
-
-Pixels = NDArray[np.uint8]
 
 PAPER_GRAY = 119  #: sRGB of L* 50
 INK_GRAY = 245
 
 
-def thumbnail(frame: Frame, longest_px: int, displayed: Displayed | None = None) -> Pixels:
+def thumbnail(frame: Frame, longest_px: int, displayed: Displayed | None = None) -> Bytes:
     """The frame's picture shrunk by whole steps, averaged in light, where grain keeps its mean.
 
     displayed: the picture of another operator than the split.
@@ -37,11 +35,11 @@ def thumbnail(frame: Frame, longest_px: int, displayed: Displayed | None = None)
 
 
 def contact_sheet(
-    rows: Sequence[Sequence[Pixels]],
+    rows: Sequence[Sequence[Bytes]],
     captions: Sequence[Sequence[str]],
     title: str = "",
     note: str = "",
-) -> Pixels:
+) -> Bytes:
     """Equal-sized 8-bit pictures (H, W, 3) on one sheet; returns its pixels (H, W, 3).
 
     Text is gray, so that no colour is near a picture.

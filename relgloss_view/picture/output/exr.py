@@ -6,11 +6,11 @@ import json
 import math
 import os
 from itertools import chain
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import AnyArray
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.version import __version__
 from relgloss_view.base.writing import whole_file
@@ -41,7 +41,7 @@ def save_exr(
 
     channels: dict[str, NDArray[np.float32]] = {}
 
-    def put(name: str, values: NDArray[Any]) -> None:
+    def put(name: str, values: AnyArray) -> None:
         channels[name] = np.ascontiguousarray(values, dtype=np.float32)
 
     light = (frame if displayed is None else displayed).light

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Digital
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.version import __version__
 from relgloss_view.base.writing import whole_file
@@ -21,8 +21,6 @@ from relgloss_view.picture.model import tone
 from relgloss_view.picture.output.parameters import parameters
 from relgloss_view.picture.output.png16 import write_png16
 from relgloss_view.picture.scene.setup import Display
-
-Digital = NDArray[np.uint8] | NDArray[np.uint16]
 
 SOFTWARE = f"relgloss {__version__}"
 
@@ -136,7 +134,7 @@ def _text(content: str, command: str) -> dict[str, str]:
     return texts | ({"Command": command} if command else {})
 
 
-def _quantised(values: NDArray[np.float64], bits: int) -> Digital:
+def _quantised(values: Array, bits: int) -> Digital:
     """Digital values 0..1 as whole numbers, rounded as the display's 8 bits are."""
     whole = np.floor((2**bits - 1) * values + 0.5)
     if bits == 8:

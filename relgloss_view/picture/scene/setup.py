@@ -13,13 +13,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.parameters import Checked, choice, parameter
 from relgloss_view.base.reading import fault
-
-Array = NDArray[np.float64]
 
 SHAPES = ("cylinder", "sphere", "plane", "box")
 
@@ -135,7 +133,7 @@ class Lamp(Checked):
         Y_N_PLACES,
         "maximum: the perfect diffuser shows Y_n in its brightest pixel; "
         "front: at the point that faces the eye",
-        label="White taken from (Y_n)",
+        label="White measured at (Y_n)",
     )
     #: A name that spectra.illuminant knows, or a two-column file.
     illuminant: str = field(default="HP5", metadata={"label": "Lamp spectrum"})

@@ -21,11 +21,12 @@ from relgloss_view.picture.gpu.programs import Programs
 from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.gpu.targets import OVERLAY, TONE
 from relgloss_view.picture.gpu.variant import Variant
+from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.model.drawn import as_drawn
 from relgloss_view.picture.model.view import Size
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.quality.planner import Planner
+from relgloss_view.quality.planner import WHOLE, Planner
 from relgloss_view.viewer.drawing.arrangement import Arrangement, as_shown
 from relgloss_view.viewer.drawing.texture_uploads import TextureUploads
 from relgloss_view.viewer.state.model import DrawnPass
@@ -59,8 +60,9 @@ class PairRenderer:
         self._planners = {side: Planner() for side in SIDES}
         self._full = {side: self._renderer(side) for side in SIDES}
         self._draft = {side: self._renderer(side) for side in SIDES}
-        self._warm = Renderer(ctx, self._programs)
+        self._warm = Renderer(ctx, self._programs, Planner().method)
         self._warmed: set[object] = set()
+        self._methods: dict[str, Method] = {}  #: of the last picture of each side
         self.uploads = TextureUploads(ctx)
         self._enlarged = False  #: whether the renderer that warms up has drawn something large
         limit = max_texture_size(ctx)
@@ -138,13 +140,20 @@ class PairRenderer:
             self._warmed.clear()  # and its next small picture frees the large one
         for side in SIDES:
             scene, look = state.scene(side), state.side(side).look
-            variant = _variant(scene, look)
-            if variant in self._warmed:
-                continue
-            self._warm.prepare(scene, look)
-            self._warmed.add(variant)
-            return True
+            for method in self._reachable(side, look):
+                variant = _variant(scene, look), method
+                if variant in self._warmed:
+                    continue
+                self._warm.prepare(scene, look, method)
+                self._warmed.add(variant)
+                return True
         return False
+
+    def _reachable(self, side: str, look: Look) -> tuple[Method, ...]:
+        """The methods that a drag can draw a side with: see Planner, which holds its choice."""
+        if look.quality == "exact":
+            return (EXACT,)
+        return tuple({WHOLE: None, self._methods.get(side, WHOLE): None})
 
     def render_at(self, state: State, side: str, size: Size) -> Frame:
         """A side's picture at any size; fetch its numbers before the next one is asked for."""
@@ -190,6 +199,7 @@ class PairRenderer:
     def _draw_side(self, renderer: Renderer, state: State, side: str, size: Size) -> SidePicture:
         scene, look = state.scene(side), state.side(side).look
         frame = renderer.render(scene, look, size)
+        self._methods[side] = frame.method
         overlay = state.presentation.overlay
         if overlay == "none" or state.presentation.haploscopic:
             return SidePicture(renderer.framebuffer_name(TONE), size, frame)

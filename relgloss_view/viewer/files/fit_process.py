@@ -19,10 +19,10 @@ import signal
 import subprocess
 import sys
 import traceback
-from collections.abc import Callable
 from typing import Any, BinaryIO
 
 from relgloss_view.base.errors import InputError, RelglossError
+from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.material.material import Material
 from relgloss_view.measure.table import Measurement
 
@@ -47,7 +47,7 @@ class FitProcess:
         except (OSError, ValueError) as error:
             raise InputError(f"{path}: no process can be made to fit it ({error})") from error
 
-    def run(self, progress: Callable[[float, str], object]) -> tuple[Material, Measurement]:
+    def run(self, progress: ProgressReport) -> tuple[Material, Measurement]:
         """Wait for the outcome; InputError for what is wrong with the file or ends the process."""
         pipe = self._process.stdout
         assert pipe is not None
@@ -64,7 +64,7 @@ class FitProcess:
             self._process.kill()
 
     def _outcome(
-        self, pipe: BinaryIO | Any, progress: Callable[[float, str], object]
+        self, pipe: BinaryIO | Any, progress: ProgressReport
     ) -> tuple[Material, Measurement]:
         while True:
             try:

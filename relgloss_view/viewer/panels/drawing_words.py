@@ -15,7 +15,7 @@ _WORDS: dict[tuple[str, str | int], str] = {
     ("c_max", "sparse"): "c_max from a quarter of the pixels",
     ("c_max", "eq4"): "c_max by eq. 4",
     ("c_max", "once"): "c_max without the grain",
-    ("gamut", "clip"): "no gamut mapping, as no colour needs it",
+    ("gamut", "clip"): "no gamut mapping (no colour needs it)",
     ("diffuse", "lambert"): "Lambert's diffuse model",
     ("diffuse", "oren-nayar"): "Oren and Nayar's diffuse model",
     ("diffuse", "qualitative"): "Oren and Nayar's qualitative diffuse model",

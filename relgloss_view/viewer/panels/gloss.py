@@ -14,6 +14,7 @@ from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.viewer.files.background import Outcome
 from relgloss_view.viewer.files.own_materials import keep_material
 from relgloss_view.viewer.panels import plot_widgets
+from relgloss_view.viewer.panels.list_rows import fitting
 from relgloss_view.viewer.plots.gloss_readings import GlossReadings, Readings
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import em
@@ -23,7 +24,7 @@ from relgloss_view.viewer.state.state import SIDES
 
 WANTED = "Wanted reading"
 NARROW_EM = 34.0  #: below this width the slider lies under the readings
-TABLE_SHARE = 0.6
+TABLE_SHARE = 0.66
 ANGLES_DEG = ("60", "20", "75", "85")
 IN_WORDS = {"60": "60°", "20": "20°", "75": "75°, paper", "85": "85°"}
 TOP_UNITS = 110.0  #: that the slider reaches; typing reaches further
@@ -109,8 +110,8 @@ def _table(model: Model, outcomes: dict[str, Outcome[Material, Readings] | None]
         imgui.table_next_row()
         imgui.table_next_column()
         first = next(iter(of_side.values()))
-        imgui.text_unformatted(first.name)
-        widgets.tooltip(first.standard)
+        imgui.text_unformatted(fitting(first.name, imgui.get_content_region_avail().x))
+        widgets.tooltip(f"{widgets.sentence(first.name)}\n{first.standard}")
         for side in SIDES:
             imgui.table_next_column()
             if side in of_side:
@@ -124,13 +125,16 @@ def _cell(reading: Reading, *, faint: bool) -> None:
         widgets.tooltip(widgets.sentence(reading.reason))
         return
     error = reading.standard_error
-    text = f"{reading.value:.3g}" + ("" if error is None else f" ± {error:.1g}")
+    text = f"{reading.value:.3g}"
+    with_error = text if error is None else f"{text} ± {error:.1g}"
+    if imgui.calc_text_size(with_error).x <= imgui.get_content_region_avail().x:
+        text = with_error
     (widgets.quiet if faint else imgui.text_unformatted)(text)
     lines = [reading.standard]
     if reading.diffuse is not None:
         lines.append(f"The diffuse reflection gives {reading.diffuse:.2g} of it.")
     if error is not None:
-        lines.append("The error follows from the standard errors of the fit.")
+        lines.append(f"The error, ± {error:.1g}, follows from the standard errors of the fit.")
     if reading.note:
         lines.append(widgets.sentence(reading.note))
     widgets.tooltip("\n".join(lines))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from imgui_bundle import imgui, implot
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.picture.frame import Frame
 from relgloss_view.viewer.panels import plot_widgets
@@ -21,6 +22,7 @@ TOP_LSTAR = 120.0
 #: As many pixels represent all while a hand drags; 50 000 take a third of a millisecond.
 PIXELS_IN_A_DRAG = 50_000
 LEAST_SHARE = 0.01  #: %, the histogram's foot
+LEFT_OF_PLOT_EM = 3.0  #: the values of the vertical axis and its label
 NARROW_EM = 28.0  #: below this width the plots lie in tabs
 
 
@@ -177,7 +179,7 @@ def _draw_line(curves: _Curves, *, faint: bool) -> None:
     line = curves.line
     x = np.arange(len(line.l_d), dtype=np.float64) + 0.5
 
-    def on_object(values: plot_widgets.Array) -> plot_widgets.Array:
+    def on_object(values: Array) -> Array:
         return np.where(line.on_object, values, np.nan)
 
     if faint:
@@ -194,9 +196,12 @@ def _draw_line(curves: _Curves, *, faint: bool) -> None:
 def _histogram_plot(side: str, by_side: dict[str, _Curves], width: float, height: float) -> None:
     if plot_widgets.begin("histogram", width, height):
         clipped = by_side[side].histogram.clipped
-        label = (
-            f"lightness (L*); {100.0 * clipped:.2g} % above 100" if clipped else "lightness (L*)"
-        )
+        label = "lightness (L*)"
+        if clipped:
+            above = f"{100.0 * clipped:.2g} % above 100"
+            whole = f"{label}; {above}"
+            room = width - em(LEFT_OF_PLOT_EM)
+            label = whole if imgui.calc_text_size(whole).x < room else f"L*; {above}"
         low = plot_widgets.axes((label, 0.0, TOP_LSTAR), ("% of pixels", LEAST_SHARE, 100.0))
         implot.setup_axis_scale(implot.ImAxis_.y1, implot.Scale_.log10)
         ticks = [0.01, 0.1, 1.0, 10.0, 100.0]

@@ -11,6 +11,7 @@ from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.quality.planner import DEFAULT_TOLERANCE
 from relgloss_view.viewer.panels.drawing_words import drawing_words
 from relgloss_view.viewer.shell import widgets
+from relgloss_view.viewer.shell.theme import em
 from relgloss_view.viewer.shell.widgets import Reach
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.state import SIDES, Presentation
@@ -89,9 +90,9 @@ def _highest(model: Model, side: str, setting: Setting, frame: Frame | None) -> 
     imgui.align_text_to_frame_padding()
     imgui.text_unformatted("no highlight" if c_max is None else f"{c_max:.4g}")
     widgets.tooltip("The highest contrast gloss that the display shows without clipping.")
-    widgets.label("")
+    imgui.same_line(0.0, em(0.7))
     locked = setting == Setting(setting.sigma_n_deg)
-    if widgets.checkbox("Stay at the highest", locked, "holds c at c_max, whatever else changes"):
+    if widgets.checkbox("Hold c there", locked, "keeps c at c_max, whatever else changes"):
         c = frame.c if frame else None
         model.set_setting(side, Setting(setting.sigma_n_deg, c=c if locked else None))
 

@@ -238,6 +238,10 @@ class OwnDialog:
             imgui.same_line()
         if widgets.checkbox("Hidden", self._hidden, "lists names that begin with a dot, too"):
             self._hidden = not self._hidden
+        if self.question.suffixes and not self._all:
+            imgui.same_line()
+            kinds = f"Listed: {', '.join(self.question.suffixes)}"
+            widgets.quiet(fitting(kinds, imgui.get_content_region_avail().x))
         message = self._message()
         if message:
             widgets.wrapped(message)

@@ -20,7 +20,9 @@ from relgloss_view.viewer.state.state import SIDES
 RADIUS = 4  #: neighbours to each side
 NARROW_EM = 46.0  #: below this width the pixels lie under the numbers
 NUMBER_EM = 4.2  #: room for a number, at most
+NUMBER_GAP_EM = 0.4  #: between numbers side by side
 NUMBER_LEAST_EM = 2.8  #: with less, numbers are below one another
+NAMES_SHARE = 0.4  #: of the table's width, for the names of quantities
 LEAST_TABLE_EM = 29.0
 TABLE_EM = 44.0  #: a wider table would tear its columns apart
 CELL_FONT = 0.8  #: of the ordinary size
@@ -172,6 +174,7 @@ def _table(pixels: dict[str, Readout | None], width: float) -> None:
     if not imgui.begin_table("pixel", 3, flags, ImVec2(width, 0.0)):
         return
     names = max(imgui.calc_text_size(row.name).x for row in QUANTITIES)
+    names = min(names, NAMES_SHARE * width)
     imgui.table_setup_column("Pixel", imgui.TableColumnFlags_.width_fixed, names)
     for name in SIDES:
         imgui.table_setup_column(name.capitalize(), imgui.TableColumnFlags_.width_stretch)
@@ -179,7 +182,7 @@ def _table(pixels: dict[str, Readout | None], width: float) -> None:
     for k, row in enumerate(QUANTITIES):
         imgui.table_next_row()
         imgui.table_next_column()
-        widgets.quiet(row.name)
+        widgets.wrapped(row.name, dim=True)
         widgets.tooltip(row.meaning)
         for name in SIDES:
             imgui.table_next_column()
@@ -192,7 +195,7 @@ def _table(pixels: dict[str, Readout | None], width: float) -> None:
                 widgets.quiet("-")
     imgui.table_next_row()
     imgui.table_next_column()
-    widgets.quiet("Digital (R, G, B)")
+    widgets.wrapped("Digital (R, G, B)", dim=True)
     widgets.tooltip("Digital values sent to the display, 8 bits.")
     for name in SIDES:
         imgui.table_next_column()
@@ -205,7 +208,8 @@ def _in_columns(texts: list[str]) -> None:
     """Numbers below one another from row to row."""
     start = imgui.get_cursor_pos_x()
     step = min(imgui.get_content_region_avail().x / 3.0, em(NUMBER_EM))
-    stacked = step < em(NUMBER_LEAST_EM)
+    widest = max(imgui.calc_text_size(text).x for text in texts)
+    stacked = step < max(em(NUMBER_LEAST_EM), widest + em(NUMBER_GAP_EM))
     for k, text in enumerate(texts):
         if k and not stacked:
             imgui.same_line()

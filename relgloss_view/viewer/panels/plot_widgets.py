@@ -10,14 +10,13 @@ from typing import Generic, TypeVar
 
 import numpy as np
 from imgui_bundle import ImVec2, ImVec4, imgui, implot
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import CURVES, PANEL, QUIET, em, gray
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.state import SIDES
 
-Array = NDArray[np.float64]
 T = TypeVar("T")
 
 TOTAL, DIFFUSE, SPECULAR, PLAIN = CURVES[0], CURVES[1], CURVES[2], CURVES[4]
@@ -25,7 +24,7 @@ OTHER = gray(0.45)  #: the other side's curves
 LIMIT = gray(QUIET)
 SMALLEST_PLOT_EM = (8.0, 4.5)
 LOW_EM = 8.0  #: in a lower plot the labels of the axes are inside
-ROOMY_EM = 15.0  #: with this height left, the legend may take a line of its own
+ROOMY_EM = 12.0  #: with this height left, the legend may take a line of its own
 MORE = "..."
 Entry = tuple[str, ImVec4]
 _low = False  #: whether the plot that was begun is low
@@ -88,11 +87,11 @@ def legend(entries: list[Entry]) -> None:
     more = em(1.1) + dots
     tall = imgui.get_content_region_avail().y > em(ROOMY_EM)
     if tall and entries:
-        beside(em(1.45) + imgui.calc_text_size(entries[0][0]).x + more)
+        beside(sum(_entry_width(text) + em(1.1) for text, _ in entries) - em(1.1))
         imgui.dummy(ImVec2(0.0, 0.0))
     for k, (text, _) in enumerate(entries):
         imgui.same_line(0.0, 0.0 if tall and k == 0 else em(1.1))
-        width = em(1.45) + imgui.calc_text_size(text).x
+        width = _entry_width(text)
         last = k == len(entries) - 1
         if imgui.get_cursor_screen_pos().x + width + (0.0 if last else more) > right:
             if imgui.get_cursor_screen_pos().x + dots > right:
@@ -105,6 +104,10 @@ def legend(entries: list[Entry]) -> None:
                 imgui.end_tooltip()
             return
         _entry(entries[k])
+
+
+def _entry_width(text: str) -> float:
+    return float(em(1.45) + imgui.calc_text_size(text).x)
 
 
 def _entry(entry: Entry) -> None:
@@ -136,7 +139,7 @@ def note_if_waiting(current: bool) -> None:
 def note_split(model: Model) -> None:
     """Note that numbers are the split's, where a picture shows another operator's."""
     if model.operator_pictures:
-        text = "Tone mapping: split"
+        text = "Values of the split"
         beside(imgui.calc_text_size(text).x)
         imgui.align_text_to_frame_padding()
         widgets.quiet(text)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from imgui_bundle import ImVec2, implot
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.viewer.panels import plot_widgets
 from relgloss_view.viewer.plots.reflection import Points, to_polar
 from relgloss_view.viewer.shell.theme import QUIET, em, gray
@@ -24,7 +25,7 @@ class RadialScale:
     top: float
     foot: float | None = None
 
-    def radius(self, value: plot_widgets.Array) -> plot_widgets.Array:
+    def radius(self, value: Array) -> Array:
         """Distance from the centre."""
         if self.foot is None:
             return np.asarray(value / self.top)

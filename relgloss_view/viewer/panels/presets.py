@@ -58,11 +58,11 @@ def _built_in(model: Model, preset: Preset) -> None:
     published = preset.look
     look = model.state.side(model.active_side).look
     active = look.setting == published.setting
-    if row(preset.name, preset.name, active, beside=_numbers(published)):
+    if row(preset.name, preset.name, active, beside=_short_words(published)):
         model.set_setting(model.active_side, published.setting)
     widgets.tooltip(
-        f"The choice of the paper's observers for {preset.name} paper: {_numbers(published)} "
-        "(graininess and contrast gloss). The rest of the look stays."
+        f"The setting that the observers of the published study chose for {preset.name} paper: "
+        f"{_words(published)}. The rest of the look stays."
     )
 
 
@@ -79,7 +79,10 @@ def _own(model: Model, preset: Preset) -> None:
         width = max(imgui.get_content_region_avail().x - right - space, em(3.0))
         if row("apply", preset.name, on, width=width):
             model.change(model.state.with_look(model.active_side, **vars(preset.look)))
-        widgets.tooltip(f"{preset.name}: {_words(preset.look)}.")
+        look = preset.look
+        cell = f"{look.grain_px:g} px" if look.grain == "screen" else f"{look.grain_mm:g} mm"
+        grain = f"grain fixed to the {look.grain}, {cell}, seed {look.seed}"
+        widgets.tooltip(f"{preset.name}: {_words(look)}; {grain}.")
         imgui.same_line()
         if widgets.small_button("Rename", "gives the preset another name"):
             _name(preset.name)
@@ -157,12 +160,19 @@ def _attempt(action: Callable[[], Presets]) -> bool:
     return True
 
 
-def _numbers(look: Look) -> str:
-    if look.c is not None:
-        return f"sigma_N {look.sigma_n_deg:.3g}°, c {look.c:.3g}"
-    return f"sigma_N {look.sigma_n_deg:.3g}°, {share_words(look.setting.c_fraction)} of c_max"
+def _short_words(look: Look) -> str:
+    """The setting beside a preset's name."""
+    return f"graininess {look.sigma_n_deg:.3g}°, gloss {_contrast_gloss(look)}"
 
 
 def _words(look: Look) -> str:
-    cell = f"{look.grain_px:g} px" if look.grain == "screen" else f"{look.grain_mm:g} mm"
-    return f"{_numbers(look)}; grain fixed to the {look.grain}, {cell}, seed {look.seed}"
+    """The setting with its symbols."""
+    symbol = "c" if look.c is not None else "c / c_max"
+    return (
+        f"graininess (sigma_N) {look.sigma_n_deg:.3g}°, "
+        f"contrast gloss ({symbol}) {_contrast_gloss(look)}"
+    )
+
+
+def _contrast_gloss(look: Look) -> str:
+    return f"{look.c:.3g}" if look.c is not None else share_words(look.setting.c_fraction)

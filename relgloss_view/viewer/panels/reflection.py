@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from imgui_bundle import imgui, implot
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.measure.table import Measurement
 from relgloss_view.viewer.panels import plot_widgets, polar
@@ -146,7 +147,7 @@ def _controls(memory: _Memory, measurement: Measurement | None) -> None:
     widgets.tooltip("A logarithmic scale shows the diffuse part beside a narrow lobe.")
 
 
-def _nearest(measured: plot_widgets.Array, angle: float) -> float:
+def _nearest(measured: Array, angle: float) -> float:
     return float(measured[np.argmin(np.abs(measured - angle))])
 
 

@@ -55,11 +55,12 @@ def _evidence(model: Model) -> None:
         widgets.wrapped("Not fitted: the file gives the parameters of the reflection.")
     else:
         error = fit.residuals.get("median_relative_error")
-        text = f"Quality {fit.quality}; model {fit.chosen}"
+        text = f"Quality: {fit.quality}. Model: {fit.chosen}."
         if isinstance(error, int | float):
-            text += f"; median error {error:.1%}"
+            text += f" Median error: {100.0 * error:.1f} %."
         widgets.wrapped(text)
-    widgets.wrapped(printable(material.source, 200), dim=True)
+    if material.source:
+        widgets.wrapped(widgets.sentence(printable(material.source, 200)), dim=True)
     place = sample.table or sample.file
     if place:
         widgets.wrapped(printable(Path(place).name, LONGEST), dim=True)

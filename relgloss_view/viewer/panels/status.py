@@ -11,7 +11,6 @@ from relgloss_view.picture.output.parameters import warnings
 from relgloss_view.viewer.panels.drawing_words import drawing_words, quality_words
 from relgloss_view.viewer.shell.theme import POPUP, em, gray
 from relgloss_view.viewer.shell.widgets import tooltip
-from relgloss_view.viewer.state.model import DrawnPass
 
 if TYPE_CHECKING:
     from relgloss_view.viewer.shell.app import App
@@ -88,7 +87,6 @@ def _numbers(app: App, width: float) -> str:
         parts.append(quality_words(frame))
         parts.append(f"{picture.clip_count} pixels clipped")
         parts.append(f"{wide} x {tall} px" + (", draft" if model.draft else ""))
-        parts.append(f"passes: {_in_short(model.redrawn)}")
         parts.append(frame.device.split("(")[0].strip())
     line = ""
     for part in parts:
@@ -97,15 +95,6 @@ def _numbers(app: App, width: float) -> str:
             break
         line = longer
     return line
-
-
-def _in_short(redrawn: list[DrawnPass]) -> str:
-    """Passes by name, a side before them only where the other side drew something else."""
-    sides_of: dict[str, list[str]] = {}
-    for side, name in redrawn:
-        sides_of.setdefault(name, []).append(side)
-    words = [name if len(sides) > 1 else f"{sides[0]} {name}" for name, sides in sides_of.items()]
-    return ", ".join(words) or "none"
 
 
 def _details(app: App) -> str:

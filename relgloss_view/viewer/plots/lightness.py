@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import AnyArray, Array, Mask
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
-
-Array = NDArray[np.float64]
-Floats = NDArray[Any]
 
 BINS = 100  #: of 1 L* each, from 0 to 100
 #: Least Y of the brightest specular pixel that makes a highlight: L_s* of 0.01 on black.
@@ -26,7 +23,7 @@ class Line:
     row: int  #: from the top
     l_d: Array  #: of the diffuse reflection
     l_s: Array  #: what the specular reflection adds, before scaling
-    on_object: NDArray[np.bool_]
+    on_object: Mask
 
     def scaled(self, c: float) -> Array:
         """L_d + c L_s: what the picture shows, before it is cut at 100."""
@@ -51,9 +48,9 @@ class Histogram:
 class Lightness:
     """The two lightnesses of a frame, from which lines and histograms are cheap for every c."""
 
-    y_diffuse: Floats  #: (H, W), relative to Y_n
-    y_specular: Floats  #: (H, W)
-    on_object: NDArray[np.bool_]  #: (H, W)
+    y_diffuse: AnyArray  #: (H, W), relative to Y_n
+    y_specular: AnyArray  #: (H, W)
+    on_object: Mask  #: (H, W)
     object_l_d: NDArray[np.float32]  #: (N,), the object's pixels
     object_l_s: NDArray[np.float32]  #: (N,)
     highlight_row: int | None  #: of the brightest specular pixel; None where nothing is specular
@@ -96,5 +93,5 @@ class Lightness:
         return Histogram(share, float(np.mean(above)), len(total))
 
 
-def _split(y_diffuse: Floats, y_specular: Floats) -> tuple[Floats, Floats]:
+def _split(y_diffuse: AnyArray, y_specular: AnyArray) -> tuple[AnyArray, AnyArray]:
     return tone.split_lightness(y_diffuse, y_specular)

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import AnyArray, Array, Bytes, Mask
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
 
-Array = NDArray[np.float64]
-Floats = NDArray[Any]
 Triple = tuple[float, float, float]
 
 
@@ -38,9 +35,9 @@ class Readout:
 class Patch:
     """The pixels around one, row 0 the top; those beyond the picture are marked."""
 
-    rgb: NDArray[np.uint8]  #: (N, N, 3)
+    rgb: Bytes  #: (N, N, 3)
     lstar: Array  #: (N, N), L~* as displayed: at most 100, the surround's off the object
-    inside: NDArray[np.bool_]  #: (N, N)
+    inside: Mask  #: (N, N)
 
 
 @dataclass(frozen=True)
@@ -48,16 +45,16 @@ class Stages:
     """Every stage of a frame that a readout needs, fetched at once."""
 
     y_n_cd_m2: float
-    diffuse: Floats
-    specular: Floats
-    lab: Floats
-    display: NDArray[np.uint8]
-    normal: Floats
-    tilted_normal: Floats
-    point_m: Floats
-    on_object: NDArray[np.bool_]
-    clipped: NDArray[np.bool_]
-    out_of_gamut: NDArray[np.bool_]
+    diffuse: AnyArray
+    specular: AnyArray
+    lab: AnyArray
+    display: Bytes
+    normal: AnyArray
+    tilted_normal: AnyArray
+    point_m: AnyArray
+    on_object: Mask
+    clipped: Mask
+    out_of_gamut: Mask
     lamp_m: Array
     eye_m: Array
     background_lstar: float
@@ -108,7 +105,7 @@ class Stages:
             out_of_gamut=bool(self.out_of_gamut[at]),
         )
 
-    def _half_deg(self, normal: Floats, at: tuple[int, int]) -> float | None:
+    def _half_deg(self, normal: AnyArray, at: tuple[int, int]) -> float | None:
         return half_vector_deg(normal[at], self.point_m[at], self.lamp_m, self.eye_m)
 
     def patch(self, column: int, row: int, radius: int = 4) -> Patch:
@@ -123,7 +120,9 @@ class Stages:
         return Patch(self.display[place], lstar, inside)
 
 
-def half_vector_deg(normal: Floats, point_m: Floats, lamp_m: Array, eye_m: Array) -> float | None:
+def half_vector_deg(
+    normal: AnyArray, point_m: AnyArray, lamp_m: Array, eye_m: Array
+) -> float | None:
     """Angle between a normal and the half-vector of lamp and eye as the point sees them, degrees.
 
     None where there is no normal, or where lamp and eye are opposite.
@@ -139,6 +138,6 @@ def half_vector_deg(normal: Floats, point_m: Floats, lamp_m: Array, eye_m: Array
     return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(n, h)), np.dot(n, h))))
 
 
-def _triple(values: Floats) -> Triple:
+def _triple(values: AnyArray) -> Triple:
     x, y, z = (float(v) for v in values)
     return x, y, z

@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.material import brdf
 from relgloss_view.material.albedo import directional_albedo
 from relgloss_view.material.material import Material
@@ -18,8 +18,6 @@ from relgloss_view.measure.bands import Bands
 from relgloss_view.measure.gonio import direction
 from relgloss_view.measure.table import NEGATIVE, Measurement
 from relgloss_view.viewer.plots.caches import Recent
-
-Array = NDArray[np.float64]
 
 STEEPEST_DEG = 85.0  #: incidence and receiver angles end here
 SAME_ANGLE_DEG = 0.5  #: a measured incidence this near is the one asked for
@@ -172,7 +170,7 @@ class _Plane:
 
     incidence_deg: Array
     receiver_deg: Array
-    rows: NDArray[np.bool_]
+    rows: Mask
 
     @classmethod
     def of(cls, measurement: Measurement) -> _Plane:

@@ -68,7 +68,7 @@ class App:
                 Panel("Pixel", BELOW_RIGHT, lambda: pixel.show(self.model)),
             ]
         )
-        self.pictures: PairRenderer | None = None
+        self.pair_renderer: PairRenderer | None = None
         self.flip_held = False  #: a key or a button shows the other picture
         self.drawn_pane: stage.DrawnPane | None = None  #: the pictures of the present frame
         self.stage_origin = (0.0, 0.0)  #: upper left corner of their pane, pixels of the screen
@@ -85,7 +85,7 @@ class App:
 
     def start(self, ctx: Any, window: Window) -> None:
         """The context is there."""
-        self.pictures = PairRenderer(ctx)
+        self.pair_renderer = PairRenderer(ctx)
         self._window = window
         self.model.render_at = self._render_at
         if self.kept_layout.docking:
@@ -93,10 +93,10 @@ class App:
 
     def frame(self) -> None:
         """Build the interface and draw the pictures."""
-        assert self.pictures is not None
+        assert self.pair_renderer is not None
         assert self._window is not None
         self._frame_began_s = time.perf_counter()
-        if self.pictures.lost(self._window.is_texture) or self._lost:
+        if self.pair_renderer.lost(self._window.is_texture) or self._lost:
             self._lost = False
             self.rebuild()
         actions.take_keys(self)
@@ -117,7 +117,7 @@ class App:
 
     def after_frame(self, frame_s: float) -> bool:
         """Learn from the frame; whether another is needed at once."""
-        assert self.pictures is not None
+        assert self.pair_renderer is not None
         self.model.frame_s = frame_s
         io = imgui.get_io()
         now_s = time.monotonic()
@@ -125,12 +125,12 @@ class App:
             io.want_save_ini_settings = False
             self._layout_kept_s = now_s
             self.model.attempt(self.save_layout)
-        if self.pictures.ctx.error != "GL_NO_ERROR":
+        if self.pair_renderer.ctx.error != "GL_NO_ERROR":
             self._lost = True  # the next frame reports it and makes everything again
             return True
         if self.model.dragging:
             return True
-        warmed = self.pictures.warm(self.model.state)
+        warmed = self.pair_renderer.warm(self.model.state)
         assert self._window is not None
         self._window.to_screen()
         return warmed
@@ -148,8 +148,8 @@ class App:
         """The context is about to go."""
         self.files.close()
         self.model.attempt(self.save_layout)
-        if self.pictures is not None:
-            self.pictures.release()
+        if self.pair_renderer is not None:
+            self.pair_renderer.release()
 
     def wake(self) -> None:
         """Have a frame drawn soon; from any thread."""
@@ -196,11 +196,11 @@ class App:
 
     def rebuild(self) -> None:
         """The device lost what was on it: make everything again; the next frame is the same."""
-        assert self.pictures is not None
-        ctx = self.pictures.ctx
-        self.pictures.abandon()
+        assert self.pair_renderer is not None
+        ctx = self.pair_renderer.ctx
+        self.pair_renderer.abandon()
         self.model.frames = {}
-        self.pictures = PairRenderer(ctx)
+        self.pair_renderer = PairRenderer(ctx)
         self.model.report("the graphics device lost its objects; everything was made again")
 
     # --- one frame ----------------------------------------------------------------------------
@@ -231,13 +231,13 @@ class App:
         self._window.below = self._give_view if wanted and self.drawn_pane is not None else None
 
     def _draw_pictures(self, pane: Size) -> stage.DrawnPane | None:
-        assert self.pictures is not None
+        assert self.pair_renderer is not None
         assert self._window is not None
         model = self.model
         state = model.state
         if self.flip_held:
             state = state.with_part("presentation", flipped=not state.presentation.flipped)
-        arrangement = arranged(pane, state.presentation, largest=self.pictures.largest)
+        arrangement = arranged(pane, state.presentation, largest=self.pair_renderer.largest)
         if arrangement is None:
             self.drawn_pane = None
             return None
@@ -248,11 +248,11 @@ class App:
         model.gap_px = wanted if arrangement.gap_px is None else arrangement.gap_px
         pitch = self._window.pixel_pitch_m()
         model.pixel_pitch_m = pitch
-        before = self.pictures.drawn
-        pair = self.pictures.draw(
+        before = self.pair_renderer.drawn
+        pair = self.pair_renderer.draw(
             state, arrangement, self.draft_scale.scale, pitch, moving=model.dragging
         )
-        model.redrawn = passes_since(before, self.pictures.drawn) or model.redrawn
+        model.redrawn = passes_since(before, self.pair_renderer.drawn) or model.redrawn
         if model.dragging:
             # What c_max is read from has been waited for; the wait for a monitor is not counted.
             taken_s = time.perf_counter() - self._frame_began_s
@@ -270,7 +270,7 @@ class App:
         }
         for fault in pair.faults.values():
             model.report_once(fault, fault=True)
-        pictures = self.pictures.with_uploads(pair.pictures, displayed)
+        pictures = self.pair_renderer.with_uploads(pair.pictures, displayed)
         self.drawn_pane = stage.DrawnPane(arrangement, DrawnPair(pictures, pair.faults))
         return self.drawn_pane
 
@@ -288,7 +288,7 @@ class App:
 
     def _render_at(self, side: str, size: Size) -> Frame:
         """A side's picture at another size than the screen's. Raises RelglossError."""
-        assert self.pictures is not None
+        assert self.pair_renderer is not None
         model = self.model
         state = as_shown(model.state, model.picture_size, model.pixel_pitch_m)
-        return self.pictures.render_at(state, side, size)
+        return self.pair_renderer.render_at(state, side, size)

@@ -9,10 +9,9 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
 from imgui_bundle import ImVec2, imgui
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.reading import printable
 from relgloss_view.viewer.drawing.arrangement import as_shown
 from relgloss_view.viewer.files.open_job import Opened, OpenJob
@@ -87,7 +86,7 @@ class FileActions:
         )
 
     def _write_view(self, path: str) -> None:
-        def take(pixels: NDArray[np.uint8]) -> None:
+        def take(pixels: Bytes) -> None:
             from relgloss_view.picture.output.png import save_rgb
 
             presentation = dataclasses.asdict(self.model.state.presentation)

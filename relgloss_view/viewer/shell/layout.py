@@ -13,7 +13,7 @@ internal = imgui.internal
 
 RIGHT, BELOW, BELOW_RIGHT = "right", "below", "below right"
 RIGHT_EM = 25.0  #: width of the column of controls
-BELOW_EM = 16.0  #: height of the strip of plots
+BELOW_EM = 18.0  #: height of the strip of plots
 #: Of the window's width and height: the pictures stay the largest thing in it.
 LEAST_SHARE, MOST_SHARE = 0.15, (0.36, 0.42)
 STAGE = "Pictures"
@@ -26,7 +26,7 @@ _STAGE_FLAGS = (
     | imgui.WindowFlags_.no_saved_settings
     | imgui.WindowFlags_.no_scroll_with_mouse
 )
-PIXEL_SHARE = 0.36  #: of the strip below
+PIXEL_SHARE = 0.4  #: of the strip below
 
 
 @dataclass

@@ -238,7 +238,7 @@ def sentence(text: str) -> str:
 
 def _meaning(allowed: Range, default: float | None) -> str:
     unit = f" {allowed.unit}" if allowed.unit else ""
-    text = f"{sentence(allowed.meaning)}\n{allowed.low:g} to {allowed.high:g}{unit}"
+    text = f"{sentence(allowed.meaning)}\n{allowed.low:.10g} to {allowed.high:.10g}{unit}"
     if default is not None:
         text += f"; default {default:g}{unit}"
     return f"{text}.\n{HOW}"

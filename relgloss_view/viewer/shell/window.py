@@ -13,11 +13,12 @@ import time
 from collections.abc import Callable
 from typing import Any, Protocol
 
+from relgloss_view.base.arrays import Bytes
+
 # imgui_bundle first: it brings the GLFW that the glfw module then finds, so that both use one.
 from imgui_bundle import hello_imgui, imgui, immapp  # isort: skip
 import glfw
 import numpy as np
-from numpy.typing import NDArray
 
 from relgloss_view.picture.gpu.context import Blitter, Offscreen, attach, texture_probe
 from relgloss_view.viewer.drawing.canvas import Canvas
@@ -100,7 +101,7 @@ class Window:
         self._started = False
         self._error: BaseException | None = None
 
-    def run(self, frames: int | None = None) -> NDArray[np.uint8]:
+    def run(self, frames: int | None = None) -> Bytes:
         """Draw so many frames, or until the window is closed; returns the last one, (H, W, 3).
 
         Raises GLUnavailableError where no window can be opened.

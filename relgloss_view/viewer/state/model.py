@@ -7,9 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.base.reading import printable
 from relgloss_view.measure.table import Measurement
@@ -85,7 +83,7 @@ class Model:
         self.picture_size: Size = (1, 1)
         #: Takes the pane's pixels, (H, W, 3), without what the interface writes on them; asked for
         #: once, answered by the next full frame.
-        self.take_view: Callable[[NDArray[np.uint8]], None] | None = None
+        self.take_view: Callable[[Bytes], None] | None = None
         self.gap_px = 0  #: between the pictures on the screen
         self.pixel_pitch_m: float | None = None  #: of the monitor; None where it reports none
         #: Draws a side's picture at another size, in pixels; may raise RelglossError.

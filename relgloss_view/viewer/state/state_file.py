@@ -15,8 +15,9 @@ from relgloss_view.viewer.state.state import Presentation, Side, State
 def load_state(path: str | os.PathLike[str], stood_in: list[str] | None = None) -> State:
     """The state that a scene file holds; InputError names the file and the entry.
 
-    A file without [reference] gets the initial state's. With a list `stood_in`, materials and lamps
-    that are gone are replaced by those of the initial state, and the list gets a message of each.
+    A file without [reference] gets the initial state's, at the quality of the file's look. With a
+    list `stood_in`, materials and lamps that are gone are replaced by those of the initial state,
+    and the list gets a message of each.
     """
     content = read_scene_file(Path(path).absolute(), stood_in)
     try:
@@ -24,10 +25,13 @@ def load_state(path: str | os.PathLike[str], stood_in: list[str] | None = None) 
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
     reference = State.initial().reference
+    reference_look = content.reference_look
+    if reference_look is None:
+        reference_look = reference.look.with_entries(quality=content.look.quality)
     return State(
         Side(
             content.reference if content.reference is not None else reference.sample,
-            content.reference_look if content.reference_look is not None else reference.look,
+            reference_look,
         ),
         Side(content.sample, content.look),
         content.setup,

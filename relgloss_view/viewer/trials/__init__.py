@@ -1,1 +1,1 @@
-"""The window in which people judge pictures: one observer's session, screen by screen."""
+"""The window in which people judge pictures: one observer's session, phase by phase."""

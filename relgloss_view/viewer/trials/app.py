@@ -1,4 +1,4 @@
-"""The program of the window in which people answer: one Flow, its screens, its two pictures."""
+"""The program of the window in which people answer: one Flow, its phases, its two pictures."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from imgui_bundle import imgui
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.design.study import GRAIN, QUESTIONS
-from relgloss_view.experiment.session.flow import Flow, Screen
+from relgloss_view.experiment.session.flow import Flow, Phase
 from relgloss_view.experiment.session.records import Observer
 from relgloss_view.experiment.session.store import Store
 from relgloss_view.picture.model.view import Size
@@ -19,19 +19,19 @@ from relgloss_view.viewer.drawing.arrangement import Arrangement
 from relgloss_view.viewer.drawing.canvas import Canvas, surround_gray
 from relgloss_view.viewer.shell.window import Window
 from relgloss_view.viewer.trials import keys, pages, placement
-from relgloss_view.viewer.trials.category_strip import Scale
+from relgloss_view.viewer.trials.category_strip import CategoryStrip
 from relgloss_view.viewer.trials.device import Profile, screen_of, stay_open
-from relgloss_view.viewer.trials.experimenter_line import OperatorLine, Tell, goes_on
+from relgloss_view.viewer.trials.experimenter_line import ExperimenterLine, Tell, continues
 from relgloss_view.viewer.trials.ink import Ink
 from relgloss_view.viewer.trials.pair import Pair
 
-#: Screens after which pictures come: they are drawn while these show.
-_BEFORE_TRIALS = (Screen.INSTRUCTIONS, Screen.OBJECT, Screen.ADAPTATION, Screen.PAUSE, Screen.GAP)
-_NO_POINTER = (Screen.ADAPTATION, Screen.GAP, Screen.TRIAL)
+#: Phases after which pictures come: they are drawn while these show.
+_BEFORE_TRIALS = (Phase.INSTRUCTIONS, Phase.OBJECT, Phase.ADAPTATION, Phase.PAUSE, Phase.GAP)
+_NO_POINTER = (Phase.ADAPTATION, Phase.GAP, Phase.TRIAL)
 
 ANSWER_LOST = "This answer was NOT stored"
 UNDO_LOST = "The last answer could NOT be taken back"
-NEXT_UNKNOWN = "What was done is kept, but what comes next can't be found"
+NEXT_UNKNOWN = "The last step is kept, but the next one can't be found"
 NOT_KEPT = "The session can't be kept"
 NO_PICTURE = "The next pictures can't be shown"
 
@@ -46,7 +46,7 @@ class Trials:
         profile: Profile | None = None,
         tell: Tell = lambda share, text: None,
     ) -> None:
-        """tell: takes the operator's progress, as commands' Progress does."""
+        """tell: takes the experimenter's progress, as base.terminal's Progress does."""
         self.store, self.observer = store, observer
         self.flow: Flow | None = None  #: from the start on
         self.fault: pages.Page | None = None  #: what could not be done, until somebody goes back
@@ -54,15 +54,15 @@ class Trials:
         self._profile, self._tell = profile, tell
         study = store.study
         self._ink = Ink.on(study.setup.display)
-        self._scale = Scale(study.screen.scale, time.perf_counter)
+        self._strip = CategoryStrip(study.screen.scale, time.perf_counter)
         self._digits: list[tuple[int, ...]] = []
         self._window: Window | None = None
         self._pair: Pair | None = None
-        self._operator: OperatorLine | None = None
+        self._line: ExperimenterLine | None = None
         self._lost = False
         self._standing = False  #: whether the present frame shows the pictures
         self._keyed = False  #: whether the present frame's keys are for the page that shows
-        self._note = ""  #: for the operator, on the first page
+        self._note = ""  #: for the experimenter, on the first page
         self._halted = False  #: whether a page stands there until somebody does something
 
     # --- the life of the window ---------------------------------------------------------------
@@ -81,29 +81,29 @@ class Trials:
             None if self._profile is None else self._profile.data,
         )
         self._pair = Pair(ctx, self.store, run)
-        self._note = goes_on(self.store, self.observer)
+        self._note = continues(self.store, self.observer)
         self.flow = Flow(self.store, self.observer, run, time.perf_counter)
         self._digits = keys.digit_chords(len(self.store.study.categories))
 
     def frame(self) -> None:
-        """Take what the hand did, then show the present screen."""
+        """Take what the hand did, then show the present phase."""
         flow, window, pair = self._there()
-        if self._operator is None:  # not before: while a window opens, the terminal is held back
-            self._operator = OperatorLine(flow, time.perf_counter, self._tell)
+        if self._line is None:  # not before: while a window opens, the terminal is held back
+            self._line = ExperimenterLine(flow, time.perf_counter, self._tell)
         pair.restore(window.is_texture, lost=self._lost)
         self._lost = False
         size = window.size_now()
         arrangement = placement.arranged(self.store.study, size)
         if keys.pressed(keys.QUIT):
             window.close()
-        meant = flow.screen, self.fault  # what stood there as keys were pressed
+        meant = flow.phase, self.fault  # what showed as keys were pressed
         if self.fault is None and arrangement is not None:
             self._take_keys(flow)
             self._attempt(flow.tick, NOT_KEPT)
             if self.fault is None:
-                self._attempt(self._operator.follow, NOT_KEPT)
+                self._attempt(self._line.follow, NOT_KEPT)
         # A page that comes in this frame leaves its keys: one press acts once.
-        self._keyed = (flow.screen, self.fault) == meant
+        self._keyed = (flow.phase, self.fault) == meant
         window.canvas = Canvas([(0, 0, *size)])
         self._standing = False
         if self.fault is not None:
@@ -113,10 +113,10 @@ class Trials:
             least = placement.needed(self.store.study, size)
             pages.show(pages.small_page(size, least), self._ink, size)
         else:
-            self._show_screen(flow, size, arrangement)
+            self._show_phase(flow, size, arrangement)
         self._halted = self.fault is not None or arrangement is None
-        if imgui.is_key_down(keys.OPERATOR) and flow.screen is not Screen.CONSENT:
-            self._show_operator(size)
+        if imgui.is_key_down(keys.EXPERIMENTER) and flow.phase is not Phase.CONSENT:
+            self._show_line(size)
         window.to_screen()  # pictures may have been drawn
 
     def after_frame(self, frame_s: float) -> bool:
@@ -125,7 +125,7 @@ class Trials:
         self._lost = not pair.finish_frame()
         if self._standing:
             flow.shown()
-        if self.fault is not None or flow.screen not in _BEFORE_TRIALS or flow.trial is None:
+        if self.fault is not None or flow.phase not in _BEFORE_TRIALS or flow.trial is None:
             return self._lost
         self._prepare(flow, pair)
         window.to_screen()
@@ -136,12 +136,12 @@ class Trials:
         flow = self.flow
         if flow is None or self._halted:
             return None
-        if flow.screen is Screen.GAP:
+        if flow.phase is Phase.GAP:
             return flow.left_s()
-        if flow.screen is Screen.ADAPTATION:  # the countdown shows whole seconds
+        if flow.phase is Phase.ADAPTATION:  # the countdown shows whole seconds
             left = flow.left_s()
             return left - math.ceil(left) + 1.0
-        return self._scale.wait_s() if flow.screen is Screen.TRIAL else None
+        return self._strip.wait_s() if flow.phase is Phase.TRIAL else None
 
     def dropped(self, paths: list[str]) -> None:
         """Nothing is opened here."""
@@ -161,8 +161,8 @@ class Trials:
     @property
     def progress(self) -> tuple[int, int]:
         """How many trials the observer has answered, and of how many."""
-        operator = self._operator
-        return (0, 0) if operator is None else (operator.answered, operator.total)
+        line = self._line
+        return (0, 0) if line is None else (line.answered, line.total)
 
     def _there(self) -> tuple[Flow, Window, Pair]:
         assert self.flow is not None
@@ -173,15 +173,15 @@ class Trials:
     # --- what is done -------------------------------------------------------------------------
 
     def _take_keys(self, flow: Flow) -> None:
-        """Keys of the screens without words; pages take theirs as they are shown."""
-        if flow.screen in (Screen.GAP, Screen.TRIAL):
+        """Keys of the phases without words; pages take theirs as they are shown."""
+        if flow.phase in (Phase.GAP, Phase.TRIAL):
             if keys.pressed(keys.BACKSPACE):
                 self._act(pages.UNDO)
             elif keys.pressed(keys.PAUSE):
                 self._attempt(flow.pause, NOT_KEPT)
-            elif flow.screen is Screen.TRIAL:
+            elif flow.phase is Phase.TRIAL:
                 self._answer(flow, self._digit())
-        elif flow.screen is Screen.ADAPTATION and keys.pressed(keys.SKIP):
+        elif flow.phase is Phase.ADAPTATION and keys.pressed(keys.SKIP):
             self._attempt(flow.skip_adaptation, NOT_KEPT)
 
     def _digit(self) -> int | None:
@@ -192,9 +192,9 @@ class Trials:
             return
         self._failed.clear()
         self._standing = False  # what shows until the next frame belongs to this answer
-        self._scale.hide()
-        assert self._operator is not None
-        self._attempt(self._operator.note_answer, NOT_KEPT)
+        self._strip.hide()
+        assert self._line is not None
+        self._attempt(self._line.note_answer, NOT_KEPT)
 
     def _act(self, action: str | None) -> None:
         """Do what a page offers."""
@@ -210,27 +210,27 @@ class Trials:
         elif action == pages.RETRY:
             self.fault = None
         if action is not None and action != pages.RETRY and self.fault is None:
-            assert self._operator is not None
-            self._operator.note_break()
+            assert self._line is not None
+            self._line.note_break()
             self._note = ""
-            self._attempt(self._operator.refresh, NOT_KEPT)
+            self._attempt(self._line.refresh, NOT_KEPT)
 
-    def _attempt(self, action: Callable[[], object], told: str) -> bool:
+    def _attempt(self, action: Callable[[], object], heading: str) -> bool:
         """Do something that has to be kept; returns whether it was done.
 
-        Where it can't be kept, a page says so at once and the screen stays what it was.
+        Where it can't be kept, a page says so at once and the phase stays what it was.
         """
         assert self.flow is not None
         try:
             done = bool(action())
         except InputError as error:
-            told = NEXT_UNKNOWN if self.flow.behind else told
-            self.fault = pages.fault_page(told, str(error))
-            self._failed.pop(told, None)
-            self._failed[told] = f"{told}: {error}"
+            heading = NEXT_UNKNOWN if self.flow.behind else heading
+            self.fault = pages.fault_page(heading, str(error))
+            self._failed.pop(heading, None)
+            self._failed[heading] = f"{heading}: {error}"
             self.flow.hidden()
             return False
-        self._failed.pop(told, None)
+        self._failed.pop(heading, None)
         if not self.flow.behind:
             self._failed.pop(NEXT_UNKNOWN, None)
         return done
@@ -246,26 +246,26 @@ class Trials:
 
     # --- what shows ---------------------------------------------------------------------------
 
-    def _show_screen(self, flow: Flow, size: Size, arrangement: Arrangement) -> None:
+    def _show_phase(self, flow: Flow, size: Size, arrangement: Arrangement) -> None:
         _, window, pair = self._there()
-        if flow.screen in _NO_POINTER and self._scale.alpha == 0.0:
+        if flow.phase in _NO_POINTER and self._strip.alpha == 0.0:
             imgui.set_mouse_cursor(imgui.MouseCursor_.none)
-        if flow.screen is Screen.TRIAL:
+        if flow.phase is Phase.TRIAL:
             if self._prepare(flow, pair):
                 window.canvas = pair.canvas(size, arrangement)
                 self._standing = True
                 self._show_below(flow, size, arrangement)
-        elif flow.screen is Screen.ADAPTATION:
+        elif flow.phase is Phase.ADAPTATION:
             left = math.ceil(flow.left_s())
             text_px = pages.text_px(size)
             below = placement.below_pictures(size, arrangement, question=True)
             top = size[1] - 3.0 * text_px if below.question is None else below.question
             pages.line(f"{left // 60}:{left % 60:02d}", self._ink.faint, text_px, size, top)
-        elif flow.screen is Screen.INSTRUCTIONS and not (flow.study.guide.strip() or self._note):
+        elif flow.phase is Phase.INSTRUCTIONS and not (flow.study.guide.strip() or self._note):
             self._act(pages.CONFIRM)
         else:
-            assert self._operator is not None
-            page = pages.page_of(flow, answered=self._operator.answered > 0, note=self._note)
+            assert self._line is not None
+            page = pages.page_of(flow, answered=self._line.answered > 0, note=self._note)
             if page is not None:
                 self._act(pages.show(page, self._ink, size, keyed=self._keyed))
 
@@ -276,13 +276,13 @@ class Trials:
         below = placement.below_pictures(size, arrangement, question=GRAIN in flow.study.questions)
         if flow.question == GRAIN and below.question is not None:
             pages.line(QUESTIONS[GRAIN], self._ink.quiet, text_px, size, below.question)
-        self._scale.look()
+        self._strip.look()
         if below.strip is not None:
             categories = flow.study.categories
-            clicked = self._scale.show(categories, self._ink, size, below.strip, text_px)
+            clicked = self._strip.show(categories, self._ink, size, below.strip, text_px)
             self._answer(flow, clicked)
 
-    def _show_operator(self, size: Size) -> None:
-        assert self._operator is not None
+    def _show_line(self, size: Size) -> None:
+        assert self._line is not None
         text_px = 0.8 * pages.text_px(size)
-        pages.line(self._operator.text, self._ink.quiet, text_px, size, size[1] - 1.1 * text_px)
+        pages.line(self._line.text, self._ink.quiet, text_px, size, size[1] - 1.1 * text_px)

@@ -28,11 +28,11 @@ _FLAGS = (
 )
 
 
-class Scale:
+class CategoryStrip:
     """Shows the strip when it is wanted, and takes clicks on it."""
 
     def __init__(self, when: str, clock: Callable[[], float]) -> None:
-        """when: one of study.SCALES."""
+        """when: one of study.STRIP_TIMES."""
         self._when = when
         self._clock = clock
         self._moved_s = -math.inf
@@ -86,7 +86,7 @@ class Scale:
         imgui.push_style_var(imgui.StyleVar_.window_padding, ImVec2(0.0, 0.0))
         imgui.push_style_var(imgui.StyleVar_.window_min_size, ImVec2(1.0, 1.0))
         imgui.push_style_var(imgui.StyleVar_.item_spacing, ImVec2(gap, 0.0))
-        imgui.begin("##scale", None, _FLAGS)
+        imgui.begin("##strip", None, _FLAGS)
         clicked = None
         for k, name in enumerate(names):
             if k:

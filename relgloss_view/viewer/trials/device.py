@@ -1,4 +1,4 @@
-"""What a session keeps of the screen that the pictures stood on."""
+"""What a session keeps of the monitor that showed the pictures."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def full_screen(params: hello_imgui.RunnerParams) -> None:
 
 
 def stay_open(window: Window) -> None:
-    """Let a full screen stand when the operator clicks elsewhere, as on another monitor."""
+    """Let a full screen stand when the experimenter clicks elsewhere, as on another monitor."""
     glfw.set_window_attrib(window.handle, glfw.AUTO_ICONIFY, glfw.FALSE)
 
 
@@ -97,4 +97,6 @@ def _monitor(handle: Any) -> dict[str, Any] | None:
 
 def _window_system() -> str | None:
     present = glfw.get_platform()
-    return next((told for name, told in PLATFORMS.items() if getattr(glfw, name) == present), None)
+    return next(
+        (system for name, system in PLATFORMS.items() if getattr(glfw, name) == present), None
+    )

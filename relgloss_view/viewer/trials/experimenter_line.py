@@ -1,4 +1,4 @@
-"""What the operator is told: whose session it is, and its progress while Tab is held."""
+"""What the experimenter reads: whose session it is, and its progress while Tab is held."""
 
 from __future__ import annotations
 
@@ -6,50 +6,50 @@ import statistics
 from collections.abc import Callable
 
 from relgloss_view.base.reading import printable
-from relgloss_view.experiment.session.flow import Flow, Screen, judged
+from relgloss_view.experiment.session.flow import Flow, Phase, trials_answered
 from relgloss_view.experiment.session.records import Observer
 from relgloss_view.experiment.session.store import Store
 
-FEWEST = 3  #: times between answers from which the time left is told
+FEWEST = 3  #: times between answers from which the time left is estimated
 RECENT = 40  #: times that count: observers get faster
 
-#: Screens in which the observer judges; of the others it is told which one stands there.
-_JUDGING = (Screen.GAP, Screen.TRIAL)
+#: Phases in which the observer judges; the line names the others.
+_JUDGING = (Phase.GAP, Phase.TRIAL)
 
-Tell = Callable[[float, str], object]  #: share done, 0 to 1, and what there is to say
+Tell = Callable[[float, str], object]  #: share done, 0 to 1, and a line of text
 
 
-def goes_on(store: Store, observer: Observer) -> str:
+def continues(store: Store, observer: Observer) -> str:
     """Whose session goes on, before somebody else answers in it; empty where one begins.
 
     One who has agreed but not answered goes on too: the next person has to be asked anew.
     """
-    answered, total = judged(store, observer)
+    answered, total = trials_answered(store, observer)
     if not (answered or observer.consented):
         return ""
     return (
-        f"{printable(observer.name)} goes on: {answered} of {total} are judged. Somebody else? "
+        f"{printable(observer.name)} continues: {answered} of {total} are judged. Somebody else? "
         "Close the window (Ctrl+Q) and start with --new."
     )
 
 
-class OperatorLine:
-    """Where the observer stands, and how long it may still take."""
+class ExperimenterLine:
+    """How far the observer is, and how long it may still take."""
 
     def __init__(self, flow: Flow, clock: Callable[[], float], tell: Tell) -> None:
         self._flow, self._clock, self._tell = flow, clock, tell
         self._took_s: list[float] = []
         self._last_s: float | None = None
         self._text = ""
-        self._told: Screen | None = None  #: what was told to stand there
+        self._named: Phase | None = None  #: the phase that the line names
         self.answered = 0  #: trials with all their answers
         self.total = 0
         self.refresh()
 
     @property
     def text(self) -> str:
-        """What is told, and what the operator can do now."""
-        adapting = self._flow.screen is Screen.ADAPTATION
+        """The line, and what the experimenter can do now."""
+        adapting = self._flow.phase is Phase.ADAPTATION
         return f"{self._text}; Ctrl+Enter ends the adaptation" if adapting else self._text
 
     def note_answer(self) -> None:
@@ -65,18 +65,18 @@ class OperatorLine:
         self._last_s = None
 
     def follow(self) -> None:
-        """Tell when another screen stands there than was told. Raises InputError."""
-        if self._told is not _of_note(self._flow.screen):
+        """Report a phase that the line does not name yet. Raises InputError."""
+        if self._named is not _of_note(self._flow.phase):
             self.refresh()
 
     def refresh(self) -> None:
-        """Read where the observer stands and tell it. Raises InputError."""
+        """Read how far the observer is and report it. Raises InputError."""
         at = self._flow.progress()
-        self._told = _of_note(self._flow.screen)
+        self._named = _of_note(self._flow.phase)
         self.answered, self.total = at.answered, at.total
         parts = [f"{printable(at.observer)}: {at.answered} of {at.total}"]
-        if self._told is not None:
-            parts.append(self._told.value)
+        if self._named is not None:
+            parts.append(self._named.value)
         if self._flow.trial is not None:
             parts += [printable(at.sample), at.question]
         minutes = self._minutes_left(at.total - at.answered)
@@ -93,5 +93,5 @@ class OperatorLine:
         return round(questions * statistics.median(self._took_s[-RECENT:]) / 60.0)
 
 
-def _of_note(screen: Screen) -> Screen | None:
-    return None if screen in _JUDGING else screen
+def _of_note(phase: Phase) -> Phase | None:
+    return None if phase in _JUDGING else phase

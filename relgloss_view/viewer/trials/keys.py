@@ -15,7 +15,7 @@ PAUSE = (int(imgui.Key.p),)
 _CTRL, _SHIFT = int(imgui.Key.mod_ctrl), int(imgui.Key.mod_shift)
 SKIP = tuple(_CTRL | key for key in ENTER)
 QUIT = (_CTRL | int(imgui.Key.q),)
-OPERATOR = imgui.Key.tab
+EXPERIMENTER = imgui.Key.tab
 
 #: ImGui names a key by what it writes where that is one of these, whatever else it is.
 _BY_SIGN = {

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from imgui_bundle import ImVec2, imgui
 
-from relgloss_view.experiment.session.flow import Flow, Screen
+from relgloss_view.experiment.session.flow import Flow, Phase
 from relgloss_view.picture.model.view import Size
 from relgloss_view.viewer.shell.theme import gray
 from relgloss_view.viewer.trials import keys
@@ -57,37 +57,35 @@ def page_of(flow: Flow, *, answered: bool, note: str = "") -> Page | None:
     """
     study = flow.study
     back = (_BACK,) if answered else ()
-    if flow.screen is Screen.CONSENT:
+    if flow.phase is Phase.CONSENT:
         agree = Button("I agree (Enter)", CONFIRM, keys.ENTER)
         return Page(study.title, study.consent, "", (agree, Button("I decline", DECLINE)))
-    if flow.screen is Screen.INSTRUCTIONS:
-        go_on = Button("Go on (Enter)", CONFIRM, keys.ENTER)
+    if flow.phase is Phase.INSTRUCTIONS:
+        go_on = Button("Continue (Enter)", CONFIRM, keys.ENTER)
         return Page(study.title, study.guide, note, (go_on,))
-    if flow.screen is Screen.OBJECT and flow.trial is not None:
+    if flow.phase is Phase.OBJECT and flow.trial is not None:
         label = study.samples[flow.trial.sample].label
-        stands = Button("It stands there (Enter)", CONFIRM, keys.ENTER)
-        note = "The operator does this."
+        stands = Button("It is in place (Enter)", CONFIRM, keys.ENTER)
+        note = "The experimenter does this."
         return Page(f"Put {label} beside the reference", "", note, (stands, *back))
-    if flow.screen is Screen.PAUSE:
-        go_on = Button("Go on (Enter or Space)", CONFIRM, keys.ENTER + keys.SPACE)
+    if flow.phase is Phase.PAUSE:
+        go_on = Button("Continue (Enter or Space)", CONFIRM, keys.ENTER + keys.SPACE)
         return Page("Pause", "", "", (go_on,))
-    if flow.screen is Screen.FINISHED:
+    if flow.phase is Phase.FINISHED:
         end = Button("End (Enter)", CLOSE, keys.ENTER)
         return Page("Thank you", "That was the last picture.", note, (end, *back))
-    if flow.screen is Screen.DECLINED:
+    if flow.phase is Phase.DECLINED:
         end = Button("Close (Enter)", CLOSE, keys.ENTER)
-        return Page(
-            "Thank you", "Nothing is asked, and nothing but the refusal is kept.", "", (end,)
-        )
+        return Page("Thank you", "You will be asked nothing. Only the refusal is kept.", "", (end,))
     return None
 
 
-def fault_page(told: str, reason: str) -> Page:
+def fault_page(heading: str, reason: str) -> Page:
     """What was not done and why; it stays until somebody goes back or ends."""
     return Page(
-        told,
-        f"{reason}.\n\nPlease call the operator. All that was acknowledged before is kept; going "
-        "back lets it be tried again.",
+        heading,
+        f"{reason}.\n\nPlease call the experimenter. Every earlier answer is kept. Go "
+        "back to try again.",
         "",
         (
             Button("Go back (Enter)", RETRY, keys.ENTER),

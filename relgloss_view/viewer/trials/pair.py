@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.experiment.design.stimuli import digest_of, told_of
+from relgloss_view.experiment.design.stimuli import digest_of, frame_record
 from relgloss_view.experiment.design.study import Study
 from relgloss_view.experiment.design.trial_order import Trial
 from relgloss_view.experiment.session.store import Store
@@ -68,7 +68,7 @@ class Pair:
             return
         frame = self._shown[side].frame
         self._store.keep_picture(
-            self._run, sample, setting, digest_of(frame), frame.device, told_of(frame)
+            self._run, sample, setting, digest_of(frame), frame.device, frame_record(frame)
         )
         self._kept.add((sample, setting))
 

@@ -17,7 +17,7 @@ from relgloss_view.experiment.observers.population import (
     SimulatedObserver,
     usual_bounds,
 )
-from relgloss_view.experiment.observers.simulation import Given, run_observers
+from relgloss_view.experiment.observers.simulation import StoredAnswer, run_observers
 from relgloss_view.experiment.observers.truth import ANYWHERE, CELLS, PUBLISHED, truths_of
 from relgloss_view.experiment.session.store import Store
 from relgloss_view.picture.scene.look import Look
@@ -177,7 +177,7 @@ class TestRun:
         seen = percepts(made, [Setting(1.0, 0.7)])
         files = []
         for name in ("a", "b"):
-            given: list[Given] = []
+            given: list[StoredAnswer] = []
             with Store(tmp_path / f"{name}.sqlite", made) as store:
                 run_observers(store, seen, Population(), 3, 7, given.append)
                 assert len(given) == 3 * 4 * 2
@@ -207,7 +207,7 @@ class TestRun:
             with pytest.raises(KeyboardInterrupt):
                 run_observers(store, seen, Population(), 2, 7, stop)
             for population, seed in ((Population(), 8), (Population(kind="ratio"), 7)):
-                with pytest.raises(InputError, match="O01 is half way through with other truths"):
+                with pytest.raises(InputError, match="O01 began with other truths"):
                     run_observers(store, seen, population, 2, seed)
             run_observers(store, seen, Population(), 2, 7)
             assert len(store.answers()) == 8

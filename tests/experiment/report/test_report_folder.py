@@ -103,7 +103,7 @@ class TestFolder:
         assert "matte best 1 deg, 2/6 c_max" in page.text
         assert "relgloss view matte.toml" in page.text
         assert "relgloss experiment analyse study.sqlite" in page.text
-        assert "nobody is left out" in page.text
+        assert "contain everybody who answered" in page.text
         for term in ("closeness", "bound", "condition D", "drawn again with replacement"):
             assert term in page.text
 
@@ -191,7 +191,7 @@ class TestScenes:
         written = report(tmp_path / "out", alone())
         assert {"matte.toml", "matte-bounds.png"} <= set(written)
         assert "matte-winners.png" not in written  # nothing was resampled
-        assert "nothing can be said of other people" in page_of(tmp_path / "out").text
+        assert "one observer shows nothing about other people" in page_of(tmp_path / "out").text
 
 
 class TestAnyStudy:

@@ -24,7 +24,7 @@ from report_cases import (
 
 from relgloss_view.experiment.report import sentences
 from relgloss_view.experiment.report.answerers import people, silent, truths
-from relgloss_view.experiment.report.chosen_setting import chosen, nearest_shares
+from relgloss_view.experiment.report.chosen_setting import chosen_setting, nearest_shares
 from relgloss_view.experiment.report.file_names import file_names
 from relgloss_view.experiment.report.results import FORMAT, as_numbers
 from relgloss_view.experiment.report.tables import ANSWER_COLUMNS, SCALE_COLUMNS, write_tables
@@ -44,21 +44,21 @@ class TestSentences:
         assert "matte: best 1 deg, 2/6 c_max; leads in " in told
         assert re.search(r"between grid points \d\.\d\d deg \(0\.\d\d to 1\.\d\d\), 0\.\d", told)
         assert "study.sqlite: 108 answers" in told
-        assert "6 simulated observers, all through; 108 answers" in told
+        assert "6 simulated observers, all finished; 108 answers" in told
         assert "computed, not given by people" in told
         assert "Krippendorff's alpha 0." in told
 
     def test_an_edge_says_what_lies_beyond(self):
         told = sentences.summary(usual())
         assert "largest sigma_N (a wider grid may find better), smallest c (a wider" in told
-        first = chosen(usual().samples[0], usual().pool.study.grid)
+        first = chosen_setting(usual().samples[0], usual().pool.study.grid)
         at_zero = dataclasses.replace(first, edges=("smallest sigma_N",))
         assert "no less grain" in sentences._edge_words(at_zero, usual().pool.study.grid)
 
     def test_chance_names_no_setting(self):
         analysis = judged_as(usual(), CHANCE)
         told = sentences.sentence(analysis.samples[0], analysis)
-        assert told.startswith("no setting is declared best: answers can't be told from chance (p ")
+        assert told.startswith("no setting is declared best: the answers may be by chance (p ")
         assert "deg" not in told
         assert not any("edge" in note for note in sentences.notes(analysis.samples[0], analysis))
 
@@ -84,24 +84,28 @@ class TestSentences:
     def test_many_as_good(self):
         analysis = judged_as(usual(), BROAD)
         told = sentences.sentence(analysis.samples[0], analysis)
-        assert told.startswith("no setting stands out: ")
+        assert told.startswith("no setting is clearly best: ")
 
     def test_others_that_are_as_good(self):
         analysis = judged_as(usual(), "best", as_good=np.ones(9, dtype=bool))
-        (note,) = [n for n in sentences.notes(analysis.samples[0], analysis) if "told apart" in n]
+        (note,) = [
+            n
+            for n in sentences.notes(analysis.samples[0], analysis)
+            if "not significantly worse" in n
+        ]
         assert "and 1 more" in note
         assert "1 deg, 2/6" not in note
 
     def test_one_observer(self):
         told = sentences.summary(alone())
-        assert "leading 1 deg, 2/6 c_max; one observer: nothing can be said of other people" in told
-        assert "1 simulated observer, through" in told
+        assert "leading 1 deg, 2/6 c_max; one observer shows nothing about other people" in told
+        assert "1 simulated observer, finished" in told
         assert "best" not in told.replace("best between", "")
         assert "agreement" not in told
 
     def test_observers_that_were_not_resampled(self):
         analysis = analyse(usual().pool, Options(0))
-        assert "how surely is not known" in sentences.summary(analysis)
+        assert "nothing shows how sure this is" in sentences.summary(analysis)
 
     def test_both_questions(self):
         told = sentences.summary(with_grain())
@@ -127,7 +131,7 @@ class TestSentences:
     def test_observers_to_look_at(self):
         pool = pool_of(study_of(("matte",)), kind="random", count=4)
         told = sentences.summary(analyse(pool, Options(5)))
-        assert "observers to look at:\n  O01: " in told
+        assert "observers to check:\n  O01: " in told
 
     def test_a_sample_that_nobody_judged(self):
         pool = without_answers(usual().pool, lambda answer: answer.trial.sample == 1)
@@ -138,7 +142,7 @@ class TestSentences:
         first = [dataclasses.replace(m, kind=PERSON) for m in pool.members[:2]]
         mixed = dataclasses.replace(pool, members=(*first, *pool.members[2:]))
         assert "Some of these observers are simulated" in sentences.simulated_words(mixed)
-        assert people(mixed) == "2 persons, all through; 4 simulated observers, all through"
+        assert people(mixed) == "2 persons, all finished; 4 simulated observers, all finished"
         alike = [dataclasses.replace(m, kind=PERSON) for m in pool.members]
         assert sentences.simulated_words(dataclasses.replace(pool, members=tuple(alike))) is None
 

@@ -9,7 +9,7 @@ from scipy.stats import norm
 
 from relgloss_view.experiment.design.coordinates import coordinates, grid_steps
 from relgloss_view.experiment.design.grid import Grid
-from relgloss_view.experiment.session.flow import Screen
+from relgloss_view.experiment.session.flow import Phase
 from relgloss_view.experiment.session.posterior import (
     FIRST_BOUNDS,
     LAPSE,
@@ -18,7 +18,7 @@ from relgloss_view.experiment.session.posterior import (
     Posterior,
 )
 from relgloss_view.experiment.session.store import Store
-from relgloss_view.experiment.verdict.adaptive import judged_adaptively
+from relgloss_view.experiment.verdict.adaptive import adaptive_verdict
 from relgloss_view.experiment.verdict.full_grid import BEST, BROAD, CHANCE, RIDGE
 
 GRID = Grid()
@@ -70,7 +70,7 @@ def test_without_answers_nothing_is_known():
     weights = posterior.weights()
     np.testing.assert_allclose(weights, 1.0 / len(weights))
     assert posterior.chance() == pytest.approx(0.5)
-    verdict = judged_adaptively(posterior, GRID, 0.01)
+    verdict = adaptive_verdict(posterior, GRID, 0.01)
     assert verdict.status != BEST
 
 
@@ -101,7 +101,7 @@ def posterior_steps(estimate):
 
 class TestVerdict:
     def test_best(self):
-        verdict = judged_adaptively(asked((4.0, 1.9), (0.9, 1.3), 60, 1), GRID, 0.01)
+        verdict = adaptive_verdict(asked((4.0, 1.9), (0.9, 1.3), 60, 1), GRID, 0.01)
         assert verdict.status == BEST
         setting = GRID.settings[verdict.leading]
         assert grid_steps(GRID, setting.sigma_n_deg, setting.c_fraction) == pytest.approx(
@@ -110,7 +110,7 @@ class TestVerdict:
 
     def test_ridge(self):
         statuses = [
-            judged_adaptively(asked((3.0, 2.0), (0.0, 1.3), 90, s), GRID, 0.01).status
+            adaptive_verdict(asked((3.0, 2.0), (0.0, 1.3), 90, s), GRID, 0.01).status
             for s in range(6)
         ]
         assert statuses.count(RIDGE) >= 4
@@ -118,7 +118,7 @@ class TestVerdict:
     def test_by_chance(self):
         """What was chosen depends on the answers, and yet they tell nothing."""
         statuses = [
-            judged_adaptively(asked((0, 0), (0, 0), 60, s, by_chance=True), GRID, 0.01).status
+            adaptive_verdict(asked((0, 0), (0, 0), 60, s, by_chance=True), GRID, 0.01).status
             for s in range(12)
         ]
         assert set(statuses) <= {CHANCE, BROAD}
@@ -141,10 +141,10 @@ class TestVerdict:
                 for _ in range(60)
             ]
             posterior.update(answers)
-            statuses.append(judged_adaptively(posterior, grid, 0.01).status)
+            statuses.append(adaptive_verdict(posterior, grid, 0.01).status)
         assert RIDGE not in statuses
         assert statuses.count(BEST) <= 1
-        empty = judged_adaptively(Posterior(grid, 5), grid, 0.01)
+        empty = adaptive_verdict(Posterior(grid, 5), grid, 0.01)
         assert empty.status != BEST
 
     def test_a_line_of_settings_has_a_best(self):
@@ -157,7 +157,7 @@ class TestVerdict:
             noisy = 1.3 * abs(places[setting, 1] - 2.0) + random.standard_normal()
             answers.append((setting, int(np.searchsorted(BOUNDS, noisy))))
             posterior.update(answers)
-        assert judged_adaptively(posterior, grid, 0.01).status == BEST
+        assert adaptive_verdict(posterior, grid, 0.01).status == BEST
 
 
 class TestChooser:
@@ -165,7 +165,7 @@ class TestChooser:
         made = study(("matte-coated", "uncoated"), design="adaptive", gap_s=0.0)
         with Store(tmp_path / "s.sqlite", made) as store:
             flow = started(store)
-            while flow.screen is not Screen.FINISHED:
+            while flow.phase is not Phase.FINISHED:
                 answer(flow, 2)
             samples = [t.sample for t in store.trials(flow.observer)]
         assert len(samples) == 2 * made.adaptive.trials
@@ -183,7 +183,7 @@ class TestChooser:
         random = np.random.default_rng(0)
         with Store(tmp_path / "s.sqlite", made) as store:
             flow = started(store)
-            while flow.screen is not Screen.FINISHED:
+            while flow.phase is not Phase.FINISHED:
                 apart = np.array([0.9, 1.3]) * (PLACES[flow.trial.setting] - ideal)
                 noisy = np.linalg.norm(apart) + random.standard_normal()
                 answer(flow, int(np.searchsorted(BOUNDS, noisy)))
@@ -199,7 +199,7 @@ class TestChooser:
             made = study(design="adaptive", ask_grain=True)
             with Store(tmp_path / f"{k}.sqlite", made) as store:
                 flow = started(store)
-                while flow.screen is not Screen.FINISHED:
+                while flow.phase is not Phase.FINISHED:
                     answer(flow, grain if flow.question == "grain" else flow.trial.setting % 5)
                 asked_of.append([t.setting for t in store.trials(flow.observer)])
         assert asked_of[0] == asked_of[1]
@@ -210,7 +210,7 @@ class TestChooser:
         made = study(design="adaptive")
         with Store(tmp_path / "s.sqlite", made) as store:
             first = started(store)
-            while first.screen is not Screen.FINISHED:
+            while first.screen is not Phase.FINISHED:
                 answer(first, 0 if first.trial.setting == 26 else 4)
             first.end()
             second = started(store)

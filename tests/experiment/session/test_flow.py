@@ -7,7 +7,7 @@ from cases import Clock, answer, answer_all, standing, started, study, to_trial
 
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.design.trial_order import planned_trials
-from relgloss_view.experiment.session.flow import EARLIEST_S, Flow, Screen
+from relgloss_view.experiment.session.flow import EARLIEST_S, Flow, Phase
 from relgloss_view.experiment.session.session_file import open_to_read
 from relgloss_view.experiment.session.store import Store
 
@@ -43,27 +43,27 @@ def events(store):
 def test_the_whole_way(opened):
     store, clock = opened(study(grid=SMALL, adaptation_min=10.0, gap_s=0.5)), Clock()
     flow = begun(store, clock)
-    assert flow.screen is Screen.CONSENT
+    assert flow.phase is Phase.CONSENT
     assert not flow.answer(0)
     flow.confirm()
     assert store.observers()[0].consented
-    assert flow.screen is Screen.INSTRUCTIONS
+    assert flow.phase is Phase.INSTRUCTIONS
     flow.confirm()
-    assert flow.screen is Screen.OBJECT
+    assert flow.phase is Phase.OBJECT
     flow.confirm()
-    assert flow.screen is Screen.ADAPTATION
+    assert flow.phase is Phase.ADAPTATION
     assert flow.left_s() == pytest.approx(600.0)  # the paper's ten minutes
     clock.now_s += 599.9
     flow.tick()
-    assert flow.screen is Screen.ADAPTATION
+    assert flow.phase is Phase.ADAPTATION
     clock.now_s += 0.2
     flow.tick()
-    assert flow.screen is Screen.GAP
+    assert flow.phase is Phase.GAP
     clock.now_s += 0.5
     flow.tick()
-    assert flow.screen is Screen.TRIAL
+    assert flow.phase is Phase.TRIAL
     answer_all(flow)
-    assert flow.screen is Screen.FINISHED
+    assert flow.phase is Phase.FINISHED
     assert not store.observers()[0].ended
     flow.end()
     assert store.observers()[0].ended
@@ -75,7 +75,7 @@ def test_who_declines_is_asked_nothing_and_does_not_come_back(opened):
     store = opened(study(grid=SMALL))
     flow = begun(store, Clock())
     assert flow.decline()
-    assert flow.screen is Screen.DECLINED
+    assert flow.phase is Phase.DECLINED
     assert not flow.confirm()
     assert store.observers()[0].ended  # before the window closes
     flow.end()
@@ -116,7 +116,7 @@ def test_pause_shows_the_stimulus_anew(opened):
     assert not flow.answer(0)
     clock.now_s += 600.0
     flow.confirm()
-    assert flow.screen is Screen.GAP
+    assert flow.phase is Phase.GAP
     to_trial(flow)
     assert flow.trial == trial
     answer(flow)
@@ -140,13 +140,13 @@ class TestUndo:
         store = opened(study(TWO, grid=SMALL))
         flow = started(store)
         answer_all(flow)
-        assert flow.screen is Screen.FINISHED
+        assert flow.phase is Phase.FINISHED
         for left in (7, 6, 5, 4):
             assert flow.undo()
             assert len(store.answers()) == left
         assert flow.trial.position == 4
         assert flow.undo()  # of the sample before: its object has to be put back
-        assert flow.screen is Screen.OBJECT
+        assert flow.phase is Phase.OBJECT
         to_trial(flow)
         assert flow.trial.position == 3
         answer_all(flow)
@@ -215,7 +215,7 @@ class TestResume:
         flow = begun(opened(made), Clock())
         flow.confirm()
         flow = begun(opened(made), Clock())
-        assert flow.screen is Screen.INSTRUCTIONS
+        assert flow.phase is Phase.INSTRUCTIONS
 
     def test_the_order_is_the_files_not_the_programs(self, opened, monkeypatch):
         """A later version that would plan otherwise goes on with what was planned."""
@@ -234,7 +234,7 @@ class TestResume:
         made = study(grid=SMALL)
         answer_all(started(opened(made)))
         flow = begun(opened(made), Clock())
-        assert flow.screen is Screen.FINISHED
+        assert flow.phase is Phase.FINISHED
         flow.end()
         assert flow.store.observer().name == "O02"
 

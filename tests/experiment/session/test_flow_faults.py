@@ -8,7 +8,7 @@ import pytest
 from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.design.study import Procedure, Study, StudySample
-from relgloss_view.experiment.session.flow import Flow, Screen
+from relgloss_view.experiment.session.flow import Flow, Phase
 from relgloss_view.experiment.session.store import Store
 from relgloss_view.picture.scene.sample import Sample, load_sample
 
@@ -42,7 +42,7 @@ def flow(tmp_path):
 def to_stimulus(flow):
     flow._clock.now_s += 1.0
     flow.tick()
-    assert flow.screen is Screen.TRIAL
+    assert flow.phase is Phase.TRIAL
     flow.shown()
     flow._clock.now_s += 1.0
 
@@ -64,7 +64,7 @@ def test_an_answer_is_kept_once_where_the_next_trial_can_not_be(flow, monkeypatc
             flow.tick()
     flow.tick()
     assert not flow.behind
-    assert (flow.screen, flow.trial.position) == (Screen.GAP, 1)
+    assert (flow.phase, flow.trial.position) == (Phase.GAP, 1)
     to_stimulus(flow)
     assert flow.answer(0)
     assert [a.category for a in flow.store.answers()] == [1, 0]
@@ -75,7 +75,7 @@ def test_an_answer_that_is_not_kept_leaves_all_as_it_was(flow, monkeypatch):
         patched.setattr(flow.store, "answer", refused)
         with pytest.raises(InputError, match="full"):
             flow.answer(1)
-    assert (flow.screen, flow.trial.position, flow.behind) == (Screen.TRIAL, 0, False)
+    assert (flow.phase, flow.trial.position, flow.behind) == (Phase.TRIAL, 0, False)
     assert flow.store.answers() == []
 
 

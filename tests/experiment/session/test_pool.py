@@ -12,11 +12,10 @@ from cases import answer, answer_all, percepts, replaced, started, study
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.design.grid import Grid
-from relgloss_view.experiment.design.study import Procedure
-from relgloss_view.experiment.design.study import Screen as Pictures
+from relgloss_view.experiment.design.study import Procedure, Screen
 from relgloss_view.experiment.observers.population import Population
 from relgloss_view.experiment.observers.simulation import run_observers
-from relgloss_view.experiment.session.flow import Screen
+from relgloss_view.experiment.session.flow import Phase
 from relgloss_view.experiment.session.pool import read_pool
 from relgloss_view.experiment.session.records import read_record
 from relgloss_view.experiment.session.store import Store
@@ -62,7 +61,7 @@ def test_two_files_are_one_study(tmp_path):
         ({"setup": Setup(lamp=Lamp(azimuth_deg=60))}, "another lamp"),
         ({"setup": Setup(eye=Eye(distance_m=0.7))}, "another eye"),
         ({"setup": Setup(display=Display(gamma=2.0))}, "another display"),
-        ({"screen": Pictures(width_px=97)}, "another screen"),
+        ({"screen": Screen(width_px=97)}, "another screen"),
         ({"procedure": Procedure(ask_grain=True)}, "another procedure"),
         ({"procedure": Procedure(design="adaptive")}, "another procedure"),
     ],
@@ -165,7 +164,7 @@ class TestAnalysis:
             answer(started(store))
         analysis = self.analysed(tmp_path, study())
         assert analysis.samples == ()
-        assert "all answers are 'close'" in analysis.untold["matte-coated"]
+        assert "all answers are 'close'" in analysis.unscaled["matte-coated"]
 
     def test_always_the_same_answer(self, tmp_path):
         made = study(("matte-coated", "uncoated"), grid=SMALL)
@@ -175,8 +174,8 @@ class TestAnalysis:
                 answer_all(flow, (4,))
                 flow.end()
         analysis = self.analysed(tmp_path, made)
-        assert set(analysis.untold) == {"matte-coated", "uncoated"}
-        assert all("always the same answer" in o.told[0] for o in analysis.observers)
+        assert set(analysis.unscaled) == {"matte-coated", "uncoated"}
+        assert all("always the same answer" in o.remarks[0] for o in analysis.observers)
 
     def test_an_interrupted_session_counts_as_far_as_it_goes(self, tmp_path):
         made = study(("matte-coated", "uncoated"))
@@ -187,7 +186,7 @@ class TestAnalysis:
                 answer(flow, category)
         analysis = self.analysed(tmp_path, made)
         assert sum(r.answers for r in analysis.samples) == 4 * 84 + 3
-        assert "not through" in analysis.observers[-1].told
+        assert "not finished" in analysis.observers[-1].told
 
     @pytest.mark.parametrize(
         "grid", [SMALL, Grid((1.0,), (0.2, 0.5, 1.0)), Grid((0.0, 1.0), (1.0,))]
@@ -235,7 +234,7 @@ class TestAnalysis:
             with Store(folder / "a.sqlite", made) as store:
                 for number in range(8):
                     flow = started(store)
-                    while flow.screen is not Screen.FINISHED:
+                    while flow.phase is not Phase.FINISHED:
                         apart = (1, 3)[number % 2] if flow.trial.setting == 1 else 2
                         answer(flow, (0, apart, 4, apart)[flow.trial.setting])
                     flow.end()
@@ -265,7 +264,7 @@ class TestAnalysis:
         with Store(tmp_path / "a.sqlite", made) as store:
             for _ in range(6):
                 flow = started(store)
-                while flow.screen is not Screen.FINISHED:
+                while flow.phase is not Phase.FINISHED:
                     row = flow.trial.setting // 6
                     grain = flow.question == "grain"
                     answer(flow, min(row, 4) if grain else int(random.integers(5)))
@@ -316,7 +315,7 @@ class TestAnalysis:
             answer_all(flow, tuple(int(k) for k in random.integers(0, 5, 84)))
             flow.end()
         analysis = self.analysed(tmp_path, made)
-        told = {o.name: " ".join(o.told) for o in analysis.observers}
+        told = {o.name: " ".join(o.remarks) for o in analysis.observers}
         assert "can't be told from chance" in told.pop("dice")
         assert not any("chance" in text for text in told.values())
         assert all(r.observers == 7 for r in analysis.samples)

@@ -43,8 +43,8 @@ def test_answers_come_back(file):
     record = read_record(file, file.parent)
     assert len(record.answers) == 8
     assert record.answers[0].response_s == pytest.approx(1.0)
-    assert record.runs[0]["device"] == "device"
-    assert record.runs[0]["ended_utc"] is not None
+    assert record.runs[0].device == "device"
+    assert record.runs[0].ended_utc is not None
 
 
 def test_each_answer_is_in_the_file_before_the_call_returns(file):
@@ -108,11 +108,11 @@ class TestObservers:
         with Store(file, study(grid=SMALL)) as store:
             first = store.observer()
             assert (first.name, first.number) == ("O01", 0)
-            assert store.observer() == first  # not through yet
+            assert store.observer() == first  # not finished yet
             store.end(first)
             assert store.observer().name == "O02"
             assert store.observer("blue").number == 2
-            with pytest.raises(InputError, match="'O01' is through with this study"):
+            with pytest.raises(InputError, match="'O01' has finished this study"):
                 store.observer("O01")
 
     @pytest.mark.parametrize("name", ["", "  ", "a\nb", "x" * 41, "\x1b[31m"])
@@ -237,7 +237,7 @@ class TestNoRoom:
             except InputError as error:
                 told = str(error)
         assert told.endswith(
-            "the disk is full; make room and start again: all answers so far are kept"
+            "the disk is full; make room and start again; all answers so far are kept"
         )
         assert flow.trial == before  # it is still asked for
         return count

@@ -8,7 +8,7 @@ import pytest
 from relgloss_view.experiment.design.coordinates import coordinates
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.scaling.fine_grid import FineGrid, Smooth
-from relgloss_view.experiment.verdict.full_grid import BEST, BROAD, CHANCE, FEW, RIDGE, judged
+from relgloss_view.experiment.verdict.full_grid import BEST, BROAD, CHANCE, FEW, RIDGE, verdict_on
 
 GRID = Grid()
 
@@ -36,7 +36,7 @@ class TestVerdict:
         smooth = smooth_of(coordinates(GRID)[26], np.array(slopes), spread=spread)
         if drawn is None:
             smooth = Smooth(smooth.fine, smooth.closeness, None)
-        return judged(GRID, self.SCALE, drawn, smooth, p, 0.01, observers)
+        return verdict_on(GRID, self.SCALE, drawn, smooth, p, 0.01, observers)
 
     def test_best(self):
         verdict = self.verdict()
@@ -65,7 +65,7 @@ class TestVerdict:
         draws = scale + 0.1 * np.random.default_rng(1).standard_normal((400, 42))
         draws[:, 20] = draws[:, 27] = draws[:, 26]
         smooth = smooth_of(coordinates(GRID)[27], np.ones(2))
-        verdict = judged(GRID, scale, draws, smooth, 0.001, 0.01, 15)
+        verdict = verdict_on(GRID, scale, draws, smooth, 0.001, 0.01, 15)
         assert verdict.leading == 27  # the smooth fit tells
         assert set(np.flatnonzero(verdict.as_good)) == {20, 26, 27}
         assert verdict.wins[[20, 26, 27]] == pytest.approx(1 / 3, abs=0.01)
@@ -75,7 +75,7 @@ class TestVerdict:
         draws[::3] = np.nan
         draws[:, 5] = np.nan
         smooth = smooth_of(coordinates(GRID)[26], np.ones(2))
-        verdict = judged(GRID, self.SCALE, draws, smooth, 0.001, 0.01, 15)
+        verdict = verdict_on(GRID, self.SCALE, draws, smooth, 0.001, 0.01, 15)
         assert verdict.wins.sum() == pytest.approx(1.0)
         assert verdict.wins[0] == verdict.wins[5] == 0.0
         assert verdict.wins[26] > 0.99
@@ -102,7 +102,7 @@ class TestVerdict:
         for _ in range(500):
             scale = truth + 0.1 * random.standard_normal(42)
             draws = scale + 0.1 * random.standard_normal((200, 42))
-            verdict = judged(GRID, scale, draws, fine, 0.0, 0.01, 15)
+            verdict = verdict_on(GRID, scale, draws, fine, 0.0, 0.01, 15)
             held += bool(verdict.as_good[26])
             leads += verdict.leading == 26
         assert held / 500 >= 0.95 - 0.03
@@ -113,7 +113,7 @@ class TestVerdict:
             scale = np.zeros(42)
             scale[index] = 1.0
             smooth = smooth_of(coordinates(GRID)[index], np.ones(2), draws=5)
-            return judged(GRID, scale, None, smooth, 0.0, 0.01, 15).edges
+            return verdict_on(GRID, scale, None, smooth, 0.0, 0.01, 15).edges
 
         assert edges(0) == ("smallest sigma_N", "smallest c")
         assert edges(41) == ("largest sigma_N", "largest c")

@@ -15,18 +15,18 @@ from cases import study
 from relgloss_view.experiment.design.study import Adaptive
 from relgloss_view.experiment.design.study_file import load_study
 from relgloss_view.experiment.observers.population import Population
-from relgloss_view.experiment.verdict.recovery import prove, summary
+from relgloss_view.experiment.verdict.recovery import recovery_shares, run_studies, shares_by_sample
 
 ONE = ("matte-coated",)
 SIZE_PX = 192  #: a highlight of enough grains to see
 
 
 def shares(renderer, made, studies, kind="unique", truth="cells", draws=30, observers=15, seed=0):
-    found = prove(
-        renderer, made, studies, observers, Population(kind=kind), truth=truth, given={},
+    found = run_studies(
+        renderer, made, studies, observers, Population(kind=kind), truth=truth, stated={},
         draws=draws, seed=seed,
     )  # fmt: skip
-    return summary(found)["all"]
+    return recovery_shares(found)
 
 
 def test_the_true_setting_is_found(renderer):
@@ -36,20 +36,20 @@ def test_the_true_setting_is_found(renderer):
     fixed. By chance one of 42 settings is found with 2 %, one of its neighbours with at most 21 %.
     """
     told = shares(renderer, study(ONE, size_px=SIZE_PX), 10)
-    assert told["near"] == 1.0
-    assert told["exact"] >= 0.7
+    assert told.near == 1.0
+    assert told.exact >= 0.7
 
 
 def test_at_random_nothing_is_declared_best(renderer):
     told = shares(renderer, study(ONE, size_px=SIZE_PX), 10, kind="random", draws=10)
-    assert told["nothing_declared"] == 1.0
-    assert told["exact"] <= 0.3  # the control of the test above
+    assert told.nothing_declared == 1.0
+    assert told.exact <= 0.3  # the control of the test above
 
 
 def test_ratio_alone_is_reported_as_a_ridge(renderer):
     """One number over two parameters has a curve of minima (the paper's criterion)."""
     told = shares(renderer, study(ONE, size_px=SIZE_PX), 6, kind="ratio", draws=60)
-    assert told["status"].get("ridge", 0) >= 5
+    assert told.status.get("ridge", 0) >= 5
     unique = shares(renderer, study(ONE, size_px=SIZE_PX), 6, draws=60)
     assert unique["status"] == {"best": 6}
 
@@ -58,8 +58,8 @@ def test_two_questions_find_what_one_can_not(renderer):
     """Observers who judge gloss and grain apart: the joint verdict is a point again."""
     made = study(ONE, size_px=SIZE_PX, ask_grain=True)
     told = shares(renderer, made, 4, kind="ratio", draws=60)
-    assert told["status"] == {"best": 4}
-    assert told["near"] == 1.0
+    assert told.status == {"best": 4}
+    assert told.near == 1.0
 
 
 def test_adaptive_needs_a_tenth_of_the_answers(renderer):
@@ -67,8 +67,8 @@ def test_adaptive_needs_a_tenth_of_the_answers(renderer):
         study(ONE, size_px=SIZE_PX, design="adaptive"), adaptive=Adaptive(trials=4)
     )
     told = shares(renderer, made, 5)
-    assert told["answers"] <= 60
-    assert told["median_error_steps"] <= 0.5
+    assert told.answers <= 60
+    assert told.median_error_steps <= 0.5
 
 
 @pytest.mark.slow
@@ -81,37 +81,37 @@ class TestFigures:
 
     def test_recovery_of_cells(self, renderer, paper):
         told = shares(renderer, paper, 34)  # x 3 samples
-        assert told["near"] >= 0.95
-        assert told["exact"] >= 0.8
+        assert told.near >= 0.95
+        assert told.exact >= 0.8
 
     def test_recovery_of_the_papers_optimum(self, renderer, paper):
         told = shares(renderer, paper, 34, truth="published")
-        assert told["near"] >= 0.95
-        assert told["exact"] >= 0.8
+        assert told.near >= 0.95
+        assert told.exact >= 0.8
 
     def test_coverage(self, renderer, paper):
         """95 % intervals of truths anywhere between the settings; 204 intervals."""
         told = shares(renderer, paper, 34, truth="anywhere", draws=300)
-        assert 0.9 <= told["inside"] <= 0.99
+        assert 0.9 <= told.inside <= 0.99
 
     def test_random(self, renderer, paper):
         told = shares(renderer, paper, 100, kind="random", draws=10)
-        assert told["nothing_declared"] >= 0.95
+        assert told.nothing_declared >= 0.95
 
     def test_adaptive(self, renderer, paper):
         made = dataclasses.replace(
             paper.with_procedure(design="adaptive"), adaptive=Adaptive(trials=4)
         )
         told = shares(renderer, made, 10)
-        assert told["answers"] <= 60
-        assert told["median_error_steps"] <= 0.5
+        assert told.answers <= 60
+        assert told.median_error_steps <= 0.5
 
 
 def test_summary_counts(renderer):
     """By hand, on three findings of two studies."""
-    found = prove(
+    found = run_studies(
         renderer, study(("matte-coated", "uncoated")), 1, 3, Population(), truth="published",
-        given={}, draws=5,
+        stated={}, draws=5,
     )  # fmt: skip
     change = dataclasses.replace
     made = [
@@ -119,10 +119,10 @@ def test_summary_counts(renderer):
         change(found[1], study=0, status="ridge", exact=False, near=True, error_steps=0.3),
         change(found[0], study=1, status="chance", exact=False, near=False, error_steps=2.0),
     ]  # fmt: skip
-    told = summary(made)
-    assert told["all"]["exact"] == pytest.approx(1 / 3)
-    assert told["all"]["near"] == pytest.approx(2 / 3)
-    assert told["all"]["median_error_steps"] == pytest.approx(0.3)
-    assert told["all"]["nothing_declared"] == 0.5
-    assert set(told["samples"]) == {"matte-coated", "uncoated"}
-    assert np.isfinite(told["samples"]["uncoated"]["median_error_steps"])
+    told, by_sample = recovery_shares(made), shares_by_sample(made)
+    assert told.exact == pytest.approx(1 / 3)
+    assert told.near == pytest.approx(2 / 3)
+    assert told.median_error_steps == pytest.approx(0.3)
+    assert told.nothing_declared == 0.5
+    assert set(by_sample) == {"matte-coated", "uncoated"}
+    assert np.isfinite(by_sample["uncoated"].median_error_steps)
