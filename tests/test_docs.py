@@ -86,6 +86,24 @@ def test_architecture_leads_to_each_place():
     assert missing_in(places_named_in(ARCHITECTURE)) == []
 
 
+def test_the_shaders_page_has_each_file_and_its_twin():
+    """One row a file; a library has a twin that exists, or the reason why it has none."""
+    folder = ROOT / "shaders"
+    rows = [
+        [cell.strip() for cell in row.strip("|").split("|")]
+        for row in (folder / "README.md").read_text(encoding="utf-8").splitlines()
+        if re.match(r"\| \w+\.(glsl|frag|vert)", row)
+    ]
+    named = [name for cells in rows for name in cells[0].split(", ")]
+    assert sorted(named) == sorted(path.name for path in folder.iterdir() if path.suffix != ".md")
+    twins = {cells[0]: cells[2] for cells in rows if cells[0].endswith(".glsl")}
+    assert len(twins) > 8
+    for library, twin in twins.items():
+        places = places_named_in(twin)
+        assert twin.startswith("none: ") or places, library
+        assert missing_in(places) == [], library
+
+
 def test_links_lead_somewhere():
     targets = [
         (document.parent / target, f"{document.name}: {target}")
