@@ -83,7 +83,8 @@ class TestDrivers:
         targets = {
             name.partition("target ")[2] for name in self.stages(pictures) if "second pass" in name
         }
-        assert targets == {"diffuse", "specular", "split", "display"}
+        assert {"split", "display"} < targets
+        assert len(targets) == 4
         assert any("first pass, target split" in name for name in self.stages(pictures))
 
     def test_osmesa_is_bit_identical(self, pictures):
@@ -125,6 +126,8 @@ import materials
 from relgloss_view.quality.backends import open_renderer
 from relgloss_view.picture.gpu.context import attach
 from relgloss_view.picture.gpu.renderer import Renderer
+from relgloss_view.picture.gpu.targets import WRITTEN
+from relgloss_view.picture.gpu.variant import Variant
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 glfw.init_hint(glfw.PLATFORM, glfw.PLATFORM_NULL)
@@ -139,7 +142,8 @@ load = lambda name: ctypes.cast(glfw.get_proc_address(name), ctypes.c_void_p).va
 request = Scene(materials.paper("matte")), Look(sigma_n_deg=1.0), (64, 48)
 ctx = attach(load)
 def targets(renderer):
-    return [renderer.passes.targets.read(t) for t in ("diffuse", "specular", "split", "display")]
+    pass_1 = WRITTEN[Variant.of(request[0], request[1]).writes]
+    return [renderer.passes.targets.read(t) for t in (*pass_1, "split", "display")]
 drawn = Renderer(ctx)
 in_window = drawn.render(*request).lab.copy()
 in_targets = targets(drawn)

@@ -54,7 +54,7 @@ class Targets:
     def __init__(self, ctx: moderngl.Context) -> None:
         self.ctx = ctx
         self.size: Size | None = None
-        self.numbers = "float32"  #: that pass 1 writes
+        self.numbers = "float32"  #: of the split
         self._textures: dict[str, moderngl.Texture] = {}
         self._framebuffers: dict[tuple[str, ...], moderngl.Framebuffer] = {}
         self._table: moderngl.Texture | None = None
@@ -109,8 +109,8 @@ class Targets:
                 for name in names:
                     if name not in self._textures:
                         made[name] = self._texture(self.size, name)
-                known = self._textures | made
-                self._framebuffers[names] = self.ctx.framebuffer([known[name] for name in names])
+                textures = self._textures | made
+                self._framebuffers[names] = self.ctx.framebuffer([textures[name] for name in names])
             except BaseException:
                 for texture in made.values():
                     texture.release()
@@ -153,7 +153,7 @@ class Targets:
             f"size {size[0]}x{size[1]}: the device has no memory for it; give a smaller --size"
         )
         dtype = "f1" if name in EIGHT_BIT else "f4"
-        if name in (*XYZ, *SPLIT) and self.numbers == "float16":
+        if name in SPLIT and self.numbers == "float16":
             dtype = "f2"
         try:
             texture = self.ctx.texture(size, components(name), dtype=dtype)
