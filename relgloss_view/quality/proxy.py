@@ -1,8 +1,8 @@
-"""Proxy: a few pixels of a picture in float64, drawn by any method; tells what a method gets wrong.
+"""Proxy: a few pixels of a picture in float64, drawn by any method, and the error of the method.
 
-The pixels are those of the picture itself, so that each has its own grain. They stand denser about
+The pixels are those of the picture itself, so that each has its own grain. They are denser about
 the highlight and at the silhouette, where methods fail first and which an even grid of so few would
-miss, and each carries the area that it stands for.
+miss. Each has a weight: the area that it represents.
 """
 
 from __future__ import annotations

@@ -76,8 +76,8 @@ def places(scene: Scene, view: View) -> tuple[Array, Array, Array]:
     area = _spans(grid, left, right) * _spans(rows[None, :], ends[0], ends[1] + 1.0).T
     columns, rows = np.broadcast_arrays(grid, rows[:, None])
     hit, _ = meet(scene, view, columns, rows)
-    kept = hit.found & (area > 0.0)
-    return columns[kept], rows[kept], area[kept]
+    seen = hit.found & (area > 0.0)
+    return columns[seen], rows[seen], area[seen]
 
 
 def _ends(

@@ -127,6 +127,8 @@ from relgloss_view.quality.backends import open_renderer
 from relgloss_view.picture.gpu.context import attach
 from relgloss_view.picture.gpu.targets import SPLIT, TONE, WEIGHTS
 from relgloss_view.picture.gpu.renderer import Renderer
+from relgloss_view.picture.gpu.targets import WRITTEN
+from relgloss_view.picture.gpu.variant import Variant
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 glfw.init_hint(glfw.PLATFORM, glfw.PLATFORM_NULL)

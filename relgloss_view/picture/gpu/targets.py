@@ -109,8 +109,8 @@ class Targets:
                 for name in names:
                     if name not in self._textures:
                         made[name] = self._texture(self.size, name)
-                known = self._textures | made
-                self._framebuffers[names] = self.ctx.framebuffer([known[name] for name in names])
+                textures = self._textures | made
+                self._framebuffers[names] = self.ctx.framebuffer([textures[name] for name in names])
             except BaseException:
                 for texture in made.values():
                     texture.release()
