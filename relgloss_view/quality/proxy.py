@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.material import approximations, brdf
 from relgloss_view.material.approximations import mean_lobe, plain_lobe
 from relgloss_view.material.spectra import illuminant, xyz_weights
@@ -29,8 +29,6 @@ from relgloss_view.picture.model.view import Size, View, float32
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.quality.sampling import meet, places
-
-Array = NDArray[np.float64]
 
 GAMUT_MARGIN = 0.002  #: of linear RGB
 GRAIN_SHARES = (0.0, 0.01, 0.03, 0.1, 0.2, 0.4, 0.7, 1.0)  #: of a mirroring grain's highlight

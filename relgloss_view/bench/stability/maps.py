@@ -12,13 +12,12 @@ from typing import Any
 
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.bench.stability import grain_errors, model_errors
 from relgloss_view.quality.domains import DOMAINS, FOOT_SD, Domain
 
-Array = NDArray[np.float64]
 Error = Callable[[moderngl.Context, Array, Array], Array]
 Numbers = Mapping[str, Array]
 
@@ -57,7 +56,7 @@ class Subject:
         """Where the choice is declared to hold."""
         return DOMAINS[self.key] if self.key else None
 
-    def inside(self, x: Array, y: Array) -> NDArray[np.bool_]:
+    def inside(self, x: Array, y: Array) -> Mask:
         """Which cells lie in the domain."""
         x, y = np.broadcast_arrays(x, y)
         numbers = {name: np.broadcast_to(v, x.shape) for name, v in self.numbers(x, y).items()}
@@ -86,7 +85,7 @@ class Map:
     x: Array
     y: Array
     error: Array
-    inside: NDArray[np.bool_]
+    inside: Mask
 
 
 def computed(ctx: moderngl.Context, subject: Subject, count: int | None = None) -> Map:

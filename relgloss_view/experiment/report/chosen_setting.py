@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.experiment.design.coordinates import coordinates
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.scaling.fine_grid import Shape
@@ -15,7 +15,6 @@ from relgloss_view.experiment.verdict.analysis import JOINT, SampleResult
 from relgloss_view.experiment.verdict.full_grid import CHANCE, Verdict, edges_of
 from relgloss_view.picture.scene.setting import Setting
 
-Array = NDArray[np.float64]
 Interval = tuple[float, float]
 
 
@@ -30,7 +29,7 @@ class ChosenSetting:
     at: Setting  #: the best between grid points
     sigma_n_interval_deg: Interval | None  #: 95 %
     c_interval: Interval | None
-    as_good: NDArray[np.bool_]  #: not distinguishable from the leading one, itself among them
+    as_good: Mask  #: not distinguishable from the leading one, itself among them
     shape: Shape | None
     edges: tuple[str, ...]
     p_chance: float  #: adaptive: the probability that all answers are by chance

@@ -15,10 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.experiment.design.coordinates import coordinates, from_steps
 from relgloss_view.experiment.design.grid import Grid
-
-Array = NDArray[np.float64]
 
 PER_STEP = 4  #: points of the posterior a step of the grid
 #: Judged distance per step of the grid, in units of the observers' noise, along each axis. The
