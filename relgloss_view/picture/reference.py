@@ -43,13 +43,13 @@ class ReferenceRenderer:
         scaling = Scaling.of(look, extremes)
         stages.update(_tone(scene, stages, scaling.c))
         return Frame(
-            scene,
-            look,
-            size,
-            scaling,
-            stages.__getitem__,
-            "float64 numpy",
-            scene_warnings(scene, look, size, seen=seen, lit=white > 0.0),
+            scene=scene,
+            look=look,
+            size=size,
+            scaling=scaling,
+            fetch=stages.__getitem__,
+            device="float64 numpy",
+            warnings=scene_warnings(scene, look, size, seen=seen, lit=white > 0.0),
             object_pixels=int(np.sum(stages["diffuse"][..., 3] > 0.0)),
         )
 

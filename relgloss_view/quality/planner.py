@@ -144,11 +144,27 @@ def _choose(proxy: Proxy, method: Method, stage: str, tolerance: Tolerance) -> C
             return Choice(stage, present, 0.0, NO_ERROR, reason="some colours may leave the gamut")
         if tolerance.holds(error, *USED):
             alone = proxy.error(_with(WHOLE, stage, name))
-            return Choice(stage, name, saved, alone, simpler, simpler_error, reason)
+            return Choice(
+                stage=stage,
+                chosen=name,
+                saved_percent=saved,
+                error=alone,
+                simpler=simpler,
+                simpler_error=simpler_error,
+                reason=reason,
+            )
         simpler, simpler_error, reason = name, error, ""
     if simpler is None:
         return None
-    return Choice(stage, present, 0.0, NO_ERROR, simpler, simpler_error, reason)
+    return Choice(
+        stage=stage,
+        chosen=present,
+        saved_percent=0.0,
+        error=NO_ERROR,
+        simpler=simpler,
+        simpler_error=simpler_error,
+        reason=reason,
+    )
 
 
 def _only_exact(proxy: Proxy, size: Size) -> str:

@@ -86,13 +86,13 @@ class Truth:
         diffuse, specular = (np.asarray(v, np.float64) for v in (first.diffuse, first.specular))
         lab = lab_of_light(scene, diffuse, specular, white, shown_c(first.c_max))
         return cls(
-            scene,
-            look,
-            size,
-            lab,
-            first.c_max,
-            first.on_object,
-            first.on_object & (first.split[1] > HIGHLIGHT_LSTAR),
+            scene=scene,
+            look=look,
+            size=size,
+            lab=lab,
+            c_max=first.c_max,
+            on_object=first.on_object,
+            highlight=first.on_object & (first.split[1] > HIGHLIGHT_LSTAR),
         )
 
     def errors(self, frame: Frame) -> Errors:

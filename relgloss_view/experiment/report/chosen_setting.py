@@ -58,17 +58,17 @@ def setting_chosen_by(result: SampleResult, grid: Grid, question: str) -> Chosen
     verdict: Verdict = result.verdicts[question]
     best = verdict.optimum
     return ChosenSetting(
-        verdict.status,
-        verdict.leading,
-        grid.settings[verdict.leading],
-        verdict.wins,
-        Setting(best.sigma_n_deg, best.c_fraction),
-        _along(grid, 0, best.sigma_n_interval_deg),
-        _along(grid, 1, best.c_interval),
-        verdict.as_good,
-        verdict.shape,
-        verdict.edges,
-        result.p[question],
+        status=verdict.status,
+        leading=verdict.leading,
+        setting=grid.settings[verdict.leading],
+        shares=verdict.wins,
+        at=Setting(best.sigma_n_deg, best.c_fraction),
+        sigma_n_interval_deg=_along(grid, 0, best.sigma_n_interval_deg),
+        c_interval=_along(grid, 1, best.c_interval),
+        as_good=verdict.as_good,
+        shape=verdict.shape,
+        edges=verdict.edges,
+        p_chance=result.p[question],
         adaptive=False,
     )
 
@@ -76,17 +76,17 @@ def setting_chosen_by(result: SampleResult, grid: Grid, question: str) -> Chosen
 def _of_posterior(verdict: AdaptiveVerdict, grid: Grid) -> ChosenSetting:
     best = verdict.estimate
     return ChosenSetting(
-        verdict.status,
-        verdict.leading,
-        grid.settings[verdict.leading],
-        nearest_shares(grid, verdict.posterior),
-        Setting(best.sigma_n_deg, best.c_fraction),
-        _along(grid, 0, best.sigma_n_interval_deg),
-        _along(grid, 1, best.c_interval),
-        verdict.as_good,
-        None,
-        edges_of(grid, verdict.leading),
-        best.chance,
+        status=verdict.status,
+        leading=verdict.leading,
+        setting=grid.settings[verdict.leading],
+        shares=nearest_shares(grid, verdict.posterior),
+        at=Setting(best.sigma_n_deg, best.c_fraction),
+        sigma_n_interval_deg=_along(grid, 0, best.sigma_n_interval_deg),
+        c_interval=_along(grid, 1, best.c_interval),
+        as_good=verdict.as_good,
+        shape=None,
+        edges=edges_of(grid, verdict.leading),
+        p_chance=best.chance,
         adaptive=True,
     )
 

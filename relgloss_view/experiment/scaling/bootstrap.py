@@ -91,7 +91,16 @@ def scale_values(
     closeness = unfolding.closeness(fine.points)
     if weights is None:
         smooth = Smooth(fine, closeness, None)
-        return ScaleValues(question, probit, torgerson, answered, None, None, None, smooth)
+        return ScaleValues(
+            question=question,
+            probit=probit,
+            torgerson=torgerson,
+            answered=answered,
+            interval=None,
+            bounds_interval=None,
+            draws=None,
+            smooth=smooth,
+        )
     scales = np.full((len(weights), len(pooled)), np.nan)
     bounds = np.full((len(weights), pooled.shape[1] - 1), np.nan)
     surfaces = np.zeros((len(weights), len(fine.points)))
@@ -111,14 +120,14 @@ def scale_values(
         scales[rows] = np.where(total.sum(axis=2) > 0.0, ordinal.scale, np.nan)
         bounds[rows] = ordinal.bounds
     return ScaleValues(
-        question,
-        probit,
-        torgerson,
-        answered,
-        _interval(scales),
-        _interval(bounds),
-        scales,
-        Smooth(fine, closeness, surfaces),
+        question=question,
+        probit=probit,
+        torgerson=torgerson,
+        answered=answered,
+        interval=_interval(scales),
+        bounds_interval=_interval(bounds),
+        draws=scales,
+        smooth=Smooth(fine, closeness, surfaces),
     )
 
 

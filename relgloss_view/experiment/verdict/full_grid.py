@@ -75,14 +75,14 @@ def verdict_on(
         wins = _wins(draws)
         as_good = _as_good(scale, draws, leading)
     return Verdict(
-        status,
-        leading,
-        wins,
-        as_good,
-        smooth.fine.optimum(smooth.closeness, smooth.draws),
-        shape,
-        edges_of(grid, leading),
-        smooth.closeness.reshape(smooth.fine.shape),
+        status=status,
+        leading=leading,
+        wins=wins,
+        as_good=as_good,
+        optimum=smooth.fine.optimum(smooth.closeness, smooth.draws),
+        shape=shape,
+        edges=edges_of(grid, leading),
+        smooth=smooth.closeness.reshape(smooth.fine.shape),
     )
 
 
