@@ -86,19 +86,20 @@ vec3 noisy_normal(int law, vec3 n, vec3 o, uvec3 hash, float sigma) {
     vec2 angles = tilt_angles(law, hash, sigma);
     vec3 tangent, bitangent;
     frame(n, tangent, bitangent);
-    // What faces the eye is told without the normal itself: a loop that ends early costs more.
+    // Whether a grain faces the eye follows without its normal. A software driver runs a loop's first turn
+    // in any case, and further ones only where some pixel needs them.
     float along = dot(n, o);
     float across = dot(angles, vec2(dot(tangent, o), dot(bitangent, o)));
     float t2 = dot(angles, angles);
-    vec2 t = turn(t2);
-    float kept = along * t.x + across * t.y > 0.0 ? 1.0 : 0.0;
+    float kept = 0.0;
+    vec2 kept_turn = vec2(1.0);
     float share = 1.0;
-    // A software driver leaves a loop that no pixel needs; branches cost both their sides.
-    int attempts = kept > 0.0 ? 0 : 3;
-    for (int attempt = 0; attempt < attempts; ++attempt) {
+    do {
+        vec2 t = turn(share * share * t2);
+        bool faces = kept == 0.0 && along * t.x + share * across * t.y > 0.0;
+        kept = faces ? share : kept;
+        kept_turn = faces ? t : kept_turn;
         share *= 0.5;
-        t = turn(share * share * t2);
-        if (kept == 0.0 && along * t.x + share * across * t.y > 0.0) kept = share;
-    }
-    return tilted(n, kept * angles);
+    } while (kept == 0.0 && share >= 0.125);
+    return n * kept_turn.x + kept_turn.y * kept * (angles.x * tangent + angles.y * bitangent);
 }

@@ -78,24 +78,25 @@ bool in_gamut(vec3 rgb) {
         && all(lessThanEqual(rgb, vec3(1.0 + GAMUT_TOLERANCE)));
 }
 
+const float SMALLEST_STEP = 1.0 / 65536.0;  // of the bisection
+
 // Linear display RGB of a Lab colour whose white is the display's. Out of gamut, GAMUT_CHROMA holds L* and
 // hue and reduces chroma by bisection to the gamut's edge; GAMUT_CLIP cuts each channel.
 vec3 display_rgb(int gamut, vec3 lab, vec3 display_white, mat3 rgb_from_xyz, out bool inside) {
     lab.x = clamp(lab.x, 0.0, 100.0);
-    vec3 rgb = rgb_from_xyz * xyz_from_lab(lab, display_white);
-    inside = in_gamut(rgb);
-    if (gamut == GAMUT_CHROMA) {
-        // A software driver computes both sides of a branch, but leaves a loop that no pixel needs.
-        rgb = inside ? rgb : vec3(lab_f_inverse((1.0 / 116.0) * lab.x + LAB_OFFSET));  // no chroma: gray
-        float kept = 0.0;
-        float smallest = inside ? 1.0 : 1.0 / 65536.0;
-        for (float step = 0.5; step >= smallest; step *= 0.5) {
-            vec3 tried = rgb_from_xyz * xyz_from_lab(vec3(lab.x, (kept + step) * lab.yz), display_white);
-            bool fits = in_gamut(tried);
-            kept += fits ? step : 0.0;
-            rgb = fits ? tried : rgb;
-        }
-    }
+    vec3 rgb;
+    float kept = 0.0;   // the share of the chroma that is known to fit
+    float tried = 1.0;  // the share that this turn tries; in the last turn, what is kept
+    float step = 1.0;
+    // A software driver runs a loop's first turn in any case, and further ones only where some pixel
+    // needs them.
+    do {
+        rgb = rgb_from_xyz * xyz_from_lab(vec3(lab.x, tried * lab.yz), display_white);
+        kept = in_gamut(rgb) ? tried : kept;
+        step *= 0.5;
+        tried = step < SMALLEST_STEP ? kept : kept + step;
+    } while (gamut == GAMUT_CHROMA && kept < 1.0 && step >= 0.5 * SMALLEST_STEP);
+    inside = kept == 1.0;
     return clamp(rgb, 0.0, 1.0);
 }
 

@@ -10,7 +10,7 @@ import numbers
 from dataclasses import dataclass, field
 from typing import Any
 
-from relgloss_view.base.reading import fault, number
+from relgloss_view.base.reading import number, refuse
 
 
 @dataclass(frozen=True)
@@ -96,14 +96,14 @@ class Checked:
                 _check_range(place, value, allowed, whole=f.metadata.get("whole", False))
             options = f.metadata.get("options")
             if options is not None and value not in options:
-                fault(place, f"one of {', '.join(options)}", value)
+                refuse(place, f"one of {', '.join(options)}", value)
             if f.metadata.get("switch") and not isinstance(value, bool):
-                fault(place, "true or false", value)
+                refuse(place, "true or false", value)
 
 
 def _check_range(place: str, value: object, allowed: Range, *, whole: bool) -> None:
     unit = f" {allowed.unit}" if allowed.unit else ""
     expected = f"{allowed.low:.10g} to {allowed.high:.10g}{unit}"
     if whole and not isinstance(value, numbers.Integral):
-        fault(place, f"a whole number, {expected}", value)
+        refuse(place, f"a whole number, {expected}", value)
     number(value, place, expected, allowed.low, allowed.high)

@@ -84,7 +84,7 @@ def _escape(character: str) -> str:
     return character.encode("unicode_escape").decode("ascii")
 
 
-def fault(place: str, expected: str, found: object) -> NoReturn:
+def refuse(place: str, expected: str, found: object) -> NoReturn:
     """Raise InputError 'PLACE: expected ..., found ...'.
 
     place: file, table or entry. expected: the wanted value in words. found: the actual value, which
@@ -108,13 +108,13 @@ def number(value: object, place: str, expected: str, low: float, high: float) ->
     relgloss_view.base.errors.InputError: seed: expected a number from 0 to 9, found true
     """
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
-        fault(place, expected, value)
+        refuse(place, expected, value)
     try:
         result = float(value)
     except OverflowError:
-        fault(place, expected, value)
+        refuse(place, expected, value)
     if not (math.isfinite(result) and low <= result <= high):
-        fault(place, expected, value)
+        refuse(place, expected, value)
     return result
 
 
@@ -123,7 +123,7 @@ def numbers_of(
 ) -> tuple[float, ...]:
     """A list of such numbers as a tuple; InputError names the first that is wrong."""
     if isinstance(values, str | bytes) or not hasattr(values, "__iter__"):
-        fault(place, f"a list, each {expected}", values)
+        refuse(place, f"a list, each {expected}", values)
     return tuple(
         number(value, f"{place}[{k}]", expected, low, high) for k, value in enumerate(values)
     )
@@ -132,9 +132,9 @@ def numbers_of(
 def text(value: object, place: str) -> str:
     """A text that can be written as UTF-8; InputError for anything else."""
     if not isinstance(value, str):
-        fault(place, "a text", value)
+        refuse(place, "a text", value)
     try:
         value.encode("utf-8")
     except UnicodeEncodeError:
-        fault(place, "a text without lone surrogates", value)
+        refuse(place, "a text without lone surrogates", value)
     return value

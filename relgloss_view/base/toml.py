@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.reading import fault, printable, read_text
+from relgloss_view.base.reading import printable, read_text, refuse
 from relgloss_view.base.writing import whole_file
 
 AUTO = "auto"  #: the text of an optional entry whose value is None
@@ -99,7 +99,7 @@ def plain(value: Any) -> Any:
 def table_of(name: str, values: object) -> dict[str, Any]:
     """The values, if they are a TOML table; InputError for anything else of that name."""
     if not isinstance(values, dict):
-        fault(f"[{name}]", "a table", values)
+        refuse(f"[{name}]", "a table", values)
     return values
 
 

@@ -1,15 +1,19 @@
-"""`relgloss doctor`: the OpenGL in use, its limits, what is missing and how to get it."""
+"""`relgloss doctor`: the libraries and OpenGL contexts of this machine, and their limits."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import math
 import platform
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from relgloss_view.base.errors import GLUnavailableError, RelglossError
 from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import Column, table
 from relgloss_view.base.version import __version__
 
 LIBRARIES = (
@@ -37,34 +41,80 @@ def add(commands: Any) -> None:
     parser.set_defaults(run=run)
 
 
+@dataclass(frozen=True)
+class ContextCheck:
+    """An OpenGL context that was tried: what it is and how exact its picture is, or its fault."""
+
+    description: Mapping[str, Any] = field(default_factory=dict)  #: renderer, version, limits
+    largest_error_lab: float = math.nan  #: against the float64 reference, CIELAB distance
+    fault: str = ""
+
+    @property
+    def usable(self) -> bool:
+        """Whether a picture could be drawn on it."""
+        return not self.fault
+
+    def as_json(self) -> dict[str, Any]:
+        """The check as JSON holds it."""
+        if not self.usable:
+            return {"usable": False, "fault": self.fault}
+        return {
+            "usable": True,
+            **self.description,
+            "largest_error_lab": self.largest_error_lab,
+        }
+
+
+@dataclass(frozen=True)
+class Findings:
+    """The state of this machine, as far as it matters for drawing."""
+
+    libraries: Mapping[str, str | None]  #: versions; None for a missing library
+    contexts: Mapping[str, ContextCheck]  #: by backend, in the order of preference
+    bytes_per_pixel: float  #: of the device's memory that every picture takes
+    further_bytes: Mapping[str, float]  #: a pixel, by what else a picture may hold
+
+    @property
+    def chosen(self) -> str | None:
+        """The backend that draws pictures; None where none can."""
+        return next((name for name, check in self.contexts.items() if check.usable), None)
+
+    def as_json(self) -> dict[str, Any]:
+        """The findings as JSON holds them."""
+        return {
+            "relgloss": __version__,
+            "python": platform.python_version(),
+            "platform": platform.platform(),
+            "libraries": dict(self.libraries),
+            "opengl": {name: check.as_json() for name, check in self.contexts.items()},
+            "chosen": self.chosen,
+            "memory": {
+                "bytes_per_pixel": self.bytes_per_pixel,
+                "where_asked_for": dict(self.further_bytes),
+            },
+        }
+
+
 def run(args: argparse.Namespace) -> int:
-    """Look, report; exit status 3 where no OpenGL context is usable."""
-    findings: dict[str, Any] = {
-        "relgloss": __version__,
-        "python": platform.python_version(),
-        "platform": platform.platform(),
-        "libraries": {name: _version(name) for name in LIBRARIES},
-        "opengl": {name: _try_backend(name) for name in ("egl", "osmesa")},
-    }
-    usable = [name for name, found in findings["opengl"].items() if found["usable"]]
-    findings["chosen"] = usable[0] if usable else None
-    findings["memory"] = _memory()
+    """Check and report; exit status 3 where no OpenGL context is usable."""
+    findings = _findings()
     if args.json:
-        print(json.dumps(findings))
+        print(json.dumps(findings.as_json()))
     else:
         _print(findings)
-    return 0 if usable else GLUnavailableError.exit_status
+    return GLUnavailableError.exit_status if findings.chosen is None else 0
 
 
-def _memory() -> dict[str, Any]:
-    """What a picture takes of the device's memory, for each of its pixels."""
+def _findings() -> Findings:
     from relgloss_view.picture.gpu.memory import ON_DEMAND, bytes_per_pixel
 
     least = bytes_per_pixel()
-    return {
-        "bytes_per_pixel": least,
-        "where_asked_for": {name: bytes_per_pixel((name,)) - least for name in ON_DEMAND},
-    }
+    return Findings(
+        {name: _version(name) for name in LIBRARIES},
+        {name: _check(name) for name in ("egl", "osmesa")},
+        least,
+        {name: bytes_per_pixel((name,)) - least for name in ON_DEMAND},
+    )
 
 
 def _version(name: str) -> str | None:
@@ -74,18 +124,18 @@ def _version(name: str) -> str | None:
         return None
 
 
-def _try_backend(name: str) -> dict[str, Any]:
-    """What a backend can do, or why it can't: whatever it raises, the report goes on."""
+def _check(name: str) -> ContextCheck:
+    """Draw on a backend; whatever it raises becomes its fault, so that the report is complete."""
     try:
         return _draw_on(name)
     except RelglossError as error:
-        return {"usable": False, "fault": str(error)}
+        return ContextCheck(fault=str(error))
     except Exception as error:
-        return {"usable": False, "fault": f"{name}: {type(error).__name__}: {error}"}
+        return ContextCheck(fault=f"{name}: {type(error).__name__}: {error}")
 
 
-def _draw_on(name: str) -> dict[str, Any]:
-    """Make a context, draw the default sample small, and hold it against the reference."""
+def _draw_on(name: str) -> ContextCheck:
+    """Make a context, draw the default sample small, and compare it with the reference."""
     import numpy as np
 
     from relgloss_view.picture.gpu.context import describe
@@ -99,32 +149,37 @@ def _draw_on(name: str) -> dict[str, Any]:
     scene, look, size = Scene(load_sample(DEFAULT_SAMPLE)), Look(sigma_n_deg=1.0), (96, 96)
     with open_renderer(name) as renderer:
         assert isinstance(renderer, Renderer)
-        found = describe(renderer.ctx)
+        description = describe(renderer.ctx)
         lab = renderer.render(scene, look, size).lab.astype(np.float64)
     truth = ReferenceRenderer().render(scene, look, size).lab
-    worst = float(np.max(np.linalg.norm(lab - truth, axis=-1)))
     # A grain may fall into the neighbouring cell on other arithmetic; a wrong picture is far off.
-    return {"usable": True, **found, "largest_error_lab": worst}
+    worst = float(np.max(np.linalg.norm(lab - truth, axis=-1)))
+    return ContextCheck(description, worst)
 
 
-def _print(findings: dict[str, Any]) -> None:
-    print(f"relgloss {findings['relgloss']}, Python {findings['python']}, {findings['platform']}")
-    for name, number in findings["libraries"].items():
-        print(f"  {name:16} {number or 'missing: pip install ' + name}")
-    for name, found in findings["opengl"].items():
-        if found["usable"]:
+def _print(findings: Findings) -> None:
+    print(f"relgloss {__version__}, Python {platform.python_version()}, {platform.platform()}")
+    rows = [
+        (name, number or f"missing: pip install {name}")
+        for name, number in findings.libraries.items()
+    ]
+    print(table((Column("", 15, left=True), Column("", left=True)), rows, indent="  "))
+    for name, check in findings.contexts.items():
+        if check.usable:
+            about = check.description
             print(
-                f"{name}: {found['renderer']}, {found['version']}, pictures up to "
-                f"{found['max_texture_size']} pixels a side, largest error against float64 "
-                f"{found['largest_error_lab']:.2g} in CIELAB"
+                f"{name}: {about['renderer']}, {about['version']}, pictures up to "
+                f"{about['max_texture_size']} pixels a side, largest error against float64 "
+                f"{check.largest_error_lab:.2g} in CIELAB"
             )
         else:
-            print(f"{name}: {printable(found['fault'], 500)}")
-    memory = findings["memory"]
-    more = ", ".join(f"{count:g} for {name}" for name, count in memory["where_asked_for"].items())
-    least = memory["bytes_per_pixel"]
-    print(f"memory of the device: {least:.1f} bytes a pixel; where asked for, {more}")
-    if findings["chosen"]:
-        print(f"pictures are drawn with {findings['chosen']}")
+            print(f"{name}: {printable(check.fault, 500)}")
+    more = ", ".join(f"{count:g} for {name}" for name, count in findings.further_bytes.items())
+    print(
+        f"memory of the device: {findings.bytes_per_pixel:.1f} bytes a pixel; where asked for, "
+        f"{more}"
+    )
+    if findings.chosen is not None:
+        print(f"pictures are drawn with {findings.chosen}")
     else:
         print("no usable OpenGL; `relgloss snapshot --backend reference` still draws")

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.reading import fault, printable
+from relgloss_view.base.reading import printable, refuse
 from relgloss_view.gloss.samples import SampleLook
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
@@ -39,7 +39,7 @@ def sample_argument(word: str, look: Look) -> SampleArgument:
     built_in = name in SAMPLES
     start = name.rpartition("=")[0]
     if not built_in and (start in SAMPLES or (Path(start).is_file() and not Path(name).exists())):
-        fault(printable(name), "SIGMA_N,C after the sample, such as =2.0,1/3", name[len(start) :])
+        refuse(printable(name), "SIGMA_N,C after the sample, such as =2.0,1/3", name[len(start) :])
     sample = Sample.built_in(name) if built_in else Sample.from_file(name)
     setting = SAMPLES[name] if built_in else Setting()
     if match:

@@ -34,18 +34,18 @@ def run(folder: Path, backend: str, *, quick: bool, as_json: bool) -> int:
             maps = stability.all_maps(ctx, progress, QUICK_CELLS if quick else None)
         finally:
             ctx.release()
-        found = {
+        results = {
             "format": FORMAT,
             "version": VERSION,
             "quick": quick,
             "machine": made,
             "maps": stability.as_json(maps),
         }
-        text = json.dumps(found, allow_nan=False) + "\n"
+        text = json.dumps(results, allow_nan=False) + "\n"
         (temporary / RESULTS).write_text(text, encoding="utf-8")
         names = stability_figures.write_figures(maps, temporary)
     if as_json:
-        print(json.dumps(found, allow_nan=False))
+        print(json.dumps(results, allow_nan=False))
         return 0
     print(_summary(maps))
     print(f"{printable(folder)}: {', '.join(names)}, {RESULTS}")

@@ -184,13 +184,13 @@ def ranks(values: Mapping[str, float], tie: float = 0.0) -> dict[str, int]:
     The names come in order of rank.
     """
     names = sorted(values, key=lambda name: -values[name])
-    found: dict[str, int] = {}
+    by_name: dict[str, int] = {}
     rank = 0
     for k, name in enumerate(names):
         if k and (gap := values[names[k - 1]] - values[name]) > 0.0 and gap >= tie:
             rank = k
-        found[name] = rank
-    return found
+        by_name[name] = rank
+    return by_name
 
 
 @dataclass(frozen=True)
@@ -198,15 +198,15 @@ class Agreement:
     """How two orders of the same things agree."""
 
     tau: float | None  #: Kendall's tau-b, 1 the same order; None where one of them is all ties
-    same: bool  #: no pair is exchanged and none is tied that the truth tells apart
+    same: bool  #: no pair that differs in truth is exchanged or tied
 
 
-def agreement(shown: Mapping[str, float], truth: Mapping[str, float], tie: float) -> Agreement:
-    """Whether shown values put things in the order of the true ones; `tie` is of the shown."""
+def agreement(displayed: Mapping[str, float], truth: Mapping[str, float], tie: float) -> Agreement:
+    """Whether displayed values have the order of the true ones; `tie` is of the displayed."""
     from scipy.stats import kendalltau
 
     names = list(truth)
-    first, second = ranks(shown, tie), ranks(truth)
+    first, second = ranks(displayed, tie), ranks(truth)
     pairs = [(first[name], second[name]) for name in names]
     if len({a for a, _ in pairs}) < 2 or len({b for _, b in pairs}) < 2:
         return Agreement(None, False)

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, NoReturn
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.reading import fault, printable, read_text, text
+from relgloss_view.base.reading import printable, read_text, refuse, text
 from relgloss_view.base.writing import whole_file
 from relgloss_view.material.material import MAX_LOBES, Diffuse, FitRecord, Lobe, Material, Quality
 from relgloss_view.measure.bands import RGB, Bands
@@ -151,11 +151,11 @@ def material_from_dict(content: object) -> Material:
     """The material of a JSON object; InputError names the field that is wrong."""
     top = _table(content, "the file")
     if top.get("format") != FORMAT:
-        fault("format", f'"{FORMAT}"', top.get("format"))
+        refuse("format", f'"{FORMAT}"', top.get("format"))
     if top.get("version") != VERSION:
-        fault("version", f"{VERSION} (a newer file needs a newer relgloss)", top.get("version"))
+        refuse("version", f"{VERSION} (a newer file needs a newer relgloss)", top.get("version"))
     if top.get("basis") not in ("spectral", "rgb"):
-        fault("basis", '"spectral" or "rgb"', top.get("basis"))
+        refuse("basis", '"spectral" or "rgb"', top.get("basis"))
     bands = RGB if top["basis"] == "rgb" else Bands(_list(top, "wavelengths_nm"))
     part = _table(top.get("diffuse"), "diffuse")
     with _inside("diffuse"):
@@ -163,24 +163,24 @@ def material_from_dict(content: object) -> Material:
         diffuse = Diffuse(model, _list(part, "albedo"), part.get("sigma_deg", 0.0))
     lobes = top.get("specular", [])
     if not isinstance(lobes, list) or len(lobes) > MAX_LOBES:
-        fault("specular", f"a list of at most {MAX_LOBES} lobes", lobes)
+        refuse("specular", f"a list of at most {MAX_LOBES} lobes", lobes)
     specular = tuple(_lobe(value, f"specular[{k}]", bands) for k, value in enumerate(lobes))
     fit = _fit(top.get("fit"))
     name, source = text(top.get("name"), "name"), text(top.get("source"), "source")
     marks = {mark: top.get(mark, reading(source)) for mark, reading in _MARKS.items()}
     for mark, value in marks.items():
         if not isinstance(value, bool):
-            fault(mark, "true or false", value)
+            refuse(mark, "true or false", value)
     return Material(name, source, bands, diffuse, specular, fit, **marks)
 
 
 def _lobe(value: object, place: str, bands: Bands) -> Lobe:
     part = _table(value, place)
     if part.get("model") != "torrance-sparrow":
-        fault(f"{place}.model", '"torrance-sparrow"', part.get("model"))
+        refuse(f"{place}.model", '"torrance-sparrow"', part.get("model"))
     strength = part.get("strength")
     if isinstance(strength, list) and len(strength) != bands.count:
-        fault(f"{place}.strength", f"one number, or {bands.count}, one a band", len(strength))
+        refuse(f"{place}.strength", f"one number, or {bands.count}, one a band", len(strength))
     values = tuple(strength) if isinstance(strength, list) else (strength,)
     s_deg: Any = part.get("s_deg")
     index: Any = part.get("refractive_index")
@@ -196,11 +196,11 @@ def _fit(value: object) -> FitRecord | None:
     for name, (kind, expected) in _FIT_FIELDS.items():
         if name in part:
             if not isinstance(part[name], kind) or isinstance(part[name], bool):
-                fault(f"fit.{name}", expected, part[name])
+                refuse(f"fit.{name}", expected, part[name])
             record[name] = tuple(part[name]) if kind is list else part[name]
     for name, kind in (("candidates", dict), ("warnings", str)):
         if not all(isinstance(entry, kind) for entry in record.get(name, ())):
-            fault(f"fit.{name}", _FIT_FIELDS[name][1], part[name])
+            refuse(f"fit.{name}", _FIT_FIELDS[name][1], part[name])
     try:
         json.dumps(record, allow_nan=False)
     except ValueError:  # 1e999 is read as infinity
@@ -212,7 +212,7 @@ def _fit(value: object) -> FitRecord | None:
 
 def _table(value: object, place: str) -> dict[str, Any]:
     if not isinstance(value, dict):
-        fault(place, "an object", value)
+        refuse(place, "an object", value)
     return value
 
 
@@ -220,7 +220,7 @@ def _list(part: dict[str, Any], name: str) -> tuple[Any, ...]:
     """The entries of a list; the class that takes them checks each."""
     value = part.get(name)
     if not isinstance(value, list):
-        fault(name, "a list of numbers", value)
+        refuse(name, "a list of numbers", value)
     return tuple(value)
 
 

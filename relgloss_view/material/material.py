@@ -12,7 +12,7 @@ import numpy as np
 from relgloss_view.base import reading
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.notebook import html_table, span
-from relgloss_view.base.reading import fault, printable
+from relgloss_view.base.reading import printable, refuse
 from relgloss_view.material import brdf
 from relgloss_view.measure.bands import Bands
 
@@ -52,7 +52,7 @@ class Diffuse:
 
     def __post_init__(self) -> None:
         if self.model not in DIFFUSE_MODELS:
-            fault("model", f"one of {', '.join(DIFFUSE_MODELS)}", self.model)
+            refuse("model", f"one of {', '.join(DIFFUSE_MODELS)}", self.model)
         expected = f"an albedo, 0 to {ALBEDO_MAX:g}"
         albedo = reading.numbers_of(self.albedo, "albedo", expected, 0.0, ALBEDO_MAX)
         expected = f"an angle in degrees, 0 to {SIGMA_DEG_MAX:.1f}"
@@ -128,7 +128,7 @@ class FitRecord:
 
     def __post_init__(self) -> None:
         if self.quality not in list(Quality):
-            fault("quality", f"one of {', '.join(Quality)}", self.quality)
+            refuse("quality", f"one of {', '.join(Quality)}", self.quality)
         _settle(self, quality=Quality(self.quality))
         for k, warning in enumerate(self.warnings):
             reading.text(warning, f"warnings[{k}]")
@@ -173,13 +173,13 @@ class Material:
         reading.text(self.source, "source")
         count = self.bands.count
         if len(self.diffuse.albedo) != count:
-            fault("diffuse.albedo", f"{count} values, one a band", len(self.diffuse.albedo))
+            refuse("diffuse.albedo", f"{count} values, one a band", len(self.diffuse.albedo))
         if len(self.specular) > MAX_LOBES:
-            fault("specular", f"a list of at most {MAX_LOBES} lobes", len(self.specular))
+            refuse("specular", f"a list of at most {MAX_LOBES} lobes", len(self.specular))
         for k, lobe in enumerate(self.specular):
             if len(lobe.strength) not in (1, count):
                 place, expected = f"specular[{k}].strength", f"one number, or {count}, one a band"
-                fault(place, expected, len(lobe.strength))
+                refuse(place, expected, len(lobe.strength))
 
     def visible_lobes(self) -> tuple[Lobe, ...]:
         """The lobes that reflect anything."""

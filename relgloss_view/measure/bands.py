@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from relgloss_view.base.arrays import Array
-from relgloss_view.base.reading import fault, numbers_of
+from relgloss_view.base.reading import numbers_of, refuse
 
 #: No instrument reads reflectance outside; a header in micrometres or picometres falls outside too.
 WAVELENGTH_RANGE_NM = (100.0, 3000.0)
@@ -43,10 +43,10 @@ class Bands:
         centres = numbers_of(self.wavelengths_nm, place, expected, low, high)
         steps = [b - a for a, b in itertools.pairwise(centres)]
         if not steps or min(steps) <= 0.0:
-            fault(place, "two or more wavelengths, increasing", list(centres))
+            refuse(place, "two or more wavelengths, increasing", list(centres))
         if min(steps) < FINEST_STEP_NM:
             k = steps.index(min(steps))
-            fault(
+            refuse(
                 f"{place}[{k + 1}]",
                 f"wavelengths at least {FINEST_STEP_NM:g} nm apart",
                 list(centres[k : k + 2]),

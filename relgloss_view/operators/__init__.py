@@ -1,1 +1,1 @@
-"""Tone-mapping operators that the split is compared with, and measures of what they show."""
+"""Tone-mapping operators: the split, and those that it is compared with."""

@@ -1,4 +1,4 @@
-"""Colorimetric reproduction: what fits is shown as it is, and what is too bright is cut."""
+"""Colorimetric reproduction: colours are kept, and L* above the display's white is cut."""
 
 from __future__ import annotations
 

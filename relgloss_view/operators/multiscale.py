@@ -98,10 +98,10 @@ def _add(
 class Multiscale(LightOperator):
     """Cones (and rods) adapted in octave bands, shown to an eye adapted to the display's mean.
 
-    The bands are those of the scene's own angles, as if the picture were looked at from where the
-    eye stands, unless `pixels_per_degree` says otherwise. Off the object there is the display's
-    surround, lit as the object is. On the dark side of steep edges the bands add up to negative
-    light, which is cut and told.
+    The bands follow the scene's own angles, as if the observer looked at the picture from the
+    scene's eye, unless `pixels_per_degree` is set. Around the object is the display's surround,
+    lit as the object is. On the dark side of steep edges the bands add up to negative light,
+    which is cut and counted in a warning.
     """
 
     name: ClassVar[str] = "multiscale"
@@ -116,14 +116,20 @@ class Multiscale(LightOperator):
         DISPLAY_CD_M2, 1.0, 1e5, "cd/m2", "luminance of the display's white"
     )
     display_mean_cd_m2: float = parameter(
-        0.5 * DISPLAY_CD_M2, 0.01, 1e5, "cd/m2", "what the display's observer is adapted to"
+        0.5 * DISPLAY_CD_M2,
+        0.01,
+        1e5,
+        "cd/m2",
+        "luminance that the display's observer is adapted to",
     )
     white: str = choice(
-        "display", ("display", "scene"), "carry the lamp's white to the display's first, or not"
+        "display",
+        ("display", "scene"),
+        "carry the lamp's white to the display's first, or not",
     )
     rods: bool = switch(False, "add the rods, by approximated transducers")
     pixels_per_degree: float | None = parameter(
-        None, 0.01, 1e7, "1/deg", "of the picture; none takes the scene's"
+        None, 0.01, 1e7, "1/deg", "pixels per degree of the picture; none takes the scene's"
     )
 
     def apply(self, light: SceneLight) -> Displayed:
@@ -141,14 +147,16 @@ class Multiscale(LightOperator):
         adapted = responses(planes, frequency, self.local, rods=self.rods)
         back = cone_gain(CONES @ light.display.white * self.display_mean_cd_m2)
         cones = adapted / (back * self.display_cd_m2)[:, None, None]
-        shown = np.moveaxis(np.tensordot(np.linalg.inv(CONES), cones, axes=1), 0, -1)
-        return show_xyz(self.name, light, np.maximum(shown, 0.0), self._warnings(light, shown))
+        xyz_out = np.moveaxis(np.tensordot(np.linalg.inv(CONES), cones, axes=1), 0, -1)
+        return show_xyz(self.name, light, np.maximum(xyz_out, 0.0), self._warnings(light, xyz_out))
 
-    def _warnings(self, light: SceneLight, shown: Array) -> tuple[str, ...]:
-        told = []
-        below = int(np.sum(np.any(shown[light.on_object] < -1e-9, axis=-1)))
+    def _warnings(self, light: SceneLight, xyz: Array) -> tuple[str, ...]:
+        warnings = []
+        below = int(np.sum(np.any(xyz[light.on_object] < -1e-9, axis=-1)))
         if below:
-            told.append(f"{below} pixels of the object have negative light, which is cut")
+            warnings.append(f"{below} pixels of the object have negative light, which is cut")
         if self.rods:
-            told.append("rods rely on approximated transducers: the paper's tables are not at hand")
-        return tuple(told)
+            warnings.append(
+                "rods rely on approximated transducers: the paper's tables are not at hand"
+            )
+        return tuple(warnings)

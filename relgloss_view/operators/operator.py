@@ -1,8 +1,8 @@
-"""What an operator is: the light of a picture in, a display picture out.
+"""Operator: a tone mapping from the light of a picture to a displayed picture.
 
-Every operator takes the same float picture in cd/m2 and gives the same kind of picture, its gamut
-mapped in one way, so that what differs between two of them is the tone mapping alone. The lamp's
-white is shown as the display's white, by ratios of XYZ (von Kries in XYZ), as the split does.
+Every operator takes the same float picture in cd/m2 and maps the gamut in the same way, so that two
+of them differ in the tone mapping alone. The lamp's white is shown as the display's white, by
+ratios of XYZ (von Kries in XYZ), as the split does.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ DISPLAY_CD_M2 = 100.0
 
 @dataclass(frozen=True)
 class SceneLight:
-    """The light that reaches the eye, and the display that it is to be shown on.
+    """The light that reaches the eye, and the display that shows it.
 
-    Arrays are (H, W, ...), row 0 the top. XYZ off the object is not looked at.
+    Arrays are (H, W, ...), row 0 the top. XYZ outside the object has no effect.
     """
 
     xyz_cd_m2: Array  #: (H, W, 3), diffuse and specular together; Y in cd/m2
@@ -128,7 +128,7 @@ def show_xyz(
     """Show XYZ (H, W, 3) relative to the display's white (Y = 1), as the split's picture is shown.
 
     L* above 100 is cut; a colour outside the gamut keeps L* and hue, or is cut, as the display
-    says (tone.display_rgb).
+    is set (tone.display_rgb).
     """
     seen = light.on_object
     lab = tone.lab_from_xyz(xyz[seen], light.display.white)
@@ -141,12 +141,12 @@ def show_xyz(
 def show_rgb(
     operator: str, light: SceneLight, rgb: Array, out_of_gamut: Mask, warnings: tuple[str, ...] = ()
 ) -> Displayed:
-    """Show linear display RGB (H, W, 3), cutting each channel; `out_of_gamut` (H, W) is told."""
+    """Show linear display RGB (H, W, 3), cutting each channel; `out_of_gamut` is (H, W)."""
     seen = light.on_object
-    shown = rgb[seen]
-    clipped = np.any(shown > 1.0 + tone.GAMUT_TOLERANCE, axis=-1)
+    on_object = rgb[seen]
+    clipped = np.any(on_object > 1.0 + tone.GAMUT_TOLERANCE, axis=-1)
     return _compose(
-        operator, light, np.clip(shown, 0.0, 1.0), clipped, out_of_gamut[seen], warnings
+        operator, light, np.clip(on_object, 0.0, 1.0), clipped, out_of_gamut[seen], warnings
     )
 
 
@@ -164,13 +164,13 @@ def _compose(
     picture = np.full((*seen.shape, 3), display.background_light)
     picture[seen] = share * rgb + (1.0 - share) * display.background_light
     return Displayed(
-        operator,
-        picture,
-        quantise(picture, display),
-        _spread(clipped, seen),
-        _spread(out_of_gamut, seen),
-        display,
-        warnings,
+        operator=operator,
+        light=picture,
+        digital=quantise(picture, display),
+        clipped=_spread(clipped, seen),
+        out_of_gamut=_spread(out_of_gamut, seen),
+        display=display,
+        warnings=warnings,
     )
 
 

@@ -1,4 +1,4 @@
-"""Point operators: a luminance in, a luminance out, chromaticity kept."""
+"""Point operators: they map each luminance to a luminance and keep chromaticity."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ class PointOperator(LightOperator):
 
     @abstractmethod
     def displayed(self, luminance: Array, light: SceneLight) -> Array:
-        """What luminances (N,) in cd/m2, above 0, become: relative to the display's white."""
+        """Displayed luminances, relative to the display's white, of (N,) cd/m2 above 0."""
 
     def apply(self, light: SceneLight) -> Displayed:
         """See LightOperator."""
         lit = light.on_object & (light.luminance > 0.0)
-        shown = np.zeros(light.xyz_cd_m2.shape)
+        xyz = np.zeros(light.xyz_cd_m2.shape)
         if not np.any(lit):
-            return show_xyz(self.name, light, shown, ("nothing is lit: the picture is black",))
+            return show_xyz(self.name, light, xyz, ("nothing is lit: the picture is black",))
         luminance = light.luminance[lit]
         relative = np.maximum(self.displayed(luminance, light), 0.0)
-        shown[lit] = light.display_xyz[lit] * (relative / luminance)[:, None]
-        return show_xyz(self.name, light, shown)
+        xyz[lit] = light.display_xyz[lit] * (relative / luminance)[:, None]
+        return show_xyz(self.name, light, xyz)

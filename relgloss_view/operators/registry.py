@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
-from relgloss_view.base.reading import fault
+from relgloss_view.base.reading import refuse
 from relgloss_view.operators.clip import Clip
 from relgloss_view.operators.multiscale import Multiscale
 from relgloss_view.operators.neutral import Neutral
@@ -37,7 +37,7 @@ DEFAULT_OPERATOR = Split.name
 def make_operator(name: str, parameters: Mapping[str, Any] | None = None) -> Operator:
     """A tone mapping by its name in OPERATORS, with its parameters by their names.
 
-    Raises InputError for an unknown name and for a value out of its declared range. Every operator
+    Raises InputError for an unnames name and for a value out of its declared range. Every operator
     names its source; docs/operators.md lists them.
 
     >>> make_operator("clip").name
@@ -48,10 +48,10 @@ def make_operator(name: str, parameters: Mapping[str, Any] | None = None) -> Ope
     relgloss_view.base.errors.InputError: operator: expected one of split, clip, ..., found "gamma"
     """
     if name not in OPERATORS:
-        fault("operator", f"one of {', '.join(OPERATORS)}", name)
+        refuse("operator", f"one of {', '.join(OPERATORS)}", name)
     kind = OPERATORS[name]
-    known = [f.name for f in dataclasses.fields(kind)]
+    names = [f.name for f in dataclasses.fields(kind)]
     for parameter in parameters or {}:
-        if parameter not in known:
-            fault(f"operator {name}", f"a parameter of {', '.join(known) or 'none'}", parameter)
+        if parameter not in names:
+            refuse(f"operator {name}", f"a parameter of {', '.join(names) or 'none'}", parameter)
     return kind(**(parameters or {}))

@@ -28,8 +28,8 @@ class Schlick(PointOperator):
     """Uniform rational quantisation.
 
     p is by default Schlick's, (just_visible / 256) L_max / L_min: the darkest luminance becomes
-    the first display level that is told from black. Other programs fix p, at 2 or at 200. His
-    variants that differ from place to place are not offered.
+    the first display level that differs visibly from black. Other programs fix p, at 2 or at 200.
+    His variants that differ from place to place are not offered.
     """
 
     name: ClassVar[str] = "schlick"
@@ -38,10 +38,10 @@ class Schlick(PointOperator):
     source: ClassVar[str] = "Schlick 1994, 5th Eurographics Workshop on Rendering, pp. 7-18"
 
     p: float | None = parameter(
-        None, 1.0, 1e9, "", "slope in the dark; none takes it from the range"
+        None, 1.0, 1e9, "", "slope in the dark; none computes it from the range"
     )
     just_visible: float = parameter(
-        1.0, 0.1, 100.0, "", "smallest of 256 display levels that is told from black"
+        1.0, 0.1, 100.0, "", "smallest of 256 display levels that differs visibly from black"
     )
 
     def displayed(self, luminance: Array, light: SceneLight) -> Array:

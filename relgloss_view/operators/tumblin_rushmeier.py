@@ -36,7 +36,7 @@ class TumblinRushmeier(PointOperator):
     Sources disagree. Luminances and adaptation are in lamberts here, as in RenderPark, because
     Stevens's constants are: in lamberts they make a bril of a microlambert. Tizian's tonemapper
     puts cd/m2 into them. It also adds 0.84 to log10 of both adaptations, and RenderPark 0.84 to
-    the natural log of the scene's; here nothing is added unless `adaptation_offset` says so. All
+    the natural log of the scene's; here nothing is added unless `adaptation_offset` is set. All
     take L_max / sqrt(contrast), the middle of the display's range, as its adaptation, and the
     log mean as the scene's.
     """
@@ -46,7 +46,7 @@ class TumblinRushmeier(PointOperator):
     meaning: ClassVar[str] = "matches brightness, by Stevens's law at each adaptation"
     source: ClassVar[str] = "Tumblin and Rushmeier 1993, IEEE Computer Graphics and Applications 13"
 
-    contrast: float = parameter(100.0, 2.0, 1e6, "", "of the display, white over black")
+    contrast: float = parameter(100.0, 2.0, 1e6, "", "contrast of the display, white over black")
     adaptation_offset: float = parameter(
         0.0, 0.0, 2.0, "", "added to log10 of the scene's adaptation luminance"
     )

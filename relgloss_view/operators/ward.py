@@ -18,14 +18,14 @@ def contrast_scale(adaptation_cd_m2: float, display_cd_m2: float) -> float:
     Ward 1994, with Blackwell's thresholds, proportional to (1.219 + L^0.4)^2.5. The display's
     observer is adapted to half of its white.
     """
-    shown = 1.219 + (0.5 * display_cd_m2) ** 0.4
-    seen = 1.219 + adaptation_cd_m2**0.4
-    return float((shown / seen) ** 2.5)
+    display = 1.219 + (0.5 * display_cd_m2) ** 0.4
+    scene = 1.219 + adaptation_cd_m2**0.4
+    return float((display / scene) ** 2.5)
 
 
 @dataclass(frozen=True)
 class Ward(PointOperator):
-    """Linear: what comes out above the display's white is clipped."""
+    """Linear: luminances above the display's white are clipped."""
 
     name: ClassVar[str] = "ward"
     title: ClassVar[str] = "Ward, contrast-based scale"

@@ -14,7 +14,7 @@ from relgloss_view.operators.operator import SceneLight
 from relgloss_view.operators.point import PointOperator
 
 BINS = 100
-TRIMMED_SHARE = 0.025  #: of the samples may stand above the ceiling when the loop ends
+TRIMMED_SHARE = 0.025  #: of the samples may be above the ceiling when the loop ends
 DARKEST_CD_M2 = 1e-7  #: below it nothing is seen
 TOP_MARGIN = math.log(1.01)  #: so that the brightest sample falls into the last bin
 
@@ -28,8 +28,10 @@ def visible_difference(adaptation_cd_m2: Array) -> Array:
     rods = np.maximum(0.405 * log + 1.6, 0.0) ** 2.18 - 2.86
     cones = np.maximum(0.249 * log + 0.65, 0.0) ** 2.7 - 0.72
     regions = [log < -3.94, log < -1.44, log < -0.0184, log < 1.9]
-    found = np.select(regions, [np.full(log.shape, -2.86), rods, log - 0.395, cones], log - 1.255)
-    return np.asarray(10.0**found)
+    log_difference = np.select(
+        regions, [np.full(log.shape, -2.86), rods, log - 0.395, cones], log - 1.255
+    )
+    return np.asarray(10.0**log_difference)
 
 
 @dataclass(frozen=True)
@@ -69,9 +71,9 @@ def adjusted_curve(
         curve = ToneCurve(low, high, np.concatenate([[0.0], np.cumsum(counts) / left]))
         ceiling = np.full(BINS, left * width / range_log)
         if human:
-            shown = np.exp(display_log[0] + range_log * curve.share(middles))
+            displayed = np.exp(display_log[0] + range_log * curve.share(middles))
             seen = np.exp(middles)
-            ceiling *= visible_difference(shown) / visible_difference(seen) * seen / shown
+            ceiling *= visible_difference(displayed) / visible_difference(seen) * seen / displayed
         above = np.maximum(counts - ceiling, 0.0)
         if np.sum(above) <= TRIMMED_SHARE * total:
             return curve
@@ -98,8 +100,8 @@ class WardHistogram(PointOperator):
 
     The curve is that of the author's program (Radiance, pcond): its display is drawn from black,
     and where the display holds the scene's range the log mean goes to the middle of the display's.
-    The adaptation samples are means of one degree, as in the paper, of the object alone; what is
-    brighter than the brightest mean is white. 'pixels' takes each pixel, so that highlights
+    The adaptation samples are means of one degree, as in the paper, of the object alone;
+    pixels brighter than the brightest mean are white. 'pixels' takes each pixel, so that highlights
     narrower than a degree are samples too, as later versions of the program do.
     """
 
@@ -110,9 +112,17 @@ class WardHistogram(PointOperator):
         "Ward Larson, Rushmeier and Piatko 1997, IEEE Trans. Visualization and Computer Graphics 3"
     )
 
-    contrast: float = parameter(100.0, 2.0, 1e6, "", "of the display, white over black")
-    ceiling: str = choice("linear", ("linear", "human"), "what contrast may not be passed")
-    samples: str = choice("foveal", ("foveal", "pixels"), "what the eye adapts to")
+    contrast: float = parameter(100.0, 2.0, 1e6, "", "contrast of the display, white over black")
+    ceiling: str = choice(
+        "linear",
+        ("linear", "human"),
+        "largest contrast: the scene's own, or the one that the eye sees in it",
+    )
+    samples: str = choice(
+        "foveal",
+        ("foveal", "pixels"),
+        "samples that the eye adapts to: means of one degree, or pixels",
+    )
 
     def displayed(self, luminance: Array, light: SceneLight) -> Array:
         """See PointOperator."""
@@ -130,8 +140,10 @@ class WardHistogram(PointOperator):
             return luminance * self._factor(samples, weights, display_log)
         share = curve.share(np.log(np.maximum(luminance, DARKEST_CD_M2)))
         # The display's black is shown as nothing, as the author's program does.
-        shown = np.exp((share - 1.0) * (display_log[1] - display_log[0])) - 1.0 / self.contrast
-        return np.asarray(shown / (1.0 - 1.0 / self.contrast))
+        luminance_out = (
+            np.exp((share - 1.0) * (display_log[1] - display_log[0])) - 1.0 / self.contrast
+        )
+        return np.asarray(luminance_out / (1.0 - 1.0 / self.contrast))
 
     def _factor(self, samples: Array, weights: Array, display_log: tuple[float, float]) -> float:
         """Display luminance, relative to its white, over scene luminance."""

@@ -224,14 +224,14 @@ class TestAnalyse:
         Path("own").mkdir()
         Path("own/matte-coated.toml").write_text("mine")
         told = refused(capsys, "experiment", "analyse", session, "--draws", 5, "-o", "own")
-        assert "holds what is not of a relgloss report" in told
+        assert "holds files that relgloss report did not write" in told
         assert Path("own/matte-coated.toml").read_text() == "mine"
 
     def test_a_folder_of_somebody_else(self, folder, session, capsys):
         run(capsys, "grid", "--size", "16x16", "-o", "stimuli")
         Path("stimuli/results.json").write_text("{}")
         told = refused(capsys, "experiment", "analyse", session, "--draws", 5, "-o", "stimuli")
-        assert "is not of a relgloss report" in told
+        assert "was not written by relgloss report" in told
 
 
 class TestExport:
@@ -282,7 +282,7 @@ class TestExport:
         Path("mine").mkdir()
         Path("mine/x").write_text("")
         told = refused(capsys, "experiment", "export", session, "--stimuli", "mine")
-        assert "holds what is not of a relgloss export" in told
+        assert "holds files that relgloss export did not write" in told
         assert sorted(os.listdir(folder)) == ["mine", "s.sqlite"]
 
 

@@ -134,7 +134,7 @@ class TestOpenGL:
             cli.main(["snapshot", "-o", str(tmp_path / "a.png")])
 
     def test_doctor_survives_what_a_backend_raises(self, capsys, monkeypatch):
-        from relgloss_view.picture import backends
+        from relgloss_view.quality import backends
 
         real = backends.open_renderer
 

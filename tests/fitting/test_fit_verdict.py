@@ -52,7 +52,7 @@ class TestResiduals:
         near = tilt_deg < 5.0
         assert 20 < np.sum(near) < len(near) - 20
         share = np.where(near, 1.1, 0.7)[:, None] * np.ones(4)
-        share[np.flatnonzero(~near)[::8]] = 1.8
+        share[np.flatnonzero(~near)[::14]] = 1.8
         result = verdict.residuals(table, data, data.value * share)
         relative = np.abs(share - 1.0)
         assert result.median_relative_error == pytest.approx(np.median(relative), abs=1e-4)
@@ -245,8 +245,10 @@ class TestWidth:
     def test_three_samples_on_the_flank_show_a_width(
         self, on_flank: int, seen: bool, end: str
     ) -> None:
-        data, state = observed(), true_state()
-        sd2 = data.geometry.facing.delta2 / np.radians(S_DEG) ** 2
+        # Some directions have their half-vector at 7.1 degrees: 2.9 standard deviations of 2.4.
+        s_deg = S_DEG if end == "nearest the peak" else 2.4
+        data, state = observed(((s_deg, STRENGTH),)), true_state(s_deg)
+        sd2 = data.geometry.facing.delta2 / np.radians(s_deg) ** 2
         lobe, _ = lobe_columns(data.geometry, float(state.log_s[0]), 1.5)
         strong = lobe[:, None] * state.ks > 0.1 * predict(data.geometry, state)
         flank = np.flatnonzero((sd2 > 0.5**2) & (sd2 < 3.0**2) & np.any(strong, axis=1))
@@ -255,6 +257,7 @@ class TestWidth:
         flank = flank[np.argsort(sd2[flank])]
         if end == "farthest from it":
             flank = flank[::-1]
+            assert sd2[flank[2]] > 8.0
         weight = np.zeros_like(data.weight)
         weight[elsewhere] = 1.0
         weight[flank[:on_flank]] = 1.0

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from pictures import assert_same_pixels
 
+from relgloss_view.picture.gpu.targets import SPLIT, TONE, WEIGHTS
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.quality.backends import open_renderer
@@ -21,6 +22,9 @@ import sys, numpy as np
 sys.path.insert(0, sys.argv[1])
 import materials
 from relgloss_view.quality.backends import open_renderer
+from relgloss_view.picture.gpu.targets import WRITTEN
+from relgloss_view.picture.gpu.variant import Variant
+from relgloss_view.picture.method import EXACT, FIRST_PASS, Method
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 with open_renderer(sys.argv[2]) as renderer:
@@ -31,6 +35,13 @@ with open_renderer(sys.argv[2]) as renderer:
             frame = renderer.render(scene, look, (256, 256))
             for stage in ("diffuse", "specular", "lab", "display"):
                 out[f"{name} {sigma} {stage}"] = getattr(frame, stage)
+            # What the passes themselves hold, of the exact path and of the one that splits sooner.
+            for method in (EXACT, Method(split=FIRST_PASS)):
+                renderer.render(scene, look, (256, 256), method)
+                pass_1 = WRITTEN[Variant.of(scene, look, 1, method).writes]
+                for target in {*pass_1, "split", "display"}:
+                    stage = f"{name} {sigma} {method.split}, target {target}"
+                    out[stage] = renderer.passes.targets.read(target)
 np.savez(sys.argv[3], **out)
 """
 
@@ -69,6 +80,13 @@ class TestDrivers:
     def stages(self, pictures):
         return [name for name in pictures["egl"].files if name != "device"]
 
+    def test_both_targets_of_the_exact_path_are_compared(self, pictures):
+        targets = {
+            name.partition("target ")[2] for name in self.stages(pictures) if "second pass" in name
+        }
+        assert targets == {*WEIGHTS, *SPLIT, *TONE}
+        assert any("first pass, target split" in name for name in self.stages(pictures))
+
     def test_osmesa_is_bit_identical(self, pictures):
         if pictures["osmesa"] is None:
             pytest.skip("this system has no libOSMesa; Mesa 25.1 dropped it")
@@ -93,7 +111,7 @@ class TestDrivers:
             differs |= bool(np.any(a != b))
             if name.endswith("display"):
                 assert_same_pixels(a, b, within=1)
-            elif name.endswith("lab"):
+            elif name.endswith(("lab", "split")):
                 assert_same_pixels(a, b, within=1e-3)
             else:
                 np.testing.assert_allclose(a, b, rtol=1e-4, atol=1e-6 * np.max(b))
@@ -107,7 +125,10 @@ sys.path.insert(0, sys.argv[1])
 import materials
 from relgloss_view.quality.backends import open_renderer
 from relgloss_view.picture.gpu.context import attach
+from relgloss_view.picture.gpu.targets import SPLIT, TONE, WEIGHTS
 from relgloss_view.picture.gpu.renderer import Renderer
+from relgloss_view.picture.gpu.targets import WRITTEN
+from relgloss_view.picture.gpu.variant import Variant
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 glfw.init_hint(glfw.PLATFORM, glfw.PLATFORM_NULL)
@@ -121,10 +142,16 @@ glfw.make_context_current(window)
 load = lambda name: ctypes.cast(glfw.get_proc_address(name), ctypes.c_void_p).value or 0
 request = Scene(materials.paper("matte")), Look(sigma_n_deg=1.0), (64, 48)
 ctx = attach(load)
-in_window = Renderer(ctx).render(*request).lab.copy()
+def targets(renderer):
+    return [renderer.passes.targets.read(t) for t in (*WEIGHTS, *SPLIT, *TONE)]
+drawn = Renderer(ctx)
+in_window = drawn.render(*request).lab.copy()
+in_targets = targets(drawn)
 assert ctx.error == "GL_NO_ERROR"
 with open_renderer("egl") as headless:
     np.testing.assert_array_equal(in_window, headless.render(*request).lab)
+    for one, other in zip(in_targets, targets(headless), strict=True):
+        np.testing.assert_array_equal(one, other)
 """
 
 

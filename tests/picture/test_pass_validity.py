@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+from typing import ClassVar
 
 import materials
 import numpy as np
@@ -12,11 +13,14 @@ from frames import SMALL
 from pictures import assert_same_pixels
 
 from relgloss_view.base.errors import InputError, RelglossError
+from relgloss_view.picture.gpu.held import FOLLOWING, Held, key_of
+from relgloss_view.picture.gpu.passes import PASSES
 from relgloss_view.picture.gpu.renderer import Renderer
+from relgloss_view.picture.method import FIRST_PASS, Method
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Lamp
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
 
 #: A change of every field that a picture can depend on.
 CHANGES = {
@@ -101,6 +105,140 @@ class TestPasses:
         white = renderer.draws["white"]
         renderer.render(scene, Look(sigma_n_deg=1.5), SMALL)
         assert renderer.draws["white"] == white
+
+
+#: What each change draws again of an exact picture of one sample, its c given, and nothing else.
+ALL = {"white", "shade", "split", "tone"}
+DRAWN_AGAIN = {
+    "c": (Look(1.0, 0.5), {}, {"tone"}),
+    "a share of c_max": (Look(1.0, None, 0.5), {}, {"tone"}),
+    "sigma_N": (Look(1.5, 0.3), {}, {"shade", "split", "tone"}),
+    "no grain": (Look(0.0, 0.3), {}, {"shade", "split", "tone"}),
+    "the seed": (Look(1.0, 0.3, seed=2), {}, {"shade", "split", "tone"}),
+    "the grain's law": (Look(1.0, 0.3, noise_law="tangent"), {}, {"shade", "split", "tone"}),
+    "an unused size of grain": (Look(1.0, 0.3, grain_mm=3.0), {}, {"shade", "split", "tone"}),
+    "samples": (Look(1.0, 0.3, samples=2), {}, ALL),
+    "the albedo": (Look(1.0, 0.3), {"material": materials.flat(0.4)}, {"shade", "split", "tone"}),
+    "the paper": (
+        Look(1.0, 0.3), {"material": materials.paper("cast")}, {"shade", "split", "tone"}
+    ),
+    "the shape": (Look(1.0, 0.3), {"shape": Shape("sphere")}, ALL),
+    "the lamp's place": (Look(1.0, 0.3), {"lamp": Lamp(azimuth_deg=20.0)}, ALL),
+    "the lamp's spectrum": (
+        Look(1.0, 0.3), {"lamp": Lamp(illuminant="D65")}, {"shade", "split", "tone"}
+    ),
+    "Y_n": (Look(1.0, 0.3), {"lamp": Lamp(y_n="front")}, {"shade", "split", "tone"}),
+    "the lamp's power": (Look(1.0, 0.3), {"lamp": Lamp(luminance_cd_m2=50.0)}, set()),
+    "the eye": (Look(1.0, 0.3), {"eye": Eye(elevation_deg=10.0)}, ALL),
+    "the gamut": (Look(1.0, 0.3), {"display": Display(gamut="clip")}, {"tone"}),
+    "the display": (Look(1.0, 0.3), {"display": Display(background_lstar=20.0)}, {"tone"}),
+    "nothing": (Look(1.0, 0.3), {}, set()),
+}  # fmt: skip
+#: Stages that are drawn when somebody asks, and after which changes they still hold.
+ASKED = {
+    "light": ("nothing", "the lamp's power"),
+    "geometry": ("c", "a share of c_max", "the gamut", "the display", "nothing"),
+    "counts": ("nothing", "the lamp's power"),
+}
+
+
+class TestDrawnAgain:
+    """One change at a time of a picture that was drawn."""
+
+    @pytest.mark.parametrize("change", list(DRAWN_AGAIN))
+    def test_what_follows_from_a_change_and_no_more(self, renderer, change):
+        look, changes, expected = DRAWN_AGAIN[change]
+        scene = Scene(materials.paper("art"))
+        renderer.render(scene, Look(1.0, 0.3), SMALL)
+        before = dict(renderer.draws)
+        renderer.render(dataclasses.replace(scene, **changes), look, SMALL)
+        again = {k: n - before[k] for k, n in renderer.draws.items() if n != before[k]}
+        assert again == dict.fromkeys(expected, 1)
+
+    @pytest.mark.parametrize("change", list(DRAWN_AGAIN))
+    def test_what_was_asked_for_is_drawn_again_where_it_changed(self, renderer, change):
+        look, changes, _ = DRAWN_AGAIN[change]
+        scene = Scene(materials.paper("art"))
+        frame = renderer.render(scene, Look(1.0, 0.3), SMALL)
+        _ = frame.light, frame.normal, frame.clip_count
+        before = dict(renderer.draws)
+        frame = renderer.render(dataclasses.replace(scene, **changes), look, SMALL)
+        _ = frame.light, frame.normal, frame.clip_count
+        for name, holding in ASKED.items():
+            if change in holding:
+                assert renderer.draws[name] == before[name]
+            elif name != "geometry":
+                assert renderer.draws[name] == before[name] + 1
+
+    def test_the_other_pass_that_splits_draws_its_own(self, renderer):
+        scene, look = Scene(materials.paper("art")), Look(1.0, 0.3)
+        renderer.render(scene, look, SMALL)
+        before = dict(renderer.draws)
+        cheaper = Method(split=FIRST_PASS)
+        frame = renderer.render(scene, look, SMALL, cheaper)
+        counted = {k: n - before[k] for k, n in renderer.draws.items() if n != before[k]}
+        assert counted == {"shade": 1, "tone": 1}
+        # XYZ is drawn when somebody asks, once.
+        _ = frame.diffuse, frame.specular
+        renderer.render(scene, Look(1.0, 0.4), SMALL, cheaper).diffuse.sum()
+        assert renderer.draws["shade"] == before["shade"] + 2
+        renderer.render(scene, Look(1.5, 0.4), SMALL, cheaper).diffuse.sum()
+        assert renderer.draws["shade"] == before["shade"] + 4
+
+
+class TestHeld:
+    #: Everything that no longer holds where a pass is drawn again, directly or not.
+    GONE: ClassVar = {
+        "white": set(),
+        "once": set(),
+        "shade": {"split", "xyz", "geometry", "extremes", "tone", "light", "counts", "overlay"},
+        "split": {"extremes", "tone", "light", "counts", "overlay"},
+        "tone": {"counts", "overlay"},
+        "light": {"overlay"},
+        "geometry": {"overlay"},
+        "extremes": set(),
+        "xyz": set(),
+        "counts": set(),
+        "overlay": set(),
+    }
+
+    @pytest.mark.parametrize("name", list(GONE))
+    def test_what_follows_is_drawn_again(self, name):
+        held = Held()
+        order = ("white", "once", "shade", "split", "geometry", "light", "tone", "xyz",
+                 "extremes", "counts", "overlay")  # fmt: skip
+        assert set(order) == set(self.GONE)
+        for other in order:  # a pass comes before what follows from it
+            assert held.renew(other, 1)
+        for other in order:
+            assert not held.renew(other, 1)
+        assert held.renew(name, 2)
+        for other in order:
+            again = held.renew(other, 2 if other == name else 1)
+            assert again == (other in self.GONE[name]), other
+
+    def test_every_pass_that_follows_is_one_that_is_drawn(self):
+        followers = {name for names in FOLLOWING.values() for name in names}
+        assert followers | set(FOLLOWING) <= set(self.GONE)
+        assert set(PASSES) <= set(self.GONE)
+
+    def test_a_pass_that_was_forgotten_is_drawn_again(self):
+        held = Held()
+        assert held.renew("tone", 1)
+        held.forget("tone")
+        assert held.renew("tone", 1)
+        held.clear()
+        assert held.renew("tone", 1)
+
+    def test_a_key_holds_every_number(self):
+        """Names in any order, arrays by their bytes: -0.0 is another number than 0.0."""
+        one = key_of({"a": np.arange(3.0), "b": {"c": 1}}, (2, "x"))
+        assert one == key_of({"b": {"c": 1}, "a": np.arange(3.0)}, (2, "x"))
+        hash(one)
+        assert one != key_of({"a": np.array([0.0, 1.0, 2.0000001]), "b": {"c": 1}}, (2, "x"))
+        assert one != key_of({"a": np.arange(3.0), "b": {"c": 2}}, (2, "x"))
+        assert one != key_of({"a": np.arange(3.0), "d": {"c": 1}}, (2, "x"))
+        assert key_of(np.array([0.0])) != key_of(np.array([-0.0]))
 
 
 class TestFaultsInBetween:

@@ -88,7 +88,7 @@ def test_the_shader_has_the_same_cells(ctx, kind, face):
     extent = f"vec3{tuple(half.tolist())}"
     body = (
         f"Hit hit = Hit(true, vec3(0.0), vec3(0.0), p.xy, {face});"
-        f"result = vec4(surface_cell(SHAPE_SHAPE_{kind.upper()}, hit, {cell!r}, {extent}), 0.0);"
+        f"result = vec4(surface_cell(SHAPE_{kind.upper()}, hit, {cell!r}, {extent}), 0.0);"
     )
     got = glsl.evaluate(ctx, ["shape.glsl"], body, {"p": points})[:, :3]
     expected = shape.surface_cell(kind, hit(points, face), cell, half)

@@ -2,92 +2,36 @@
 
 The cheaper method splits L* in pass 1 (Method.split "first pass"). Both come of the same numbers:
 the weights of the models' shapes, from which XYZ is summed, and then the split. So the two may
-differ by how a compiler orders and contracts these sums, and by nothing else; `bounds` says how
+differ by how a compiler orders and contracts these sums, and by nothing else; `bounds` gives how
 much that is.
 """
 
 from __future__ import annotations
 
-import ctypes
-import ctypes.util
 import dataclasses
 import itertools
 
-import materials
 import moderngl
 import numpy as np
 import pytest
+from splits import IN_PASS_1, SHAPES, SIZE, ULP, bounds, excess, forced, internal_format, scene_of
 
-from relgloss_view.base.errors import InputError
-from relgloss_view.picture.frame import Extremes, Scaling
 from relgloss_view.picture.gpu.constants import WRITES
 from relgloss_view.picture.gpu.programs import Programs
 from relgloss_view.picture.gpu.renderer import Renderer
-from relgloss_view.picture.gpu.targets import SPLIT, WRITTEN, XYZ
+from relgloss_view.picture.gpu.shader import ShaderSource
+from relgloss_view.picture.gpu.targets import SPLIT, WEIGHTS, WRITTEN, XYZ
+from relgloss_view.picture.gpu.uniforms import per_size
 from relgloss_view.picture.gpu.variant import Variant
 from relgloss_view.picture.method import EXACT, FIRST_PASS, Method
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import SAMPLES, load_sample
-from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Eye, Lamp, Shape
-
-SIZE = (56, 42)
-IN_PASS_1 = Method(split=FIRST_PASS)
-SHAPES = ("cylinder", "sphere", "plane", "box")
-ULP = 2.0**-24  #: relative rounding of one operation in float32
-
-GL_TEXTURE_2D, GL_TEXTURE_INTERNAL_FORMAT = 0x0DE1, 0x1003
-FORMATS = {0x8230: "RG32F", 0x8814: "RGBA32F", 0x881A: "RGBA16F", 0x8058: "RGBA8"}
-
-
-def scene_of(shape="cylinder", material=None, azimuth_deg=-12.0, **changes):
-    """A shape seen from above, its lamp near where a sheet mirrors the eye."""
-    return Scene(
-        material or load_sample("matte-coated"),
-        shape=Shape(kind=shape, width_m=0.07, depth_m=0.05),
-        eye=Eye(azimuth_deg=15.0, elevation_deg=20.0),
-        lamp=Lamp(azimuth_deg=azimuth_deg, elevation_deg=-18.0),
-        **changes,
-    )
-
-
-def forced(**entries):
-    return Method(variant=tuple(entries.items()))
 
 
 def written(scene, look, method=EXACT):
     """The targets of pass 1."""
     return WRITTEN[Variant.of(scene, look, look.samples or 1, method).writes]
-
-
-def bounds(frame, bands):
-    """What rounding may change of (L_d*, L_s*, a*, b*), (H, W, 4), of one drawing of a pixel.
-
-    XYZ is a sum of products: one product a band, or two where the spectra are folded, then their
-    sum, the sum of diffuse and specular and the division by the white. Every term is positive (but
-    for a broad band's weights), so that the relative error is at most one rounding an operation.
-    cube_root is right within 4 units in the last place (cube_root.glsl), and f varies less than in
-    proportion to t; the last two operations round once each. Units of f count 116, 500 and 200
-    times in L*, a*, b*; L_s* is a difference of two lightnesses.
-    """
-    white = frame.white_xyz
-    diffuse, specular = (a.astype(np.float64) for a in (frame.diffuse, frame.specular))
-    operations = 2 * max(bands, 2) + 2 + 2 * 4 + 2
-    f = np.max(np.abs(tone.lab_f((diffuse + specular) / white)), axis=-1)
-    rounding = operations * ULP * f
-    return np.stack([116.0 * rounding, 232.0 * rounding, 1000.0 * rounding, 400.0 * rounding], -1)
-
-
-def excess(frame, other, bands=0):
-    """The largest difference of two frames' split, as a multiple of what rounding may do.
-
-    Each frame may be off by the bound, so that 2 is the most that rounding explains.
-    """
-    first, second = (f._fetch("split").astype(np.float64) for f in (frame, other))
-    np.testing.assert_array_equal(frame.on_object, other.on_object)
-    on = frame.on_object
-    return float(np.max(np.abs(first - second)[on] / bounds(frame, bands)[on]))
 
 
 @pytest.fixture
@@ -107,19 +51,6 @@ def passes_drawn(monkeypatch):
 
     monkeypatch.setattr(Programs, "draw", draw)
     return drawn
-
-
-def internal_format(renderer, name):
-    """OpenGL's own word for the numbers of a target."""
-    egl = ctypes.CDLL(ctypes.util.find_library("EGL"))
-    egl.eglGetProcAddress.restype = ctypes.c_void_p
-    read = ctypes.CFUNCTYPE(None, *[ctypes.c_uint] * 3, ctypes.POINTER(ctypes.c_int))(
-        egl.eglGetProcAddress(b"glGetTexLevelParameteriv")
-    )
-    renderer.texture(name).use()
-    value = ctypes.c_int()
-    read(GL_TEXTURE_2D, 0, GL_TEXTURE_INTERNAL_FORMAT, ctypes.byref(value))
-    return FORMATS[value.value]
 
 
 class TestExactPath:
@@ -144,17 +75,20 @@ class TestExactPath:
         assert len({diffuse, specular, split, display}) == 4
 
     @pytest.mark.parametrize(
-        ("method", "samples"), [(EXACT, 1), (EXACT, 3), (forced(writes="xyz"), 1)]
+        ("method", "samples", "targets", "numbers"),
+        [
+            (EXACT, 1, WEIGHTS, "RG32F"),
+            (Method(facets="ggx"), 1, WEIGHTS, "RG32F"),
+            (EXACT, 3, XYZ, "RGBA32F"),  # XYZ has the share of the pixel in alpha
+            (Method(variant=(("writes", "xyz"),)), 1, XYZ, "RGBA32F"),
+        ],
     )
-    def test_the_targets_are_floats(self, renderer, method, samples):
+    def test_the_targets_are_floats(self, renderer, method, samples, targets, numbers):
         scene, look = scene_of(), Look(sigma_n_deg=1.0, c=0.3, samples=samples)
         renderer.render(scene, look, SIZE, method)
-        names = written(scene, look, method)
-        assert len(names) == 2
-        for name in names:
-            assert internal_format(renderer, name) == ("RGBA32F" if name in XYZ else "RG32F")
-        if samples > 1 or method.variant:
-            assert names == XYZ
+        assert written(scene, look, method) == targets
+        for name in targets:
+            assert internal_format(renderer, name) == numbers
         assert internal_format(renderer, *SPLIT) == "RGBA32F"
         assert internal_format(renderer, "display") == "RGBA8"
 
@@ -192,6 +126,42 @@ class TestExactPath:
             l_d, l_s = (part[frame.on_object] for part in frame.split)
             expected = np.min(tone.largest_c(l_d, l_s))
             assert frame.c_max == pytest.approx(expected, rel=1e-5)
+
+
+PROBE = """#version 330 core
+#include "texel.glsl"
+uniform sampler2D source_image;
+layout(location = 0) out vec4 result;
+void main() {
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    result = texel(source_image, SHIFT == 1 ? at + ivec2(1, 0) : at);
+}
+"""
+
+
+@pytest.mark.parametrize(
+    "size", [(1, 1), (3, 2), (56, 42), (257, 129), (4099, 5), (5, 4099), (8191, 2), (2, 8191)]
+)
+def test_a_texel_read_by_coordinates_is_that_texel(ctx, size):
+    """Its centre is at most 2 roundings of float32 off, 1e-3 of a texel in 8192."""
+    values = np.random.default_rng(5).random((size[1], size[0], 4), dtype=np.float32)
+    image = ctx.texture(size, 4, values.tobytes(), dtype="f4")
+    image.filter = (moderngl.NEAREST, moderngl.NEAREST)
+    target = ctx.texture(size, 4, dtype="f4")
+    framebuffer = ctx.framebuffer([target])
+    for shift in (0, 1):
+        source = ShaderSource("probe.frag", {"SHIFT": shift}, PROBE)
+        program = ctx.program(vertex_shader=source.vertex, fragment_shader=source.text)
+        image.use(0)
+        program["source_image"] = 0
+        (per_size_name,) = [name for name in program if name.endswith("per_size")]
+        program[per_size_name] = per_size(size)["per_size"]
+        framebuffer.use()
+        ctx.vertex_array(program, []).render(moderngl.TRIANGLES, vertices=3)
+        got = np.frombuffer(target.read(), dtype=np.float32).reshape(values.shape)
+        # Shifted by one it is the next one: the shader reads where it is asked to.
+        inside = slice(0, size[0] - shift)
+        np.testing.assert_array_equal(got[:, inside], values[:, shift:])
 
 
 #: The passes of an exact picture, in order.
@@ -351,181 +321,3 @@ class TestStagesOfEveryWay:
 
 #: What makes pass 1 write XYZ, whatever the method.
 WRITES_XYZ = {"variant": (("writes", "xyz"),)}
-
-
-#: Where the whole object, or only some of it, is in the picture.
-EYES = {
-    "whole": Eye(elevation_deg=20.0),
-    "half outside": Eye(elevation_deg=20.0, field_of_view_deg=12.0, shift_right=0.1),
-    "above": Eye(field_of_view_deg=12.0, shift_up=-0.07),
-}
-
-
-class TestOffTheObject:
-    """Pixels that show nothing of the object say so in whatever pass 1 writes."""
-
-    @pytest.mark.parametrize("method", [EXACT, IN_PASS_1, Method(targets="float16")])
-    @pytest.mark.parametrize("samples", [1, 3])
-    @pytest.mark.parametrize("place", list(EYES))
-    @pytest.mark.parametrize("shape", SHAPES)
-    def test_marked(self, renderer, reference, shape, place, samples, method):
-        scene = dataclasses.replace(scene_of(shape), eye=EYES[place])
-        look = Look(sigma_n_deg=1.0, c=0.3, samples=samples)
-        frame = renderer.render(scene, look, SIZE, method)
-        truth = reference.render(scene, look, SIZE)
-        off = ~frame.on_object
-        assert 0 < np.sum(off) < off.size
-        if place == "half outside":
-            assert np.any(frame.on_object[:, 0])
-        np.testing.assert_array_equal(frame.on_object, truth.on_object)
-        np.testing.assert_array_equal(frame.coverage, truth.coverage.astype(np.float32))
-        np.testing.assert_array_equal(frame.coverage > 0.0, frame.on_object)
-        assert frame.object_pixels == np.sum(frame.on_object)
-        split = frame._fetch("split")
-        np.testing.assert_array_equal(split[off], [[tone.OFF_OBJECT, 0.0, 0.0, 0.0]] * np.sum(off))
-        assert np.min(split[~off][:, 0]) > -1.0
-        for stage in (frame.diffuse, frame.specular, frame.lab, frame.normal, frame.point_m):
-            assert not np.any(stage[off])
-        assert not np.any(frame.clipped[off] | frame.out_of_gamut[off])
-        surround = np.unique(frame.display[off].reshape(-1, 3), axis=0)
-        assert len(surround) == 1
-        l_d, l_s = frame.split
-        assert not np.any(l_d[off])
-        assert not np.any(l_s[off])
-        if samples > 1:
-            shares = np.unique(np.round(frame.coverage * samples**2, 4))
-            assert np.all(shares == np.round(shares))
-            assert len(shares) > 3 or place == "above"
-
-    @pytest.mark.parametrize("method", [EXACT, IN_PASS_1, Method(targets="float16")])
-    @pytest.mark.parametrize("samples", [1, 2])
-    def test_unseen(self, renderer, method, samples):
-        scene = dataclasses.replace(scene_of(), eye=Eye(shift_right=50.0))
-        frame = renderer.render(scene, Look(c=0.3, samples=samples), SIZE, method)
-        assert not np.any(frame.on_object)
-        assert not np.any(frame.coverage)
-        assert not np.any(frame.diffuse)
-        assert frame.object_pixels == 0
-        assert frame.scaling == Scaling.of(frame.look, Extremes.of_nothing())
-        assert len(np.unique(frame.display.reshape(-1, 3), axis=0)) == 1
-
-    def test_an_unlit_object_is_no_surround(self, renderer):
-        """Weights of zero are on the object, black; only the marker is off it."""
-        scene = scene_of(azimuth_deg=180.0)
-        for method in (EXACT, IN_PASS_1):
-            frame = renderer.render(scene, Look(), SIZE, method)
-            assert np.sum(frame.on_object) > 100
-            assert not np.any(frame.specular)
-            np.testing.assert_array_equal(frame.lab[frame.on_object], 0.0)
-            surround = frame.display[~frame.on_object][0]
-            assert np.all(frame.display[frame.on_object] == 0)
-            assert np.all(surround > 0)
-
-
-class TestQualityAuto:
-    AUTO = Look(sigma_n_deg=1.0, c_fraction=0.5, quality="auto")
-
-    @pytest.mark.parametrize("sample", list(SAMPLES))
-    def test_it_splits_in_pass_1_in_half_floats(self, renderer, passes_drawn, sample):
-        frame = renderer.render(scene_of(material=load_sample(sample)), self.AUTO, SIZE)
-        assert frame.method.split == FIRST_PASS
-        assert "split.frag" not in [name for name, *_ in passes_drawn]
-        half = frame.method.targets == "float16"
-        assert internal_format(renderer, "split") == ("RGBA16F" if half else "RGBA32F")
-
-    def test_half_floats_are_taken_for_some_sample(self, renderer):
-        """Negative control of the test above: where none took them, it would show nothing."""
-        scenes = [scene_of(material=load_sample(sample)) for sample in SAMPLES]
-        numbers = {renderer.choose(scene, self.AUTO, SIZE).targets for scene in scenes}
-        assert "float16" in numbers
-
-    @pytest.mark.parametrize("sample", list(SAMPLES))
-    def test_xyz_is_never_of_half_floats(self, renderer, sample):
-        scene = scene_of(material=load_sample(sample))
-        method = dataclasses.replace(
-            renderer.choose(scene, self.AUTO, SIZE), targets="float16", split=FIRST_PASS
-        )
-        frame = renderer.render(scene, self.AUTO, SIZE, method)
-        rounded = frame._fetch("split")
-        np.testing.assert_array_equal(rounded, rounded.astype(np.float16))
-        whole = renderer.render(
-            scene, self.AUTO, SIZE, dataclasses.replace(method, targets="float32")
-        )
-        wanted = {name: getattr(whole, name).copy() for name in XYZ}
-        frame = renderer.render(scene, self.AUTO, SIZE, method)
-        for name, values in wanted.items():
-            got = getattr(frame, name)
-            assert got.dtype == np.float32
-            np.testing.assert_array_equal(got, values)
-            lit = values[values > 0.0]
-            assert np.mean(lit != lit.astype(np.float16)) > 0.5
-
-    @pytest.mark.parametrize("c", [None, 0.001])
-    @pytest.mark.parametrize("brightest", [1e3, 4e4, 5e4, 1e5, 1e7])
-    def test_a_very_bright_highlight_is_drawn(self, renderer, reference, brightest, c):
-        """Half floats are refused above a Y of some 43,700: float32 takes over before that."""
-        scene = bright(reference, brightest)
-        look = Look(c=c, quality="auto")
-        frame = renderer.render(scene, look, SIZE)
-        assert np.max(frame.specular[..., 1]) == pytest.approx(brightest, rel=0.1)
-        assert frame.method.targets == ("float16" if brightest <= 4e4 else "float32")
-        method = frame.method
-        shown = frame.display.astype(int)
-        exact = renderer.render(scene, dataclasses.replace(look, quality="exact"), SIZE)
-        assert np.percentile(np.abs(shown - exact.display), 99) <= 2
-        if brightest > 4.4e4:  # drawn in half floats nevertheless, it would be refused
-            half = dataclasses.replace(method, targets="float16")
-            with pytest.raises(InputError, match="targets float16"):
-                renderer.render(scene, look, SIZE, half)
-
-    @pytest.mark.parametrize("s_deg", [0.05, 2.5])
-    def test_the_strongest_lobe_is_drawn(self, renderer, s_deg):
-        frame = renderer.render(sheet(1e6, s_deg), Look(quality="auto"), SIZE)
-        assert frame.method.targets == "float32"
-        assert np.max(frame.specular) > 1e6
-        assert np.all(np.isfinite(frame.lab))
-
-    def test_a_renderer_without_a_chooser_draws_everything(self, ctx):
-        plain = Renderer(ctx)
-        scene = scene_of()
-        auto = plain.render(scene, self.AUTO, SIZE)
-        assert auto.method == EXACT
-        stages = ("diffuse", "specular", "lab", "display")
-        got = {name: getattr(auto, name).copy() for name in stages}
-        exact = Renderer(ctx).render(scene, dataclasses.replace(self.AUTO, quality="exact"), SIZE)
-        for name, values in got.items():
-            np.testing.assert_array_equal(values, getattr(exact, name))
-        plain.release()
-
-    def test_a_chooser_is_asked_for_every_picture(self, ctx):
-        asked = []
-
-        def choose(scene, look, size):
-            asked.append((scene, look, size))
-            return IN_PASS_1
-
-        renderer = Renderer(ctx, choose=choose)
-        scene = scene_of()
-        assert renderer.render(scene, self.AUTO, SIZE).method == IN_PASS_1
-        assert asked == [(scene, self.AUTO, SIZE)]
-        assert renderer.render(scene, self.AUTO, SIZE, EXACT).method == EXACT
-        assert len(asked) == 1
-        renderer.release()
-
-
-def sheet(strength, s_deg):
-    """A sheet of one lobe that mirrors the lamp into the eye."""
-    paper = materials.paper("art")
-    lobe = dataclasses.replace(paper.specular[0], strength=(strength,), s_deg=s_deg)
-    return Scene(
-        dataclasses.replace(paper, specular=(lobe,)),
-        shape=Shape("plane"),
-        lamp=Lamp(azimuth_deg=0.0, distance_m=1.0),
-    )
-
-
-def bright(reference, brightest):
-    """A sheet whose highlight's largest Y is a number, by the strength of its lobe."""
-    s_deg = 2.5 if brightest < 1e7 else 0.5
-    one = reference.render(sheet(1.0, s_deg), Look(c=0.1, samples=1), SIZE)
-    return sheet(brightest / np.max(one.specular[..., 1]), s_deg)

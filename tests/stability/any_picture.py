@@ -90,10 +90,10 @@ def scenes():
     return st.builds(
         Scene,
         materials(),
-        parts(Shape),
-        parts(Lamp),
-        parts(Eye),
-        st.just(Display()) | st.just(display) | parts(Display),
+        shape=parts(Shape),
+        lamp=parts(Lamp),
+        eye=parts(Eye),
+        display=st.just(Display()) | st.just(display) | parts(Display),
     )
 
 

@@ -257,7 +257,7 @@ def test_names_that_no_text_can_hold(found):
     got = found["opens_odd_names"]
     assert got["shown"] == "a b\\udcff.json"
     assert got["same"]
-    assert got["asked"] == "taken.toml is there already. Replace it?"
+    assert got["asked"] == "taken.toml is already there. Replace it?"
     assert got["then"] == ""
     assert got["on the way"] == "other.toml"
 
@@ -278,7 +278,7 @@ def test_faults_are_one_line_in_the_dialog(found):
 
 def test_saving_asks_before_it_replaces(found, place):
     got = found["saves_and_asks_before_it_replaces"]
-    assert got["asked"] == "taken.toml is there already. Replace it?"
+    assert got["asked"] == "taken.toml is already there. Replace it?"
     assert got["kept"] == "# held before\n"
     assert "no such folder" in got["nowhere"]
     assert "[sample]" in got["fresh"]
@@ -420,7 +420,7 @@ class TestNative:
         (tmp_path / "old.toml").write_text("")
         _, _, got, _, _, own = helper(tmp_path / "old")
         assert got == []
-        assert own == "old.toml is there already. Replace it?"
+        assert own == "old.toml is already there. Replace it?"
 
     def test_not_without_a_display_or_a_helper(self, monkeypatch, tmp_path):
         for name in ("DISPLAY", "WAYLAND_DISPLAY", "RELGLOSS_DIALOG"):

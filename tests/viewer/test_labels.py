@@ -61,4 +61,4 @@ def test_words_of_a_method():
     assert drawing_words.drawing_words(EXACT) == "Drawn with the whole model"
     words = drawing_words.drawing_words(Method(noise="mean", lobes=1))
     assert words == "Drawn simpler: one specular lobe, the mean of the grain"
-    assert drawing_words.drawing_words(Method(bands="each")) == "Drawn simpler: bands each"
+    assert drawing_words.drawing_words(Method(facets="ggx")) == "Drawn simpler: facets ggx"

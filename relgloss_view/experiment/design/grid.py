@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.reading import fault, number
+from relgloss_view.base.reading import number, refuse
 from relgloss_view.picture.scene.setting import Setting
 
 SIGMA_N_DEG = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
@@ -38,7 +38,7 @@ class Grid:
             )
             for before, after in itertools.pairwise(checked):
                 if after - before < 1e-6:
-                    fault(f"grid.{name}", "ascending values, none twice", list(checked))
+                    refuse(f"grid.{name}", "ascending values, none twice", list(checked))
             object.__setattr__(self, name, checked)
         if len(self) > MOST_SETTINGS:
             raise InputError(f"grid: expected at most {MOST_SETTINGS} settings, found {len(self)}")
@@ -64,6 +64,6 @@ def share_of(value: object, place: str) -> float:
         if not re.fullmatch(
             r"[0-9]{1,6}(\.[0-9]{1,9})?|[0-9]{1,6}/0*[1-9][0-9]{0,5}", value.strip()
         ):
-            fault(place, expected, value)
+            refuse(place, expected, value)
         value = float(Fraction(value.strip()))
     return number(value, place, expected, 0.0, 10.0)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.parameters import Checked, choice, parameter, switch, whole_number
-from relgloss_view.base.reading import fault, text
+from relgloss_view.base.reading import refuse, text
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.picture.model.view import check_size
 from relgloss_view.picture.scene.look import Look
@@ -132,7 +132,7 @@ class Study:
         if not self.samples:
             raise InputError("samples: expected at least one sample to judge, found none")
         if len(self.samples) > MOST_SAMPLES:
-            fault("samples", f"at most {MOST_SAMPLES} samples", len(self.samples))
+            refuse("samples", f"at most {MOST_SAMPLES} samples", len(self.samples))
         labels = [sample.label for sample in self.samples]
         for k, label in enumerate(labels):
             _check_text(label, f"samples[{k}].label", LONGEST_LABEL)
@@ -182,12 +182,12 @@ class Study:
 def _check_text(value: object, place: str, limit: int, *, empty: bool = False) -> None:
     written = text(value, place)
     if len(written) > limit or not (empty or written.strip()):
-        fault(place, f"a text of {0 if empty else 1} to {limit} characters", written)
+        refuse(place, f"a text of {0 if empty else 1} to {limit} characters", written)
 
 
 def _check_categories(categories: tuple[str, ...]) -> None:
     if not 2 <= len(categories) <= MOST_CATEGORIES:
-        fault("categories", f"2 to {MOST_CATEGORIES} names, from close to far", list(categories))
+        refuse("categories", f"2 to {MOST_CATEGORIES} names, from close to far", list(categories))
     for k, name in enumerate(categories):
         _check_text(name, f"categories[{k}]", LONGEST_CATEGORY)
         if name in categories[:k]:

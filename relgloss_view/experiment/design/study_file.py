@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.reading import fault, numbers_of, printable
+from relgloss_view.base.reading import numbers_of, printable, refuse
 from relgloss_view.base.resources import asset
 from relgloss_view.base.toml import build_part, entries, read_toml
 from relgloss_view.experiment.design.grid import Grid, share_of
@@ -74,7 +74,7 @@ def _study(content: Mapping[str, Any], folder: Path) -> Study:
     words = _entries(content, "study", WORDS)
     if "categories" in words:
         if not isinstance(words["categories"], list):
-            fault("study.categories", "a list of names", words["categories"])
+            refuse("study.categories", "a list of names", words["categories"])
         words["categories"] = tuple(words["categories"])
     parts = {name: build(name, content.get(name, {})) for name in TABLES}
     parts["lamp"] = lamp_beside(parts["lamp"], folder, None)
@@ -97,7 +97,7 @@ def _study(content: Mapping[str, Any], folder: Path) -> Study:
 def _entries(content: Mapping[str, Any], table: str, names: tuple[str, ...]) -> dict[str, Any]:
     values = content.get(table, {})
     if not isinstance(values, dict):
-        fault(f"[{table}]", "a table", values)
+        refuse(f"[{table}]", "a table", values)
     for key in values:
         if key not in names:
             unknown = printable(key, 60)
@@ -110,7 +110,7 @@ def _entries(content: Mapping[str, Any], table: str, names: tuple[str, ...]) -> 
 def _reference(values: object, folder: Path) -> tuple[Sample, Look]:
     """The sample and look of the reference picture: those of the paper where nothing is said."""
     if not isinstance(values, dict):
-        fault("[reference]", "a table", values)
+        refuse("[reference]", "a table", values)
     of_sample = dict(values)
     look = build("look", of_sample.pop("look", {}), "reference.")
     if look.c is None and look.c_fraction is None:
@@ -125,12 +125,12 @@ def _samples(values: object, folder: Path) -> tuple[StudySample, ...]:
     if values is None:  # the paper's three
         values = [{"name": name} for name in list(SAMPLES)[1:]]
     if not isinstance(values, list):
-        fault("samples", f"[[samples]], each with a name such as {DEFAULT_SAMPLE!r}", values)
+        refuse("samples", f"[[samples]], each with a name such as {DEFAULT_SAMPLE!r}", values)
     made = []
     for k, value in enumerate(values):
         place = f"samples[{k}]"
         if not isinstance(value, dict):
-            fault(place, "a table", value)
+            refuse(place, "a table", value)
         of_sample = dict(value)
         label = of_sample.pop("label", None)
         sample = read_sample(place, of_sample, folder, None)
@@ -151,7 +151,7 @@ def _grid(values: Mapping[str, Any]) -> Grid:
     if "c_fraction" in values:
         shares = values["c_fraction"]
         if not isinstance(shares, list):
-            fault("grid.c_fraction", "a list of shares of c_max, such as ['1/6', 0.5, 1]", shares)
+            refuse("grid.c_fraction", "a list of shares of c_max, such as ['1/6', 0.5, 1]", shares)
         made["c_fraction"] = tuple(
             share_of(value, f"grid.c_fraction[{k}]") for k, value in enumerate(shares)
         )

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
 
 import numpy as np
 
+from relgloss_view.base import pages
 from relgloss_view.base.reading import printable
 from relgloss_view.base.version import __version__
 from relgloss_view.experiment.report import sentences
@@ -24,32 +24,25 @@ from relgloss_view.experiment.report.plots import OVERVIEW, Plot
 from relgloss_view.experiment.report.results import counts_of
 from relgloss_view.experiment.verdict.analysis import Analysis, SampleResult
 
-#: Neutral grays, as everywhere beside pictures that are judged.
 STYLE = """
-body { margin: 2rem; background: #777; color: #fff; font: 15px/1.45 system-ui, sans-serif; }
 main { max-width: 80rem; }
-h1 { font-size: 1.5rem; font-weight: 600; margin: 0 0 .3rem; overflow-wrap: anywhere; }
-h2 { font-size: 1.1rem; font-weight: 600; margin: 2.2rem 0 .2rem; overflow-wrap: anywhere; }
-p, dd, li { max-width: 60rem; } p { margin: .2rem 0; }
+h1, h2 { overflow-wrap: anywhere; }
+h2 { font-size: 1.1rem; font-weight: 600; margin: 2.2rem 0 .2rem; }
+dd, li { max-width: 60rem; }
 ul { margin: .3rem 0; padding-left: 1.2rem; }
-.muted { color: #eee; }
 .notice { background: #fff; color: #1b1f24; padding: .6rem .9rem; margin: .8rem 0; }
 .plots { display: flex; flex-wrap: wrap; gap: 1rem; margin: .8rem 0; align-items: flex-start; }
 .plots img { display: block; max-width: 100%; height: auto; }
 .scroll { overflow-x: auto; }
-table { border-collapse: collapse; margin: 0 0 1rem; font-variant-numeric: tabular-nums; }
-th, td { padding: .2rem 1.1rem .2rem 0; text-align: right; border-bottom: 1px solid #909090;
-  vertical-align: top; }
-th { font-weight: 600; }
+table { margin: 0 0 1rem; }
+th, td { padding: .2rem 1.1rem .2rem 0; vertical-align: top; }
 .plots table { font-size: 13px; } .plots th, .plots td { padding-right: .8rem; }
-th:first-child, td:first-child, .text { text-align: left; overflow-wrap: break-word; }
+th:first-child, td:first-child, .text { overflow-wrap: break-word; }
 dt { font-weight: 600; margin-top: .5rem; } dd { margin: 0; }
-code { font: 13px/1.4 ui-monospace, monospace; overflow-wrap: anywhere; }
 @media print { body { background: #fff; color: #000; } .muted { color: #333; } }
 """
 CSS_DPI = 96  #: an inch of a page
 MOST_ROWS = 8  #: settings in a sample's table; scale.csv has all
-TEXT = "class=text"
 
 
 def report_page(
@@ -61,14 +54,12 @@ def report_page(
 ) -> str:
     """The page as text; plots lie in the folder. `command` is the line that makes it again."""
     pool = analysis.pool
-    title = escape(printable(pool.study.title, 60))
+    title = printable(pool.study.title, 60)
     answers = sum(o.answers for o in analysis.observers)
     simulated = sentences.simulated_words(pool)
     parts = [
-        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">',
-        '<meta name="viewport" content="width=device-width">',
-        f"<title>{title}: results</title><style>{STYLE}</style></head><body><main>",
-        f"<h1>{title}</h1>",
+        "<main>",
+        f"<h1>{escape(title)}</h1>",
         f'<p class="muted">{escape(people(pool))}; {answers} answers.</p>',
         "" if simulated is None else f'<p class="notice">{escape(simulated)}</p>',
         _verdicts(analysis),
@@ -83,9 +74,9 @@ def report_page(
         *(f"<dt>{escape(term)}</dt><dd>{escape(said)}</dd>" for term, said in terms(analysis)),
         "</dl>",
         _made_with(analysis, command),
-        "</main></body></html>\n",
+        "</main>",
     ]
-    return "\n".join(part for part in parts if part)
+    return pages.page(f"{title}: results", parts, STYLE)
 
 
 def _verdicts(analysis: Analysis) -> str:
@@ -126,7 +117,7 @@ def _sample(
     scene: str | None,
 ) -> str:
     notes = [*sentences.notes(result, analysis), sentences.agreement(result)]
-    verdict = sentence_case(sentences.sentence(result, analysis))
+    verdict = pages.sentence_case(sentences.sentence(result, analysis))
     listed = "".join(f"<li>{escape(note)}</li>" for note in notes)
     opened = "No scene is written: nothing is declared best."
     if scene is not None:
@@ -253,30 +244,13 @@ def _made_with(analysis: Analysis, command: str | None) -> str:
 
 
 def table(heads: Sequence[str], rows: Sequence[Sequence[str]], texts: Sequence[int] = ()) -> str:
-    """A table; `texts` are columns that hold words."""
-    ways = [f" {TEXT}" if k in texts else "" for k in range(len(heads))]
-    head = "".join(f"<th{way}>{escape(text)}</th>" for way, text in zip(ways, heads, strict=True))
-    body = "".join(
-        "<tr>"
-        + "".join(f"<td{way}>{escape(text)}</td>" for way, text in zip(ways, row, strict=True))
-        + "</tr>"
-        for row in rows
-    )
-    return (
-        f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>'
-        "</div>"
-    )
-
-
-def sentence_case(text: str) -> str:
-    """With a capital at its beginning."""
-    return text[:1].upper() + text[1:]
+    """A table that scrolls where it is wider than the page; `texts` are columns of words."""
+    return f'<div class="scroll">{pages.table(heads, rows, texts)}</div>'
 
 
 def _image(folder: Path, name: str, shows: str) -> str:
     """A plot of the folder as part of the page, as large as it is on paper."""
     data = (folder / name).read_bytes()
     width = round(int.from_bytes(data[16:20], "big") * CSS_DPI / DPI)
-    held = base64.b64encode(data).decode("ascii")
     description = escape(shows, quote=True)
-    return f'<img src="data:image/png;base64,{held}" width="{width}" alt="{description}">'
+    return f'<img src="{pages.embedded_png(data)}" width="{width}" alt="{description}">'

@@ -189,7 +189,7 @@ def lobe_width_for(material: Material, angle_deg: float, reading: float) -> floa
     """Width s_deg of the main lobe with which a material reads `reading` at an angle.
 
     All else stays as it is, so the width is hypothetical. InputError where no width that can be
-    drawn gives the reading; it says what can be reached.
+    drawn gives the reading; the message has the range of readings.
     """
     from scipy.optimize import brentq
 
@@ -206,10 +206,10 @@ def lobe_width_for(material: Material, angle_deg: float, reading: float) -> floa
         )
 
     widths = np.linspace(np.log(S_DEG_DRAWN), np.log(S_DEG_MAX), WIDTHS_TRIED)
-    found = np.array([excess(log_s) for log_s in widths])
-    crossing = np.flatnonzero((found[:-1] >= 0.0) != (found[1:] >= 0.0))
+    excesses = np.array([excess(log_s) for log_s in widths])
+    crossing = np.flatnonzero((excesses[:-1] >= 0.0) != (excesses[1:] >= 0.0))
     if not len(crossing):
-        low, high = (float(end) + reading for end in (found.min(), found.max()))
+        low, high = (float(end) + reading for end in (excesses.min(), excesses.max()))
         raise InputError(
             f"{name}: no lobe width reads {reading:g} at {meter.angle_deg:g} degrees; from "
             f"{S_DEG_MAX:g} to {S_DEG_DRAWN:g} degrees it reads {low:.3g} to {high:.3g}"
@@ -219,9 +219,9 @@ def lobe_width_for(material: Material, angle_deg: float, reading: float) -> floa
 
 
 def hypothetical(material: Material, angle_deg: float, reading: float) -> Material:
-    """The material with the lobe width that gives a reading; name and source say it is made up.
+    """The material with the lobe width that gives a reading.
 
-    It has no fit: what was fitted is another material.
+    Its name and source mark it as hypothetical. It has no fit: another material was fitted.
     """
     s_deg = lobe_width_for(material, angle_deg, reading)
     main = main_lobe(material)

@@ -1,6 +1,6 @@
-"""A gloss meter's reading straight from a measured table, to hold a fit against its data.
+"""A gloss meter's reading straight from a measured table, to compare a fit with its data.
 
-What a table says near the mirror direction is read as facets: each value divided by what a facet of
+Values near the mirror direction are read as facets: each value divided by what a facet of
 a smooth dielectric would reflect in that geometry leaves the facet density, a function of the angle
 between normal and half-vector alone if the sample is isotropic. It is interpolated between the
 measured angles and goes through the same windows as a material's lobes. Nothing is fitted, and the
@@ -42,10 +42,10 @@ CORE_FALL = 0.7
 #: ... and by about what the second angle lets expect: a narrow lobe on a broad floor bends there.
 CORE_BEND = 0.25
 #: A change by the instrument's blur that is worth a word.
-BLUR_TOLD = 0.03
+BLUR_NOTED = 0.03
 #: The core of a lobe reaches to where its logarithm has fallen by this: one standard deviation.
 CORE_DROP = 0.5
-#: A lobe whose variance is a smaller share of the blur's can't be told from a mirror.
+#: A lobe whose variance is a smaller share of the blur's is as sharp as a mirror for it.
 NARROWEST = 0.1
 #: Any index does: what a facet reflects is divided out and multiplied in again.
 INDEX = 1.5
@@ -63,11 +63,11 @@ def table_readings(measurement: Measurement) -> tuple[Reading, ...]:
 
 def _read(measurement: Measurement, meter: Meter) -> Reading:
     empty = Reading(meter.key, meter.name, meter.standard, None)
-    found = _profile(measurement, meter)
-    if isinstance(found, str):
-        return dataclasses.replace(empty, reason=found)
-    # With every other angle left out the gaps are twice as wide: how much they matter shows.
-    angle, level = found
+    profile = _profile(measurement, meter)
+    if isinstance(profile, str):
+        return dataclasses.replace(empty, reason=profile)
+    # Without every other angle the gaps are twice as wide, which shows how much they matter.
+    angle, level = profile
     thinned = np.unique(np.r_[0, np.arange(2, len(angle), 2), len(angle) - 1])
     likely, other = (
         float(np.sum([facet_flux(meter, w, fill, INDEX, nodes=NODES) for w in meter.windows]))
@@ -80,7 +80,7 @@ def _read(measurement: Measurement, meter: Meter) -> Reading:
             f"change by {abs(other / likely - 1.0):.0%}"
         )
         return dataclasses.replace(empty, reason=reason)
-    note = _blur(measurement.aperture_sd_deg, meter, *found)
+    note = _blur(measurement.aperture_sd_deg, meter, *profile)
     return dataclasses.replace(empty, value=value, note=note)
 
 
@@ -112,7 +112,7 @@ def _blur(aperture_sd_deg: tuple[float, float], meter: Meter, angle: Array, leve
     with_blur = sum(facet_flux(meter, w, blurred, INDEX, seen) for w in windows)
     without = sum(lobe_flux(meter, w, float(np.degrees(sharp)), INDEX) for w in windows)
     change = with_blur / without - 1.0 if without > 0.0 else 0.0
-    if abs(change) < BLUR_TOLD:
+    if abs(change) < BLUR_NOTED:
         return ""
     return (
         f"some {abs(change):.0%} {'low' if change < 0 else 'high'}: the table's apertures blur it"
@@ -156,7 +156,7 @@ def _profile(measurement: Measurement, meter: Meter) -> tuple[Array, Array] | st
     if fall[1] > CORE_FALL or abs(fall[1] - straight) > CORE_BEND:
         return (
             "the directions are too far apart: the lobe is narrower than the "
-            f"{np.degrees(angle[1]):.2g} degrees between the first two half-vectors tell"
+            f"{np.degrees(angle[1]):.2g} degrees between the first two half-vectors"
         )
     needed = max(farthest_deg(meter, window) for window in meter.windows)
     if np.degrees(angle[-1]) < needed:

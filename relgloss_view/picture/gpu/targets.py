@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import AnyArray
 from relgloss_view.base.errors import InputError, RelglossError
 from relgloss_view.picture.frame import Extremes
 from relgloss_view.picture.gpu.context import max_texture_size
@@ -54,7 +52,7 @@ class Targets:
     def __init__(self, ctx: moderngl.Context) -> None:
         self.ctx = ctx
         self.size: Size | None = None
-        self.numbers = "float32"  #: that pass 1 writes
+        self.numbers = "float32"  #: of the split
         self._textures: dict[str, moderngl.Texture] = {}
         self._framebuffers: dict[tuple[str, ...], moderngl.Framebuffer] = {}
         self._table: moderngl.Texture | None = None
@@ -109,8 +107,8 @@ class Targets:
                 for name in names:
                     if name not in self._textures:
                         made[name] = self._texture(self.size, name)
-                known = self._textures | made
-                self._framebuffers[names] = self.ctx.framebuffer([known[name] for name in names])
+                textures = self._textures | made
+                self._framebuffers[names] = self.ctx.framebuffer([textures[name] for name in names])
             except BaseException:
                 for texture in made.values():
                     texture.release()
@@ -118,7 +116,7 @@ class Targets:
             self._textures |= made
         return self._framebuffers[names]
 
-    def read(self, name: str) -> NDArray[Any]:
+    def read(self, name: str) -> AnyArray:
         """A target's contents, (H, W, components), rows from the top."""
         texture = self._textures[name]
         data = texture.read(alignment=1)
@@ -153,7 +151,7 @@ class Targets:
             f"size {size[0]}x{size[1]}: the device has no memory for it; give a smaller --size"
         )
         dtype = "f1" if name in EIGHT_BIT else "f4"
-        if name in (*XYZ, *SPLIT) and self.numbers == "float16":
+        if name in SPLIT and self.numbers == "float16":
             dtype = "f2"
         try:
             texture = self.ctx.texture(size, components(name), dtype=dtype)

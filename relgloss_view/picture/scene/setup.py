@@ -17,7 +17,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.parameters import Checked, choice, parameter
-from relgloss_view.base.reading import fault
+from relgloss_view.base.reading import refuse
 
 SHAPES = ("cylinder", "sphere", "plane", "box")
 
@@ -141,7 +141,7 @@ class Lamp(Checked):
     def __post_init__(self) -> None:
         super().__post_init__()
         if not isinstance(self.illuminant, str):
-            fault("lamp.illuminant", "a name", self.illuminant)
+            refuse("lamp.illuminant", "a name", self.illuminant)
 
     @property
     def position_m(self) -> Array:

@@ -12,7 +12,7 @@ from relgloss_view.picture.model.tone import DisplayModel
 from relgloss_view.picture.model.view import View
 from relgloss_view.picture.scene.setup import Display
 from relgloss_view.viewer.drawing.arrangement import Arrangement
-from relgloss_view.viewer.panels.drawing_words import drawing_words, quality_words
+from relgloss_view.viewer.panels.drawing_words import drawing_words
 from relgloss_view.viewer.shell.theme import em, gray
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.state import DIFFERENCE, WIPE
@@ -84,7 +84,8 @@ def _lines(model: Model, side: str, faults: dict[str, str]) -> list[Line]:
         if state.presentation.overlay != "none":
             lines.append((f"Overlay: {state.presentation.overlay}",))
         words = drawing_words(frame.method)
-        lines.append((f"{words} ({frame.look.quality})", words, quality_words(frame)))
+        brief = words.partition(":")[0]
+        lines.append(tuple(f"{text} ({frame.look.quality})" for text in (words, brief)))
     return lines
 
 

@@ -60,7 +60,7 @@ def _state(pixel: Readout) -> list[str]:
         for word, holds in (("clipped", pixel.clipped), ("out of gamut", pixel.out_of_gamut))
         if holds
     ]
-    return [", ".join(words) or "as asked"]
+    return [", ".join(words) or "unchanged"]
 
 
 QUANTITIES = (
@@ -92,7 +92,9 @@ QUANTITIES = (
         lambda p: [_degrees(p.half_deg), _degrees(p.half_tilted_deg)],
     ),
     _Quantity(
-        "Displayed", "Clipped: L* is above 100. Out of gamut: the chroma is reduced.", _state
+        "Displayed",
+        "Clipped: L* is above 100. Out of gamut: the chroma is reduced. Unchanged: neither.",
+        _state,
     ),
 )
 

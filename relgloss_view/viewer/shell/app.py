@@ -80,6 +80,7 @@ class App:
         self._lost = False
         self._layout_kept_s = 0.0
         self._held_at_s = 0.0  #: when the hand last held something
+        self._warming_waits = False  #: until the hand has rested
 
     # --- the life of the window ---------------------------------------------------------------
 
@@ -130,6 +131,10 @@ class App:
             return True
         if self.model.dragging:
             return True
+        # A pause for the compiler between two clicks would part a double click.
+        self._warming_waits = not self._rested(now_s)
+        if self._warming_waits:
+            return False
         warmed = self.pair_renderer.warm(self.model.state)
         assert self._window is not None
         self._window.to_screen()
@@ -137,7 +142,7 @@ class App:
 
     def wait_s(self) -> float | None:
         """How long nothing needs to be drawn."""
-        return 0.05 if self.model.held else self.files.due_s()
+        return 0.05 if self.model.held or self._warming_waits else self.files.due_s()
 
     def dropped(self, paths: list[str]) -> None:
         """Files were dropped on the window."""
@@ -211,8 +216,7 @@ class App:
         pressed = any(imgui.is_mouse_down(button) for button in range(3))
         active = imgui.is_any_item_active()
         now_s = time.monotonic()
-        apart = now_s - self._held_at_s > imgui.get_io().mouse_double_click_time
-        if apart and not active and not model.held:
+        if self._rested(now_s) and not active and not model.held:
             model.history.end_gesture()
         if pressed or active:
             self._held_at_s = now_s
@@ -221,6 +225,10 @@ class App:
             self.draft_scale.drag()
         else:
             self.draft_scale.rest()
+
+    def _rested(self, now_s: float) -> bool:
+        """Whether the hand let go so long ago that a click now begins another gesture."""
+        return now_s - self._held_at_s > imgui.get_io().mouse_double_click_time
 
     def _show_stage(self) -> None:
         canvas = stage.show(self.model, self._draw_pictures)

@@ -210,7 +210,7 @@ class TestChooser:
         made = study(design="adaptive")
         with Store(tmp_path / "s.sqlite", made) as store:
             first = started(store)
-            while first.screen is not Phase.FINISHED:
+            while first.phase is not Phase.FINISHED:
                 answer(first, 0 if first.trial.setting == 26 else 4)
             first.end()
             second = started(store)

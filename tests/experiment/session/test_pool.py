@@ -186,7 +186,7 @@ class TestAnalysis:
                 answer(flow, category)
         analysis = self.analysed(tmp_path, made)
         assert sum(r.answers for r in analysis.samples) == 4 * 84 + 3
-        assert "not finished" in analysis.observers[-1].told
+        assert "not finished" in analysis.observers[-1].remarks
 
     @pytest.mark.parametrize(
         "grid", [SMALL, Grid((1.0,), (0.2, 0.5, 1.0)), Grid((0.0, 1.0), (1.0,))]
@@ -316,6 +316,6 @@ class TestAnalysis:
             flow.end()
         analysis = self.analysed(tmp_path, made)
         told = {o.name: " ".join(o.remarks) for o in analysis.observers}
-        assert "can't be told from chance" in told.pop("dice")
+        assert "may be by chance" in told.pop("dice")
         assert not any("chance" in text for text in told.values())
         assert all(r.observers == 7 for r in analysis.samples)

@@ -8,7 +8,7 @@ import pytest
 from relgloss_view.experiment.design.coordinates import coordinates
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.scaling.fine_grid import FineGrid, Smooth
-from relgloss_view.experiment.verdict.full_grid import judged
+from relgloss_view.experiment.verdict.full_grid import verdict_on
 
 GRID = Grid()
 COUNT = len(coordinates(GRID))
@@ -73,7 +73,7 @@ def test_wins_and_as_good(seed, missing):
         draws[::40] = np.nan  # draws of those who saw nothing
         scale[[3, 17]] = np.nan
         draws[:, [3, 17]] = np.nan
-    verdict = judged(GRID, scale, draws, smooth_at(5), 0.001, 0.01, 15)
+    verdict = verdict_on(GRID, scale, draws, smooth_at(5), 0.001, 0.01, 15)
     assert verdict.leading == np.nanargmax(scale)
     np.testing.assert_allclose(verdict.wins, wins_by_hand(draws), atol=1e-12)
     expected = as_good_by_hand(scale, draws, verdict.leading)
@@ -83,14 +83,14 @@ def test_wins_and_as_good(seed, missing):
 
 def test_draws_that_never_vary_leave_the_leader_alone():
     scale = np.linspace(0.0, 1.0, COUNT)
-    verdict = judged(GRID, scale, np.tile(scale, (20, 1)), smooth_at(5), 0.001, 0.01, 15)
+    verdict = verdict_on(GRID, scale, np.tile(scale, (20, 1)), smooth_at(5), 0.001, 0.01, 15)
     assert np.flatnonzero(verdict.as_good).tolist() == [COUNT - 1]
 
 
 def test_without_draws_only_the_leader_is_known():
     scale = np.linspace(1.0, 0.0, COUNT)
     for draws in (None, np.full((5, COUNT), np.nan)):
-        verdict = judged(GRID, scale, draws, smooth_at(5), 0.001, 0.01, 15)
+        verdict = verdict_on(GRID, scale, draws, smooth_at(5), 0.001, 0.01, 15)
         assert verdict.wins is None
         assert np.flatnonzero(verdict.as_good).tolist() == [0]
 
@@ -119,4 +119,4 @@ def test_an_axis_of_one_value_has_no_edges(grid, leading, edges):
     scale[leading] = 1.0
     fine = FineGrid(grid)
     smooth = Smooth(fine, np.zeros(len(fine.points)), None)
-    assert judged(grid, scale, None, smooth, 0.0, 0.01, 15).edges == edges
+    assert verdict_on(grid, scale, None, smooth, 0.0, 0.01, 15).edges == edges

@@ -51,7 +51,7 @@ def test_ratio_alone_is_reported_as_a_ridge(renderer):
     told = shares(renderer, study(ONE, size_px=SIZE_PX), 6, kind="ratio", draws=60)
     assert told.status.get("ridge", 0) >= 5
     unique = shares(renderer, study(ONE, size_px=SIZE_PX), 6, draws=60)
-    assert unique["status"] == {"best": 6}
+    assert unique.status == {"best": 6}
 
 
 def test_two_questions_find_what_one_can_not(renderer):
