@@ -53,7 +53,7 @@ PASSES = ("white", "shade", "split", "tone", "light", "geometry", "counts", "ove
 class Drawn(NamedTuple):
     """What the drawing of a picture found out."""
 
-    scaling: Scaling
+    scaling: Scaling  #: without c_max where the method measures that on request
     white: float  #: Y_n before the lamp's power
     object_pixels: int  #: how many show any of the object
 
@@ -117,6 +117,19 @@ class Passes:
         else:
             self.bring_up_to_date(request)
         return self.targets.read(stage)
+
+    def scaling(self, request: Request) -> Scaling:
+        """The scaling with its c_max, measured now where the drawing did without.
+
+        Raises InputError where pixels are not finite.
+        """
+        make_current(self.ctx)
+        drawn = self.bring_up_to_date(request)
+        if _measures(request):
+            return drawn.scaling
+        with self.all_or_nothing():
+            self._measure(request)
+        return Scaling.of(request.look, self._extremes)
 
     def bring_xyz(self, request: Request) -> None:
         """Draw diffuse and specular as XYZ, where pass 1 wrote something else."""
@@ -217,7 +230,10 @@ class Passes:
             self._once = self._extremes
         white = self._draw_light(request)
         extremes = self._once if method.c_max == "once" else self._extremes
-        scaling = Scaling.of(request.look, extremes, eq4=method.c_max == "eq4")
+        if _measures(request):
+            scaling = Scaling.of(request.look, extremes, eq4=method.c_max == "eq4")
+        else:
+            scaling = Scaling.given(request.look)
         bounds = View.of(request.scene, request.size).bounds
         self._draw_tone("tone", request, scaling, TONE, bounds)
         return Drawn(scaling, white, self._object_pixels)
@@ -235,11 +251,17 @@ class Passes:
             images = {"diffuse_image": diffuse, "specular_image": specular}
             uniforms = {**colours, **images, **self._table(variant), **per_size(request.size)}
             self.draw("split", "split.frag", variant.split_defines(), uniforms, SPLIT, bounds)
+        if _measures(request):
+            self._measure(request)
+        return shading.white
+
+    def _measure(self, request: Request) -> None:
+        """Reduce the split to its extremes."""
         stride = 2 if request.method.c_max == "sparse" else 1
         if self.held.renew("extremes", stride):
+            bounds = View.of(request.scene, request.size).bounds
             self._extremes = self.reduction.extremes(self.texture("split"), bounds, stride)
             self.targets.check_fits(self._extremes)
-        return shading.white
 
     def _shade(self, request: Request, shading: Shading, writes: str) -> None:
         uniforms = {
@@ -325,3 +347,8 @@ class Passes:
                 bounds = None
             self.draw(name, f"{name}.frag", defines, uniforms, targets, bounds)
             self._around[name] = key
+
+
+def _measures(request: Request) -> bool:
+    """Whether c_max is measured with the picture: c follows from it, or it is reported."""
+    return request.look.c is None or request.method.c_max != "on request"

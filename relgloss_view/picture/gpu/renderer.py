@@ -99,7 +99,11 @@ class Renderer:
             scene,
             look,
             size,
-            scaling=drawn.scaling,
+            scaling=(
+                partial(self.passes.scaling, request)
+                if request.method.c_max == "on request"
+                else drawn.scaling
+            ),
             fetch=partial(self.passes.fetch, request),
             device=self._device,
             warnings=scene_warnings(
