@@ -19,7 +19,7 @@ SHAPES = ("cylinder", "sphere", "plane", "box")
 ULP = 2.0**-24  #: relative rounding of one operation in float32
 
 GL_TEXTURE_2D, GL_TEXTURE_INTERNAL_FORMAT = 0x0DE1, 0x1003
-FORMATS = {0x8814: "RGBA32F", 0x881A: "RGBA16F", 0x8058: "RGBA8"}
+FORMATS = {0x8230: "RG32F", 0x8814: "RGBA32F", 0x881A: "RGBA16F", 0x8058: "RGBA8"}
 
 
 def scene_of(shape="cylinder", material=None, azimuth_deg=-12.0, **changes):

@@ -162,13 +162,13 @@ def _hypothetical(args: argparse.Namespace) -> SampleReadings:
     if args.output is not None:
         save_material(material, args.output)
     return SampleReadings(
-        material.name,
-        material.source,
-        HYPOTHETICAL,
-        gloss_readings(material),
-        material.warnings,
-        tuple(lobe.s_deg for lobe in material.specular),
-        args.output,
+        name=material.name,
+        source=material.source,
+        kind=HYPOTHETICAL,
+        readings=gloss_readings(material),
+        warnings=material.warnings,
+        lobe_widths_deg=tuple(lobe.s_deg for lobe in material.specular),
+        output=args.output,
     )
 
 

@@ -93,13 +93,13 @@ def evaluate(folds: Folds, rung: Rung, solution: Solution) -> Candidate:
     model = problem.model(problem.columns(states.t, states.log_s, states.n), states.kd, states.ks)
     errors = Problem(observations, rung, weight=folds.left).mean_errors(model)
     return Candidate(
-        rung,
-        solution,
-        errors,
-        tuple(fold.state for fold in refined),
-        mean_error(observations, predict(observations.geometry, solution.state)),
-        float(np.mean(errors)),
-        float(np.std(errors, ddof=1) / np.sqrt(len(errors))),
+        rung=rung,
+        solution=solution,
+        held_out=errors,
+        fold_states=tuple(fold.state for fold in refined),
+        error=mean_error(observations, predict(observations.geometry, solution.state)),
+        cv_mean=float(np.mean(errors)),
+        cv_se=float(np.std(errors, ddof=1) / np.sqrt(len(errors))),
     )
 
 

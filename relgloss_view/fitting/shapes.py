@@ -41,15 +41,15 @@ class Geometry:
     def subset(self, rows: Mask) -> Geometry:
         """The geometries marked in `rows`."""
         return Geometry(
-            brdf.Facing(*(part[rows] for part in self.facing)),
-            self.along[rows],
-            self.across[rows],
-            self.blur_along,
-            self.blur_across[rows],
-            self.grooves[rows],
-            self.flat[rows],
-            self.directed[rows],
-            self.interreflected[rows],
+            facing=brdf.Facing(*(part[rows] for part in self.facing)),
+            along=self.along[rows],
+            across=self.across[rows],
+            blur_along=self.blur_along,
+            blur_across=self.blur_across[rows],
+            grooves=self.grooves[rows],
+            flat=self.flat[rows],
+            directed=self.directed[rows],
+            interreflected=self.interreflected[rows],
         )
 
 
@@ -73,15 +73,15 @@ def geometry(to_lamp: Array, to_receiver: Array, aperture_sd_deg: tuple[float, f
     flat, _ = brdf.lambert(f)
     t = _REFERENCE_SIGMA**2
     return Geometry(
-        f,
-        f.delta2 * share,
-        f.delta2 * (1.0 - share),
-        float((e / 2.0) ** 2),
-        (e / (2.0 * np.maximum(f.cos_d, 0.05))) ** 2,
-        0.25 * np.pi * brdf.shadowing(f),
-        np.pi * flat,
-        np.pi * (first - (1.0 - 0.5 * t / (t + 0.33)) * flat) / (t / (t + 0.09)),
-        np.pi * second / (0.17 * t / (t + 0.13)),
+        facing=f,
+        along=f.delta2 * share,
+        across=f.delta2 * (1.0 - share),
+        blur_along=float((e / 2.0) ** 2),
+        blur_across=(e / (2.0 * np.maximum(f.cos_d, 0.05))) ** 2,
+        grooves=0.25 * np.pi * brdf.shadowing(f),
+        flat=np.pi * flat,
+        directed=np.pi * (first - (1.0 - 0.5 * t / (t + 0.33)) * flat) / (t / (t + 0.09)),
+        interreflected=np.pi * second / (0.17 * t / (t + 0.13)),
     )
 
 

@@ -89,17 +89,17 @@ def prepare(material: Material, measurement: Measurement, rows: Mask) -> Slices:
     bands = measurement.bands
     band = 1 if bands.is_rgb else int(np.argmin(np.abs(bands.centres_nm() - 540.0)))
     return Slices(
-        np.maximum(value, 0.0),
-        curves.seen(material, lamp, receiver, measurement.aperture_sd_deg),
-        incidence,
-        side * outgoing,
-        np.degrees(np.sqrt(f.delta2)),
-        np.degrees(np.arccos(np.clip(f.cos_d, 0.0, 1.0))),
-        np.asarray(np.abs(np.abs(f.t) - sines) < 1e-4),
-        band,
-        bands.labels[band],
-        measurement.gamma_s_deg is not None,
-        measurement.aperture_sd_deg,
+        value=np.maximum(value, 0.0),
+        fitted=curves.seen(material, lamp, receiver, measurement.aperture_sd_deg),
+        incidence_deg=incidence,
+        receiver_deg=side * outgoing,
+        half_deg=np.degrees(np.sqrt(f.delta2)),
+        difference_deg=np.degrees(np.arccos(np.clip(f.cos_d, 0.0, 1.0))),
+        planar=np.asarray(np.abs(np.abs(f.t) - sines) < 1e-4),
+        band=band,
+        label=bands.labels[band],
+        goniometer=measurement.gamma_s_deg is not None,
+        aperture_sd_deg=measurement.aperture_sd_deg,
     )
 
 

@@ -71,4 +71,4 @@ def shared_unknowns(rung: Rung) -> SharedUnknowns:
     low, high = np.repeat(np.array(ranges), counts, axis=0).T
     limit = np.repeat((np.inf, WIDTH_STEP, INDEX_STEP, np.inf), counts)
     t, log_s, n, ks = (slice(e - c, e) for c, e in zip(counts, ends, strict=True))
-    return SharedUnknowns(t, log_s, n, ks, low, high, limit)
+    return SharedUnknowns(t=t, log_s=log_s, n=n, ks=ks, low=low, high=high, limit=limit)

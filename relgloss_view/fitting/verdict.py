@@ -58,20 +58,20 @@ def residuals(measurement: Measurement, observations: Observations, model: Array
         return Part(_round(float(np.median(values))) if values.size else None, values.size)
 
     return Residuals(
-        part(relative).median_relative_error,
-        _round(float(np.percentile(relative, 90.0))),
-        _round(float(np.sqrt(np.mean(log**2)))),
-        part(relative[near]),
-        part(relative[~near]),
-        NEAR_MIRROR_DEG,
-        _round(float(np.sqrt(np.mean(linear**2)))),
-        _round(float(np.sqrt(np.mean(root**2)))),
-        len(value),
-        int(seen.sum()),
-        measurement.left_out(),
-        int(((value <= 0.0) & (observations.weight > 0.0)).sum()),
-        np.flatnonzero(outside).tolist(),
-        list(measurement.aperture_sd_deg),
+        median_relative_error=part(relative).median_relative_error,
+        p90_relative_error=_round(float(np.percentile(relative, 90.0))),
+        rms_log_error=_round(float(np.sqrt(np.mean(log**2)))),
+        near_mirror=part(relative[near]),
+        far=part(relative[~near]),
+        near_mirror_deg=NEAR_MIRROR_DEG,
+        cosine_weighted_rms=_round(float(np.sqrt(np.mean(linear**2)))),
+        cube_root_rms=_round(float(np.sqrt(np.mean(root**2)))),
+        samples=len(value),
+        values=int(seen.sum()),
+        left_out=measurement.left_out(),
+        values_not_positive=int(((value <= 0.0) & (observations.weight > 0.0)).sum()),
+        channels_outside_gamut=np.flatnonzero(outside).tolist(),
+        aperture_sd_deg=list(measurement.aperture_sd_deg),
     )
 
 

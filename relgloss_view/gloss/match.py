@@ -178,7 +178,15 @@ def match(
     solved = [point for point in curve if point.c is not None]
     proposed = min(solved, key=lambda p: abs(p.sigma_n_deg - grain_deg), default=None)
     own_setting = None if own is None else _compared(*own, curve)
-    return Match(sample, real, wanted, tuple(curve), grain_deg, proposed, own_setting)
+    return Match(
+        sample=sample,
+        gloss=real,
+        wanted=wanted,
+        curve=tuple(curve),
+        grain_deg=grain_deg,
+        proposed=proposed,
+        own_setting=own_setting,
+    )
 
 
 def _drawn(
@@ -217,7 +225,15 @@ def _compared(
     sigma = at_it.sigma_n_deg
     across = [sigma - crossing for crossing in _crossings(curve, c)]
     nearest = min(across, key=abs, default=None)
-    return ComparedSetting(sigma, c, fraction, displayed_gloss, along, share, nearest)
+    return ComparedSetting(
+        sigma_n_deg=sigma,
+        c=c,
+        c_fraction=fraction,
+        displayed_gloss=displayed_gloss,
+        c_distance=along,
+        fraction_distance=share,
+        sigma_n_distance_deg=nearest,
+    )
 
 
 def _crossings(curve: Sequence[CurvePoint], c: float) -> list[float]:

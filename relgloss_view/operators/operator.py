@@ -164,13 +164,13 @@ def _compose(
     picture = np.full((*seen.shape, 3), display.background_light)
     picture[seen] = share * rgb + (1.0 - share) * display.background_light
     return Displayed(
-        operator,
-        picture,
-        quantise(picture, display),
-        _spread(clipped, seen),
-        _spread(out_of_gamut, seen),
-        display,
-        warnings,
+        operator=operator,
+        light=picture,
+        digital=quantise(picture, display),
+        clipped=_spread(clipped, seen),
+        out_of_gamut=_spread(out_of_gamut, seen),
+        display=display,
+        warnings=warnings,
     )
 
 

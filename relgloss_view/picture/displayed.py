@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Bytes, Mask
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.tone import DisplayModel
 
@@ -19,10 +19,10 @@ class Displayed:
     """The picture of an operator. Arrays are (H, W, ...); the surround fills the rest."""
 
     operator: str  #: its name in the registry
-    light: NDArray[np.float64]  #: (H, W, 3), linear display RGB, 0 to 1
-    digital: NDArray[np.uint8]  #: (H, W, 3), digital values of the display
-    clipped: NDArray[np.bool_]  #: where light above the display's white is cut
-    out_of_gamut: NDArray[np.bool_]  #: where a colour that the display can't show is changed
+    light: Array  #: (H, W, 3), linear display RGB, 0 to 1
+    digital: Bytes  #: (H, W, 3), digital values of the display
+    clipped: Mask  #: where light above the display's white is cut
+    out_of_gamut: Mask  #: where a colour that the display can't show is changed
     display: DisplayModel
     warnings: tuple[str, ...] = ()
     settings: Mapping[str, Any] = field(default_factory=dict)  #: the operator's parameters
@@ -38,6 +38,6 @@ class Displayed:
         return int(np.sum(self.out_of_gamut))
 
     @cached_property
-    def lab(self) -> NDArray[np.float64]:
+    def lab(self) -> Array:
         """(H, W, 3), L*, a*, b* of the displayed picture, relative to the display's white."""
         return tone.lab_from_xyz(self.light @ self.display.xyz_from_rgb.T, self.display.white)

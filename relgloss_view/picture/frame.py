@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 from warnings import warn
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Bytes, Floats, Mask
 from relgloss_view.base.errors import InputError, RelglossError
 from relgloss_view.base.reading import printable
 from relgloss_view.material.spectra import illuminant
@@ -20,8 +19,6 @@ from relgloss_view.picture.model.pixel_sampling import sample_count, samples_nee
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setting import FULL_SHARE
-
-Floats = NDArray[np.floating[Any]]
 
 
 @dataclass(frozen=True)
@@ -189,7 +186,7 @@ class Frame:
         return self.scaling.c_max
 
     @cached_property
-    def white_xyz(self) -> NDArray[np.float64]:
+    def white_xyz(self) -> Array:
         """White of the scene's lamp, Y = 1."""
         return illuminant(self.scene.lamp.illuminant).white_xyz()
 
@@ -198,7 +195,7 @@ class Frame:
         return self._fetch("diffuse")
 
     @property
-    def _flags(self) -> NDArray[np.uint8]:
+    def _flags(self) -> Bytes:
         return 255 - self._display[..., 3]
 
     @cached_property
@@ -216,7 +213,7 @@ class Frame:
         return self._diffuse[..., 3]
 
     @cached_property
-    def on_object(self) -> NDArray[np.bool_]:
+    def on_object(self) -> Mask:
         """(H, W), whether the object covers any of the pixel."""
         return np.asarray(self._fetch("split")[..., 0] > 0.5 * tone.OFF_OBJECT)
 
@@ -231,12 +228,12 @@ class Frame:
         return self._fetch("lab")[..., :3]
 
     @property
-    def clipped(self) -> NDArray[np.bool_]:
+    def clipped(self) -> Mask:
         """(H, W), where L~* is above 100 and is cut."""
         return np.asarray(self._flags & 1, dtype=bool)
 
     @property
-    def out_of_gamut(self) -> NDArray[np.bool_]:
+    def out_of_gamut(self) -> Mask:
         """(H, W), where chroma is reduced because the display can't show the colour."""
         return np.asarray(self._flags & 2, dtype=bool)
 
@@ -256,12 +253,12 @@ class Frame:
         return self._fetch("light")[..., :3]
 
     @cached_property
-    def _display(self) -> NDArray[np.uint8]:
+    def _display(self) -> Bytes:
         """Its alpha is 255, less 1 where clipped, less 2 where out of gamut."""
         return self._fetch("display").astype(np.uint8)
 
     @property
-    def display(self) -> NDArray[np.uint8]:
+    def display(self) -> Bytes:
         """(H, W, 3), digital values of the display, 8 bits."""
         return self._display[..., :3]
 

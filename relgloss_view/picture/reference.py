@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.material import brdf
 from relgloss_view.material.spectra import illuminant, xyz_weights
@@ -17,8 +17,6 @@ from relgloss_view.picture.model.pixel_sampling import sample_count
 from relgloss_view.picture.model.view import Size, View, check_size, float32
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-
-Array = NDArray[np.float64]
 
 CHUNK_VALUES = 4_000_000  #: pixels times bands that are held at once
 
@@ -45,13 +43,13 @@ class ReferenceRenderer:
         scaling = Scaling.of(look, extremes)
         stages.update(_tone(scene, stages, scaling.c))
         return Frame(
-            scene,
-            look,
-            size,
-            scaling,
-            stages.__getitem__,
-            "float64 numpy",
-            scene_warnings(scene, look, size, seen=seen, lit=white > 0.0),
+            scene=scene,
+            look=look,
+            size=size,
+            scaling=scaling,
+            fetch=stages.__getitem__,
+            device="float64 numpy",
+            warnings=scene_warnings(scene, look, size, seen=seen, lit=white > 0.0),
             object_pixels=int(np.sum(stages["diffuse"][..., 3] > 0.0)),
         )
 

@@ -13,8 +13,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.material import brdf
 from relgloss_view.material.material import Lobe, Material
 from relgloss_view.material.spectra import illuminant, xyz_weights
@@ -26,7 +27,6 @@ from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Eye, Lamp, Shape
 
-Array = NDArray[np.float64]
 Span = tuple[float, float]
 
 TWO_LSTAR = 0.05  #: share of Y by which L* = 100 changes by two: 116/3 of it

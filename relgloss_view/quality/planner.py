@@ -2,7 +2,7 @@
 
 Stage by stage, those that save most first, the simplest choice is taken with which the picture as
 a whole stays inside; so what is returned has been measured as it is. Only sums and cached numbers
-go into it, no clock, so that the same scene has the same plan everywhere.
+go into it, no clock, so that the same scene has the same method everywhere.
 """
 
 from __future__ import annotations
@@ -88,11 +88,11 @@ class Advice:
         return min(sum(choice.saved_percent for choice in self.choices), 90.0)
 
 
-#: Shares of the tolerance that a plan uses: percentiles of a thousand pixels are nearly those of
+#: Shares of the tolerance that a choice uses: percentiles of a thousand pixels are nearly those of
 #: all, but the largest error of all may be well above the largest of those.
 USED = (0.9, 0.4)
 WEAK_LSTAR = 2.0  #: of a highlight whose c_max is far above 1, so that little moves it
-REMEMBERED = 64  #: plans
+REMEMBERED = 64  #: pictures with their advice
 CHECK_SECONDS = 0.1  #: between two looks at a moving picture, each of a few milliseconds
 NO_ERROR = Error(0.0, 0.0, 0.0)
 
@@ -144,11 +144,27 @@ def _choose(proxy: Proxy, method: Method, stage: str, tolerance: Tolerance) -> C
             return Choice(stage, present, 0.0, NO_ERROR, reason="some colours may leave the gamut")
         if tolerance.holds(error, *USED):
             alone = proxy.error(_with(WHOLE, stage, name))
-            return Choice(stage, name, saved, alone, simpler, simpler_error, reason)
+            return Choice(
+                stage=stage,
+                chosen=name,
+                saved_percent=saved,
+                error=alone,
+                simpler=simpler,
+                simpler_error=simpler_error,
+                reason=reason,
+            )
         simpler, simpler_error, reason = name, error, ""
     if simpler is None:
         return None
-    return Choice(stage, present, 0.0, NO_ERROR, simpler, simpler_error, reason)
+    return Choice(
+        stage=stage,
+        chosen=present,
+        saved_percent=0.0,
+        error=NO_ERROR,
+        simpler=simpler,
+        simpler_error=simpler_error,
+        reason=reason,
+    )
 
 
 def _only_exact(proxy: Proxy, size: Size) -> str:
@@ -217,7 +233,7 @@ class Planner:
         self.tolerance = tolerance
         self.moving = False  #: a hand moves something
         self._clock = clock
-        self._known: OrderedDict[object, tuple[Advice, object]] = OrderedDict()
+        self._advice: OrderedDict[object, tuple[Advice, object]] = OrderedDict()
         self._held = WHOLE
         self._checked = -math.inf
 
@@ -229,23 +245,23 @@ class Planner:
             if self.moving:
                 return self._while_moving(scene, look, size)
             self._held = self.advice(scene, look, size).method
-        except InputError:  # what can't be drawn is told when it is drawn
+        except InputError:  # the drawing itself reports it
             self._held = WHOLE
         return self._held
 
     def advice(self, scene: Scene, look: Look, size: Size) -> Advice:
         """The method with its reasons; raises InputError as `advise` does."""
         lamp = illuminant(scene.lamp.illuminant)  # another one where its file was edited
-        stands = scene.shape, scene.lamp, scene.eye, scene.display
-        key = id(scene.material), id(lamp), stands, look, size
-        if key not in self._known:
-            # What is known by its identity is kept, so that nothing else can have it.
+        setup = scene.shape, scene.lamp, scene.eye, scene.display
+        key = id(scene.material), id(lamp), setup, look, size
+        if key not in self._advice:
+            # The key holds identities: kept with it, no other object can have them.
             advice = advise(scene, look, size, self.tolerance)
-            self._known[key] = advice, (scene.material, lamp)
-            if len(self._known) > REMEMBERED:
-                self._known.popitem(last=False)
-        self._known.move_to_end(key)
-        return self._known[key][0]
+            self._advice[key] = advice, (scene.material, lamp)
+            if len(self._advice) > REMEMBERED:
+                self._advice.popitem(last=False)
+        self._advice.move_to_end(key)
+        return self._advice[key][0]
 
     def _while_moving(self, scene: Scene, look: Look, size: Size) -> Method:
         now = self._clock()

@@ -1,8 +1,8 @@
-"""Proxy: a few pixels of a picture in float64, drawn by any method; tells what a method gets wrong.
+"""Proxy: a few pixels of a picture in float64, drawn by any method, and the error of the method.
 
-The pixels are those of the picture itself, so that each has its own grain. They stand denser about
+The pixels are those of the picture itself, so that each has its own grain. They are denser about
 the highlight and at the silhouette, where methods fail first and which an even grid of so few would
-miss, and each carries the area that it stands for.
+miss. Each has a weight: the area that it represents.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.material import approximations, brdf
 from relgloss_view.material.approximations import mean_lobe, plain_lobe
 from relgloss_view.material.spectra import illuminant, xyz_weights
@@ -29,8 +29,6 @@ from relgloss_view.picture.model.view import Size, View, float32
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.quality.sampling import meet, places
-
-Array = NDArray[np.float64]
 
 GAMUT_MARGIN = 0.002  #: of linear RGB
 GRAIN_SHARES = (0.0, 0.01, 0.03, 0.1, 0.2, 0.4, 0.7, 1.0)  #: of a mirroring grain's highlight

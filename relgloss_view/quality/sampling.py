@@ -11,12 +11,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.material import brdf
 from relgloss_view.picture.model import shape
 from relgloss_view.picture.model.view import View, float32
 from relgloss_view.picture.scene.scene import Scene
-
-Array = NDArray[np.float64]
 
 ROWS, COLUMNS = 16, 28  #: of the even grid
 EDGE_ROWS = 128  #: that the object's first and last row are looked for in
@@ -47,7 +46,7 @@ def places(scene: Scene, view: View) -> tuple[Array, Array, Array]:
 
     columns = np.linspace(left, right - 1, COLUMNS).round()
 
-    def meet_object(rows: Array) -> NDArray[np.bool_]:
+    def meet_object(rows: Array) -> Mask:
         found = np.isfinite(off_mirror(*np.broadcast_arrays(columns, rows[:, None])))
         return np.asarray(np.any(found, axis=1))
 
@@ -76,12 +75,12 @@ def places(scene: Scene, view: View) -> tuple[Array, Array, Array]:
     area = _spans(grid, left, right) * _spans(rows[None, :], ends[0], ends[1] + 1.0).T
     columns, rows = np.broadcast_arrays(grid, rows[:, None])
     hit, _ = meet(scene, view, columns, rows)
-    kept = hit.found & (area > 0.0)
-    return columns[kept], rows[kept], area[kept]
+    seen = hit.found & (area > 0.0)
+    return columns[seen], rows[seen], area[seen]
 
 
 def _ends(
-    meet_object: Callable[[Array], NDArray[np.bool_]], first: int, last: int
+    meet_object: Callable[[Array], Mask], first: int, last: int
 ) -> tuple[float, float] | None:
     """The first and the last row that meets the object, by two looks; None where none does."""
     rows = np.unique(np.linspace(first, last - 1, min(last - first, EDGE_ROWS)).round())

@@ -18,8 +18,8 @@ def made_up(entries=None, quick=False):
     chance = random.Random(7)
     if entries is None:
         entries = [
-            (row.label, row.group, 1.2 + 0.5 * chance.random(), 10 ** chance.uniform(-4, 1.5))
-            for row in methods.ROWS
+            (way.label, way.group, 1.2 + 0.5 * chance.random(), 10 ** chance.uniform(-4, 1.5))
+            for way in methods.WAYS
         ]
         entries[-1] = (*entries[-1][:2], 4.2, 20.0)
         entries[-2] = (*entries[-2][:2], 9.0, 0.7)

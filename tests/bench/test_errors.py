@@ -1,4 +1,4 @@
-"""Errors of the chart's rows, held against what is known of them.
+"""Errors of the chart's ways of drawing, against published and closed-form values.
 
 The table that the bounds are taken from, of single changes without refit, was made on another
 cylinder, other papers and no grain: so the bounds are loose, about a factor of two.
@@ -15,8 +15,8 @@ from relgloss_view.bench.speed import errors, methods, run, scenes
 from relgloss_view.bench.speed.errors import Truth
 
 SIZE = (320, 180)
-CASES = {case.name: case for case in scenes.cases(SIZE)}
-ROWS = {row.name: row for row in methods.ROWS}
+SCENES = {chart_scene.name: chart_scene for chart_scene in scenes.chart_scenes(SIZE)}
+WAYS = {way.name: way for way in methods.WAYS}
 
 
 @pytest.fixture(scope="module")
@@ -26,21 +26,21 @@ def truths():
     def truth(name):
         if name not in known:
             # Without grain, as in the table.
-            look = dataclasses.replace(CASES[name].look, sigma_n_deg=0.0)
-            known[name] = Truth.of(CASES[name].scene, look, SIZE)
+            look = dataclasses.replace(SCENES[name].look, sigma_n_deg=0.0)
+            known[name] = Truth.of(SCENES[name].scene, look, SIZE)
         return known[name]
 
     return truth
 
 
-def error(renderer, truth, row):
-    method, look = ROWS[row].build(truth.scene, truth.look, SIZE)
+def error(renderer, truth, way):
+    method, look = WAYS[way].build(truth.scene, truth.look, SIZE)
     return truth.errors(renderer.render(truth.scene, look, SIZE, method))
 
 
-@pytest.mark.parametrize("name", list(CASES))
+@pytest.mark.parametrize("name", list(SCENES))
 def test_the_exact_method_is_the_truth(renderer, name):
-    truth = Truth.of(CASES[name].scene, CASES[name].look, SIZE)
+    truth = Truth.of(SCENES[name].scene, SCENES[name].look, SIZE)
     found = error(renderer, truth, "default")
     assert found.object.max < 0.02
     assert found.highlight.max < 0.02
@@ -49,7 +49,7 @@ def test_the_exact_method_is_the_truth(renderer, name):
 
 
 @pytest.mark.parametrize(
-    ("row", "name", "low", "high"),
+    ("way", "name", "low", "high"),
     [
         ("schlick", "matte-coated az110", 2.0, 6.0),
         ("schlick", "uncoated az110", 2.0, 6.0),
@@ -69,8 +69,8 @@ def test_the_exact_method_is_the_truth(renderer, name):
         ("root-table", "matte-coated az50", 0.0, 0.02),
     ],
 )
-def test_single_changes_are_as_far_off_as_is_known(renderer, truths, row, name, low, high):
-    found = error(renderer, truths(name), row)
+def test_single_changes_are_as_far_off_as_is_known(renderer, truths, way, name, low, high):
+    found = error(renderer, truths(name), way)
     assert low <= found.object.p95 <= high
     if low > 0.0:  # a wrong picture is not right in the highlight alone
         assert found.highlight.p95 > 0.5 * low
@@ -103,11 +103,11 @@ def test_negative_controls(renderer, truths):
 
 
 def test_the_mean_of_the_grain_tends_to_the_mean_of_many_grains(renderer):
-    case = CASES["matte-coated az50"]
-    truth = Truth.of(case.scene, case.look, (160, 90))
+    chart_scene = SCENES["matte-coated az50"]
+    truth = Truth.of(chart_scene.scene, chart_scene.look, (160, 90))
     assert truth.look.sigma_n_deg == 2.0
     apart, mean = errors.mean_of_grains(renderer, truth, range(128))
-    method, look = ROWS["grain-mean"].build(truth.scene, truth.look, truth.size)
+    method, look = WAYS["grain-mean"].build(truth.scene, truth.look, truth.size)
     drawn = renderer.render(truth.scene, look, truth.size, method)
     against_grains = mean.errors_of(errors.shown_lab(drawn)).highlight
     # The halves differ by twice what the whole is off by; small angles leave a systematic part.
@@ -119,8 +119,8 @@ def test_more_samples_come_nearer_to_the_area(renderer, truths):
     truth = truths("cast-coated az50")
     area = errors.finely_sampled(renderer, truth)
 
-    def off(row):
-        method, look = ROWS[row].build(truth.scene, truth.look, SIZE)
+    def off(way):
+        method, look = WAYS[way].build(truth.scene, truth.look, SIZE)
         frame = renderer.render(truth.scene, look, SIZE, method)
         return area.errors_of(errors.shown_lab(frame)).object.mean
 
@@ -128,30 +128,30 @@ def test_more_samples_come_nearer_to_the_area(renderer, truths):
 
 
 def test_rows_build_for_every_scene_and_differ():
-    assert len({row.name for row in methods.ROWS}) == len(methods.ROWS)
+    assert len({way.name for way in methods.WAYS}) == len(methods.WAYS)
     built = {}
-    for row in methods.ROWS:
-        if row.group in ("default", "auto"):
+    for way in methods.WAYS:
+        if way.group in ("default", "auto"):
             continue
-        case = CASES["uncoated az110"].grainy()
-        built[row.name] = row.build(case.scene, case.look, SIZE)
+        chart_scene = SCENES["uncoated az110"].grainy()
+        built[way.name] = way.build(chart_scene.scene, chart_scene.look, SIZE)
     alone = [name for name in built if name not in ("grain-drawn",)]
     assert len({str(built[name]) for name in alone}) == len(alone)
     with pytest.raises(ValueError, match="no group"):
-        methods.Row("x", "nowhere", "x", methods.method())
+        methods.Way("x", "nowhere", "x", methods.method())
     assert set(run.FURTHER_TRUTHS) <= set(built)
 
 
 @pytest.mark.parametrize("size", [(1280, 720), (320, 180), (512, 512), (90, 160), (800, 200)])
 def test_the_object_fills_the_frame(renderer, size):
-    for case in scenes.cases(size):
-        covered = renderer.render(case.scene, case.look, size).on_object
+    for chart_scene in scenes.chart_scenes(size):
+        covered = renderer.render(chart_scene.scene, chart_scene.look, size).on_object
         assert 0.60 <= np.mean(covered) < 0.9
         # It stands whole inside the frame.
         for edge in (covered[0], covered[-1], covered[:, 0], covered[:, -1]):
             assert not np.any(edge)
         break
-    assert len(scenes.cases(size)) == 8
+    assert len(scenes.chart_scenes(size)) == 8
 
 
 def test_spreads_of_nothing_and_of_something():

@@ -14,15 +14,15 @@ from relgloss_view.picture.reference import ReferenceRenderer
 from relgloss_view.picture.scene.look import Look
 
 SIZE = (96, 54)
-CASES = {case.name: case for case in scenes.cases(SIZE)}
+SCENES = {chart_scene.name: chart_scene for chart_scene in scenes.chart_scenes(SIZE)}
 
 
 @pytest.mark.parametrize("name", ["matte-coated az50", "uncoated az110", "art-coated az50"])
 def test_the_plain_pipeline_draws_what_the_reference_draws(name):
     """Under a smooth lamp: a discharge lamp's lines fall between the plain one's 10 nm."""
-    case = CASES[name]
-    lamp = dataclasses.replace(case.scene.lamp, illuminant="E")
-    scene = dataclasses.replace(case.scene, lamp=lamp)
+    chart_scene = SCENES[name]
+    lamp = dataclasses.replace(chart_scene.scene.lamp, illuminant="E")
+    scene = dataclasses.replace(chart_scene.scene, lamp=lamp)
     picture = scientist.draw(scene, SIZE, 0.0, 0.5, 0)
     frame = ReferenceRenderer().render(scene, Look(c_fraction=0.5), SIZE)
     seen = frame.on_object & ~frame.out_of_gamut
@@ -36,9 +36,9 @@ def test_the_plain_pipeline_draws_what_the_reference_draws(name):
 
 
 def test_its_grain_is_grain():
-    case = CASES["matte-coated az50"]
+    chart_scene = SCENES["matte-coated az50"]
     smooth, grainy, again = (
-        scientist.draw(case.scene, SIZE, sigma, 1.0, seed)
+        scientist.draw(chart_scene.scene, SIZE, sigma, 1.0, seed)
         for sigma, seed in ((0.0, 0), (2.0, 0), (2.0, 0))
     )
     assert np.array_equal(grainy, again)
@@ -47,7 +47,7 @@ def test_its_grain_is_grain():
 
 def serving(monkeypatch, code):
     monkeypatch.setattr(mitsuba_runner, "program", lambda variant: [sys.executable, "-c", code])
-    return MitsubaPeer("scalar_rgb", CASES["matte-coated az50"], SIZE)
+    return MitsubaPeer("scalar_rgb", SCENES["matte-coated az50"], SIZE)
 
 
 def test_a_peer_answers_with_its_own_times(monkeypatch):
@@ -93,8 +93,8 @@ def test_a_peer_that_hangs_is_left(monkeypatch):
 
 def test_mitsuba_not_installed_is_told(ctx, monkeypatch):
     monkeypatch.setattr(mitsuba_runner.importlib.util, "find_spec", lambda name: None)
-    case = CASES["matte-coated az50"]
-    found = peers.time_mitsuba(ctx, case, SIZE, ("scalar_rgb",), 2, lambda share, text: None)
+    chart_scene = SCENES["matte-coated az50"]
+    found = peers.time_mitsuba(ctx, chart_scene, SIZE, ("scalar_rgb",), 2, lambda share, text: None)
     assert found == [{"name": "mitsuba scalar_rgb", "fault": "mitsuba is not installed"}]
 
 
@@ -112,7 +112,7 @@ def test_llvm_libraries_are_tried_newest_first(monkeypatch, tmp_path):
     monkeypatch.setattr(mitsuba_runner, "LLVM_PLACES", ())
     pytest.importorskip("mitsuba")
     with pytest.raises(RelglossError, match="no LLVM library"):
-        open_peer("llvm_ad_rgb", CASES["matte-coated az50"], SIZE)
+        open_peer("llvm_ad_rgb", SCENES["matte-coated az50"], SIZE)
 
 
 def test_mitsuba_draws_the_same_cylinder(ctx):
@@ -121,14 +121,16 @@ def test_mitsuba_draws_the_same_cylinder(ctx):
     mi.set_variant("scalar_rgb")
     from relgloss_view.bench.peers.mitsuba_peer import world
 
-    case = CASES["matte-coated az50"]
-    asked = mitsuba_runner.scene_for_mitsuba(case, SIZE)
+    chart_scene = SCENES["matte-coated az50"]
+    asked = mitsuba_runner.scene_for_mitsuba(chart_scene, SIZE)
     picture = np.asarray(mi.render(world(mi, asked), spp=4))
-    ours = ReferenceRenderer().render(case.scene, dataclasses.replace(case.look, c=1.0), SIZE)
+    ours = ReferenceRenderer().render(
+        chart_scene.scene, dataclasses.replace(chart_scene.look, c=1.0), SIZE
+    )
     lit = ours.diffuse[..., 1] > 1e-3
     # A pixel of it is the mean of four random places, ours its centre: the silhouettes differ.
     assert np.mean((picture.max(axis=-1) > 0.0) != lit) < 0.05
-    found = peers.time_mitsuba(ctx, case, SIZE, ("scalar_rgb",), 2, lambda share, text: None)
+    found = peers.time_mitsuba(ctx, chart_scene, SIZE, ("scalar_rgb",), 2, lambda share, text: None)
     assert found[0]["frames"] == 2
     assert found[0]["ms"] > 0.0
     assert found[0]["ours"] > 0.0

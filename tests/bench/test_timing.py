@@ -17,7 +17,7 @@ from relgloss_view.picture.method import EXACT, Method
 
 SIZE = (160, 90)
 SMOOTH = Method(noise="none")
-CASES = {case.name: case for case in scenes.cases(SIZE)}
+SCENES = {chart_scene.name: chart_scene for chart_scene in scenes.chart_scenes(SIZE)}
 
 
 class Noted:
@@ -89,9 +89,9 @@ def test_a_task_without_a_clock_of_its_own_is_timed():
     ids=["c", "sigma_n", "pass-1", "pass-1-without-grain", "lamp"],
 )
 def test_what_changes_alone_draws_just_its_passes(renderer, pictures, method, drawn):
-    case = CASES["matte-coated az50"]
-    look = dataclasses.replace(case.look, c=0.5)
-    some = pictures(case.scene, look, count=3)
+    chart_scene = SCENES["matte-coated az50"]
+    look = dataclasses.replace(chart_scene.look, c=0.5)
+    some = pictures(chart_scene.scene, look, count=3)
     task = tasks.Drawing("x", renderer, SIZE, some, method)
     task.warm()
     for turn in range(2):
@@ -102,11 +102,11 @@ def test_what_changes_alone_draws_just_its_passes(renderer, pictures, method, dr
 
 
 def test_frames_that_are_timed_show_the_same_picture(renderer):
-    case = CASES["matte-coated az50"]
+    chart_scene = SCENES["matte-coated az50"]
     for pictures in (
-        tasks.sigma_n_changed(case.scene, case.look, 3),
-        tasks.pass_1_changed(case.scene, case.look, SMOOTH, 3),
-        tasks.lamp_moved(case.scene, case.look, 3),
+        tasks.sigma_n_changed(chart_scene.scene, chart_scene.look, 3),
+        tasks.pass_1_changed(chart_scene.scene, chart_scene.look, SMOOTH, 3),
+        tasks.lamp_moved(chart_scene.scene, chart_scene.look, 3),
     ):
         shown = [renderer.render(scene, look, SIZE).display.copy() for scene, look in pictures]
         assert (shown[0] == shown[1]).all()
@@ -125,8 +125,8 @@ def test_the_floor_writes_and_reads_every_pixel(ctx):
 
 
 def test_passes_of_a_frame_are_all_told(ctx):
-    case = CASES["matte-coated az50"]
-    found = time_passes(ctx, SIZE, tasks.lamp_moved(case.scene, case.look, 3), 2)
+    chart_scene = SCENES["matte-coated az50"]
+    found = time_passes(ctx, SIZE, tasks.lamp_moved(chart_scene.scene, chart_scene.look, 3), 2)
     assert set(found["wall_ms"]) == {"white", "shade", "split", "measure", "tone", "rest"}
     assert all(ms > 0.0 for ms in found["wall_ms"].values())
 
@@ -164,9 +164,9 @@ def test_sizes_hold_about_so_many_pixels():
 def test_sizes_that_the_device_cannot_hold_are_skipped(ctx, monkeypatch):
     from relgloss_view.bench.speed import pixels
 
-    case = CASES["matte-coated az50"]
+    chart_scene = SCENES["matte-coated az50"]
     monkeypatch.setattr(pixels, "available_bytes", lambda: 2_000_000)
-    found = time_pixels(ctx, case, (0.005, 0.01, 0.015, 1.0), 2, lambda share, text: None)
+    found = time_pixels(ctx, chart_scene, (0.005, 0.01, 0.015, 1.0), 2, lambda share, text: None)
     assert "memory" in found["sizes"][-1]["fault"]
     assert [row["ms"] is None for row in found["sizes"]] == [False, False, False, True]
     assert "residual" not in found["sizes"][-1]

@@ -43,9 +43,9 @@ def test_chart_table_and_numbers(tmp_path, capsys):
     assert {p.name for p in folder.iterdir()} == FILES
     assert list(tmp_path.iterdir()) == [tmp_path / "new"]
     said = capsys.readouterr().out
-    rows = methods.rows(quick=True)
-    for row in rows:
-        assert row.label in said
+    ways = methods.ways(quick=True)
+    for way in ways:
+        assert way.label in said
     assert "fill floor" in said
     assert "quality auto:" in said
     assert "against the mean of many grains: mean of the grain p95" in said
@@ -57,7 +57,7 @@ def test_chart_table_and_numbers(tmp_path, capsys):
     assert found["settings"]["size"] == [160, 90]
     assert len(found["scenes"]) == 2
     assert all(scene["coverage"] >= 0.60 for scene in found["scenes"])
-    assert len(found["results"]) == 2 * len(rows)
+    assert len(found["results"]) == 2 * len(ways)
     by_name = {entry["method"]: entry for entry in found["methods"]}
     assert by_name["default"]["worst_p95"] < 0.02 < by_name["constant-f"]["worst_p95"]
     assert any(entry["front"] for entry in found["methods"])

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from pictures import assert_same_pixels
 
+from relgloss_view.picture.gpu.targets import SPLIT, TONE, WEIGHTS
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.quality.backends import open_renderer
@@ -83,7 +84,7 @@ class TestDrivers:
         targets = {
             name.partition("target ")[2] for name in self.stages(pictures) if "second pass" in name
         }
-        assert targets == {"diffuse", "specular", "split", "display"}
+        assert targets == {*WEIGHTS, *SPLIT, *TONE}
         assert any("first pass, target split" in name for name in self.stages(pictures))
 
     def test_osmesa_is_bit_identical(self, pictures):
@@ -124,7 +125,10 @@ sys.path.insert(0, sys.argv[1])
 import materials
 from relgloss_view.quality.backends import open_renderer
 from relgloss_view.picture.gpu.context import attach
+from relgloss_view.picture.gpu.targets import SPLIT, TONE, WEIGHTS
 from relgloss_view.picture.gpu.renderer import Renderer
+from relgloss_view.picture.gpu.targets import WRITTEN
+from relgloss_view.picture.gpu.variant import Variant
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 glfw.init_hint(glfw.PLATFORM, glfw.PLATFORM_NULL)
@@ -139,7 +143,7 @@ load = lambda name: ctypes.cast(glfw.get_proc_address(name), ctypes.c_void_p).va
 request = Scene(materials.paper("matte")), Look(sigma_n_deg=1.0), (64, 48)
 ctx = attach(load)
 def targets(renderer):
-    return [renderer.passes.targets.read(t) for t in ("diffuse", "specular", "split", "display")]
+    return [renderer.passes.targets.read(t) for t in (*WEIGHTS, *SPLIT, *TONE)]
 drawn = Renderer(ctx)
 in_window = drawn.render(*request).lab.copy()
 in_targets = targets(drawn)

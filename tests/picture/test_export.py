@@ -13,12 +13,14 @@ from pictures import assert_same_pixels
 from PIL import Image
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.operators.registry import make_operator
 from relgloss_view.picture.model.tone import DisplayModel, encode
 from relgloss_view.picture.output.contact_sheet import contact_sheet, thumbnail
 from relgloss_view.picture.output.export import save_frame
 from relgloss_view.picture.output.exr import LAYERS
 from relgloss_view.picture.output.parameters import parameters
 from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Display
 
@@ -156,3 +158,12 @@ def test_sheet_holds_the_pictures_unchanged():
     # Everything around the pictures is neutral.
     gray = sheet[-20:]
     assert np.array_equal(gray[..., 0], gray[..., 1])
+
+
+def test_the_former_name_of_a_keyword_still_works(tmp_path, renderer):
+    frame = renderer.render(Scene(load_sample("uncoated")), Look(), (16, 16))
+    picture = make_operator("clip").draw(frame)
+    for k, words in enumerate(({"displayed": picture}, {"shown": picture}, {})):
+        save_frame(frame, tmp_path / f"{k}.png", **words)
+    first, second, split = ((tmp_path / f"{k}.png").read_bytes() for k in range(3))
+    assert first == second != split

@@ -71,7 +71,7 @@ class TestOffTheObject:
         assert len(np.unique(frame.display.reshape(-1, 3), axis=0)) == 1
 
     def test_an_unlit_object_is_no_surround(self, renderer):
-        """XYZ of zero is on the object, black; only the share of the pixel marks what is off it."""
+        """Light of zero is on the object, black; off it there is the marker."""
         scene = scene_of(azimuth_deg=180.0)
         for method in (EXACT, IN_PASS_1):
             frame = renderer.render(scene, Look(), SIZE, method)

@@ -20,7 +20,7 @@ from relgloss_view.picture.gpu.constants import WRITES
 from relgloss_view.picture.gpu.programs import Programs
 from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.gpu.shader import ShaderSource
-from relgloss_view.picture.gpu.targets import SPLIT, WRITTEN, XYZ
+from relgloss_view.picture.gpu.targets import SPLIT, WEIGHTS, WRITTEN, XYZ
 from relgloss_view.picture.gpu.uniforms import per_size
 from relgloss_view.picture.gpu.variant import Variant
 from relgloss_view.picture.method import EXACT, FIRST_PASS, Method
@@ -75,14 +75,20 @@ class TestExactPath:
         assert len({diffuse, specular, split, display}) == 4
 
     @pytest.mark.parametrize(
-        ("method", "samples"), [(EXACT, 1), (EXACT, 3), (Method(facets="ggx"), 1)]
+        ("method", "samples", "targets", "numbers"),
+        [
+            (EXACT, 1, WEIGHTS, "RG32F"),
+            (Method(facets="ggx"), 1, WEIGHTS, "RG32F"),
+            (EXACT, 3, XYZ, "RGBA32F"),  # XYZ has the share of the pixel in alpha
+            (Method(variant=(("writes", "xyz"),)), 1, XYZ, "RGBA32F"),
+        ],
     )
-    def test_the_targets_are_floats(self, renderer, method, samples):
+    def test_the_targets_are_floats(self, renderer, method, samples, targets, numbers):
         scene, look = scene_of(), Look(sigma_n_deg=1.0, c=0.3, samples=samples)
         renderer.render(scene, look, SIZE, method)
-        assert written(scene, look, method) == XYZ
-        for name in XYZ:
-            assert internal_format(renderer, name) == "RGBA32F"
+        assert written(scene, look, method) == targets
+        for name in targets:
+            assert internal_format(renderer, name) == numbers
         assert internal_format(renderer, *SPLIT) == "RGBA32F"
         assert internal_format(renderer, "display") == "RGBA8"
 

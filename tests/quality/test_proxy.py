@@ -156,7 +156,7 @@ def test_its_error_is_that_of_the_picture(renderer, sample):
     """Percentiles of a thousand weighted pixels against those of all: a tenth, or a JND's tenth.
 
     c is given: without shadowing the grain of a single pixel at the silhouette may set c_max, which
-    no sample of the pixels finds; its declared domain keeps that from plans.
+    no sample of the pixels finds; its declared domain keeps the planner from choosing it.
     """
     size = (640, 360)
     matched = SAMPLES[sample]

@@ -276,7 +276,7 @@ class TestOutside:
         assert outside(scene, Look(), Method()) == ()
 
     def test_it_is_quick(self):
-        """A plan asks for it at every turn of a slider: a survey is 576 rays."""
+        """The planner asks for it at every move of a slider: a survey is 576 rays."""
         assert domains.SURVEY[0] * domains.SURVEY[1] < 3000
 
 

@@ -17,7 +17,7 @@ from typing import Any
 
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.base.reading import printable
-from relgloss_view.bench.speed.scenes import Case
+from relgloss_view.bench.speed.scenes import ChartScene
 from relgloss_view.picture.model.view import Size
 
 #: Where systems keep LLVM's library.
@@ -37,7 +37,9 @@ START_SECONDS, FRAME_SECONDS = 90.0, 60.0
 class MitsubaPeer:
     """One variant, as a timed task. Raises RelglossError where it does not start or dies."""
 
-    def __init__(self, variant: str, case: Case, size: Size, llvm: str | None = None) -> None:
+    def __init__(
+        self, variant: str, chart_scene: ChartScene, size: Size, llvm: str | None = None
+    ) -> None:
         self.name = f"mitsuba {variant}"
         environment = dict(os.environ)
         if llvm is not None:
@@ -54,7 +56,7 @@ class MitsubaPeer:
         self._answers: queue.Queue[str] = queue.Queue()
         threading.Thread(target=self._listen, daemon=True).start()
         try:
-            self.facts = self._ask(json.dumps(scene_for_mitsuba(case, size)), START_SECONDS)
+            self.facts = self._ask(json.dumps(scene_for_mitsuba(chart_scene, size)), START_SECONDS)
         except BaseException:
             self.release()
             raise
@@ -114,16 +116,16 @@ def program(variant: str) -> list[str]:
     return [sys.executable, "-m", "relgloss_view.bench.peers.mitsuba_peer", variant]
 
 
-def open_peer(variant: str, case: Case, size: Size) -> MitsubaPeer:
+def open_peer(variant: str, chart_scene: ChartScene, size: Size) -> MitsubaPeer:
     """A variant that draws; RelglossError says why there is none."""
     if importlib.util.find_spec("mitsuba") is None:
         raise RelglossError("mitsuba is not installed")
     if not variant.startswith("llvm"):
-        return MitsubaPeer(variant, case, size)
+        return MitsubaPeer(variant, chart_scene, size)
     faults = []
     for library in llvm_libraries():
         try:
-            return MitsubaPeer(variant, case, size, library)
+            return MitsubaPeer(variant, chart_scene, size, library)
         except RelglossError as error:
             faults.append(f"{Path(library).name}: {error}")
     raise RelglossError("; ".join(faults) or f"no LLVM library found; {LLVM_VARIABLE} names one")
@@ -145,9 +147,9 @@ def llvm_libraries() -> list[str]:
     return [by_version[version] for version in order]
 
 
-def scene_for_mitsuba(case: Case, size: Size) -> dict[str, Any]:
+def scene_for_mitsuba(chart_scene: ChartScene, size: Size) -> dict[str, Any]:
     """The numbers of a scene that Mitsuba's program takes."""
-    scene = case.scene
+    scene = chart_scene.scene
     lobe = max(scene.material.specular, key=lambda lobe: max(lobe.strength))
     bands = scene.material.bands.centres_nm()
     return {

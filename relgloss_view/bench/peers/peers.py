@@ -15,7 +15,7 @@ from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.bench.peers import mitsuba_runner, scientist
 from relgloss_view.bench.speed import tasks
 from relgloss_view.bench.speed.floor import FillFloor
-from relgloss_view.bench.speed.scenes import Case, cases
+from relgloss_view.bench.speed.scenes import ChartScene, chart_scenes
 from relgloss_view.bench.speed.timing import PER_VISIT, Task, take_turns
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.picture.gpu.renderer import Renderer
@@ -30,7 +30,7 @@ STIMULI_SIZE = (512, 512)
 
 def time_mitsuba(
     ctx: moderngl.Context,
-    case: Case,
+    chart_scene: ChartScene,
     size: Size,
     variants: Sequence[str],
     frames: int,
@@ -38,7 +38,7 @@ def time_mitsuba(
 ) -> list[Found]:
     """Mitsuba's variants, the floor and our full frame take turns; `ours` is ours over theirs."""
     renderer, floor = Renderer(ctx), FillFloor(ctx, size)
-    pictures = tasks.lamp_moved(case.scene, case.look, PER_VISIT + 1)
+    pictures = tasks.lamp_moved(chart_scene.scene, chart_scene.look, PER_VISIT + 1)
     ours = tasks.Drawing("full frame", renderer, size, pictures, EXACT)
     timed: list[Task] = [tasks.Floor(floor), ours]
     opened: list[mitsuba_runner.MitsubaPeer] = []
@@ -47,7 +47,7 @@ def time_mitsuba(
         for variant in variants:
             progress(0.0, f"mitsuba {variant} starts")
             try:
-                opened.append(mitsuba_runner.open_peer(variant, case, size))
+                opened.append(mitsuba_runner.open_peer(variant, chart_scene, size))
             except RelglossError as error:
                 missing[f"mitsuba {variant}"] = str(error)
         times = take_turns(
@@ -69,12 +69,14 @@ def time_mitsuba(
     return found
 
 
-def time_reference(case: Case, size: Size, ours_ms: float, repeats: int) -> Found:
+def time_reference(chart_scene: ChartScene, size: Size, ours_ms: float, repeats: int) -> Found:
     """The float64 spectral reference; `ours_ms` is our full frame of that size."""
     seconds = []
     for k in range(repeats):
         start = time.perf_counter()
-        ReferenceRenderer().render(case.scene, dataclasses.replace(case.look, seed=k), size)
+        ReferenceRenderer().render(
+            chart_scene.scene, dataclasses.replace(chart_scene.look, seed=k), size
+        )
         seconds.append(time.perf_counter() - start)
     ms = 1e3 * statistics.median(seconds)
     return {
@@ -89,17 +91,17 @@ def time_reference(case: Case, size: Size, ours_ms: float, repeats: int) -> Foun
 
 def time_scientist(ctx: moderngl.Context, paper: str, repeats: int) -> Found:
     """42 stimuli by the plain pipeline, from a few; and all 42 of ours, drawn and read back."""
-    case = next(c for c in cases(STIMULI_SIZE) if c.paper == paper)
+    chart_scene = next(c for c in chart_scenes(STIMULI_SIZE) if c.paper == paper)
     stimuli = [(s.sigma_n_deg, s.c_fraction) for s in Grid().settings]
-    scientist.draw(case.scene, (64, 64), 1.0, 1.0, 0)  # imports
+    scientist.draw(chart_scene.scene, (64, 64), 1.0, 1.0, 0)  # imports
     seconds = []
     for seed in range(repeats):
         sigma_n_deg, c_fraction = stimuli[(7 * seed + 20) % len(stimuli)]
         start = time.perf_counter()
-        scientist.draw(case.scene, STIMULI_SIZE, sigma_n_deg, c_fraction, seed)
+        scientist.draw(chart_scene.scene, STIMULI_SIZE, sigma_n_deg, c_fraction, seed)
         seconds.append(time.perf_counter() - start)
     theirs = 1e3 * len(stimuli) * statistics.median(seconds)
-    ours = 1e3 * statistics.median(_draw_all(ctx, case, stimuli) for _ in range(repeats))
+    ours = 1e3 * statistics.median(_draw_all(ctx, chart_scene, stimuli) for _ in range(repeats))
     return {
         "name": "colour-science pipeline",
         "size": STIMULI_SIZE,
@@ -112,15 +114,19 @@ def time_scientist(ctx: moderngl.Context, paper: str, repeats: int) -> Found:
     }
 
 
-def _draw_all(ctx: moderngl.Context, case: Case, stimuli: Sequence[tuple[float, float]]) -> float:
+def _draw_all(
+    ctx: moderngl.Context, chart_scene: ChartScene, stimuli: Sequence[tuple[float, float]]
+) -> float:
     """Seconds for all stimuli as 8-bit pictures, on a renderer that has drawn before."""
     renderer = Renderer(ctx)
     try:
-        renderer.prepare(case.scene, case.look)
+        renderer.prepare(chart_scene.scene, chart_scene.look)
         start = time.perf_counter()
         for sigma_n_deg, c_fraction in stimuli:
-            look = dataclasses.replace(case.look, sigma_n_deg=sigma_n_deg, c_fraction=c_fraction)
-            _ = renderer.render(case.scene, look, STIMULI_SIZE).display
+            look = dataclasses.replace(
+                chart_scene.look, sigma_n_deg=sigma_n_deg, c_fraction=c_fraction
+            )
+            _ = renderer.render(chart_scene.scene, look, STIMULI_SIZE).display
         return time.perf_counter() - start
     finally:
         renderer.release()

@@ -9,12 +9,10 @@ from __future__ import annotations
 import warnings
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.scene import Scene
-
-Array = NDArray[np.float64]
 
 
 def draw(scene: Scene, size: Size, sigma_n_deg: float, c_fraction: float, seed: int) -> Array:
@@ -42,7 +40,7 @@ def _dot(a: Array, b: Array) -> Array:
     return np.asarray(np.sum(a * b, axis=-1))
 
 
-def _cylinder(scene: Scene, eye: Array, rays: Array) -> tuple[NDArray[np.bool_], Array, Array]:
+def _cylinder(scene: Scene, eye: Array, rays: Array) -> tuple[Mask, Array, Array]:
     """Which rays meet the side of the cylinder; where; the normals there."""
     radius = 0.5 * scene.shape.diameter_m
     a = rays[..., 0] ** 2 + rays[..., 2] ** 2

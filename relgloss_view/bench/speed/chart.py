@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.figures import (
     ACCENT,
     FAINT,
@@ -23,7 +23,6 @@ from relgloss_view.bench.speed.labels import spread
 from relgloss_view.bench.speed.run import NO_ERROR
 
 Found = dict[str, Any]
-Array = NDArray[np.float64]
 
 CHARTS = ("chart.svg", "chart.png")
 FIGURE_INCHES, DPI = (9.6, 6.6), 170

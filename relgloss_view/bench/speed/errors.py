@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
@@ -19,8 +19,6 @@ from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.quality.backends import FrameRenderer
-
-Array = NDArray[np.float64]
 
 HIGHLIGHT_LSTAR = 1.0  #: where the reference's L_s*, before scaling, is above this
 FINEST_SAMPLES = 16  #: along a pixel's side, of the picture that supersampling tends to
@@ -75,8 +73,8 @@ class Truth:
     size: Size
     lab: Array  #: as shown
     c_max: float | None
-    on_object: NDArray[np.bool_]
-    highlight: NDArray[np.bool_]
+    on_object: Mask
+    highlight: Mask
 
     @classmethod
     def of(cls, scene: Scene, look: Look, size: Size) -> Truth:
@@ -88,13 +86,13 @@ class Truth:
         diffuse, specular = (np.asarray(v, np.float64) for v in (first.diffuse, first.specular))
         lab = lab_of_light(scene, diffuse, specular, white, shown_c(first.c_max))
         return cls(
-            scene,
-            look,
-            size,
-            lab,
-            first.c_max,
-            first.on_object,
-            first.on_object & (first.split[1] > HIGHLIGHT_LSTAR),
+            scene=scene,
+            look=look,
+            size=size,
+            lab=lab,
+            c_max=first.c_max,
+            on_object=first.on_object,
+            highlight=first.on_object & (first.split[1] > HIGHLIGHT_LSTAR),
         )
 
     def errors(self, frame: Frame) -> Errors:
@@ -104,7 +102,7 @@ class Truth:
             self.errors_of(shown_lab(frame), both), c_max=_relative(frame.c_max, self.c_max)
         )
 
-    def errors_of(self, lab: Array, seen: NDArray[np.bool_] | None = None) -> Errors:
+    def errors_of(self, lab: Array, seen: Mask | None = None) -> Errors:
         """Of a picture given as shown Lab."""
         seen = self.on_object if seen is None else seen
         difference = delta_e_2000(self.lab, lab)

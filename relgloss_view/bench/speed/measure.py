@@ -35,7 +35,7 @@ class Extent:
     error_width_px: int
     grains: int  #: seeds that the mean of the grain is taken over
     scenes: tuple[str, ...] | None = None  #: None: all
-    all_rows: bool = True
+    all_ways: bool = True
     megapixels: tuple[float, ...] = MEGAPIXELS
     pixel_frames: int = 10
     variants: tuple[str, ...] = VARIANTS
@@ -49,7 +49,7 @@ QUICK = Extent(
     error_width_px=320,
     grains=32,
     scenes=("cast-coated az50", "matte-coated az110"),
-    all_rows=False,
+    all_ways=False,
     megapixels=(0.25, 1.0, 4.0),
     pixel_frames=4,
     variants=("scalar_rgb", "llvm_ad_rgb"),
@@ -66,16 +66,16 @@ def measure(
     progress: ProgressReport,
 ) -> Found:
     """All numbers of a run; `time_grid` gives the seconds that `relgloss grid` takes."""
-    all_cases = scenes.cases(size)  # refuses sizes that can't be filled
+    all_scenes = scenes.chart_scenes(size)  # refuses sizes that can't be filled
     error_width = min(size[0], extent.error_width_px)
-    plan = run.Plan(
+    settings = run.RunSettings(
         size=size,
         error_size=(error_width, max(1, round(error_width * size[1] / size[0]))),
         frames=extent.frames,
         grains=extent.grains,
     )
-    cases = [c for c in all_cases if extent.scenes is None or c.name in extent.scenes]
-    rows = methods.rows(quick=not extent.all_rows)
+    shown = [c for c in all_scenes if extent.scenes is None or c.name in extent.scenes]
+    ways = methods.ways(quick=not extent.all_ways)
     found: Found = {
         "format": FORMAT,
         "version": VERSION,
@@ -83,32 +83,32 @@ def measure(
         "machine": machine(ctx),
         "settings": {
             "size": size,
-            "error_size": plan.error_size,
-            "frames": plan.frames,
-            "grains": plan.grains,
+            "error_size": settings.error_size,
+            "frames": settings.frames,
+            "grains": settings.grains,
         },
         "scenes": [],
         "results": [],
     }
     drawers = run.Drawers(ctx)
-    matte = next(c for c in all_cases if c.paper == PAPER)
+    matte = next(c for c in all_scenes if c.paper == PAPER)
     try:
-        for k, case in enumerate(cases):
+        for k, chart_scene in enumerate(shown):
 
             def step(share: float, text: str, k: int = k) -> object:
-                return progress(CHART_SHARE * (k + share) / len(cases), text)
+                return progress(CHART_SHARE * (k + share) / len(shown), text)
 
-            facts, results = run.run_case(drawers, case, rows, plan, step)
+            facts, results = run.run_scene(drawers, chart_scene, ways, settings, step)
             found["scenes"].append(facts)
             found["results"] += results
         progress(CHART_SHARE, "what changes alone")
-        found["changes"] = run.time_changes(drawers, matte, size, plan.frames)
+        found["changes"] = run.time_changes(drawers, matte, size, settings.frames)
     finally:
         drawers.release()
-    found["methods"] = run.summary(rows, found["results"])
+    found["methods"] = run.summary(ways, found["results"])
     found["auto"] = run.auto_against_default(found["results"])
     moved = tasks.lamp_moved(matte.scene, matte.look, PER_VISIT + 1)
-    found["passes"] = {"scene": matte.name, **time_passes(ctx, size, moved, plan.frames)}
+    found["passes"] = {"scene": matte.name, **time_passes(ctx, size, moved, settings.frames)}
 
     def later(start: float, end: float) -> ProgressReport:
         return lambda share, text: progress(start + (end - start) * share, text)
@@ -119,7 +119,7 @@ def measure(
     found["peers"] = peers.time_mitsuba(
         ctx, matte, size, extent.variants, extent.peer_frames, later(0.85, 0.95)
     )
-    if extent.all_rows:
+    if extent.all_ways:
         progress(0.95, "numpy reference")
         full_ms = found["changes"]["lamp"]["ms"]
         found["peers"].append(peers.time_reference(matte, size, full_ms, extent.repeats))

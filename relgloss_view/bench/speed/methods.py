@@ -1,6 +1,6 @@
-"""The rows of the chart: each way of drawing that is held against the exact one.
+"""The ways of drawing that the chart compares with the exact one.
 
-A further row is an entry of ROWS: a name, a group, a label, and what builds the Method and the Look
+A further way is an entry of WAYS: a name, a group, a label, and what builds the Method and the Look
 of a scene.
 """
 
@@ -39,7 +39,7 @@ GROUPS = {
 
 
 @dataclass(frozen=True)
-class Row:
+class Way:
     """One way of drawing. `build` gives its method and look for a scene, a look and a size."""
 
     name: str
@@ -49,7 +49,7 @@ class Row:
     grainy: bool = False  #: compared under grain, sigma_N at least scenes.GRAINY_DEG
     own_c: bool = False  #: drawn with the c it finds, for c_max is what differs
     quick: bool = False  #: part of --quick
-    charted: bool = True  #: what draws the same as another row would hide it
+    charted: bool = True  #: what draws the same as another way would hide it
 
     def __post_init__(self) -> None:
         if self.group not in GROUPS:
@@ -109,10 +109,10 @@ GAME = {
     "lamp": "distant",
 }
 
-ROWS: list[Row] = [
-    Row(DEFAULT, "default", "default", method(), quick=True),
-    Row(AUTO, "auto", "quality auto", planned, quick=True),
-    Row(
+WAYS: list[Way] = [
+    Way(DEFAULT, "default", "default", method(), quick=True),
+    Way(AUTO, "auto", "quality auto", planned, quick=True),
+    Way(
         EVERYTHING,
         "default",
         "everything, needed or not",
@@ -120,49 +120,49 @@ ROWS: list[Row] = [
         quick=True,
         charted=False,
     ),
-    Row("lambert", "diffuse", "Lambert", method(diffuse="lambert"), quick=True),
-    Row("qualitative", "diffuse", "qualitative Oren-Nayar", method(diffuse="qualitative")),
-    Row("eon", "diffuse", "EON", method(diffuse="eon"), quick=True),
-    Row("oren-nayar", "diffuse", "full Oren-Nayar", method(diffuse="oren-nayar"), charted=False),
-    Row("lobes-0", "lobes", "no lobe", method(lobes=0), quick=True),
-    Row("lobes-1", "lobes", "1 lobe", method(lobes=1), quick=True),
-    Row("schlick", "fresnel", "Schlick", method(fresnel="schlick"), quick=True),
-    Row("constant-f", "fresnel", "constant F", method(fresnel="constant"), quick=True),
-    Row("no-g", "shadowing", "no G", method(shadowing="none"), quick=True),
-    Row("beckmann", "facets", "Beckmann", method(facets="beckmann")),
-    Row("ggx", "facets", "GGX", method(facets="ggx"), quick=True),
-    Row("distant", "lamp", "distant lamp", method(lamp="distant"), quick=True),
-    Row("grain-drawn", "grain", "grain on both", method(), grainy=True, charted=False),
-    Row("grain-specular", "grain", "grain on lobes only", method(noise="specular"), grainy=True),
-    Row("grain-mean", "grain", "mean of the grain", method(noise="mean"), grainy=True, quick=True),
-    Row("grain-none", "grain", "no grain", method(noise="none"), grainy=True, quick=True),
-    Row("samples-4", "samples", "4 samples", sampled(2), quick=True),
-    Row("samples-16", "samples", "16 samples", sampled(4)),
-    Row("bands", "numbers", "band by band", band_by_band, quick=True),
-    Row("float16", "numbers", "float16", method(targets="float16"), quick=True),
-    Row("root-power", "numbers", "root by pow", method(variant=(("cube_root", "power"),))),
-    Row("root-table", "numbers", "root by table", method(variant=(("cube_root", "table"),))),
-    Row("xyz-twice", "numbers", "XYZ in both targets", method(variant=(("writes", "xyz"),))),
-    Row("split-first", "numbers", "split with pass 1", method(split=FIRST_PASS), quick=True),
-    Row("gamut-clip", "numbers", "RGB clipped", method(gamut="clip")),
-    Row("c-sparse", "c_max", "c_max of every 4th", method(c_max="sparse"), own_c=True),
-    Row("c-eq4", "c_max", "c_max by eq. 4", method(c_max="eq4"), own_c=True, quick=True),
-    Row("c-once", "c_max", "c_max without grain", method(c_max="once"), own_c=True, grainy=True),
-    Row("lean", "combined", "EON, no G", method(diffuse="eon", shadowing="none")),
-    Row(
+    Way("lambert", "diffuse", "Lambert", method(diffuse="lambert"), quick=True),
+    Way("qualitative", "diffuse", "qualitative Oren-Nayar", method(diffuse="qualitative")),
+    Way("eon", "diffuse", "EON", method(diffuse="eon"), quick=True),
+    Way("oren-nayar", "diffuse", "full Oren-Nayar", method(diffuse="oren-nayar"), charted=False),
+    Way("lobes-0", "lobes", "no lobe", method(lobes=0), quick=True),
+    Way("lobes-1", "lobes", "1 lobe", method(lobes=1), quick=True),
+    Way("schlick", "fresnel", "Schlick", method(fresnel="schlick"), quick=True),
+    Way("constant-f", "fresnel", "constant F", method(fresnel="constant"), quick=True),
+    Way("no-g", "shadowing", "no G", method(shadowing="none"), quick=True),
+    Way("beckmann", "facets", "Beckmann", method(facets="beckmann")),
+    Way("ggx", "facets", "GGX", method(facets="ggx"), quick=True),
+    Way("distant", "lamp", "distant lamp", method(lamp="distant"), quick=True),
+    Way("grain-drawn", "grain", "grain on both", method(), grainy=True, charted=False),
+    Way("grain-specular", "grain", "grain on lobes only", method(noise="specular"), grainy=True),
+    Way("grain-mean", "grain", "mean of the grain", method(noise="mean"), grainy=True, quick=True),
+    Way("grain-none", "grain", "no grain", method(noise="none"), grainy=True, quick=True),
+    Way("samples-4", "samples", "4 samples", sampled(2), quick=True),
+    Way("samples-16", "samples", "16 samples", sampled(4)),
+    Way("bands", "numbers", "band by band", band_by_band, quick=True),
+    Way("float16", "numbers", "float16", method(targets="float16"), quick=True),
+    Way("root-power", "numbers", "root by pow", method(variant=(("cube_root", "power"),))),
+    Way("root-table", "numbers", "root by table", method(variant=(("cube_root", "table"),))),
+    Way("xyz-twice", "numbers", "XYZ in both targets", method(variant=(("writes", "xyz"),))),
+    Way("split-first", "numbers", "split with pass 1", method(split=FIRST_PASS), quick=True),
+    Way("gamut-clip", "numbers", "RGB clipped", method(gamut="clip")),
+    Way("c-sparse", "c_max", "c_max of every 4th", method(c_max="sparse"), own_c=True),
+    Way("c-eq4", "c_max", "c_max by eq. 4", method(c_max="eq4"), own_c=True, quick=True),
+    Way("c-once", "c_max", "c_max without grain", method(c_max="once"), own_c=True, grainy=True),
+    Way("lean", "combined", "EON, no G", method(diffuse="eon", shadowing="none")),
+    Way(
         "leaner",
         "combined",
         "Lambert, 1 lobe, no G",
         method(diffuse="lambert", lobes=1, shadowing="none"),
     ),
-    Row("game", "combined", "Lambert, GGX, Schlick, distant", method(**GAME)),
-    Row("cheapest", "combined", "cheapest of everything", method(**CHEAPEST), quick=True),
-    Row(
+    Way("game", "combined", "Lambert, GGX, Schlick, distant", method(**GAME)),
+    Way("cheapest", "combined", "cheapest of everything", method(**CHEAPEST), quick=True),
+    Way(
         "mean-4", "combined", "mean of the grain, 4 samples", sampled(2, noise="mean"), grainy=True
     ),
 ]
 
 
-def rows(*, quick: bool) -> tuple[Row, ...]:
-    """The rows of a run."""
-    return tuple(row for row in ROWS if row.quick or not quick)
+def ways(*, quick: bool) -> tuple[Way, ...]:
+    """The ways that a run draws."""
+    return tuple(way for way in WAYS if way.quick or not quick)

@@ -16,7 +16,7 @@ from relgloss_view.base.errors import RelglossError
 from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.bench.speed.floor import FillFloor
 from relgloss_view.bench.speed.machine import available_bytes
-from relgloss_view.bench.speed.scenes import Case
+from relgloss_view.bench.speed.scenes import ChartScene
 from relgloss_view.bench.speed.tasks import Drawing, Floor, pass_1_changed
 from relgloss_view.bench.speed.timing import PER_VISIT, Times, take_turns
 from relgloss_view.picture.gpu.memory import device_bytes
@@ -65,7 +65,7 @@ def size_of(megapixels: float, aspect: float = 16.0 / 9.0) -> Size:
 
 def time_pixels(
     ctx: moderngl.Context,
-    case: Case,
+    chart_scene: ChartScene,
     megapixels: Sequence[float],
     frames: int,
     progress: ProgressReport,
@@ -83,7 +83,7 @@ def time_pixels(
         for k, m in enumerate((*megapixels, *reversed(megapixels))):
             progress(k / (2 * len(megapixels)), f"{m:g} megapixels")
             if not times[m].fault:
-                _time_size(ctx, programs, case, m, half, (times[m], floors[m]), floor)
+                _time_size(ctx, programs, chart_scene, m, half, (times[m], floors[m]), floor)
     finally:
         floor.release()
         programs.release()
@@ -109,7 +109,7 @@ def time_pixels(
 def _time_size(
     ctx: moderngl.Context,
     programs: Programs,
-    case: Case,
+    chart_scene: ChartScene,
     megapixels: float,
     frames: int,
     into: tuple[Times, Times],
@@ -125,7 +125,7 @@ def _time_size(
         )
         return
     renderer = Renderer(ctx, programs)
-    pictures = pass_1_changed(case.scene, case.look, EXACT, PER_VISIT + 1)
+    pictures = pass_1_changed(chart_scene.scene, chart_scene.look, EXACT, PER_VISIT + 1)
     task = Drawing("frame", renderer, size, pictures)
     try:
         task.warm()  # the device clears new memory as it is first written

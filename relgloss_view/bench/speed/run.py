@@ -1,4 +1,4 @@
-"""A run of the chart: errors of every row on every scene, then their times, in turns."""
+"""A run of the chart: errors of every way on every scene, then their times, in turns."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.bench.speed import errors, tasks
 from relgloss_view.bench.speed.errors import Truth
 from relgloss_view.bench.speed.floor import FillFloor
-from relgloss_view.bench.speed.methods import AUTO, DEFAULT, EVERYTHING, Row
+from relgloss_view.bench.speed.methods import AUTO, DEFAULT, EVERYTHING, Way
 from relgloss_view.bench.speed.pareto import pareto_front
-from relgloss_view.bench.speed.scenes import Case
+from relgloss_view.bench.speed.scenes import ChartScene
 from relgloss_view.bench.speed.timing import PER_VISIT, Task, take_turns
 from relgloss_view.picture.gpu.programs import Programs
 from relgloss_view.picture.gpu.renderer import Renderer
@@ -34,8 +34,8 @@ Found = dict[str, Any]
 
 
 @dataclass(frozen=True)
-class Plan:
-    """How much of it."""
+class RunSettings:
+    """The sizes of a run's pictures, and how many of them it draws."""
 
     size: Size
     error_size: Size
@@ -65,56 +65,64 @@ class Drawers:
         self.programs.release()
 
 
-def run_case(
-    drawers: Drawers, case: Case, rows: Sequence[Row], plan: Plan, progress: ProgressReport
+def run_scene(
+    drawers: Drawers,
+    chart_scene: ChartScene,
+    ways: Sequence[Way],
+    settings: RunSettings,
+    progress: ProgressReport,
 ) -> tuple[Found, list[Found]]:
-    """A scene: what is said of it, and one result a row."""
-    truths = _truths(case, rows, plan)
+    """The facts of a scene, and one result for each way of drawing it."""
+    truths = _truths(chart_scene, ways, settings)
     results = []
-    for k, row in enumerate(rows):
-        progress(0.4 * k / len(rows), f"{case.name}: error, {row.label}")
-        results.append(_error(drawers, case, row, truths[row.grainy], plan))
-    floor = FillFloor(drawers.ctx, plan.size)
+    for k, way in enumerate(ways):
+        progress(0.4 * k / len(ways), f"{chart_scene.name}: error, {way.label}")
+        results.append(_error(drawers, chart_scene, way, truths[way.grainy], settings))
+    floor = FillFloor(drawers.ctx, settings.size)
     timed: list[Task] = [tasks.Floor(floor)]
     try:
-        for row in rows:
-            truth = truths[row.grainy]
-            method, look = row.build(truth.scene, truth.look, plan.size)
+        for way in ways:
+            truth = truths[way.grainy]
+            method, look = way.build(truth.scene, truth.look, settings.size)
             pictures = tasks.pass_1_changed(truth.scene, look, method, PER_VISIT + 1)
             renderer = drawers.of(method)
-            timed.append(tasks.Drawing(row.name, renderer, plan.size, pictures, method))
+            timed.append(tasks.Drawing(way.name, renderer, settings.size, pictures, method))
         times = take_turns(
             timed,
-            plan.frames,
-            progress=lambda share: progress(0.4 + 0.6 * share, f"{case.name}: times"),
+            settings.frames,
+            progress=lambda share: progress(0.4 + 0.6 * share, f"{chart_scene.name}: times"),
         )
     finally:
         floor.release()
     floor_ms = times["floor"].median
     assert floor_ms is not None
-    for row, result in zip(rows, results, strict=True):
-        found = times[row.name]
+    for way, result in zip(ways, results, strict=True):
+        found = times[way.name]
         result.update(found.as_dict())
         result["floors"] = found.over(times["floor"])
         result["of_default"] = found.over(times[DEFAULT])
-    return _scene_facts(case, truths[False], plan, floor_ms), results
+    return _scene_facts(chart_scene, truths[False], settings, floor_ms), results
 
 
-def _truths(case: Case, rows: Sequence[Row], plan: Plan) -> dict[bool, Truth]:
-    plain = Truth.of(case.scene, case.look, plan.error_size)
-    grainy = case.grainy()
-    if not any(row.grainy for row in rows) or grainy.look == case.look:
+def _truths(
+    chart_scene: ChartScene, ways: Sequence[Way], settings: RunSettings
+) -> dict[bool, Truth]:
+    plain = Truth.of(chart_scene.scene, chart_scene.look, settings.error_size)
+    grainy = chart_scene.grainy()
+    if not any(way.grainy for way in ways) or grainy.look == chart_scene.look:
         return {False: plain, True: plain}
-    return {False: plain, True: Truth.of(grainy.scene, grainy.look, plan.error_size)}
+    return {False: plain, True: Truth.of(grainy.scene, grainy.look, settings.error_size)}
 
 
-def _error(drawers: Drawers, case: Case, row: Row, truth: Truth, plan: Plan) -> Found:
-    method, look = row.build(truth.scene, truth.look, plan.size)
+def _error(
+    drawers: Drawers, chart_scene: ChartScene, way: Way, truth: Truth, settings: RunSettings
+) -> Found:
+    method, look = way.build(truth.scene, truth.look, settings.size)
     result: Found = {
-        "scene": case.name,
-        "method": row.name,
-        "group": row.group,
-        "label": row.label,
+        "scene": chart_scene.name,
+        "method": way.name,
+        "group": way.group,
+        "label": way.label,
         "sigma_n_deg": look.sigma_n_deg,
         "samples_per_pixel": look.samples**2 if look.samples else None,
         "stages": dataclasses.asdict(method),
@@ -124,18 +132,18 @@ def _error(drawers: Drawers, case: Case, row: Row, truth: Truth, plan: Plan) -> 
     try:
         frame = renderer.render(truth.scene, look, truth.size, method)
         result["c_max"] = frame.c_max
-        if row.own_c:
+        if way.own_c:
             own = dataclasses.replace(look, c=errors.shown_c(frame.c_max))
             frame = renderer.render(truth.scene, own, truth.size, method)
         result["error"] = truth.errors(frame).as_dict()
-        further = FURTHER_TRUTHS.get(row.name)
+        further = FURTHER_TRUTHS.get(way.name)
         if further == "area":
             finest = errors.finely_sampled(renderer, truth)
             result["error_against_area"] = finest.errors_of(
                 errors.shown_lab(renderer.render(truth.scene, look, truth.size, method))
             ).as_dict()
         elif further is not None:
-            apart, mean = errors.mean_of_grains(renderer, truth, range(plan.grains))
+            apart, mean = errors.mean_of_grains(renderer, truth, range(settings.grains))
             shown = errors.shown_lab(renderer.render(truth.scene, look, truth.size, method))
             result["error_against_mean"] = mean.errors_of(shown).as_dict()
             result["mean_halves_apart"] = apart.as_dict()
@@ -144,12 +152,14 @@ def _error(drawers: Drawers, case: Case, row: Row, truth: Truth, plan: Plan) -> 
     return result
 
 
-def _scene_facts(case: Case, truth: Truth, plan: Plan, floor_ms: float) -> Found:
+def _scene_facts(
+    chart_scene: ChartScene, truth: Truth, settings: RunSettings, floor_ms: float
+) -> Found:
     return {
-        "scene": case.name,
-        "paper": case.paper,
-        "lamp_azimuth_deg": case.scene.lamp.azimuth_deg,
-        "sigma_n_deg": case.look.sigma_n_deg,
+        "scene": chart_scene.name,
+        "paper": chart_scene.paper,
+        "lamp_azimuth_deg": chart_scene.scene.lamp.azimuth_deg,
+        "sigma_n_deg": chart_scene.look.sigma_n_deg,
         "c": truth.look.c,
         "c_max": truth.c_max,
         "coverage": float(truth.on_object.mean()),
@@ -158,9 +168,9 @@ def _scene_facts(case: Case, truth: Truth, plan: Plan, floor_ms: float) -> Found
     }
 
 
-def time_changes(drawers: Drawers, case: Case, size: Size, frames: int) -> Found:
+def time_changes(drawers: Drawers, chart_scene: ChartScene, size: Size, frames: int) -> Found:
     """What a frame takes where c, sigma_N, or the lamp alone has changed, beside the floor."""
-    look = dataclasses.replace(case.look, c=1.0)
+    look = dataclasses.replace(chart_scene.look, c=1.0)
     renderer = drawers.of(Method())
     floor = FillFloor(drawers.ctx, size)
     count = PER_VISIT + 1
@@ -172,26 +182,26 @@ def time_changes(drawers: Drawers, case: Case, size: Size, frames: int) -> Found
         times = take_turns(
             [
                 tasks.Floor(floor),
-                changing("c", tasks.c_changed(case.scene, look, count)),
-                changing("sigma_n", tasks.sigma_n_changed(case.scene, look, count)),
-                changing("lamp", tasks.lamp_moved(case.scene, look, count)),
+                changing("c", tasks.c_changed(chart_scene.scene, look, count)),
+                changing("sigma_n", tasks.sigma_n_changed(chart_scene.scene, look, count)),
+                changing("lamp", tasks.lamp_moved(chart_scene.scene, look, count)),
             ],
             frames,
         )
     finally:
         floor.release()
-    found: Found = {"scene": case.name}
+    found: Found = {"scene": chart_scene.name}
     for name, timed in times.items():
         found[name] = {**timed.as_dict(), "floors": timed.over(times["floor"])}
     return found
 
 
-def summary(rows: Sequence[Row], results: Sequence[Found]) -> list[Found]:
-    """One entry a row over all scenes: the median time, the worst error, and the Pareto front."""
+def summary(ways: Sequence[Way], results: Sequence[Found]) -> list[Found]:
+    """One entry for each way over all scenes: median time, worst error, and the Pareto front."""
     entries: list[Found] = []
-    for row in rows:
-        of_row = [result for result in results if result["method"] == row.name]
-        drawn = [r for r in of_row if r["error"] is not None and r["floors"] is not None]
+    for way in ways:
+        of_way = [result for result in results if result["method"] == way.name]
+        drawn = [r for r in of_way if r["error"] is not None and r["floors"] is not None]
         if not drawn:
             continue
         p95 = [r["error"]["worst_p95"] for r in drawn]
@@ -202,9 +212,9 @@ def summary(rows: Sequence[Row], results: Sequence[Found]) -> list[Found]:
         c_max = [abs(v) for r in drawn if (v := r["error"]["c_max"]) is not None]
         entries.append(
             {
-                "method": row.name,
-                "group": row.group,
-                "label": row.label,
+                "method": way.name,
+                "group": way.group,
+                "label": way.label,
                 "scenes": len(drawn),
                 "ms": statistics.median(r["ms"] for r in drawn),
                 "floors": statistics.median(r["floors"] for r in drawn),
@@ -213,8 +223,8 @@ def summary(rows: Sequence[Row], results: Sequence[Found]) -> list[Found]:
                 "median_p95": statistics.median(p95),
                 "worst_max": max(s["max"] for r in drawn for s in _spreads(r)),
                 "worst_c_max": max(c_max, default=None),
-                "default": row.name == DEFAULT,
-                "charted": row.charted,
+                "default": way.name == DEFAULT,
+                "charted": way.charted,
             }
         )
     charted = [entry for entry in entries if entry["charted"]]

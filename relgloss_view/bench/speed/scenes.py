@@ -26,7 +26,7 @@ GRAINY_DEG = 1.0  #: sigma_N, at least, where the grain is what is compared
 
 
 @dataclass(frozen=True)
-class Case:
+class ChartScene:
     """A scene of the chart, and the look it is drawn with; its c is the reference's."""
 
     name: str
@@ -34,18 +34,18 @@ class Case:
     scene: Scene
     look: Look
 
-    def grainy(self) -> Case:
+    def grainy(self) -> ChartScene:
         """The same with grain, where it has too little to compare ways to draw it."""
         look = dataclasses.replace(self.look, sigma_n_deg=max(self.look.sigma_n_deg, GRAINY_DEG))
         return dataclasses.replace(self, look=look)
 
 
-def cases(size: Size) -> tuple[Case, ...]:
+def chart_scenes(size: Size) -> tuple[ChartScene, ...]:
     """All scenes, for pictures of a size: sigma_N is the one matched for each paper."""
     form = filling_shape(size)
     eye = filling_eye(form, size)
     return tuple(
-        Case(
+        ChartScene(
             f"{paper} az{azimuth:g}",
             paper,
             Scene(load_sample(paper), Setup(form, Lamp(azimuth_deg=azimuth), eye)),

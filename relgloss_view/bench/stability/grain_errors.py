@@ -10,8 +10,9 @@ from functools import lru_cache
 
 import moderngl
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.bench.stability.model_errors import (
     INDEX,
     LOBE_BODY,
@@ -26,8 +27,6 @@ from relgloss_view.bench.stability.model_errors import (
 from relgloss_view.material import approximations, brdf
 from relgloss_view.picture.gpu import constants
 from relgloss_view.picture.model import noise, tone
-
-Array = NDArray[np.float64]
 
 LARGEST_TILT_SD = 5.0  #: of the quadrature over the tilt
 #: Diffuse albedos and strengths of lobes that c_max is tried on.

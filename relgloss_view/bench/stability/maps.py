@@ -12,13 +12,12 @@ from typing import Any
 
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.bench.stability import grain_errors, model_errors
 from relgloss_view.quality.domains import DOMAINS, FOOT_SD, Domain
 
-Array = NDArray[np.float64]
 Error = Callable[[moderngl.Context, Array, Array], Array]
 Numbers = Mapping[str, Array]
 
@@ -57,7 +56,7 @@ class Subject:
         """Where the choice is declared to hold."""
         return DOMAINS[self.key] if self.key else None
 
-    def inside(self, x: Array, y: Array) -> NDArray[np.bool_]:
+    def inside(self, x: Array, y: Array) -> Mask:
         """Which cells lie in the domain."""
         x, y = np.broadcast_arrays(x, y)
         numbers = {name: np.broadcast_to(v, x.shape) for name, v in self.numbers(x, y).items()}
@@ -86,7 +85,7 @@ class Map:
     x: Array
     y: Array
     error: Array
-    inside: NDArray[np.bool_]
+    inside: Mask
 
 
 def computed(ctx: moderngl.Context, subject: Subject, count: int | None = None) -> Map:
@@ -129,7 +128,16 @@ def _lobe(name: str, title: str, key: tuple[str, str], **parts: str) -> Subject:
     def error(ctx: moderngl.Context, s: Array, incidence: Array) -> Array:
         return model_errors.lobe_error(ctx, s, incidence, **parts)
 
-    return Subject(name, "lobe", title, WIDTHS, INCIDENCES, error, _lobe_numbers, key)
+    return Subject(
+        name=name,
+        page="lobe",
+        title=title,
+        x=WIDTHS,
+        y=INCIDENCES,
+        error=error,
+        numbers=_lobe_numbers,
+        key=key,
+    )
 
 
 def _diffuse(model: str, title: str, key: tuple[str, str] | None) -> Subject:
@@ -141,7 +149,15 @@ def _diffuse(model: str, title: str, key: tuple[str, str] | None) -> Subject:
 
     unit = "share of the largest"
     return Subject(
-        f"diffuse-{model}", "diffuse", title, ROUGHNESSES, INCIDENCES, error, numbers, key, unit
+        name=f"diffuse-{model}",
+        page="diffuse",
+        title=title,
+        x=ROUGHNESSES,
+        y=INCIDENCES,
+        error=error,
+        numbers=numbers,
+        key=key,
+        unit=unit,
     )
 
 
@@ -159,7 +175,15 @@ def grain(kind: str, incidence: float) -> Subject:
     said = {"mean": "Grain as the mean of its lobe", "none": "Grain left out (rms)"}[kind]
     name, title = f"grain-{kind}-{incidence:.0f}", f"{said}, {incidence:.0f} degrees"
     return Subject(
-        name, "grain", title, DRAWN_WIDTHS, RATIOS, error, numbers, ("noise", kind), GRAIN_UNIT
+        name=name,
+        page="grain",
+        title=title,
+        x=DRAWN_WIDTHS,
+        y=RATIOS,
+        error=error,
+        numbers=numbers,
+        key=("noise", kind),
+        unit=GRAIN_UNIT,
     )
 
 
@@ -182,7 +206,17 @@ def _tone(root: str, targets: str, title: str) -> Subject:
         return model_errors.tone_error(ctx, specular, diffuse, cube_root=root, targets=targets)
 
     name, key = f"tone-{root}-{targets}", ("targets", targets)
-    return Subject(name, "tone", title, SPECULAR_Y, DIFFUSE_Y, error, numbers, key, "L*, a* or b*")
+    return Subject(
+        name=name,
+        page="tone",
+        title=title,
+        x=SPECULAR_Y,
+        y=DIFFUSE_Y,
+        error=error,
+        numbers=numbers,
+        key=key,
+        unit="L*, a* or b*",
+    )
 
 
 def _eq4(ctx: moderngl.Context, s: Array, incidence: Array) -> Array:
@@ -211,40 +245,40 @@ SUBJECTS: tuple[Subject, ...] = (
     grain("none", 0.0),
     grain("none", 70.0),
     Subject(
-        "distant",
-        "grain",
-        "Lamp far off, 30 degrees",
-        DRAWN_WIDTHS,
-        ANGLES,
-        _distant,
-        _distant_numbers,
-        ("lamp", "distant"),
+        name="distant",
+        page="grain",
+        title="Lamp far off, 30 degrees",
+        x=DRAWN_WIDTHS,
+        y=ANGLES,
+        error=_distant,
+        numbers=_distant_numbers,
+        key=("lamp", "distant"),
     ),
     _tone("householder", "float32", "Cube root by two steps, float32"),
     _tone("power", "float32", "Cube root by pow, float32"),
     _tone("table", "float32", "Cube root by table, float32"),
     _tone("householder", "float16", "Targets of 16 bits"),
     Subject(
-        "eq4",
-        "tone",
-        "c_max at the brightest pixel, eq. 4",
-        WIDTHS,
-        INCIDENCES,
-        _eq4,
-        _lobe_numbers,
-        ("c_max", "eq4"),
-        "share of c_max",
+        name="eq4",
+        page="tone",
+        title="c_max at the brightest pixel, eq. 4",
+        x=WIDTHS,
+        y=INCIDENCES,
+        error=_eq4,
+        numbers=_lobe_numbers,
+        key=("c_max", "eq4"),
+        unit="share of c_max",
     ),
     Subject(
-        "peak",
-        "tone",
-        "How bright a lobe of strength 1 is",
-        WIDTHS,
-        INCIDENCES,
-        _peak,
-        _lobe_numbers,
-        None,
-        "Y relative to the white; thick: what 16 bits hold",
+        name="peak",
+        page="tone",
+        title="How bright a lobe of strength 1 is",
+        x=WIDTHS,
+        y=INCIDENCES,
+        error=_peak,
+        numbers=_lobe_numbers,
+        key=None,
+        unit="Y relative to the white; thick: what 16 bits hold",
         is_error=False,
     ),
 )

@@ -12,15 +12,14 @@ from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.material import approximations, brdf
 from relgloss_view.picture.gpu import constants
 from relgloss_view.picture.gpu.evaluate import evaluate
 from relgloss_view.picture.gpu.targets import LARGEST_WHITE, Targets
 from relgloss_view.picture.model import tone
-
-Array = NDArray[np.float64]
 
 INDEX = 1.5  #: refractive index of every lobe here
 REACH_SD = 8.0  #: a Gaussian beyond this many standard deviations is 1e-14
@@ -40,7 +39,7 @@ class Facings(NamedTuple):
     n: Array
     i: Array
     o: Array
-    met: NDArray[np.bool_]
+    met: Mask
 
 
 def facings(incidence_deg: ArrayLike, reach_deg: ArrayLike, steps: int = 81) -> Facings:
@@ -65,7 +64,7 @@ def facings(incidence_deg: ArrayLike, reach_deg: ArrayLike, steps: int = 81) -> 
     return Facings(n @ ASKEW, i @ ASKEW, o @ ASKEW, lowest > LOWEST_COSINE * z)
 
 
-def share_of_peak(drawn: Array, exact: Array, met: NDArray[np.bool_]) -> Array:
+def share_of_peak(drawn: Array, exact: Array, met: Mask) -> Array:
     """Largest |drawn - exact| of a cell's normals (last axis) over its largest exact value."""
     fine = np.all(np.isfinite(drawn) | ~met, axis=-1)
     off = np.where(met & np.isfinite(drawn), np.abs(drawn - exact), 0.0)

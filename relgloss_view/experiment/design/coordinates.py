@@ -7,11 +7,9 @@ as far as halving c_max. The first setting is (0, 0), the last has as many steps
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.experiment.design.grid import Grid
-
-Array = NDArray[np.float64]
 
 
 def coordinates(grid: Grid) -> Array:

@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.experiment.design.stimuli import draw_look
 from relgloss_view.experiment.design.study import Study
@@ -23,8 +23,6 @@ from relgloss_view.operators.split import Split
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.quality.backends import FrameRenderer
-
-Array = NDArray[np.float64]
 
 LEAST_CONTRAST = 0.1  #: L*; less is no highlight to anyone
 GRAIN_WEIGHT = 1.0  #: how much a grain as high as its highlight takes from log gloss

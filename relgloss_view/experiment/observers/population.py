@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.parameters import Checked, choice, parameter
 from relgloss_view.experiment.design.study import GRAIN
-from relgloss_view.experiment.observers.percept import Array
 
 UNIQUE, RATIO_ONLY, RANDOM = "unique", "ratio", "random"
 KINDS = (UNIQUE, RATIO_ONLY, RANDOM)

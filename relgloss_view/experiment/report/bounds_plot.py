@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.figures import INK, MUTED
 from relgloss_view.base.reading import printable
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.report import figures
 from relgloss_view.experiment.report.chosen_setting import (
-    Array,
     ChosenSetting,
     chosen_setting,
     setting_chosen_by,

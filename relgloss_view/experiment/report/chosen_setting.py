@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.experiment.design.coordinates import coordinates
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.scaling.fine_grid import Shape
@@ -15,7 +15,6 @@ from relgloss_view.experiment.verdict.analysis import JOINT, SampleResult
 from relgloss_view.experiment.verdict.full_grid import CHANCE, Verdict, edges_of
 from relgloss_view.picture.scene.setting import Setting
 
-Array = NDArray[np.float64]
 Interval = tuple[float, float]
 
 
@@ -30,7 +29,7 @@ class ChosenSetting:
     at: Setting  #: the best between grid points
     sigma_n_interval_deg: Interval | None  #: 95 %
     c_interval: Interval | None
-    as_good: NDArray[np.bool_]  #: not distinguishable from the leading one, itself among them
+    as_good: Mask  #: not distinguishable from the leading one, itself among them
     shape: Shape | None
     edges: tuple[str, ...]
     p_chance: float  #: adaptive: the probability that all answers are by chance
@@ -59,17 +58,17 @@ def setting_chosen_by(result: SampleResult, grid: Grid, question: str) -> Chosen
     verdict: Verdict = result.verdicts[question]
     best = verdict.optimum
     return ChosenSetting(
-        verdict.status,
-        verdict.leading,
-        grid.settings[verdict.leading],
-        verdict.wins,
-        Setting(best.sigma_n_deg, best.c_fraction),
-        _along(grid, 0, best.sigma_n_interval_deg),
-        _along(grid, 1, best.c_interval),
-        verdict.as_good,
-        verdict.shape,
-        verdict.edges,
-        result.p[question],
+        status=verdict.status,
+        leading=verdict.leading,
+        setting=grid.settings[verdict.leading],
+        shares=verdict.wins,
+        at=Setting(best.sigma_n_deg, best.c_fraction),
+        sigma_n_interval_deg=_along(grid, 0, best.sigma_n_interval_deg),
+        c_interval=_along(grid, 1, best.c_interval),
+        as_good=verdict.as_good,
+        shape=verdict.shape,
+        edges=verdict.edges,
+        p_chance=result.p[question],
         adaptive=False,
     )
 
@@ -77,17 +76,17 @@ def setting_chosen_by(result: SampleResult, grid: Grid, question: str) -> Chosen
 def _of_posterior(verdict: AdaptiveVerdict, grid: Grid) -> ChosenSetting:
     best = verdict.estimate
     return ChosenSetting(
-        verdict.status,
-        verdict.leading,
-        grid.settings[verdict.leading],
-        nearest_shares(grid, verdict.posterior),
-        Setting(best.sigma_n_deg, best.c_fraction),
-        _along(grid, 0, best.sigma_n_interval_deg),
-        _along(grid, 1, best.c_interval),
-        verdict.as_good,
-        None,
-        edges_of(grid, verdict.leading),
-        best.chance,
+        status=verdict.status,
+        leading=verdict.leading,
+        setting=grid.settings[verdict.leading],
+        shares=nearest_shares(grid, verdict.posterior),
+        at=Setting(best.sigma_n_deg, best.c_fraction),
+        sigma_n_interval_deg=_along(grid, 0, best.sigma_n_interval_deg),
+        c_interval=_along(grid, 1, best.c_interval),
+        as_good=verdict.as_good,
+        shape=None,
+        edges=edges_of(grid, verdict.leading),
+        p_chance=best.chance,
         adaptive=True,
     )
 

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.figures import INK
 from relgloss_view.experiment.report import figures, panels
 from relgloss_view.experiment.report.answerers import truths
 from relgloss_view.experiment.report.chosen_setting import (
-    Array,
     chosen_setting,
     scale_table,
     setting_chosen_by,

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.figures import INK, MUTED
 from relgloss_view.experiment.design.coordinates import coordinates, from_steps, grid_steps
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.report import figures
-from relgloss_view.experiment.report.chosen_setting import Array, ChosenSetting
+from relgloss_view.experiment.report.chosen_setting import ChosenSetting
 from relgloss_view.experiment.report.sentences import label_of, sentence
 from relgloss_view.experiment.verdict.analysis import Analysis, SampleResult
 from relgloss_view.picture.scene.setting import Setting, share_words

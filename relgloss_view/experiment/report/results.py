@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.version import __version__
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.report.answerers import made, path_words, silent, truths
 from relgloss_view.experiment.report.chosen_setting import (
-    Array,
     ChosenSetting,
     Interval,
     chosen_setting,

@@ -10,8 +10,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.scaling.fine_grid import FineGrid, Smooth
 from relgloss_view.experiment.scaling.ordinal import OrdinalScale, ordinal_scale
@@ -28,8 +28,6 @@ from relgloss_view.experiment.scaling.unfolding import (
 )
 from relgloss_view.experiment.session.pool import Answers
 
-Array = NDArray[np.float64]
-
 CELLS = 2**15  #: counts that are fitted together: with what is made of them they fit a cache
 
 
@@ -40,7 +38,7 @@ class ScaleValues:
     question: str
     probit: OrdinalScale
     torgerson: SuccessiveScale
-    answered: NDArray[np.bool_]  #: (J,), settings that somebody judged
+    answered: Mask  #: (J,), settings that somebody judged
     interval: Array | None  #: (2, J), 95 %, of the probit scale
     bounds_interval: Array | None  #: (2, K-1)
     draws: Array | None  #: (B, J), of the probit scale; the mean is 0 in each
@@ -93,7 +91,16 @@ def scale_values(
     closeness = unfolding.closeness(fine.points)
     if weights is None:
         smooth = Smooth(fine, closeness, None)
-        return ScaleValues(question, probit, torgerson, answered, None, None, None, smooth)
+        return ScaleValues(
+            question=question,
+            probit=probit,
+            torgerson=torgerson,
+            answered=answered,
+            interval=None,
+            bounds_interval=None,
+            draws=None,
+            smooth=smooth,
+        )
     scales = np.full((len(weights), len(pooled)), np.nan)
     bounds = np.full((len(weights), pooled.shape[1] - 1), np.nan)
     surfaces = np.zeros((len(weights), len(fine.points)))
@@ -113,14 +120,14 @@ def scale_values(
         scales[rows] = np.where(total.sum(axis=2) > 0.0, ordinal.scale, np.nan)
         bounds[rows] = ordinal.bounds
     return ScaleValues(
-        question,
-        probit,
-        torgerson,
-        answered,
-        _interval(scales),
-        _interval(bounds),
-        scales,
-        Smooth(fine, closeness, surfaces),
+        question=question,
+        probit=probit,
+        torgerson=torgerson,
+        answered=answered,
+        interval=_interval(scales),
+        bounds_interval=_interval(bounds),
+        draws=scales,
+        smooth=Smooth(fine, closeness, surfaces),
     )
 
 

@@ -10,10 +10,8 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Bools = NDArray[np.bool_]
+from relgloss_view.base.arrays import Array, Mask
 
 PRECISION = 1e-6  #: of the loss, where a search ends: a standard error changes it by a half
 MOST_STEPS = 100
@@ -39,7 +37,7 @@ class Losses(Protocol):
     def scoring(self, p: Array, /) -> tuple[Array, Array, Array]:
         """Values, slopes, and expected second derivatives (B, n, n)."""
 
-    def of(self, rows: Bools, /) -> Losses:
+    def of(self, rows: Mask, /) -> Losses:
         """Some of the losses."""
 
 

@@ -5,13 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.experiment.design.coordinates import coordinates, from_steps
 from relgloss_view.experiment.design.grid import Grid
-
-Array = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 PER_STEP = 10  #: fine points a step of the grid
 Z_95 = 1.6449  #: one-sided 95 % point of the normal distribution
@@ -94,7 +91,7 @@ class Smooth:
         return Smooth(self.fine, self.closeness + other.closeness, draws)
 
 
-def shape_of(points: Array, as_good: Bools) -> Shape:
+def shape_of(points: Array, as_good: Mask) -> Shape:
     """The form of a set of points of a regular fine grid: (F, 2) in steps, (F,) of them."""
     inside = points[as_good]
     step = 1.0 / PER_STEP

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.experiment.scaling.successive_categories import (
     checked_counts,
     counted_bounds,
@@ -21,7 +22,6 @@ from relgloss_view.experiment.scaling.successive_categories import (
     used_categories,
 )
 
-Array = NDArray[np.float64]
 Link = Literal["probit", "logit"]
 
 #: Standard deviation of a scale value before any answer, dispersions. At 15 answers a stimulus it

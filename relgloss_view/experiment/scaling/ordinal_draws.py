@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.experiment.scaling.ordinal import (
     LEAST_GAP,
     RIDGE,
@@ -25,9 +26,6 @@ from relgloss_view.experiment.scaling.successive_categories import (
     spread_bounds,
     used_categories,
 )
-
-Array = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 LAST_STEP = 1e-6  #: dispersions; after so short a step of Newton's its square is left
 MOST_STEPS = 100
@@ -70,7 +68,7 @@ def _place(
     draws: OrdinalDraws,
     rows: NDArray[np.intp],
     counts: Array,
-    used: Bools,
+    used: Mask,
     start: OrdinalScale,
     observer_effects: bool,
 ) -> None:
@@ -101,7 +99,7 @@ class _Losses:
         self.limits = counts.shape[-1] - 1
         self._kept = self.limits + (counts.shape[1] if located else 0)
 
-    def of(self, rows: Bools) -> _Losses:
+    def of(self, rows: Mask) -> _Losses:
         """Those of some resamplings."""
         return self if rows.all() else _Losses(self.counts[rows], located=self.located)
 
@@ -162,7 +160,7 @@ class _Losses:
         return kept, across, of_cells.sum(axis=1) + RIDGE
 
 
-def _first(losses: _Losses, counted: Bools, start: OrdinalScale) -> Array:
+def _first(losses: _Losses, counted: Mask, start: OrdinalScale) -> Array:
     """Where the searches begin: at `start`, or at bounds of pooled counts where it has others."""
     from scipy.special import ndtri
 

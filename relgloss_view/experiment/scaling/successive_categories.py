@@ -11,12 +11,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from relgloss_view.base.arrays import Array, Ints, Mask
 from relgloss_view.base.errors import InputError
 
-Array = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 Zero = Literal["clip", "drop"]
 
 #: Bounds out of order by less than this, in dispersions, are rounding.
@@ -75,12 +74,12 @@ def checked_counts(counts: ArrayLike, dimensions: int) -> Array:
     return table
 
 
-def used_categories(counts: Array) -> Bools:
+def used_categories(counts: Array) -> Mask:
     """Which categories of counts (..., cells, K) hold an answer, (..., K)."""
     return np.asarray(np.any(counts > 0.0, axis=-2))
 
 
-def counted_bounds(used: Bools) -> Bools:
+def counted_bounds(used: Mask) -> Mask:
     """Which bounds stand when unused categories are merged with their neighbours, (..., K-1).
 
     One between each used category and the next used one: that at the upper end of the former.
@@ -88,7 +87,7 @@ def counted_bounds(used: Bools) -> Bools:
     return np.asarray(used[..., :-1] & _any_above(used))
 
 
-def spread_bounds(bounds: Array, used: Bools) -> Array:
+def spread_bounds(bounds: Array, used: Mask) -> Array:
     """All bounds (..., K-1) from those that `counted_bounds` tells.
 
     The others repeat the one below; where no used category lies below or above, they are NaN.
@@ -99,7 +98,7 @@ def spread_bounds(bounds: Array, used: Bools) -> Array:
     return np.where((source >= 0) & _any_above(used), repeated, np.nan)
 
 
-def _any_above(used: Bools) -> Bools:
+def _any_above(used: Mask) -> Mask:
     """Whether a category above each bound is in use, (..., K-1)."""
     return np.asarray(np.logical_or.accumulate(used[..., ::-1], axis=-1)[..., ::-1][..., 1:])
 
@@ -131,7 +130,7 @@ def _successive(counts: Array, zero: Zero) -> SuccessiveScale:
     return SuccessiveScale(scale, spread_bounds(bounds, used))
 
 
-def _complete(deviates: Array, answered: Bools, counted: Bools) -> tuple[Array, Array]:
+def _complete(deviates: Array, answered: Mask, counted: Mask) -> tuple[Array, Array]:
     """Scale and bounds of a batch of which each answered stimulus has each counted deviate.
 
     Least squares has a closed form then: means over rows and columns.
@@ -145,7 +144,7 @@ def _complete(deviates: Array, answered: Bools, counted: Bools) -> tuple[Array, 
     return np.where(placed, scale, np.nan), np.where(counted, bounds, np.nan)
 
 
-def _incomplete(deviates: Array, there: Bools) -> tuple[Array, Array]:
+def _incomplete(deviates: Array, there: Mask) -> tuple[Array, Array]:
     """Scale (J,) and bounds (K-1,) from those deviates (J, K-1) that are there; the rest NaN."""
     scale = np.full(there.shape[0], np.nan)
     bounds = np.full(there.shape[1], np.nan)
@@ -161,7 +160,7 @@ def _incomplete(deviates: Array, there: Bools) -> tuple[Array, Array]:
     return scale, bounds
 
 
-def _largest_joined(there: Bools) -> tuple[Bools, Bools]:
+def _largest_joined(there: Mask) -> tuple[Mask, Mask]:
     """The stimuli and bounds of the largest set that cells join; of equals, the first.
 
     Two sets without a common stimulus or bound have no place relative to each other.
@@ -180,9 +179,7 @@ def _largest_joined(there: Bools) -> tuple[Bools, Bools]:
     return largest[:stimuli], largest[stimuli:]
 
 
-def _least_squares(
-    j: NDArray[np.int64], k: NDArray[np.int64], deviates: Array
-) -> tuple[Array, Array]:
+def _least_squares(j: Ints, k: Ints, deviates: Array) -> tuple[Array, Array]:
     """Scale (mean 0) and bounds, in order, nearest to deviates at cells (j, k) that all join."""
     from scipy.optimize import lsq_linear
 

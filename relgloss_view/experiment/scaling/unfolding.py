@@ -12,14 +12,12 @@ import copy
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.experiment.design.coordinates import coordinates
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.scaling.bounded_minima import minima_within
 from relgloss_view.experiment.session.posterior import LAPSE
-
-Array = NDArray[np.float64]
 
 #: Square of the distance that is judged at the ideal place: personal truths differ by about half
 #: of the noise, so that the tip of the mean judgment is round.
@@ -149,7 +147,7 @@ class UnfoldingLoss:
         first[..., :2] = place
         return first
 
-    def of(self, rows: NDArray[np.bool_]) -> UnfoldingLoss:
+    def of(self, rows: Mask) -> UnfoldingLoss:
         """That of some of many fits."""
         chosen = copy.copy(self)
         chosen._counts = self._counts[rows]

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.experiment.design.study import Procedure, Study
@@ -19,7 +19,6 @@ from relgloss_view.experiment.session.records import SIMULATED, Answer, Record, 
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.setup import Lamp
 
-Ints = NDArray[np.int64]
 #: What of a study may differ between files that are pooled: how it was led, not what was judged.
 MAY_DIFFER = ("title", "consent", "instructions", "adaptive")
 MAY_DIFFER_IN_PROCEDURE = ("adaptation_min", "gap_s", "repeats", "order", "seed")
@@ -36,13 +35,13 @@ class Answers:
     settings: int  #: in the grid
     categories: int
 
-    def counts(self) -> NDArray[np.float64]:
+    def counts(self) -> Array:
         """(observers, settings, categories): how often each was answered."""
         counts = np.zeros((self.observers, self.settings, self.categories))
         np.add.at(counts, (self.observer, self.setting, self.category), 1.0)
         return counts
 
-    def ratings(self) -> NDArray[np.float64]:
+    def ratings(self) -> Array:
         """(observers, settings): the mean category, NaN where an observer did not answer."""
         counts = self.counts()
         number = counts.sum(axis=-1)

@@ -15,10 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.experiment.design.coordinates import coordinates, from_steps
 from relgloss_view.experiment.design.grid import Grid
-
-Array = NDArray[np.float64]
 
 PER_STEP = 4  #: points of the posterior a step of the grid
 #: Judged distance per step of the grid, in units of the observers' noise, along each axis. The
@@ -130,13 +129,13 @@ class Posterior:
         corners = from_steps(self._grid, np.array([mean, *zip(*ends, strict=True)]))
         (sigma, c), low, high = corners
         return Estimate(
-            float(sigma),
-            float(c),
-            (float(low[0]), float(high[0])),
-            (float(low[1]), float(high[1])),
-            (ends[0][1] - ends[0][0], ends[1][1] - ends[1][0]),
-            self.chance(),
-            sum(self._counted.values()),
+            sigma_n_deg=float(sigma),
+            c_fraction=float(c),
+            sigma_n_interval_deg=(float(low[0]), float(high[0])),
+            c_interval=(float(low[1]), float(high[1])),
+            width_steps=(ends[0][1] - ends[0][0], ends[1][1] - ends[1][0]),
+            chance=self.chance(),
+            answers=sum(self._counted.values()),
         )
 
     def draw(self, random: np.random.Generator) -> int:

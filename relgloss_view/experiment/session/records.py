@@ -113,17 +113,17 @@ def _record(
         "SELECT sample, setting, sha256, device FROM picture ORDER BY sample, setting, rowid"
     ).fetchall()
     return Record(
-        path,
-        study,
-        digest,
-        version,
-        tuple(read_observers(connection)),
-        tuple(json.loads(text) for (text,) in details),
-        tuple(read_answers(connection)),
-        int(undone),
-        tuple(_run(*row) for row in runs),
-        tuple(Picture(*row) for row in pictures),
-        log_missing,
+        path=path,
+        study=study,
+        digest=digest,
+        version=version,
+        observers=tuple(read_observers(connection)),
+        details=tuple(json.loads(text) for (text,) in details),
+        answers=tuple(read_answers(connection)),
+        undone=int(undone),
+        runs=tuple(_run(*row) for row in runs),
+        pictures=tuple(Picture(*row) for row in pictures),
+        log_missing=log_missing,
     )
 
 

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.experiment.design.coordinates import coordinates, to_steps
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.scaling.fine_grid import BROAD_SHARE
 from relgloss_view.experiment.session.posterior import INTERVAL, Estimate, Posterior
 from relgloss_view.experiment.verdict.full_grid import BEST, BROAD, CHANCE, RIDGE
-
-Array = NDArray[np.float64]
 
 RIDGE_SD = 0.8  #: steps: a posterior longer than this ...
 RIDGE_RATIO = 3.0  #: ... and this many times as long as wide is a ridge
@@ -26,7 +24,7 @@ class AdaptiveVerdict:
     status: str
     estimate: Estimate
     leading: int  #: the setting of the grid that is nearest to the estimate
-    as_good: NDArray[np.bool_]  #: settings nearest to the points of the 95 % region
+    as_good: Mask  #: settings nearest to the points of the 95 % region
     posterior: Array  #: (fine sigma_N, fine c), probability
 
 

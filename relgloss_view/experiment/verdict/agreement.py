@@ -14,8 +14,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from relgloss_view.base.arrays import Array, Ints
+
 Level = Literal["nominal", "ordinal", "interval"]
 
 PERMUTATIONS = 999

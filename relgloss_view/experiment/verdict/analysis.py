@@ -187,13 +187,13 @@ def _sample(
             verdicts[JOINT] = verdict_on(study.grid, total, both, smooth, p[JOINT], level, least)
     ratings = ratio.ratings()
     return SampleResult(
-        label,
-        len(ratio.category),
-        len(np.unique(ratio.observer)),
-        p,
-        tuple(scales),
-        verdicts,
-        adaptive,
-        krippendorff_alpha(ratings),
-        kendall_w(ratings[np.any(np.isfinite(ratings), axis=1)]),
+        label=label,
+        answers=len(ratio.category),
+        observers=len(np.unique(ratio.observer)),
+        p=p,
+        scales=tuple(scales),
+        verdicts=verdicts,
+        adaptive=adaptive,
+        alpha=krippendorff_alpha(ratings),
+        w=kendall_w(ratings[np.any(np.isfinite(ratings), axis=1)]),
     )

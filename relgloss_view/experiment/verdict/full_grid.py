@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.experiment.design.coordinates import coordinates
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.scaling.fine_grid import (
@@ -16,8 +16,6 @@ from relgloss_view.experiment.scaling.fine_grid import (
     Shape,
     Smooth,
 )
-
-Array = NDArray[np.float64]
 
 FEWEST_OBSERVERS = 5  #: below, a bootstrap over them is too narrow to call anything best
 TIE = 1e-9  #: values closer than this are equal
@@ -37,7 +35,7 @@ class Verdict:
     status: str
     leading: int  #: the setting with the largest scale value
     wins: Array | None  #: share of resamplings of the observers in which each setting leads
-    as_good: NDArray[np.bool_]  #: not distinguishable from the leading one at 95 %, jointly
+    as_good: Mask  #: not distinguishable from the leading one at 95 %, jointly
     optimum: Optimum  #: of the smooth fit, between grid points
     shape: Shape | None  #: of what is as good as that
     edges: tuple[str, ...]  #: of the grid on which the leading setting lies
@@ -77,14 +75,14 @@ def verdict_on(
         wins = _wins(draws)
         as_good = _as_good(scale, draws, leading)
     return Verdict(
-        status,
-        leading,
-        wins,
-        as_good,
-        smooth.fine.optimum(smooth.closeness, smooth.draws),
-        shape,
-        edges_of(grid, leading),
-        smooth.closeness.reshape(smooth.fine.shape),
+        status=status,
+        leading=leading,
+        wins=wins,
+        as_good=as_good,
+        optimum=smooth.fine.optimum(smooth.closeness, smooth.draws),
+        shape=shape,
+        edges=edges_of(grid, leading),
+        smooth=smooth.closeness.reshape(smooth.fine.shape),
     )
 
 
@@ -104,7 +102,7 @@ def _wins(draws: Array) -> Array:
     return np.asarray(np.mean(leads / leads.sum(axis=1, keepdims=True), axis=0))
 
 
-def _as_good(scale: Array, draws: Array, leading: int) -> NDArray[np.bool_]:
+def _as_good(scale: Array, draws: Array, leading: int) -> Mask:
     """Settings not worse than the leading one at 95 %, all comparisons together.
 
     Multiple comparisons with the best (Hsu 1984): what each setting lies behind at least is as far

@@ -114,17 +114,17 @@ def _found(grid: Grid, number: int, result: SampleResult, truth: Setting) -> Rec
     apart = np.abs(np.subtract(_steps(grid, leading), _steps(grid, truth)))
     error = float(np.hypot(*np.subtract(_steps(grid, at), _steps(grid, truth))))
     return Recovery(
-        number,
-        result.label,
-        truth,
-        leading,
-        status,
-        result.answers,
-        bool(np.all(apart <= EXACT_STEPS + 1e-9)),
-        bool(np.all(apart <= NEIGHBOUR_STEPS + 1e-9)),
-        error,
-        _inside(truth.sigma_n_deg, optimum.sigma_n_interval_deg),
-        _inside(truth.c_fraction, optimum.c_interval),
+        study=number,
+        sample=result.label,
+        truth=truth,
+        leading=leading,
+        status=status,
+        answers=result.answers,
+        exact=bool(np.all(apart <= EXACT_STEPS + 1e-9)),
+        near=bool(np.all(apart <= NEIGHBOUR_STEPS + 1e-9)),
+        error_steps=error,
+        sigma_n_inside=_inside(truth.sigma_n_deg, optimum.sigma_n_interval_deg),
+        c_inside=_inside(truth.c_fraction, optimum.c_interval),
     )
 
 
@@ -160,16 +160,16 @@ def recovery_shares(recoveries: Sequence[Recovery]) -> RecoveryShares:
     sigma = [r.sigma_n_inside for r in recoveries if r.sigma_n_inside is not None]
     c = [r.c_inside for r in recoveries if r.c_inside is not None]
     return RecoveryShares(
-        len(recoveries),
-        float(np.mean([r.answers for r in recoveries])),
-        float(np.mean([r.exact for r in recoveries])),
-        float(np.mean([r.near for r in recoveries])),
-        float(np.median([r.error_steps for r in recoveries])),
-        float(np.mean(sigma)) if sigma else None,
-        float(np.mean(c)) if c else None,
-        float(np.mean(sigma + c)) if sigma or c else None,
-        1.0 - float(np.mean(list(declared.values()))),
-        dict(Counter(r.status for r in recoveries)),
+        cases=len(recoveries),
+        answers=float(np.mean([r.answers for r in recoveries])),
+        exact=float(np.mean([r.exact for r in recoveries])),
+        near=float(np.mean([r.near for r in recoveries])),
+        median_error_steps=float(np.median([r.error_steps for r in recoveries])),
+        sigma_n_inside=float(np.mean(sigma)) if sigma else None,
+        c_inside=float(np.mean(c)) if c else None,
+        inside=float(np.mean(sigma + c)) if sigma or c else None,
+        nothing_declared=1.0 - float(np.mean(list(declared.values()))),
+        status=dict(Counter(r.status for r in recoveries)),
     )
 
 

@@ -63,13 +63,13 @@ def observer_results(pool: Pool, seed: int) -> tuple[ObserverResult, ...]:
     }
     return tuple(
         ObserverResult(
-            member.name,
-            member.kind,
-            member.ended,
-            len(member.answers),
-            float(np.median([a.response_s for a in member.answers])),
-            related.get(number, Relation(number, None, None)),
-            len({a.category for a in member.answers if a.question == RATIO}) == 1,
+            name=member.name,
+            kind=member.kind,
+            ended=member.ended,
+            answers=len(member.answers),
+            median_response_s=float(np.median([a.response_s for a in member.answers])),
+            relation=related.get(number, Relation(number, None, None)),
+            always_same=len({a.category for a in member.answers if a.question == RATIO}) == 1,
         )
         for number, member in enumerate(pool.members)
     )

@@ -97,13 +97,13 @@ SPECULAR = {
     ),
     85: Meter("gloss-85", "specular gloss, 85 deg", "ISO 2813, ASTM D523", 85, (Window(4.0, 6.0),)),
     75: Meter(
-        "gloss-75",
-        "paper gloss, 75 deg",
-        "TAPPI T 480, ISO 8254-1",
-        75,
-        (Window(11.4, 11.4, round=True),),
-        (0.0, 0.0),
-        PAPER_GLASS,
+        key="gloss-75",
+        name="paper gloss, 75 deg",
+        standard="TAPPI T 480, ISO 8254-1",
+        angle_deg=75,
+        windows=(Window(11.4, 11.4, round=True),),
+        source_deg=(0.0, 0.0),
+        glass=PAPER_GLASS,
     ),
 }
 #: ASTM E430 method B: the windows beside the one of 20 degrees, at 18.1 and 21.9 degrees.

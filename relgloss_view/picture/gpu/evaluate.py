@@ -7,8 +7,8 @@ from typing import Any
 
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import AnyArray
 from relgloss_view.picture.gpu.context import make_current
 from relgloss_view.picture.gpu.shader import ShaderError, ShaderSource, stage_text
 
@@ -19,12 +19,12 @@ def evaluate(
     ctx: moderngl.Context,
     includes: Sequence[str],
     body: str,
-    inputs: Mapping[str, NDArray[Any]],
+    inputs: Mapping[str, AnyArray],
     *,
     integers: bool = False,
     defines: Mapping[str, int] | None = None,
     samplers: Mapping[str, moderngl.Texture] | None = None,
-) -> NDArray[Any]:
+) -> AnyArray:
     """Run `body`, which sets `result`, for each row of the inputs; returns (N, 4).
 
     Each input (N,) or (N, k <= 4) is a vec4 of its name, in float32; uint32 inputs are uvec4.
@@ -63,7 +63,7 @@ def evaluate(
     return data.reshape(-1, 4)[:count].copy()
 
 
-def _composed(includes: Sequence[str], body: str, inputs: Mapping[str, NDArray[Any]]) -> str:
+def _composed(includes: Sequence[str], body: str, inputs: Mapping[str, AnyArray]) -> str:
     kinds = {n: "u" if values.dtype == np.uint32 else "" for n, values in inputs.items()}
     declared = [f"uniform {kind}sampler2D {name}_values;" for name, kind in kinds.items()]
     read = [f"{k}vec4 {name} = texelFetch({name}_values, at, 0);" for name, k in kinds.items()]
@@ -78,7 +78,7 @@ def _composed(includes: Sequence[str], body: str, inputs: Mapping[str, NDArray[A
     return text
 
 
-def _texture(ctx: moderngl.Context, size: tuple[int, int], values: NDArray[Any]) -> Any:
+def _texture(ctx: moderngl.Context, size: tuple[int, int], values: AnyArray) -> Any:
     whole = values.dtype == np.uint32
     padded = np.zeros((size[0] * size[1], 4), dtype=np.uint32 if whole else np.float32)
     rows = values.reshape(len(values), -1)

@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import AnyArray
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.frame import Extremes, Scaling
 from relgloss_view.picture.gpu.context import make_current
@@ -103,7 +103,7 @@ class Passes:
         self._lamp = lamp  # kept, so that no other lamp can have its identity
         return drawn
 
-    def fetch(self, request: Request, stage: str) -> NDArray[Any]:
+    def fetch(self, request: Request, stage: str) -> AnyArray:
         """One stage of a picture as an array; draws again what has been drawn over since."""
         make_current(self.ctx)
         if stage == "counts":

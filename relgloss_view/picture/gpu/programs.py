@@ -19,28 +19,28 @@ class Programs:
     def __init__(self, ctx: moderngl.Context) -> None:
         self.ctx = ctx
         self.compiled = 0
-        self._known: dict[tuple[str, tuple[tuple[str, int], ...]], moderngl.VertexArray] = {}
+        self._arrays: dict[tuple[str, tuple[tuple[str, int], ...]], moderngl.VertexArray] = {}
 
     def get(self, stage: str, defines: Mapping[str, int]) -> moderngl.VertexArray:
         """A stage with its constants, ready to draw; ShaderError names file and line."""
         key = (stage, tuple(sorted(defines.items())))
-        if key not in self._known:
+        if key not in self._arrays:
             source = ShaderSource(stage, defines)
             try:
                 program = self.ctx.program(vertex_shader=source.vertex, fragment_shader=source.text)
             except moderngl.Error as error:
                 raise ShaderError(source.explain(str(error))) from error
             self.compiled += 1
-            self._known[key] = self.ctx.vertex_array(program, [])
-        return self._known[key]
+            self._arrays[key] = self.ctx.vertex_array(program, [])
+        return self._arrays[key]
 
     def release(self) -> None:
         """Free every program; they are compiled again when next drawn."""
-        for array in self._known.values():
+        for array in self._arrays.values():
             program = array.program
             array.release()
             program.release()
-        self._known.clear()
+        self._arrays.clear()
 
     def draw(
         self,

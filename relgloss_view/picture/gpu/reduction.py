@@ -1,4 +1,4 @@
-"""What a picture's pixels say together: extremes, the white's peak, counts; reduced on the GPU."""
+"""Numbers over all pixels of a picture, reduced on the GPU: extremes, the white's peak, counts."""
 
 from __future__ import annotations
 

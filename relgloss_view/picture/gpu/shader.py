@@ -1,4 +1,4 @@
-"""The only reader of shaders/: includes, constants, and errors told by file and line."""
+"""The only reader of shaders/: includes, constants, and errors with file and line."""
 
 from __future__ import annotations
 
@@ -92,11 +92,13 @@ class ShaderSource:
 
         def place(match: re.Match[str]) -> str:
             index = int(match[1])
-            known = self.files[index] if index < len(self.files) else self.name
-            return f"{known}:{match[2]}"
+            file = self.files[index] if index < len(self.files) else self.name
+            return f"{file}:{match[2]}"
 
-        kept = [line.strip() for line in log.splitlines() if re.search("error|warning", line, re.I)]
-        return "; ".join(_PLACE.sub(place, line, count=1) for line in kept) or log.strip()
+        lines = [
+            line.strip() for line in log.splitlines() if re.search("error|warning", line, re.I)
+        ]
+        return "; ".join(_PLACE.sub(place, line, count=1) for line in lines) or log.strip()
 
 
 def _read(name: str, trail: tuple[str, ...]) -> str:

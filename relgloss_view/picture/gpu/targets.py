@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
+from relgloss_view.base.arrays import AnyArray
 from relgloss_view.base.errors import InputError, RelglossError
 from relgloss_view.picture.frame import Extremes
 from relgloss_view.picture.gpu.context import max_texture_size
@@ -109,8 +107,8 @@ class Targets:
                 for name in names:
                     if name not in self._textures:
                         made[name] = self._texture(self.size, name)
-                known = self._textures | made
-                self._framebuffers[names] = self.ctx.framebuffer([known[name] for name in names])
+                textures = self._textures | made
+                self._framebuffers[names] = self.ctx.framebuffer([textures[name] for name in names])
             except BaseException:
                 for texture in made.values():
                     texture.release()
@@ -118,7 +116,7 @@ class Targets:
             self._textures |= made
         return self._framebuffers[names]
 
-    def read(self, name: str) -> NDArray[Any]:
+    def read(self, name: str) -> AnyArray:
         """A target's contents, (H, W, components), rows from the top."""
         texture = self._textures[name]
         data = texture.read(alignment=1)

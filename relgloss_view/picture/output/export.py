@@ -29,13 +29,14 @@ def save_frame(
     *,
     bits: int = 8,
     displayed: Displayed | None = None,
+    shown: Displayed | None = None,
 ) -> None:
     """Write a frame as PNG or OpenEXR, by the ending of its name.
 
     path: ends in .png or .exr. The file appears whole or not at all.
     command: the command line that reproduces the picture; it goes into the file.
     bits: of a channel of a PNG, 8 or 16.
-    displayed: the picture of another operator than the split.
+    displayed: the picture of another operator than the split. shown: its former name.
 
     Raises InputError where the ending is another one or the file can't be written. Layers and
     headers are listed in docs/files.md.
@@ -52,6 +53,7 @@ def save_frame(
     relgloss_view.base.errors.InputError: art.jpg: expected a name that ends in .png or .exr
     """
     file = check_suffix(path)
+    displayed = displayed or shown
     if file.suffix.lower() == ".png":
         save_png(frame, file, command, bits, displayed)
     else:

@@ -117,6 +117,10 @@ def _other_quality(app: App) -> None:
     app.model.set_look(side, quality=next(name for name in QUALITIES if name != present))
 
 
+def _is_exact(app: App) -> bool:
+    return app.model.state.side(app.model.active_side).look.quality == "exact"
+
+
 def _reset_view(app: App) -> None:
     state = app.model.state.with_part("presentation", life_size=False)
     app.model.change(state.placed(eye=camera.framed(state.setup.eye)))
@@ -217,8 +221,8 @@ ACTIONS: tuple[Action, ...] = (
         "chooses the side that panels show and keys change",
     ),
     Action(
-        "View", "Drawing quality", "Q", _other_quality,
-        "changes between auto and exact on the active side",
+        "View", "Exact drawing", "Q", _other_quality,
+        "draws the active side with the whole model, or by quality auto again", on=_is_exact,
     ),
     Action(
         "View", "Reset camera", "F", _reset_view,
