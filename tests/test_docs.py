@@ -208,7 +208,7 @@ def test_readme_python_runs(tmp_path):
     assert len(code.strip().splitlines()) <= 11
     (tmp_path / "assets").symlink_to(ROOT / "assets")
     done = subprocess.run(
-        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=300
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=900
     )
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "matte.png").is_file()
@@ -262,7 +262,7 @@ def test_the_first_pair_is_drawn_as_its_page_says(fresh_tree):
         env=environment,
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=900,
     )
     assert done.returncode == 0, done.stderr
     printed = iter(done.stdout.split(end))

@@ -67,7 +67,7 @@ MOST_PROGRAMS = 100
 
 
 def try_shader(drawer, scene, look, method, size):
-    if len(drawer.programs._known) > MOST_PROGRAMS:
+    if len(drawer.programs._arrays) > MOST_PROGRAMS:
         drawer.programs.release()
     try:
         frame = drawer.render(scene, look, size, method)

@@ -127,7 +127,7 @@ def test_shows_what_the_null_platform_draws(tmp_path, display):
 COMMAND = ("-m", "relgloss_view.cli")
 LATE = (
     "-c",
-    "import sys\nfrom relgloss_view.viewer import session\nsession.WAIT_S = 1e6\n"
+    "import sys\nfrom relgloss_view.viewer.state import session\nsession.WAIT_S = 1e6\n"
     "from relgloss_view.cli import main\nsys.exit(main())",
 )
 

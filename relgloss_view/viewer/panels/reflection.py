@@ -142,8 +142,8 @@ def _controls(memory: _Memory, measurement: Measurement | None) -> None:
     plot_widgets.beside(plot_widgets.checkbox_width("Polar"), 0.5)
     _, memory.polar = imgui.checkbox("Polar", memory.polar)
     widgets.tooltip("Plots the BRDF around the point of incidence instead of against the angle.")
-    plot_widgets.beside(plot_widgets.checkbox_width("Logarithmic"), 0.5)
-    _, memory.logarithmic = imgui.checkbox("Logarithmic", memory.logarithmic)
+    plot_widgets.beside(plot_widgets.checkbox_width("Log"), 0.5)
+    _, memory.logarithmic = imgui.checkbox("Log", memory.logarithmic)
     widgets.tooltip("A logarithmic scale shows the diffuse part beside a narrow lobe.")
 
 
