@@ -92,6 +92,8 @@ def others(found: Found) -> Iterable[str]:
             yield f"| {peer['name']} | not available |"
         else:
             times = f"{peer['ms']:.0f} ms, {1.0 / peer['ours']:.3g} times ours"
+            if peer.get("auto"):
+                times += f", {1.0 / peer['auto']:.3g} times ours by quality auto"
             yield f"| {peer['name']}: {peer['note']} | {times} |"
     sizes = [
         f"{row['megapixels']:.3g} Mpx {100.0 * row['residual']:+.0f} %"

@@ -88,7 +88,7 @@ def drag() -> None:
 
 def _window_for(picture_px: int) -> tuple[int, int]:
     """The window whose pictures have this size, panels as at the first start."""
-    return 2 * picture_px + 24 + 332, picture_px + 289
+    return 2 * picture_px + 24 + 378, picture_px + 319
 
 
 def start() -> None:

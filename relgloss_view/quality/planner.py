@@ -240,6 +240,7 @@ class Planner:
         self._advice: OrderedDict[object, tuple[Advice, object]] = OrderedDict()
         self._held = WHOLE
         self._checked = -math.inf
+        self._served: object = None  #: the picture that the held method was last found to serve
 
     def method(self, scene: Scene, look: Look, size: Size) -> Method:
         """The method for a picture."""
@@ -249,6 +250,7 @@ class Planner:
             if self.moving:
                 return self._while_moving(scene, look, size)
             self._held = self.advice(scene, look, size).method
+            self._served = scene, look, size
         except InputError:  # the drawing itself reports it
             self._held = WHOLE
         return self._held
@@ -269,8 +271,10 @@ class Planner:
 
     def _while_moving(self, scene: Scene, look: Look, size: Size) -> Method:
         now = self._clock()
-        if self._held != WHOLE and now - self._checked >= CHECK_SECONDS:
-            self._checked = now
+        picture = scene, look, size
+        due = now - self._checked >= CHECK_SECONDS and picture != self._served
+        if self._held != WHOLE and due:
+            self._checked, self._served = now, picture
             if not serves(Proxy(scene, look, size), self._held, size, self.tolerance):
                 self._held = WHOLE
         return self._held

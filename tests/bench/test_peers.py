@@ -134,3 +134,4 @@ def test_mitsuba_draws_the_same_cylinder(ctx):
     assert found[0]["frames"] == 2
     assert found[0]["ms"] > 0.0
     assert found[0]["ours"] > 0.0
+    assert found[0]["auto"] > 0.0

@@ -228,6 +228,27 @@ class TestPlanner:
         white = Scene(materials.flat(1.5), shape=WIDE)
         assert Planner().method(white, Look(quality="auto"), SIZE) == WHOLE
 
+    def test_a_picture_that_stands_still_is_checked_once(self, monkeypatch):
+        """Beside one that moves, and after another was advised in between."""
+        looks = []
+        seconds = iter(range(1000))
+        held = Planner(clock=lambda: float(next(seconds)))
+        first, second = scene(), scene(azimuth_deg=51.0)
+        held.method(first, self.AUTO, SIZE)
+        monkeypatch.setattr(planner, "Proxy", lambda *words: looks.append(words) or Proxy(*words))
+        held.moving = True
+        for _ in range(3):
+            held.method(first, self.AUTO, SIZE)
+        assert not looks
+        for _ in range(3):
+            held.method(second, self.AUTO, SIZE)
+        assert len(looks) == 1
+        held.moving = False
+        held.method(first, self.AUTO, SIZE)
+        held.moving = True
+        held.method(second, self.AUTO, SIZE)
+        assert len(looks) == 2
+
     def test_a_moving_slider_does_not_flicker(self):
         """The lamp trembles about where Lambert ceases to do: at most one change until it rests.
 

@@ -22,6 +22,7 @@ from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.method import EXACT
 from relgloss_view.picture.model.view import Size
 from relgloss_view.picture.reference import ReferenceRenderer
+from relgloss_view.quality.planner import advise
 
 Found = dict[str, Any]
 
@@ -36,11 +37,17 @@ def time_mitsuba(
     frames: int,
     progress: ProgressReport,
 ) -> list[Found]:
-    """Mitsuba's variants, the floor and our full frame take turns; `ours` is ours over theirs."""
-    renderer, floor = Renderer(ctx), FillFloor(ctx, size)
-    pictures = tasks.lamp_moved(chart_scene.scene, chart_scene.look, PER_VISIT + 1)
+    """Mitsuba's variants, the floor and our full frames take turns.
+
+    `ours` is our exact frame over theirs, `auto` that of quality "auto".
+    """
+    renderer, floor, simpler = Renderer(ctx), FillFloor(ctx, size), Renderer(ctx)
+    scene, look = chart_scene.scene, chart_scene.look
+    pictures = tasks.lamp_moved(scene, look, PER_VISIT + 1)
     ours = tasks.Drawing("full frame", renderer, size, pictures, EXACT)
-    timed: list[Task] = [tasks.Floor(floor), ours]
+    method = advise(scene, look, size).method
+    auto = tasks.Drawing("quality auto", simpler, size, pictures, method)
+    timed: list[Task] = [tasks.Floor(floor), ours, auto]
     opened: list[mitsuba_runner.MitsubaPeer] = []
     missing: dict[str, str] = {}
     try:
@@ -57,6 +64,7 @@ def time_mitsuba(
         for peer in opened:
             peer.release()
         floor.release()
+        simpler.release()
         renderer.release()
     note = "1 sample a pixel, no tone mapping"
     found: list[Found] = [{"name": name, "fault": why} for name, why in missing.items()]
@@ -65,6 +73,7 @@ def time_mitsuba(
         if entry["ms"] is not None:
             entry["floors"] = times[peer.name].over(times["floor"])
             entry["ours"] = times["full frame"].over(times[peer.name])
+            entry["auto"] = times["quality auto"].over(times[peer.name])
         found.append(entry)
     return found
 
