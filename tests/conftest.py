@@ -12,7 +12,7 @@ import pytest
 from relgloss_view.picture.gpu.context import make_current, open_context
 from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.reference import ReferenceRenderer
-from relgloss_view.quality.planner import Planner
+from relgloss_view.quality.planner import MethodChooser
 
 # How long an example takes says something of the machine, and nothing of the program.
 hypothesis.settings.register_profile("relgloss", deadline=None)
@@ -44,7 +44,7 @@ def ctx(_session_ctx: moderngl.Context) -> Iterator[moderngl.Context]:
 
 @pytest.fixture
 def renderer(ctx: moderngl.Context) -> Iterator[Renderer]:
-    made = Renderer(ctx, choose=Planner().method)
+    made = Renderer(ctx, choose=MethodChooser().method)
     yield made
     made.release()
 

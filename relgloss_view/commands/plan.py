@@ -12,8 +12,8 @@ from relgloss_view.base.terminal import Column, table
 from relgloss_view.commands.scene_options import add_scene_options, scene_from
 
 if TYPE_CHECKING:
-    from relgloss_view.quality.planner import Advice, Choice
-    from relgloss_view.quality.proxy import Error
+    from relgloss_view.quality.planner import Advice, StageChoice
+    from relgloss_view.quality.proxy import Deviation
 
 #: The stages as people read them.
 STAGES = {
@@ -78,7 +78,7 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _row(choice: Choice) -> tuple[str, str, str, str, str]:
+def _row(choice: StageChoice) -> tuple[str, str, str, str, str]:
     simpler = ""
     if choice.simpler is not None and choice.simpler_error is not None:
         simpler = f"{choice.simpler}: {_error(choice.simpler_error)}"
@@ -90,7 +90,7 @@ def _row(choice: Choice) -> tuple[str, str, str, str, str]:
     return STAGES[choice.stage], str(choice.chosen), error, saved, simpler
 
 
-def _error(error: Error) -> str:
+def _error(error: Deviation) -> str:
     return f"{error.object_p95:.2f} / {error.highlight_p95:.2f} / {error.largest:.2f}"
 
 

@@ -50,11 +50,11 @@ def open_renderer(
         return
     from relgloss_view.picture.gpu.context import open_context
     from relgloss_view.picture.gpu.renderer import Renderer
-    from relgloss_view.quality.planner import Planner
+    from relgloss_view.quality.planner import MethodChooser
 
     ctx = open_context(backend)
     try:
-        renderer = Renderer(ctx, choose=Planner().method)
+        renderer = Renderer(ctx, choose=MethodChooser().method)
         try:
             yield renderer
         finally:

@@ -1,4 +1,4 @@
-"""Planner: the cheapest method whose error on a scene's proxy is inside a tolerance.
+"""The cheapest method whose error on a scene's proxy is inside a tolerance.
 
 Stage by stage, those that save most first, the simplest choice is taken with which the picture as
 a whole stays inside; so what is returned has been measured as it is. Only sums and cached numbers
@@ -28,7 +28,7 @@ from relgloss_view.picture.model.view import Size
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.quality.domains import outside
-from relgloss_view.quality.proxy import Error, Proxy
+from relgloss_view.quality.proxy import Deviation, Proxy
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Tolerance(Checked):
     p95: float = parameter(0.5, 0.0, 100.0, "", "95th percentile, over object and highlight each")
     largest: float = parameter(2.0, 0.0, 100.0, "", "at any pixel")
 
-    def holds(self, error: Error, of_p95: float = 1.0, of_largest: float = 1.0) -> bool:
+    def holds(self, error: Deviation, of_p95: float = 1.0, of_largest: float = 1.0) -> bool:
         """Whether an error is inside these shares of it."""
         worst = max(error.object_p95, error.highlight_p95)
         return worst <= of_p95 * self.p95 and error.largest <= of_largest * self.largest
@@ -61,15 +61,15 @@ SAVINGS: dict[str, dict[str | int, float]] = {
 
 
 @dataclass(frozen=True)
-class Choice:
+class StageChoice:
     """What is drawn of a stage, and why nothing simpler is."""
 
     stage: str
     chosen: str | int
     saved_percent: float  #: of the time of a frame drawn exactly
-    error: Error  #: of this choice alone
+    error: Deviation  #: of this choice alone
     simpler: str | int | None = None  #: the next simpler one
-    simpler_error: Error | None = None  #: together with what was chosen before it
+    simpler_error: Deviation | None = None  #: together with what was chosen before it
     reason: str = ""  #: why the simpler one is not drawn, where it is not for its error
 
 
@@ -78,8 +78,8 @@ class Advice:
     """The method for a scene, with the error of the whole."""
 
     method: Method
-    choices: tuple[Choice, ...]
-    error: Error
+    choices: tuple[StageChoice, ...]
+    error: Deviation
     note: str = ""
 
     @property
@@ -94,7 +94,7 @@ USED = (0.9, 0.4)
 WEAK_LSTAR = 2.0  #: of a highlight whose c_max is far above 1, so that little moves it
 REMEMBERED = 64  #: pictures with their advice
 CHECK_SECONDS = 0.1  #: between two looks at a moving picture, each of a few milliseconds
-NO_ERROR = Error(0.0, 0.0, 0.0)
+NO_ERROR = Deviation(0.0, 0.0, 0.0)
 
 
 DEFAULT_TOLERANCE = Tolerance()
@@ -120,12 +120,12 @@ def advise(
     return Advice(method, tuple(choices), proxy.error(method))
 
 
-def _choose(proxy: Proxy, method: Method, stage: str, tolerance: Tolerance) -> Choice | None:
+def _choose(proxy: Proxy, method: Method, stage: str, tolerance: Tolerance) -> StageChoice | None:
     """The simplest choice of a stage that stays inside; None where the scene has no such stage."""
     savings = SAVINGS[stage]
     present = getattr(method, stage)
     simpler: str | int | None = None
-    simpler_error: Error | None = None
+    simpler_error: Deviation | None = None
     reason = ""
     for name, saved in savings.items():
         if name == present:
@@ -145,10 +145,12 @@ def _choose(proxy: Proxy, method: Method, stage: str, tolerance: Tolerance) -> C
             simpler, simpler_error, reason = name, error, "single pixels set c_max"
             continue
         if stage == "gamut" and proxy.leaves_gamut(tried):
-            return Choice(stage, present, 0.0, NO_ERROR, reason="some colours may leave the gamut")
+            return StageChoice(
+                stage, present, 0.0, NO_ERROR, reason="some colours may leave the gamut"
+            )
         if tolerance.holds(error, *USED):
             alone = proxy.error(_with(WHOLE, stage, name))
-            return Choice(
+            return StageChoice(
                 stage=stage,
                 chosen=name,
                 saved_percent=saved,
@@ -160,7 +162,7 @@ def _choose(proxy: Proxy, method: Method, stage: str, tolerance: Tolerance) -> C
         simpler, simpler_error, reason = name, error, ""
     if simpler is None:
         return None
-    return Choice(
+    return StageChoice(
         stage=stage,
         chosen=present,
         saved_percent=0.0,
@@ -222,7 +224,7 @@ def _same(proxy: Proxy, tried: Method, method: Method, stage: str) -> bool:
     return Variant.of(scene, look, 1, tried) == Variant.of(scene, look, 1, method)
 
 
-class Planner:
+class MethodChooser:
     """Methods for the pictures of one renderer, remembered by scene, look and size.
 
     While a hand moves something the choice is held, so that nothing flickers and nothing has to be

@@ -36,7 +36,7 @@ HIGHLIGHT_LSTAR = 1.0  #: L_s* from which a pixel belongs to the highlight
 
 
 @dataclass(frozen=True)
-class Error:
+class Deviation:
     """CIEDE2000 of what a method draws: its 95th percentiles by area, and its largest."""
 
     object_p95: float
@@ -45,7 +45,7 @@ class Error:
 
 
 @dataclass(frozen=True)
-class Drawn:
+class ProxyPicture:
     """The proxy's pixels as a method draws them."""
 
     lab: Array  #: (N, 3), of what the display shows
@@ -61,7 +61,7 @@ class Proxy:
         columns, rows, self.area = places(self.scene, self._view)
         self._pixel = np.stack([columns, rows], axis=-1).astype(np.int64)
         self._hit, self._o = meet(self.scene, self._view, columns, rows)
-        self._errors: dict[Method, Error] = {}
+        self._errors: dict[Method, Deviation] = {}
         self._facings: dict[tuple[str, bool], tuple[brdf.Facing, Array]] = {}
 
     @property
@@ -70,11 +70,11 @@ class Proxy:
         return len(self.area) == 0
 
     @cached_property
-    def exact(self) -> Drawn:
+    def exact(self) -> ProxyPicture:
         """As the whole model draws it."""
         return self.draw(EXACT)
 
-    def error(self, method: Method) -> Error:
+    def error(self, method: Method) -> Deviation:
         """What a method gets wrong in this picture."""
         if method not in self._errors:
             self._errors[method] = self._measured(method)
@@ -86,25 +86,27 @@ class Proxy:
         facing, arriving = self._facing("point", tilted=False)
         return not np.any((facing.mu_i > 0.0) & (facing.mu_o > 0.0) & (arriving > 0.0))
 
-    def _measured(self, method: Method) -> Error:
+    def _measured(self, method: Method) -> Deviation:
         if self.empty:
-            return Error(0.0, 0.0, 0.0)
+            return Deviation(0.0, 0.0, 0.0)
         difference = delta_e_2000(self.exact.lab, self.draw(method).lab)
         highlight = self.exact.l_s > HIGHLIGHT_LSTAR
-        return Error(
+        return Deviation(
             _p95(difference, self.area),
             _p95(difference[highlight], self.area[highlight]),
             float(np.max(difference, initial=0.0)),
         )
 
-    def draw(self, method: Method) -> Drawn:
+    def draw(self, method: Method) -> ProxyPicture:
         """The pixels by a method. Raises InputError where no c can show them (Scaling.of)."""
         split, c = self._scaled(*self._light(method), method)
         display = tone.DisplayModel.of(self.scene.display)
         if method.gamut != "as asked":
             display = dataclasses.replace(display, gamut=method.gamut)
         rgb, _ = tone.display_rgb(tone.scaled_lab(split, c), display)
-        return Drawn(tone.lab_from_xyz(rgb @ display.xyz_from_rgb.T, display.white), split[:, 1])
+        return ProxyPicture(
+            tone.lab_from_xyz(rgb @ display.xyz_from_rgb.T, display.white), split[:, 1]
+        )
 
     def leaves_gamut(self, method: Method) -> bool:
         """Whether the display can't show some colours by a method, or only just.

@@ -20,7 +20,7 @@ from relgloss_view.quality.planner import (
     DEFAULT_TOLERANCE,
     SAVINGS,
     WHOLE,
-    Planner,
+    MethodChooser,
     Tolerance,
     advise,
 )
@@ -192,12 +192,12 @@ class TestPlanner:
 
     def test_exact_is_not_planned(self, monkeypatch):
         monkeypatch.setattr(planner, "advise", None)
-        assert Planner().method(scene(), Look(), SIZE) == EXACT
+        assert MethodChooser().method(scene(), Look(), SIZE) == EXACT
 
     def test_a_plan_is_made_once_a_scene(self, monkeypatch):
         made = []
         monkeypatch.setattr(planner, "advise", lambda *args: made.append(args) or advise(*args))
-        one = Planner()
+        one = MethodChooser()
         drawn = scene()
         first = one.method(drawn, self.AUTO, SIZE)
         assert one.method(drawn, self.AUTO, SIZE) == first
@@ -207,7 +207,7 @@ class TestPlanner:
         assert len(made) == 2
 
     def test_another_display_is_another_picture(self):
-        one, drawn = Planner(), scene()
+        one, drawn = MethodChooser(), scene()
         one.method(drawn, self.AUTO, SIZE)
         clipped = dataclasses.replace(drawn, display=Display(gamut="clip"))
         assert one.advice(clipped, self.AUTO, SIZE) == advise(clipped, self.AUTO, SIZE)
@@ -215,7 +215,7 @@ class TestPlanner:
     @pytest.mark.parametrize("eye", [Eye(shift_right=50.0), Eye(distance_m=0.01)])
     def test_what_moves_out_of_sight_is_no_fault(self, eye):
         seconds = iter(range(1000))
-        held = Planner(clock=lambda: float(next(seconds)))
+        held = MethodChooser(clock=lambda: float(next(seconds)))
         assert held.method(scene(), self.AUTO, SIZE) != WHOLE
         held.moving = True
         gone = dataclasses.replace(scene(), eye=eye)
@@ -226,13 +226,13 @@ class TestPlanner:
 
     def test_what_cannot_be_shown_is_left_to_the_drawing(self):
         white = Scene(materials.flat(1.5), shape=WIDE)
-        assert Planner().method(white, Look(quality="auto"), SIZE) == WHOLE
+        assert MethodChooser().method(white, Look(quality="auto"), SIZE) == WHOLE
 
     def test_a_picture_that_stands_still_is_checked_once(self, monkeypatch):
         """Beside one that moves, and after another was advised in between."""
         looks = []
         seconds = iter(range(1000))
-        held = Planner(clock=lambda: float(next(seconds)))
+        held = MethodChooser(clock=lambda: float(next(seconds)))
         first, second = scene(), scene(azimuth_deg=51.0)
         held.method(first, self.AUTO, SIZE)
         monkeypatch.setattr(planner, "Proxy", lambda *words: looks.append(words) or Proxy(*words))
@@ -261,7 +261,7 @@ class TestPlanner:
         assert _changes(anew) >= 6
 
         seconds = iter(range(1000))
-        held = Planner(clock=lambda: float(next(seconds)))
+        held = MethodChooser(clock=lambda: float(next(seconds)))
         held.method(scenes[0], self.AUTO, SIZE)
         held.moving = True
         moved = [held.method(s, self.AUTO, SIZE) for s in scenes]
@@ -273,7 +273,7 @@ class TestPlanner:
 
     def test_it_looks_at_a_moving_picture_ten_times_a_second_at_most(self, monkeypatch):
         now = [0.0]
-        held = Planner(clock=lambda: now[0])
+        held = MethodChooser(clock=lambda: now[0])
         held.method(scene(), self.AUTO, SIZE)
         held.moving = True
         looked = []

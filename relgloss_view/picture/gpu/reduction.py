@@ -21,7 +21,7 @@ BLOCK = 16  #: side of the further steps' tiles
 READ_SIDE = 16
 
 
-class Step(NamedTuple):
+class ReductionStep(NamedTuple):
     """What draws one step."""
 
     stage: str
@@ -48,7 +48,7 @@ class Reduction:
 
     def extremes(self, split: moderngl.Texture, region: Box, stride: int = 1) -> Extremes:
         """The extremes of L_d* and L_s* in a region of a split picture, by every so many pixels."""
-        first = Step(
+        first = ReductionStep(
             "measure.frag", {"STRIDE": stride}, {"split_image": split, **per_size(split.size)}
         )
         names = ("extremes_image", "brightest_image")
@@ -73,7 +73,7 @@ class Reduction:
         self, defines: Mapping[str, int], uniforms: Uniforms, region: Box
     ) -> tuple[float, int]:
         """The perfect diffuser's largest Y in a region, and how many pixels show the object."""
-        first = Step("white.frag", defines, uniforms)
+        first = ReductionStep("white.frag", defines, uniforms)
         result = self._run(first, "peak.frag", ("source_image",), region)
         if result is None:
             return 0.0, 0
@@ -81,7 +81,7 @@ class Reduction:
 
     def counts(self, display: moderngl.Texture, region: Box) -> tuple[int, int]:
         """How many pixels of a region are clipped, and how many out of gamut."""
-        first = Step("count.frag", {"FIRST": 1}, {"source_image": display})
+        first = ReductionStep("count.frag", {"FIRST": 1}, {"source_image": display})
         result = self._run(first, "count.frag", ("source_image",), region, {"FIRST": 0})
         if result is None:
             return 0, 0
@@ -99,7 +99,7 @@ class Reduction:
 
     def _run(
         self,
-        step: Step,
+        step: ReductionStep,
         further: str,
         names: tuple[str, ...],
         region: Box,
@@ -123,7 +123,7 @@ class Reduction:
                 step.stage, constants, {**step.uniforms, "region": region}, framebuffer
             )
             images = dict(zip(names, textures, strict=False))
-            step = Step(further, defines or {}, images)
+            step = ReductionStep(further, defines or {}, images)
             block, stride, region = BLOCK, 1, (0, 0, *size)
         _, framebuffer = self._steps[-1]
         return [

@@ -35,8 +35,9 @@ def everything(scene: Scene, look: Look, size: Size) -> Method:
 class Renderer:
     """Draws frames on one OpenGL context.
 
-    programs: Renderers of one context may share theirs. choose: the method for a look of quality
-    "auto" (quality.planner.Planner.method); without it every picture is drawn with the whole model.
+    programs: Renderers of one context may share theirs. choose: the method of a picture, by the
+    look's quality (quality.planner.MethodChooser.method); without it every picture is drawn with
+    the whole model.
     `draws` counts the passes drawn so far by name, for those who check what is drawn again.
     """
 

@@ -26,7 +26,7 @@ from relgloss_view.picture.model.drawn import as_drawn
 from relgloss_view.picture.model.view import Size
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.quality.planner import WHOLE, Planner
+from relgloss_view.quality.planner import WHOLE, MethodChooser
 from relgloss_view.viewer.drawing.arrangement import Arrangement, as_shown
 from relgloss_view.viewer.drawing.texture_uploads import TextureUploads
 from relgloss_view.viewer.state.model import DrawnPass
@@ -57,10 +57,10 @@ class PairRenderer:
         self.ctx = ctx
         self._programs = Programs(ctx)
         #: One for a side, so that what quality "auto" has chosen is held across both sizes.
-        self._planners = {side: Planner() for side in SIDES}
+        self._choosers = {side: MethodChooser() for side in SIDES}
         self._full = {side: self._renderer(side) for side in SIDES}
         self._draft = {side: self._renderer(side) for side in SIDES}
-        self._warm = Renderer(ctx, self._programs, Planner().method)
+        self._warm = Renderer(ctx, self._programs, MethodChooser().method)
         self._warmed: set[object] = set()
         self._methods: dict[str, Method] = {}  #: of the last picture of each side
         self.uploads = TextureUploads(ctx)
@@ -69,7 +69,7 @@ class PairRenderer:
         self.largest: Size = (limit, limit)
 
     def _renderer(self, side: str) -> Renderer:
-        return Renderer(self.ctx, self._programs, self._planners[side].method)
+        return Renderer(self.ctx, self._programs, self._choosers[side].method)
 
     @property
     def drawn(self) -> dict[str, dict[str, int]]:
@@ -104,8 +104,8 @@ class PairRenderer:
         size = _scaled(arrangement.size, scale)
         state = as_shown(state, size, _pitch(pixel_pitch_m, arrangement.size, size))
         renderers = self._full if scale == 1.0 else self._draft
-        for planner in self._planners.values():
-            planner.moving = moving
+        for chooser in self._choosers.values():
+            chooser.moving = moving
         pictures: dict[str, SidePicture] = {}
         faults: dict[str, str] = {}
         for side in SIDES:  # the one that flip hides too: panels show its numbers
@@ -150,7 +150,7 @@ class PairRenderer:
         return False
 
     def _reachable(self, side: str, look: Look) -> tuple[Method, ...]:
-        """The methods that a drag can draw a side with: see Planner, which holds its choice."""
+        """The methods that a drag can draw a side with: MethodChooser holds its choice."""
         if look.quality == "exact":
             return (EXACT,)
         return tuple({WHOLE: None, self._methods.get(side, WHOLE): None})
