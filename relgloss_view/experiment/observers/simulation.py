@@ -28,7 +28,7 @@ class StoredAnswer:
 
 
 class VirtualClock:
-    """A clock that goes only when it is told to."""
+    """A clock that moves only when it is moved."""
 
     def __init__(self) -> None:
         self.now_s = 0.0
