@@ -1,7 +1,7 @@
 #version 330 core
 
 // CIEDE2000 between what two pictures show, from black (0) to white (`top` and more, striped above it).
-// Colours are relative to the display's white. Where neither shows the object stands the surround.
+// Colours are relative to the display's white. Where neither shows the object, the surround is drawn.
 
 #include "tone.glsl"
 #include "difference.glsl"

@@ -4,7 +4,7 @@
 // a surface that faces the lamp is lit. Closest-approach forms keep the digits of the normal near the
 // silhouette (Haines et al. 2019, "Precision improvements for ray/sphere intersection").
 
-// 0 where the eye stands between a cylinder's caps, so that it sees neither.
+// 0 where the eye is between a cylinder's caps, so that it sees neither.
 #ifndef CAPS
 #define CAPS 1
 #endif

@@ -1,7 +1,7 @@
 #version 330 core
 
 // Pass 2: scale the specular part of L* by c, recombine (Ishii et al., eqs. 2-3), map the gamut, encode
-// for the display. Outside the object stands a neutral surround.
+// for the display. Outside the object is a neutral surround.
 //   display = digital values over the surround; alpha = 1 - 1/255 * (L~* above 100) - 2/255 * (out of
 //             gamut), so that a pixel says what was done to it at no cost
 // Constants: GAMUT, TRANSFER, SAMPLED.

@@ -29,7 +29,7 @@ def add(commands: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write it where nothing stands yet."""
+    """Write it where no file exists yet."""
     from relgloss_view.experiment.design.study_file import BUILT_IN, built_in_file
 
     if Path(args.output).suffix.lower() != ".toml":

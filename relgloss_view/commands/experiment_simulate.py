@@ -126,7 +126,7 @@ def _population(args: argparse.Namespace) -> Population:
 
 
 def _truths(args: argparse.Namespace) -> tuple[str, dict[str, Setting]]:
-    """What was said of the truths: how they are chosen, and those that are given."""
+    """The truths of the command line: how they are chosen, and those that are stated."""
     from relgloss_view.experiment.design.grid import share_of
     from relgloss_view.experiment.observers.truth import CHOICES, PUBLISHED
     from relgloss_view.picture.scene.setting import Setting

@@ -134,7 +134,7 @@ def _values(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _metavar(option: Option) -> str | None:
-    """What stands for the value in help: its unit, or N for a whole number."""
+    """The name of the value in help: its unit, or N for a whole number."""
     if option.choices is not None:
         return None
     limits = option.field.metadata["range"]

@@ -33,7 +33,7 @@ TWO_LSTAR = 0.05  #: share of Y by which L* = 100 changes by two: 116/3 of it
 #: Y that shows as one L* on black: a lobe below it counts as little as if it were left out.
 UNSEEN_Y = 27.0 / 24389.0
 FOOT_SD = 4.0  #: where a lobe ends, for what it does at the horizon
-NO_LOBE_DEG = 40.0  #: stands for a width where no lobe shows: nothing is narrow against it
+NO_LOBE_DEG = 40.0  #: taken as the width where no lobe shows: nothing is narrow against it
 ROUNDING = 1e-9  #: of degrees that were radians
 #: Rays across and down the object that a scene is surveyed with: of a lamp behind the object little
 #: more than a hundredth of its width is lit and seen.

@@ -1,4 +1,4 @@
-"""Sampling: which few pixels of a picture stand for all, and how much of it each stands for.
+"""Sampling: the few pixels that represent a picture, and the share that each represents.
 
 They stand denser about the highlight, at the silhouette and on the object's first and last rows,
 where methods fail first and which an even grid of so few would miss.
@@ -107,7 +107,7 @@ def _last(delta2: Array) -> NDArray[np.intp]:
 
 
 def _spans(places: Array, first: float, last: float) -> Array:
-    """How much of a line each of its sorted places stands for; of equal places the last one."""
+    """The length of a line that each of its sorted places represents; of equal places the last."""
     same = places[:, 1:] == places[:, :-1]
     middle = np.where(same, first, 0.5 * (places[:, 1:] + places[:, :-1]) + 0.5)
     ends = np.full((len(places), 1), first), np.full((len(places), 1), last)

@@ -108,7 +108,7 @@ def _entries(content: Mapping[str, Any], table: str, names: tuple[str, ...]) -> 
 
 
 def _reference(values: object, folder: Path) -> tuple[Sample, Look]:
-    """The sample and look of the reference picture: those of the paper where nothing is said."""
+    """The sample and look of the reference picture: those of the paper where the file has none."""
     if not isinstance(values, dict):
         refuse("[reference]", "a table", values)
     of_sample = dict(values)

@@ -28,7 +28,7 @@ class StoredAnswer:
 
 
 class VirtualClock:
-    """A clock that goes only when it is told to."""
+    """A clock that moves only when it is moved."""
 
     def __init__(self) -> None:
         self.now_s = 0.0
@@ -49,7 +49,7 @@ def run_observers(
 ) -> None:
     """Lead observers through the store's study until `count` of them are through.
 
-    Those who are through already stay; one who was cut short goes on. `given` is told of each
+    Observers who have finished stay; one who was interrupted resumes. `on_stored` receives each
     answer when it is stored.
     """
     while True:

@@ -1,4 +1,4 @@
-"""A report as a page of HTML that stands alone: plots inside, numbers in tables."""
+"""A report as one self-contained page of HTML: plots inside, numbers in tables."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Panels that show something of every setting of a grid, and what stands on them."""
+"""Panels that show a value for every setting of a grid, and the marks on them."""
 
 from __future__ import annotations
 
@@ -233,7 +233,7 @@ def _box(row: float, column: float, rows: float, columns: float, **style: Any) -
 
 
 def _cell(grid: Grid, setting: Setting) -> tuple[float, float]:
-    """Where a setting stands in a panel, whose cells are as wide as each other."""
+    """The place of a setting in a panel, whose cells are as wide as each other."""
     return grid_steps(grid, setting.sigma_n_deg, setting.c_fraction)
 
 

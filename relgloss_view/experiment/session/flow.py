@@ -66,7 +66,7 @@ class Flow:
             store.plan(observer, planned_trials(self.study, observer.number))
         self.trial: Trial | None = None
         self.question = self.study.questions[0]
-        self._placed: int | None = None  #: the sample whose object stands there
+        self._placed: int | None = None  #: the sample whose object is in place
         self._adapted = False
         self._until_s = 0.0
         self._shown_s: float | None = None

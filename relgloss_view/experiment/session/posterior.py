@@ -147,7 +147,7 @@ class Posterior:
 def _interval(marginal: Array, places: Array) -> tuple[float, float]:
     """Ends of the shortest interval, so that it reaches an end of the grid where the peak is there.
 
-    Each place stands for what lies half a point around it.
+    Each place represents what lies half a point around it.
     """
     if len(places) == 1:
         return float(places[0]), float(places[0])

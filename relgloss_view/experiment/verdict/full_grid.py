@@ -20,7 +20,7 @@ from relgloss_view.experiment.scaling.fine_grid import (
 FEWEST_OBSERVERS = 5  #: below, a bootstrap over them is too narrow to call anything best
 TIE = 1e-9  #: values closer than this are equal
 LEVEL = 0.03  #: of the test that settings differ at all, shared by a study's samples
-#: What is said of a sample.
+#: The verdicts on a sample.
 BEST = "best"  #: one setting, or a few beside it
 RIDGE = "ridge"  #: a curve of settings that are as good as each other
 BROAD = "broad"  #: too many settings are as good

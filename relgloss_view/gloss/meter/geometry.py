@@ -173,7 +173,7 @@ def farthest_deg(meter: Meter, window: Window) -> float:
 def _directions(
     meter: Meter, window: Window, s: float | None, nodes: int
 ) -> tuple[brdf.Facing, Array]:
-    """How the specimen stands to source and window nodes, (S, N, N), and their weights.
+    """The orientation of the specimen to source and window nodes, (S, N, N), and their weights.
 
     The weights hold the source's share and the solid angle. The nodes of x fill a chord of the
     window; across a disc y = c + h sin(t), which makes the ends of the chords smooth.

@@ -126,7 +126,7 @@ def _written(chosen: method.Method, samples: int) -> str:
 
 
 def _sees_a_cap(scene: Scene) -> bool:
-    """Whether the eye stands above or below a cylinder; compared as the shader would."""
+    """Whether the eye is above or below a cylinder; compared as the shader would."""
     eye, half = scene.eye.position_m[1], scene.shape.half_extent_m()[1]
     return scene.shape.kind == "cylinder" and bool(np.float32(abs(eye)) > np.float32(half))
 

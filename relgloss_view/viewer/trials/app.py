@@ -63,7 +63,7 @@ class Trials:
         self._standing = False  #: whether the present frame shows the pictures
         self._keyed = False  #: whether the present frame's keys are for the page that shows
         self._note = ""  #: for the experimenter, on the first page
-        self._halted = False  #: whether a page stands there until somebody does something
+        self._halted = False  #: whether a page waits until somebody does something
 
     # --- the life of the window ---------------------------------------------------------------
 

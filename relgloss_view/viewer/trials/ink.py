@@ -1,4 +1,4 @@
-"""Grays of what stands on the surround: neutral, and each as strong as it has to be.
+"""Grays of words and marks on the surround: neutral, each as strong as it has to be.
 
 All of a session stays on the surround's gray, so that the eyes stay adapted to it.
 """

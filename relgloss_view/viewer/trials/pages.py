@@ -1,4 +1,4 @@
-"""Screens of words: what stands on them, and how they are drawn on the surround."""
+"""Pages of words: their contents, and how they are drawn on the surround."""
 
 from __future__ import annotations
 
@@ -65,9 +65,9 @@ def page_of(flow: Flow, *, answered: bool, note: str = "") -> Page | None:
         return Page(study.title, study.guide, note, (go_on,))
     if flow.phase is Phase.OBJECT and flow.trial is not None:
         label = study.samples[flow.trial.sample].label
-        stands = Button("It is in place (Enter)", CONFIRM, keys.ENTER)
+        in_place = Button("It is in place (Enter)", CONFIRM, keys.ENTER)
         note = "The experimenter does this."
-        return Page(f"Put {label} beside the reference", "", note, (stands, *back))
+        return Page(f"Put {label} beside the reference", "", note, (in_place, *back))
     if flow.phase is Phase.PAUSE:
         go_on = Button("Continue (Enter or Space)", CONFIRM, keys.ENTER + keys.SPACE)
         return Page("Pause", "", "", (go_on,))
@@ -175,7 +175,7 @@ def _fill(page: Page, ink: Ink, column: float, height: float) -> str | None:
 
 
 def _natural(page: Page, size: float) -> float:
-    """Width that a page takes where no line is broken, so that a short one stands in the middle."""
+    """Width that a page takes where no line is broken, so that a short one is centred."""
     widths = [_size(button.text, size).x + 2.0 * PADDING[0] * size for button in page.buttons]
     across = sum(widths) + BETWEEN * size * max(len(widths) - 1, 0)
     parts = ((page.heading, HEADING * size), (page.text, size), (page.note, NOTE * size))
