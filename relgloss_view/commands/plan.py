@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 STAGES = {
     "noise": "grain",
     "lobes": "specular lobes, at most",
-    "c_max": "c_max",
     "gamut": "out of gamut",
     "targets": "numbers",
     "diffuse": "diffuse reflection",

@@ -48,12 +48,6 @@ class Scaling:
     warnings: tuple[str, ...] = ()
 
     @classmethod
-    def given(cls, look: Look) -> Scaling:
-        """The scaling by the look's own c, c_max not measured."""
-        assert look.c is not None
-        return cls(look.c, None, None)
-
-    @classmethod
     def of(cls, look: Look, extremes: Extremes, *, eq4: bool = False) -> Scaling:
         """The scaling from the look's setting and the exact c_max of the picture.
 
@@ -136,7 +130,7 @@ class Frame:
         scene: Scene,
         look: Look,
         size: tuple[int, int],
-        scaling: Scaling | Callable[[], Scaling],
+        scaling: Scaling,
         fetch: Callable[[str], Floats],
         device: str,
         warnings: tuple[str, ...] = (),
@@ -146,36 +140,22 @@ class Frame:
         self.scene = scene
         self.look = look
         self.size = size
-        self._scaling = scaling
+        self.scaling = scaling
         self.device = device
         self.method = method
         self.object_pixels = object_pixels  #: number of pixels that show any of the object
         self._fetch = fetch
-        self._warnings = (*scene.material.warnings, *warnings)
-
-    @cached_property
-    def scaling(self) -> Scaling:
-        """c, c_max and their warnings; measured on first use where the method measures so.
-
-        Raises RelglossError where that use comes after the renderer was closed.
-        """
-        return self._scaling if isinstance(self._scaling, Scaling) else self._scaling()
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """What is wrong or doubtful with the material, the scene or c, one sentence each."""
-        return (*self._warnings, *self.scaling.warnings)
+        #: What is wrong or doubtful with the material, the scene or c, one sentence each.
+        self.warnings = (*scene.material.warnings, *warnings, *scaling.warnings)
 
     def __repr__(self) -> str:
-        numbers = f"sigma_N {self.look.sigma_n_deg:g} deg, c {self.c:.4g}"
-        if isinstance(self._scaling, Scaling) or "scaling" in self.__dict__:  # else not measured
-            c_max = "none" if self.c_max is None else f"{self.c_max:.4g}"
-            count = len(self.warnings)
-            numbers += f", c_max {c_max}"
-            numbers += f", {count} warning{'' if count == 1 else 's'}" if count else ""
+        c_max = "none" if self.c_max is None else f"{self.c_max:.4g}"
+        count = len(self.warnings)
+        warned = f", {count} warning{'' if count == 1 else 's'}" if count else ""
         return (
             f"<Frame of {printable(self.scene.material.name, 60)!r}: "
-            f"{self.size[0]} x {self.size[1]} pixels, {numbers}>"
+            f"{self.size[0]} x {self.size[1]} pixels, sigma_N {self.look.sigma_n_deg:g} deg, "
+            f"c {self.c:.4g}, c_max {c_max}{warned}>"
         )
 
     def _repr_png_(self) -> bytes | None:
@@ -200,7 +180,7 @@ class Frame:
     @property
     def c(self) -> float:
         """The scaling of L_s* in this picture."""
-        return self.scaling.c if self.look.c is None else self.look.c
+        return self.scaling.c
 
     @property
     def c_max(self) -> float | None:

@@ -13,7 +13,7 @@ FACETS = ("gaussian", "beckmann", "ggx")
 NOISE = ("drawn", "specular", "mean", "none")
 LAMPS = ("point", "distant")
 TARGETS = ("float32", "float16")
-C_MAX = ("exact", "on request", "sparse", "eq4", "once")
+C_MAX = ("exact", "sparse", "eq4", "once")
 GAMUTS = ("as asked", "clip")
 SECOND_PASS, FIRST_PASS = "second pass", "first pass"
 SPLITS = (SECOND_PASS, FIRST_PASS)
@@ -32,10 +32,7 @@ class Method(Checked):
     lamp: str = choice("point", LAMPS, "the lamp at its place, or far off in its direction")
     targets: str = choice("float32", TARGETS, "numbers of the split between the passes")
     c_max: str = choice(
-        "exact",
-        C_MAX,
-        "over all pixels; so too, but only on request where c is given; over a quarter of them; by "
-        "eq. 4; of the picture without grain",
+        "exact", C_MAX, "over all pixels, a quarter of them, eq. 4, or the picture without grain"
     )
     gamut: str = choice("as asked", GAMUTS, "clip, where no colour is out of gamut, costs less")
     split: str = choice(

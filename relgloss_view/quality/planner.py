@@ -22,7 +22,6 @@ from relgloss_view.base.parameters import Checked, parameter
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.gpu.variant import Variant
 from relgloss_view.picture.method import EXACT, FIRST_PASS, Method
-from relgloss_view.picture.model.drawn import drawn_lobes
 from relgloss_view.picture.model.pixel_sampling import sample_count
 from relgloss_view.picture.model.view import Size
 from relgloss_view.picture.scene.look import Look
@@ -50,7 +49,6 @@ class Tolerance(Checked):
 SAVINGS: dict[str, dict[str | int, float]] = {
     "noise": {"none": 7.0, "drawn": 0.0},
     "lobes": {0: 7.0, 1: 4.0, 2: 0.0},
-    "c_max": {"on request": 15.0, "exact": 0.0},
     "diffuse": {"lambert": 7.0, "qualitative": 6.0, "eon": 3.0, "fitted": 0.0},
     "fresnel": {"constant": 4.0, "schlick": 2.0, "exact": 0.0},
     "gamut": {"clip": 1.0, "as asked": 0.0},
@@ -137,10 +135,6 @@ def _choose(proxy: Proxy, method: Method, stage: str, tolerance: Tolerance) -> S
         if f"{stage} {name}" in outside(proxy.scene, proxy.look, tried):
             simpler, simpler_error, reason = name, error, "outside its declared domain"
             continue
-        if stage == "c_max" and "targets float32" in outside(proxy.scene, proxy.look, method):
-            reason = "the highlight may pass the largest number of float32"
-            simpler, simpler_error = name, error
-            continue
         if _sets_c(proxy, stage):
             simpler, simpler_error, reason = name, error, "single pixels set c_max"
             continue
@@ -189,7 +183,7 @@ def _only_exact(proxy: Proxy, size: Size) -> str:
 
 def _sets_c(proxy: Proxy, stage: str) -> bool:
     """Whether a stage decides on single pixels that c follows from, where c is not given."""
-    return proxy.look.c is None and stage in ("c_max", "noise")
+    return proxy.look.c is None and stage == "noise"
 
 
 def serves(proxy: Proxy, method: Method, size: Size, tolerance: Tolerance) -> bool:
@@ -219,8 +213,6 @@ def _same(proxy: Proxy, tried: Method, method: Method, stage: str) -> bool:
         return scene.display.gamut == "clip"
     if stage == "targets":
         return False
-    if stage == "c_max":
-        return look.c is None and not drawn_lobes(scene.material, method)
     return Variant.of(scene, look, 1, tried) == Variant.of(scene, look, 1, method)
 
 

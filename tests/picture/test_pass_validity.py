@@ -21,7 +21,6 @@ from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
-from relgloss_view.quality.backends import open_renderer
 
 #: A change of every field that a picture can depend on.
 CHANGES = {
@@ -313,53 +312,3 @@ class TestNothingStale:
         np.testing.assert_array_equal(second, fresh.render(scene, Look(), SMALL).diffuse)
         assert np.max(np.abs(second - first)) > 0.01
         fresh.release()
-
-
-class TestCMaxOnRequest:
-    """Where c is given, a method may leave c_max to whoever asks for it."""
-
-    METHOD = Method(c_max="on request")
-    LOOK = Look(sigma_n_deg=1.0, c=0.4)
-
-    @pytest.fixture
-    def reductions(self, renderer, monkeypatch):
-        counted = []
-        extremes = renderer.passes.reduction.extremes
-        monkeypatch.setattr(
-            renderer.passes.reduction,
-            "extremes",
-            lambda *words: counted.append(words) or extremes(*words),
-        )
-        return counted
-
-    def test_the_picture_is_the_same_and_its_numbers_too(self, renderer, reductions):
-        scene = Scene(materials.paper("art"))
-        exact = renderer.render(scene, self.LOOK, SMALL)
-        display = exact.display.copy()
-        renderer.render(scene, Look(c=0.4), SMALL, self.METHOD)
-        reductions.clear()
-        frame = renderer.render(scene, self.LOOK, SMALL, self.METHOD)
-        assert_same_pixels(frame.display, display)
-        assert frame.c == 0.4
-        assert "c_max" not in repr(frame)
-        assert not reductions
-        renderer.render(scene, Look(c=0.2), SMALL, self.METHOD)  # its targets hold another picture
-        assert frame.scaling == exact.scaling
-        assert frame.warnings == exact.warnings
-        assert len(reductions) == 1
-        assert repr(frame) == repr(exact)
-
-    def test_a_share_of_c_max_is_measured_at_once(self, renderer, reductions):
-        scene = Scene(materials.paper("art"))
-        exact = renderer.render(scene, Look(c_fraction=0.5), SMALL)
-        frame = renderer.render(scene, Look(c_fraction=0.5), SMALL, self.METHOD)
-        assert len(reductions) == 1  # the same pass 1
-        assert frame.scaling == exact.scaling
-
-    def test_a_closed_renderer_measures_nothing(self):
-        with open_renderer("egl") as renderer:
-            frame = renderer.render(Scene(materials.paper("art")), self.LOOK, SMALL, self.METHOD)
-        assert frame.c == 0.4
-        assert "c 0.4" in repr(frame)
-        with pytest.raises(RelglossError, match="closed"):
-            _ = frame.c_max

@@ -72,7 +72,7 @@ class TestQualityAuto:
         exact = renderer.render(scene, dataclasses.replace(look, quality="exact"), SIZE)
         assert np.percentile(np.abs(shown - exact.display), 99) <= 2
         if brightest > 4.4e4:  # drawn in half floats nevertheless, it would be refused
-            half = dataclasses.replace(method, targets="float16", c_max="exact")
+            half = dataclasses.replace(method, targets="float16")
             with pytest.raises(InputError, match="targets float16"):
                 renderer.render(scene, look, SIZE, half)
 

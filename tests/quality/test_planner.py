@@ -105,7 +105,7 @@ class TestChoices:
         for look in (Look(), Look(sigma_n_deg=0.02)):
             differences = advise(drawn, look, SIZE).method.differences()
             assert not {"c_max", "noise"} & set(differences)
-        assert advise(drawn, Look(c=0.1), SIZE).method.c_max == "on request"
+        assert advise(drawn, Look(c=0.1), SIZE).method.c_max == "exact"
         assert advise(drawn, Look(c=0.1, sigma_n_deg=0.01), SIZE).method.noise != "drawn"
 
     @pytest.mark.parametrize(

@@ -53,13 +53,13 @@ PASSES = ("white", "shade", "split", "tone", "light", "geometry", "counts", "ove
 class Drawn(NamedTuple):
     """What the drawing of a picture found out."""
 
-    scaling: Scaling  #: without c_max where the method measures that on request
+    scaling: Scaling
     white: float  #: Y_n before the lamp's power
     object_pixels: int  #: how many show any of the object
 
 
 class Shading(NamedTuple):
-    """How pass 1 is drawn, and with what."""
+    """How pass 1 and the split are drawn, and with what."""
 
     variant: Variant
     uniforms: Uniforms
@@ -117,19 +117,6 @@ class Passes:
         else:
             self.bring_up_to_date(request)
         return self.targets.read(stage)
-
-    def scaling(self, request: Request) -> Scaling:
-        """The scaling with its c_max, measured now where the drawing did without.
-
-        Raises InputError where pixels are not finite.
-        """
-        make_current(self.ctx)
-        drawn = self.bring_up_to_date(request)
-        if _measures(request):
-            return drawn.scaling
-        with self.all_or_nothing():
-            self._measure(request)
-        return Scaling.of(request.look, self._extremes)
 
     def bring_xyz(self, request: Request) -> None:
         """Draw diffuse and specular as XYZ, where pass 1 wrote something else."""
@@ -230,10 +217,7 @@ class Passes:
             self._once = self._extremes
         white = self._draw_light(request)
         extremes = self._once if method.c_max == "once" else self._extremes
-        if _measures(request):
-            scaling = Scaling.of(request.look, extremes, eq4=method.c_max == "eq4")
-        else:
-            scaling = Scaling.given(request.look)
+        scaling = Scaling.of(request.look, extremes, eq4=method.c_max == "eq4")
         bounds = View.of(request.scene, request.size).bounds
         self._draw_tone("tone", request, scaling, TONE, bounds)
         return Drawn(scaling, white, self._object_pixels)
@@ -241,37 +225,30 @@ class Passes:
     def _draw_light(self, request: Request) -> float:
         """Pass 1, the split of what it wrote, and its extremes; returns Y_n as in Drawn."""
         shading = self._shading(request)
-        variant = shading.variant
-        colours = colour_uniforms(request.scene, request.method)
-        if self.held.renew("shade", variant, request.size, {**shading.uniforms, **colours}):
+        variant, bounds = shading.variant, View.of(request.scene, request.size).bounds
+        if self.held.renew("shade", variant, request.size, shading.uniforms):
             self._shade(request, shading, variant.writes)
-        bounds = View.of(request.scene, request.size).bounds
         if not variant.splits and self.held.renew("split"):
             diffuse, specular = map(self.texture, WRITTEN[variant.writes])
             images = {"diffuse_image": diffuse, "specular_image": specular}
-            uniforms = {**colours, **images, **self._table(variant), **per_size(request.size)}
+            uniforms = {**self._inputs(shading), **images, **per_size(request.size)}
             self.draw("split", "split.frag", variant.split_defines(), uniforms, SPLIT, bounds)
-        if _measures(request):
-            self._measure(request)
-        return shading.white
-
-    def _measure(self, request: Request) -> None:
-        """Reduce the split to its extremes."""
         stride = 2 if request.method.c_max == "sparse" else 1
         if self.held.renew("extremes", stride):
-            bounds = View.of(request.scene, request.size).bounds
             self._extremes = self.reduction.extremes(self.texture("split"), bounds, stride)
             self.targets.check_fits(self._extremes)
+        return shading.white
 
     def _shade(self, request: Request, shading: Shading, writes: str) -> None:
-        uniforms = {
-            **shading.uniforms,
-            **colour_uniforms(request.scene, request.method),
-            **self._table(shading.variant),
-        }
         defines = shading.variant.writing(writes).defines()
         bounds = View.of(request.scene, request.size).bounds
-        self.draw("shade", "shade.frag", defines, uniforms, WRITTEN[writes], bounds)
+        self.draw("shade", "shade.frag", defines, self._inputs(shading), WRITTEN[writes], bounds)
+
+    def _inputs(self, shading: Shading) -> Uniforms:
+        """The uniforms, with the table of cube roots where the variant reads one."""
+        if shading.variant.cube_root != "table":
+            return shading.uniforms
+        return {**shading.uniforms, "cube_root_table": self.targets.cube_root_table()}
 
     def _shading(self, request: Request) -> Shading:
         scene, look, size, method = request.scene, request.look, request.size, request.method
@@ -286,15 +263,10 @@ class Passes:
             **seen_from,
             **(grain_uniforms(look) if variant.noise != "none" else NO_GRAIN),
             **material_uniforms(scene, look, method),
+            **colour_uniforms(scene, method),
             "irradiance": np.pi / white if white > 0.0 else 0.0,
         }
         return Shading(variant, uniforms, white)
-
-    def _table(self, variant: Variant) -> Uniforms:
-        """The table of cube roots, where a variant reads one."""
-        if variant.cube_root != "table":
-            return {}
-        return {"cube_root_table": self.targets.cube_root_table()}
 
     def _make_room(self, request: Request) -> None:
         if (request.size, request.method.targets) != (self.targets.size, self.targets.numbers):
@@ -347,8 +319,3 @@ class Passes:
                 bounds = None
             self.draw(name, f"{name}.frag", defines, uniforms, targets, bounds)
             self._around[name] = key
-
-
-def _measures(request: Request) -> bool:
-    """Whether c_max is measured with the picture: c follows from it, or it is reported."""
-    return request.look.c is None or request.method.c_max != "on request"

@@ -100,11 +100,7 @@ class Renderer:
             scene,
             look,
             size,
-            scaling=(
-                partial(self.passes.scaling, request)
-                if request.method.c_max == "on request"
-                else drawn.scaling
-            ),
+            scaling=drawn.scaling,
             fetch=partial(self.passes.fetch, request),
             device=self._device,
             warnings=scene_warnings(

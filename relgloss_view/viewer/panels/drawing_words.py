@@ -12,7 +12,6 @@ _WORDS: dict[tuple[str, str | int], str] = {
     ("noise", "specular"): "grain in the highlight only",
     ("lobes", 0): "no specular lobe",
     ("lobes", 1): "one specular lobe",
-    ("c_max", "on request"): "c_max measured only when a number asks for it",
     ("c_max", "sparse"): "c_max from a quarter of the pixels",
     ("c_max", "eq4"): "c_max by eq. 4",
     ("c_max", "once"): "c_max without the grain",
