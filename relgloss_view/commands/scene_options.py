@@ -43,20 +43,22 @@ def add_scene_options(
         source.add_argument(
             "--sample",
             metavar="NAME",
-            help=f"a built-in synthetic paper: {', '.join(SAMPLES)} (default {DEFAULT_SAMPLE})",
+            help=f"Built-in synthetic paper: {', '.join(SAMPLES)} (default {DEFAULT_SAMPLE})",
         )
-        source.add_argument("--material", metavar="FILE.json", help="a material that `fit` wrote")
+        source.add_argument(
+            "--material", metavar="FILE.json", help="Material file that `fit` wrote"
+        )
     else:
         parser.set_defaults(sample=None, material=None)
     what.add_argument(
-        "--scene", metavar="FILE.toml", help="a scene file; options override its entries"
+        "--scene", metavar="FILE.toml", help="Scene file to draw; the options override its entries"
     )
     what.add_argument(
         "--set",
         metavar="NAME=VALUE",
         action="append",
         default=[],
-        help="any entry of a scene file, such as lamp.azimuth_deg=80 or shape.kind=sphere",
+        help="Change any entry of a scene, such as lamp.azimuth_deg=80 or shape.kind=sphere",
     )
     how = parser.add_argument_group("how it looks")
     scale = how.add_mutually_exclusive_group() if tuned else how
@@ -77,13 +79,20 @@ def add_scene_options(
         how.add_argument(
             "--matched",
             action="store_true",
-            help="sigma_N and c that the paper's observers chose for this kind of paper",
+            help="Take sigma_N and c that the paper's observers chose for this kind of paper",
         )
     how.add_argument(
-        "--size", metavar="WxH", type=size_of_text, default=DEFAULT_SIZE, help="in pixels"
+        "--size",
+        metavar="WxH",
+        type=size_of_text,
+        default=DEFAULT_SIZE,
+        help="Size of the picture in pixels (default 512x512)",
     )
     how.add_argument(
-        "--backend", choices=BACKENDS, default="auto", help="what draws (default auto: EGL, OSMesa)"
+        "--backend",
+        choices=BACKENDS,
+        default="auto",
+        help="Renderer of the picture (default auto: EGL, then OSMesa)",
     )
 
 
@@ -138,7 +147,7 @@ def _metavar(option: Option) -> str | None:
     if option.choices is not None:
         return None
     limits = option.field.metadata["range"]
-    name = "N" if option.field.metadata.get("whole") else limits.unit.upper() or "X"
+    name = "N" if option.field.metadata.get("whole") else limits.unit.upper() or "VALUE"
     return f"{name}|{AUTO}" if option.takes_auto else name
 
 
