@@ -57,8 +57,3 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[str]], texts: Collection
 def embedded_png(data: bytes) -> str:
     """A PNG file as a data URL."""
     return "data:image/png;base64," + base64.b64encode(data).decode("ascii")
-
-
-def sentence_case(text: str) -> str:
-    """The text with a capital at its beginning."""
-    return text[:1].upper() + text[1:]

@@ -8,6 +8,7 @@ from html import escape
 from relgloss_view.base import pages
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.version import __version__
+from relgloss_view.base.words import sentence_case
 from relgloss_view.gloss.comparison import Cell, Comparison, DrawnSample, OperatorRow
 from relgloss_view.gloss.comparison_sheet import MEASURES, VERDICTS, body_words, number, percent
 from relgloss_view.gloss.samples import gloss_words
@@ -87,7 +88,7 @@ def _operator(row: OperatorRow, srgb: bool) -> str:
             f'<p class="muted">{escape(row.operator.meaning)} ({escape(row.operator.source)})</p>',
             f'<div class="pictures">{"".join(figures)}</div>',
             *orders,
-            f"<p>{escape(pages.sentence_case(body_words(row)))}</p>",
+            f"<p>{escape(sentence_case(body_words(row)))}</p>",
             pages.table(heads, numbers),
             *warnings,
         ]

@@ -37,6 +37,21 @@ class Extremes:
         """The extremes where no pixel shows the object."""
         return cls(1e30, 0.0, 0.0, 0.0, 0.0)
 
+    @classmethod
+    def over(cls, l_d: Array, l_s: Array) -> Extremes:
+        """The extremes over pixels whose L_d* and L_s*, (N,), are at hand in float64."""
+        if len(l_d) == 0:
+            return cls.of_nothing()
+        brightest = int(np.argmax(l_d + l_s))
+        return cls(
+            float(np.min(tone.largest_c(l_d, l_s))),
+            float(np.max(l_d)),
+            float(np.max(l_s)),
+            float(l_d[brightest]),
+            float(l_s[brightest]),
+            int(np.sum(~np.isfinite(l_d + l_s))),
+        )
+
 
 @dataclass(frozen=True)
 class Scaling:

@@ -39,8 +39,11 @@ class ReferenceRenderer:
             white = front_white(scene, view)
         white = lit_white(white, scene)
         stages = self._shade(as_drawn(scene, look), look, view, white, samples)
-        extremes = _extremes(stages)
-        scaling = Scaling.of(look, extremes)
+        drawn = stages["diffuse"][..., 3] > 0.0
+        l_d, l_s = tone.split_lightness(
+            stages["diffuse"][..., 1][drawn], stages["specular"][..., 1][drawn]
+        )
+        scaling = Scaling.of(look, Extremes.over(l_d, l_s))
         stages.update(_tone(scene, stages, scaling.c))
         return Frame(
             scene=scene,
@@ -50,7 +53,7 @@ class ReferenceRenderer:
             fetch=stages.__getitem__,
             device="float64 numpy",
             warnings=scene_warnings(scene, look, size, seen=seen, lit=white > 0.0),
-            object_pixels=int(np.sum(stages["diffuse"][..., 3] > 0.0)),
+            object_pixels=int(np.sum(drawn)),
         )
 
     def _white(self, scene: Scene, view: View, samples: int) -> tuple[float, bool]:
@@ -125,24 +128,6 @@ def _meet(
         y, x = np.mgrid[rows, 0 : view.size[0]]
         n = grain_normal(scene, look, hit, o, np.stack([x, y], axis=-1))
     return hit, o, i, n, distance2
-
-
-def _extremes(stages: dict[str, Array]) -> Extremes:
-    seen = stages["diffuse"][..., 3] > 0.0
-    if not np.any(seen):
-        return Extremes.of_nothing()
-    l_d, l_s = tone.split_lightness(
-        stages["diffuse"][..., 1][seen], stages["specular"][..., 1][seen]
-    )
-    brightest = int(np.argmax(l_d + l_s))
-    return Extremes(
-        float(np.min(tone.largest_c(l_d, l_s))),
-        float(np.max(l_d)),
-        float(np.max(l_s)),
-        float(l_d[brightest]),
-        float(l_s[brightest]),
-        int(np.sum(~np.isfinite(l_d + l_s))),
-    )
 
 
 def _tone(scene: Scene, stages: dict[str, Array], c: float) -> dict[str, Array]:

@@ -175,7 +175,8 @@ class Proxy:
             left, bottom, *_ = self._view.bounds
             up = self._view.size[1] - 1 - self._pixel[:, 1]
             counted = ((self._pixel[:, 0] - left) % 2 == 0) & ((up - bottom) % 2 == 0)
-        scaling = Scaling.of(self.look, _extremes(split[counted]), eq4=method.c_max == "eq4")
+        extremes = Extremes.over(*split[counted, :2].T)
+        scaling = Scaling.of(self.look, extremes, eq4=method.c_max == "eq4")
         return split, scaling.c
 
     def _facing(self, lamp: str, *, tilted: bool) -> tuple[brdf.Facing, Array]:
@@ -201,18 +202,3 @@ def _p95(values: Array, area: Array) -> float:
     order = np.argsort(values)
     share = np.cumsum(area[order])
     return float(values[order][np.searchsorted(share, 0.95 * share[-1])])
-
-
-def _extremes(split: Array) -> Extremes:
-    if len(split) == 0:
-        return Extremes.of_nothing()
-    l_d, l_s = split[:, 0], split[:, 1]
-    top = int(np.argmax(l_d + l_s))
-    return Extremes(
-        float(np.min(tone.largest_c(l_d, l_s))),
-        float(np.max(l_d)),
-        float(np.max(l_s)),
-        float(l_d[top]),
-        float(l_s[top]),
-        int(np.sum(~np.isfinite(l_d + l_s))),
-    )

@@ -9,7 +9,7 @@ import pytest
 
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
+from relgloss_view.picture.scene.setup import SIZES, Display, Eye, Lamp, Shape
 from relgloss_view.quality.planner import SAVINGS
 from relgloss_view.viewer.panels import drawing_words, scene
 from relgloss_view.viewer.shell.widgets import label_of
@@ -20,7 +20,7 @@ PLAIN = re.compile(r"[A-Z][a-z]{2,}[A-Za-z -]*( \([^()]+\))?")
 LOOK = tuple(f.name for f in dataclasses.fields(Look))
 SCENE = {
     Lamp: (*scene._LAMP, "illuminant", "y_n"),
-    Shape: ("kind", *scene._SIZES["box"], "diameter_m"),
+    Shape: ("kind", *SIZES["box"], "diameter_m"),
     Eye: tuple(scene._EYE),
     Display: (*scene._DISPLAY, "gamut"),
     Presentation: tuple(scene._PRESENTATION),

@@ -11,6 +11,7 @@ import numpy as np
 from relgloss_view.base import pages
 from relgloss_view.base.reading import printable
 from relgloss_view.base.version import __version__
+from relgloss_view.base.words import sentence_case
 from relgloss_view.experiment.report import sentences
 from relgloss_view.experiment.report.answerers import path_words, people, silent
 from relgloss_view.experiment.report.chosen_setting import (
@@ -117,7 +118,7 @@ def _sample(
     scene: str | None,
 ) -> str:
     notes = [*sentences.notes(result, analysis), sentences.agreement(result)]
-    verdict = pages.sentence_case(sentences.sentence(result, analysis))
+    verdict = sentence_case(sentences.sentence(result, analysis))
     listed = "".join(f"<li>{escape(note)}</li>" for note in notes)
     opened = "No scene is written: nothing is declared best."
     if scene is not None:

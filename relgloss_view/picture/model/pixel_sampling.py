@@ -7,6 +7,7 @@ import math
 from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import CURVED
 
 MAX_SAMPLES = 16
 #: Samples of a Gaussian lobe this many standard deviations apart sum to its energy within
@@ -31,7 +32,7 @@ def samples_needed(scene: Scene, size: Size) -> int:
         return 1
     eye, lamp = scene.eye.distance_m, scene.lamp.distance_m
     half = scene.shape.half_extent_m()
-    curved = scene.shape.kind in ("cylinder", "sphere")
+    curved = scene.shape.kind in CURVED
     depth = max(eye - float(half[0] if curved else half[2]), 1e-3 * eye)
     footprint_m = View.of(scene, size).pixel_step * depth
     turn = 0.5 * footprint_m * (1.0 / depth + 1.0 / lamp)

@@ -19,6 +19,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.parameters import Range
 from relgloss_view.base.reading import printable
 from relgloss_view.base.toml import AUTO, plain
+from relgloss_view.base.words import sentence_case
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import Sample
@@ -63,10 +64,10 @@ class Option:
         """A sentence about the entry with its range and default."""
         metadata = self.field.metadata
         if self.choices is not None:
-            return f"{_sentence(metadata['meaning'])} (default {self.field.default})"
+            return f"{sentence_case(metadata['meaning'])} (default {self.field.default})"
         limits: Range = metadata["range"]
         unit = f" {limits.unit}" if limits.unit else ""
-        text = f"{_sentence(limits.meaning)}, {limits.low:.10g} to {limits.high:.10g}{unit}"
+        text = f"{sentence_case(limits.meaning)}, {limits.low:.10g} to {limits.high:.10g}{unit}"
         if self.takes_auto:
             text += f", or {AUTO}: as many as the highlight needs"
         default = self.field.default
@@ -83,10 +84,6 @@ class Option:
     def words(self, value: object) -> list[str]:
         """The option as words of a command line that set the entry to this value."""
         return [self.flag, AUTO if value is None else str(plain(value))]
-
-
-def _sentence(meaning: str) -> str:
-    return meaning[:1].upper() + meaning[1:]
 
 
 #: Every option that sets an entry of a scene file, in the order of the tables.

@@ -19,7 +19,15 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.parameters import Checked, choice, parameter
 from relgloss_view.base.reading import refuse
 
-SHAPES = ("cylinder", "sphere", "plane", "box")
+#: The sizes of each shape, by its name.
+SIZES = {
+    "cylinder": ("diameter_m", "height_m"),
+    "sphere": ("diameter_m",),
+    "plane": ("width_m", "height_m"),
+    "box": ("width_m", "height_m", "depth_m"),
+}
+SHAPES = tuple(SIZES)
+CURVED = ("cylinder", "sphere")  #: towards the eye, by half_extent_m()[0]
 
 
 @dataclass(frozen=True)

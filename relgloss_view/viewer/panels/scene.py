@@ -7,7 +7,7 @@ import math
 from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.material.spectra import SHIPPED_ILLUMINANTS
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
+from relgloss_view.picture.scene.setup import SIZES, Display, Eye, Lamp, Shape
 from relgloss_view.viewer.drawing import camera
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import em, gray
@@ -29,12 +29,6 @@ _LAMP: Sliders = {
     "luminance_cd_m2": Reach(1.0, 1000.0, logarithmic=True),
 }
 _EYE: Sliders = {"azimuth_deg": _ANGLE, "elevation_deg": _ANGLE, "distance_m": _DISTANCE}
-_SIZES: dict[str, Sliders] = {
-    "cylinder": {"diameter_m": _SIZE, "height_m": _SIZE},
-    "sphere": {"diameter_m": _SIZE},
-    "plane": {"width_m": _SIZE, "height_m": _SIZE},
-    "box": {"width_m": _SIZE, "height_m": _SIZE, "depth_m": _SIZE},
-}
 _DISPLAY: Sliders = {"background_lstar": Reach(digits="%.0f")}
 _PRESENTATION: Sliders = {
     "gap_px": Reach(high=200.0, digits="%.0f"),
@@ -51,7 +45,7 @@ def show(model: Model) -> None:
     _choice(model, "lamp", Lamp, "y_n")
     imgui.separator_text("Object")
     _choice(model, "shape", Shape, "kind")
-    _sliders(model, "shape", Shape, _SIZES[model.state.setup.shape.kind])
+    _sliders(model, "shape", Shape, dict.fromkeys(SIZES[model.state.setup.shape.kind], _SIZE))
     imgui.separator_text("Eye")
     _sliders(model, "eye", Eye, _EYE)
     if widgets.button("Reset camera", "frame the object from the front"):

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
+from relgloss_view.base.words import sentence_case
 from relgloss_view.picture.scene.look import QUALITIES
 from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.viewer.drawing import camera
@@ -203,7 +204,7 @@ ACTIONS: tuple[Action, ...] = (
     ),
     *(
         Action(
-            "View", mode[:1].upper() + mode[1:], str(k + 1),
+            "View", sentence_case(mode), str(k + 1),
             _present(compare=mode), _MODE_HELP[mode], on=_comparing(mode),
         )
         for k, mode in enumerate(COMPARE_MODES)

@@ -15,6 +15,7 @@ from typing import Any
 from imgui_bundle import imgui
 
 from relgloss_view.base.parameters import Range
+from relgloss_view.base.words import sentence_case
 from relgloss_view.viewer.shell.theme import em, gray
 
 LABEL_EM = 11.6  #: width of the column of labels
@@ -233,7 +234,7 @@ def flag(text: str, meaning: str) -> None:
 
 def sentence(text: str) -> str:
     """A meaning as a sentence."""
-    return text[:1].upper() + text[1:] + ("" if text.endswith((".", "?", "!")) else ".")
+    return sentence_case(text) + ("" if text.endswith((".", "?", "!")) else ".")
 
 
 def _meaning(allowed: Range, default: float | None) -> str:
