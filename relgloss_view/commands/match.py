@@ -187,8 +187,8 @@ def _order_table(checked: Sequence[CheckedPose]) -> str:
     ]
     lines = [table(columns, rows, indent="  ")]
     lines += [
-        f"  lamp {pose.setup.lamp.azimuth_deg:g} deg: {', '.join(pose.refused)}: not ranked, because "
-        "no highlight is seen"
+        f"  lamp {pose.setup.lamp.azimuth_deg:g} deg: {', '.join(pose.refused)}: not ranked, "
+        "because no highlight is seen"
         for pose in checked
         if pose.refused
     ]
