@@ -12,6 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.gloss.meter.meter import main_lobe
 from relgloss_view.material import approximations, brdf
 from relgloss_view.material.approximations import mean_lobe, plain_lobe
 from relgloss_view.material.material import Material
@@ -66,13 +67,14 @@ class Pose:
     def peak(self, material: Material, sigma_n_deg: float = 0.0) -> float | None:
         """L_s* at the brightest place of a material's highlight; None where none is seen.
 
-        The mirror's place must be within one width of a lobe, and the highlight visible: else what
-        is seen is the skirt of a highlight that lies beside the object, no measure of gloss.
+        The mirror's place must be within one width of the lobe with the highest peak, and the
+        highlight visible: else what is seen is the skirt of a highlight that lies beside the
+        object, which is no measure of gloss.
         """
-        lobes = material.visible_lobes()
-        if self.highlight is None or not lobes:
+        main = main_lobe(material)
+        if self.highlight is None or main is None:
             return None
-        width = math.hypot(max(lobe.s_deg for lobe in lobes), sigma_n_deg)
+        width = math.hypot(material.specular[main].s_deg, sigma_n_deg)
         if self.highlight.tilt_deg > width:
             return None
         brightest = self.extremes(material, sigma_n_deg).l_s_max

@@ -37,7 +37,7 @@ class Shares(Checked):
         1e4,
         "",
         "scales both pictures, so that their ratio of gloss stays",
-        label="Contrast gloss (1 = matched)",
+        label="Contrast gloss",
     )
     test: float = parameter(
         1.0,
@@ -45,7 +45,7 @@ class Shares(Checked):
         1e4,
         "",
         "1 keeps the ratio of gloss to the reference; 0.5 shows half as much gloss",
-        label="Contrast gloss (1 = matched)",
+        label="Contrast gloss",
     )
 
 
