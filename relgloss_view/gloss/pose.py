@@ -7,6 +7,7 @@ of more and more pixels approach. Grain enters by the mean over its tilts (noise
 from __future__ import annotations
 
 import math
+import weakref
 from functools import lru_cache
 
 import numpy as np
@@ -45,6 +46,7 @@ class Pose:
 
     def __init__(self, setup: Setup) -> None:
         self.setup = setup
+        self._known: dict[int, dict[float, Extremes]] = {}  #: by material and sigma_N
         self.highlight: Highlight | None = best_mirror(setup)
         view = view_of(setup.shape, setup.eye, SIZE)
         columns, rows = _places(view.bounds, self.highlight)
@@ -85,6 +87,16 @@ class Pose:
 
         sigma_n_deg: of the grain, whose tilts are averaged in linear light (the paper's law).
         """
+        known = self._known.get(id(material))
+        if known is None:
+            # A material is frozen but not hashable; its identity serves while it lives.
+            known = self._known[id(material)] = {}
+            weakref.finalize(material, self._known.pop, id(material), None)
+        if sigma_n_deg not in known:
+            known[sigma_n_deg] = self._extremes(material, sigma_n_deg)
+        return known[sigma_n_deg]
+
+    def _extremes(self, material: Material, sigma_n_deg: float) -> Extremes:
         weights = xyz_weights(material.bands, illuminant(self.setup.lamp.illuminant))[:, 1]
         f, albedo = self.facing, np.asarray(material.diffuse.albedo)
         first, second = brdf.diffuse_shapes(material.diffuse.model, f, material.diffuse.sigma)

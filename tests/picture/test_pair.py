@@ -1,4 +1,4 @@
-"""The common factor of a pair's c: no picture clips, the ratio stays, and a moving hand sees calm."""
+"""The common factor of a pair's c: no picture clips, the ratio stays, a moving hand sees calm."""
 
 from __future__ import annotations
 

@@ -164,6 +164,15 @@ def swapped(state: State) -> State:
     return dataclasses.replace(state, reference=state.test, test=state.reference, match=match)
 
 
+def as_displayed(state: State, factor: float) -> State:
+    """The state whose c are those that the pictures show, for whoever draws one of them alone."""
+    for side in SIDES:
+        c = state.side(side).look.c
+        if factor != 1.0 and c is not None:
+            state = _with_c(state, side, factor * c)
+    return state
+
+
 def pinned(state: State, frames: dict[str, Frame]) -> State:
     """The state with each c that was a share of c_max as the number that its picture has.
 
