@@ -92,7 +92,9 @@ class FileActions:
             presentation = dataclasses.asdict(self.model.state.presentation)
             text = {"Software": "relgloss", "Presentation": json.dumps(presentation)}
             if self.model.attempt(lambda: save_rgb(pixels, path, text)):
-                self.model.report(f"written: {path}, the pane as it was displayed")
+                height, width = pixels.shape[:2]
+                folder, name = os.path.split(os.path.abspath(path))
+                self.model.report(f"exported {name}, {width} x {height} px, to {folder}")
 
         self.model.take_view = take
         self._wake()
