@@ -126,7 +126,7 @@ def test_shows_what_the_null_platform_draws(tmp_path, display):
 
 @pytest.mark.parametrize("copied", [True, False])
 def test_an_exported_view_is_confirmed_and_nothing_is_lost(tmp_path, display, copied):
-    """The control reads the window's framebuffer itself, and the device seems to lose its objects."""
+    """The control reads the window's framebuffer itself, which looks like a loss of objects."""
     file = tmp_path / "view.png"
     done = subprocess.run(
         [sys.executable, __file__, str(file), "export", str(int(copied))],

@@ -175,9 +175,9 @@ def copied_pixels(ctx: moderngl.Context, blitter: Blitter, source: int, box: Box
     """Pixels of a box of a framebuffer, (H, W, 3), the uppermost row first.
 
     source: OpenGL's name of the framebuffer. box: left, bottom, right, top in pixels. moderngl
-    reads a window's own framebuffer by a name of a colour buffer that only framebuffers with
-    textures have: the pixels come, but so does GL_INVALID_OPERATION, by which a window seems to have
-    lost its objects. A copy on a texture is read without that.
+    reads a window's own framebuffer by a colour buffer that only framebuffers with textures have:
+    the pixels come, but so does GL_INVALID_OPERATION, by which a window seems to have lost its
+    objects. A copy on a texture is read without that.
     """
     width, height = box[2] - box[0], box[3] - box[1]
     copy = Offscreen(ctx)

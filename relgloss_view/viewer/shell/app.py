@@ -59,7 +59,7 @@ class App:
             [
                 Panel("Look", RIGHT, lambda: look.show(self.model)),
                 Panel("Scene", RIGHT, lambda: scene.show(self.model)),
-                Panel("Sample", RIGHT, lambda: sample.show(self.model, self.files.open)),
+                Panel("Sample", RIGHT, lambda: sample.show(self.model, self.files)),
                 Panel("Lightness", BELOW, lambda: lightness.show(self.model)),
                 Panel("Reflection", BELOW, lambda: reflection.show(self.model)),
                 Panel("Fit", BELOW, lambda: fit.show(self.model)),
