@@ -231,7 +231,7 @@ class Window:
         return params
 
     def _load_font(self) -> None:
-        hello_imgui.load_font("fonts/Roboto/Roboto-Regular.ttf", theme.FONT_PX)
+        self._guarded(theme.load_fonts)
 
     def _start(self) -> None:
         self._guarded(self._attach)
