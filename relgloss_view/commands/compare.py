@@ -12,10 +12,20 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, Progress, table, warn
 from relgloss_view.base.writing import check_writable, whole_file
-from relgloss_view.commands.scene_options import add_scene_options, printable_command, scene_from
+from relgloss_view.commands.matched import add_reference_option, reference_look
+from relgloss_view.commands.scene_options import (
+    SAMPLE_METAVAR,
+    add_scene_options,
+    printable_command,
+    scene_from,
+)
+from relgloss_view.picture.pair import ratio_words
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from relgloss_view.gloss.comparison import Comparison, OperatorRow
+    from relgloss_view.gloss.match import Reference
     from relgloss_view.operators.operator import Operator
 
 DEFAULT_OPERATORS = "split,clip,multiscale"
@@ -25,7 +35,6 @@ MOST_CELLS = 200
 
 def add(commands: Any) -> None:
     """Declare the command."""
-    from relgloss_view.commands.sample_arguments import METAVAR
     from relgloss_view.gloss.samples import DEFAULT_GLOSS, GLOSSES
     from relgloss_view.operators.registry import OPERATORS
     from relgloss_view.picture.scene.sample import SAMPLES
@@ -41,10 +50,18 @@ def add(commands: Any) -> None:
     )
     parser.add_argument(
         "sample_words",  # --samples is another option
-        metavar=METAVAR,
+        metavar=SAMPLE_METAVAR,
         nargs="*",
         help="Built-in papers or material files. A setting follows =: sigma_N in degrees, c as a "
-        f"share of c_max (default {', '.join(SAMPLES)} with the published settings)",
+        "share of c_max. Without one, c keeps the ratio of gloss to the reference (default "
+        f"{', '.join(SAMPLES)})",
+    )
+    add_reference_option(parser)
+    parser.add_argument(
+        "--published",
+        action="store_true",
+        help="Draw the built-in papers with the settings that the paper's observers chose, c as a "
+        "share of c_max",
     )
     parser.add_argument(
         "-o",
@@ -76,6 +93,7 @@ def run(args: argparse.Namespace) -> int:
     """Draw everything, write the sheets, and print the verdicts."""
     from relgloss_view.commands.sample_arguments import sample_arguments
     from relgloss_view.gloss.comparison import as_numbers, compare
+    from relgloss_view.gloss.match import Reference
     from relgloss_view.picture.scene.sample import SAMPLES
     from relgloss_view.quality.backends import open_renderer
 
@@ -83,35 +101,51 @@ def run(args: argparse.Namespace) -> int:
     operators = operators_of(args.operators)
     scene, look, size = scene_from(args)
     look = dataclasses.replace(look, quality="exact")  # auto is measured on the split's picture
-    arguments = sample_arguments(args.sample_words or list(SAMPLES), look)
+    words = args.sample_words or list(SAMPLES)
+    arguments = sample_arguments(words, look, published=args.published)
     if len(arguments) * len(operators) > MOST_CELLS:
         raise InputError(
             f"{len(arguments)} samples x {len(operators)} operators: expected at most "
             f"{MOST_CELLS} pictures"
         )
-    samples = [argument.sample_look for argument in arguments]
+    reference = None
+    if not all(argument.origin for argument in arguments):
+        reference = Reference.of(reference_look(args, look), args.gloss)
+    samples = [
+        argument.sample_look
+        if argument.origin or reference is None
+        else reference.matched_look(argument.sample_look)
+        for argument in arguments
+    ]
+    matched = [a.sample_look.label for a in arguments if not a.origin]
     with Progress("compare") as progress, open_renderer(args.backend) as renderer:
         comparison = compare(
-            renderer, samples, operators, scene, size, gloss=args.gloss, progress=progress
-        )
+            renderer, samples, operators, scene, size,
+            gloss=args.gloss, matched=matched, progress=progress,
+        )  # fmt: skip
     command = printable_command(args.argv)
     for output in outputs:
         _write(comparison, output, command)
     if args.json:
         print(json.dumps({"outputs": args.output, "size": list(size), **as_numbers(comparison)}))
         return 0
-    without_setting = [
-        f"{a.sample_look.label}: without a setting it is drawn at sigma_N 0 and c_max; give one "
-        f"after the name, such as {a.sample.file}=2.0,1/3"
-        for a in arguments
-        if not a.origin
-    ]
-    for text in dict.fromkeys([*without_setting, *_warnings(comparison)]):
+    for text in dict.fromkeys(_warnings(comparison)):
         warn(text)
     print(_tables(comparison))
+    if reference is not None:
+        print()
+        print(_matched_words(reference, matched, len(samples), comparison.factor))
     for output in outputs:
         print(f"{printable(output)}: written")
     return 0
+
+
+def _matched_words(reference: Reference, matched: Sequence[str], count: int, factor: float) -> str:
+    """Which samples are matched, to what, and what the view does to the ratio."""
+    which = "all samples" if len(matched) == count else ", ".join(matched)
+    words = f"{which}: matched to {reference.sample.label} (c {reference.c:.4g})"
+    changed = ratio_words(factor)
+    return f"{words}; {changed}" if changed else words
 
 
 def _checked_outputs(names: list[str]) -> list[Path]:

@@ -15,7 +15,6 @@ from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
 from relgloss_view.picture.scene.setting import Setting
 
-METAVAR = "SAMPLE|MATERIAL.json[=SIGMA_N,C]"
 SYNTAX = re.compile(r"(.+)=([0-9.]+),([0-9.]+)(?:/([0-9.]+))?", re.DOTALL)
 
 
@@ -25,14 +24,15 @@ class SampleArgument:
 
     sample_look: SampleLook  #: with the setting of the argument
     sample: Sample  #: as a scene file names it
-    origin: str  #: of its setting: "given", "published", or "" for sigma_N 0 and c_max
+    origin: str  #: of its setting: "given", "published", or "" where it has none of its own
 
 
-def sample_argument(word: str, look: Look) -> SampleArgument:
+def sample_argument(word: str, look: Look, *, published: bool = True) -> SampleArgument:
     """A sample from NAME|FILE[=SIGMA_N,C]; the rest of its look is `look`'s.
 
-    Without a setting a built-in paper has the published one, a file sigma_N 0 and c_max. Raises
-    InputError where there is no such sample or a number is out of range.
+    Without a setting a built-in paper has the published one, if `published`; other samples have
+    their own sigma_N (0 of a file) and c_max. Raises InputError where there is no such sample or a
+    number is out of range.
     """
     match = SYNTAX.fullmatch(word)
     name = match[1] if match else word
@@ -41,19 +41,23 @@ def sample_argument(word: str, look: Look) -> SampleArgument:
     if not built_in and (start in SAMPLES or (Path(start).is_file() and not Path(name).exists())):
         refuse(printable(name), "SIGMA_N,C after the sample, such as =2.0,1/3", name[len(start) :])
     sample = Sample.built_in(name) if built_in else Sample.from_file(name)
-    setting = SAMPLES[name] if built_in else Setting()
+    setting = Setting(SAMPLES[name].sigma_n_deg) if built_in else Setting()
+    if built_in and published:
+        setting = SAMPLES[name]
     if match:
         setting = _setting(word, match[2], match[3], match[4])
     label = name if built_in else printable(Path(name).stem, 40)
-    origin = "given" if match else "published" if built_in else ""
+    origin = "given" if match else "published" if built_in and published else ""
     return SampleArgument(SampleLook(label, sample.material, look.at(setting)), sample, origin)
 
 
-def sample_arguments(words: Sequence[str], look: Look) -> list[SampleArgument]:
+def sample_arguments(
+    words: Sequence[str], look: Look, *, published: bool = True
+) -> list[SampleArgument]:
     """Samples as sample_argument; a label that an earlier sample has gets a number."""
     samples: list[SampleArgument] = []
     for word in words:
-        argument = sample_argument(word, look)
+        argument = sample_argument(word, look, published=published)
         first = argument.sample_look.label
         label, n = first, 1
         while label in {other.sample_look.label for other in samples}:

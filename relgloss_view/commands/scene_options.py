@@ -25,9 +25,16 @@ from relgloss_view.picture.scene.options import (
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, SAMPLES, load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.scene_file import load_scene
+from relgloss_view.picture.scene.setting import FULL_SHARE
 from relgloss_view.quality.backends import BACKENDS
 
 DEFAULT_SIZE = (512, 512)
+MATCHED, MAX = "matched", "max"
+SAMPLE_METAVAR = "SAMPLE|MATERIAL.json[=SIGMA_N,C]"
+_C_WORDS = (
+    f"; {MATCHED}: keeps the ratio of gloss to the reference; {MAX}: c_max of this picture "
+    f"(default {MATCHED}, or what a --scene holds)"
+)
 
 
 def add_scene_options(
@@ -69,17 +76,23 @@ def add_scene_options(
         target = scale if forms_of_c else how
         target.add_argument(
             option.flag,
-            metavar=_metavar(option),
-            type=option.read if option.choices is None else str,
+            metavar=f"VALUE|{MATCHED}|{MAX}" if option.entry == "c" else _metavar(option),
+            type=_c_of_text
+            if option.entry == "c"
+            else option.read
+            if option.choices is None
+            else str,
             choices=option.choices,
             default=argparse.SUPPRESS,
-            help=option.help,
+            help=f"{option.help}{_C_WORDS if option.entry == 'c' else ''}",
         )
     if tuned:
         how.add_argument(
-            "--matched",
+            "--published",
+            "--matched",  # its older name
             action="store_true",
-            help="Take sigma_N and c that the paper's observers chose for this kind of paper",
+            help="Take sigma_N and c that the paper's observers chose for this kind of paper, c as "
+            "a share of this picture's c_max",
         )
     how.add_argument(
         "--size",
@@ -111,14 +124,16 @@ def scene_from(args: argparse.Namespace) -> tuple[Scene, Look, tuple[int, int]]:
         assert material is not None
         scene, look = Scene(material), Look()
     setup, look = with_settings(scene.setup, look, args.set)
-    if getattr(args, "matched", False):
+    if getattr(args, "published", False):
         if args.material is not None or (args.scene is not None and args.sample is None):
             raise InputError(
-                f"--matched: there are published settings for --sample {', '.join(SAMPLES)} only; "
-                "give --sigma-n and --c-fraction"
+                "--published: there are published settings for --sample "
+                f"{', '.join(SAMPLES)} only; give --sigma-n and --c-fraction"
             )
         look = look.at(SAMPLES[args.sample or DEFAULT_SAMPLE])
     setup, look = with_options(setup, look, _values(args))
+    if getattr(args, "c", None) == MAX:
+        look = look.with_entries(c_fraction=FULL_SHARE)
     return Scene(scene.material, setup), look, size
 
 
@@ -139,7 +154,30 @@ def scene_words_of(args: argparse.Namespace) -> list[str]:
 
 def _values(args: argparse.Namespace) -> dict[str, Any]:
     """The values of the options that were given, by flag."""
-    return {o.flag: getattr(args, o.name) for o in OPTIONS if hasattr(args, o.name)}
+    values = {o.flag: getattr(args, o.name) for o in OPTIONS if hasattr(args, o.name)}
+    return {flag: value for flag, value in values.items() if value not in (MATCHED, MAX)}
+
+
+def wants_match(args: argparse.Namespace, look: Look) -> bool:
+    """Whether c is to keep the ratio of gloss to a reference: asked for, or nothing else given.
+
+    A scene file without c draws c_max, as such files always have.
+    """
+    if getattr(args, "c", None) is not None:
+        return bool(args.c == MATCHED)
+    given = look.c is not None or look.c_fraction is not None
+    return not given and args.scene is None
+
+
+def graininess_is_given(args: argparse.Namespace) -> bool:
+    """Whether the words of the command line or a scene file decide on sigma_N."""
+    named = any(setting.startswith("look.sigma_n_deg") for setting in args.set)
+    return hasattr(args, "sigma_n") or named or args.scene is not None
+
+
+def _c_of_text(text: str) -> float | str:
+    """c from its word: a number, or one of MATCHED and MAX."""
+    return text if text in (MATCHED, MAX) else float(text)
 
 
 def _metavar(option: Option) -> str | None:

@@ -9,6 +9,7 @@ from typing import Any
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Progress, warn
 from relgloss_view.base.writing import check_writable
+from relgloss_view.commands.matched import add_reference_option, match_words, matched_picture
 from relgloss_view.commands.operator_options import (
     add_operator_options,
     displayed_by,
@@ -24,13 +25,14 @@ def add(commands: Any) -> None:
     parser = commands.add_parser(
         "snapshot",
         description="Draw one picture of a sample and save it: PNG to look at, OpenEXR to measure.",
-        epilog="example: relgloss snapshot --sample art-coated --sigma-n 0.5 --c-fraction 0.8 "
-        "-o art.png",
+        epilog="example: relgloss snapshot --sample art-coated -o art.png; relgloss snapshot "
+        "--material mine.json --reference standard.json --sigma-n 0.5 -o mine.png",
     )
     parser.add_argument(
         "-o", "--output", metavar="OUT.png|OUT.exr", required=True, help="File of the picture"
     )
     add_scene_options(parser)
+    add_reference_option(parser)
     add_operator_options(parser)
     parser.add_argument(
         "--bits", type=int, choices=BITS, help="Bits in each channel of a PNG (default 8)"
@@ -50,14 +52,18 @@ def run(args: argparse.Namespace) -> int:
         args.wrong_usage(f"argument --bits: {output} is OpenEXR, which holds floats; leave it out")
     operator = operator_from(args)
     scene, look, size = scene_from(args)
+    picture = matched_picture(args, scene, look) if operator.uses_c else None
+    look = look if picture is None else picture.look
     check_writable(output)
     with Progress("snapshot") as progress, open_renderer(args.backend, progress) as renderer:
-        frame = renderer.render(scene, look, size)
+        factor = 1.0 if picture is None else picture.factor(renderer, scene, size)
+        frame = renderer.render(scene, look, size, factor=factor)
         progress(0.5, operator.name)
         displayed = displayed_by(operator, frame)
         command = printable_command(args.argv)
         save_frame(frame, output, command, bits=args.bits or 8, displayed=displayed)
         numbers = parameters(frame, displayed)
+        numbers["match"] = None if picture is None else picture.as_numbers(frame)
     if args.json:
         print(json.dumps({"output": str(output), **numbers}))
         return 0
@@ -72,4 +78,6 @@ def run(args: argparse.Namespace) -> int:
     sample = printable(scene.material.name, 80)
     sample += " (synthetic)" if scene.material.synthetic else ""
     print(f"{printable(output)}: {sample}, {settings}")
+    if picture is not None:
+        print(f"  {match_words(picture, frame)}")
     return 0

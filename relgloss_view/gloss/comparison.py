@@ -6,7 +6,7 @@ Defined in docs/compare.md.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +20,7 @@ from relgloss_view.operators.operator import Operator
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.output.parameters import SPLIT, warnings
 from relgloss_view.picture.output.png import is_srgb
+from relgloss_view.picture.pair import common_factor
 from relgloss_view.picture.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -98,6 +99,7 @@ class Comparison:
     gloss: str  #: which of GLOSSES orders the real materials
     real_ranks: Mapping[str, int]  #: of the materials by label, 0 the glossiest
     srgb: bool  #: whether the display, and so the pictures, are sRGB
+    factor: float = 1.0  #: of all matched c in this view, so that none clips
 
 
 def compare(
@@ -108,17 +110,21 @@ def compare(
     size: tuple[int, int],
     *,
     gloss: str = DEFAULT_GLOSS,
+    matched: Collection[str] = (),
     progress: ProgressReport = no_progress,
 ) -> Comparison:
     """Draw every sample once and show its picture with every operator.
 
     `scene` gives all but the material, `size` is (width, height) in pixels, and `gloss` is the one
-    of GLOSSES that orders the real materials.
+    of GLOSSES that orders the real materials. matched: labels of samples whose c belong together,
+    which one factor scales where a picture can't display its own.
     """
     drawn, cells = [], []
+    factor = factor_in_view(renderer, [s for s in samples if s.label in matched], scene, size)
     for k, sample in enumerate(samples):
         of_sample = dataclasses.replace(scene, material=sample.material)
-        frame = renderer.render(of_sample, sample.look, size)
+        of_pair = factor if sample.label in matched else 1.0
+        frame = renderer.render(of_sample, sample.look, size, factor=of_pair)
         rows_kept, columns_kept = _bounds(frame)
         drawn.append(DrawnSample(sample, computed_gloss(sample.material), frame.c, frame.c_max))
         by_operator = []
@@ -138,7 +144,19 @@ def compare(
         }
         orders = {name: gloss_order(name, of_operator, real) for name in ORDERED_BY}
         rows.append(OperatorRow(operator, of_operator, orders))
-    return Comparison(tuple(drawn), tuple(rows), gloss, ranks(real), is_srgb(scene.display))
+    return Comparison(tuple(drawn), tuple(rows), gloss, ranks(real), is_srgb(scene.display), factor)
+
+
+def factor_in_view(
+    renderer: FrameRenderer, samples: Sequence[SampleLook], scene: Scene, size: tuple[int, int]
+) -> float:
+    """The common factor of the samples' c with which no picture of this view clips."""
+    contrasts = []
+    for sample in samples:
+        of_sample = dataclasses.replace(scene, material=sample.material)
+        frame = renderer.render(of_sample, sample.look, size)
+        contrasts.append((frame.c, frame.c_max))
+    return common_factor(contrasts)
 
 
 def _bounds(frame: Frame) -> tuple[slice, slice]:
@@ -157,10 +175,18 @@ def _bounds(frame: Frame) -> tuple[slice, slice]:
 def gloss_order(name: str, cells: Mapping[str, Cell], real: Mapping[str, float]) -> GlossOrder:
     """The order by a measure of ORDERED_BY, and its agreement with that of the real materials."""
     values = {label: getattr(cell.measures, name) for label, cell in cells.items()}
-    if any(value is None for value in values.values()):
+    return order_of(values, real, ORDER_TIE_LSTAR)
+
+
+def order_of(
+    values: Mapping[str, float | None], real: Mapping[str, float], tie: float
+) -> GlossOrder:
+    """The order of displayed values against the real one; values closer than `tie` are a tie."""
+    displayed_values = {label: value for label, value in values.items() if value is not None}
+    if len(displayed_values) < len(values):
         return GlossOrder({}, None, NONE)
-    displayed, material = ranks(values, ORDER_TIE_LSTAR), ranks(real)
-    agreed = agreement(values, real, ORDER_TIE_LSTAR)
+    displayed, material = ranks(displayed_values, tie), ranks(real)
+    agreed = agreement(displayed_values, real, tie)
     exchanged = any(
         displayed[a] > displayed[b] and material[a] < material[b] for a in real for b in real
     )
@@ -177,6 +203,7 @@ def as_numbers(comparison: Comparison) -> dict[str, Any]:
     """The comparison as JSON holds it."""
     return {
         "gloss": comparison.gloss,
+        "factor": comparison.factor,
         "samples": [
             {
                 "label": d.sample.label,

@@ -1,90 +1,142 @@
-"""Settings that give the same gloss ratio to a reference picture as the materials have.
+"""Contrast gloss that keeps the gloss ratio of a sample to a reference, whatever the view.
 
 Relative-glossiness matching (Ishii et al.): R = G_1 / G~_1 is seen on the reference, and a picture
-of sample i shows the right gloss where G_i = R G~_i. Here all four are computed: the G of the
-materials as a gloss meter would read them, the G~ of the pictures by a contrast. Defined in
-docs/match.md.
+of sample i shows the right gloss where G_i = R G~_i. G is the reading of a gloss meter. G~ is the
+lightness that the highlight adds at its brightest place, c L_s* (eq. 2); grain enters by its mean.
+It is linear in c, so a pair of c keeps its meaning in every view, and the proposal is the geometric
+mean over poses of the lamp. Defined in docs/match.md.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
-from relgloss_view.base.terminal import ProgressReport, no_progress
+from relgloss_view.gloss.meter.meter import specular_gloss
+from relgloss_view.gloss.pose import pose_of
 from relgloss_view.gloss.samples import DEFAULT_GLOSS, SampleLook, computed_gloss
-from relgloss_view.gloss.shown import Regions, contrast_gloss, peak_contrast
-from relgloss_view.picture.frame import Frame
-from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.material.material import Material
+from relgloss_view.picture.model import tone
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.match import Match
+from relgloss_view.picture.scene.sample import SAMPLES, load_sample
+from relgloss_view.picture.scene.setting import Setting
+from relgloss_view.picture.scene.setup import Setup
 
-if TYPE_CHECKING:
-    from relgloss_view.quality.backends import FrameRenderer
-
+#: Directions of the lamp, seen from the default eye, over which a proposal is the mean.
+LAMPS_DEG = (20.0, 50.0, 80.0, 110.0)
 SIGMAS_N_DEG = tuple(0.25 * k for k in range(13))  #: the paper's range, twice as fine
-MEASURES: dict[str, Callable[[Array, Regions], float | None]] = {
-    "peak-contrast": peak_contrast,
-    "contrast-gloss": contrast_gloss,
-}
-DEFAULT_MEASURE = "peak-contrast"  #: the other does not see narrow highlights
-C_TOLERANCE = 1e-4  #: of c_max
+DEFAULT_REFERENCE = next(iter(SAMPLES))  #: cast-coated, as in the paper
+
+
+def match_setups(setup: Setup | None = None) -> tuple[Setup, ...]:
+    """The setups of a match: the paper's cylinder under LAMPS_DEG, or the one that is given."""
+    if setup is not None:
+        return (setup,)
+    return tuple(Setup().with_entries("lamp", azimuth_deg=lamp) for lamp in LAMPS_DEG)
+
+
+def full_c(material: Material) -> float:
+    """c_max of a material at the paper's geometry, without grain; 1 where it has no highlight.
+
+    It is the limit for pictures of ever more pixels, so that no picture there has a smaller one.
+
+    >>> round(full_c(load_sample("cast-coated")), 4)
+    0.1403
+    """
+    extremes = pose_of(Setup()).extremes(material)
+    return 1.0 if extremes.l_s_max < tone.NO_LOBE_LSTAR else extremes.smallest_ratio
+
+
+def absolute_c(look: Look, material: Material) -> float:
+    """c of a look; a share is of c_max at the paper's geometry."""
+    return look.c if look.c is not None else look.setting.c_fraction * full_c(material)
+
+
+def gloss_of(material: Material, gloss: str = DEFAULT_GLOSS) -> float:
+    """The reading of a material, one of GLOSSES; 0 where a meter reads nothing."""
+    angle = gloss.removeprefix("gloss-")
+    if angle != gloss:
+        return specular_gloss(material, float(angle))
+    return computed_gloss(material)[gloss] or 0.0
 
 
 @dataclass(frozen=True)
-class Criterion:
-    """The two glosses whose ratios are held equal: of the materials and of their pictures."""
+class Reference:
+    """The reference of a match: its setting, and how bright its highlight is in each pose."""
 
-    gloss: str = DEFAULT_GLOSS  #: of a material, one of GLOSSES
-    measure: str = DEFAULT_MEASURE  #: of a picture, one of MEASURES
+    sample: SampleLook
+    c: float
+    gloss: str  #: the reading whose ratio is kept, one of GLOSSES
+    reading: float
+    setups: tuple[Setup, ...]
+    peaks: tuple[float | None, ...]  #: L_s* by setup; None where its highlight is not seen
+
+    @classmethod
+    def of(
+        cls, sample: SampleLook, gloss: str = DEFAULT_GLOSS, setup: Setup | None = None
+    ) -> Reference:
+        """A reference at its look; a share of c_max is that at the paper's geometry.
+
+        setup: match in this one alone. InputError where the sample has no gloss, or shows none.
+        """
+        reading = gloss_of(sample.material, gloss)
+        setups = match_setups(setup)
+        peaks = tuple(_peak(s, sample.material, sample.look.sigma_n_deg) for s in setups)
+        c = absolute_c(sample.look, sample.material)
+        name = printable(sample.label)
+        if reading <= 0.0 or c <= 0.0:
+            raise InputError(f"{name}: has no gloss, so no ratio to it can be kept; choose another "
+                             "--reference")  # fmt: skip
+        if all(peak is None for peak in peaks):
+            raise InputError(f"{name}: shows no gloss in this view, so no ratio to it can be kept; "
+                             "turn the lamp, or choose another --reference")  # fmt: skip
+        return cls(sample, c, gloss, reading, setups, peaks)
+
+    @classmethod
+    def default(cls) -> Reference:
+        """Cast-coated, smooth, at its c_max at the paper's geometry."""
+        name = DEFAULT_REFERENCE
+        return cls.of(SampleLook(name, load_sample(name), Look().at(SAMPLES[name])))
+
+    def matched_look(self, sample: SampleLook) -> SampleLook:
+        """A sample at its look's sigma_N, with the c that keeps the ratio to this reference."""
+        match = matched(self, sample.material, sample.look.sigma_n_deg)
+        return dataclasses.replace(sample, look=sample.look.with_entries(c=match.test_c))
 
     @property
-    def measure_words(self) -> str:
-        """The measure as people read it."""
-        return self.measure.replace("-", " ")
+    def sample_at_c(self) -> SampleLook:
+        """The sample with c itself in its look."""
+        look = self.sample.look.with_entries(c=self.c)
+        return dataclasses.replace(self.sample, look=look)
 
-
-class DisplayedGloss:
-    """The gloss that the split displays of a frame, in L*, as a function of c."""
-
-    def __init__(self, frame: Frame, measure: str) -> None:
-        self.c_max = frame.c_max
-        self._lightness = tuple(np.asarray(part, dtype=np.float64) for part in frame.split)
-        self._regions = Regions.of(frame)
-        self._measure = MEASURES[measure]
-        self._of_body = self._measured(0.0)
-
-    def __call__(self, c: float) -> float:
-        """The measure less that of c = 0, because a body without a highlight has no gloss."""
-        return self._measured(c) - self._of_body
-
-    def _measured(self, c: float) -> float:
-        l_d, l_s = self._lightness
-        contrast = self._measure(np.minimum(l_d + c * l_s, 100.0), self._regions)
-        if contrast is None:
-            raise InputError("too little of the object is seen to measure its gloss")
-        return contrast
+    @property
+    def displayed_gloss(self) -> float:
+        """What its highlight adds to L*, the mean over the poses; nothing is clipped."""
+        return self.c * _mean([peak for peak in self.peaks if peak is not None])
 
 
 @dataclass(frozen=True)
 class CurvePoint:
-    """The c that gives the wanted gloss at one sigma_N."""
+    """The c that keeps the ratio at one sigma_N: the mean over the poses, and their range."""
 
     sigma_n_deg: float
-    c: float | None  #: None where no c up to c_max gives it
-    c_max: float | None
-    most: float  #: displayed gloss at c_max, L*
+    c: float | None  #: None where no pose shows both highlights
+    low: float | None = None  #: c of the pose that proposes the smallest
+    high: float | None = None
+    refused: tuple[float, ...] = ()  #: lamp azimuths of the poses that do not show both, degrees
 
     @property
-    def c_fraction(self) -> float | None:
-        """c as a share of c_max."""
-        return None if self.c is None or not self.c_max else self.c / self.c_max
+    def spread(self) -> float:
+        """The largest c that a pose proposes over the smallest; 1 without any."""
+        return self.high / self.low if self.low and self.high else 1.0
 
 
 @dataclass(frozen=True)
@@ -93,146 +145,111 @@ class ComparedSetting:
 
     sigma_n_deg: float
     c: float
-    c_fraction: float | None
-    displayed_gloss: float  #: L*
+    ratio: float | None  #: displayed gloss over the reference's; None where a highlight is not seen
     c_distance: float | None  #: c less the curve's at the same sigma_N; None where it has none
-    fraction_distance: float | None  #: the same in shares of c_max
     sigma_n_distance_deg: float | None  #: sigma_N less the curve's nearest at the same c
 
 
 @dataclass(frozen=True)
-class Reference:
-    """The reference picture and its gloss, by the criterion that every match to it uses."""
-
-    sample: SampleLook
-    criterion: Criterion
-    gloss: float  #: of the material
-    displayed_gloss: float  #: of the picture, L*
-    c: float
-
-
-@dataclass(frozen=True)
-class Match:
+class MatchCurve:
     """The settings of one sample that keep its ratio to the reference."""
 
     sample: SampleLook
-    gloss: float  #: of the material
-    wanted: float  #: displayed gloss that keeps the ratio, L*
+    reading: float  #: gloss of the material
+    ratio: float  #: of it to the reference's
+    full_c: float  #: c_max at the paper's geometry, of which shares are given
     curve: tuple[CurvePoint, ...]  #: by sigma_N
     grain_deg: float  #: the sigma_N that looks like the sample's own grain
     proposed: CurvePoint | None  #: the curve's nearest to it
     own_setting: ComparedSetting | None  #: None where the sample came without a setting
 
 
-def reference_of(
-    renderer: FrameRenderer,
-    sample: SampleLook,
-    scene: Scene,
-    size: tuple[int, int],
-    criterion: Criterion,
-) -> Reference:
-    """Draw the reference picture and measure it; InputError where it or its material has no gloss.
+def matched_point(reference: Reference, material: Material, sigma_n_deg: float) -> CurvePoint:
+    """The c at one sigma_N with which a material keeps its ratio of gloss to the reference.
 
-    `scene` gives all but the material; `size` is (width, height) in pixels.
+    >>> point = matched_point(Reference.default(), load_sample("matte-coated"), 2.0)
+    >>> round(point.c, 2), point.spread < 1.7
+    (0.37, True)
     """
-    frame = _drawn(renderer, sample, scene, size, sample.look.sigma_n_deg)
-    real = computed_gloss(sample.material)[criterion.gloss]
-    displayed = DisplayedGloss(frame, criterion.measure)(frame.c)
-    if not real or displayed <= 0.0:
-        raise InputError(
-            f"{printable(sample.label)}: shows no gloss, so no ratio to it can be kept; choose "
-            "another --reference"
-        )
-    return Reference(sample, criterion, real, displayed, frame.c)
+    wanted = reference.c * gloss_of(material, reference.gloss) / reference.reading
+    proposals, refused = [], []
+    for setup, peak in zip(reference.setups, reference.peaks, strict=True):
+        own = None if peak is None else _peak(setup, material, sigma_n_deg)
+        if peak is None or own is None:
+            refused.append(setup.lamp.azimuth_deg)
+        else:
+            proposals.append(wanted * peak / own)
+    if not proposals:
+        return CurvePoint(sigma_n_deg, None, refused=tuple(refused))
+    return CurvePoint(sigma_n_deg, _mean(proposals), min(proposals), max(proposals), tuple(refused))
 
 
-def match(
-    renderer: FrameRenderer,
-    reference: Reference,
-    sample: SampleLook,
-    scene: Scene,
-    size: tuple[int, int],
-    *,
-    grain_deg: float,
-    compare_setting: bool,
-    progress: ProgressReport = no_progress,
-) -> Match:
-    """The curve of a sample, and its proposal: the point nearest to `grain_deg`, in degrees.
-
-    With `compare_setting` the sample's look is a setting that is compared with the curve. `scene`
-    and `size` as for reference_of.
-    """
-    criterion = reference.criterion
-    real = computed_gloss(sample.material)[criterion.gloss] or 0.0
-    wanted = reference.displayed_gloss * real / reference.gloss
-    own_sigma = sample.look.sigma_n_deg
-    sigmas = sorted({*SIGMAS_N_DEG, grain_deg, *([own_sigma] if compare_setting else [])})
-    curve, own = [], None
-    for k, sigma in enumerate(sigmas):
-        progress(k / len(sigmas), f"{sample.label}, sigma_N {sigma:g}")
-        frame = _drawn(renderer, sample, scene, size, sigma)
-        displayed = DisplayedGloss(frame, criterion.measure)
-        curve.append(_point(sigma, displayed, wanted))
-        if compare_setting and sigma == own_sigma:
-            own = (frame.c, displayed(frame.c), curve[-1])
-    solved = [point for point in curve if point.c is not None]
-    proposed = min(solved, key=lambda p: abs(p.sigma_n_deg - grain_deg), default=None)
-    own_setting = None if own is None else _compared(*own, curve)
+def matched(reference: Reference, material: Material, sigma_n_deg: float) -> Match:
+    """The match of a pair; without a highlight on either side both have the reference's c."""
+    point = matched_point(reference, material, sigma_n_deg)
     return Match(
-        sample=sample,
-        gloss=real,
-        wanted=wanted,
-        curve=tuple(curve),
-        grain_deg=grain_deg,
-        proposed=proposed,
-        own_setting=own_setting,
+        reference_c=reference.c,
+        test_c=reference.c if point.c is None else min(point.c, 1e4),
+        reference_sigma_n_deg=reference.sample.look.sigma_n_deg,
+        test_sigma_n_deg=sigma_n_deg,
+        gloss=reference.gloss,
+        spread=point.spread,
     )
 
 
-def _drawn(
-    renderer: FrameRenderer,
-    sample: SampleLook,
-    scene: Scene,
-    size: tuple[int, int],
-    sigma_n_deg: float,
-) -> Frame:
-    look = dataclasses.replace(sample.look, sigma_n_deg=sigma_n_deg)
-    return renderer.render(dataclasses.replace(scene, material=sample.material), look, size)
+def match_curve(
+    reference: Reference, sample: SampleLook, *, grain_deg: float, compare_setting: bool
+) -> MatchCurve:
+    """The curve of a sample, and its proposal: the point nearest to `grain_deg`, in degrees.
+
+    With `compare_setting` the sample's look is a setting that is compared with the curve.
+    """
+    material, own_sigma = sample.material, sample.look.sigma_n_deg
+    reading = gloss_of(material, reference.gloss)
+    sigmas = sorted({*SIGMAS_N_DEG, grain_deg, *([own_sigma] if compare_setting else [])})
+    curve = tuple(matched_point(reference, material, sigma) for sigma in sigmas)
+    solved = [point for point in curve if point.c is not None]
+    return MatchCurve(
+        sample=sample,
+        reading=reading,
+        ratio=reading / reference.reading,
+        full_c=full_c(material),
+        curve=curve,
+        grain_deg=grain_deg,
+        proposed=min(solved, key=lambda p: abs(p.sigma_n_deg - grain_deg), default=None),
+        own_setting=_compared(reference, sample, curve) if compare_setting else None,
+    )
 
 
-def _point(sigma_n_deg: float, displayed: DisplayedGloss, wanted: float) -> CurvePoint:
-    from scipy.optimize import brentq
+def _peak(setup: Setup, material: Material, sigma_n_deg: float) -> float | None:
+    """L_s* at the highlight's brightest place; None where the highlight is not seen."""
+    return pose_of(setup).peak(material, sigma_n_deg)
 
-    c_max = displayed.c_max
-    if not c_max:
-        return CurvePoint(sigma_n_deg, None, c_max, 0.0)
-    most = displayed(c_max)
-    if wanted > most:
-        return CurvePoint(sigma_n_deg, None, c_max, most)
-    if wanted <= 0.0:
-        return CurvePoint(sigma_n_deg, 0.0, c_max, most)
-    c = brentq(lambda c: displayed(c) - wanted, 0.0, c_max, xtol=C_TOLERANCE * c_max)
-    return CurvePoint(sigma_n_deg, float(c), c_max, most)
+
+def _mean(values: Sequence[float]) -> float:
+    """The geometric mean, since ratios are kept."""
+    if min(values) <= 0.0:
+        return 0.0
+    return float(np.exp(np.mean(np.log(values))))
 
 
 def _compared(
-    c: float, displayed_gloss: float, at_it: CurvePoint, curve: Sequence[CurvePoint]
+    reference: Reference, sample: SampleLook, curve: Sequence[CurvePoint]
 ) -> ComparedSetting:
     """The distances of a setting from the curve, along c and along sigma_N."""
-    fraction = c / at_it.c_max if at_it.c_max else None
-    along = None if at_it.c is None else c - at_it.c
-    share = None if along is None or not at_it.c_max else along / at_it.c_max
-    sigma = at_it.sigma_n_deg
-    across = [sigma - crossing for crossing in _crossings(curve, c)]
-    nearest = min(across, key=abs, default=None)
+    sigma, c = sample.look.sigma_n_deg, absolute_c(sample.look, sample.material)
+    at_it = next(point for point in curve if point.sigma_n_deg == sigma)
+    ratio = None
+    if at_it.c:
+        ratio = c / at_it.c * gloss_of(sample.material, reference.gloss) / reference.reading
     return ComparedSetting(
         sigma_n_deg=sigma,
         c=c,
-        c_fraction=fraction,
-        displayed_gloss=displayed_gloss,
-        c_distance=along,
-        fraction_distance=share,
-        sigma_n_distance_deg=nearest,
+        ratio=ratio,
+        c_distance=None if at_it.c is None else c - at_it.c,
+        sigma_n_distance_deg=min(
+            (sigma - crossing for crossing in _crossings(curve, c)), key=abs, default=None
+        ),
     )
 
 
@@ -247,17 +264,27 @@ def _crossings(curve: Sequence[CurvePoint], c: float) -> list[float]:
     return crossings
 
 
-def as_numbers(reference: Reference, matches: Sequence[Match]) -> dict[str, Any]:
+def own_sigma_n_deg(name: str | None) -> float:
+    """The graininess of a sample as far as it is known: that of the published setting, or 0."""
+    return SAMPLES[name].sigma_n_deg if name in SAMPLES else 0.0
+
+
+def matched_setting(reference: Reference, material: Material, sigma_n_deg: float) -> Setting:
+    """sigma_N and the matched c as a setting."""
+    return Setting(sigma_n_deg, c=matched(reference, material, sigma_n_deg).test_c)
+
+
+def as_numbers(reference: Reference, curves: Sequence[MatchCurve]) -> dict[str, Any]:
     """The reference and its matches as JSON holds them."""
     return {
-        "gloss": reference.criterion.gloss,
-        "measure": reference.criterion.measure,
+        "gloss": reference.gloss,
+        "lamp_azimuths_deg": [setup.lamp.azimuth_deg for setup in reference.setups],
         "reference": {
             "label": reference.sample.label,
             "name": reference.sample.material.name,
             "sigma_n_deg": reference.sample.look.sigma_n_deg,
             "c": reference.c,
-            "gloss": reference.gloss,
+            "gloss": reference.reading,
             "shown": reference.displayed_gloss,
         },
         "samples": [
@@ -265,24 +292,26 @@ def as_numbers(reference: Reference, matches: Sequence[Match]) -> dict[str, Any]
                 "label": m.sample.label,
                 "name": m.sample.material.name,
                 "source": m.sample.material.source,
-                "gloss": m.gloss,
-                "ratio": m.gloss / reference.gloss,
-                "wanted": m.wanted,
-                "curve": [_point_numbers(p) for p in m.curve],
+                "gloss": m.reading,
+                "ratio": m.ratio,
+                "wanted": m.ratio * reference.displayed_gloss,
+                "full_c": m.full_c,
+                "curve": [_point_numbers(p, m.full_c) for p in m.curve],
                 "grain_deg": m.grain_deg,
-                "proposed": None if m.proposed is None else _point_numbers(m.proposed),
-                "present": None if m.own_setting is None else _setting_numbers(m.own_setting),
+                "proposed": None if m.proposed is None else _point_numbers(m.proposed, m.full_c),
+                "present": None if m.own_setting is None else dataclasses.asdict(m.own_setting),
                 "warnings": list(m.sample.material.warnings),
             }
-            for m in matches
+            for m in curves
         ],
     }
 
 
-def _point_numbers(point: CurvePoint) -> dict[str, Any]:
-    return {**dataclasses.asdict(point), "c_fraction": point.c_fraction}
-
-
-def _setting_numbers(setting: ComparedSetting) -> dict[str, Any]:
-    numbers = dataclasses.asdict(setting)
-    return {"shown" if key == "displayed_gloss" else key: v for key, v in numbers.items()}
+def _point_numbers(point: CurvePoint, full: float) -> dict[str, Any]:
+    share = None if point.c is None else point.c / full
+    return {
+        **dataclasses.asdict(point),
+        "refused": list(point.refused),
+        "c_fraction": share,
+        "spread": point.spread,
+    }

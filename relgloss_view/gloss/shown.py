@@ -23,6 +23,7 @@ HIGHLIGHT_LSTAR = 1.0  #: a highlight adds at least this much to L*, the body at
 HIGHLIGHT_GRAINS = 2.0  #: sd of the mean over grains by which highlight and body are parted
 LIT_LSTAR = 1.0  #: below this L_d* there is no body colour to speak of
 EYE_SD_DEG = 1.0 / 30.0  #: two arc minutes, a little more than the eye blurs
+EDGE_GRAINS = 4.0  #: sd of the mean over grains that leaves edges; see tests/gloss/test_measures.py
 BLUR_REACH = 3.0  #: standard deviations of a filter that must lie on the object
 ORDER_TIE_LSTAR = 1.0  #: contrast glosses this close are a tie
 
@@ -36,6 +37,7 @@ class Regions:
     highlight: Mask  #: specular
     pixels_per_degree: float
     grain_px: float  #: side of a grain of the surface, at least a pixel
+    grainy: bool = False  #: whether sigma_N is above 0
 
     @classmethod
     def of(cls, frame: Frame) -> Regions:
@@ -56,7 +58,8 @@ class Regions:
         grain = max(grain, 1.0)
         specular = gaussian_filter(np.asarray(l_s, dtype=np.float64), HIGHLIGHT_GRAINS * grain)
         shines = specular >= HIGHLIGHT_LSTAR
-        return cls(whole, whole & ~shines & (l_d >= LIT_LSTAR), whole & shines, scale, grain)
+        body = whole & ~shines & (l_d >= LIT_LSTAR)
+        return cls(whole, body, whole & shines, scale, grain, look.sigma_n_deg > 0.0)
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,7 @@ class Measures:
     peak_contrast: float | None  #: L*
     graininess: float | None  #: L*
     sharpness: float | None  #: L* per degree
+    coverage: float | None  #: of the object's pixels
     clipped_share: float | None  #: of the object's pixels
     body_difference: float | None  #: CIEDE2000, median
 
@@ -81,6 +85,7 @@ def measure(frame: Frame, picture: Displayed) -> Measures:
         peak_contrast(lightness, regions),
         graininess(lightness, regions),
         sharpness(lightness, regions),
+        coverage(lightness, regions),
         float(np.mean(picture.clipped[on_object])) if np.any(on_object) else None,
         body_difference(picture, Clip().draw(frame), regions),
     )
@@ -148,11 +153,14 @@ def sharpness(lightness: Array, regions: Regions) -> float | None:
     """Largest slope of L* in and beside the highlights, in L* per degree of the eye's field.
 
     The picture is blurred by two arc minutes first, since a slope finer than that is not seen and
-    depends on where pixels fall. Grain has slopes too, and raises it.
+    depends on where pixels fall. Where the surface has grain, the blur spans some grains: a grain's
+    slopes point all ways and cancel, an edge's do not. So grain does not pass for sharpness.
     """
     from scipy.ndimage import binary_dilation, gaussian_filter
 
     sd = EYE_SD_DEG * regions.pixels_per_degree
+    if regions.grainy:
+        sd = max(sd, EDGE_GRAINS * regions.grain_px)
     reach = max(1, math.ceil(BLUR_REACH * sd))
     near = binary_dilation(regions.highlight, iterations=reach)
     inside = _away_from_edges(near & regions.whole, regions.whole, BLUR_REACH * sd)
@@ -160,6 +168,22 @@ def sharpness(lightness: Array, regions: Regions) -> float | None:
         return None
     down, right = np.gradient(gaussian_filter(lightness, sd, mode="nearest"))
     return float(np.max(np.hypot(down, right)[inside])) * regions.pixels_per_degree
+
+
+def coverage(lightness: Array, regions: Regions) -> float | None:
+    """Share of the object's pixels that are as bright as the highlight's flank or brighter.
+
+    The flank lies halfway between the median L* and the peak as the eye sees it. Marlow, Kim and
+    Anderson 2012: gloss follows contrast, sharpness and coverage of highlights.
+    """
+    from scipy.ndimage import gaussian_filter
+
+    contrast = peak_contrast(lightness, regions)
+    if contrast is None:
+        return None
+    blurred = gaussian_filter(lightness, EYE_SD_DEG * regions.pixels_per_degree, mode="nearest")
+    flank = float(np.median(lightness[regions.whole])) + 0.5 * contrast
+    return float(np.mean(blurred[regions.whole] >= flank))
 
 
 def _away_from_edges(region: Mask, whole: Mask, reach_px: float) -> Mask:

@@ -61,15 +61,18 @@ class Scaling:
     c_max: float | None
     c_max_eq4: float | None  #: the paper's approximation, at the brightest pixel
     warnings: tuple[str, ...] = ()
+    factor: float = 1.0  #: c is the look's times this, so that a pair of pictures is scaled alike
 
     @classmethod
-    def of(cls, look: Look, extremes: Extremes, *, eq4: bool = False) -> Scaling:
+    def of(
+        cls, look: Look, extremes: Extremes, *, eq4: bool = False, factor: float = 1.0
+    ) -> Scaling:
         """The scaling from the look's setting and the exact c_max of the picture.
 
         c_max is the largest c that keeps L_d* + c L_s* at most 100 in every pixel (Ishii et al.,
         eq. 4, evaluated at every pixel). eq4: take it at the brightest pixel alone, as the paper
-        does. Raises InputError where the look asks for c_max and the diffuse part alone exceeds
-        L* = 100.
+        does. factor: of a look's own c, from picture.pair. Raises InputError where the look asks
+        for c_max and the diffuse part alone exceeds L* = 100.
         """
         if extremes.not_finite:
             raise InputError(
@@ -84,20 +87,21 @@ class Scaling:
             )
             if look.c is None:
                 raise InputError(f"c_max: {text}; --c VALUE draws it clipped")
-            return cls(look.c, None, None, (text,))
+            return cls(look.c * factor, None, None, (text,), factor)
         if extremes.l_s_max < tone.NO_LOBE_LSTAR:
             ignored = look.setting.c_fraction != FULL_SHARE
             notes = ("no pixel shows a highlight: c_max has no value, and c is 1",)
-            return cls(1.0 if look.c is None else look.c, None, None, notes if ignored else ())
+            c = 1.0 if look.c is None else look.c * factor
+            return cls(c, None, None, notes if ignored else (), factor)
         at_brightest = (100.0 - extremes.brightest_l_d) / max(extremes.brightest_l_s, 1e-6)
         c_max = max(at_brightest if eq4 else extremes.smallest_ratio, 0.0)
-        c = look.setting.scaling(c_max)
+        c = look.setting.scaling(c_max) * (1.0 if look.c is None else factor)
         warnings = []
         if c > 1.0 + 1e-9:
             warnings.append(f"c = {c:.3g} is above 1: the picture exaggerates the contrast gloss")
         if c > c_max * (1.0 + 1e-9):
             warnings.append(f"c = {c:.3g} is above c_max = {c_max:.3g}: highlights are clipped")
-        return cls(c, c_max, at_brightest, tuple(warnings))
+        return cls(c, c_max, at_brightest, tuple(warnings), factor)
 
 
 def scene_warnings(

@@ -30,20 +30,20 @@ class ReferenceRenderer:
     def __init__(self, progress: ProgressReport = no_progress) -> None:
         self._progress = progress
 
-    def render(self, scene: Scene, look: Look, size: Size) -> Frame:
+    def render(self, scene: Scene, look: Look, size: Size, *, factor: float = 1.0) -> Frame:
         """Draw a scene in float64; arguments and errors as Renderer.render."""
         view = View.of(scene, check_size(size))
         samples = sample_count(scene, look, size)
         white, seen = self._white(scene, view, samples)
         if scene.lamp.y_n == "front":
-            white = front_white(scene, view)
-        white = lit_white(white, scene)
+            white = front_white(scene.setup, view)
+        white = lit_white(white, scene.setup)
         stages = self._shade(as_drawn(scene, look), look, view, white, samples)
         drawn = stages["diffuse"][..., 3] > 0.0
         l_d, l_s = tone.split_lightness(
             stages["diffuse"][..., 1][drawn], stages["specular"][..., 1][drawn]
         )
-        scaling = Scaling.of(look, Extremes.over(l_d, l_s))
+        scaling = Scaling.of(look, Extremes.over(l_d, l_s), factor=factor)
         stages.update(_tone(scene, stages, scaling.c))
         return Frame(
             scene=scene,

@@ -20,8 +20,13 @@ BACKENDS = ("auto", "egl", "osmesa", "reference")
 class FrameRenderer(Protocol):
     """Draws frames: Renderer through OpenGL, ReferenceRenderer in float64."""
 
-    def render(self, scene: Scene, look: Look, size: tuple[int, int]) -> Frame:
-        """Draw a scene; `size` is width and height in pixels. Raises InputError."""
+    def render(
+        self, scene: Scene, look: Look, size: tuple[int, int], *, factor: float = 1.0
+    ) -> Frame:
+        """Draw a scene; `size` is width and height in pixels. Raises InputError.
+
+        factor: of the look's c, as picture.pair gives it for pictures that belong together.
+        """
         ...
 
 

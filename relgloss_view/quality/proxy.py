@@ -139,8 +139,8 @@ class Proxy:
         smooth, arriving = self._facing(variant.lamp, tilted=False)
         white = float(np.max(np.maximum(smooth.mu_i, 0.0) * arriving * (smooth.mu_o > 0.0)))
         if scene.lamp.y_n == "front":
-            white = front_white(scene, self._view)
-        white = lit_white(white, scene)
+            white = front_white(scene.setup, self._view)
+        white = lit_white(white, scene.setup)
         arriving = arriving * (np.pi / white) if white > 0.0 else 0.0 * arriving
         grain = self._facing(variant.lamp, tilted=variant.noise != "none")[0]
         under = grain if variant.noisy_diffuse else smooth

@@ -217,7 +217,9 @@ class Passes:
             self._once = self._extremes
         white = self._draw_light(request)
         extremes = self._once if method.c_max == "once" else self._extremes
-        scaling = Scaling.of(request.look, extremes, eq4=method.c_max == "eq4")
+        scaling = Scaling.of(
+            request.look, extremes, eq4=method.c_max == "eq4", factor=request.factor
+        )
         bounds = View.of(request.scene, request.size).bounds
         self._draw_tone("tone", request, scaling, TONE, bounds)
         return Drawn(scaling, white, self._object_pixels)
@@ -291,8 +293,8 @@ class Passes:
         if self.held.renew("white", tuple(defines.items()), view.size, seen_from):
             self._white, self._object_pixels = self.reduction.white(defines, seen_from, view.bounds)
             self.draws["white"] += 1
-        white = self._white if scene.lamp.y_n == "maximum" else front_white(scene, view)
-        return lit_white(white, scene)
+        white = self._white if scene.lamp.y_n == "maximum" else front_white(scene.setup, view)
+        return lit_white(white, scene.setup)
 
     def _draw_tone(
         self,

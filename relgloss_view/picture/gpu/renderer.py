@@ -74,27 +74,40 @@ class Renderer:
                     _ = frame.clip_count, frame.light, frame.normal, frame.specular
 
     def request(
-        self, scene: Scene, look: Look, size: Size, method: Method | None = None
+        self,
+        scene: Scene,
+        look: Look,
+        size: Size,
+        method: Method | None = None,
+        factor: float = 1.0,
     ) -> Request:
         """What a frame is asked to be; no method: by the look's quality. InputError for a size."""
         if method is None:
             method = self.choose(scene, look, check_size(size))
-        return Request(as_drawn(scene, look), look, check_size(size), method)
+        return Request(as_drawn(scene, look), look, check_size(size), method, factor)
 
-    def render(self, scene: Scene, look: Look, size: Size, method: Method | None = None) -> Frame:
+    def render(
+        self,
+        scene: Scene,
+        look: Look,
+        size: Size,
+        method: Method | None = None,
+        *,
+        factor: float = 1.0,
+    ) -> Frame:
         """Draw a scene. Raises InputError for a size or a material that can't be drawn.
 
         The same arguments in a row give the same Frame, with what was fetched of it. A method
-        draws less than the whole model.
+        draws less than the whole model. factor: of the look's c, picture.pair.common_factor.
         """
-        request = self.request(scene, look, size, method)
+        request = self.request(scene, look, size, method, factor)
         make_current(self.ctx)
         before = self.passes.present
         drawn = self.passes.bring_up_to_date(request)
         last = self._last
         same = before is not None and before is self.passes.present
-        asked = scene, look, size, request.method
-        if same and last and (last.scene, last.look, last.size, last.method) == asked:
+        asked = scene, look, size, request.method, factor
+        if same and last and _asked_of(last) == asked:
             return last
         self._last = Frame(
             scene,
@@ -127,3 +140,8 @@ class Renderer:
         if not self._shares_programs:
             self.programs.release()
         collect(self.ctx)
+
+
+def _asked_of(frame: Frame) -> tuple[object, ...]:
+    """What a frame was asked to be."""
+    return frame.scene, frame.look, frame.size, frame.method, frame.scaling.factor

@@ -20,6 +20,7 @@ class Request:
     look: Look
     size: Size
     method: Method = EXACT
+    factor: float = 1.0  #: of c, so that a pair of pictures is scaled alike
 
     def without_grain(self) -> Request:
         """The same, its surface smooth, whatever c."""

@@ -17,7 +17,7 @@ from relgloss_view.picture.model.view import Size, float32, view_of
 from relgloss_view.picture.scene.setup import Setup
 
 SIZE: Size = (512, 512)
-PLACES = 33  #: along each side of the searched part of the picture
+PLACES = 17  #: along each side of the searched part of the picture
 NARROWER = 0.2  #: what each look searches of the one before
 LOOKS = 9  #: the last one is 2.6e-6 of the first: 0.001 px
 

@@ -6,25 +6,25 @@ import numpy as np
 
 from relgloss_view.picture.model import shape
 from relgloss_view.picture.model.view import View
-from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Setup
 
 #: Where every cosine of incidence is below this, the lamp only grazes the object, and rounding of
 #: its position would be drawn as light.
 GRAZING_COSINE = 1e-6
 
 
-def front_white(scene: Scene, view: View) -> float:
+def front_white(setup: Setup, view: View) -> float:
     """cos_i / r^2 of the perfect diffuser at the point that faces the eye; 0 if there is none."""
-    half_extent_m = scene.shape.half_extent_m()
-    hit = shape.meet(scene.shape.kind, view.eye_m, view.forward[None, :], half_extent_m)
+    half_extent_m = setup.shape.half_extent_m()
+    hit = shape.meet(setup.shape.kind, view.eye_m, view.forward[None, :], half_extent_m)
     if not hit.found[0]:
         return 0.0
-    to_lamp = scene.lamp.position_m - hit.point_m[0]
+    to_lamp = setup.lamp.position_m - hit.point_m[0]
     distance2 = float(to_lamp @ to_lamp)
     return max(float(hit.normal[0] @ to_lamp) / distance2**1.5, 0.0) if distance2 > 0.0 else 0.0
 
 
-def lit_white(white: float, scene: Scene) -> float:
+def lit_white(white: float, setup: Setup) -> float:
     """The white, or 0 where the lamp lights nothing or only grazes the object."""
-    limit = GRAZING_COSINE / float(np.sum(scene.lamp.position_m**2))
+    limit = GRAZING_COSINE / float(np.sum(setup.lamp.position_m**2))
     return white if np.isfinite(white) and white > limit else 0.0

@@ -14,6 +14,7 @@ from relgloss_view.base.reading import printable, text
 from relgloss_view.base.toml import build_part, read_toml, table_of
 from relgloss_view.material.spectra import illuminant, is_lamp_name
 from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.match import Match
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, Sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Lamp, Setup
@@ -24,7 +25,7 @@ TABLES: dict[str, type[Any]] = {
     "look": Look,
 }
 #: Of a pair of pictures. What [presentation] holds is the window's own business.
-PAIR_TABLES = ("reference", "presentation")
+PAIR_TABLES = ("reference", "match", "presentation")
 SAMPLE_ENTRIES = ("name", "material", "table")
 MAX_BYTES = 1024 * 1024
 EXPECTED = "a scene file (TOML)"
@@ -40,6 +41,7 @@ class SceneFile:
     reference: Sample | None = None
     reference_look: Look | None = None
     presentation: Mapping[str, Any] = field(default_factory=dict)  #: as in the file
+    match: Match | None = None  #: how the two looks were found; None where the file has none
 
     def scene(self) -> Scene:
         """The scene of the sample's picture."""
@@ -71,7 +73,7 @@ def read_scene_file(
 
     Tables: [sample] with `name` (built in) or `material` (a file, relative to the scene file), and
     [shape], [lamp], [eye], [display], [look] with the fields of their classes; for a pair of
-    pictures [reference] with the entries of [sample], [reference.look] and [presentation].
+    pictures [reference] with the entries of [sample], [reference.look], [match] and [presentation].
 
     replacements: a list that collects a message for each material or lamp that can't be read; the
     built-in one (for the reference, None) takes its place. Without the list that is an error.
@@ -110,6 +112,7 @@ def _scene_file(
         reference=read_sample("reference", of_reference, folder, replacements),
         reference_look=reference_look,
         presentation=presentation,
+        match=build_part(Match, "match", content["match"]) if "match" in content else None,
     )
 
 

@@ -60,6 +60,8 @@ def _tables(content: SceneFile, folder: Path, forgiving: bool) -> dict[str, Any]
     lamp = content.setup.lamp.illuminant
     if not is_lamp_name(lamp):
         _put(tables["lamp"], "illuminant", _place(lamp, folder), "lamp", forgiving)
+    if content.match is not None:
+        tables["match"] = entries(content.match)
     if content.presentation:
         tables["presentation"] = {k: plain(v) for k, v in content.presentation.items()}
     return tables

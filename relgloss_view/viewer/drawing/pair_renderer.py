@@ -24,6 +24,7 @@ from relgloss_view.picture.gpu.variant import Variant
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.model.drawn import as_drawn
 from relgloss_view.picture.model.view import Size
+from relgloss_view.picture.pair import common_factor, held_factor
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.quality.planner import WHOLE, MethodChooser
@@ -48,6 +49,7 @@ class DrawnPair:
 
     pictures: dict[str, SidePicture]
     faults: dict[str, str]
+    factor: float = 1.0  #: of both c, so that neither picture clips
 
 
 class PairRenderer:
@@ -64,6 +66,7 @@ class PairRenderer:
         self._warmed: set[object] = set()
         self._methods: dict[str, Method] = {}  #: of the last picture of each side
         self.uploads = TextureUploads(ctx)
+        self._factor = 1.0  #: of the last pair
         self._enlarged = False  #: whether the renderer that warms up has drawn something large
         limit = max_texture_size(ctx)
         self.largest: Size = (limit, limit)
@@ -106,17 +109,20 @@ class PairRenderer:
         renderers = self._full if scale == 1.0 else self._draft
         for chooser in self._choosers.values():
             chooser.moving = moving
-        pictures: dict[str, SidePicture] = {}
-        faults: dict[str, str] = {}
-        for side in SIDES:  # the one that flip hides too: panels show its numbers
-            try:
-                pictures[side] = self._draw_side(renderers[side], state, side, size)
-            except RelglossError as error:
-                faults[side] = str(error)
+        pictures, faults = self._draw_sides(renderers, state, size)
+        needed = _factor_of(state, pictures)
+        factor = held_factor(needed, self._factor) if moving else needed
+        if factor != self._factor:
+            self._factor = factor
+            pictures, faults = self._draw_sides(renderers, state, size)
         if _wants_difference(state) and len(pictures) == len(SIDES):
             first, second = (
                 renderers[side].request(
-                    state.scene(side), state.side(side).look, size, pictures[side].frame.method
+                    state.scene(side),
+                    state.side(side).look,
+                    size,
+                    pictures[side].frame.method,
+                    self._factor,
                 )
                 for side in SIDES
             )
@@ -131,7 +137,20 @@ class PairRenderer:
                 pictures["test"] = SidePicture(name, size, pictures["test"].frame)
             except RelglossError as error:
                 faults["test"] = str(error)
-        return DrawnPair(pictures, faults)
+        return DrawnPair(pictures, faults, self._factor)
+
+    def _draw_sides(
+        self, renderers: dict[str, Renderer], state: State, size: Size
+    ) -> tuple[dict[str, SidePicture], dict[str, str]]:
+        """The pictures with the present factor; for another one only pass 2 is drawn again."""
+        pictures: dict[str, SidePicture] = {}
+        faults: dict[str, str] = {}
+        for side in SIDES:  # the one that flip hides too: panels show its numbers
+            try:
+                pictures[side] = self._draw_side(renderers[side], state, side, size)
+            except RelglossError as error:
+                faults[side] = str(error)
+        return pictures, faults
 
     def warm(self, state: State) -> bool:
         """Compile what the sliders of a state can reach; returns whether anything was to do."""
@@ -158,7 +177,12 @@ class PairRenderer:
     def render_at(self, state: State, side: str, size: Size) -> Frame:
         """A side's picture at any size; fetch its numbers before the next one is asked for."""
         self._enlarged = True
-        return self._warm.render(state.scene(side), state.side(side).look, size)
+        if not _scales(state):
+            return self._warm.render(state.scene(side), state.side(side).look, size)
+        frames = (self._warm.render(state.scene(s), state.side(s).look, size) for s in SIDES)
+        contrasts = [(frame.c, frame.c_max) for frame in frames]
+        factor = common_factor(contrasts)
+        return self._warm.render(state.scene(side), state.side(side).look, size, factor=factor)
 
     def with_uploads(
         self, pictures: dict[str, SidePicture], displayed: dict[str, Displayed]
@@ -198,13 +222,29 @@ class PairRenderer:
 
     def _draw_side(self, renderer: Renderer, state: State, side: str, size: Size) -> SidePicture:
         scene, look = state.scene(side), state.side(side).look
-        frame = renderer.render(scene, look, size)
+        frame = renderer.render(scene, look, size, factor=self._factor)
         self._methods[side] = frame.method
         overlay = state.presentation.overlay
         if overlay == "none" or state.presentation.haploscopic:
             return SidePicture(renderer.framebuffer_name(TONE), size, frame)
         draw_overlay(renderer, scene, look, size, overlay, frame.method)
         return SidePicture(renderer.framebuffer_name(OVERLAY), size, frame)
+
+
+def _scales(state: State) -> bool:
+    """Whether one factor scales both c: both are numbers, and highlights are not to clip."""
+    absolute = all(state.side(side).look.c is not None for side in SIDES)
+    return absolute and not state.presentation.clip_highlights
+
+
+def _factor_of(state: State, pictures: dict[str, SidePicture]) -> float:
+    """The common factor with which no picture clips."""
+    if not _scales(state):
+        return 1.0
+    looks = {side: state.side(side).look for side in pictures}
+    return common_factor(
+        (look.c, pictures[side].frame.c_max) for side, look in looks.items() if look.c is not None
+    )
 
 
 def _variant(scene: Scene, look: Look) -> object:

@@ -19,6 +19,7 @@ from relgloss_view.picture.scene.file_kinds import MATERIAL, SCENE, likely_kind
 from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.viewer.files.fit_process import FitProcess
 from relgloss_view.viewer.files.own_materials import keep_material
+from relgloss_view.viewer.state import matching
 from relgloss_view.viewer.state.places import data_folder
 from relgloss_view.viewer.state.state import State
 from relgloss_view.viewer.state.state_file import load_state
@@ -39,7 +40,7 @@ class Opened:
         if self.state is not None:
             return self.state
         assert self.sample is not None
-        return state.with_sample(side, self.sample)
+        return matching.with_sample(state, side, self.sample)
 
 
 class OpenJob:

@@ -16,6 +16,7 @@ from relgloss_view.picture.output.export import save_frame
 from relgloss_view.picture.output.png import save_pair
 from relgloss_view.viewer.drawing.arrangement import as_shown
 from relgloss_view.viewer.state.command_line import snapshot_command
+from relgloss_view.viewer.state.matching import as_displayed
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.state import SIDES
 
@@ -149,6 +150,7 @@ def _commands(
     for side, frame in frames.items():
         # The eye as it was drawn with: life size and another size change it.
         state = model.state.placed(eye=frame.scene.eye)
+        state = as_displayed(state, frame.scaling.factor)
         name = os.path.basename(request.path)
         name = _named(name, side) if request.picture == BOTH else name
         try:

@@ -10,10 +10,12 @@ from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.tone import DisplayModel
 from relgloss_view.picture.model.view import View
+from relgloss_view.picture.pair import ratio_words
 from relgloss_view.picture.scene.setup import Display
 from relgloss_view.viewer.drawing.arrangement import Arrangement
 from relgloss_view.viewer.panels.drawing_words import drawing_words
 from relgloss_view.viewer.shell.theme import em, gray
+from relgloss_view.viewer.state.matching import share_of_match
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.state import DIFFERENCE, WIPE
 
@@ -81,6 +83,9 @@ def _lines(model: Model, side: str, faults: dict[str, str]) -> list[Line]:
     frame = model.frames.get(side)
     if frame is not None:
         lines.append(_setting(model, side, frame))
+        words = ratio_words(frame.scaling.factor)
+        if words:
+            lines.append((f"{words}", words.partition(":")[0]))
         if state.presentation.overlay != "none":
             lines.append((f"Overlay: {state.presentation.overlay}",))
         words = drawing_words(frame.method)
@@ -101,10 +106,15 @@ def _setting(model: Model, side: str, frame: Frame) -> Line:
             f"sigma_N {sigma_n}, tone mapping: {mapping}",
         )
     c = f"{frame.c:.3g}"
-    highest = "no highlight" if frame.c_max is None else f"highest {frame.c_max:.3g}"
+    share = share_of_match(model.state, side)
+    if share is None:
+        matched = ""
+    else:
+        matched = ", matched" if abs(share - 1.0) < 5e-4 else f", {share:.2f} of the match"
+    seen = ", no highlight" if frame.c_max is None else ""
     return (
-        f"Graininess (sigma_N) {sigma_n}, contrast gloss (c) {c}, {highest}",
-        f"sigma_N {sigma_n}, c {c}, {highest}",
+        f"Graininess (sigma_N) {sigma_n}, contrast gloss (c) {c}{matched}{seen}",
+        f"sigma_N {sigma_n}, c {c}{matched}{seen}",
         f"sigma_N {sigma_n}, c {c}",
     )
 

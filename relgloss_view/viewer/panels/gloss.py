@@ -18,6 +18,7 @@ from relgloss_view.viewer.panels.list_rows import fitting
 from relgloss_view.viewer.plots.gloss_readings import GlossReadings, Readings
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import em
+from relgloss_view.viewer.state import matching
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.places import data_folder
 from relgloss_view.viewer.state.state import SIDES
@@ -204,7 +205,7 @@ def _make(model: Model, side: str, base: Sample, reading: float) -> None:
     memory.refused = None
     memory.made.append(_Made(material, base, memory.angle, reading))
     del memory.made[:-REMEMBERED]
-    state = model.state.with_sample(side, Sample(material))
+    state = matching.with_sample(model.state, side, Sample(material), keep=True)
     model.change(state, gesture=f"{side} hypothetical")
 
 
@@ -223,10 +224,11 @@ def _remarks(model: Model, side: str, sample: Sample, made: _Made) -> None:
         model.attempt(lambda: _keep(model, side, made))
     imgui.same_line()
     if widgets.button("Go back", "brings back the sample that it was made from"):
-        model.set_sample(side, made.base)
+        model.change(matching.with_sample(model.state, side, made.base, keep=True))
 
 
 def _keep(model: Model, side: str, made: _Made) -> None:
     file = keep_material(made.material, data_folder() / "materials")
-    model.set_sample(side, Sample(made.material, file=str(file)))
+    sample = Sample(made.material, file=str(file))
+    model.change(matching.with_sample(model.state, side, sample, keep=True))
     model.report(f"written: {file}")

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from imgui_bundle import imgui
 
+from relgloss_view.base.parameters import Checked, parameter
 from relgloss_view.operators.registry import OPERATORS
-from relgloss_view.picture.frame import Frame
+from relgloss_view.picture.pair import ratio_words
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.quality.planner import DEFAULT_TOLERANCE
 from relgloss_view.viewer.panels.drawing_words import drawing_words
 from relgloss_view.viewer.shell import widgets
-from relgloss_view.viewer.shell.theme import em
 from relgloss_view.viewer.shell.widgets import Reach
+from relgloss_view.viewer.state.matching import rematched, share_of_match, taken_as_match
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.state import SIDES, Presentation
 
@@ -23,6 +25,37 @@ QUALITY_MEANINGS = {
     f"and {DEFAULT_TOLERANCE.largest:g} for any",
     "exact": "draws the whole model, whatever the time",
 }
+
+
+@dataclass(frozen=True)
+class Shares(Checked):
+    """Contrast gloss of the two pictures in units of the match."""
+
+    reference: float = parameter(
+        1.0,
+        0.0,
+        1e4,
+        "",
+        "scales both pictures, so that their ratio of gloss stays",
+        label="Contrast gloss",
+    )
+    test: float = parameter(
+        1.0,
+        0.0,
+        1e4,
+        "",
+        "1 keeps the ratio of gloss to the reference; 0.5 shows half as much gloss",
+        label="Contrast gloss",
+    )
+
+
+SHARE_REACH = Reach(high=2.0, digits="%.2f")
+_MADE_BY = {
+    "match": "1 is the setting that relgloss match proposes.",
+    "experiment": "1 is the setting that observers found.",
+    "paper": "1 is the setting that the paper's observers chose.",
+    "hand": "1 is the setting that was taken by hand.",
+}
 SAMPLE_COUNTS = ("auto", "1", "2", "3", "4", "8", "16")
 
 
@@ -32,7 +65,7 @@ def show(model: Model) -> None:
     side = model.active_side
     look = model.state.side(side).look
     _sigma_n(model, side, look)
-    _scaling(model, side, look)
+    _contrast(model, side, look)
     imgui.separator_text("Grain")
     _grain(model, side, look)
     imgui.separator_text("Drawing")
@@ -54,47 +87,64 @@ def side_tabs(model: Model) -> None:
 def _sigma_n(model: Model, side: str, look: Look) -> None:
     changed, value = widgets.slider(Look, "sigma_n_deg", look.sigma_n_deg, SIGMA_N_REACH)
     if changed:
-        model.set_look(side, gesture=f"{side} sigma_n", sigma_n_deg=value)
+        model.set_sigma_n(side, value, gesture=f"{side} sigma_n")
 
 
-def _scaling(model: Model, side: str, look: Look) -> None:
+def _contrast(model: Model, side: str, look: Look) -> None:
+    """Contrast gloss in units of the match; c itself behind a fold."""
+    share = share_of_match(model.state, side)
+    if share is not None:
+        changed, value = widgets.slider(Shares, side, share, SHARE_REACH, default=1.0)
+        if changed:
+            model.set_share(side, value, gesture=f"{side} share")
+    _match(model)
+    if imgui.tree_node("In numbers (c, c_max)"):
+        _numbers(model, side, look)
+        imgui.tree_pop()
+
+
+def _match(model: Model) -> None:
+    """Where the match comes from, what the view does to it, and how to change it."""
+    state = model.state
+    match = state.match
+    if match is None:
+        widgets.wrapped("No match: the reference shows no gloss.", dim=True)
+        return
+    widgets.wrapped(_MADE_BY[match.made_by], dim=True)
+    words = ratio_words(model.factor)
+    if words:
+        widgets.wrapped(f"{words}.", dim=True)
+    on = state.presentation.clip_highlights
+    text = widgets.label_of(Presentation, "clip_highlights")
+    if widgets.checkbox(text, on, "keeps each c as it is, and marks what clips"):
+        model.set_part("presentation", clip_highlights=not on)
+    if widgets.button("Match again", "sets both pictures to what relgloss match proposes"):
+        model.change(rematched(state))
+    imgui.same_line()
+    if widgets.button("Take as match", "makes the present settings the match, as your eye found"):
+        model.change(taken_as_match(state))
+
+
+def _numbers(model: Model, side: str, look: Look) -> None:
     frame = model.frames.get(side)
     c_max = frame.c_max if frame else None
-    c = frame.c if frame else None
-    setting = look.setting
-    fraction = setting.c_fraction
-    if setting.c is not None:
-        fraction = setting.c / c_max if c_max else 1.0
-    reach = Reach(high=1.0, digits="%.3f")
-    changed, value = widgets.slider(Look, "c_fraction", fraction, reach, default=1.0)
-    if changed:
-        model.set_setting(side, Setting(setting.sigma_n_deg, value), gesture=f"{side} c")
-    absolute = c if c is not None else 1.0
+    c = look.c if look.c is not None else frame.c if frame else 1.0
     reach = Reach(high=max(1.0, c_max or 1.0), digits="%.4g")
-    changed, value = widgets.slider(Look, "c", absolute, reach, default=c_max or 1.0)
+    changed, value = widgets.slider(Look, "c", c, reach, default=c_max or 1.0)
     if changed:
-        model.set_setting(side, Setting(setting.sigma_n_deg, c=value), gesture=f"{side} c")
-    _highest(model, side, setting, frame)
-    if c is not None and c > 1.0 + 1e-9:
-        widgets.label("")
-        widgets.flag("exaggerated (c > 1)", "the picture exaggerates the contrast gloss")
-    if c is not None and c_max is not None and c > c_max * (1.0 + 1e-9):
-        widgets.label("")
-        widgets.flag("clipped", "c is above c_max: highlights are cut at L* 100")
-
-
-def _highest(model: Model, side: str, setting: Setting, frame: Frame | None) -> None:
-    """The highest contrast gloss that the display shows, and a box that holds c to it."""
-    c_max = frame.c_max if frame else None
+        model.set_c(side, value, gesture=f"{side} c")
+    if c_max:
+        reach = Reach(high=1.0, digits="%.3f")
+        changed, value = widgets.slider(Look, "c_fraction", c / c_max, reach, default=1.0)
+        if changed:
+            model.set_c(side, value * c_max, gesture=f"{side} c")
     widgets.label("Highest (c_max)")
     imgui.align_text_to_frame_padding()
     imgui.text_unformatted("no highlight" if c_max is None else f"{c_max:.4g}")
-    widgets.tooltip("The highest contrast gloss that the display shows without clipping.")
-    imgui.same_line(0.0, em(0.7))
-    locked = setting == Setting(setting.sigma_n_deg)
-    if widgets.checkbox("Hold c there", locked, "keeps c at c_max, whatever else changes"):
-        c = frame.c if frame else None
-        model.set_setting(side, Setting(setting.sigma_n_deg, c=c if locked else None))
+    widgets.tooltip("The highest contrast gloss that this view shows without clipping.")
+    if frame is not None and c_max is not None and frame.c > c_max * (1.0 + 1e-9):
+        widgets.label("")
+        widgets.flag("clipped", "c is above c_max: highlights are cut at L* 100")
 
 
 def _grain(model: Model, side: str, look: Look) -> None:

@@ -9,6 +9,7 @@ from imgui_bundle import imgui
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
+from relgloss_view.gloss.match import absolute_c
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.setting import share_words
 from relgloss_view.viewer.panels.list_rows import fitting, row, small_width
@@ -57,12 +58,13 @@ def show(model: Model) -> None:
 def _built_in(model: Model, preset: Preset) -> None:
     published = preset.look
     look = model.state.side(model.active_side).look
-    active = look.setting == published.setting
+    c = absolute_c(published, model.state.side(model.active_side).sample.material)
+    active = look.sigma_n_deg == published.sigma_n_deg and look.c == c
     if row(preset.name, preset.name, active, beside=_short_words(published)):
         model.set_setting(model.active_side, published.setting)
     widgets.tooltip(
         f"The setting that the observers of the published study chose for {preset.name} paper: "
-        f"{_words(published)}. The rest of the look stays."
+        f"{_words(published)} at the paper's geometry. The rest of the look stays."
     )
 
 

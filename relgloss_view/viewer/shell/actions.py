@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
@@ -12,8 +11,8 @@ from imgui_bundle import imgui
 
 from relgloss_view.base.words import sentence_case
 from relgloss_view.picture.scene.look import QUALITIES
-from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.viewer.drawing import camera
+from relgloss_view.viewer.state import matching
 from relgloss_view.viewer.state.state import (
     COMPARE_MODES,
     DIFFERENCE,
@@ -103,13 +102,16 @@ def _swap(app: App) -> None:
         reference_operator=presentation.test_operator,
         test_operator=presentation.reference_operator,
     )
-    app.model.change(dataclasses.replace(state, reference=state.test, test=state.reference))
+    app.model.change(matching.swapped(state))
 
 
 def _at_c_max(app: App) -> None:
     side = app.model.active_side
-    sigma_n_deg = app.model.state.side(side).look.sigma_n_deg
-    app.model.set_setting(side, Setting(sigma_n_deg))
+    frame = app.model.frames.get(side)
+    if frame is None or frame.c_max is None:
+        app.model.report("no highlight is seen, so c_max has no value", fault=True)
+        return
+    app.model.set_c(side, frame.c_max)
 
 
 def _other_quality(app: App) -> None:

@@ -38,6 +38,7 @@ from relgloss_view.viewer.shell import actions
 from relgloss_view.viewer.shell.file_actions import FileActions
 from relgloss_view.viewer.shell.layout import BELOW, BELOW_RIGHT, RIGHT, Layout, Panel
 from relgloss_view.viewer.shell.window import Window
+from relgloss_view.viewer.state import matching
 from relgloss_view.viewer.state.layout_file import WindowLayout, save_layout
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.state import SIDES, State
@@ -281,6 +282,9 @@ class App:
             self.draft_scale.measured(taken_s + INTERFACE_S)
         model.draft = self.draft_scale.scale < 1.0
         model.frames = {side: picture.frame for side, picture in pair.pictures.items()}
+        model.factor = pair.factor
+        if not (model.dragging or model.draft):
+            self._pin(pair)
         at_rest = not (model.dragging or model.draft)
         model.operator_pictures = self._operator_pictures.of_pair(
             state, pair.pictures, at_rest=at_rest
@@ -293,8 +297,18 @@ class App:
         for fault in pair.faults.values():
             model.report_once(fault, fault=True)
         pictures = self.pair_renderer.with_uploads(pair.pictures, displayed)
-        self.drawn_pane = stage.DrawnPane(arrangement, DrawnPair(pictures, pair.faults))
+        self.drawn_pane = stage.DrawnPane(
+            arrangement, DrawnPair(pictures, pair.faults, pair.factor)
+        )
         return self.drawn_pane
+
+    def _pin(self, pair: DrawnPair) -> None:
+        """Keep c as a number from now on, where a file gave it as a share of a picture's c_max."""
+        model = self.model
+        looks = (model.state.side(side).look for side in SIDES)
+        if model.state.match is None or any(look.c is None for look in looks):
+            frames = {side: picture.frame for side, picture in pair.pictures.items()}
+            model.history.amend(matching.pinned(model.state, frames))
 
     def _give_view(self, screen: Any, height: int) -> None:
         """Hand over the pane's pixels, without the interface."""

@@ -22,6 +22,7 @@ from relgloss_view.viewer.panels.file_dialogs import FileDialogs
 from relgloss_view.viewer.panels.own_dialog import Question
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.state.command_line import snapshot_command
+from relgloss_view.viewer.state.matching import as_displayed
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.session import Autosave
 from relgloss_view.viewer.state.state_file import save_state
@@ -104,6 +105,7 @@ class FileActions:
 
         def copy() -> None:
             state = as_shown(model.state, model.picture_size, model.pixel_pitch_m)
+            state = as_displayed(state, model.factor)
             name = f"{safe_name(state.side(side).sample.material.name)}.png"
             imgui.set_clipboard_text(snapshot_command(state, side, model.picture_size, name))
             width, height = model.picture_size

@@ -34,6 +34,10 @@ class History:
             self._gesture = None
         self.state = state
 
+    def amend(self, state: State) -> None:
+        """Say the present state otherwise, without a step: what is drawn does not change."""
+        self.state = state
+
     def end_gesture(self) -> None:
         """Let the next change be a step of its own."""
         self._gesture = None

@@ -16,6 +16,7 @@ from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model.view import Size
 from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.picture.scene.setting import Setting
+from relgloss_view.viewer.state import matching
 from relgloss_view.viewer.state.history import History
 from relgloss_view.viewer.state.state import State
 
@@ -84,6 +85,7 @@ class Model:
         #: Takes the pane's pixels, (H, W, 3), without what the interface writes on them; asked for
         #: once, answered by the next full frame.
         self.take_view: Callable[[Bytes], None] | None = None
+        self.factor = 1.0  #: of both c in this view, so that neither picture clips
         self.gap_px = 0  #: between the pictures on the screen
         self.pixel_pitch_m: float | None = None  #: of the monitor; None where it reports none
         #: Draws a side's picture at another size, in pixels; may raise RelglossError.
@@ -121,13 +123,26 @@ class Model:
         """Change entries of a side's look."""
         self.change(self.state.with_look(side, **changes), gesture)
 
-    def set_setting(self, side: str, setting: Setting, gesture: object = None) -> None:
-        """Change sigma_N and c of a side."""
-        self.change(self.state.with_setting(side, setting), gesture)
+    def set_sigma_n(self, side: str, sigma_n_deg: float, gesture: object = None) -> None:
+        """Change the graininess of a side; its share of the matched gloss stays."""
+        self.change(matching.with_sigma_n(self.state, side, sigma_n_deg), gesture)
+
+    def set_c(self, side: str, c: float, gesture: object = None) -> None:
+        """Change c of a side alone."""
+        sigma_n_deg = self.state.side(side).look.sigma_n_deg
+        self.change(self.state.with_setting(side, Setting(sigma_n_deg, c=c)), gesture)
+
+    def set_share(self, side: str, share: float, gesture: object = None) -> None:
+        """Change the contrast gloss of a side in units of the match."""
+        self.change(matching.with_share(self.state, side, share), gesture)
+
+    def set_setting(self, side: str, setting: Setting) -> None:
+        """Give a side a published setting; a share is of c_max at the paper's geometry."""
+        self.change(matching.with_setting(self.state, side, setting))
 
     def set_sample(self, side: str, sample: Sample) -> None:
-        """Put another sample on a side."""
-        self.change(self.state.with_sample(side, sample))
+        """Put another sample on a side, matched to the reference."""
+        self.change(matching.with_sample(self.state, side, sample))
 
     def report(self, text: str, *, fault: bool = False) -> None:
         """Show a line in the status line and keep it in the list of messages."""

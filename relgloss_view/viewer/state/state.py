@@ -10,16 +10,17 @@ from dataclasses import dataclass
 from typing import Any
 
 from relgloss_view.base.parameters import Checked, choice, parameter, switch
+from relgloss_view.gloss.match import DEFAULT_REFERENCE, Reference, matched, own_sigma_n_deg
 from relgloss_view.operators.registry import DEFAULT_OPERATOR, OPERATORS
 from relgloss_view.picture.gpu import constants
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, SAMPLES, Sample
+from relgloss_view.picture.scene.match import Match
+from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, Sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Setup, Shape
 
 SIDES = ("reference", "test")
-DEFAULT_REFERENCE = "cast-coated"
 
 SIDE_BY_SIDE, WIPE, FLIP, DIFFERENCE = "side by side", "wipe", "flip", "difference"
 COMPARE_MODES = (SIDE_BY_SIDE, WIPE, FLIP, DIFFERENCE)
@@ -62,6 +63,11 @@ class Presentation(Checked):
     gap_px: float = parameter(
         24.0, 0.0, 2000.0, "px", "distance between the two pictures", label="Gap between pictures"
     )
+    clip_highlights: bool = switch(
+        False,
+        "each picture keeps its own c, and highlights clip; else both are scaled alike",
+        label="Let highlights clip",
+    )
     life_size: bool = switch(
         False, "show the object at its physical size on this monitor", label="Life size"
     )
@@ -97,18 +103,26 @@ class State:
     test: Side
     setup: Setup = Setup()
     presentation: Presentation = Presentation()
+    match: Match | None = None  #: the unit of both c; None until there is one
 
     @classmethod
     def initial(cls) -> State:
-        """The paper's reference beside the default sample, both at their published settings.
+        """The paper's reference beside the default sample, matched to it at its own graininess.
 
         The window draws what the scene needs, quality "auto"; files are drawn exactly by default.
         """
-        reference, test = (
-            Side(Sample.built_in(name), Look(quality="auto").at(SAMPLES[name]))
-            for name in (DEFAULT_REFERENCE, DEFAULT_SAMPLE)
+        reference = Reference.default()
+        test = Sample.built_in(DEFAULT_SAMPLE)
+        match = matched(reference, test.material, own_sigma_n_deg(test.name))
+        look = Look(quality="auto")
+        return cls(
+            Side(
+                Sample.built_in(DEFAULT_REFERENCE),
+                look.at(Setting(match.reference_sigma_n_deg, c=match.reference_c)),
+            ),
+            Side(test, look.at(Setting(match.test_sigma_n_deg, c=match.test_c))),
+            match=match,
         )
-        return cls(reference, test)
 
     def side(self, name: str) -> Side:
         """A side by its name, one of SIDES."""

@@ -36,6 +36,7 @@ def load_state(path: str | os.PathLike[str], stood_in: list[str] | None = None) 
         Side(content.sample, content.look),
         content.setup,
         presentation,
+        content.match,
     )
 
 
@@ -52,5 +53,6 @@ def save_state(path: str | os.PathLike[str], state: State, *, forgiving: bool = 
         state.reference.sample,
         state.reference.look,
         entries(state.presentation),
+        state.match,
     )
     write_scene_file(path, content, forgiving=forgiving)

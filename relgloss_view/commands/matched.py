@@ -1,0 +1,111 @@
+"""Pictures whose contrast gloss keeps the ratio to a reference: what commands draw by default."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from relgloss_view.commands.scene_options import (
+    SAMPLE_METAVAR,
+    graininess_is_given,
+    wants_match,
+)
+from relgloss_view.picture.pair import ratio_words
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from relgloss_view.gloss.match import Reference
+    from relgloss_view.gloss.samples import SampleLook
+    from relgloss_view.picture.frame import Frame
+    from relgloss_view.picture.scene.match import Match
+    from relgloss_view.quality.backends import FrameRenderer
+
+
+def add_reference_option(parser: argparse.ArgumentParser) -> None:
+    """Declare --reference."""
+    parser.add_argument(
+        "--reference",
+        metavar=SAMPLE_METAVAR,
+        help="Reference sample, whose ratio of gloss the picture keeps, and the setting of its "
+        "picture: c as a share of c_max at the paper's geometry (default that of the scene file, "
+        "or cast-coated at sigma_N 0 and c_max)",
+    )
+
+
+@dataclass(frozen=True)
+class MatchedPicture:
+    """A look with the matched c, the reference that it is matched to, and the match itself."""
+
+    look: Look
+    reference: Reference
+    match: Match
+
+    def factor(self, renderer: FrameRenderer, scene: Scene, size: tuple[int, int]) -> float:
+        """The common factor of the pair's c in a view, from both pictures' c_max."""
+        from relgloss_view.gloss.comparison import factor_in_view
+        from relgloss_view.gloss.samples import SampleLook
+
+        test = SampleLook("", scene.material, self.look)
+        return factor_in_view(renderer, (self.reference.sample_at_c, test), scene, size)
+
+    def as_numbers(self, frame: Frame) -> dict[str, Any]:
+        """The match as JSON holds it, with what its frame shows of it."""
+        return {
+            "reference": {
+                "label": self.reference.sample.label,
+                "name": self.reference.sample.material.name,
+                "sigma_n_deg": self.match.reference_sigma_n_deg,
+                "c": self.match.reference_c,
+            },
+            "c": self.match.test_c,
+            "ratio": self.match.ratio,
+            "gloss": self.match.gloss,
+            "spread": self.match.spread,
+            "made_by": self.match.made_by,
+            "factor": frame.scaling.factor,
+        }
+
+
+def matched_picture(args: argparse.Namespace, scene: Scene, look: Look) -> MatchedPicture | None:
+    """The match of what the options describe; None where they ask for another c.
+
+    Raises InputError where the reference has no gloss.
+    """
+    if not wants_match(args, look):
+        return None
+    from relgloss_view.gloss.match import Reference, matched, own_sigma_n_deg
+    from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE
+
+    reference = Reference.of(reference_look(args, look))
+    sigma_n_deg = look.sigma_n_deg
+    if not graininess_is_given(args) and args.material is None:
+        sigma_n_deg = own_sigma_n_deg(args.sample or DEFAULT_SAMPLE)
+    match = matched(reference, scene.material, sigma_n_deg)
+    changed = look.with_entries(c=match.test_c, sigma_n_deg=sigma_n_deg)
+    return MatchedPicture(changed, reference, match)
+
+
+def reference_look(args: argparse.Namespace, look: Look) -> SampleLook:
+    """The reference of the options: --reference, the scene file's, or cast-coated."""
+    from relgloss_view.commands.sample_arguments import sample_argument
+    from relgloss_view.gloss.match import DEFAULT_REFERENCE
+    from relgloss_view.gloss.samples import SampleLook
+    from relgloss_view.picture.scene.scene_file import read_scene_file
+
+    if args.reference is None and args.scene is not None:
+        content = read_scene_file(args.scene)
+        if content.reference is not None:
+            sample = content.reference
+            label = sample.name or sample.material.name
+            return SampleLook(label, sample.material, content.reference_look or Look())
+    return sample_argument(args.reference or DEFAULT_REFERENCE, look).sample_look
+
+
+def match_words(picture: MatchedPicture, frame: Frame) -> str:
+    """The match of a drawn picture in a few words."""
+    label = picture.reference.sample.label
+    words = f"matched to {label} (c {picture.reference.c:.4g})"
+    changed = ratio_words(frame.scaling.factor)
+    return f"{words}; {changed}" if changed else words

@@ -1,0 +1,85 @@
+"""Whether measures of the pictures at proposed settings have the order of the real materials.
+
+Gloss is no single number to the eye: Marlow, Kim and Anderson 2012 found it to follow contrast,
+sharpness and coverage of highlights. So each pose is drawn, and each measure ranks the pictures.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from relgloss_view.gloss.comparison import GlossOrder, factor_in_view, order_of
+from relgloss_view.gloss.pose import pose_of
+from relgloss_view.gloss.samples import SampleLook
+from relgloss_view.gloss.shown import ORDER_TIE_LSTAR, measure
+from relgloss_view.operators.split import Split
+from relgloss_view.picture.frame import Frame
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Setup
+
+if TYPE_CHECKING:
+    from relgloss_view.quality.backends import FrameRenderer
+
+SIZE = (256, 256)
+#: Measures by which pictures are ranked, and the difference below which two are a tie.
+TIES = {
+    "highlight": ORDER_TIE_LSTAR,
+    "peak_contrast": ORDER_TIE_LSTAR,
+    "contrast_gloss": ORDER_TIE_LSTAR,
+    "sharpness": 0.0,
+    "coverage": 0.0,
+}
+
+
+@dataclass(frozen=True)
+class CheckedPose:
+    """The pictures of one pose, ranked by each measure."""
+
+    setup: Setup
+    factor: float  #: of all c, so that none clips
+    values: Mapping[str, Mapping[str, float | None]]  #: by measure and label
+    orders: Mapping[str, GlossOrder]  #: by measure
+    refused: tuple[str, ...]  #: labels of samples that show no highlight here, which are not ranked
+
+
+def check_pose(
+    renderer: FrameRenderer,
+    samples: Sequence[SampleLook],
+    readings: Mapping[str, float],
+    setup: Setup,
+) -> CheckedPose:
+    """Draw samples with an absolute c each in one pose, and rank the pictures.
+
+    readings: gloss of the materials by label. A sample without a highlight here is not ranked.
+    """
+    pose = pose_of(setup)
+    seen = [s for s in samples if pose.peak(s.material, s.look.sigma_n_deg) is not None]
+    refused = tuple(s.label for s in samples if s not in seen)
+    values: dict[str, dict[str, float | None]] = {name: {} for name in TIES}
+    factor = 1.0
+    if seen:
+        scene = Scene(seen[0].material, setup)
+        factor = factor_in_view(renderer, seen, scene, SIZE)
+        for sample in seen:
+            of_sample = dataclasses.replace(scene, material=sample.material)
+            frame = renderer.render(of_sample, sample.look, SIZE, factor=factor)
+            measures = measure(frame, Split().draw(frame))
+            for name in TIES:
+                value = _highlight(frame) if name == "highlight" else getattr(measures, name)
+                values[name][sample.label] = value
+    real = {label: reading for label, reading in readings.items() if label not in refused}
+    orders = {name: order_of(of_samples, real, TIES[name]) for name, of_samples in values.items()}
+    return CheckedPose(setup, factor, values, orders, refused)
+
+
+def _highlight(frame: Frame) -> float | None:
+    """What the highlight adds to L* at its brightest pixel."""
+    whole = frame.coverage >= 1.0
+    if not np.any(whole):
+        return None
+    return float(frame.c * np.max(frame.split[1][whole]))
