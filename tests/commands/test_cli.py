@@ -390,7 +390,7 @@ class TestDoctor:
     def test_scripts_without_a_font_and_what_mends_it(self, capsys, monkeypatch):
         from relgloss_view.base import fonts
 
-        monkeypatch.setattr(fonts, "_of_the_system", lambda: [])
+        monkeypatch.setattr(fonts, "_of_the_system", list)
         fonts.font_files.cache_clear()
         try:
             lost = json.loads(run(capsys, "doctor", "--json")[1])["fonts"]["missing"]

@@ -14,6 +14,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 SLACK_PX = 1.0  #: what smooth edges may reach over
+#: A letter that the scissor leaves out altogether is not drawn. What ends so near to its edge, in
+#: sizes of the text, goes on behind it: panels leave more between their words and their edge.
+EDGE_EM = 0.3
 SPACE_EM = 0.45  #: the widest gap between letters of one text, in sizes of it
 
 Box = tuple[float, float, float, float]  #: left, top, right, bottom, pixels of the window
@@ -51,14 +54,25 @@ class Screen:
         wanted = "".join(text.split())
         return any(wanted in "".join(t.letters.split()) for t in self.texts)
 
-    def faults(self):
-        """What of the screen can't be read, in words; an empty list where all can."""
+    def faults(self, names=()):
+        """What of the screen can't be read, in words; an empty list where all can.
+
+        names: of samples, which may be shortened. Other texts that end in "…" are cut.
+        """
         found = [
             f"{t.letters!r} in {t.window} is cut ({', '.join(sorted(t.cut))})"
             for t in self.texts
             if t.cut
         ]
-        found += [f"{one!r} in {a.window} is written over {two!r}" for one, two, a in overlaps(self)]
+        beginnings = ["".join(name.split())[:2] for name in names]
+        found += [
+            f"{t.letters!r} in {t.window} is shortened"
+            for t in self.texts
+            if "…" in t.letters and not any(b in "".join(t.letters.split()) for b in beginnings)
+        ]
+        found += [
+            f"{one!r} in {a.window} is written over {two!r}" for one, two, a in overlaps(self)
+        ]
         found += [f"{name} is narrower than its content" for name in self.wider]
         found += [f"{name} hides what is below its edge" for name in self.hidden]
         return found
@@ -81,9 +95,14 @@ def read(sizes):
             seen.add(name)
             flags = window.flags
             bar = imgui.WindowFlags_.no_scrollbar
-            if window.scroll_max.x > SLACK_PX and not flags & imgui.WindowFlags_.horizontal_scrollbar:
+            if (
+                window.scroll_max.x > SLACK_PX
+                and not flags & imgui.WindowFlags_.horizontal_scrollbar
+            ):
                 wider.append(name)
-            if window.scroll_max.y > 0.5 * max(sizes) and flags & bar:
+            # Dock space and menu bar show all they hold, whatever that adds up to.
+            whole = name.startswith(("##dock", "##MainMenuBar"))
+            if window.scroll_max.y > 0.5 * max(sizes) and flags & bar and not whole:
                 hidden.append(name)
         texts += _texts_of(draw_list, glyphs, name, root, down)
     size = (draw_data.display_size.x, draw_data.display_size.y)
@@ -223,6 +242,7 @@ def _texts_of(draw_list, glyphs, name, root, down):
             box = (x0, y0, x1, y1)
             cut |= {"x"} if x0 < clip[0] - SLACK_PX or x1 > clip[2] + SLACK_PX else set()
             cut |= {"y"} if y0 < clip[1] - SLACK_PX or y1 > clip[3] + SLACK_PX else set()
+            cut |= {"x"} if upright and clip[2] - EDGE_EM * size < x1 else set()
             if down:
                 cut.discard("y")
             at = (x0 - glyph.x0, y0 - glyph.y0)

@@ -10,6 +10,7 @@ from imgui_bundle import imgui
 from relgloss_view.base.reading import printable
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
 from relgloss_view.viewer.panels import presets
+from relgloss_view.viewer.panels.list_rows import preview
 from relgloss_view.viewer.panels.look import side_tabs
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.state.model import Model
@@ -31,7 +32,7 @@ def _choose(model: Model, open_file: Callable[[], object]) -> None:
     sample = model.state.side(model.active_side).sample
     name = sample.name or printable(sample.material.name, LONGEST)
     widgets.label("Sample")
-    if imgui.begin_combo("##Sample", name):
+    if imgui.begin_combo("##Sample", preview(name)):
         for built_in in SAMPLES:
             if imgui.selectable(built_in, built_in == sample.name)[0]:
                 model.attempt(

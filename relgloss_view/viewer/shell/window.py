@@ -222,7 +222,7 @@ class Window:
         options.anti_aliasing_samples = 0  # the interface smooths its own lines
         callbacks = params.callbacks
         callbacks.load_additional_fonts = self._load_font
-        callbacks.setup_imgui_style = theme.apply
+        callbacks.setup_imgui_style = lambda: theme.apply(self.font_scale)
         callbacks.post_init = self._start
         callbacks.show_gui = self._frame
         callbacks.before_imgui_render = lambda: self._guarded(self._fill)
