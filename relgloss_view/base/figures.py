@@ -11,12 +11,14 @@ import warnings
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from relgloss_view.base.fonts import font_files
+
 INK, MUTED, FAINT, ACCENT = "#1b1f24", "#66707a", "#d9dee3", "#b3261e"
 WHITE = "white"
 #: matplotlib's settings for every plot; a caller overrides single entries in `drawing`.
 STYLE: dict[str, Any] = {
     "font.size": 8.0,
-    "font.family": "DejaVu Sans",
+    "font.family": ["DejaVu Sans"],  # `drawing` adds fonts for letters that it lacks
     "axes.edgecolor": MUTED,
     "axes.labelcolor": INK,
     "axes.linewidth": 0.6,
@@ -42,10 +44,25 @@ def drawing(overrides: Mapping[str, Any] | None = None) -> Iterator[None]:
     from matplotlib import rc_context
 
     settings: Any = {**STYLE, **(overrides or {})}  # matplotlib types each name by itself
+    settings["font.family"] = [*settings["font.family"], *_other_families()]
     with rc_context(settings), warnings.catch_warnings():
-        # A name in a script that the font lacks shows boxes; that is no fault.
+        # A name in a script that no font here has shows boxes; that is no fault.
         warnings.filterwarnings("ignore", message="Glyph", category=UserWarning)
         yield
+
+
+def _other_families() -> list[str]:
+    """Fonts that hold other scripts than DejaVu Sans, made known to matplotlib, by name."""
+    from matplotlib.font_manager import FontProperties, fontManager
+
+    names = []
+    for file in font_files()[1:]:
+        present = [font.name for font in fontManager.ttflist if font.fname == file.path]
+        if not present:
+            fontManager.addfont(file.path)
+            present = [FontProperties(fname=file.path).get_name()]
+        names.append(present[0])
+    return names
 
 
 def new_figure(

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
+from relgloss_view.base import fonts
 from relgloss_view.base.errors import GLUnavailableError, RelglossError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, table
@@ -33,8 +34,8 @@ def add(commands: Any) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "doctor",
-        description="Check the libraries and the OpenGL contexts of this machine. A picture drawn "
-        "on each context is compared with the float64 reference.",
+        description="Check the libraries, the fonts and the OpenGL contexts of this machine. A "
+        "picture drawn on each context is compared with the float64 reference.",
         epilog="example: relgloss doctor --json",
     )
     parser.add_argument("--json", action="store_true", help="Print the findings as JSON")
@@ -73,6 +74,8 @@ class Findings:
     contexts: Mapping[str, ContextCheck]  #: by backend, in the order of preference
     bytes_per_pixel: float  #: of the device's memory that every picture takes
     further_bytes: Mapping[str, float]  #: a pixel, by what else a picture may hold
+    font_paths: tuple[str, ...]  #: of the fonts that names are drawn with
+    missing_scripts: Mapping[str, str]  #: that none of them has, each with what mends it
 
     @property
     def chosen(self) -> str | None:
@@ -88,6 +91,7 @@ class Findings:
             "libraries": dict(self.libraries),
             "opengl": {name: check.as_json() for name, check in self.contexts.items()},
             "chosen": self.chosen,
+            "fonts": {"files": list(self.font_paths), "missing": list(self.missing_scripts)},
             "memory": {
                 "bytes_per_pixel": self.bytes_per_pixel,
                 "where_asked_for": dict(self.further_bytes),
@@ -114,6 +118,8 @@ def _findings() -> Findings:
         {name: _check(name) for name in ("egl", "osmesa")},
         least,
         {name: bytes_per_pixel((name,)) - least for name in ON_DEMAND},
+        tuple(file.path for file in fonts.font_files()),
+        fonts.missing_scripts(),
     )
 
 
@@ -164,6 +170,11 @@ def _print(findings: Findings) -> None:
         for name, number in findings.libraries.items()
     ]
     print(table((Column("", 15, left=True), Column("", left=True)), rows, indent="  "))
+    able = ", ".join(name for name in fonts.SCRIPTS if name not in findings.missing_scripts)
+    print(f"fonts: names in {able}, by {', '.join(map(printable, findings.font_paths))}")
+    for remedy in dict.fromkeys(findings.missing_scripts.values()):
+        lost = ", ".join(k for k, v in findings.missing_scripts.items() if v == remedy)
+        print(f"fonts: no font has the letters of {lost}; {remedy}")
     for name, check in findings.contexts.items():
         if check.usable:
             about = check.description

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
-from relgloss_view.base.terminal import Progress
+from relgloss_view.base.terminal import Progress, warn
 from relgloss_view.commands.scene_options import size_of_text
 
 if TYPE_CHECKING:
@@ -84,6 +84,7 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.experiment.session.store import Store
     from relgloss_view.viewer.shell.platform import open_platform
     from relgloss_view.viewer.shell.window import Window
+    from relgloss_view.viewer.trials import letters
     from relgloss_view.viewer.trials.app import Trials
     from relgloss_view.viewer.trials.device import full_screen, read_profile
     from relgloss_view.viewer.trials.experimenter_line import continues
@@ -95,6 +96,8 @@ def run(args: argparse.Namespace) -> int:
         observer = _observer(store, args.observer, new=args.new)
         notice = continues(store, observer) or f"{printable(observer.name)} begins"
         print(notice, file=sys.stderr, flush=True)
+        for line in letters.warnings(store.study):
+            warn(line)
         with Progress("experiment") as progress:
             program = Trials(store, observer, profile, progress)
             if args.window is None:

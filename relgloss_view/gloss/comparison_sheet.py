@@ -20,6 +20,7 @@ from relgloss_view.gloss.comparison import (
 )
 from relgloss_view.gloss.samples import gloss_words
 from relgloss_view.picture.output.contact_sheet import INK_GRAY, PAPER_GRAY
+from relgloss_view.picture.output.lettering import Lettering
 
 MUTED_GRAY = 208
 LINE_GRAY = 140
@@ -60,21 +61,19 @@ class _Pen:
     y: float
     width: float
 
-    def write(self, text: str, font: Any, gray: int = INK_GRAY) -> None:
+    def write(self, text: str, font: Lettering, gray: int = INK_GRAY) -> None:
         for line in self._wrapped(text, font):
-            self.draw.text(
-                (self.x, self.y), line.replace(NO_BREAK, " "), fill=(gray,) * 3, font=font
-            )
+            font.draw(self.draw, (self.x, self.y), line.replace(NO_BREAK, " "), (gray,) * 3)
             self.y += 1.35 * font.size
 
     def skip(self, pixels: float) -> None:
         self.y += pixels
 
-    def _wrapped(self, text: str, font: Any) -> list[str]:
+    def _wrapped(self, text: str, font: Lettering) -> list[str]:
         lines: list[str] = []
         for word in text.split(" "):
             longer = f"{lines[-1]} {word}" if lines else word
-            if lines and font.getlength(longer) <= self.width:
+            if lines and font.length(longer) <= self.width:
                 lines[-1] = longer
             else:
                 lines.append(word)
@@ -83,12 +82,12 @@ class _Pen:
 
 def comparison_sheet(comparison: Comparison, title: str, note: str) -> Bytes:
     """The sheet's pixels (H, W, 3); text is gray, so that no colour is near a picture."""
-    from PIL import Image, ImageDraw, ImageFont
+    from PIL import Image, ImageDraw
 
     height, width = _size(comparison)
     text_px = max(12, min(18, width // 20))
     head_px = round(1.6 * text_px)
-    small, large, head = (ImageFont.load_default(k) for k in (text_px, 1.2 * text_px, head_px))
+    small, large, head = (Lettering(k) for k in (text_px, 1.2 * text_px, head_px))
     cell = max(width, round(14 * text_px))
     gap, side = 2 * text_px, round(20 * text_px)
     line = 1.35 * text_px
@@ -125,7 +124,9 @@ def _size(comparison: Comparison) -> tuple[int, int]:
     return max(s[0] for s in shapes), max(s[1] for s in shapes)
 
 
-def _heading(pen: _Pen, drawn: DrawnSample, comparison: Comparison, fonts: tuple[Any, Any]) -> None:
+def _heading(
+    pen: _Pen, drawn: DrawnSample, comparison: Comparison, fonts: tuple[Lettering, Lettering]
+) -> None:
     large, small = fonts
     look = drawn.sample.look
     pen.write(drawn.sample.label, large)
@@ -136,7 +137,7 @@ def _heading(pen: _Pen, drawn: DrawnSample, comparison: Comparison, fonts: tuple
     pen.write(f"c {drawn.c:.3g}{share} (split)", small, MUTED_GRAY)
 
 
-def _operator(pen: _Pen, row: OperatorRow, fonts: tuple[Any, Any]) -> None:
+def _operator(pen: _Pen, row: OperatorRow, fonts: tuple[Lettering, Lettering]) -> None:
     large, small = fonts
     pen.write(row.operator.label, large)
     pen.write(row.operator.meaning, small, MUTED_GRAY)
@@ -152,7 +153,7 @@ def _operator(pen: _Pen, row: OperatorRow, fonts: tuple[Any, Any]) -> None:
     pen.write(body_words(row), small)
 
 
-def _caption(pen: _Pen, cell: Cell, small: Any) -> None:
+def _caption(pen: _Pen, cell: Cell, small: Lettering) -> None:
     m = cell.measures
     pen.write(
         f"peak {number(m.peak_contrast)}, p99 {number(m.contrast_gloss)}, "

@@ -391,6 +391,21 @@ class TestDoctor:
         found = findings["opengl"][findings["chosen"]]
         assert found["usable"]
         assert found["largest_error_lab"] < 0.1
+        assert any("DejaVuSans" in path for path in findings["fonts"]["files"])
+
+    def test_scripts_without_a_font_and_what_mends_it(self, capsys, monkeypatch):
+        from relgloss_view.base import fonts
+
+        monkeypatch.setattr(fonts, "_of_the_system", list)
+        fonts.font_files.cache_clear()
+        try:
+            lost = json.loads(run(capsys, "doctor", "--json")[1])["fonts"]["missing"]
+            text = run(capsys, "doctor")[1]
+        finally:
+            fonts.font_files.cache_clear()
+        assert lost == ["Japanese", "Chinese", "Korean"]
+        assert "fonts: names in Latin, Greek, Cyrillic, by " in text
+        assert "apt install fonts-noto-cjk" in text
 
     def test_without_opengl_it_says_so(self, tmp_path):
         """In a process of its own that finds no EGL vendor and no OSMesa: status 3, one line."""

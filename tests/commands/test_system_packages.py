@@ -17,7 +17,7 @@ TOOLS = ("sh", "grep", "uname")
 COMMANDS = ("glslangValidator", "Xvfb", "xdotool")
 
 
-def asked_for(folder, purpose, *, apt_knows, python="python3", commands=COMMANDS):
+def asked_for(folder, purpose, *, apt_knows, python="python3", commands=COMMANDS, fonts=None):
     """The packages that an ordinary user is told to install, where some commands are there."""
     stand_ins = {
         "ldconfig": "exit 0",
@@ -32,7 +32,7 @@ def asked_for(folder, purpose, *, apt_knows, python="python3", commands=COMMANDS
     for name, body in stand_ins.items():
         (folder / name).write_text(f"#!/bin/sh\n{body}\n")
         (folder / name).chmod(0o755)
-    env = {**os.environ, "PATH": str(folder), "PYTHON": python}
+    env = {**os.environ, "PATH": str(folder), "PYTHON": python, "FONTS": str(fonts or folder)}
     done = subprocess.run(
         [str(folder / "sh"), str(SCRIPT), purpose],
         env=env,
@@ -75,6 +75,16 @@ def test_commands_of_tests_are_for_tests(tmp_path, command, package):
         folder.mkdir()
         packages = asked_for(folder, purpose, apt_knows=True, commands=there)
         assert (package in packages) == asked, purpose
+
+
+def test_a_font_for_chinese_japanese_and_korean_is_for_tests(tmp_path):
+    font = tmp_path / "fonts" / "opentype" / "noto" / "NotoSansCJK-Regular.ttc"
+    assert "fonts-noto-cjk" in asked_for(tmp_path, "test", apt_knows=True)
+    assert "fonts-noto-cjk" not in asked_for(tmp_path, "demo", apt_knows=True)
+    font.parent.mkdir(parents=True)
+    font.touch()
+    packages = asked_for(tmp_path, "test", apt_knows=True, fonts=tmp_path / "fonts")
+    assert "fonts-noto-cjk" not in packages
 
 
 def test_the_python_that_make_uses_is_asked(tmp_path):

@@ -20,19 +20,13 @@ UNJUDGED, HATCH = "#e4e4e4", "#b4b4b4"  #: of settings that nobody judged
 DASHES = (0, (3.2, 1.6))
 HEAD_PT, TEXT_PT, SMALL_PT = 13.0, 9.0, 8.0
 LINE = 1.35  #: height of a line, in its letters' size
-#: Where DejaVu lacks a script, the first of these that is there.
-FAMILIES = ("Noto Sans CJK JP", "Noto Sans JP", "IPAGothic", "WenQuanYi Zen Hei", "Noto Sans")
 
 
 @contextlib.contextmanager
 def drawing() -> Iterator[None]:
     """Within it, figures look alike and nothing from outside is mathematics."""
-    from matplotlib.font_manager import fontManager
-
-    there = {font.name for font in fontManager.ttflist}
     style = {
         "font.size": TEXT_PT,
-        "font.family": ["DejaVu Sans", *(name for name in FAMILIES if name in there)],
         "text.parse_math": False,
         "axes.grid": False,
         "axes.facecolor": PAPER,

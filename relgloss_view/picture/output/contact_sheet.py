@@ -10,6 +10,7 @@ from relgloss_view.base.arrays import Bytes
 from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model.tone import DisplayModel, encode
+from relgloss_view.picture.output.lettering import Lettering
 
 PAPER_GRAY = 119  #: sRGB of L* 50
 INK_GRAY = 245
@@ -44,12 +45,11 @@ def contact_sheet(
 
     Text is gray, so that no colour is near a picture.
     """
-    from PIL import Image, ImageDraw, ImageFont
+    from PIL import Image, ImageDraw
 
     height, width = rows[0][0].shape[:2]
     text_px = max(11, min(18, width // 14))
-    font = ImageFont.load_default(text_px)
-    heading = ImageFont.load_default(round(1.4 * text_px))
+    font, heading = Lettering(text_px), Lettering(round(1.4 * text_px))
     gap, caption_px = max(8, width // 24), round(1.9 * text_px)
     top = round(3.2 * text_px) if title else gap
     bottom = round(2.6 * text_px) if note else gap
@@ -64,12 +64,12 @@ def contact_sheet(
     )
     pen = ImageDraw.Draw(sheet)
     ink = (INK_GRAY,) * 3
-    pen.text((gap, (top - 1.4 * text_px) / 2), title, fill=ink, font=heading)
+    heading.draw(pen, (gap, (top - 1.4 * text_px) / 2), title, ink)
     for r, (row, texts) in enumerate(zip(rows, captions, strict=True)):
         for k, (picture, text) in enumerate(zip(row, texts, strict=True)):
             x, y = gap + k * (width + gap), top + r * (height + caption_px + gap)
             sheet.paste(Image.fromarray(np.ascontiguousarray(picture)), (x, y))
             place = (x + width / 2, y + height + caption_px / 2)
-            pen.text(place, text, fill=ink, font=font, anchor="mm")
-    pen.text((gap, sheet.height - bottom / 2), note, fill=ink, font=font, anchor="lm")
+            font.draw(pen, place, text, ink, "mm")
+    font.draw(pen, (gap, sheet.height - bottom / 2), note, ink, "lm")
     return np.asarray(sheet)

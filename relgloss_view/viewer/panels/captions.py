@@ -14,6 +14,7 @@ from relgloss_view.picture.pair import ratio_words
 from relgloss_view.picture.scene.setup import Display
 from relgloss_view.viewer.drawing.arrangement import Arrangement
 from relgloss_view.viewer.panels.drawing_words import drawing_words
+from relgloss_view.viewer.panels.list_rows import fitting
 from relgloss_view.viewer.shell.theme import em, gray
 from relgloss_view.viewer.state.matching import share_of_match
 from relgloss_view.viewer.state.model import Model
@@ -22,7 +23,11 @@ from relgloss_view.viewer.state.state import DIFFERENCE, WIPE
 #: A line in one wording or several, the longest first.
 Line = tuple[str, ...]
 
-LONGEST_NAME = 40  #: characters
+LONGEST_NAME = 120  #: characters
+LEAST_NAME_EM = 5.0  #: of a name, before the quality of the fit gives way
+#: Heights of pictures that hold the numbers alone, and title and numbers.
+NUMBERS_EM, TITLE_EM = 4.0, 7.0
+LONGEST_FAULT = 300  #: characters
 LEGEND_EM = (14.0, 0.8)
 LEGEND_STEPS = 50
 
@@ -40,13 +45,12 @@ def show(
     paper = _paper(model.state.setup.display)
     for side, rect in arrangement.rects.items():
         left, top, width, height = rect
-        lines = _lines(model, side, faults)
         right = presentation.compare == WIPE and (side == "test") != presentation.mirror
-        if height < 8 * em(1.0):
+        if height < em(NUMBERS_EM):
             continue
         room = width * (0.5 if presentation.compare == WIPE else 1.0) - em(1)
-        for k, line in enumerate(lines[: _room_above(model, side, height)]):
-            text = _fitting(line, room)
+        texts = _texts(model, side, faults, room, _room_above(model, side, height))
+        for k, text in enumerate(texts[0 if height >= em(TITLE_EM) else 1 :]):
             x = origin.x + left + em(0.6)
             if right:
                 x = origin.x + left + width - em(0.6) - imgui.calc_text_size(text).x
@@ -63,35 +67,51 @@ def show(
         )
 
 
-def _lines(model: Model, side: str, faults: dict[str, str]) -> list[Line]:
+def _texts(model: Model, side: str, faults: dict[str, str], room: float, free: int) -> list[str]:
+    """Lines no wider than `room` pixels: a title, the numbers, and what else `free` lines hold.
+
+    Of the title the name is shortened first. Numbers are broken into lines and never left out.
+    """
     state = model.state
-    sample = state.side(side).sample
     if side in faults:
-        return [(f"{side.capitalize()}: not drawn",), (faults[side],)]
+        return [f"{side.capitalize()}: not drawn", *_broken(faults[side], room)]
     if state.presentation.compare == DIFFERENCE:
         text = "Colour difference of the displayed pictures, test against reference"
-        return [(f"{text}; tone mapping: split" if model.operator_pictures else text,)]
-    material = sample.material
+        return _broken(f"{text}; tone mapping: split" if model.operator_pictures else text, room)
+    texts = [_title(model, side, room)]
+    frame = model.frames.get(side)
+    if frame is None:
+        return texts
+    numbers = _setting(model, side, frame)
+    one_line = _fitting(numbers, room)
+    texts += [one_line] if one_line else _broken(numbers[-1], room)
+    more: list[Line] = []
+    words = ratio_words(frame.scaling.factor)
+    if words:
+        more.append((words, words.partition(":")[0]))
+    if state.presentation.overlay != "none":
+        more.append((f"Overlay: {state.presentation.overlay}",))
+    words = drawing_words(frame.method)
+    brief = words.partition(":")[0]
+    more.append(tuple(f"{text} ({frame.look.quality})" for text in (words, brief)))
+    fitting_lines = [text for line in more if (text := _fitting(line, room))]
+    return [*texts, *fitting_lines[: max(free - len(texts), 0)]]
+
+
+def _title(model: Model, side: str, room: float) -> str:
+    """Side, quality of the fit and name: the name shortened, then the quality left out."""
+    material = model.state.side(side).sample.material
     quality = f"fit {material.fit.quality}" if material.fit else "not fitted"
     if material.synthetic:
         quality = f"synthetic, {quality}"
     if material.hypothetical:
         quality = f"hypothetical, {quality}"
-    lines: list[Line] = [
-        (f"{side.capitalize()} ({quality}): {printable(material.name, LONGEST_NAME)}",)
-    ]
-    frame = model.frames.get(side)
-    if frame is not None:
-        lines.append(_setting(model, side, frame))
-        words = ratio_words(frame.scaling.factor)
-        if words:
-            lines.append((f"{words}", words.partition(":")[0]))
-        if state.presentation.overlay != "none":
-            lines.append((f"Overlay: {state.presentation.overlay}",))
-        words = drawing_words(frame.method)
-        brief = words.partition(":")[0]
-        lines.append(tuple(f"{text} ({frame.look.quality})" for text in (words, brief)))
-    return lines
+    name = printable(material.name, LONGEST_NAME)
+    for head in (f"{side.capitalize()} ({quality}): ", f"{side.capitalize()}: "):
+        left = room - imgui.calc_text_size(head).x
+        if left >= min(em(LEAST_NAME_EM), imgui.calc_text_size(name).x):
+            return head + fitting(name, left)
+    return side.capitalize()
 
 
 def _setting(model: Model, side: str, frame: Frame) -> Line:
@@ -120,11 +140,20 @@ def _setting(model: Model, side: str, frame: Frame) -> Line:
 
 
 def _fitting(line: Line, width: float) -> str:
-    """The longest wording that fits a width; the shortest one cut, where none does."""
-    for text in line:
-        if imgui.calc_text_size(text).x <= width:
-            return text
-    return _shortened(line[-1], width)
+    """The longest wording that fits a width; empty where none does."""
+    return next((text for text in line if imgui.calc_text_size(text).x <= width), "")
+
+
+def _broken(text: str, width: float) -> list[str]:
+    """A text in lines that fit a width; a word is never broken."""
+    lines: list[str] = []
+    for word in printable(text, LONGEST_FAULT).split():
+        longer = f"{lines[-1]} {word}" if lines else word
+        if lines and imgui.calc_text_size(longer).x <= width:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines
 
 
 def _room_above(model: Model, side: str, height: int) -> int:
@@ -135,14 +164,6 @@ def _room_above(model: Model, side: str, height: int) -> int:
     top = View.of(frame.scene, frame.size).bounds[3]
     free = height * (1.0 - top / frame.size[1]) - em(0.4)
     return max(int(free / imgui.get_text_line_height()), 1)
-
-
-def _shortened(text: str, width: float) -> str:
-    if imgui.calc_text_size(text).x <= width:
-        return text
-    while text and imgui.calc_text_size(text + "…").x > width:
-        text = text[: int(0.9 * len(text))]
-    return text + "…" if text else ""
 
 
 def _ink(display: Display) -> int:

@@ -10,6 +10,7 @@ from imgui_bundle import ImVec2, imgui
 from relgloss_view.base.reading import printable
 from relgloss_view.material.material import FitRecord, Material, Quality
 from relgloss_view.viewer.panels import plot_widgets
+from relgloss_view.viewer.panels.list_rows import fitting
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import em
 from relgloss_view.viewer.state.model import Model
@@ -54,7 +55,8 @@ def show(model: Model) -> None:
 
 
 def _heading(material: Material, fit: FitRecord) -> None:
-    imgui.text_unformatted(printable(material.name, 60))
+    name = printable(material.name, 60)
+    imgui.text_unformatted(fitting(name, imgui.get_content_region_avail().x))
     text = f"Fit quality: {fit.quality}"
     plot_widgets.beside(imgui.calc_text_size(f"! {text}").x)
     if fit.quality == Quality.GOOD:

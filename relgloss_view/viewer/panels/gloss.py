@@ -14,7 +14,6 @@ from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.viewer.files.background import Outcome
 from relgloss_view.viewer.files.own_materials import keep_material
 from relgloss_view.viewer.panels import plot_widgets
-from relgloss_view.viewer.panels.list_rows import fitting
 from relgloss_view.viewer.plots.gloss_readings import GlossReadings, Readings
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import em
@@ -111,7 +110,7 @@ def _table(model: Model, outcomes: dict[str, Outcome[Material, Readings] | None]
         imgui.table_next_row()
         imgui.table_next_column()
         first = next(iter(of_side.values()))
-        imgui.text_unformatted(fitting(first.name, imgui.get_content_region_avail().x))
+        widgets.wrapped(first.name)
         widgets.tooltip(f"{widgets.sentence(first.name)}\n{first.standard}")
         for side in SIDES:
             imgui.table_next_column()

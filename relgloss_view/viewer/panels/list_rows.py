@@ -47,6 +47,12 @@ def fitting(text: str, width: float, *, end: bool = False) -> str:
     return _part(text, low, end)
 
 
+def preview(text: str) -> str:
+    """The beginning of a text, as much as the combo that comes next holds beside its arrow."""
+    room = imgui.calc_item_width() - imgui.get_frame_height()
+    return fitting(text, room - 2.0 * imgui.get_style().frame_padding.x)
+
+
 def small_width(text: str) -> float:
     """Of a small button, in pixels."""
     return float(imgui.calc_text_size(text).x + 2.0 * imgui.get_style().frame_padding.x)

@@ -10,6 +10,7 @@ from imgui_bundle import imgui
 from relgloss_view.base.reading import printable
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
 from relgloss_view.viewer.panels import presets
+from relgloss_view.viewer.panels.list_rows import preview
 from relgloss_view.viewer.panels.look import side_tabs
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.state.model import Model
@@ -44,7 +45,7 @@ def _choose(model: Model, files: FileActions) -> None:
     """The list of built-in papers, and a button for a file: what becomes the test sample."""
     sample = model.state.test.sample
     widgets.label("Sample")
-    if imgui.begin_combo("##Sample", _name(sample)):
+    if imgui.begin_combo("##Sample", preview(_name(sample))):
         _built_in(model, "test")
         imgui.end_combo()
     else:

@@ -16,7 +16,14 @@ if TYPE_CHECKING:
     from relgloss_view.viewer.shell.app import App
 
 NOTE_S = 12.0  #: for which a message shows; the tooltip lists the last ones
-HINT = "H: all keys   drag: turn   wheel: zoom   Ctrl+drag: move the lamp"
+#: The first of them show that find room.
+HINTS = ("H: all keys", "drag: turn", "wheel: zoom", "Ctrl+drag: move the lamp")
+#: In one wording or another, the longest that finds room.
+CROWDED = (
+    "Enlarge the window, or choose a smaller text size (View), to see the panels",
+    "Enlarge the window to see the panels",
+    "Too small for panels",
+)
 LINE_EM = 1.75
 NUMBERS_SHARE = 0.6  #: of the line's width
 
@@ -57,12 +64,30 @@ def _message(app: App, width: float) -> None:
     if note is not None and time.monotonic() - note.at_s < NOTE_S:
         text = f"! {note.text}" if note.fault else note.text
     else:
-        text = _warning(app) or HINT
+        text = _warning(app) or _crowded(app, width) or _hint(width)
     while text and imgui.calc_text_size(text).x > width:
         text = text[: int(0.92 * len(text)) - 1].rstrip() + "…" if len(text) > 4 else ""
     imgui.text_unformatted(text)
     messages = "\n".join(n.text for n in model.notes[-8:])
     tooltip(f"{_warning(app)}\n{messages}".strip() or "No messages yet.")
+
+
+def _crowded(app: App, width: float) -> str:
+    """Why panels don't show, where the window is too small for them."""
+    if not app.layout.crowded:
+        return ""
+    return next((t for t in CROWDED if imgui.calc_text_size(t).x <= width), CROWDED[-1])
+
+
+def _hint(width: float) -> str:
+    """As many of HINTS as a width in pixels holds."""
+    line = ""
+    for hint in HINTS:
+        longer = f"{line}   {hint}".lstrip()
+        if imgui.calc_text_size(longer).x > width:
+            break
+        line = longer
+    return line
 
 
 def _warning(app: App) -> str:

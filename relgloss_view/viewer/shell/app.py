@@ -8,6 +8,7 @@ from typing import Any
 
 from imgui_bundle import imgui
 
+from relgloss_view.base import fonts
 from relgloss_view.base.writing import make_folder
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model.view import Size
@@ -78,6 +79,7 @@ class App:
         self._window: Window | None = None
         self._frame_began_s = 0.0
         self._lost = False
+        self._names_read: tuple[str, ...] = ()  #: of the samples, against the fonts
         self._layout_kept_s = 0.0
         self._held_at_s = 0.0  #: when the hand last held something
         self._warming_waits = False  #: until the hand has rested
@@ -100,6 +102,7 @@ class App:
         if self.pair_renderer.lost(self._window.is_texture) or self._lost:
             self._lost = False
             self.rebuild()
+        self._report_letters()
         actions.take_keys(self)
         self.files.each_frame()
         self._tables.each_frame()
@@ -207,6 +210,17 @@ class App:
         self.model.frames = {}
         self.pair_renderer = PairRenderer(ctx)
         self.model.report("the graphics device lost its objects; everything was made again")
+
+    def _report_letters(self) -> None:
+        """Warn once of a name that no font here can show."""
+        sides = (self.model.state.side(side) for side in SIDES)
+        names = tuple(side.sample.material.name for side in sides)
+        if names == self._names_read:
+            return
+        self._names_read = names
+        texts = {f"the name of the {s}": n for s, n in zip(SIDES, names, strict=True)}
+        for line in fonts.warnings(texts):
+            self.model.report_once(line, fault=True)
 
     # --- one frame ----------------------------------------------------------------------------
 

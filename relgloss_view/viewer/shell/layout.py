@@ -15,7 +15,7 @@ RIGHT, BELOW, BELOW_RIGHT = "right", "below", "below right"
 RIGHT_EM = 25.0  #: width of the column of controls
 BELOW_EM = 18.0  #: height of the strip of plots
 #: Of the window's width and height: the pictures stay the largest thing in it.
-LEAST_SHARE, MOST_SHARE = 0.15, (0.36, 0.42)
+LEAST_SHARE, MOST_SHARE = 0.15, (0.40, 0.42)
 STAGE = "Pictures"
 _STAGE_FLAGS = (
     imgui.WindowFlags_.no_decoration
@@ -27,6 +27,11 @@ _STAGE_FLAGS = (
     | imgui.WindowFlags_.no_scroll_with_mouse
 )
 PIXEL_SHARE = 0.4  #: of the strip below
+APART_EM = 44.0  #: width of a strip with room for two groups of panels side by side
+#: Least widths and heights of docked panels, and what the pictures have beside them. Where a window
+#: is too small for both, the panels of that place don't show until it grows.
+LEAST_EM = {RIGHT: (16.0, 10.0), BELOW: (16.0, 8.0), BELOW_RIGHT: (12.0, 8.0)}
+PICTURES_EM = (20.0, 9.0)
 
 
 @dataclass
@@ -49,6 +54,7 @@ class Layout:
         self._arrange_again = False
         self._new = True
         self._focus: list[str] = []
+        self._roomless: set[str] = set()  #: places for whose panels the window is too small
 
     def reset(self) -> None:
         """Show every panel in its first place."""
@@ -63,6 +69,14 @@ class Layout:
         next(p for p in self.panels if p.title == title).visible = True
         self._focus.append(title)
 
+    @property
+    def crowded(self) -> bool:
+        """Whether the window is too small for some of the panels, which therefore don't show."""
+        return (
+            any(p.visible and p.docked and p.place in self._roomless for p in self.panels)
+            and not self.hidden
+        )
+
     def show(self, stage: Callable[[], None], top_px: float, bottom_px: float) -> None:
         """Draw panels and stage between the menu bar and the status line."""
         viewport = imgui.get_main_viewport()
@@ -74,10 +88,11 @@ class Layout:
             imgui.begin(STAGE, None, _STAGE_FLAGS)
             imgui.end()
             self._new = False
+        self._roomless = _roomless(size)
         space = self._dock_space(place, size)
         if not self.hidden:
             for panel in self.panels:
-                if panel.visible:
+                if panel.visible and not (panel.docked and panel.place in self._roomless):
                     self._show_panel(panel)
             node = internal.dock_builder_get_central_node(space)
             if node is not None and node.size.x >= 1.0 and node.size.y >= 1.0:
@@ -112,9 +127,16 @@ class Layout:
             self._arrange(space, size)
             self._arrange_again = False
         node_flags = imgui.DockNodeFlags_.passthru_central_node
+        # Tabs are close to each other, and without a menu of their own: their names need the room.
+        node_flags |= internal.DockNodeFlagsPrivate_.no_window_menu_button
+        style = imgui.get_style()
+        near = ImVec2(0.6 * style.frame_padding.x, style.frame_padding.y)
+        imgui.push_style_var(imgui.StyleVar_.frame_padding, near)
+        imgui.push_style_var(imgui.StyleVar_.item_inner_spacing, ImVec2(near.x, near.y))
         if self.hidden:
             node_flags |= imgui.DockNodeFlags_.keep_alive_only
         imgui.dock_space(space, ImVec2(0.0, 0.0), node_flags)
+        imgui.pop_style_var(2)
         imgui.end()
         return space
 
@@ -128,8 +150,10 @@ class Layout:
         nodes = {RIGHT: split.id_at_dir}
         below = _share(em(BELOW_EM), size.y, MOST_SHARE[1])
         split = internal.dock_builder_split_node(split.id_at_opposite_dir, imgui.Dir.down, below)
-        strip = internal.dock_builder_split_node(split.id_at_dir, imgui.Dir.right, PIXEL_SHARE)
-        nodes |= {BELOW: strip.id_at_opposite_dir, BELOW_RIGHT: strip.id_at_dir}
+        nodes |= {BELOW: split.id_at_dir, BELOW_RIGHT: split.id_at_dir}
+        if (1.0 - right) * size.x >= em(APART_EM):
+            strip = internal.dock_builder_split_node(split.id_at_dir, imgui.Dir.right, PIXEL_SHARE)
+            nodes |= {BELOW: strip.id_at_opposite_dir, BELOW_RIGHT: strip.id_at_dir}
         for panel in self.panels:
             internal.dock_builder_dock_window(panel.title, nodes[panel.place])
         internal.dock_builder_finish(space)
@@ -150,6 +174,8 @@ class Layout:
             flags |= imgui.WindowFlags_.no_background
         opened, stays = imgui.begin(panel.title, True, flags)
         panel.docked = imgui.is_window_docked()
+        if panel.docked:
+            _hold_size(LEAST_EM[panel.place])
         if opened:
             panel.show()
         imgui.end()
@@ -164,6 +190,27 @@ class Layout:
         imgui.pop_style_var(2)
         stage()
         imgui.end()
+
+
+def _roomless(size: ImVec2) -> set[str]:
+    """The places whose panels and the pictures don't both fit into a window of so many pixels."""
+    lost = set()
+    if size.x < em(LEAST_EM[RIGHT][0] + PICTURES_EM[0]) or size.y < em(LEAST_EM[RIGHT][1]):
+        lost.add(RIGHT)
+    if size.y < em(LEAST_EM[BELOW][1] + PICTURES_EM[1]) or size.x < em(LEAST_EM[BELOW][0]):
+        lost |= {BELOW, BELOW_RIGHT}
+    return lost
+
+
+def _hold_size(least_em: tuple[float, float]) -> None:
+    """Widen the present window's place in the dock space to its least size."""
+    node = internal.dock_builder_get_node(imgui.get_window_dock_id())
+    if node is None or node.is_root_node() or imgui.is_mouse_down(imgui.MouseButton_.left):
+        return  # a hand that drags the edge is held when it lets go
+    least = ImVec2(em(least_em[0]), em(least_em[1]))
+    if node.size.x < least.x - 1.0 or node.size.y < least.y - 1.0:
+        size = ImVec2(max(node.size.x, least.x), max(node.size.y, least.y))
+        internal.dock_builder_set_node_size(node.id_, size)
 
 
 def _share(wanted: float, whole: float, most: float) -> float:

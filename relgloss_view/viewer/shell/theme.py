@@ -6,9 +6,13 @@ the interface is darker and neutral too. Sizes are in em: a larger font scales e
 
 from __future__ import annotations
 
-from imgui_bundle import ImVec2, ImVec4, imgui, implot
+from imgui_bundle import ImVec2, ImVec4, hello_imgui, imgui, implot
+
+from relgloss_view.base.fonts import font_files
 
 FONT_PX = 15.0
+FONT = "fonts/Roboto/Roboto-Regular.ttf"  #: among the assets of imgui_bundle
+FONT_HEIGHT_EM = 1.1719  #: of it, ascender to descender
 
 # Grays, sRGB values 0..1. Text on a panel has a contrast of 11:1, quiet text 5.5:1; WCAG 2 asks
 # for 4.5.
@@ -40,6 +44,22 @@ def gray(value: float, alpha: float = 1.0) -> ImVec4:
 def em(count: float) -> float:
     """A length in pixels: so many times the size of the font."""
     return count * imgui.get_font_size()
+
+
+def load_fonts() -> None:
+    """Give ImGui its font, and behind it those for letters that it lacks.
+
+    Glyphs are drawn when they are first needed. ImGui scales a font so that its lines have one
+    height; fonts with higher lines than the first are enlarged, so that their letters are as large.
+    Raises InputError where RELGLOSS_FONTS names a file that is no font.
+    """
+    hello_imgui.load_font(FONT, FONT_PX)
+    for file in font_files():
+        config = imgui.ImFontConfig()
+        config.merge_mode = True
+        config.font_no = file.index
+        config.extra_size_scale = file.height_em / FONT_HEIGHT_EM
+        imgui.get_io().fonts.add_font_from_file_ttf(file.path, FONT_PX, config)
 
 
 def apply(scale: float = 1.0) -> None:

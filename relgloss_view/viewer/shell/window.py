@@ -236,7 +236,7 @@ class Window:
         options.anti_aliasing_samples = 0  # the interface smooths its own lines
         callbacks = params.callbacks
         callbacks.load_additional_fonts = self._load_font
-        callbacks.setup_imgui_style = theme.apply
+        callbacks.setup_imgui_style = lambda: theme.apply(self.font_scale)
         callbacks.post_init = self._start
         callbacks.show_gui = self._frame
         callbacks.before_imgui_render = lambda: self._guarded(self._fill)
@@ -245,7 +245,7 @@ class Window:
         return params
 
     def _load_font(self) -> None:
-        hello_imgui.load_font("fonts/Roboto/Roboto-Regular.ttf", theme.FONT_PX)
+        self._guarded(theme.load_fonts)
 
     def _start(self) -> None:
         self._guarded(self._attach)

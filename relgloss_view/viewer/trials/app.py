@@ -18,7 +18,7 @@ from relgloss_view.picture.model.view import Size
 from relgloss_view.viewer.drawing.arrangement import Arrangement
 from relgloss_view.viewer.drawing.canvas import Canvas, surround_gray
 from relgloss_view.viewer.shell.window import Window
-from relgloss_view.viewer.trials import keys, pages, placement
+from relgloss_view.viewer.trials import keys, letters, pages, placement
 from relgloss_view.viewer.trials.category_strip import CategoryStrip
 from relgloss_view.viewer.trials.device import Profile, screen_of, stay_open
 from relgloss_view.viewer.trials.experimenter_line import ExperimenterLine, Tell, continues
@@ -82,6 +82,9 @@ class Trials:
         )
         self._pair = Pair(ctx, self.store, run)
         self._note = continues(self.store, self.observer)
+        unreadable = letters.warnings(self.store.study)
+        if unreadable:
+            self.fault = pages.letters_page(unreadable)
         self.flow = Flow(self.store, self.observer, run, time.perf_counter)
         self._digits = keys.digit_chords(len(self.store.study.categories))
 

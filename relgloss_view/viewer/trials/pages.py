@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from imgui_bundle import ImVec2, imgui
 
+from relgloss_view.base.words import sentence_case
 from relgloss_view.experiment.session.flow import Flow, Phase
 from relgloss_view.picture.model.view import Size
 from relgloss_view.viewer.shell.theme import gray
@@ -89,6 +90,20 @@ def fault_page(heading: str, reason: str) -> Page:
         "",
         (
             Button("Go back (Enter)", RETRY, keys.ENTER),
+            Button("End (Ctrl+Q)", CLOSE, keys.QUIT),
+        ),
+    )
+
+
+def letters_page(warnings: list[str]) -> Page:
+    """What of the study can't be read here, for the operator; before anything is asked."""
+    lines = "\n\n".join(f"{sentence_case(line)}." for line in warnings)
+    return Page(
+        "Texts of this study can't be read here",
+        f"{lines}\n\nPlease mend this before an observer reads it.",
+        "This page is for the experimenter.",
+        (
+            Button("Continue all the same (Enter)", RETRY, keys.ENTER),
             Button("End (Ctrl+Q)", CLOSE, keys.QUIT),
         ),
     )
