@@ -172,3 +172,13 @@ def test_refused(capsys, tmp_path, monkeypatch, words, place):
 
 def test_no_output_is_wrong_usage(capsys, tmp_path):
     refused(capsys, tmp_path, "compare", status=2)
+
+
+def test_a_view_without_highlights_ranks_nothing(capsys, tmp_path):
+    words = ("compare", *SMALL, "--operators", "split", "--set", "shape.kind=plane", "--json")
+    found = json.loads(run(capsys, *words, "-o", tmp_path / "a.png")[1])
+    assert found["refused"] == ["cast-coated", "art-coated", "matte-coated", "uncoated"]
+    orders = found["operators"][0]["orders"].values()
+    assert {order["verdict"] for order in orders} == {"none"}
+    err = run(capsys, *words[:-1], "-o", tmp_path / "a.png")[2]
+    assert "not ranked; turn the lamp" in err
