@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, table
 from relgloss_view.commands.scene_options import add_scene_options, scene_from
+from relgloss_view.picture.scene.look import viewed_look
 
 if TYPE_CHECKING:
     from relgloss_view.quality.planner import Advice, StageChoice
@@ -37,7 +38,7 @@ def add(commands: Any) -> None:
         "the whole model, measured on a thousand pixels of the picture.",
         epilog="example: relgloss plan --sample uncoated --set lamp.azimuth_deg=110 --matched",
     )
-    add_scene_options(parser)
+    add_scene_options(parser, look=viewed_look())
     parser.add_argument(
         "--p95", metavar="DE", type=float, help="Largest 95th percentile of the error (default 0.5)"
     )

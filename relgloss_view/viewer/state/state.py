@@ -12,7 +12,7 @@ from typing import Any
 from relgloss_view.base.parameters import Checked, choice, parameter, switch
 from relgloss_view.operators.registry import DEFAULT_OPERATOR, OPERATORS
 from relgloss_view.picture.gpu import constants
-from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.look import Look, viewed_look
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, SAMPLES, Sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setting import Setting
@@ -105,7 +105,7 @@ class State:
         The window draws what the scene needs, quality "auto"; files are drawn exactly by default.
         """
         reference, test = (
-            Side(Sample.built_in(name), Look(quality="auto").at(SAMPLES[name]))
+            Side(Sample.built_in(name), viewed_look(quality="auto").at(SAMPLES[name]))
             for name in (DEFAULT_REFERENCE, DEFAULT_SAMPLE)
         )
         return cls(reference, test)
