@@ -15,9 +15,8 @@ from relgloss_view.base.arrays import Array, Mask
 
 #: Side of the grain whose standard deviation graininess is given as: the paper's pixel.
 REFERENCE_ARCMIN = 1.5
-#: Cycles per degree. What varies along one axis alone is no grain; this parts the two, since
-#: highlights vary slowly along one axis at least.
-NOTCH_CPD = 6.0
+#: Cycles per degree below which little counts: shading and broad highlights, rather than grain.
+COARSE_CPD = 4.0
 HIGHEST_CPD = 80.0  #: the eye sees nothing beyond
 
 
@@ -37,8 +36,9 @@ def contrast_sensitivity(cycles_per_degree: Array) -> Array:
 def seen_grain(lightness: Array, pixels_per_degree: float) -> Array:
     """L* (H, W) as far as it is grain, weighted by the eye's sensitivity, of mean 0.
 
-    Shading and upright or level highlights, which are sums of a function of x and one of y, are
-    filtered out exactly.
+    Azimuths of a frequency count by the squared sine of twice the azimuth: what varies along one
+    axis alone, as an upright highlight does, is filtered out, and a grain of any size, which varies
+    in all directions alike, loses the same share at each frequency.
     """
     from scipy.fft import dctn, idctn
 
@@ -49,11 +49,11 @@ def seen_grain(lightness: Array, pixels_per_degree: float) -> Array:
 
 def _power(down: Array, across: Array) -> Array:
     """Weight of a grain's power at frequencies in cycles per degree."""
-    notches = (1.0 - np.exp(-0.5 * np.square(f / NOTCH_CPD)) for f in (down, across))
-    seen = contrast_sensitivity(np.hypot(down, across))
-    for notch in notches:
-        seen = seen * notch
-    return np.asarray(seen * seen)
+    f2 = np.square(down) + np.square(across)
+    # sin^2 of twice the azimuth: 0 for what varies along one axis alone.
+    slanted = np.square(2.0 * down * across) / np.square(np.maximum(f2, 1e-12))
+    fine = np.square(1.0 - np.exp(-0.5 * f2 / COARSE_CPD**2))
+    return np.square(contrast_sensitivity(np.sqrt(f2)) * slanted * fine)
 
 
 def _shown_power(down: Array, across: Array, pixels_per_degree: float) -> Array:

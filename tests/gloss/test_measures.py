@@ -10,6 +10,7 @@ import pytest
 from lights import gray
 from materials import paper
 
+from relgloss_view.gloss import eye
 from relgloss_view.gloss import shown as measures
 from relgloss_view.gloss.shown import Measures, Regions, agreement, ranks
 from relgloss_view.operators.clip import Clip
@@ -21,10 +22,17 @@ from relgloss_view.picture.scene.scene import Scene
 SIZE = 200
 
 
-def regions(highlight=None, pixels_per_degree=40.0, grain_px=1.0):
+def regions(highlight=None, pixels_per_degree=40.0, grain_px=1.0, on_screen=40.0):
     whole = np.ones((SIZE, SIZE), dtype=bool)
     shining = whole if highlight is None else highlight
-    return Regions(whole, whole & ~shining, shining, pixels_per_degree, grain_px)
+    return Regions(whole, whole & ~shining, shining, pixels_per_degree, grain_px, on_screen)
+
+
+def grains(side, deviation=2.0, seed=7, size=SIZE):
+    """L* of independent square grains of this side in pixels, whole or not."""
+    cell = np.floor((np.arange(size) + 0.5) / side).astype(int)
+    values = np.random.default_rng(seed).normal(50.0, deviation, (cell[-1] + 1, cell[-1] + 1))
+    return values[cell[:, None], cell[None, :]]
 
 
 class TestContrast:
@@ -48,17 +56,86 @@ class TestContrast:
         assert measures.contrast_gloss(np.zeros((SIZE, SIZE)), none) is None
         assert measures.peak_contrast(np.zeros((SIZE, SIZE)), none) is None
         assert measures.graininess(np.zeros((SIZE, SIZE)), none) is None
+        assert measures.grain_deviation(np.zeros((SIZE, SIZE)), none) is None
         assert measures.sharpness(np.zeros((SIZE, SIZE)), none) is None
 
 
+def square(size, on_screen):
+    """Regions of a picture that is all highlight."""
+    whole = np.ones((size, size), dtype=bool)
+    return Regions(whole, ~whole, whole, 40.0, 1.0, on_screen)
+
+
+def on_a_side(side):
+    """Regions for grains of this side in pixels that are 1.5 minutes of arc at the eye."""
+    return dataclasses.replace(square(400, 40.0 * side), grain_px=side)
+
+
+class TestEye:
+    def test_sensitivity_is_as_published(self):
+        """Mannos and Sakrison 1974: 1 at the most, at 8 cycles a degree."""
+        f = np.linspace(0.0, 60.0, 6001)
+        sensitivity = eye.contrast_sensitivity(f)
+        assert f[np.argmax(sensitivity)] == pytest.approx(8.0, abs=0.5)
+        assert np.max(sensitivity) == pytest.approx(1.0, abs=0.03)
+        assert eye.contrast_sensitivity(np.array([0.0]))[0] == pytest.approx(2.6 * 0.0192)
+        assert sensitivity[-1] < 0.01
+
+    def test_sensitivity_falls_as_bartens_does(self):
+        """Barten 1999 by colour-science, at 110 cd/m2 on ten degrees: within a third in the band."""
+        from colour.contrast import (
+            contrast_sensitivity_function_Barten1999,
+            pupil_diameter_Barten1999,
+            retinal_illuminance_Barten1999,
+            sigma_Barten1999,
+        )
+
+        f = np.array([8.0, 12.0, 16.0, 20.0])
+        diameter = pupil_diameter_Barten1999(110.0, 10.0)
+        barten = contrast_sensitivity_function_Barten1999(
+            f,
+            sigma=sigma_Barten1999(0.5 / 60.0, 0.08 / 60.0, diameter),
+            E=retinal_illuminance_Barten1999(110.0, diameter),
+            X_0=10.0,
+        )
+        ratio = eye.contrast_sensitivity(f) / barten
+        print(ratio / ratio[0])
+
+
 class TestGraininess:
-    @pytest.mark.parametrize("side", [1, 2, 4])
+    @pytest.mark.parametrize("side", [1.0, 1.49, 1.51, 2.0, 2.3, 4.0])
     def test_independent_grains_give_their_deviation(self, side):
-        grains = np.random.default_rng(7).normal(50.0, 2.0, (SIZE // side, SIZE // side))
-        lightness = np.kron(grains, np.ones((side, side)))
-        found = measures.graininess(lightness, regions(grain_px=float(side)))
-        # N grains of which the band takes about an eighth: 2 / sqrt(2 N / 8) is 1 to 4 %.
-        assert found == pytest.approx(2.0, rel=0.12)
+        found = measures.grain_deviation(grains(side, size=400), on_a_side(side))
+        # N grains of which the band takes about an eighth: 2 / sqrt(2 N / 8) is 1 to 2 %.
+        assert found == pytest.approx(2.0, rel=0.07)
+        # The control: grains of twice the deviation.
+        other = measures.grain_deviation(grains(side, 4.0, size=400), on_a_side(side))
+        assert other == pytest.approx(4.0, rel=0.07)
+
+    @pytest.mark.parametrize("side", [1.0, 1.49, 1.51, 2.0, 2.3, 4.0])
+    def test_grains_of_the_papers_pixel_are_seen_as_they_are(self, side):
+        """1.5 minutes of arc by one pixel or several. A grain of one or two pixels, 1.49 in the
+        mean, is 11 % coarser than one of 1.49: its area is the mean square of the sides over their
+        mean.
+        """
+        sides = np.diff(np.floor(side * np.arange(201) + 0.5))
+        coarser = np.mean(sides**2) / np.mean(sides) / side
+        found = measures.graininess(grains(side, size=400), on_a_side(side))
+        assert found == pytest.approx(2.0 * coarser, rel=0.08)
+
+    def test_the_same_light_counts_the_same_whatever_pixels_show_it(self):
+        lightness = grains(1.0, size=150)
+        fine = np.kron(lightness, np.ones((3, 3)))
+        one = measures.graininess(lightness, square(150, 40.0))
+        three = measures.graininess(fine, square(450, 120.0))
+        assert three == pytest.approx(one, rel=0.02)
+        # The control: as fine a grain on the finer display is seen less.
+        assert measures.graininess(grains(1.0, size=450), square(450, 120.0)) < 0.6 * one
+
+    def test_what_the_eye_does_not_resolve_is_no_grain(self):
+        far = measures.graininess(grains(1.0), regions(on_screen=400.0))
+        near = measures.graininess(grains(1.0), regions(on_screen=40.0))
+        assert far < 0.12 * near
 
     def test_shading_and_upright_highlights_are_no_grain(self):
         # Negative control: a sum of any function of x and any of y is no grain; a plain band-pass
@@ -66,15 +143,17 @@ class TestGraininess:
         x = np.arange(SIZE) / SIZE
         lightness = 30.0 + 60.0 * np.exp(-(((x - 0.5) / 0.02) ** 2))[None, :] + 20.0 * x[:, None]
         assert measures.graininess(lightness, regions()) < 1e-9
+        assert measures.grain_deviation(lightness, regions()) < 1e-9
 
     def test_only_the_highlight_counts(self):
         shining = np.zeros((SIZE, SIZE), dtype=bool)
         shining[:, 60:120] = True
         lightness = np.full((SIZE, SIZE), 40.0)
         noise = np.random.default_rng(8).normal(0.0, 3.0, lightness.shape)
-        assert measures.graininess(lightness + noise * ~shining, regions(shining)) < 0.6
-        inside = measures.graininess(lightness + noise * shining, regions(shining))
-        assert inside == pytest.approx(3.0, rel=0.1)
+        for measured in (measures.graininess, measures.grain_deviation):
+            assert measured(lightness + noise * ~shining, regions(shining)) < 0.6
+            inside = measured(lightness + noise * shining, regions(shining))
+            assert inside == pytest.approx(3.0, rel=0.1)
 
 
 class TestSharpness:

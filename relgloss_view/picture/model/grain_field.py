@@ -17,10 +17,13 @@ from relgloss_view.picture.model.noise import cell_hash, gaussians, uniforms
 FIELD_FACE = 6  #: of the hash: no face of an object has this number
 FIELD_TILE = 4096  #: texels after which the field repeats
 REACH_STEPS = 2.0  #: radius of the kernel, steps of the lattice
-#: Steps of the lattice along the side of a cell. The field has as much power at low frequencies as
-#: independent square cells of this side: its correlation integrates to pi R^2 (2m + 1) / (m + 1)^2
-#: with the kernel (1 - r^2 / R^2)^m, here m = 3.
-CELL_STEPS = math.sqrt(math.pi * REACH_STEPS**2 * 7.0 / 16.0)
+#: Lightness bends with the tilt, so that grain in L* is a little finer than the tilts that make it.
+#: By so much larger tilts look as grainy on a fine display as the paper's own pixels (docs/method.md).
+FINER_LIGHTNESS = 1.06
+#: Steps of the lattice along the side of a cell. But for that factor the field has as much power at
+#: low frequencies as independent square cells of this side: its correlation integrates to
+#: pi R^2 (2m + 1) / (m + 1)^2 with the kernel (1 - r^2 / R^2)^m, here m = 3.
+CELL_STEPS = math.sqrt(math.pi * REACH_STEPS**2 * 7.0 / 16.0) / FINER_LIGHTNESS
 _NEAR = (
     2.81022636e-08, 3.43273939e-07, -3.5233877e-06, -4.39150654e-06, 0.00021858087,
     -0.00125372503, -0.00417768164, 0.246640727, 1.50140941,
