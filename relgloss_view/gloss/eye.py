@@ -53,7 +53,7 @@ def _power(down: Array, across: Array) -> Array:
     # sin^2 of twice the azimuth: 0 for what varies along one axis alone.
     slanted = np.square(2.0 * down * across) / np.square(np.maximum(f2, 1e-12))
     fine = np.square(1.0 - np.exp(-0.5 * f2 / COARSE_CPD**2))
-    return np.square(contrast_sensitivity(np.sqrt(f2)) * slanted * fine)
+    return np.asarray(np.square(contrast_sensitivity(np.sqrt(f2)) * slanted * fine))
 
 
 def _shown_power(down: Array, across: Array, pixels_per_degree: float) -> Array:

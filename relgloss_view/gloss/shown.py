@@ -142,9 +142,10 @@ def graininess(lightness: Array, regions: Regions) -> float | None:
 def grain_deviation(lightness: Array, regions: Regions) -> float | None:
     """Standard deviation of L* from grain to grain, over the highlights, however small they are.
 
-    It is taken around the grains' frequency. The band lies about one cycle in two grains, along both axes at once: what varies along one
-    axis only, as an upright highlight does, is no grain (after Immerkaer 1996, whose mask does the
-    same at one pixel). Normalised so that independent grains give their standard deviation.
+    It is taken around the grains' frequency: the band lies about one cycle in two grains, along
+    both axes at once. What varies along one axis only, as an upright highlight does, is no grain
+    (after Immerkaer 1996, whose mask does the same at one pixel). Normalised so that independent
+    grains give their standard deviation, also where they are no whole number of pixels.
     """
     inside = _away_from_edges(regions.highlight, regions.whole, 2.0 * regions.grain_px)
     if not np.any(inside):

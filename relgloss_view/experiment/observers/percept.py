@@ -3,7 +3,8 @@
 A model, not a measurement of people: it is there so that a study with a known answer can be run
 from end to end. log G = log(contrast) - w2 grain + w3 log(sharpness / contrast), contrast being
 what the highlight adds to the body's own shading, where it adds most; grain is the deviation
-from grain to grain in relation to that contrast. The measures are those of docs/operators.md, of what the display shows.
+from grain to grain in relation to that contrast. The measures are those of docs/operators.md, of
+what the display shows.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ FIELD_FACE = 6  #: of the hash: no face of an object has this number
 FIELD_TILE = 4096  #: texels after which the field repeats
 REACH_STEPS = 2.0  #: radius of the kernel, steps of the lattice
 #: Lightness bends with the tilt, so that grain in L* is a little finer than the tilts that make it.
-#: By so much larger tilts look as grainy on a fine display as the paper's own pixels (docs/method.md).
+#: Tilts this much larger look as grainy on a fine display as the paper's pixels (docs/method.md).
 FINER_LIGHTNESS = 1.06
 #: Steps of the lattice along the side of a cell. But for that factor the field has as much power at
 #: low frequencies as independent square cells of this side: its correlation integrates to
@@ -79,7 +79,8 @@ def smooth_tilt(law: str, place: Array, seed: int) -> Array:
 
     law: 'tangent', two Gaussians; 'paper', a Gaussian angle of uniform azimuth: the direction of
     the two, and the angle whose rank among half-normal ones is the rank of their length among
-    Rayleigh ones, erf(angle / sqrt 2) = 1 - exp(-length^2 / 2). So the tilt is smooth where it passes 0.
+    Rayleigh ones, erf(angle / sqrt 2) = 1 - exp(-length^2 / 2). So the tilt is smooth where it
+    passes 0.
     place: as for smooth_gaussians.
     """
     g = smooth_gaussians(place, seed)
