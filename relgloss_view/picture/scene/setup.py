@@ -232,7 +232,7 @@ class Display(Checked):
     gamut: 'chroma' reduces the chroma of colours that the monitor can't show, 'clip' cuts RGB.
     primaries_xy, white_xy: CIE 1931 chromaticities.
     background_lstar: L* of the neutral surround, 0 to 100.
-    pixel_pitch_mm: from one pixel to the next, 0.01 to 5 mm. viewing_distance_m: from the monitor
+    pixel_pitch_mm: from one pixel to the next, 0.01 to 100 mm. viewing_distance_m: from the monitor
     to the observer, 0.05 to 100 m. How large a grain is at the eye follows from both.
 
     Raises InputError where a value is out of its range or the primaries lie on a line.
@@ -267,7 +267,7 @@ class Display(Checked):
         label="Surround lightness (L*)",
     )
     pixel_pitch_mm: float = parameter(
-        0.27, 0.01, 5.0, "mm", "from one pixel of the monitor to the next", label="Pixel pitch"
+        0.27, 0.01, 100.0, "mm", "from one pixel of the monitor to the next", label="Pixel pitch"
     )
     viewing_distance_m: float = parameter(
         0.6, 0.05, 100.0, "m", "from the monitor to the observer", label="Viewing distance"
