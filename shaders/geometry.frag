@@ -7,6 +7,7 @@
 #include "view.glsl"
 #include "shape.glsl"
 #include "noise.glsl"
+#include "grain_field.glsl"
 
 uniform vec3 half_extent_m;
 uniform int samples;  // along each side of a pixel
@@ -19,13 +20,15 @@ layout(location = 2) out vec4 point_m;
 
 void main() {
     ivec2 here = pixel();
-    vec3 ray = ray_through(here, vec2(0.5));
+    vec2 place = vec2(0.5);
+    vec3 ray = ray_through(here, place);
     Hit hit = meet(SHAPE, eye_m, ray, half_extent_m);
     for (int k = 0; k < samples * samples && !hit.found; ++k) {
-        ray = ray_through(here, (vec2(float(k % samples), float(k / samples)) + 0.5) / float(samples));
+        place = (vec2(float(k % samples), float(k / samples)) + 0.5) / float(samples);
+        ray = ray_through(here, place);
         hit = meet(SHAPE, eye_m, ray, half_extent_m);
     }
-    vec3 tilted = grain_normal(hit, -normalize(ray), here);
+    vec3 tilted = grain_normal(hit, -normalize(ray), here, place);
     normal = hit.found ? vec4(hit.normal, 1.0) : vec4(0.0);
     tilted_normal = hit.found ? vec4(tilted, 1.0) : vec4(0.0);
     point_m = hit.found ? vec4(hit.point_m, 1.0) : vec4(0.0);

@@ -81,9 +81,7 @@ vec3 tilted(vec3 n, vec2 angles) {
 
 // The normal of a grain as the eye sees it. A tilt that would turn the grain away from the eye is
 // halved up to three times, then dropped: a hidden grain can't be seen, and must not be black.
-vec3 noisy_normal(int law, vec3 n, vec3 o, uvec3 hash, float sigma) {
-    if (law == NOISE_NONE || sigma <= 0.0) return n;
-    vec2 angles = tilt_angles(law, hash, sigma);
+vec3 visible_tilt(vec3 n, vec3 o, vec2 angles) {
     vec3 tangent, bitangent;
     frame(n, tangent, bitangent);
     // Whether a grain faces the eye follows without its normal. A software driver runs a loop's first turn
@@ -102,4 +100,10 @@ vec3 noisy_normal(int law, vec3 n, vec3 o, uvec3 hash, float sigma) {
         share *= 0.5;
     } while (kept == 0.0 && share >= 0.125);
     return n * kept_turn.x + kept_turn.y * kept * (angles.x * tangent + angles.y * bitangent);
+}
+
+// A grain whose tilt follows from its hash.
+vec3 noisy_normal(int law, vec3 n, vec3 o, uvec3 hash, float sigma) {
+    if (law == NOISE_NONE || sigma <= 0.0) return n;
+    return visible_tilt(n, o, tilt_angles(law, hash, sigma));
 }

@@ -17,6 +17,7 @@
 #include "shape.glsl"
 #include "brdf.glsl"
 #include "noise.glsl"
+#include "grain_field.glsl"
 #include "tone.glsl"
 
 uniform vec3 half_extent_m;
@@ -63,7 +64,7 @@ Light light_through(ivec2 here, vec2 place) {
     float per_distance2;
     vec3 i = to_lamp(hit.point_m, per_distance2);
     vec3 o = -normalize(ray);
-    Facing grain = facing(grain_normal(hit, o, here), i, o);
+    Facing grain = facing(grain_normal(hit, o, here, place), i, o);
     Facing smooth_surface = grain;
     if (NOISE != NOISE_NONE && NOISY_DIFFUSE == 0) smooth_surface = facing(hit.normal, i, o);
     float arriving = irradiance * per_distance2;

@@ -14,6 +14,7 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, Progress, ProgressReport, table, warn
 from relgloss_view.base.writing import check_writable
 from relgloss_view.commands.scene_options import SAMPLE_METAVAR, add_scene_options, scene_from
+from relgloss_view.picture.scene.look import viewed_look
 from relgloss_view.picture.scene.setting import Setting, share_words
 
 if TYPE_CHECKING:
@@ -83,7 +84,7 @@ def add(commands: Any) -> None:
         metavar="SCENE.toml",
         help="Write the reference and the proposal as a scene file, which `relgloss view` opens",
     )
-    add_scene_options(parser, tuned=False, sourced=False)
+    add_scene_options(parser, tuned=False, sourced=False, look=viewed_look())
     parser.add_argument("--json", action="store_true", help="Print the curves as JSON")
     parser.set_defaults(run=run, wrong_usage=parser.error)
 

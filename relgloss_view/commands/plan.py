@@ -11,6 +11,7 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, table
 from relgloss_view.commands.matched import add_reference_option, matched_picture
 from relgloss_view.commands.scene_options import add_scene_options, scene_from
+from relgloss_view.picture.scene.look import viewed_look
 
 if TYPE_CHECKING:
     from relgloss_view.quality.planner import Advice, StageChoice
@@ -38,7 +39,7 @@ def add(commands: Any) -> None:
         "the whole model, measured on a thousand pixels of the picture.",
         epilog="example: relgloss plan --sample uncoated --set lamp.azimuth_deg=110",
     )
-    add_scene_options(parser)
+    add_scene_options(parser, look=viewed_look())
     add_reference_option(parser)
     parser.add_argument(
         "--p95", metavar="DE", type=float, help="Largest 95th percentile of the error (default 0.5)"

@@ -35,15 +35,23 @@ _C_WORDS = (
     f"; {MATCHED}: keeps the ratio of gloss to the reference; {MAX}: c_max of this picture "
     f"(default {MATCHED}, or what a --scene holds)"
 )
+GRAIN_KIND = "--grain-kind"
+PAPER_LOOK = Look()  #: with the paper's grain, one a pixel
 
 
 def add_scene_options(
-    parser: argparse.ArgumentParser, *, tuned: bool = True, sourced: bool = True
+    parser: argparse.ArgumentParser,
+    *,
+    tuned: bool = True,
+    sourced: bool = True,
+    look: Look = PAPER_LOOK,
 ) -> None:
     """Declare the options; `tuned` adds those of the look that a grid varies itself.
 
     `sourced` adds those that name the sample, which some commands take as words of their own.
+    `look`: what the command draws where neither a scene file nor an option changes it.
     """
+    parser.set_defaults(default_look=look)
     what = parser.add_argument_group("what to draw")
     if sourced:
         source = what.add_mutually_exclusive_group()
@@ -84,7 +92,10 @@ def add_scene_options(
             else str,
             choices=option.choices,
             default=argparse.SUPPRESS,
-            help=f"{option.help}{_C_WORDS if option.entry == 'c' else ''}",
+            help=option.help_with(
+                getattr(look, option.entry) if option.table == "look" else option.field.default
+            )
+            + (_C_WORDS if option.entry == "c" else ""),
         )
     if tuned:
         how.add_argument(
@@ -122,7 +133,7 @@ def scene_from(args: argparse.Namespace) -> tuple[Scene, Look, tuple[int, int]]:
         scene = dataclasses.replace(scene, material=material or scene.material)
     else:
         assert material is not None
-        scene, look = Scene(material), Look()
+        scene, look = Scene(material), args.default_look
     setup, look = with_settings(scene.setup, look, args.set)
     if getattr(args, "published", False):
         if args.material is not None or (args.scene is not None and args.sample is None):
@@ -138,7 +149,10 @@ def scene_from(args: argparse.Namespace) -> tuple[Scene, Look, tuple[int, int]]:
 
 
 def scene_words_of(args: argparse.Namespace) -> list[str]:
-    """The options that name and describe the scene, as they were given."""
+    """The options that name and describe the scene, as they were given.
+
+    The kind of grain is stated too, since commands begin with different kinds.
+    """
     words = []
     for source in ("sample", "material", "scene"):
         value = getattr(args, source)
@@ -146,6 +160,8 @@ def scene_words_of(args: argparse.Namespace) -> list[str]:
     for setting in args.set:
         words += [SET, setting]
     values = _values(args)
+    if args.scene is None and not any(s.startswith("look.grain=") for s in args.set):
+        values = {GRAIN_KIND: args.default_look.grain, **values}
     for option in OPTIONS:
         words += option.words(values[option.flag]) if option.flag in values else []
     width, height = args.size

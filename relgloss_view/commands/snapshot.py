@@ -16,6 +16,7 @@ from relgloss_view.commands.operator_options import (
     operator_from,
 )
 from relgloss_view.commands.scene_options import add_scene_options, printable_command, scene_from
+from relgloss_view.picture.scene.look import viewed_look
 
 BITS = (8, 16)
 
@@ -31,7 +32,7 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "-o", "--output", metavar="OUT.png|OUT.exr", required=True, help="File of the picture"
     )
-    add_scene_options(parser)
+    add_scene_options(parser, look=viewed_look())
     add_reference_option(parser)
     add_operator_options(parser)
     parser.add_argument(

@@ -13,10 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
+from relgloss_view.gloss import eye
 from relgloss_view.operators.clip import Clip
 from relgloss_view.operators.operator import Displayed, SceneLight
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model.difference import delta_e_2000
+from relgloss_view.picture.scene.setup import Display
 
 BRIGHT_QUANTILE = 0.99
 HIGHLIGHT_LSTAR = 1.0  #: a highlight adds at least this much to L*, the body at most
@@ -25,6 +27,7 @@ LIT_LSTAR = 1.0  #: below this L_d* there is no body colour to speak of
 EYE_SD_DEG = 1.0 / 30.0  #: two arc minutes, a little more than the eye blurs
 COVERING_LSTAR = 0.1  #: a peak contrast below this is no highlight that could cover anything
 EDGE_GRAINS = 4.0  #: sd of the mean over grains that leaves edges; see tests/gloss/test_measures.py
+GRAIN_REACH_DEG = 0.08  #: of the filter of graininess
 BLUR_REACH = 3.0  #: standard deviations of a filter that must lie on the object
 ORDER_TIE_LSTAR = 1.0  #: contrast glosses this close are a tie
 
@@ -36,8 +39,9 @@ class Regions:
     whole: Mask  #: the object covers all of the pixel
     body: Mask  #: diffuse, lit
     highlight: Mask  #: specular
-    pixels_per_degree: float
-    grain_px: float  #: side of a grain of the surface, at least a pixel
+    pixels_per_degree: float  #: of the drawn object, seen from the scene's eye
+    grain_px: float  #: side of a grain, at least a pixel
+    screen_pixels_per_degree: float = 60.0 / Display().pixel_arcmin  #: at the observer's eye
     grainy: bool = False  #: whether sigma_N is above 0
 
     @classmethod
@@ -51,16 +55,20 @@ class Regions:
         whole = frame.coverage >= 1.0
         l_d, l_s = frame.split
         scale = SceneLight.of(frame).pixels_per_degree
-        look, eye = frame.look, frame.scene.eye
+        look, distance_m = frame.look, frame.scene.eye.distance_m
+        pixel_arcmin = frame.scene.display.pixel_arcmin
         if look.grain == "screen":
             grain = float(look.grain_px)
+        elif look.grain == "eye":
+            grain = look.grain_arcmin / pixel_arcmin
         else:
-            grain = math.degrees(math.atan(1e-3 * look.grain_mm / eye.distance_m)) * scale
+            grain = math.degrees(math.atan(1e-3 * look.grain_mm / distance_m)) * scale
         grain = max(grain, 1.0)
         specular = gaussian_filter(np.asarray(l_s, dtype=np.float64), HIGHLIGHT_GRAINS * grain)
         shines = specular >= HIGHLIGHT_LSTAR
         body = whole & ~shines & (l_d >= LIT_LSTAR)
-        return cls(whole, body, whole & shines, scale, grain, look.sigma_n_deg > 0.0)
+        grainy = look.sigma_n_deg > 0.0
+        return cls(whole, body, whole & shines, scale, grain, 60.0 / pixel_arcmin, grainy)
 
 
 @dataclass(frozen=True)
@@ -121,33 +129,66 @@ def peak_contrast(lightness: Array, regions: Regions) -> float | None:
 
 
 def graininess(lightness: Array, regions: Regions) -> float | None:
-    """Standard deviation of L* around the grain's frequency, over the highlights.
+    """Grain of the highlights as an observer sees it on the display, L*.
 
-    The band lies about one cycle in two grains, along both axes at once: what varies along one
-    axis only, as an upright highlight does, is no grain (after Immerkaer 1996, whose mask does the
-    same at one pixel). Normalised so that independent grains give their standard deviation.
+    It is the standard deviation of independent grains of 1.5 minutes of arc, the paper's pixel,
+    that look as strong: L* is weighted by the eye's sensitivity to contrast (Mannos and Sakrison
+    1974) with the display's pixel pitch and viewing distance. What varies along one axis only, as
+    an upright highlight does, is no grain (after Immerkaer 1996).
+    """
+    scale = regions.screen_pixels_per_degree
+    reach = GRAIN_REACH_DEG * scale
+    inside = _away_from_edges(regions.highlight, regions.whole, reach)
+    if not np.any(inside):
+        return None
+    seen = eye.seen_grain(eye.filled(lightness, regions.whole), scale)
+    return float(np.sqrt(np.mean(seen[inside] ** 2))) / eye.reference_deviation()
+
+
+def grain_deviation(lightness: Array, regions: Regions) -> float | None:
+    """Standard deviation of L* from grain to grain, over the highlights, however small they are.
+
+    It is taken around the grains' frequency: the band lies about one cycle in two grains, along
+    both axes at once. What varies along one axis only, as an upright highlight does, is no grain
+    (after Immerkaer 1996, whose mask does the same at one pixel). Normalised so that independent
+    grains give their standard deviation, also where they are no whole number of pixels.
     """
     inside = _away_from_edges(regions.highlight, regions.whole, 2.0 * regions.grain_px)
     if not np.any(inside):
         return None
-    band = _grain_band(lightness, regions.grain_px)
-    side = max(1, round(regions.grain_px))
-    size = 16 * side
-    one = np.zeros((size, size))
-    one[size // 2 : size // 2 + side, size // 2 : size // 2 + side] = 1.0
-    # Each pixel sees the grains at all offsets alike, so this is the variance that unit grains get.
-    response = float(np.sum(_grain_band(one, regions.grain_px) ** 2)) / side**2
-    return float(np.sqrt(np.mean(band[inside] ** 2) / response))
+    band = lightness
+    for axis in (0, 1):
+        band = _grain_band(band, regions.grain_px, axis)
+    deviation = float(np.sqrt(np.mean(band[inside] ** 2)))
+    return deviation / _grain_response(regions.grain_px)
 
 
-def _grain_band(values: Array, grain_px: float) -> Array:
+def _grain_response(grain_px: float) -> float:
+    """Variance along one axis that the band leaves of independent grains of variance one.
+
+    A grain whose side is no whole number of pixels covers sometimes one pixel more than at other
+    times.
+    """
+    count = 200
+    ends = np.floor(grain_px * np.arange(count + 1) + 0.5).astype(int)
+    lengths = np.diff(ends)
+    power = 0.0
+    for length in np.unique(lengths):
+        one = np.zeros(length + 2 * (8 * math.ceil(grain_px) + 1))
+        start = (len(one) - length) // 2
+        one[start : start + length] = 1.0
+        power += np.sum(lengths == length) * float(np.sum(_grain_band(one, grain_px, 0) ** 2))
+    return power / float(ends[-1] - ends[0])
+
+
+def _grain_band(values: Array, grain_px: float, axis: int) -> Array:
     from scipy.ndimage import gaussian_filter1d
 
-    fine, coarse = 0.35 * grain_px, 0.7 * grain_px
-    for axis in (0, 1):
-        passed = [gaussian_filter1d(values, sd, axis=axis, mode="nearest") for sd in (fine, coarse)]
-        values = np.asarray(passed[0] - passed[1])
-    return values
+    fine, coarse = (
+        gaussian_filter1d(values, share * grain_px, axis=axis, mode="nearest")
+        for share in (0.35, 0.7)
+    )
+    return np.asarray(fine - coarse)
 
 
 def sharpness(lightness: Array, regions: Regions) -> float | None:

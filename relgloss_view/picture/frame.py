@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,7 +16,13 @@ from relgloss_view.base.reading import printable
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.model import tone
-from relgloss_view.picture.model.pixel_sampling import sample_count, samples_needed
+from relgloss_view.picture.model.pixel_sampling import (
+    MAX_SAMPLES,
+    PIXELS_A_GRAIN,
+    pixels_a_grain,
+    sample_count,
+    samples_needed,
+)
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setting import FULL_SHARE
@@ -107,7 +114,7 @@ class Scaling:
 def scene_warnings(
     scene: Scene, look: Look, size: tuple[int, int], *, seen: bool, lit: bool
 ) -> tuple[str, ...]:
-    """Warnings of a picture that is empty or black, or whose highlight is undersampled.
+    """Warnings of a picture that is empty or black, or whose highlight or grain is undersampled.
 
     seen: some pixel shows the object. lit: the lamp lights some of it.
     """
@@ -117,13 +124,42 @@ def scene_warnings(
         return ("nothing of the object falls on a pixel's sample: the picture is empty",)
     if not lit:
         return ("the lamp lights nothing that the eye sees: the object is black",)
+    warnings = []
     needed = samples_needed(scene, size)
     if sample_count(scene, look, size) < needed:
-        return (
+        warnings.append(
             "the highlight is about as narrow as a pixel or narrower, so its brightness depends on "
-            f"where pixels fall: --samples {needed} keeps its energy",
+            f"where pixels fall: --samples {needed} keeps its energy"
         )
-    return ()
+    return (*warnings, *_grain_warnings(scene, look, size))
+
+
+def _grain_warnings(scene: Scene, look: Look, size: tuple[int, int]) -> tuple[str, ...]:
+    """The warning of grain that is smaller than a pixel."""
+    pixels = pixels_a_grain(scene, look, size)
+    if look.sigma_n_deg == 0.0 or pixels <= PIXELS_A_GRAIN:
+        return ()
+    needed = min(MAX_SAMPLES, math.ceil(pixels))
+    averaged = sample_count(scene, look, size)
+    if look.grain == "eye":
+        text = (
+            f"a pixel of this display is {pixels:.2g} times as large as the grain, so the picture "
+            "shows less grain than a finer display would: come nearer "
+            "(display.viewing_distance_m), or raise --grain-arcmin"
+        )
+    elif averaged < needed:
+        text = (
+            f"a pixel sees {pixels:.2g} grains a side and shows one of them, so the grain looks "
+            f"coarser than it is: --samples {needed} averages them"
+        )
+    else:
+        return ()
+    if pixels > MAX_SAMPLES:
+        text += (
+            f"; {MAX_SAMPLES} samples a side don't reach every grain of a pixel, so some grain is "
+            "left where a pixel would show none"
+        )
+    return (text,)
 
 
 class Frame:

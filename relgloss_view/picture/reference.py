@@ -126,7 +126,7 @@ def _meet(
     n = hit.normal
     if look is not None:
         y, x = np.mgrid[rows, 0 : view.size[0]]
-        n = grain_normal(scene, look, hit, o, np.stack([x, y], axis=-1))
+        n = grain_normal(scene, look, hit, o, np.stack([x, y], axis=-1), place)
     return hit, o, i, n, distance2
 
 

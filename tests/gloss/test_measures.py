@@ -10,21 +10,31 @@ import pytest
 from lights import gray
 from materials import paper
 
+from relgloss_view.gloss import eye
 from relgloss_view.gloss import shown as measures
 from relgloss_view.gloss.shown import Measures, Regions, agreement, ranks
 from relgloss_view.operators.clip import Clip
 from relgloss_view.operators.registry import make_operator
+from relgloss_view.operators.split import Split
 from relgloss_view.picture.model.difference import delta_e_2000
-from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.look import Look, viewed_look
 from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Display
 
 SIZE = 200
 
 
-def regions(highlight=None, pixels_per_degree=40.0, grain_px=1.0):
+def regions(highlight=None, pixels_per_degree=40.0, grain_px=1.0, on_screen=40.0):
     whole = np.ones((SIZE, SIZE), dtype=bool)
     shining = whole if highlight is None else highlight
-    return Regions(whole, whole & ~shining, shining, pixels_per_degree, grain_px)
+    return Regions(whole, whole & ~shining, shining, pixels_per_degree, grain_px, on_screen)
+
+
+def grains(side, deviation=2.0, seed=7, size=SIZE):
+    """L* of independent square grains of this side in pixels, whole or not."""
+    cell = np.floor((np.arange(size) + 0.5) / side).astype(int)
+    values = np.random.default_rng(seed).normal(50.0, deviation, (cell[-1] + 1, cell[-1] + 1))
+    return values[cell[:, None], cell[None, :]]
 
 
 class TestContrast:
@@ -48,17 +58,96 @@ class TestContrast:
         assert measures.contrast_gloss(np.zeros((SIZE, SIZE)), none) is None
         assert measures.peak_contrast(np.zeros((SIZE, SIZE)), none) is None
         assert measures.graininess(np.zeros((SIZE, SIZE)), none) is None
+        assert measures.grain_deviation(np.zeros((SIZE, SIZE)), none) is None
         assert measures.sharpness(np.zeros((SIZE, SIZE)), none) is None
 
 
+def square(size, on_screen):
+    """Regions of a picture that is all highlight."""
+    whole = np.ones((size, size), dtype=bool)
+    return Regions(whole, ~whole, whole, 40.0, 1.0, on_screen)
+
+
+def on_a_side(side):
+    """Regions for grains of this side in pixels that are 1.5 minutes of arc at the eye."""
+    return dataclasses.replace(square(400, 40.0 * side), grain_px=side)
+
+
+class TestEye:
+    def test_sensitivity_is_as_published(self):
+        """Mannos and Sakrison 1974: 1 at the most, at 8 cycles a degree."""
+        f = np.linspace(0.0, 60.0, 6001)
+        sensitivity = eye.contrast_sensitivity(f)
+        assert f[np.argmax(sensitivity)] == pytest.approx(8.0, abs=0.5)
+        assert np.max(sensitivity) == pytest.approx(1.0, abs=0.03)
+        assert eye.contrast_sensitivity(np.array([0.0]))[0] == pytest.approx(2.6 * 0.0192)
+        assert sensitivity[-1] < 0.01
+
+    def test_another_published_sensitivity_judges_alike(self, monkeypatch):
+        """How much less a grain of one pixel is seen at half the pitch, by Barten 1999.
+
+        The function is colour-science's, at 110 cd/m2 on ten degrees. The control: without any
+        sensitivity the two displays show the same.
+        """
+        from colour.contrast import barten1999 as barten
+
+        def share():
+            deviations = []
+            for scale in (38.8, 77.6):
+                f = np.arange(200) / 400.0 * scale
+                power = eye._shown_power(f[:, None], f[None, :], scale)
+                deviations.append(math.sqrt(np.mean(power)))
+            return deviations[1] / deviations[0]
+
+        ours = share()
+        diameter = barten.pupil_diameter_Barten1999(110.0, 10.0)
+        sigma = barten.sigma_Barten1999(0.5 / 60.0, 0.08 / 60.0, diameter)
+        troland = barten.retinal_illuminance_Barten1999(110.0, diameter)
+
+        def theirs(f):
+            f = np.maximum(f, 0.1)
+            return barten.contrast_sensitivity_function_Barten1999(
+                f, sigma=sigma, E=troland, X_0=10.0
+            )
+
+        monkeypatch.setattr(eye, "contrast_sensitivity", theirs)
+        assert ours == pytest.approx(share(), rel=0.1)
+        monkeypatch.setattr(eye, "contrast_sensitivity", np.ones_like)
+        assert share() > 1.3 * ours
+
+
 class TestGraininess:
-    @pytest.mark.parametrize("side", [1, 2, 4])
+    @pytest.mark.parametrize("side", [1.0, 1.49, 1.51, 2.0, 2.3, 4.0])
     def test_independent_grains_give_their_deviation(self, side):
-        grains = np.random.default_rng(7).normal(50.0, 2.0, (SIZE // side, SIZE // side))
-        lightness = np.kron(grains, np.ones((side, side)))
-        found = measures.graininess(lightness, regions(grain_px=float(side)))
-        # N grains of which the band takes about an eighth: 2 / sqrt(2 N / 8) is 1 to 4 %.
-        assert found == pytest.approx(2.0, rel=0.12)
+        found = measures.grain_deviation(grains(side, size=400), on_a_side(side))
+        # N grains of which the band takes about an eighth: 2 / sqrt(2 N / 8) is 1 to 2 %.
+        assert found == pytest.approx(2.0, rel=0.07)
+        # The control: grains of twice the deviation.
+        other = measures.grain_deviation(grains(side, 4.0, size=400), on_a_side(side))
+        assert other == pytest.approx(4.0, rel=0.07)
+
+    @pytest.mark.parametrize("side", [1.0, 1.49, 1.51, 2.0, 2.3, 4.0])
+    def test_grains_of_the_papers_pixel_are_seen_as_they_are(self, side):
+        """1.5 minutes of arc by one pixel or several."""
+        found = measures.graininess(grains(side, size=400), on_a_side(side))
+        assert found == pytest.approx(2.0, rel=0.07)
+        # The control: on a display of half the pitch the same pixels are finer grains.
+        finer = dataclasses.replace(on_a_side(side), screen_pixels_per_degree=80.0 * side)
+        assert measures.graininess(grains(side, size=400), finer) < 1.4
+
+    def test_the_same_light_counts_the_same_whatever_pixels_show_it(self):
+        lightness = grains(1.0, size=150)
+        fine = np.kron(lightness, np.ones((3, 3)))
+        one = measures.graininess(lightness, square(150, 40.0))
+        three = measures.graininess(fine, square(450, 120.0))
+        assert three == pytest.approx(one, rel=0.02)
+        # The control: as fine a grain on the finer display is seen less.
+        assert measures.graininess(grains(1.0, size=450), square(450, 120.0)) < 0.6 * one
+
+    def test_what_the_eye_does_not_resolve_is_no_grain(self):
+        far = measures.graininess(grains(1.0), regions(on_screen=400.0))
+        near = measures.graininess(grains(1.0), regions(on_screen=40.0))
+        assert far < 0.2 * near
 
     def test_shading_and_upright_highlights_are_no_grain(self):
         # Negative control: a sum of any function of x and any of y is no grain; a plain band-pass
@@ -66,15 +155,17 @@ class TestGraininess:
         x = np.arange(SIZE) / SIZE
         lightness = 30.0 + 60.0 * np.exp(-(((x - 0.5) / 0.02) ** 2))[None, :] + 20.0 * x[:, None]
         assert measures.graininess(lightness, regions()) < 1e-9
+        assert measures.grain_deviation(lightness, regions()) < 1e-9
 
     def test_only_the_highlight_counts(self):
         shining = np.zeros((SIZE, SIZE), dtype=bool)
         shining[:, 60:120] = True
         lightness = np.full((SIZE, SIZE), 40.0)
         noise = np.random.default_rng(8).normal(0.0, 3.0, lightness.shape)
-        assert measures.graininess(lightness + noise * ~shining, regions(shining)) < 0.6
-        inside = measures.graininess(lightness + noise * shining, regions(shining))
-        assert inside == pytest.approx(3.0, rel=0.1)
+        for measured in (measures.graininess, measures.grain_deviation):
+            assert measured(lightness + noise * ~shining, regions(shining)) < 0.6
+            inside = measured(lightness + noise * shining, regions(shining))
+            assert inside == pytest.approx(3.0, rel=0.1)
 
 
 class TestCoverage:
@@ -181,6 +272,22 @@ class TestFrames:
         smooth = self.draw(reference, "matte", "split")
         noisy = self.draw(reference, "matte", "split", sigma_n_deg=2.0)
         assert noisy.graininess > 10.0 * smooth.graininess
+
+    def test_grain_at_the_eye_looks_the_same_on_every_display(self, renderer):
+        """Matte paper, sigma_N 2 degrees: within 10 %, 90 to 220 dpi, 256 to 1024 px."""
+
+        def seen(look, dpi, size):
+            display = Display(pixel_pitch_mm=25.4 / dpi)
+            frame = renderer.render(Scene(paper("matte"), display=display), look, (size, size))
+            lightness = Split().draw(frame).lab[..., 0]
+            return measures.graininess(lightness, Regions.of(frame))
+
+        cases = [(dpi, size) for size in (256, 512, 1024) for dpi in (90, 110, 140, 164, 188, 220)]
+        found = np.array([seen(viewed_look(sigma_n_deg=2.0, c=0.4), *case) for case in cases])
+        assert np.max(np.abs(found / np.mean(found) - 1.0)) < 0.1
+        # The control: grain of one pixel is seen less the finer the pixels are.
+        found = np.array([seen(Look(2.0, 0.4), dpi, 512) for dpi in (90, 220)])
+        assert found[1] < 0.65 * found[0]
 
     def test_clipping_is_counted(self, reference):
         assert self.draw(reference, "art", "clip").clipped_share > 0.01

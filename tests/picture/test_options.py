@@ -131,7 +131,10 @@ class TestOption:
         add_scene_options(grid, tuned=True)
         typed = ["--sample", "uncoated", "--set", "lamp.azimuth_deg=20", *option.words(value)]
         words = scene_words_of(grid.parse_args(typed))
-        assert scene_of(words) == scene_of(typed)
+        scene, look, _ = scene_from(grid.parse_args([*typed, "--size", "512x512"]))
+        assert scene_of(words) == (scene, look)
+        # The control: typed for `snapshot`, the words mean a grain of one size at the eye.
+        assert (scene_of(typed)[1].grain == look.grain) == (option.flag == "--grain-kind")
         assert option.flag in words
         assert tuned == (option.flag in ("--sigma-n", "--c", "--c-fraction"))
 

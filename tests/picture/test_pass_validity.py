@@ -49,6 +49,8 @@ CHANGES = {
         {"sigma_n_deg": 1.0}, {"c": 0.2}, {"c_fraction": 0.5}, {"seed": 3}, {"samples": 3},
         {"grain": "surface"}, {"grain_px": 2}, {"grain": "surface", "grain_mm": 1.0},
         {"noise_law": "tangent"}, {"noisy_lobes": "specular"},
+        {"grain": "eye"}, {"grain": "eye", "grain_arcmin": 4.0}, {"grain": "eye", "seed": 2},
+        {"grain": "eye", "grain_arcmin": 0.6},
     ],
 }  # fmt: skip
 
@@ -188,10 +190,14 @@ class TestDrawnAgain:
 
 class TestHeld:
     #: Everything that no longer holds where a pass is drawn again, directly or not.
+    SHADED: ClassVar = {
+        "split", "xyz", "geometry", "extremes", "tone", "light", "counts", "overlay",
+    }  # fmt: skip
     GONE: ClassVar = {
         "white": set(),
         "once": set(),
-        "shade": {"split", "xyz", "geometry", "extremes", "tone", "light", "counts", "overlay"},
+        "grain": {"shade", *SHADED},
+        "shade": SHADED,
         "split": {"extremes", "tone", "light", "counts", "overlay"},
         "tone": {"counts", "overlay"},
         "light": {"overlay"},
@@ -205,7 +211,7 @@ class TestHeld:
     @pytest.mark.parametrize("name", list(GONE))
     def test_what_follows_is_drawn_again(self, name):
         held = Held()
-        order = ("white", "once", "shade", "split", "geometry", "light", "tone", "xyz",
+        order = ("white", "once", "grain", "shade", "split", "geometry", "light", "tone", "xyz",
                  "extremes", "counts", "overlay")  # fmt: skip
         assert set(order) == set(self.GONE)
         for other in order:  # a pass comes before what follows from it

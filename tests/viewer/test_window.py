@@ -507,7 +507,7 @@ def test_every_slider_of_the_scene_sets_its_entry(found):
         "plane": ["plane", "height_m", "width_m"],
         "box": ["box", "height_m", "width_m", "depth_m"],
     }
-    assert len(got) == 10
+    assert len(got) == 12
     assert set(got.values()) == {12.5}
 
 
@@ -533,6 +533,8 @@ def test_the_hand_on_the_pictures(found):
 def test_only_what_changed_is_drawn(found):
     got = found["draws_only_what_changed"]
     assert got["c"] == {"test tone": 1}
+    # The field of the grain's tilts is drawn where it is first needed, and never again.
+    assert got["sigma_n"].pop("test grain", 1) == 1
     for name in ("sigma_n", "no sigma_n", "sigma_n again"):
         assert got[name] == {"test shade": 1, "test split": 1, "test tone": 1}, name
     passes = ("shade", "split", "tone", "white")

@@ -30,6 +30,9 @@ from relgloss_view.picture.scene.setup import Setup
 MAX_BYTES = 1024 * 1024
 EXPECTED = "a study file (TOML)"
 PARTS: dict[str, type[Any]] = {"procedure": Procedure, "adaptive": Adaptive, "screen": Screen}
+#: Entries that earlier versions did not have. At their defaults they are no part of the digest, so
+#: that a session continues with the study that it was begun with.
+ADDED = {"display": ("pixel_pitch_mm", "viewing_distance_m"), "look": ("grain_arcmin",)}
 WORDS = ("title", "categories", "consent", "instructions")  #: the entries of [study]
 BUILT_IN = ("paper",)  #: studies by name
 
@@ -206,6 +209,11 @@ def study_digest(content: Mapping[str, Any]) -> str:
     seen = json.loads(json.dumps(content))
     for sample in (*seen["samples"], seen["reference"]):
         sample.pop("file")
+    for table, names in ADDED.items():
+        for part in (seen[table], seen["reference"].get(table, {})):
+            for name in names:
+                if part.get(name) == TABLES[table].__dataclass_fields__[name].default:
+                    part.pop(name)
     if seen["lamp_table"] is not None:
         seen["lamp"].pop("illuminant")  # where the table lies
     return hashlib.sha256(json.dumps(seen, sort_keys=True).encode("utf-8")).hexdigest()

@@ -2,8 +2,9 @@
 
 A model, not a measurement of people: it is there so that a study with a known answer can be run
 from end to end. log G = log(contrast) - w2 grain + w3 log(sharpness / contrast), contrast being
-what the highlight adds to the body's own shading, where it adds most; grain is the graininess in
-relation to that contrast. The measures are those of docs/operators.md, of what the display shows.
+what the highlight adds to the body's own shading, where it adds most; grain is the deviation
+from grain to grain in relation to that contrast. The measures are those of docs/operators.md, of
+what the display shows.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from relgloss_view.base.arrays import Array
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.experiment.design.stimuli import draw_look
 from relgloss_view.experiment.design.study import Study
-from relgloss_view.gloss.shown import Regions, graininess, peak_contrast, sharpness
+from relgloss_view.gloss.shown import Regions, grain_deviation, peak_contrast, sharpness
 from relgloss_view.operators.split import Split
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.scene.setting import Setting
@@ -44,7 +45,7 @@ def percept_of(frame: Frame) -> Percept:
     body = np.asarray(frame.split[0], dtype=np.float64)
     # A highlight is seen against the body around it, not against the body's lightest place.
     contrast = max(peak_contrast(lightness - body, regions) or 0.0, LEAST_CONTRAST)
-    grain = (graininess(lightness, regions) or 0.0) / contrast
+    grain = (grain_deviation(lightness, regions) or 0.0) / contrast
     slope = max(sharpness(lightness, regions) or 0.0, LEAST_CONTRAST)
     log_gloss = (
         math.log(contrast) - GRAIN_WEIGHT * grain + SHARPNESS_WEIGHT * math.log(slope / contrast)

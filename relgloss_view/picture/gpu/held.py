@@ -10,6 +10,7 @@ Key = tuple[object, ...]
 
 #: The passes that follow from a pass, and no longer hold where it is drawn again.
 FOLLOWING = {
+    "grain": ("shade",),
     "shade": ("split", "xyz", "geometry"),
     "split": ("extremes", "tone", "light"),
     "geometry": ("overlay",),

@@ -4,14 +4,29 @@ from __future__ import annotations
 
 from relgloss_view.picture.gpu import targets
 from relgloss_view.picture.gpu.reduction import BLOCK, FIRST_BLOCK
-from relgloss_view.picture.gpu.targets import GEOMETRY, LIGHT, OVERLAY, SPLIT, TONE, WEIGHTS, XYZ
+from relgloss_view.picture.gpu.targets import (
+    GEOMETRY,
+    GRAIN_FIELD,
+    LIGHT,
+    OVERLAY,
+    SPLIT,
+    TONE,
+    WEIGHTS,
+    XYZ,
+)
 from relgloss_view.picture.model.view import Size
 
 FLOATS = 16  #: bytes of four float32
 #: Two targets of floats for each FIRST_BLOCK x FIRST_BLOCK pixels, and the ever smaller steps.
 REDUCTION = 2 * FLOATS / FIRST_BLOCK**2 * (1.0 + 1.0 / (BLOCK**2 - 1))
 #: What is made of a picture when somebody asks for it.
-ON_DEMAND = {"XYZ": XYZ, "float light": LIGHT, "normals": GEOMETRY, "overlay": OVERLAY}
+ON_DEMAND = {
+    "XYZ": XYZ,
+    "float light": LIGHT,
+    "normals": GEOMETRY,
+    "overlay": OVERLAY,
+    "grain of one size at the eye": GRAIN_FIELD,
+}
 
 
 def bytes_per_pixel(asked: tuple[str, ...] = ()) -> float:

@@ -25,6 +25,7 @@ from relgloss_view.picture.gpu.request import Request
 from relgloss_view.picture.gpu.targets import (
     CLEARED,
     GEOMETRY,
+    GRAIN_FIELD,
     LIGHT,
     SPLIT,
     TONE,
@@ -36,6 +37,7 @@ from relgloss_view.picture.gpu.uniforms import (
     NO_GRAIN,
     colour_uniforms,
     display_uniforms,
+    field_size,
     grain_uniforms,
     material_uniforms,
     per_size,
@@ -47,7 +49,7 @@ from relgloss_view.picture.model.pixel_sampling import sample_count
 from relgloss_view.picture.model.view import Box, View
 from relgloss_view.picture.scene.scene import Scene
 
-PASSES = ("white", "shade", "split", "tone", "light", "geometry", "counts", "overlay")
+PASSES = ("white", "grain", "shade", "split", "tone", "light", "geometry", "counts", "overlay")
 
 
 class Drawn(NamedTuple):
@@ -141,13 +143,14 @@ class Passes:
             return
         scene, look, size = request.scene, request.look, request.size
         variant = Variant.of(scene, look, chosen=request.method)
-        uniforms = {
+        uniforms: dict[str, Any] = {
             **view_uniforms(scene, View.of(scene, size)),
-            **grain_uniforms(look),
+            **grain_uniforms(scene, look, size),
             "samples": sample_count(scene, look, size),
         }
         with self.all_or_nothing():
             defines = variant.geometry_defines()
+            uniforms |= self._field(variant)
             self.draw("geometry", "geometry.frag", defines, uniforms, GEOMETRY, None)
 
     def counts(self, request: Request) -> tuple[int, int]:
@@ -228,6 +231,8 @@ class Passes:
         """Pass 1, the split of what it wrote, and its extremes; returns Y_n as in Drawn."""
         shading = self._shading(request)
         variant, bounds = shading.variant, View.of(request.scene, request.size).bounds
+        if variant.reads_field:
+            self._draw_field(request, shading)
         if self.held.renew("shade", variant, request.size, shading.uniforms):
             self._shade(request, shading, variant.writes)
         if not variant.splits and self.held.renew("split"):
@@ -246,11 +251,26 @@ class Passes:
         bounds = View.of(request.scene, request.size).bounds
         self.draw("shade", "shade.frag", defines, self._inputs(shading), WRITTEN[writes], bounds)
 
+    def _draw_field(self, request: Request, shading: Shading) -> None:
+        """The tilts of grain that has one size at the eye: neither scene nor sigma_N moves them."""
+        defines = shading.variant.field_defines()
+        uniforms = {name: shading.uniforms[name] for name in ("field_step", "seed")}
+        size = field_size(request.scene, request.look, request.size)
+        if self.held.renew("grain", tuple(defines.items()), uniforms, size):
+            target = self.targets.grain_field(size)
+            self.programs.draw("grain_field.frag", defines, uniforms, target)
+            self.draws["grain"] += 1
+
+    def _field(self, variant: Variant) -> dict[str, Any]:
+        """The field as it was last drawn, where the variant reads it."""
+        return {"grain_field": self.texture(*GRAIN_FIELD)} if variant.reads_field else {}
+
     def _inputs(self, shading: Shading) -> Uniforms:
-        """The uniforms, with the table of cube roots where the variant reads one."""
-        if shading.variant.cube_root != "table":
-            return shading.uniforms
-        return {**shading.uniforms, "cube_root_table": self.targets.cube_root_table()}
+        """The uniforms, with the textures that the variant reads."""
+        inputs = {**shading.uniforms, **self._field(shading.variant)}
+        if shading.variant.cube_root == "table":
+            inputs["cube_root_table"] = self.targets.cube_root_table()
+        return inputs
 
     def _shading(self, request: Request) -> Shading:
         scene, look, size, method = request.scene, request.look, request.size, request.method
@@ -263,7 +283,7 @@ class Passes:
         white = self._white_of(scene, view, variant, seen_from)
         uniforms: dict[str, Any] = {
             **seen_from,
-            **(grain_uniforms(look) if variant.noise != "none" else NO_GRAIN),
+            **(grain_uniforms(scene, look, size) if variant.noise != "none" else NO_GRAIN),
             **material_uniforms(scene, look, method),
             **colour_uniforms(scene, method),
             "irradiance": np.pi / white if white > 0.0 else 0.0,

@@ -21,6 +21,7 @@ TONE = ("display",)
 LIGHT = ("light", "lab")
 GEOMETRY = ("normal", "tilted_normal", "point_m")
 OVERLAY = ("overlay",)
+GRAIN_FIELD = ("grain_field",)  #: of a size of its own
 LARGEST_HALF = 65504.0
 LARGEST_WHITE = 1.5  #: no white's X or Z is larger beside a Y of one
 TABLE_STEPS = 256  #: as in cube_root.glsl
@@ -38,7 +39,7 @@ EIGHT_BIT = ("display", "overlay")
 
 def components(name: str) -> int:
     """Numbers a pixel of a target."""
-    return 2 if name in WEIGHTS else 4
+    return 2 if name in (*WEIGHTS, *GRAIN_FIELD) else 4
 
 
 def bytes_per_pixel(name: str) -> int:
@@ -115,6 +116,20 @@ class Targets:
                 raise
             self._textures |= made
         return self._framebuffers[names]
+
+    def grain_field(self, size: Size) -> moderngl.Framebuffer:
+        """What the field of the grain's tilts is drawn into, of a size of its own."""
+        (name,) = GRAIN_FIELD
+        held = self._textures.get(name)
+        if held is not None and held.size != size:
+            self._parking.use()
+            self._framebuffers.pop(GRAIN_FIELD).release()
+            self._textures.pop(name).release()
+        if name not in self._textures:
+            texture = self._texture(size, name)
+            self._framebuffers[GRAIN_FIELD] = self.ctx.framebuffer([texture])
+            self._textures[name] = texture
+        return self._framebuffers[GRAIN_FIELD]
 
     def read(self, name: str) -> AnyArray:
         """A target's contents, (H, W, components), rows from the top."""

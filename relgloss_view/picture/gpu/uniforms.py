@@ -12,6 +12,9 @@ from relgloss_view.material.spectra import illuminant, xyz_weights
 from relgloss_view.picture.gpu.programs import Uniforms
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.model.drawn import drawn_diffuse, drawn_facets, drawn_lobes
+from relgloss_view.picture.model.grain import field_step
+from relgloss_view.picture.model.grain_field import FIELD_TILE
+from relgloss_view.picture.model.pixel_sampling import eye_grain_samples
 from relgloss_view.picture.model.tone import DisplayModel
 from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.look import Look
@@ -42,14 +45,31 @@ def per_size(size: Size) -> Uniforms:
 NO_GRAIN: Uniforms = {"sigma_n": 0.0, "grains_per_px": 1.0, "grain_m": 1.0, "seed": 0}
 
 
-def grain_uniforms(look: Look) -> Uniforms:
-    """The tilt of the normals and its cells."""
+def grain_uniforms(scene: Scene, look: Look, size: Size) -> Uniforms:
+    """The tilt of the normals and its cells, or what the field of its tilts follows from."""
+    if look.grain == "eye":
+        width, height = field_size(scene, look, size)
+        return {
+            **NO_GRAIN,
+            "sigma_n": np.radians(look.sigma_n_deg),
+            "seed": look.seed,
+            "field_step": field_step(scene.display, look),
+            "grain_samples": eye_grain_samples(scene.display, look),
+            "per_field": (1.0 / width, 1.0 / height),
+        }
     return {
         "sigma_n": np.radians(look.sigma_n_deg),
         "grains_per_px": 1.0 / look.grain_px,
         "grain_m": look.grain_mm * 1e-3,
         "seed": look.seed,
     }
+
+
+def field_size(scene: Scene, look: Look, size: Size) -> Size:
+    """Texels of the field of tilts: one for each draw of the grain, as far as they don't repeat."""
+    samples = eye_grain_samples(scene.display, look)
+    width, height = (min(samples * side, FIELD_TILE) for side in size)
+    return width, height
 
 
 NO_LOBE = (1.0, 0.0, 1.5, 0.0)  #: reflects nothing, where one is drawn all the same

@@ -69,6 +69,11 @@ class Variant:
         return dataclasses.replace(needed, **forced)
 
     @property
+    def reads_field(self) -> bool:
+        """Whether the grain's tilts come from a field that is drawn before."""
+        return self.noise != "none" and self.grain == "eye"
+
+    @property
     def splits(self) -> bool:
         """Whether pass 1 splits L* itself."""
         return "split" in self.writes
@@ -111,6 +116,10 @@ class Variant:
             "SAMPLED": int(self.sampled),
             "LAMP": code("LAMP", self.lamp),
         }
+
+    def field_defines(self) -> dict[str, int]:
+        """The constants of the pass that draws the field of the grain's tilts."""
+        return {"NOISE": code("NOISE", self.noise)}
 
     def geometry_defines(self) -> dict[str, int]:
         """The constants of the pass that draws normals and points."""

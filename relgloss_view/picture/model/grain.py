@@ -5,20 +5,45 @@ from __future__ import annotations
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Ints
-from relgloss_view.picture.model import noise, shape
+from relgloss_view.picture.model import grain_field, noise, shape
+from relgloss_view.picture.model.pixel_sampling import eye_grain_samples
 from relgloss_view.picture.model.view import float32
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Display
+
+CENTRE = (0.5, 0.5)
 
 
-def grain_normal(scene: Scene, look: Look, hit: shape.Hit, o: Array, pixel: Ints) -> Array:
+def field_step(display: Display, look: Look) -> float:
+    """Steps of the lattice from one texel of the field to the next, rounded to float32."""
+    texel_arcmin = display.pixel_arcmin / eye_grain_samples(display, look)
+    return float(np.float32(grain_field.CELL_STEPS * texel_arcmin / look.grain_arcmin))
+
+
+def grain_normal(
+    scene: Scene,
+    look: Look,
+    hit: shape.Hit,
+    o: Array,
+    pixel: Ints,
+    place: tuple[float, float] = CENTRE,
+) -> Array:
     """Unit normals (..., 3) as the grain tilts them.
 
     hit: points of the object. o: unit vectors (..., 3) to the eye. pixel: (..., 2), column and row
-    in which each point is seen.
+    in which each point is seen. place: where in the pixel, 0 to 1 from its left and its top.
     """
     if look.sigma_n_deg == 0.0:
         return hit.normal
+    sigma = np.radians(look.sigma_n_deg)
+    if look.grain == "eye":
+        samples = eye_grain_samples(scene.display, look)
+        inside = np.array([int(part * samples) for part in place])
+        texel = (samples * pixel + inside) % grain_field.FIELD_TILE
+        at = (texel + 0.5) * field_step(scene.display, look)
+        tilt = grain_field.smooth_tilt(look.noise_law, at, look.seed)
+        return noise.visible_tilt(hit.normal, o, sigma * tilt)
     if look.grain == "screen":
         face = np.zeros_like(pixel[..., :1])
         cell = np.concatenate([pixel // look.grain_px, face], axis=-1)
@@ -27,4 +52,4 @@ def grain_normal(scene: Scene, look: Look, hit: shape.Hit, o: Array, pixel: Ints
         half_extent_m = float32(scene.shape.half_extent_m())
         cell = shape.surface_cell(scene.shape.kind, hit, grain_m, half_extent_m)
     hashes = noise.cell_hash(cell, look.seed)
-    return noise.noisy_normal(look.noise_law, hit.normal, o, hashes, np.radians(look.sigma_n_deg))
+    return noise.noisy_normal(look.noise_law, hit.normal, o, hashes, sigma)

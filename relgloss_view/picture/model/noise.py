@@ -97,14 +97,11 @@ def tilted(n: Array, angles: Array) -> Array:
     return np.asarray(turned / np.linalg.norm(turned, axis=-1, keepdims=True))
 
 
-def noisy_normal(law: str, n: Array, o: Array, hashes: UInts, sigma: float) -> Array:
-    """The tilted normal of a grain, (..., 3), for an eye in direction o.
+def visible_tilt(n: Array, o: Array, angles: Array) -> Array:
+    """Normals turned by angles (..., 2) along tangent and bitangent, for an eye in direction o.
 
     A tilt that would turn the grain away from the eye is halved up to three times, then dropped.
     """
-    if law == "none" or sigma <= 0.0:
-        return n
-    angles = tilt_angles(law, hashes, sigma)
     result = np.array(n)
     open_ = np.ones(n.shape[:-1], dtype=bool)
     for _ in range(ATTEMPTS):
@@ -114,6 +111,13 @@ def noisy_normal(law: str, n: Array, o: Array, hashes: UInts, sigma: float) -> A
         open_ &= ~visible
         angles = 0.5 * angles
     return result
+
+
+def noisy_normal(law: str, n: Array, o: Array, hashes: UInts, sigma: float) -> Array:
+    """The tilted normal of a grain, (..., 3), whose tilt follows from its hash."""
+    if law == "none" or sigma <= 0.0:
+        return n
+    return visible_tilt(n, o, tilt_angles(law, hashes, sigma))
 
 
 def mean_lobe(delta: Array, s: float, sigma: float, law: str = "paper") -> Array:

@@ -1,4 +1,4 @@
-"""The number of samples that a pixel needs so that the narrowest lobe keeps its energy."""
+"""How many samples a pixel needs, so that the narrowest lobe and the smallest grain count whole."""
 
 from __future__ import annotations
 
@@ -7,17 +7,61 @@ import math
 from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import CURVED
+from relgloss_view.picture.scene.setup import CURVED, Display
 
 MAX_SAMPLES = 16
 #: Samples of a Gaussian lobe this many standard deviations apart sum to its energy within
 #: 2 exp(-2 pi^2 / 1.5^2) = 0.03 %, and half of it beside the peak still sees 75 % of it.
 STEP_SD = 1.5
+#: A pixel up to so many times as large as a grain shows one draw of it, as the paper's pixel does.
+#: The draws of neighbours are as good as independent there, and each stands for a grain this much
+#: too large. Averaging inside the pixel begins above.
+PIXELS_A_GRAIN = 1.1
 
 
 def sample_count(scene: Scene, look: Look, size: Size) -> int:
-    """Samples along each side of a pixel: the look's, or as many as the narrowest lobe needs."""
-    return samples_needed(scene, size) if look.samples is None else look.samples
+    """Samples along each side of a pixel: the look's, or as many as the narrowest lobe needs.
+
+    Where a pixel holds several grains of one size at the eye, each has as many samples as the
+    others.
+    """
+    count = samples_needed(scene, size) if look.samples is None else look.samples
+    grains = eye_grain_samples(scene.display, look)
+    return grains * math.ceil(count / grains)
+
+
+def eye_grain_samples(display: Display, look: Look) -> int:
+    """Draws of a grain of one size at the eye along each side of a pixel, 1 to MAX_SAMPLES.
+
+    >>> eye_grain_samples(Display(), Look(1.0, grain="eye"))
+    1
+    >>> eye_grain_samples(Display(viewing_distance_m=1.5), Look(1.0, grain="eye", grain_arcmin=0.3))
+    3
+    """
+    if look.sigma_n_deg == 0.0 or look.grain != "eye":
+        return 1
+    pixels = display.pixel_arcmin / look.grain_arcmin
+    return 1 if pixels <= PIXELS_A_GRAIN else min(MAX_SAMPLES, math.ceil(pixels))
+
+
+def pixels_a_grain(scene: Scene, look: Look, size: Size) -> float:
+    """Side of a pixel in sides of a grain; of a surface grain, where the object is nearest."""
+    if look.grain == "screen":
+        return 1.0 / look.grain_px
+    if look.grain == "eye":
+        return scene.display.pixel_arcmin / look.grain_arcmin
+    return footprint_m(scene, size) / (1e-3 * look.grain_mm)
+
+
+def footprint_m(scene: Scene, size: Size) -> float:
+    """Side of the surface that a pixel sees where the object is nearest and faces the eye."""
+    return View.of(scene, size).pixel_step * _depth_m(scene)
+
+
+def _depth_m(scene: Scene) -> float:
+    """Distance from the eye to the nearest of the object."""
+    eye, half = scene.eye.distance_m, scene.shape.half_extent_m()
+    return max(eye - float(half[0] if scene.shape.kind in CURVED else half[2]), 1e-3 * eye)
 
 
 def samples_needed(scene: Scene, size: Size) -> int:
@@ -32,13 +76,12 @@ def samples_needed(scene: Scene, size: Size) -> int:
         return 1
     eye, lamp = scene.eye.distance_m, scene.lamp.distance_m
     half = scene.shape.half_extent_m()
-    curved = scene.shape.kind in CURVED
-    depth = max(eye - float(half[0] if curved else half[2]), 1e-3 * eye)
-    footprint_m = View.of(scene, size).pixel_step * depth
-    turn = 0.5 * footprint_m * (1.0 / depth + 1.0 / lamp)
-    if curved:
+    depth = _depth_m(scene)
+    across_m = footprint_m(scene, size)
+    turn = 0.5 * across_m * (1.0 / depth + 1.0 / lamp)
+    if scene.shape.kind in CURVED:
         cosine = float(scene.eye.position_m @ scene.lamp.position_m) / (eye * lamp)
         cos_half = math.sqrt(max(0.5 * (1.0 + cosine), 0.01))
-        turn += footprint_m / (float(half[0]) * cos_half)
+        turn += across_m / (float(half[0]) * cos_half)
     needed = turn / (STEP_SD * min(lobe.s for lobe in lobes))
     return max(1, min(MAX_SAMPLES, math.ceil(needed)))

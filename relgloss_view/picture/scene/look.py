@@ -11,8 +11,9 @@ from relgloss_view.base.parameters import Checked, choice, parameter, whole_numb
 from relgloss_view.material.material import DIFFUSE_MODELS
 from relgloss_view.picture.scene.setting import FULL_SHARE, Setting
 
-GRAINS = ("screen", "surface")
+GRAINS = ("screen", "surface", "eye")
 NOISE_LAWS = ("paper", "tangent")
+VIEWED_GRAIN = "eye"  #: see viewed_look
 QUALITIES = ("exact", "auto")
 NOISY_LOBES = ("both", "specular")
 
@@ -25,7 +26,8 @@ class Look(Checked):
     c: factor of L_s*, 0 to 10,000. c_fraction: c as a share of the picture's exact c_max, 0 to 10.
     At most one of the two; without either, c is c_max.
     grain: 'screen' fixes grains to pixels, grain_px (1 to 1024) a side; 'surface' fixes them to the
-    object, grain_mm (0.001 to 100) a side.
+    object, grain_mm (0.001 to 100) a side; 'eye' gives them grain_arcmin (0.1 to 600) minutes of
+    arc at the observer's eye, whatever the monitor's pixels are. See also `viewed_look`.
     noise_law: 'paper', a Gaussian angle of uniform azimuth, or 'tangent', two Gaussian components.
     noisy_lobes: 'both' reflections see the tilt, or only the 'specular' one.
     seed: of the grain, 0 to 2^31 - 1. samples: along each side of a pixel, 1 to 16.
@@ -75,12 +77,23 @@ class Look(Checked):
     grain: str = choice(
         "screen",
         GRAINS,
-        "fixed to the screen's pixels, or to the surface of the object",
+        "screen: grains of whole pixels; surface: fixed to the object; eye: of one size at the "
+        "observer's eye on every monitor",
+        option="--grain-kind",
         label="Grain fixed to",
     )
     grain_px: int = whole_number(1, 1, 1024, "px", "side of a screen grain", label="Grain size")
     grain_mm: float = parameter(
         0.2, 0.001, 100.0, "mm", "side of a surface grain", label="Grain size"
+    )
+    grain_arcmin: float = parameter(
+        1.5,
+        0.1,
+        600.0,
+        "arcmin",
+        "size of a grain at the observer's eye, where the kind of grain is eye",
+        option="--grain-arcmin",
+        label="Grain size",
     )
     noise_law: str = choice(
         "paper",
@@ -153,3 +166,15 @@ class Look(Checked):
     def without_c(self) -> Look:
         """The look without c, as a key for results that do not depend on c."""
         return dataclasses.replace(self, c=None, c_fraction=None)
+
+
+def viewed_look(**entries: Any) -> Look:
+    """The look that commands and the window begin with: its grain has one size at the eye.
+
+    `Look()` itself keeps the paper's grain, one a pixel: scene files, studies, `grid` and the
+    Python interface draw as before. entries: of Look, in place of its defaults.
+
+    >>> viewed_look(sigma_n_deg=2.0).grain, Look(sigma_n_deg=2.0).grain
+    ('eye', 'screen')
+    """
+    return Look(**{"grain": VIEWED_GRAIN, **entries})

@@ -62,15 +62,18 @@ class Option:
     @property
     def help(self) -> str:
         """A sentence about the entry with its range and default."""
+        return self.help_with(self.field.default)
+
+    def help_with(self, default: Any) -> str:
+        """The help of a command that begins with another value than the entry's own default."""
         metadata = self.field.metadata
         if self.choices is not None:
-            return f"{sentence_case(metadata['meaning'])} (default {self.field.default})"
+            return f"{sentence_case(metadata['meaning'])} (default {default})"
         limits: Range = metadata["range"]
         unit = f" {limits.unit}" if limits.unit else ""
         text = f"{sentence_case(limits.meaning)}, {limits.low:.10g} to {limits.high:.10g}{unit}"
         if self.takes_auto:
             text += f", or {AUTO}: as many as the highlight needs"
-        default = self.field.default
         return text if default is None else f"{text} (default {default:g})"
 
     def read(self, text: str) -> float | int | str | None:

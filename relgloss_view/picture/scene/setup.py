@@ -232,6 +232,8 @@ class Display(Checked):
     gamut: 'chroma' reduces the chroma of colours that the monitor can't show, 'clip' cuts RGB.
     primaries_xy, white_xy: CIE 1931 chromaticities.
     background_lstar: L* of the neutral surround, 0 to 100.
+    pixel_pitch_mm: from one pixel to the next, 0.01 to 100 mm. viewing_distance_m: from the monitor
+    to the observer, 0.05 to 100 m. How large a grain is at the eye follows from both.
 
     Raises InputError where a value is out of its range or the primaries lie on a line.
 
@@ -264,6 +266,21 @@ class Display(Checked):
         "lightness of the neutral surround of the pictures",
         label="Surround lightness (L*)",
     )
+    pixel_pitch_mm: float = parameter(
+        0.27, 0.01, 100.0, "mm", "from one pixel of the monitor to the next", label="Pixel pitch"
+    )
+    viewing_distance_m: float = parameter(
+        0.6, 0.05, 100.0, "m", "from the monitor to the observer", label="Viewing distance"
+    )
+
+    @property
+    def pixel_arcmin(self) -> float:
+        """Angle of a pixel at the observer's eye, minutes of arc.
+
+        >>> round(Display().pixel_arcmin, 3)
+        1.547
+        """
+        return 60.0 * math.degrees(math.atan2(1e-3 * self.pixel_pitch_mm, self.viewing_distance_m))
 
     def __post_init__(self) -> None:
         super().__post_init__()

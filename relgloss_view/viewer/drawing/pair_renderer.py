@@ -23,6 +23,7 @@ from relgloss_view.picture.gpu.targets import OVERLAY, TONE
 from relgloss_view.picture.gpu.variant import Variant
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.model.drawn import as_drawn
+from relgloss_view.picture.model.pixel_sampling import eye_grain_samples
 from relgloss_view.picture.model.view import Size
 from relgloss_view.picture.pair import common_factor, held_factor
 from relgloss_view.picture.scene.look import Look
@@ -250,7 +251,9 @@ def _factor_of(state: State, pictures: dict[str, SidePicture]) -> float:
 def _variant(scene: Scene, look: Look) -> object:
     """What decides which programs a scene and a look can need."""
     tilted = dataclasses.replace(look, sigma_n_deg=1.0)
-    return Variant.of(as_drawn(scene, look), tilted), scene.display.gamut, scene.display.transfer
+    sampled = eye_grain_samples(scene.display, tilted) > 1
+    variant = Variant.of(as_drawn(scene, look), tilted)
+    return variant, sampled, scene.display.gamut, scene.display.transfer
 
 
 def _wants_difference(state: State) -> bool:

@@ -56,6 +56,12 @@ _MADE_BY = {
     "paper": "1 is the setting that the paper's observers chose.",
     "hand": "1 is the setting that was taken by hand.",
 }
+#: The entry that holds the size of each kind of grain, and the reach of its slider.
+GRAIN_SIZES = {
+    "screen": ("grain_px", Reach(high=16)),
+    "surface": ("grain_mm", Reach(0.02, 5.0, logarithmic=True)),
+    "eye": ("grain_arcmin", Reach(0.5, 15.0, logarithmic=True)),
+}
 SAMPLE_COUNTS = ("auto", "1", "2", "3", "4", "8", "16")
 
 
@@ -151,13 +157,8 @@ def _grain(model: Model, side: str, look: Look) -> None:
     changed, kind = widgets.choice(Look, "grain", look.grain)
     if changed:
         model.set_look(side, grain=kind)
-    if look.grain == "screen":
-        changed, value = widgets.slider(Look, "grain_px", look.grain_px, Reach(high=16))
-        name = "grain_px"
-    else:
-        reach = Reach(0.02, 5.0, logarithmic=True)
-        changed, value = widgets.slider(Look, "grain_mm", look.grain_mm, reach)
-        name = "grain_mm"
+    name, reach = GRAIN_SIZES[look.grain]
+    changed, value = widgets.slider(Look, name, getattr(look, name), reach)
     if changed:
         model.set_look(side, gesture=f"{side} cell", **{name: value})
     changed, law = widgets.choice(Look, "noise_law", look.noise_law)

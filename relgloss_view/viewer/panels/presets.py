@@ -82,8 +82,12 @@ def _own(model: Model, preset: Preset) -> None:
         if row("apply", preset.name, on, width=width):
             model.change(model.state.with_look(model.active_side, **vars(preset.look)))
         look = preset.look
-        cell = f"{look.grain_px:g} px" if look.grain == "screen" else f"{look.grain_mm:g} mm"
-        grain = f"grain fixed to the {look.grain}, {cell}, seed {look.seed}"
+        cells = {
+            "screen": f"{look.grain_px:g} px",
+            "surface": f"{look.grain_mm:g} mm",
+            "eye": f"{look.grain_arcmin:g} arcmin",
+        }
+        grain = f"grain fixed to the {look.grain}, {cells[look.grain]}, seed {look.seed}"
         widgets.tooltip(f"{preset.name}: {_words(look)}; {grain}.")
         imgui.same_line()
         if widgets.small_button("Rename", "gives the preset another name"):

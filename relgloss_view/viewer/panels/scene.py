@@ -29,7 +29,11 @@ _LAMP: Sliders = {
     "luminance_cd_m2": Reach(1.0, 1000.0, logarithmic=True),
 }
 _EYE: Sliders = {"azimuth_deg": _ANGLE, "elevation_deg": _ANGLE, "distance_m": _DISTANCE}
-_DISPLAY: Sliders = {"background_lstar": Reach(digits="%.0f")}
+_DISPLAY: Sliders = {
+    "background_lstar": Reach(digits="%.0f"),
+    "pixel_pitch_mm": Reach(0.05, 0.6, digits="%.3f"),
+    "viewing_distance_m": Reach(0.2, 3.0, digits="%.2f", logarithmic=True),
+}
 _PRESENTATION: Sliders = {
     "gap_px": Reach(high=200.0, digits="%.0f"),
     "difference_max": Reach(high=50.0, digits="%.1f"),

@@ -14,7 +14,11 @@ T = TypeVar("T")
 
 def light_of(frame: Frame) -> object:
     """All that the light of a frame depends on, before scaling and display."""
-    scene = frame.scene.placed(display=Display())
+    seen = frame.scene.display  # the size of a pixel at the eye goes into the grain
+    display = Display(
+        pixel_pitch_mm=seen.pixel_pitch_mm, viewing_distance_m=seen.viewing_distance_m
+    )
+    scene = frame.scene.placed(display=display)
     return scene, frame.look.without_c(), frame.size
 
 

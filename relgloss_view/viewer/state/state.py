@@ -13,7 +13,7 @@ from relgloss_view.base.parameters import Checked, choice, parameter, switch
 from relgloss_view.gloss.match import DEFAULT_REFERENCE, Reference, matched, own_sigma_n_deg
 from relgloss_view.operators.registry import DEFAULT_OPERATOR, OPERATORS
 from relgloss_view.picture.gpu import constants
-from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.look import Look, viewed_look
 from relgloss_view.picture.scene.match import Match
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, Sample
 from relgloss_view.picture.scene.scene import Scene
@@ -114,7 +114,7 @@ class State:
         reference = Reference.default()
         test = Sample.built_in(DEFAULT_SAMPLE)
         match = matched(reference, test.material, own_sigma_n_deg(test.name))
-        look = Look(quality="auto")
+        look = viewed_look(quality="auto")
         return cls(
             Side(
                 Sample.built_in(DEFAULT_REFERENCE),

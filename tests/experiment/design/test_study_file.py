@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import json
 import tomllib
+from pathlib import Path
 
 import pytest
 import tomli_w
@@ -193,3 +194,19 @@ def test_one_line_says_what_is_wrong(tmp_path, text, words):
 def test_a_name_that_is_no_study(tmp_path):
     with pytest.raises(InputError, match="check the name"):
         load_study(tmp_path / "none.toml")
+
+
+def test_digest_is_that_of_the_version_before_the_display_had_a_pitch():
+    """A session of an earlier version continues; another viewing distance is another study."""
+    content = study_to_dict(load_study("paper"))
+    earlier = copy.deepcopy(content)
+    for name in ("pixel_pitch_mm", "viewing_distance_m"):
+        earlier["display"].pop(name)
+    for look in (earlier["look"], earlier["reference"]["look"]):
+        look.pop("grain_arcmin")
+    assert study_digest(earlier) == study_digest(content)
+    kept, kept_earlier = (json.loads(json.dumps(study)) for study in (content, earlier))
+    assert study_from_dict(kept_earlier, Path()) == study_from_dict(kept, Path())
+    farther = copy.deepcopy(content)
+    farther["display"]["viewing_distance_m"] = 0.8
+    assert study_digest(farther) != study_digest(content)
