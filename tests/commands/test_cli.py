@@ -190,7 +190,7 @@ BAD_SNAPSHOTS = [
     (["--set", "lamp.illuminant=nothing"], "nothing"),
     (["--set", "display.primaries_xy=3"], "display.primaries_xy"),
     (["--set", "display.white_xy=(0.3, 0)"], "display.white_xy"),
-    (["--matched", "--material", "m.json"], "--matched"),
+    (["--published", "--material", "m.json"], "--published"),
 ]
 
 

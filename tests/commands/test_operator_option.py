@@ -10,8 +10,9 @@ import pytest
 from PIL import Image
 from test_cli import refused, run
 
+from relgloss_view.gloss.match import Reference, matched_point
 from relgloss_view.operators.registry import OPERATORS, make_operator
-from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.look import viewed_look
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.quality.backends import open_renderer
@@ -32,9 +33,9 @@ class TestSnapshot:
         status, out, _ = run(capsys, "snapshot", *SMALL, "--operator", name, "--json", "-o", path)
         assert status == 0
         with open_renderer() as renderer:
-            frame = renderer.render(
-                Scene(load_sample("art-coated")), Look(sigma_n_deg=1.0), (48, 40)
-            )
+            c = matched_point(Reference.default(), load_sample("art-coated"), 1.0).c
+            look = viewed_look(sigma_n_deg=1.0, c=c)
+            frame = renderer.render(Scene(load_sample("art-coated")), look, (48, 40))
             shown = make_operator(name).draw(frame)
             np.testing.assert_array_equal(pixels(path), shown.digital)
         numbers = json.loads(out)
@@ -72,7 +73,8 @@ class TestSnapshot:
         split, clip = files["split"], files["clip"]
         assert split.keys() == clip.keys()
         same = {name for name in split if np.array_equal(split[name], clip[name])}
-        assert set(split) - same == set("RGB")
+        # Lab is that of the split, whose c the operator does not use.
+        assert set("RGB") <= set(split) - same <= {*"RGB", "Lab.L"}
 
     def test_c_that_is_not_used_is_told_only_where_it_was_asked_for(self, capsys, tmp_path):
         words = ("snapshot", *SMALL, "--operator", "clip", "-o", tmp_path / "a.png")

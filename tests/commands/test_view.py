@@ -21,6 +21,7 @@ from relgloss_view import cli
 from relgloss_view.base.resources import asset
 from relgloss_view.material.files import load_material, material_to_dict, save_material
 from relgloss_view.picture.scene.sample import Sample
+from relgloss_view.viewer.state.matching import with_sample
 from relgloss_view.viewer.state.state import State
 from relgloss_view.viewer.state.state_file import save_state
 
@@ -29,7 +30,7 @@ DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")
 LONGEST_S = 60.0
 PNG_HEAD = b"\x89PNG"
 #: A window that is quick to draw and has room for both pictures.
-SMALL = ("--window", "480x360")
+SMALL = ("--window", "560x360")
 
 
 def view(folder, *words, command=("view",), **env):
@@ -159,9 +160,9 @@ def panel_of(pixels):
 
 
 def pictures_of(pixels):
-    """Where both pictures stand in a small window, captions included: reference, test."""
-    pane = pixels[24:180, :300]
-    return pane[:, :140], pane[:, 160:]
+    """Where both pictures are in a small window, below their captions: reference, test."""
+    pane = pixels[60:185, :316]
+    return pane[:, :154], pane[:, 162:316]
 
 
 @pytest.fixture(scope="module")
@@ -181,7 +182,7 @@ class TestFiles:
         assert (second != before[1]).any(axis=-1).mean() > 0.2
         # The same thing opened another way: by a scene that names it.
         file = str(folder / "flat.json")
-        state = State.initial().with_sample("test", Sample(load_material(file), file=file))
+        state = with_sample(State.initial(), "test", Sample(load_material(file), file=file))
         save_state(folder / "flat.toml", state)
         again = pictures_of(shot(folder, "flat.toml"))
         np.testing.assert_array_equal(again[1], second)
@@ -201,8 +202,7 @@ class TestFiles:
         status, _, err = view(folder, paper, "-o", "m.json", command=("fit",))
         assert status == 0, err
         by_table, by_material = (pictures_of(shot(folder, f))[1] for f in (paper, "m.json"))
-        # The caption above tells where it comes from; the object stands below it.
-        np.testing.assert_array_equal(by_table[24:], by_material[24:])
+        np.testing.assert_array_equal(by_table, by_material)
         assert (by_table != pictures_of(plain)[1]).any(axis=-1).mean() > 0.1
         assert os.listdir(folder) == ["m.json"]
         kept = list((folder.parent / "kept").rglob("*.json"))

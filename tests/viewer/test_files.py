@@ -15,6 +15,7 @@ from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.viewer.files.open_job import Opened
 from relgloss_view.viewer.shell import file_actions as files
 from relgloss_view.viewer.shell.file_actions import FileActions
+from relgloss_view.viewer.state.matching import with_sample
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.session import Autosave
 from relgloss_view.viewer.state.state import State
@@ -75,8 +76,10 @@ class TestOpening:
         state = desk.model.state
         other = "reference" if side == "test" else "test"
         assert state.side(side).sample.file == str(tmp_path / "art.json")
-        assert state.side(side).look == before.side(side).look
-        assert state.side(other) == before.side(other)
+        expected = with_sample(before, side, state.side(side).sample)  # matched
+        assert state.side(side).look == expected.side(side).look
+        assert state.side(other).sample == before.side(other).sample
+        assert state.reference.look.c is not None
         assert desk.scene_path is None
         assert said(desk) == [(f"opened art.json; it is the {side} sample now", False)]
         assert desk.model.history.undo()

@@ -36,8 +36,10 @@ class TestState:
         assert INITIAL.reference.sample.name == "cast-coated"
         assert INITIAL.test.sample.name == "matte-coated"
         for side in SIDES:
-            expected = Look(quality="auto").at(SAMPLES[INITIAL.side(side).sample.name])
-            assert INITIAL.side(side).look == expected
+            look, setting = INITIAL.side(side).look, SAMPLES[INITIAL.side(side).sample.name]
+            assert (look.sigma_n_deg, look.c_fraction) == (setting.sigma_n_deg, None)
+        assert INITIAL.reference.look.c == INITIAL.match.reference_c
+        assert INITIAL.test.look.c == INITIAL.match.test_c
 
     def test_only_the_window_draws_by_quality_auto(self):
         assert {INITIAL.side(side).look.quality for side in SIDES} == {"auto"}

@@ -25,6 +25,7 @@ from relgloss_view.viewer.files import open_job
 from relgloss_view.viewer.files.fit_process import FitProcess
 from relgloss_view.viewer.files.open_job import OpenJob
 from relgloss_view.viewer.files.own_materials import keep_material, safe_name
+from relgloss_view.viewer.state.matching import with_sample
 from relgloss_view.viewer.state.state import State
 from relgloss_view.viewer.state.state_file import load_state, save_state
 
@@ -166,7 +167,8 @@ class TestOpening:
         expected = Sample(materials.paper("art"), file=str(tmp_path / "m.json"))
         assert job.result.sample == expected
         state = job.result.applied(State.initial(), "reference")
-        assert state == State.initial().with_sample("reference", expected)
+        assert state == with_sample(State.initial(), "reference", expected)
+        assert state.reference.sample == expected
 
     def test_a_measurement_is_fitted_and_kept(self, home, tmp_path):
         waker = Waker()

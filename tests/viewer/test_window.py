@@ -15,11 +15,13 @@ from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.setup import SHAPES, Display, Eye, Lamp, Shape
 from relgloss_view.viewer.panels import scene
 from relgloss_view.viewer.shell.widgets import label_of
+from relgloss_view.viewer.state.matching import share_of_match
 from relgloss_view.viewer.state.state import COMPARE_MODES, Presentation
 
 SIZE = (1000, 760)
 LOOK, SCENE, SAMPLE = "//Look", "//Scene", "//Sample"
 #: Labels that the look declares, as the engine reads them: a slash parts ids.
+SHARE, FOLD = "Contrast gloss", "In numbers (c, c_max)"
 SIGMA_N, C, C_SHARE, SEED = (
     label_of(Look, name).replace("/", "\\/") for name in ("sigma_n_deg", "c", "c_fraction", "seed")
 )
@@ -71,16 +73,24 @@ def tunes_the_look(hand, found):
     steps = len(model.history._past)
     hand.double_click(f"{LOOK}/##{SIGMA_N}")
     found["reset"] = model.state.test.look.sigma_n_deg
-    hand.ctx.item_input_value(f"{LOOK}/##{C}", 1.5)
+    hand.ctx.item_input_value(f"{LOOK}/##{SHARE}", 0.5)
+    hand.frames(2)
+    found["share"] = share_of_match(model.state, "test")
+    hand.click(f"{LOOK}/{FOLD}")
+    hand.ctx.item_input_value(f"{LOOK}/{FOLD}/##{C}", 1.5)
     hand.frames(2)
     found["c"] = [model.state.test.look.c, model.state.test.look.c_fraction]
+    found["scaled"] = [model.factor, model.frames["test"].clip_count]
+    hand.click(f"{LOOK}/{label_of(Presentation, 'clip_highlights')}")
     found["warned"] = [w for w in model.frames["test"].warnings if "above" in w]
-    hand.click(f"{LOOK}/Hold c there")
-    found["locked"] = [model.state.test.look.c, model.state.test.look.c_fraction]
+    hand.click(f"{LOOK}/{label_of(Presentation, 'clip_highlights')}")
+    hand.click(f"{LOOK}/Match again")
+    found["matched"] = share_of_match(model.state, "test")
     hand.click(f"{LOOK}/Reference")
-    hand.ctx.item_input_value(f"{LOOK}/##{C_SHARE}", 0.5)
+    hand.ctx.item_input_value(f"{LOOK}/{FOLD}/##{C_SHARE}", 0.5)
     hand.frames(2)
-    found["reference"] = model.state.reference.look.c_fraction
+    frame = model.frames["reference"]
+    found["reference"] = model.state.reference.look.c / frame.c_max
     found["steps"] = len(model.history._past) - steps
 
 
@@ -484,11 +494,14 @@ def test_sliders_type_reset_and_stay_in_range(found):
     assert got["beyond"] == pytest.approx(7.5)
     assert got["held"] == pytest.approx(10.0)
     assert got["reset"] == 0.0
+    assert got["share"] == pytest.approx(0.5)
     assert got["c"] == [pytest.approx(1.5), None]
+    assert got["scaled"][0] < 1.0  # and nothing clips
+    assert got["scaled"][1] == 0
     assert len(got["warned"]) == 2  # above 1 and above c_max
-    assert got["locked"] == [None, 1.0]
+    assert got["matched"] == pytest.approx(1.0)
     assert got["reference"] == pytest.approx(0.5)
-    assert got["steps"] == 4  # the reset, c, the lock, the reference's share
+    assert got["steps"] == 7  # reset, share, c, clip and back, match, the reference's share
 
 
 def test_quality_is_one_click_away(found):
