@@ -12,6 +12,7 @@ from typing import Any
 from relgloss_view.base.parameters import Checked, choice, parameter, switch
 from relgloss_view.operators.registry import DEFAULT_OPERATOR, OPERATORS
 from relgloss_view.picture.gpu import constants
+from relgloss_view.picture.model.lamp_placement import lit_for_gloss
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, SAMPLES, Sample
 from relgloss_view.picture.scene.scene import Scene
@@ -102,13 +103,15 @@ class State:
     def initial(cls) -> State:
         """The paper's reference beside the default sample, both at their published settings.
 
+        Silhouettes are smooth and 8 bits dithered (Display.for_the_eye).
+
         The window draws what the scene needs, quality "auto"; files are drawn exactly by default.
         """
         reference, test = (
             Side(Sample.built_in(name), Look(quality="auto").at(SAMPLES[name]))
             for name in (DEFAULT_REFERENCE, DEFAULT_SAMPLE)
         )
-        return cls(reference, test)
+        return cls(reference, test, Setup(display=Display().for_the_eye()))
 
     def side(self, name: str) -> Side:
         """A side by its name, one of SIDES."""
@@ -135,6 +138,13 @@ class State:
     def placed(self, **parts: Shape | Lamp | Eye | Display) -> State:
         """The state with whole parts of the setup replaced, as in `placed(eye=Eye())`."""
         return dataclasses.replace(self, setup=self.setup.placed(**parts))
+
+    def lit_for_gloss(self) -> State:
+        """The state whose lamp is turned so that a highlight is seen (model.lamp_placement).
+
+        On flat forms that are seen straight on, the eye turns too.
+        """
+        return dataclasses.replace(self, setup=lit_for_gloss(self.setup))
 
     def with_look(self, name: str, **changes: Any) -> State:
         """The state with entries of a side's look changed."""
