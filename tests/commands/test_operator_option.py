@@ -12,6 +12,7 @@ from test_cli import refused, run
 
 from relgloss_view.operators.registry import OPERATORS, make_operator
 from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.options import NEW_DISPLAY
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.quality.backends import open_renderer
@@ -33,7 +34,9 @@ class TestSnapshot:
         assert status == 0
         with open_renderer() as renderer:
             frame = renderer.render(
-                Scene(load_sample("art-coated")), Look(sigma_n_deg=1.0), (48, 40)
+                Scene(load_sample("art-coated"), display=NEW_DISPLAY),
+                Look(sigma_n_deg=1.0),
+                (48, 40),
             )
             shown = make_operator(name).draw(frame)
             np.testing.assert_array_equal(pixels(path), shown.digital)
