@@ -4,7 +4,7 @@
 // for the display. Outside the object is a neutral surround.
 //   display = digital values over the surround; alpha = 1 - 1/255 * (L~* above 100) - 2/255 * (out of
 //             gamut), so that a pixel says what was done to it at no cost
-// Constants: GAMUT, TRANSFER, SAMPLED.
+// Constants: GAMUT, TRANSFER, SAMPLED, DITHER.
 
 #include "texel.glsl"
 #include "tone.glsl"
@@ -28,5 +28,7 @@ void main() {
     vec3 shown = display_rgb(GAMUT, lab, display_white, rgb_from_xyz, inside);
     vec3 rgb = share > 0.0 ? mix(vec3(background_light), shown, share) : vec3(background_light);
     float flags = (lab.x > 100.0 + CLIP_TOLERANCE ? 1.0 : 0.0) + (inside ? 0.0 : 2.0);
-    display = vec4(encode(TRANSFER, rgb, display_curve), 1.0 - (1.0 / 255.0) * (share > 0.0 ? flags : 0.0));
+    float dither = DITHER == DITHER_ORDERED && share > 0.0 ? dither_step(at) : 0.0;
+    display = vec4(encode(TRANSFER, rgb, display_curve) + (1.0 / 255.0) * dither,
+                   1.0 - (1.0 / 255.0) * (share > 0.0 ? flags : 0.0));
 }

@@ -117,3 +117,11 @@ vec3 encode(int transfer, vec3 rgb, vec4 curve) {
     vec3 light = max(rgb * white - curve.w, 0.0);
     return clamp((pow(light, vec3(1.0 / curve.z)) - curve.y) / curve.x, 0.0, 1.0);
 }
+
+// What is added to a digital value before it is rounded, in steps: above -0.5 and below 0.5, evenly spread,
+// with as little of coarse pattern as points in the plane can have (Roberts 2018, "The unreasonable
+// effectiveness of quasirandom sequences": R2, in 32 bits). Integers: identical everywhere.
+float dither_step(ivec2 at) {
+    uint turned = uint(at.x) * 3242174889u + uint(at.y) * 2447445413u;
+    return (float(turned >> 9u) + 0.5) * 1.1920928955078125e-7 - 0.5;  // 2^-23
+}

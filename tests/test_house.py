@@ -166,7 +166,7 @@ class TestShaders:
         """Khronos's glslang reads the language more strictly than Mesa does."""
         names = ("SHAPE", "DIFFUSE", "NOISE", "GRAIN", "TRANSFER", "NOISY_DIFFUSE", "GAMUT")
         defines = dict.fromkeys((*names, "SAMPLED"), 1) | {"LOBES": 2, "BLOCK": 16, "FIRST": 1}
-        defines |= {"BANDS": 0, "WRITES": 0, "STRIDE": 1}
+        defines |= {"BANDS": 0, "WRITES": 0, "STRIDE": 1, "DITHER": 1}
         defines["OVERLAY"] = 3
         file = tmp_path / stage
         file.write_text(ShaderSource(stage, defines).text, encoding="utf-8")

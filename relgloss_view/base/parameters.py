@@ -72,10 +72,14 @@ def choice(
     *,
     option: str | None = None,
     label: str = "",
+    later: bool = False,
 ) -> Any:
-    """A dataclass field that takes one of a few names."""
+    """A dataclass field that takes one of a few names.
+
+    later: files were written before there was such a field; at its default it is not written.
+    """
     metadata = {"options": options, "meaning": meaning, "option": option, "label": label}
-    return field(default=default, metadata=metadata)
+    return field(default=default, metadata=metadata | {"later": later})
 
 
 def switch(default: bool, meaning: str, *, label: str = "") -> Any:

@@ -69,11 +69,14 @@ def build_part(kind: type[Any], name: str, values: object, within: str = "") -> 
 def entries(part: Any) -> dict[str, Any]:
     """The fields of a dataclass (Look, Lamp, ...) as entries of a TOML table.
 
-    A field that is None is left out where that is its default; elsewhere its entry is "auto".
+    A field that is None is left out where that is its default; elsewhere its entry is "auto". A
+    field that came later (`later` of its declaration) is left out at its default too.
     """
     table = {}
     for f in dataclasses.fields(part):
         value = getattr(part, f.name)
+        if f.metadata.get("later") and value == f.default:
+            continue  # the digest of a study that began before stays the same
         if value is not None:
             table[f.name] = plain(value)
         elif f.default is not None:

@@ -60,7 +60,7 @@ def add(commands: Any) -> None:
         required=True,
         help="Folder for the pictures, the contact sheet and the manifest",
     )
-    add_scene_options(parser, tuned=False)
+    add_scene_options(parser, tuned=False, for_the_eye=False)
     add_reference_option(parser)
     add_operator_options(parser)
     parser.add_argument("--json", action="store_true", help="Print the manifest as JSON")

@@ -12,13 +12,19 @@ from typing import Any
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.toml import AUTO
 from relgloss_view.material.files import load_material
+from relgloss_view.picture.model.lamp_placement import lit_for_gloss
 from relgloss_view.picture.model.view import check_size
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.options import (
+    GIVEN_LAMP,
+    LAMP,
+    LAMP_CHOICES,
+    NEW_DISPLAY,
     OPTIONS,
     SET,
     SETTING_ENTRIES,
     Option,
+    wants_auto_lamp,
     with_options,
     with_settings,
 )
@@ -45,13 +51,16 @@ def add_scene_options(
     tuned: bool = True,
     sourced: bool = True,
     look: Look = PAPER_LOOK,
+    for_the_eye: bool = True,
 ) -> None:
     """Declare the options; `tuned` adds those of the look that a grid varies itself.
 
     `sourced` adds those that name the sample, which some commands take as words of their own.
     `look`: what the command draws where neither a scene file nor an option changes it.
+    `for_the_eye`: what no option and no scene file decides is set so that the picture looks well:
+    silhouettes, dither, the lamp of forms other than the cylinder. Stimuli keep the plain values.
     """
-    parser.set_defaults(default_look=look)
+    parser.set_defaults(default_look=look, for_the_eye=for_the_eye)
     what = parser.add_argument_group("what to draw")
     if sourced:
         source = what.add_mutually_exclusive_group()
@@ -105,6 +114,18 @@ def add_scene_options(
             help="Take sigma_N and c that the paper's observers chose for this kind of paper, c as "
             "a share of this picture's c_max",
         )
+    what.add_argument(
+        LAMP,
+        choices=LAMP_CHOICES,
+        help="auto: turns the lamp, and the eye of a plane or box unless it is placed, so that a "
+        "highlight lies on the form; given: leaves it where it is ("
+        + (
+            "default auto for forms other than the cylinder, unless --scene or --set places lamp "
+            "or eye)"
+            if for_the_eye
+            else "default)"
+        ),
+    )
     how.add_argument(
         "--size",
         metavar="WxH",
@@ -128,12 +149,14 @@ def scene_from(args: argparse.Namespace) -> tuple[Scene, Look, tuple[int, int]]:
         material = load_material(args.material)
     elif args.sample is not None or args.scene is None:
         material = load_sample(args.sample or DEFAULT_SAMPLE)
+    new = args.scene is None and args.for_the_eye
     if args.scene is not None:
         scene, look = load_scene(args.scene)
         scene = dataclasses.replace(scene, material=material or scene.material)
     else:
         assert material is not None
-        scene, look = Scene(material), args.default_look
+        scene = Scene(material, display=NEW_DISPLAY if new else None)
+        look = args.default_look
     setup, look = with_settings(scene.setup, look, args.set)
     if getattr(args, "published", False):
         if args.material is not None or (args.scene is not None and args.sample is None):
@@ -145,14 +168,21 @@ def scene_from(args: argparse.Namespace) -> tuple[Scene, Look, tuple[int, int]]:
     setup, look = with_options(setup, look, _values(args))
     if getattr(args, "c", None) == MAX:
         look = look.with_entries(c_fraction=FULL_SHARE)
+    chosen = args.lamp if args.lamp is not None or new else GIVEN_LAMP
+    if wants_auto_lamp(setup, args.set, chosen):
+        own_eye = args.scene is not None or any(word.startswith("eye.") for word in args.set)
+        setup = lit_for_gloss(setup, size, turn_eye=not own_eye)
     return Scene(scene.material, setup), look, size
 
 
 def scene_words_of(args: argparse.Namespace) -> list[str]:
     """The options that name and describe the scene, as they were given.
 
-    The kind of grain is stated too, since commands begin with different kinds.
+    The kind of grain is stated too, since commands begin with different kinds, and the plain values
+    of a command whose pictures are not for the eye: `snapshot`, which draws the same again, has
+    others.
     """
+    plain = args.scene is None and not args.for_the_eye
     words = []
     for source in ("sample", "material", "scene"):
         value = getattr(args, source)
@@ -162,8 +192,13 @@ def scene_words_of(args: argparse.Namespace) -> list[str]:
     values = _values(args)
     if args.scene is None and not any(s.startswith("look.grain=") for s in args.set):
         values = {GRAIN_KIND: args.default_look.grain, **values}
+    if plain:
+        own = {o.flag: o.field.default for o in OPTIONS if o.table == "display"}
+        values = own | values
     for option in OPTIONS:
         words += option.words(values[option.flag]) if option.flag in values else []
+    lamp = GIVEN_LAMP if plain and args.lamp is None else args.lamp
+    words += [LAMP, lamp] if lamp is not None else []
     width, height = args.size
     return [*words, "--size", f"{width}x{height}", "--backend", args.backend]
 

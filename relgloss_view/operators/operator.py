@@ -114,7 +114,7 @@ class LightOperator(Operator):
 
     def draw(self, frame: Frame) -> Displayed:
         """See Operator."""
-        picture = self.apply(SceneLight.of(frame))
+        picture = self.apply(SceneLight.of(frame)).for_display(frame)
         return dataclasses.replace(picture, settings=dataclasses.asdict(self))
 
     @abstractmethod

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -9,8 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array, Bytes, Mask
+from relgloss_view.base.arrays import Array, Bytes, Floats, Mask
+from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
+from relgloss_view.picture.model.silhouette import smoothed
 from relgloss_view.picture.model.tone import DisplayModel
 
 
@@ -27,6 +30,16 @@ class Displayed:
     warnings: tuple[str, ...] = ()
     settings: Mapping[str, Any] = field(default_factory=dict)  #: the operator's parameters
 
+    def for_display(self, frame: Frame) -> Displayed:
+        """The same picture, its digital values with the frame's smooth silhouettes and dither."""
+        display = frame.scene.display
+        if frame.edges is None and display.dither == "none":
+            return self
+        light, shows = shown_light(frame, self.light)
+        dithered = shows if display.dither == "ordered" else None
+        steps = tone.digital_steps(light, self.display, dithered)
+        return dataclasses.replace(self, digital=steps.astype(np.uint8))
+
     @cached_property
     def clip_count(self) -> int:
         """Number of clipped pixels."""
@@ -41,3 +54,15 @@ class Displayed:
     def lab(self) -> Array:
         """(H, W, 3), L*, a*, b* of the displayed picture, relative to the display's white."""
         return tone.lab_from_xyz(self.light @ self.display.xyz_from_rgb.T, self.display.white)
+
+
+def shown_light(frame: Frame, light: Floats) -> tuple[Array, Mask]:
+    """Linear light (H, W, 3) of a frame's picture as it is to show, and where it shows the object.
+
+    light: with the frame's samples; smooth silhouettes are mixed in where the frame has them.
+    """
+    background = tone.DisplayModel.of(frame.scene.display).background_light
+    picture, on_object = np.asarray(light, dtype=np.float64), frame.on_object
+    if frame.edges is None:
+        return picture, on_object
+    return smoothed(picture, on_object, frame.edges, background)

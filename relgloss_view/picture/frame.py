@@ -16,6 +16,7 @@ from relgloss_view.base.reading import printable
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.model import tone
+from relgloss_view.picture.model.highlight import shows_gloss
 from relgloss_view.picture.model.pixel_sampling import (
     MAX_SAMPLES,
     PIXELS_A_GRAIN,
@@ -26,6 +27,17 @@ from relgloss_view.picture.model.pixel_sampling import (
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setting import FULL_SHARE
+
+#: Of a picture in which a sample's gloss can't be judged; the window has a button for the step.
+NO_GLOSS = (
+    "no gloss is visible in this view: no visible part of the object mirrors the lamp; turn the "
+    "lamp to the highlight (--lamp auto)"
+)
+
+BLACK = (
+    "the lamp lights nothing that the eye sees: the object is black; turn the lamp to the "
+    "highlight (--lamp auto)"
+)
 
 
 @dataclass(frozen=True)
@@ -123,7 +135,7 @@ def scene_warnings(
     if not seen:
         return ("nothing of the object falls on a pixel's sample: the picture is empty",)
     if not lit:
-        return ("the lamp lights nothing that the eye sees: the object is black",)
+        return (BLACK,)
     warnings = []
     needed = samples_needed(scene, size)
     if sample_count(scene, look, size) < needed:
@@ -191,6 +203,7 @@ class Frame:
         warnings: tuple[str, ...] = (),
         method: Method = EXACT,
         object_pixels: int = 0,
+        l_s_max: float = 0.0,
     ) -> None:
         self.scene = scene
         self.look = look
@@ -199,9 +212,9 @@ class Frame:
         self.device = device
         self.method = method
         self.object_pixels = object_pixels  #: number of pixels that show any of the object
+        self.l_s_max = l_s_max  #: largest L_s* of a pixel
         self._fetch = fetch
-        #: What is wrong or doubtful with the material, the scene or c, one sentence each.
-        self.warnings = (*scene.material.warnings, *warnings, *scaling.warnings)
+        self._scene_warnings = warnings
 
     def __repr__(self) -> str:
         c_max = "none" if self.c_max is None else f"{self.c_max:.4g}"
@@ -226,6 +239,22 @@ class Frame:
         except RelglossError as error:
             warn(str(error), stacklevel=2)
             return None
+
+    @cached_property
+    def lacks_gloss(self) -> bool:
+        """Whether the sample has gloss, and this view of it shows none."""
+        material = self.scene.material
+        if self.object_pixels == 0 or not material.visible_lobes():
+            return False
+        sigma_n_deg = self.look.sigma_n_deg
+        return not shows_gloss(material, sigma_n_deg, self.scene.setup, self.size, self.l_s_max)
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What is wrong or doubtful with the material, the scene or c, one sentence each."""
+        scene = self._scene_warnings
+        unseen = (NO_GLOSS,) if BLACK not in scene and self.lacks_gloss else ()
+        return (*self.scene.material.warnings, *scene, *unseen, *self.scaling.warnings)
 
     @property
     def y_n_cd_m2(self) -> float:
@@ -308,6 +337,17 @@ class Frame:
     def light(self) -> Floats:
         """(H, W, 3), linear display RGB over the surround, 0 to 1."""
         return self._fetch("light")[..., :3]
+
+    @cached_property
+    def edges(self) -> Array | None:
+        """(N, 3), column, row and share of the pixels that the object covers in part.
+
+        None where silhouettes are as sampled, or several samples a pixel have shares of their own.
+        """
+        several = sample_count(self.scene, self.look, self.size) > 1
+        if self.scene.display.edges != "smooth" or several:
+            return None
+        return np.asarray(self._fetch("edges"), dtype=np.float64)
 
     @cached_property
     def _display(self) -> Bytes:

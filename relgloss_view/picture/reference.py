@@ -14,6 +14,7 @@ from relgloss_view.picture.model.drawn import as_drawn
 from relgloss_view.picture.model.grain import grain_normal
 from relgloss_view.picture.model.light import front_white, lit_white
 from relgloss_view.picture.model.pixel_sampling import sample_count
+from relgloss_view.picture.model.silhouette import coverage, edge_pixels, smoothed
 from relgloss_view.picture.model.view import Size, View, check_size, float32
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
@@ -43,8 +44,10 @@ class ReferenceRenderer:
         l_d, l_s = tone.split_lightness(
             stages["diffuse"][..., 1][drawn], stages["specular"][..., 1][drawn]
         )
-        scaling = Scaling.of(look, Extremes.over(l_d, l_s), factor=factor)
+        extremes = Extremes.over(l_d, l_s)
+        scaling = Scaling.of(look, extremes, factor=factor)
         stages.update(_tone(scene, stages, scaling.c))
+        stages.update(_display(scene, stages, view, samples))
         return Frame(
             scene=scene,
             look=look,
@@ -54,6 +57,7 @@ class ReferenceRenderer:
             device="float64 numpy",
             warnings=scene_warnings(scene, look, size, seen=seen, lit=white > 0.0),
             object_pixels=int(np.sum(drawn)),
+            l_s_max=extremes.l_s_max,
         )
 
     def _white(self, scene: Scene, view: View, samples: int) -> tuple[float, bool]:
@@ -133,15 +137,15 @@ def _meet(
 def _tone(scene: Scene, stages: dict[str, Array], c: float) -> dict[str, Array]:
     display = tone.DisplayModel.of(scene.display)
     diffuse, specular = stages["diffuse"], stages["specular"]
-    coverage = diffuse[..., 3:]
-    seen = coverage > 0.0
+    covered = diffuse[..., 3:]
+    seen = covered > 0.0
     white = illuminant(scene.lamp.illuminant).white_xyz()
     split = tone.split_lab(diffuse[..., :3], specular[..., :3], white)
     lab = tone.scaled_lab(split, c)
     shown, inside = tone.display_rgb(lab, display)
     light = np.where(
         seen,
-        coverage * shown + (1.0 - coverage) * display.background_light,
+        covered * shown + (1.0 - covered) * display.background_light,
         display.background_light,
     )
     flags = np.where(
@@ -151,11 +155,21 @@ def _tone(scene: Scene, stages: dict[str, Array], c: float) -> dict[str, Array]:
         "split": np.where(seen, split, (tone.OFF_OBJECT, 0.0, 0.0, 0.0)),
         "lab": np.where(seen, lab, 0.0),
         "counts": np.array([np.sum(flags & 1), np.sum(flags >> 1)]),
-        "light": np.concatenate([light, coverage], axis=-1),
-        "display": np.concatenate(
-            [np.floor(255.0 * tone.encode(light, display) + 0.5), 255.0 - flags[..., None]], axis=-1
-        ),
+        "light": np.concatenate([light, covered], axis=-1),
+        "flags": flags[..., None],
     }
+
+
+def _display(scene: Scene, stages: dict[str, Array], view: View, samples: int) -> dict[str, Array]:
+    """What the display gets: smooth silhouettes and dither, where it asks for them."""
+    model, light = tone.DisplayModel.of(scene.display), stages["light"][..., :3]
+    shows = stages["diffuse"][..., 3] > 0.0
+    more: dict[str, Array] = {}
+    if scene.display.edges == "smooth" and samples == 1:
+        more["edges"] = edge_pixels(coverage(scene.shape, view))
+        light, shows = smoothed(light, shows, more["edges"], model.background_light)
+    steps = tone.digital_steps(light, model, shows if scene.display.dither == "ordered" else None)
+    return more | {"display": np.concatenate([steps, 255.0 - stages["flags"]], axis=-1)}
 
 
 def _places(samples: int) -> list[tuple[float, float]]:

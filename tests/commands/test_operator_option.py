@@ -13,6 +13,7 @@ from test_cli import refused, run
 from relgloss_view.gloss.match import Reference, matched_point
 from relgloss_view.operators.registry import OPERATORS, make_operator
 from relgloss_view.picture.scene.look import viewed_look
+from relgloss_view.picture.scene.options import NEW_DISPLAY
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.quality.backends import open_renderer
@@ -35,7 +36,8 @@ class TestSnapshot:
         with open_renderer() as renderer:
             c = matched_point(Reference.default(), load_sample("art-coated"), 1.0).c
             look = viewed_look(sigma_n_deg=1.0, c=c)
-            frame = renderer.render(Scene(load_sample("art-coated")), look, (48, 40))
+            scene = Scene(load_sample("art-coated"), display=NEW_DISPLAY)
+            frame = renderer.render(scene, look, (48, 40))
             shown = make_operator(name).draw(frame)
             np.testing.assert_array_equal(pixels(path), shown.digital)
         numbers = json.loads(out)

@@ -11,8 +11,10 @@ import pytest
 from relgloss_view.cli import main
 from relgloss_view.commands import snapshot
 from relgloss_view.commands.scene_options import add_scene_options, scene_from, scene_words_of
+from relgloss_view.picture.model.lamp_placement import lit_for_gloss
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.options import (
+    NEW_DISPLAY,
     OPTIONS,
     SETTING_ENTRIES,
     sample_words,
@@ -22,7 +24,7 @@ from relgloss_view.picture.scene.options import (
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.scene_file import TABLES
-from relgloss_view.picture.scene.setup import Setup
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Setup, Shape
 
 #: Values of tuples and texts, which declare no range.
 OTHERS = {
@@ -68,6 +70,12 @@ def scene_of(words):
     return scene, look
 
 
+def drawn_without(option):
+    """What a snapshot has where the option is left out."""
+    scene, look = scene_of([])
+    return getattr(look if option.table == "look" else getattr(scene, option.table), option.entry)
+
+
 def changed(table, entry, value):
     """A setup and a look with one entry changed; a display's gain goes with its offset."""
     setup, look = Setup(), Look()
@@ -111,7 +119,8 @@ class TestOption:
 
     def test_it_is_found_in_the_printed_command(self, option):
         """The control: a command without the option draws another picture."""
-        value = next(v for v in values_of(option.field) if v is not None)
+        values = (*values_of(option.field), option.field.default)
+        value = next(v for v in values if v not in (None, drawn_without(option)))
         setup, look = changed(option.table, option.entry, value)
         words = scene_words(setup, look)
         k = words.index(option.flag)
@@ -164,10 +173,58 @@ def test_a_grid_records_its_quality(tmp_path):
 @pytest.mark.parametrize("name", SAMPLES)
 def test_a_sample_is_named(name):
     scene, _ = scene_of(sample_words(Sample.built_in(name)))
-    assert scene == Scene(Sample.built_in(name).material)
+    assert scene == Scene(Sample.built_in(name).material, display=NEW_DISPLAY)
 
 
 def test_options_change_what_a_table_holds_together():
     setup, look = with_options(Setup(), Look(c=0.3), {"--c-fraction": 0.5, "--seed": 3})
     assert look == Look(c_fraction=0.5, seed=3)
     assert setup == Setup()
+
+
+class TestLamp:
+    """The lamp of new pictures, turned to the highlight where nobody places it."""
+
+    def placed(self, *words):
+        return scene_of(["--set", "shape.kind=box", *words])[0].setup
+
+    def test_another_form_is_lit_for_gloss(self):
+        assert self.placed() == lit_for_gloss(self.placed("--lamp", "given"))
+        assert self.placed().lamp != Lamp()
+
+    def test_the_cylinder_keeps_the_papers_geometry(self):
+        assert scene_of([])[0].setup.placed(display=Display()) == Setup()
+        assert scene_of(["--set", "lamp.azimuth_deg=170"])[0].lamp.azimuth_deg == 170.0
+
+    @pytest.mark.parametrize("word", ["lamp.azimuth_deg=50", "eye.elevation_deg=10"])
+    def test_what_is_placed_stays(self, word):
+        setup = self.placed("--set", word)
+        assert (setup.lamp, setup.eye.azimuth_deg) == (Lamp(), 0.0)
+
+    def test_by_name_it_is_turned_all_the_same(self):
+        setup = self.placed("--set", "eye.azimuth_deg=30", "--lamp", "auto")
+        assert setup.lamp != Lamp()
+        assert setup.eye == Eye(azimuth_deg=30.0)
+
+    def test_an_old_scene_file_is_drawn_as_it_was(self, tmp_path):
+        file = tmp_path / "old.toml"
+        file.write_text('[sample]\nname = "uncoated"\n[shape]\nkind = "box"\n')
+        scene, _ = scene_of(["--scene", str(file)])
+        assert scene.setup == Setup(Shape("box"))
+        assert scene_of(["--scene", str(file), "--lamp", "auto"])[0].lamp != Lamp()
+
+    def test_a_grid_keeps_its_stimuli_and_records_them(self):
+        grid = argparse.ArgumentParser()
+        add_scene_options(grid, tuned=False, for_the_eye=False)
+        args = grid.parse_args(["--set", "shape.kind=box"])
+        scene, _, _ = scene_from(args)
+        assert scene.setup == Setup(Shape("box"))
+        assert scene_of(scene_words_of(args))[0] == scene
+
+
+def test_files_from_before_have_no_smooth_edges(tmp_path):
+    """And what is written at the defaults holds no word of them: digests of studies stay."""
+    from relgloss_view.base.toml import entries
+
+    assert not {"edges", "dither"} & set(entries(Display()))
+    assert {"edges", "dither"} <= set(entries(NEW_DISPLAY))

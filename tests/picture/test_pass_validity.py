@@ -205,6 +205,8 @@ class TestHeld:
         "extremes": set(),
         "xyz": set(),
         "counts": set(),
+        "coverage": set(),
+        "edges": set(),
         "overlay": set(),
     }
 
@@ -212,7 +214,7 @@ class TestHeld:
     def test_what_follows_is_drawn_again(self, name):
         held = Held()
         order = ("white", "once", "grain", "shade", "split", "geometry", "light", "tone", "xyz",
-                 "extremes", "counts", "overlay")  # fmt: skip
+                 "extremes", "counts", "coverage", "edges", "overlay")  # fmt: skip
         assert set(order) == set(self.GONE)
         for other in order:  # a pass comes before what follows from it
             assert held.renew(other, 1)

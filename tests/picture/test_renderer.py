@@ -111,7 +111,10 @@ class TestPrograms:
         target = renderer.passes.targets.framebuffer(SPLIT)
         with pytest.raises(ShaderError, match=r"uniform '\w+' has no value"):
             renderer.programs.draw(
-                "tone.frag", {"TRANSFER": 0, "GAMUT": 0, "SAMPLED": 0}, {}, target
+                "tone.frag",
+                {"TRANSFER": 0, "GAMUT": 0, "SAMPLED": 0, "DITHER": 0},
+                {},
+                target,
             )
         with pytest.raises(ShaderError, match=r"measure\.frag:\d+.*BLOCK"):
             renderer.programs.get("measure.frag", {})

@@ -13,7 +13,7 @@ import pytest
 
 from relgloss_view.material import brdf
 from relgloss_view.picture.gpu import constants
-from relgloss_view.picture.model import noise, shape, tone
+from relgloss_view.picture.model import noise, shape, silhouette, tone
 from relgloss_view.picture.scene.setup import Display
 
 
@@ -166,6 +166,20 @@ class TestTone:
         result = glsl.evaluate(ctx, ["tone.glsl"], "result = vec4(cube_root(t.x));", {"t": t})[:, 0]
         expected = np.cbrt(np.maximum(t.astype(np.float64), 0.0))
         np.testing.assert_allclose(result, expected, rtol=3e-7)
+
+    def test_dither(self, ctx):
+        rows, columns = (v.ravel() for v in np.mgrid[0:16384:97, 0:16384:89])
+        at = float32(np.stack([columns, rows], axis=-1))
+        result = glsl.evaluate(
+            ctx, ["tone.glsl"], "result = vec4(dither_step(ivec2(v.xy)));", {"v": at}
+        )[:, 0]
+        np.testing.assert_allclose(result, tone.dither_step(columns, rows), atol=6e-8)
+
+    def test_places_of_edge_rays(self, ctx):
+        k = np.arange(64)
+        body = "result = vec4(edge_place(int(k.x)), 0.0, 0.0);"
+        result = glsl.evaluate(ctx, ["silhouette.glsl"], body, {"k": float32(k)})
+        np.testing.assert_array_equal(result[:, :2], np.stack(silhouette.edge_place(k), axis=-1))
 
     def test_lab_both_ways(self, ctx):
         rng = np.random.default_rng(2)

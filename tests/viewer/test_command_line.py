@@ -55,7 +55,8 @@ def test_the_command_draws_the_same(any_state, data, size, side, output):
 def test_it_is_short_where_nothing_was_changed():
     command = snapshot_command(State.initial(), "test", (300, 200), "a.png")
     assert command == (
-        f"relgloss snapshot --sample matte-coated --sigma-n 2.0 --c {State.initial().match.test_c} "
+        "relgloss snapshot --sample matte-coated --edges smooth --dither ordered --sigma-n 2.0 "
+        f"--c {State.initial().match.test_c} "
         "--grain-kind eye --grain-arcmin 1.5 --seed 0 --samples 1 --quality auto --size 300x200 "
         "-o a.png"
     )

@@ -545,12 +545,13 @@ def test_the_hand_on_the_pictures(found):
 
 def test_only_what_changed_is_drawn(found):
     got = found["draws_only_what_changed"]
-    assert got["c"] == {"test tone": 1}
+    assert got["c"] == {"test tone": 1, "test edges": 1}
     # The field of the grain's tilts is drawn where it is first needed, and never again.
     assert got["sigma_n"].pop("test grain", 1) == 1
     for name in ("sigma_n", "no sigma_n", "sigma_n again"):
-        assert got[name] == {"test shade": 1, "test split": 1, "test tone": 1}, name
-    passes = ("shade", "split", "tone", "white")
+        passes = ("shade", "split", "tone", "edges")  # the silhouette is where it was
+        assert got[name] == {f"test {name}": 1 for name in passes}, name
+    passes = ("edges", "shade", "split", "tone", "white")
     assert got["lamp"] == [f"{side} {name}" for side in ("reference", "test") for name in passes]
     assert got["compiled"] == 0
 

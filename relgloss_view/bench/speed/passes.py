@@ -45,13 +45,15 @@ class TimedPrograms(Programs):
         defines: Mapping[str, int],
         uniforms: Uniforms,
         target: moderngl.Framebuffer,
+        mode: int = moderngl.TRIANGLES,
+        vertices: int = 3,
     ) -> None:
         """As Programs.draw."""
         query = self.ctx.query(time=True)
         self.ctx.finish()
         start = time.perf_counter()
         with query:
-            super().draw(stage, defines, uniforms, target)
+            super().draw(stage, defines, uniforms, target, mode, vertices)
         self.ctx.finish()
         part = PASS_OF.get(stage, stage)
         self.wall_ms[part] += 1e3 * (time.perf_counter() - start)

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from relgloss_view.material import approximations
 from relgloss_view.picture import method
 from relgloss_view.picture.scene.look import GRAINS, NOISE_LAWS
-from relgloss_view.picture.scene.setup import GAMUTS, SHAPES, TRANSFERS
+from relgloss_view.picture.scene.setup import DITHERS, GAMUTS, SHAPES, TRANSFERS
 
 #: What pass 1 writes: the weights of the shapes, XYZ, the split of L*, or the last two.
 WRITES = ("weights", "xyz", "split", "xyz and split")
@@ -39,6 +39,7 @@ NAMES: Mapping[str, tuple[str, ...]] = {
     "WRITES": WRITES,
     "GAMUT": GAMUTS,
     "TRANSFER": TRANSFERS,
+    "DITHER": DITHERS,
     "OVERLAY": OVERLAYS,
 }
 

@@ -18,12 +18,14 @@ from relgloss_view.base.arrays import AnyArray
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.frame import Extremes, Scaling
 from relgloss_view.picture.gpu.context import make_current
+from relgloss_view.picture.gpu.edges import TILE_VERTICES, Silhouette
 from relgloss_view.picture.gpu.held import Held, key_of
 from relgloss_view.picture.gpu.programs import Programs, Uniforms
 from relgloss_view.picture.gpu.reduction import Reduction
 from relgloss_view.picture.gpu.request import Request
 from relgloss_view.picture.gpu.targets import (
     CLEARED,
+    COVERAGE,
     GEOMETRY,
     GRAIN_FIELD,
     LIGHT,
@@ -46,10 +48,23 @@ from relgloss_view.picture.gpu.uniforms import (
 from relgloss_view.picture.gpu.variant import Variant, tone_defines
 from relgloss_view.picture.model.light import front_white, lit_white
 from relgloss_view.picture.model.pixel_sampling import sample_count
+from relgloss_view.picture.model.silhouette import edge_tiles
 from relgloss_view.picture.model.view import Box, View
 from relgloss_view.picture.scene.scene import Scene
 
-PASSES = ("white", "grain", "shade", "split", "tone", "light", "geometry", "counts", "overlay")
+PASSES = (
+    "white",
+    "grain",
+    "shade",
+    "split",
+    "coverage",
+    "tone",
+    "edges",
+    "light",
+    "geometry",
+    "counts",
+    "overlay",
+)
 
 
 class Drawn(NamedTuple):
@@ -58,6 +73,7 @@ class Drawn(NamedTuple):
     scaling: Scaling
     white: float  #: Y_n before the lamp's power
     object_pixels: int  #: how many show any of the object
+    l_s_max: float  #: largest L_s* of a pixel
 
 
 class Shading(NamedTuple):
@@ -81,6 +97,7 @@ class Passes:
         self.draws = dict.fromkeys(PASSES, 0)
         self.targets = Targets(ctx)
         self.reduction = Reduction(ctx, programs)
+        self.silhouette = Silhouette(ctx)
         self.held = Held()
         self.present: Request | None = None  #: what the targets show
         self._drawn: Drawn | None = None  #: with it
@@ -110,6 +127,10 @@ class Passes:
         make_current(self.ctx)
         if stage == "counts":
             return np.array(self.counts(request))
+        if stage == "edges":
+            self.bring_up_to_date(request)
+            with self.all_or_nothing():
+                return self._silhouette_of(request).pixels
         if stage in XYZ:
             self.bring_xyz(request)
         elif stage in LIGHT:
@@ -188,8 +209,12 @@ class Passes:
         uniforms: Uniforms,
         targets: tuple[str, ...],
         bounds: Box | None,
+        vertices: tuple[int, int] = (moderngl.TRIANGLES, 3),
     ) -> None:
-        """Draw a pass inside the bounds of the object; None draws the whole picture."""
+        """Draw a pass inside the bounds of the object; None draws the whole picture.
+
+        vertices: mode and count of a stage with vertices of its own.
+        """
         framebuffer: Any = self.targets.framebuffer(targets)  # its annotation admits no None
         for target in targets:
             if target in CLEARED and self._around.get(target) != bounds:
@@ -203,13 +228,14 @@ class Passes:
         else:
             left, bottom, right, top = bounds
             framebuffer.scissor = (left, bottom, right - left, top - bottom)
-        self.programs.draw(stage, defines, uniforms, framebuffer)
+        self.programs.draw(stage, defines, uniforms, framebuffer, *vertices)
         self.draws[name] += 1
 
     def release(self) -> None:
         """Free everything that a size needs."""
         self.targets.release()  # leaves a framebuffer bound that stays
         self.reduction.release()
+        self.silhouette.release()
         self._forget()
 
     def _draw_what_changed(self, request: Request) -> Drawn:
@@ -224,8 +250,9 @@ class Passes:
             request.look, extremes, eq4=method.c_max == "eq4", factor=request.factor
         )
         bounds = View.of(request.scene, request.size).bounds
-        self._draw_tone("tone", request, scaling, TONE, bounds)
-        return Drawn(scaling, white, self._object_pixels)
+        if self._draw_tone("tone", request, scaling, TONE, bounds):
+            self._draw_edges(request, scaling)
+        return Drawn(scaling, white, self._object_pixels, extremes.l_s_max)
 
     def _draw_light(self, request: Request) -> float:
         """Pass 1, the split of what it wrote, and its extremes; returns Y_n as in Drawn."""
@@ -323,12 +350,17 @@ class Passes:
         scaling: Scaling,
         targets: tuple[str, ...],
         bounds: Box | None,
-    ) -> None:
-        """Scale and show; the surround outside the bounds does not change with c."""
+    ) -> bool:
+        """Scale and show; the surround outside the bounds does not change with c.
+
+        Returns whether there was anything to draw.
+        """
         around: Uniforms = display_uniforms(request.scene)
         samples = sample_count(request.scene, request.look, request.size)
         defines = tone_defines(request.scene.display, f"{name}.frag", samples, request.method)
-        if self.held.renew(name, tuple(defines.items()), around, scaling.c):
+        edges = request.scene.display.edges if name == "tone" else ""
+        renewed = self.held.renew(name, tuple(defines.items()), around, scaling.c, edges)
+        if renewed:
             key = key_of(tuple(defines.items()), around, bounds)
             sources = ("diffuse", "split") if samples > 1 else ("split",)
             uniforms = {
@@ -341,3 +373,48 @@ class Passes:
                 bounds = None
             self.draw(name, f"{name}.frag", defines, uniforms, targets, bounds)
             self._around[name] = key
+        return renewed
+
+    def _draw_edges(self, request: Request, scaling: Scaling) -> None:
+        """Draw the pixels at the silhouette over pass 2; several samples have shares of their own.
+
+        They are drawn by points, so that a change of c costs no more than they do.
+        """
+        scene, size = request.scene, request.size
+        if scene.display.edges != "smooth" or sample_count(scene, request.look, size) > 1:
+            return
+        listed = self._silhouette_of(request).edges
+        if listed.texture is None:
+            return
+        defines = tone_defines(scene.display, "edge.frag", 1, request.method)
+        uniforms = {
+            **display_uniforms(scene),
+            **per_size(size),
+            **self.images(SPLIT),
+            "edge_list": listed.texture,
+            "c": scaling.c,
+        }
+        points = moderngl.POINTS, listed.count
+        self.draw("edges", "edge.frag", defines, uniforms, TONE, None, points)
+
+    def _silhouette_of(self, request: Request) -> Silhouette:
+        """The pixels at the silhouette; they are found again where the view has changed."""
+        view = View.of(request.scene, request.size)
+        uniforms = view_uniforms(request.scene, view)
+        variant = Variant.of(request.scene, request.look, chosen=request.method)
+        defines = variant.shape_defines()
+        seen_from = {name: value for name, value in uniforms.items() if name != "lamp_m"}
+        if self.held.renew("coverage", tuple(defines.items()), seen_from):
+            self.silhouette.fill_tiles(edge_tiles(request.scene.shape, view), view.size[1])
+            self._around.pop("coverage", None)  # so that it is cleared: the tiles are others
+            tiles = self.silhouette.tiles
+            if tiles.texture is not None:
+                listed = {"tile_list": tiles.texture, **per_size(view.size)}
+                triangles = moderngl.TRIANGLES, TILE_VERTICES * tiles.count
+                uniforms = {**uniforms, **listed}
+                self.draw(
+                    "coverage", "coverage.frag", defines, uniforms, COVERAGE, view.bounds, triangles
+                )
+                coverage = self.targets.read("coverage")[..., 0]
+                self.silhouette.fill_edges(coverage, view.bounds)
+        return self.silhouette

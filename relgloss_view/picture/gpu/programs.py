@@ -48,8 +48,13 @@ class Programs:
         defines: Mapping[str, int],
         uniforms: Uniforms,
         target: moderngl.Framebuffer,
+        mode: int = moderngl.TRIANGLES,
+        vertices: int = 3,
     ) -> None:
-        """Fill a target with a stage. A uniform of the stage that is not given is an error."""
+        """Draw a stage into a target: one triangle that fills it, unless it has its own vertices.
+
+        A uniform of the stage that is not given is an error.
+        """
         array = self.get(stage, defines)
         unit = 0
         for full_name in array.program:
@@ -72,4 +77,4 @@ class Programs:
                 member.value = value
         target.use()
         self.ctx.disable(moderngl.BLEND | moderngl.DEPTH_TEST | moderngl.CULL_FACE)
-        array.render(moderngl.TRIANGLES, vertices=3)
+        array.render(mode, vertices=vertices)

@@ -122,6 +122,7 @@ class Renderer:
             ),
             method=request.method,
             object_pixels=drawn.object_pixels,
+            l_s_max=drawn.l_s_max,
         )
         return self._last
 

@@ -13,6 +13,8 @@ from relgloss_view.picture.gpu.constants import definitions
 #: A number of the whole picture; longer arrays than two stay with the fragments.
 _UNIFORM = re.compile(r"^uniform\s+((?:float|int|uint|[iu]?vec[234]|mat3))\s+(\w+)(\[[12]\])?\s*;")
 VERTEX = "fill.vert"
+#: The vertex stages of what covers less than the picture.
+OWN_VERTEX = {"coverage.frag": "tiles.vert", "edge.frag": "edge.vert"}
 HANDED_ON = "all_"  #: before the name of a number that the vertex stage hands on
 _INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
 #: Mesa writes 0:12(3): error; NVIDIA 0(12) : error; others ERROR: 0:12:
@@ -36,6 +38,7 @@ class ShaderSource:
         self, name: str, defines: Mapping[str, int] | None = None, source: str | None = None
     ) -> None:
         self.name = name
+        self._defines = defines
         self.files: list[str] = []
         body = self._resolve(name, trail=(), source=source)
         head, _, rest = body.partition("\n")
@@ -55,7 +58,8 @@ class ShaderSource:
             for kind, name, array in self._handed_on
         ]
         assigned = [f"{name} = {HANDED_ON}{name};" for _, name, _ in self._handed_on]
-        text = _read(VERTEX, ())
+        own = OWN_VERTEX.get(self.name)
+        text = _read(VERTEX, ()) if own is None else ShaderSource(own, self._defines).text
         text = text.replace("//@declare", "\n".join(declared))
         return text.replace("//@hand-on", "\n".join(assigned))
 

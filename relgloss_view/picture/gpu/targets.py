@@ -22,6 +22,7 @@ LIGHT = ("light", "lab")
 GEOMETRY = ("normal", "tilted_normal", "point_m")
 OVERLAY = ("overlay",)
 GRAIN_FIELD = ("grain_field",)  #: of a size of its own
+COVERAGE = ("coverage",)
 LARGEST_HALF = 65504.0
 LARGEST_WHITE = 1.5  #: no white's X or Z is larger beside a Y of one
 TABLE_STEPS = 256  #: as in cube_root.glsl
@@ -32,13 +33,16 @@ CLEARED = {
     "diffuse_weights": (OFF_OBJECT, 0.0, 0.0, 0.0),
     "specular_weights": (0.0, 0.0, 0.0, 0.0),
     "split": (OFF_OBJECT, 0.0, 0.0, 0.0),
+    "coverage": (0.0, 0.0, 0.0, 0.0),
 }
 #: The targets that hold 8-bit numbers; the others hold floats.
-EIGHT_BIT = ("display", "overlay")
+EIGHT_BIT = ("display", "overlay", "coverage")
 
 
 def components(name: str) -> int:
     """Numbers a pixel of a target."""
+    if name in COVERAGE:
+        return 1
     return 2 if name in (*WEIGHTS, *GRAIN_FIELD) else 4
 
 

@@ -148,6 +148,8 @@ def tone_defines(
     defines = {"GAMUT": code("GAMUT", gamut)}
     if stage != "light.frag":  # which is linear
         defines["TRANSFER"] = code("TRANSFER", display.transfer)
-    if stage != "overlay.frag":
+    if stage not in ("overlay.frag", "edge.frag"):
         defines["SAMPLED"] = int(samples > 1)
+    if stage in ("tone.frag", "edge.frag"):
+        defines["DITHER"] = code("DITHER", display.dither)
     return defines

@@ -7,12 +7,15 @@ angle between lamp and eye (Torrance, Sparrow 1967), whatever the material.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.material import brdf
+from relgloss_view.material.material import Material
 from relgloss_view.picture.model import shape
+from relgloss_view.picture.model.tone import NO_LOBE_LSTAR
 from relgloss_view.picture.model.view import Size, float32, view_of
 from relgloss_view.picture.scene.setup import Setup
 
@@ -20,6 +23,8 @@ SIZE: Size = (512, 512)
 PLACES = 17  #: along each side of the searched part of the picture
 NARROWER = 0.2  #: what each look searches of the one before
 LOOKS = 9  #: the last one is 2.6e-6 of the first: 0.001 px
+#: A view shows gloss where it reaches this share of the highlight's peak, or this L_s* anyway.
+LEAST_SHARE, GLOW_LSTAR = 0.03, 3.0
 
 
 @dataclass(frozen=True)
@@ -32,6 +37,7 @@ class Highlight:
     place: tuple[float, float]  #: in the picture, shares of its width and height from the top left
 
 
+@lru_cache(maxsize=64)
 def best_mirror(setup: Setup, size: Size = SIZE) -> Highlight | None:
     """The highlight of a setup, in the part of it that a picture of this shape shows.
 
@@ -86,3 +92,37 @@ def best_mirror(setup: Setup, size: Size = SIZE) -> Highlight | None:
     faces = np.unique(hit.face[np.isfinite(delta2)])
     found = [searched(np.where(hit.face == k, delta2, np.inf), columns, rows) for k in faces]
     return min(found, key=lambda highlight: highlight.tilt_deg, default=None)
+
+
+def peak_share(material: Material, sigma_n_deg: float, tilt_deg: float) -> float:
+    """Share of the highlight's peak that a sample shows at a tilt from the mirror direction.
+
+    material: its lobes are Gaussians of the facets' tilt (Torrance, Sparrow 1967), each as high as
+    its strength over its variance; grain of sigma_n_deg widens them. tilt_deg: as in Highlight.
+    0 for a sample without lobes. Geometry and Fresnel's factor are left out.
+
+    >>> from relgloss_view import load_sample
+    >>> round(peak_share(load_sample("uncoated"), 0.0, 15.0), 2)
+    0.61
+    """
+    peak = shown = 0.0
+    for lobe in material.visible_lobes():
+        variance = lobe.s**2 + np.radians(sigma_n_deg) ** 2
+        height = float(np.mean(lobe.strength)) / variance
+        peak += height
+        shown += height * float(np.exp(-0.5 * np.radians(tilt_deg) ** 2 / variance))
+    return shown / peak if peak > 0.0 else 0.0
+
+
+def shows_gloss(
+    material: Material, sigma_n_deg: float, setup: Setup, size: Size, l_s_max: float
+) -> bool:
+    """Whether gloss can be judged in a picture whose largest L_s* is `l_s_max`."""
+    if l_s_max >= GLOW_LSTAR:
+        return True
+    if l_s_max < NO_LOBE_LSTAR:
+        return False
+    highlight = best_mirror(setup, size)
+    if highlight is None:
+        return False
+    return peak_share(material, sigma_n_deg, highlight.tilt_deg) >= LEAST_SHARE

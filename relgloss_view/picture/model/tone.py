@@ -10,7 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array, Mask
+from relgloss_view.base.arrays import Array, Ints, Mask
 from relgloss_view.material.spectra import rgb_to_xyz_matrix, white_from_xy
 from relgloss_view.picture.scene.setup import Display
 
@@ -223,3 +223,31 @@ def encode(rgb: Array, display: DisplayModel) -> Array:
     white = (gain + offset) ** gamma + flare
     light = np.maximum(rgb * white - flare, 0.0)
     return np.asarray(np.clip((np.power(light, 1.0 / gamma) - offset) / gain, 0.0, 1.0))
+
+
+def dither_step(column: Ints, row: Ints) -> Array:
+    """What is added to a digital value before it is rounded, in steps: above -0.5, below 0.5.
+
+    column, row: of the pixel, the row from the bottom. Roberts 2018, R2, in 32 bits: evenly spread,
+    with as little of coarse pattern as points in the plane can have.
+
+    >>> dither_step(np.array([0, 1, 2]), np.array([0, 0, 0])).round(3).tolist()
+    [-0.5, 0.255, 0.01]
+    """
+    x, y = (np.asarray(v).astype(np.uint32) for v in (column, row))
+    turned = x * np.uint32(3242174889) + y * np.uint32(2447445413)
+    return ((turned >> np.uint32(9)).astype(np.float64) + 0.5) * 2.0**-23 - 0.5
+
+
+def digital_steps(light: Array, display: DisplayModel, dithered: Mask | None = None) -> Array:
+    """Digital values of 8 bits, 0 to 255, of linear display RGB (H, W, 3).
+
+    Rounded to the nearest; where `dithered` (H, W), after dither_step.
+    """
+    steps = 255.0 * encode(light, display) + 0.5
+    if dithered is not None:
+        height, width = dithered.shape
+        from_bottom = np.arange(height, dtype=np.int64)[::-1, None]
+        added = dither_step(np.arange(width, dtype=np.int64)[None, :], from_bottom)
+        steps += np.where(dithered, added, 0.0)[..., None]
+    return np.asarray(np.clip(np.floor(steps), 0.0, 255.0))

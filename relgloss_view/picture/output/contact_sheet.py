@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from relgloss_view.base.arrays import Bytes
-from relgloss_view.picture.displayed import Displayed
+from relgloss_view.picture.displayed import Displayed, shown_light
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model.tone import DisplayModel, encode
 from relgloss_view.picture.output.lettering import Lettering
@@ -25,7 +25,8 @@ def thumbnail(frame: Frame, longest_px: int, displayed: Displayed | None = None)
     if step == 1:
         return frame.display if displayed is None else displayed.digital
     width, height = (n // step * step for n in frame.size)
-    light = (frame if displayed is None else displayed).light[:height, :width]
+    light, _ = shown_light(frame, (frame if displayed is None else displayed).light)
+    light = light[:height, :width]
     mean = np.zeros((height // step, width // step, 3))
     for y in range(step):
         for x in range(step):

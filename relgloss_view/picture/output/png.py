@@ -15,7 +15,7 @@ from relgloss_view.base.arrays import Array, Digital
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.version import __version__
 from relgloss_view.base.writing import whole_file
-from relgloss_view.picture.displayed import Displayed
+from relgloss_view.picture.displayed import Displayed, shown_light
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.output.parameters import parameters
@@ -86,7 +86,7 @@ def digital(frame: Frame, displayed: Displayed | None, bits: int) -> Digital:
     """(H, W, 3), digital values of the display: the picture's own 8 bits, or its light in 16."""
     if bits == 8:
         return frame.display if displayed is None else displayed.digital
-    light = (frame if displayed is None else displayed).light.astype(np.float64)
+    light, _ = shown_light(frame, (frame if displayed is None else displayed).light)
     return _quantised(tone.encode(light, tone.DisplayModel.of(frame.scene.display)), bits)
 
 

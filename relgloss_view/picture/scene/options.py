@@ -26,9 +26,15 @@ from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.picture.scene.scene_file import TABLES, build
 from relgloss_view.picture.scene.scene_writer import check_sample
 from relgloss_view.picture.scene.setting import Setting
-from relgloss_view.picture.scene.setup import Setup
+from relgloss_view.picture.scene.setup import Display, Setup, Shape
 
 SET = "--set"
+NEW_DISPLAY = Display().for_the_eye()  #: of pictures that no scene file describes
+#: Whether a command turns the lamp to the highlight before it draws.
+LAMP = "--lamp"
+AUTO_LAMP, GIVEN_LAMP = LAMP_CHOICES = ("auto", "given")
+#: Entries whose value asks for a place of the lamp or the eye.
+_PLACES = re.compile(r"(lamp\.(azimuth_deg|elevation_deg|distance_m)|eye\.\w+)=")
 
 
 @dataclass(frozen=True)
@@ -68,7 +74,10 @@ class Option:
         """The help of a command that begins with another value than the entry's own default."""
         metadata = self.field.metadata
         if self.choices is not None:
-            return f"{sentence_case(metadata['meaning'])} (default {default})"
+            plain = str(default)
+            new = getattr(NEW_DISPLAY, self.entry) if self.table == "display" else plain
+            usual = plain if new == plain else f"{new}; {plain} with --scene and for a grid"
+            return f"{sentence_case(metadata['meaning'])} (default {usual})"
         limits: Range = metadata["range"]
         unit = f" {limits.unit}" if limits.unit else ""
         text = f"{sentence_case(limits.meaning)}, {limits.low:.10g} to {limits.high:.10g}{unit}"
@@ -134,6 +143,18 @@ def with_options(setup: Setup, look: Look, values: Mapping[str, Any]) -> tuple[S
     return setup, look
 
 
+def wants_auto_lamp(setup: Setup, settings: Sequence[str], chosen: str | None) -> bool:
+    """Whether the lamp of a new picture is turned to the highlight.
+
+    chosen: one of LAMP_CHOICES, or None for the default: "auto" for forms other than the paper's,
+    where no word of `settings` places lamp or eye.
+    """
+    if chosen is not None:
+        return chosen == AUTO_LAMP
+    placed = any(_PLACES.match(setting) for setting in settings)
+    return setup.shape.kind != Shape().kind and not placed
+
+
 def scene_words(setup: Setup, look: Look) -> list[str]:
     """Words of a command line that make this setup and look, exactly.
 
@@ -152,6 +173,8 @@ def scene_words(setup: Setup, look: Look) -> list[str]:
             value = getattr(part, f.name)
             if value != f.default and (table, f.name) not in stated:
                 words += [SET, f"{table}.{f.name}={written_value(value, f.name)}"]
+    if wants_auto_lamp(setup, [], None):
+        words += [LAMP, GIVEN_LAMP]
     return words
 
 

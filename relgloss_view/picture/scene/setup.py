@@ -205,6 +205,8 @@ class Eye(Checked):
 
 TRANSFERS = ("srgb", "gain-offset-gamma")
 GAMUTS = ("chroma", "clip")  #: reduce chroma at held L* and hue, or cut RGB
+EDGES = ("sampled", "smooth")  #: of silhouettes: what a pixel's sample meets, or its share
+DITHERS = ("none", "ordered")
 MIN_GAMUT_AREA = 1e-3  #: twice the triangle's area in the xy diagram; sRGB has 0.22
 
 
@@ -234,8 +236,12 @@ class Display(Checked):
     background_lstar: L* of the neutral surround, 0 to 100.
     pixel_pitch_mm: from one pixel to the next, 0.01 to 100 mm. viewing_distance_m: from the monitor
     to the observer, 0.05 to 100 m. How large a grain is at the eye follows from both.
+    edges: 'sampled', a pixel shows what its sample meets, or 'smooth', the share of it that the
+    object covers. dither: of 8-bit values, 'none' or 'ordered'.
 
-    Raises InputError where a value is out of its range or the primaries lie on a line.
+    Edges and dither change digital values only: no measured number, and no 16-bit value by dither.
+    `for_the_eye` has both. Raises InputError where a value is out of its range or the primaries
+    lie on a line.
 
     >>> Display(transfer="gain-offset-gamma", gamma=2.4).white_xy
     (0.3127, 0.329)
@@ -273,6 +279,24 @@ class Display(Checked):
         0.6, 0.05, 100.0, "m", "from the monitor to the observer", label="Viewing distance"
     )
 
+    edges: str = choice(
+        "sampled",
+        EDGES,
+        "smooth: a pixel at the silhouette shows the share of it that the object covers; "
+        "sampled: what its centre meets",
+        option="--edges",
+        label="Silhouettes",
+        later=True,
+    )
+    dither: str = choice(
+        "none",
+        DITHERS,
+        "ordered: half a step of 8 bits is added or taken away, so that gradients show no bands",
+        option="--dither",
+        label="Dither",
+        later=True,
+    )
+
     @property
     def pixel_arcmin(self) -> float:
         """Angle of a pixel at the observer's eye, minutes of arc.
@@ -299,6 +323,13 @@ class Display(Checked):
         area = (gx - rx) * (by - ry) - (bx - rx) * (gy - ry)
         if abs(area) < MIN_GAMUT_AREA:
             raise InputError("display.primaries_xy: the three primaries lie on a line")
+
+    def for_the_eye(self) -> Display:
+        """The display with smooth silhouettes and dither, as new pictures are shown.
+
+        Scene files, studies and grids keep the values of their own, so that their pixels stay.
+        """
+        return dataclasses.replace(self, edges="smooth", dither="ordered")
 
 
 @dataclass(frozen=True)

@@ -95,5 +95,5 @@ def _dependence(frame: Frame) -> object:
 def _work(name: str, frame: Frame) -> Callable[[], Displayed]:
     """The work, with all that it needs of the device fetched: a thread must not ask for it."""
     operator = make_operator(name)
-    _ = frame.diffuse, frame.specular, frame.white_xyz
+    _ = frame.diffuse, frame.specular, frame.white_xyz, frame.edges, frame.on_object
     return lambda: operator.draw(frame)

@@ -66,6 +66,7 @@ class PairRenderer:
         self._warm = Renderer(ctx, self._programs, MethodChooser().method)
         self._warmed: set[object] = set()
         self._methods: dict[str, Method] = {}  #: of the last picture of each side
+        self._edged_view: object = None  #: shape, eye and size of the last one with smooth edges
         self.uploads = TextureUploads(ctx)
         self._factor = 1.0  #: of the last pair
         self._enlarged = False  #: whether the renderer that warms up has drawn something large
@@ -107,6 +108,7 @@ class PairRenderer:
         """
         size = _scaled(arrangement.size, scale)
         state = as_shown(state, size, _pitch(pixel_pitch_m, arrangement.size, size))
+        state = self._edged(state, size, moving=moving)
         renderers = self._full if scale == 1.0 else self._draft
         for chooser in self._choosers.values():
             chooser.moving = moving
@@ -152,6 +154,17 @@ class PairRenderer:
             except RelglossError as error:
                 faults[side] = str(error)
         return pictures, faults
+
+    def _edged(self, state: State, size: Size, *, moving: bool) -> State:
+        """The state with silhouettes as sampled while the view moves.
+
+        To find the pixels at the silhouette takes a third of a picture's time, once a view.
+        """
+        view = state.setup.shape, state.setup.eye, size
+        if moving and view != self._edged_view:
+            return state.with_part("display", edges="sampled")
+        self._edged_view = view
+        return state
 
     def warm(self, state: State) -> bool:
         """Compile what the sliders of a state can reach; returns whether anything was to do."""

@@ -16,6 +16,10 @@ from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.state import Presentation
 
 DIAL_EM = 7.0
+HIGHLIGHT_HELP = (
+    "turn the lamp so that a highlight lies on the object; where a flat form is seen straight on, "
+    "turn the eye too"
+)
 
 #: Sliders of a part, by entry, in their order.
 Sliders = dict[str, Reach]
@@ -45,10 +49,12 @@ def show(model: Model) -> None:
     imgui.separator_text("Lamp")
     _dial(model)
     _sliders(model, "lamp", Lamp, _LAMP)
+    if widgets.button("Turn to the highlight", HIGHLIGHT_HELP):
+        model.turn_lamp()
     _illuminant(model)
     _choice(model, "lamp", Lamp, "y_n")
     imgui.separator_text("Object")
-    _choice(model, "shape", Shape, "kind")
+    _form(model)
     _sliders(model, "shape", Shape, dict.fromkeys(SIZES[model.state.setup.shape.kind], _SIZE))
     imgui.separator_text("Eye")
     _sliders(model, "eye", Eye, _EYE)
@@ -57,7 +63,8 @@ def show(model: Model) -> None:
     imgui.separator_text("Display and surround")
     _sliders(model, "display", Display, _DISPLAY)
     _sliders(model, "presentation", Presentation, _PRESENTATION)
-    _choice(model, "display", Display, "gamut")
+    for name in ("gamut", "edges", "dither"):
+        _choice(model, "display", Display, name)
 
 
 def _sliders(model: Model, part: str, owner: type, sliders: Sliders) -> None:
@@ -76,6 +83,13 @@ def _choice(model: Model, part: str, owner: type, name: str) -> None:
     changed, chosen = widgets.choice(owner, name, getattr(model.state.part(part), name))
     if changed:
         model.set_part(part, **{name: chosen})
+
+
+def _form(model: Model) -> None:
+    """The object's form; another one is lit so that its highlight is seen, in one step of undo."""
+    changed, kind = widgets.choice(Shape, "kind", model.state.setup.shape.kind)
+    if changed:
+        model.change(model.state.with_part("shape", kind=kind).lit_for_gloss())
 
 
 def _illuminant(model: Model) -> None:

@@ -9,6 +9,7 @@ from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.picture.output.parameters import warnings
 from relgloss_view.viewer.panels.drawing_words import drawing_words, quality_words
+from relgloss_view.viewer.shell.actions import TURN_LAMP
 from relgloss_view.viewer.shell.theme import POPUP, em, gray
 from relgloss_view.viewer.shell.widgets import tooltip
 
@@ -51,11 +52,33 @@ def show(app: App) -> None:
     imgui.pop_style_color()
     imgui.pop_style_var(2)
     numbers = _numbers(app, NUMBERS_SHARE * imgui.get_content_region_avail().x)
-    _message(app, imgui.get_content_region_avail().x - imgui.calc_text_size(numbers).x - em(1.5))
+    room = imgui.get_content_region_avail().x - imgui.calc_text_size(numbers).x - em(1.5)
+    _message(app, room - _step(app))
     imgui.same_line(max(imgui.get_window_width() - imgui.calc_text_size(numbers).x - em(0.6), 0.0))
     imgui.text_disabled(numbers)
     tooltip(_details(app))
     imgui.end()
+
+
+def _step(app: App) -> float:
+    """A button that mends a picture without gloss; returns the width that it takes."""
+    if not _lacks_gloss(app):
+        return 0.0
+    imgui.push_style_var(imgui.StyleVar_.frame_padding, ImVec2(em(0.5), 0.0))
+    before = imgui.get_cursor_pos_x()
+    if imgui.button(TURN_LAMP):
+        app.model.turn_lamp()
+    imgui.pop_style_var()
+    tooltip("No gloss is visible in this view. Key: G.")
+    imgui.same_line()
+    return float(imgui.get_cursor_pos_x() - before)
+
+
+def _lacks_gloss(app: App) -> bool:
+    """Whether the active picture shows none of its sample's gloss, while nothing is dragged."""
+    model = app.model
+    frame = model.frames.get(model.active_side)
+    return frame is not None and not model.dragging and frame.lacks_gloss
 
 
 def _message(app: App, width: float) -> None:
@@ -94,7 +117,9 @@ def _warning(app: App) -> str:
     """The first warning of the active picture."""
     side = app.model.active_side
     frame = app.model.frames.get(side)
-    texts = () if frame is None else warnings(frame, app.model.displayed(side))
+    if frame is None or app.model.dragging:  # they are worked out at rest
+        return ""
+    texts = warnings(frame, app.model.displayed(side))
     if not texts:
         return ""
     more = len(texts) - 1
@@ -139,7 +164,7 @@ def _details(app: App) -> str:
             f"{_plain(frame.scaling.c_max_eq4)}.",
             f"{picture.clip_count} pixels above white, {picture.out_of_gamut_count} out of gamut"
             f"{mapping}.",
-            *warnings(frame, displayed),
+            *(() if model.dragging else warnings(frame, displayed)),
         ]
     return "\n".join(lines)
 

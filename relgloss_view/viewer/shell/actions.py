@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from relgloss_view.viewer.shell.app import App
 
 _KEY_NAMES = {"Esc": "escape"}
+TURN_LAMP = "Turn the lamp to the highlight"
 
 
 @dataclass(frozen=True)
@@ -152,7 +153,7 @@ def _help(app: App) -> None:
 
 
 #: Actions of the menu View whose effect shows where there are only the two pictures.
-_WHILE_ALONE = ("Haploscopic", "Mirror", "Reset camera", "Life size")
+_WHILE_ALONE = ("Haploscopic", "Mirror", "Reset camera", "Life size", TURN_LAMP)
 _MODE_HELP = {
     SIDE_BY_SIDE: "shows the reference on the left and the test on the right",
     WIPE: "shows one picture over the other; drag the edge between them",
@@ -234,6 +235,10 @@ ACTIONS: tuple[Action, ...] = (
     Action(
         "View", "Reset camera", "F", _reset_view,
         "shows the whole object from the front, as a double click does",
+    ),
+    Action(
+        "View", TURN_LAMP, "G", lambda app: app.model.turn_lamp(),
+        "turns the lamp, and the eye of a flat form seen straight on, so that gloss is visible",
     ),
     Action(
         "View", "Life size", "0", _toggle("life_size"),

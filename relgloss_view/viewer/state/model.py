@@ -144,6 +144,14 @@ class Model:
         """Put another sample on a side, matched to the reference."""
         self.change(matching.with_sample(self.state, side, sample))
 
+    def turn_lamp(self) -> None:
+        """Turn the lamp to the highlight, as one step of undo; report where none does."""
+        turned = self.state.lit_for_gloss()
+        if turned == self.state:
+            text = "the highlight lies well on the object, or no lamp at this distance makes one"
+            self.report(text)
+        self.change(turned)
+
     def report(self, text: str, *, fault: bool = False) -> None:
         """Show a line in the status line and keep it in the list of messages."""
         self.notes.append(Note(printable(text, LONGEST_NOTE), fault))

@@ -13,6 +13,7 @@ from relgloss_view.base.parameters import Checked, choice, parameter, switch
 from relgloss_view.gloss.match import DEFAULT_REFERENCE, Reference, matched, own_sigma_n_deg
 from relgloss_view.operators.registry import DEFAULT_OPERATOR, OPERATORS
 from relgloss_view.picture.gpu import constants
+from relgloss_view.picture.model.lamp_placement import lit_for_gloss
 from relgloss_view.picture.scene.look import Look, viewed_look
 from relgloss_view.picture.scene.match import Match
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, Sample
@@ -109,6 +110,8 @@ class State:
     def initial(cls) -> State:
         """The paper's reference beside the default sample, matched to it at its own graininess.
 
+        Silhouettes are smooth and 8 bits dithered (Display.for_the_eye).
+
         The window draws what the scene needs, quality "auto"; files are drawn exactly by default.
         """
         reference = Reference.default()
@@ -121,6 +124,7 @@ class State:
                 look.at(Setting(match.reference_sigma_n_deg, c=match.reference_c)),
             ),
             Side(test, look.at(Setting(match.test_sigma_n_deg, c=match.test_c))),
+            Setup(display=Display().for_the_eye()),
             match=match,
         )
 
@@ -149,6 +153,13 @@ class State:
     def placed(self, **parts: Shape | Lamp | Eye | Display) -> State:
         """The state with whole parts of the setup replaced, as in `placed(eye=Eye())`."""
         return dataclasses.replace(self, setup=self.setup.placed(**parts))
+
+    def lit_for_gloss(self) -> State:
+        """The state whose lamp is turned so that a highlight is seen (model.lamp_placement).
+
+        On flat forms that are seen straight on, the eye turns too.
+        """
+        return dataclasses.replace(self, setup=lit_for_gloss(self.setup))
 
     def with_look(self, name: str, **changes: Any) -> State:
         """The state with entries of a side's look changed."""
