@@ -32,9 +32,10 @@ from relgloss_view.viewer.panels import (
     status,
 )
 from relgloss_view.viewer.plots.gloss_readings import GlossReadings
-from relgloss_view.viewer.shell import actions
+from relgloss_view.viewer.shell import actions, navigation, sliders
 from relgloss_view.viewer.shell.file_actions import FileActions
 from relgloss_view.viewer.shell.layout import BELOW, BELOW_RIGHT, RIGHT, Layout, Panel
+from relgloss_view.viewer.shell.navigation import AltKey
 from relgloss_view.viewer.shell.window import Window
 from relgloss_view.viewer.state.layout_file import WindowLayout, save_layout
 from relgloss_view.viewer.state.model import Model
@@ -73,6 +74,8 @@ class App:
         self.stage_origin = (0.0, 0.0)  #: upper left corner of their pane, pixels of the screen
         self.kept_layout = WindowLayout()
         self._layout_path: Path | None = None
+        self.alt_key = AltKey()
+        self.menu_wanted = False  #: whether the keyboard opens the menu in this frame
         self.helping = False  #: whether the overview of keys shows
         self._window: Window | None = None
         self._frame_began_s = 0.0
@@ -88,6 +91,7 @@ class App:
         self.pair_renderer = PairRenderer(ctx)
         self._window = window
         self.model.render_at = self._render_at
+        navigation.enable()
         if self.kept_layout.docking:
             imgui.load_ini_settings_from_memory(self.kept_layout.docking)
 
@@ -105,6 +109,7 @@ class App:
         self._note_hand()
         presentation = self.model.state.presentation
         if presentation.haploscopic:
+            imgui.set_nav_cursor_visible(False)
             self.layout.show_alone(self._show_stage)
         else:
             top = menu.show(self)
@@ -214,6 +219,8 @@ class App:
         model = self.model
         pressed = any(imgui.is_mouse_down(button) for button in range(3))
         active = imgui.is_any_item_active()
+        if sliders.take_moved():
+            model.hold()
         now_s = time.monotonic()
         if self._rested(now_s) and not active and not model.held:
             model.history.end_gesture()

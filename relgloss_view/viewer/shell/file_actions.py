@@ -56,7 +56,7 @@ class FileActions:
         self._ask(Question("Open file", self.open_path, OPEN_SUFFIXES))
 
     def open_path(self, path: str, side: str = "test") -> None:
-        """Open a file in the background; a sample is for the test picture unless asked otherwise."""
+        """Open a file in the background; a sample becomes the test unless asked otherwise."""
         self._waiting.append((os.fspath(path), side))
         self._wake()
 

@@ -49,6 +49,7 @@ class Layout:
         self._arrange_again = False
         self._new = True
         self._focus: list[str] = []
+        self._entering = ""  #: the window that the keyboard is about to enter
 
     def reset(self) -> None:
         """Show every panel in its first place."""
@@ -62,6 +63,19 @@ class Layout:
         self.hidden = False
         next(p for p in self.panels if p.title == title).visible = True
         self._focus.append(title)
+
+    def enter(self, title: str) -> None:
+        """Give a panel or the stage the keyboard, and show which of its controls has it."""
+        self._entering = title
+
+    def _enter(self, title: str) -> None:
+        """Call it within the window."""
+        if title != self._entering:
+            return
+        if imgui.is_window_focused(imgui.FocusedFlags_.root_and_child_windows):
+            internal.nav_init_window(internal.get_current_window(), False)
+            imgui.set_nav_cursor_visible(True)
+            self._entering = ""
 
     def show(self, stage: Callable[[], None], top_px: float, bottom_px: float) -> None:
         """Draw panels and stage between the menu bar and the status line."""
@@ -141,9 +155,9 @@ class Layout:
                 self._focus.append(panel.title)
 
     def _show_panel(self, panel: Panel) -> None:
-        if panel.title in self._focus:
+        if panel.title in self._focus or panel.title == self._entering:
             imgui.set_next_window_focus()
-            self._focus.remove(panel.title)
+            self._focus = [title for title in self._focus if title != panel.title]
         imgui.set_next_window_size(ImVec2(em(26.0), em(20.0)), imgui.Cond_.first_use_ever)
         flags = imgui.WindowFlags_.no_collapse
         if panel.docked:  # the window's own colour is the panels'
@@ -151,6 +165,7 @@ class Layout:
         opened, stays = imgui.begin(panel.title, True, flags)
         panel.docked = imgui.is_window_docked()
         if opened:
+            self._enter(panel.title)
             panel.show()
         imgui.end()
         panel.visible = bool(stays)
@@ -160,8 +175,11 @@ class Layout:
         imgui.set_next_window_size(size)
         for variable in (imgui.StyleVar_.window_padding, imgui.StyleVar_.window_min_size):
             imgui.push_style_var(variable, ImVec2(0.0, 0.0))
+        if self._entering == STAGE:
+            imgui.set_next_window_focus()
         imgui.begin(STAGE, None, _STAGE_FLAGS)
         imgui.pop_style_var(2)
+        self._enter(STAGE)
         stage()
         imgui.end()
 

@@ -1,7 +1,7 @@
 """Controls made from declared parameters: label, range, unit, default and meaning of their fields.
 
-Ctrl+click types a value, a double click resets it, a tooltip explains it. Each returns whether the
-user changed it, and the value. The id of a control is its label with `##` before it.
+The keyboard moves them as the mouse does (see sliders.py); a tooltip explains them. Each returns
+whether the user changed it, and the value. The id of a control is its label with `##` before it.
 """
 
 from __future__ import annotations
@@ -16,14 +16,12 @@ from imgui_bundle import imgui
 
 from relgloss_view.base.parameters import Range
 from relgloss_view.base.words import sentence_case
+from relgloss_view.viewer.shell import sliders
+from relgloss_view.viewer.shell.sliders import HOW
 from relgloss_view.viewer.shell.theme import em, gray
 
 LABEL_EM = 11.6  #: width of the column of labels
 CONTROL_EM = 7.0  #: a panel without this much room beside its labels has them above the controls
-HOW = "Ctrl+click to type a value, double-click to reset it."
-
-#: The control that a double click has just reset; it ignores the hand until that lets go.
-_reset_id = 0
 _label_em = LABEL_EM
 
 
@@ -117,31 +115,19 @@ def slider(
     whole = field.metadata.get("whole", False)
     if whole:
         ends = int(low), min(int(high), 2**30)
-        changed, whole_number = imgui.slider_int(f"##{text}", int(value), *ends, f"%d{unit}", flags)
+        changed, whole_number = sliders.int_slider(
+            f"##{text}", int(value), *ends, f"%d{unit}", int(flags)
+        )
         number = float(whole_number)
     else:
         written = f"{reach.digits}{unit}"
-        changed, number = imgui.slider_float(f"##{text}", value, low, high, written, flags)
-    resetting = reset_by_double_click()
+        changed, number = sliders.float_slider(f"##{text}", value, low, high, written, int(flags))
+    resetting = sliders.resetting()
     tooltip(_meaning(allowed, start))
     if resetting and start is not None:
         return value != start, start
     bounded = min(max(number, allowed.low), allowed.high)
     return changed and bounded != value, int(bounded) if whole else bounded
-
-
-def reset_by_double_click() -> bool:
-    """Whether a double click on the last item asks for its default; so until the hand lets go."""
-    global _reset_id
-    item = imgui.get_item_id()
-    if imgui.is_item_hovered() and imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
-        _reset_id = item
-    if _reset_id == item and not imgui.is_item_active():
-        resetting = imgui.is_mouse_down(imgui.MouseButton_.left)
-        if not resetting:
-            _reset_id = 0
-        return resetting
-    return _reset_id == item
 
 
 def combo(
