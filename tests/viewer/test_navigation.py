@@ -15,7 +15,7 @@ PANELS = {
     "Lightness": 2,
     "Reflection": 2,
     "Fit": 2,
-    "Gloss": 5,
+    "Gloss": 3,
     "Pixel": 3,
 }
 MOVED = ("Look", "Scene")

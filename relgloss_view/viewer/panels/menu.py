@@ -51,7 +51,7 @@ def _enter(name: str) -> None:
 def _item(app: App, action: Action) -> None:
     on = action.on(app) if action.on is not None else False
     clicked, _ = imgui.menu_item(action.text, action.key, on, action.possible(app))
-    tooltip(sentence(action.help))
+    tooltip(sentence(action.help), beside=True)
     if clicked:
         action.run(app)
 

@@ -62,7 +62,8 @@ def _built_in(model: Model, preset: Preset) -> None:
         model.set_setting(model.active_side, published.setting)
     widgets.tooltip(
         "The setting that the observers of the published study chose for this kind of paper: "
-        f"{_words(published)}. The sample and the rest of the look stay."
+        f"{_words(published)}. The sample and the rest of the look stay.",
+        beside=True,
     )
 
 
@@ -82,7 +83,7 @@ def _own(model: Model, preset: Preset) -> None:
         look = preset.look
         cell = f"{look.grain_px:g} px" if look.grain == "screen" else f"{look.grain_mm:g} mm"
         grain = f"grain fixed to the {look.grain}, {cell}, seed {look.seed}"
-        widgets.tooltip(f"{preset.name}: {_words(look)}; {grain}.")
+        widgets.tooltip(f"{preset.name}: {_words(look)}; {grain}.", beside=True)
         imgui.same_line()
         if widgets.small_button("Rename", "gives the preset another name"):
             _name(preset.name)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from relgloss_view.viewer.shell.app import App
 
 NOTE_S = 12.0  #: for which a message shows; the tooltip lists the last ones
-HINT = "H: all keys   drag: turn   wheel: zoom   Ctrl+drag: move the lamp"
+HINT = "Help > First steps   H: all keys   drag: turn   wheel: zoom   Ctrl+drag: move the lamp"
 LINE_EM = 1.75
 NUMBERS_SHARE = 0.6  #: of the line's width
 

@@ -29,6 +29,8 @@ from relgloss_view.viewer.state.state import (
 if TYPE_CHECKING:
     from relgloss_view.viewer.shell.app import App
 
+#: The windows of the menu Help.
+FIRST_STEPS, KEYS, MANUAL = "First steps", "Keys and mouse", "Manual"
 _KEY_NAMES = {"Esc": "escape"}
 
 
@@ -154,7 +156,7 @@ def _hide(app: App) -> None:
 
 
 def _leave(app: App) -> None:
-    app.helping = False
+    app.help_window = ""
     app.model.set_part("presentation", haploscopic=False)
 
 
@@ -162,8 +164,11 @@ def _menu(app: App) -> None:
     app.menu_wanted = True
 
 
-def _help(app: App) -> None:
-    app.helping = not app.helping
+def _help(title: str) -> Callable[[App], object]:
+    def run(app: App) -> None:
+        app.help_window = "" if app.help_window == title else title
+
+    return run
 
 
 #: Actions of the menu View whose effect shows where there are only the two pictures.
@@ -279,7 +284,12 @@ ACTIONS: tuple[Action, ...] = (
         "View", "Reset panels", "", lambda app: app.layout.reset(),
         "arranges the panels as at the first start",
     ),
-    Action("Help", "Keys and mouse", "H", _help, "shows or hides this overview"),
+    Action(
+        "Help", FIRST_STEPS, "", _help(FIRST_STEPS),
+        "leads through a first pair: sample, gloss, light",
+    ),
+    Action("Help", KEYS, "H", _help(KEYS), "shows or hides the overview of all keys"),
+    Action("Help", MANUAL, "", _help(MANUAL), "shows where the manual is, and opens it"),
     Action("", "Leave haploscopic mode", "Esc", _leave, "goes back to the panels"),
     Action("", "Open the menu", "F10", _menu, "gives the keyboard to the menu, as Alt does"),
 )  # fmt: skip

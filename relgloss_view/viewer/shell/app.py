@@ -34,7 +34,15 @@ from relgloss_view.viewer.panels import (
 from relgloss_view.viewer.plots.gloss_readings import GlossReadings
 from relgloss_view.viewer.shell import actions, navigation, sliders
 from relgloss_view.viewer.shell.file_actions import FileActions
-from relgloss_view.viewer.shell.layout import BELOW, BELOW_RIGHT, RIGHT, Layout, Panel
+from relgloss_view.viewer.shell.layout import (
+    BELOW,
+    BELOW_RIGHT,
+    GLOSS,
+    LIGHT,
+    SAMPLE,
+    Layout,
+    Panel,
+)
 from relgloss_view.viewer.shell.navigation import AltKey
 from relgloss_view.viewer.shell.window import Window
 from relgloss_view.viewer.state.layout_file import WindowLayout, save_layout
@@ -58,14 +66,14 @@ class App:
         self.draft_scale = DraftScale()
         self.layout: Layout = Layout(
             [
-                Panel("Look", RIGHT, lambda: look.show(self.model)),
-                Panel("Scene", RIGHT, lambda: scene.show(self.model)),
-                Panel("Sample", RIGHT, lambda: sample.show(self.model, self.files)),
-                Panel("Lightness", BELOW, lambda: lightness.show(self.model)),
-                Panel("Reflection", BELOW, lambda: reflection.show(self.model)),
-                Panel("Fit", BELOW, lambda: fit.show(self.model)),
-                Panel("Gloss", BELOW, lambda: gloss.show(self.model, self._gloss_readings)),
-                Panel("Pixel", BELOW_RIGHT, lambda: pixel.show(self.model)),
+                Panel("Sample", SAMPLE, lambda: sample.show(self.model, self.files)),
+                Panel("Look", GLOSS, lambda: look.show(self.model)),
+                Panel("Gloss", GLOSS, lambda: gloss.show(self.model, self._gloss_readings)),
+                Panel("Scene", LIGHT, lambda: scene.show(self.model)),
+                Panel("Lightness", BELOW, lambda: lightness.show(self.model), at_first=False),
+                Panel("Reflection", BELOW, lambda: reflection.show(self.model), at_first=False),
+                Panel("Fit", BELOW, lambda: fit.show(self.model), at_first=False),
+                Panel("Pixel", BELOW_RIGHT, lambda: pixel.show(self.model), at_first=False),
             ]
         )
         self.pair_renderer: PairRenderer | None = None
@@ -76,7 +84,7 @@ class App:
         self._layout_path: Path | None = None
         self.alt_key = AltKey()
         self.menu_wanted = False  #: whether the keyboard opens the menu in this frame
-        self.helping = False  #: whether the overview of keys shows
+        self.help_window = ""  #: title of the window of the menu Help that shows
         self._window: Window | None = None
         self._frame_began_s = 0.0
         self._lost = False
@@ -174,8 +182,9 @@ class App:
         """Take over the layout of the last run, and write this one's to a file when it changes."""
         self._layout_path, self.kept_layout = path, kept
         self.layout.hidden = kept.hidden
-        for panel in self.layout.panels:
-            panel.visible = panel.title not in kept.closed
+        if kept.closed is not None:
+            for panel in self.layout.panels:
+                panel.visible = panel.title not in kept.closed
 
     def save_layout(self) -> None:
         """Write the layout, if it is kept and has changed. Raises InputError."""

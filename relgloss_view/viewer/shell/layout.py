@@ -11,7 +11,8 @@ from relgloss_view.viewer.shell.theme import em
 
 internal = imgui.internal
 
-RIGHT, BELOW, BELOW_RIGHT = "right", "below", "below right"
+#: The column of controls, from above: sample, gloss, light; and the strip of plots.
+SAMPLE, GLOSS, LIGHT, BELOW, BELOW_RIGHT = "sample", "gloss", "light", "below", "below right"
 RIGHT_EM = 25.0  #: width of the column of controls
 BELOW_EM = 18.0  #: height of the strip of plots
 #: Of the window's width and height: the pictures stay the largest thing in it.
@@ -27,6 +28,10 @@ _STAGE_FLAGS = (
     | imgui.WindowFlags_.no_scroll_with_mouse
 )
 PIXEL_SHARE = 0.4  #: of the strip below
+SAMPLE_SHARE = 0.46  #: of the column of controls
+#: A column so high has three parts; in a lower one the light is a tab beside the gloss.
+THREE_PARTS_EM = 60.0
+THREE_SHARES = (0.36, 0.36)  #: of sample and gloss
 
 
 @dataclass
@@ -36,8 +41,12 @@ class Panel:
     title: str
     place: str
     show: Callable[[], None]
+    at_first: bool = True  #: whether it is open at the first start
     visible: bool = True
     docked: bool = False  #: whether it was in the dock space when it was last drawn
+
+    def __post_init__(self) -> None:
+        self.visible = self.at_first
 
 
 class Layout:
@@ -52,11 +61,11 @@ class Layout:
         self._entering = ""  #: the window that the keyboard is about to enter
 
     def reset(self) -> None:
-        """Show every panel in its first place."""
+        """Show the panels of the first start, each in its first place."""
         self.hidden = False
         self._arrange_again = True
         for panel in self.panels:
-            panel.visible = True
+            panel.visible = panel.at_first
 
     def focus(self, title: str) -> None:
         """Bring a panel to the front; a closed one opens."""
@@ -133,13 +142,16 @@ class Layout:
         return space
 
     def _arrange(self, space: int, size: ImVec2) -> None:
-        """The arrangement of the first start: controls on the right, plots below the pictures."""
+        """The arrangement of the first start: controls on the right, plots below the pictures.
+
+        Where no plot is open, the pictures have the place of the strip.
+        """
         internal.dock_builder_remove_node(space)
         internal.dock_builder_add_node(space, internal.DockNodeFlagsPrivate_.dock_space)
         internal.dock_builder_set_node_size(space, size)
         right = _share(em(RIGHT_EM), size.x, MOST_SHARE[0])
         split = internal.dock_builder_split_node(space, imgui.Dir.right, right)
-        nodes = {RIGHT: split.id_at_dir}
+        nodes = self._arrange_controls(split.id_at_dir, size.y)
         below = _share(em(BELOW_EM), size.y, MOST_SHARE[1])
         split = internal.dock_builder_split_node(split.id_at_opposite_dir, imgui.Dir.down, below)
         strip = internal.dock_builder_split_node(split.id_at_dir, imgui.Dir.right, PIXEL_SHARE)
@@ -148,11 +160,25 @@ class Layout:
             internal.dock_builder_dock_window(panel.title, nodes[panel.place])
         internal.dock_builder_finish(space)
         # The first panel of each place is the one that shows.
-        seen: set[str] = set()
+        seen: set[int] = set()
         for panel in self.panels:
-            if panel.place not in seen:
-                seen.add(panel.place)
+            if nodes[panel.place] not in seen:
+                seen.add(nodes[panel.place])
                 self._focus.append(panel.title)
+
+    def _arrange_controls(self, column: int, height: float) -> dict[str, int]:
+        """The parts of the column of controls, by place."""
+
+        def above(node: int, share: float) -> tuple[int, int]:
+            split = internal.dock_builder_split_node(node, imgui.Dir.up, share)
+            return split.id_at_dir, split.id_at_opposite_dir
+
+        if height < em(THREE_PARTS_EM):
+            sample, rest = above(column, SAMPLE_SHARE)
+            return {SAMPLE: sample, GLOSS: rest, LIGHT: rest}
+        sample, rest = above(column, THREE_SHARES[0])
+        gloss, light = above(rest, THREE_SHARES[1] / (1.0 - THREE_SHARES[0]))
+        return {SAMPLE: sample, GLOSS: gloss, LIGHT: light}
 
     def _show_panel(self, panel: Panel) -> None:
         if panel.title in self._focus or panel.title == self._entering:

@@ -14,7 +14,7 @@ from imgui_bundle import imgui
 STEPS = 100  #: from one end of a slider to the other
 FAST, FINE = 10.0, 0.1  #: with Shift, with Ctrl
 LOGARITHMIC = int(imgui.SliderFlags_.logarithmic)
-HOW = "Ctrl+click or Enter to type a value, double-click or Delete to reset it."
+HOW = "Enter or Ctrl+click types a value, Delete or double-click resets."
 
 _moved = False  #: whether an arrow has moved a slider since that was last asked
 #: The control that a double click has just reset; it ignores the hand until that lets go.
