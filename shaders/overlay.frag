@@ -19,6 +19,8 @@ uniform float background_light;
 layout(location = 0) out vec4 overlay;
 
 const int STRIPE_PX = 4;
+const int DOT_STEP_PX = 6;
+const int DOT_PX = 3;
 
 vec3 shown(vec3 lab, float share) {
     bool inside;
@@ -27,12 +29,20 @@ vec3 shown(vec3 lab, float share) {
     return encode(TRANSFER, rgb, display_curve);
 }
 
-// Stripes of black and white where a flag is set, over a gray and pale copy of the picture.
-vec3 striped(ivec2 at, int flag) {
+// A pattern of black and white: stripes, or white dots on black.
+bool stripes(ivec2 at) {
+    return ((at.x + at.y) / STRIPE_PX) % 2 == 0;
+}
+
+bool dots(ivec2 at) {
+    return at.x % DOT_STEP_PX < DOT_PX && at.y % DOT_STEP_PX < DOT_PX;
+}
+
+// The pattern where a flag is set, over a gray and pale copy of the picture.
+vec3 marked(ivec2 at, int flag, bool light) {
     vec4 shown = texelFetch(display_image, at, 0);
     int flags = 255 - int(floor(255.0 * shown.a + 0.5));
     float gray = dot(shown.rgb, vec3(0.299, 0.587, 0.114));
-    bool light = ((at.x + at.y) / STRIPE_PX) % 2 == 0;
     return (flags & flag) != 0 ? vec3(light ? 1.0 : 0.0) : vec3(0.2 + 0.4 * gray);
 }
 
@@ -43,8 +53,8 @@ void main() {
     vec3 colour = vec3(0.0);
     bool off_object = diffuse.a <= 0.0;
     vec3 plain = texelFetch(display_image, at, 0).rgb;
-    if (OVERLAY == OVERLAY_CLIPPED) colour = off_object ? plain : striped(at, 1);
-    if (OVERLAY == OVERLAY_OUT_OF_GAMUT) colour = off_object ? plain : striped(at, 2);
+    if (OVERLAY == OVERLAY_CLIPPED) colour = off_object ? plain : marked(at, 1, stripes(at));
+    if (OVERLAY == OVERLAY_OUT_OF_GAMUT) colour = off_object ? plain : marked(at, 2, dots(at));
     if (OVERLAY == OVERLAY_LIGHTNESS) colour = shown(false_colour(scaled_lab(split, c).x), diffuse.a);
     if (OVERLAY == OVERLAY_DIFFUSE_ONLY) colour = shown(lab_from_xyz(diffuse.rgb, white), diffuse.a);
     if (OVERLAY == OVERLAY_SPECULAR_ONLY) colour = shown(vec3(c * split.y, 0.0, 0.0), diffuse.a);

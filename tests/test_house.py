@@ -222,7 +222,7 @@ class TestWheel:
     def test_it_carries_shaders_and_assets(self, wheel):
         with zipfile.ZipFile(wheel) as archive:
             names = set(archive.namelist())
-        for folder in ("shaders", "assets"):
+        for folder in ("shaders", "assets", "docs"):
             for path in (data_root() / folder).rglob("*"):
                 if path.is_file():
                     place = f"relgloss_view/_data/{path.relative_to(data_root()).as_posix()}"

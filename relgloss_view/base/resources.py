@@ -1,4 +1,4 @@
-"""Where shaders/ and assets/ lie: inside an installed wheel, or at the top of a source tree."""
+"""Where shaders/, assets/ and docs/ lie: in an installed wheel, or at the top of a source tree."""
 
 from __future__ import annotations
 

@@ -84,6 +84,15 @@ class TestOverlays:
         striped = np.all((pixels == 0) | (pixels == 255), axis=-1)
         np.testing.assert_array_equal(striped, flagged)
         assert len(np.unique(pixels[flagged])) == 2
+        # Stripes and dots: one can be told from the other without a colour.
+        row, column = np.indices(flagged.shape)
+        row = flagged.shape[0] - 1 - row  # from below, as the shader counts
+        stripes = (row + column) // 4 % 2 == 0
+        dots = (row % 6 < 3) & (column % 6 < 3)
+        white = pixels[..., 0] == 255
+        pattern, other = (stripes, dots) if name == "clipped" else (dots, stripes)
+        np.testing.assert_array_equal(white[flagged], pattern[flagged])
+        assert np.mean(white[flagged] != other[flagged]) > 0.2
 
     def test_lightness_shows_the_scaled_lightness(self, renderer):
         frame = renderer.render(SCENE, LOOK, SIZE)

@@ -176,6 +176,8 @@ def viewer(folder, run):
 
     app = App(State.initial())
     app.layout.hidden = not run.get("panels", False)  # other panels cost time
+    for panel in app.layout.panels:
+        panel.visible = True
     yield app
 
 

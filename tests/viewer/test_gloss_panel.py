@@ -18,10 +18,8 @@ GLOSS = "//Gloss"
 
 
 def control(hand, label):
-    """A control of the panel's right half, by its label."""
-    window = hand.ctx.window_info(f"{GLOSS}/gloss/hypothetical").window
-    name = window.name.replace("/", "\\/")
-    return f"//{name}/{label}"
+    """A control of the panel, by its label; in the column of controls it has one part only."""
+    return f"{GLOSS}/gloss/{label}"
 
 
 def worked_out(hand):

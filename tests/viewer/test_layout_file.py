@@ -20,7 +20,7 @@ layouts = st.builds(
     WindowLayout,
     size=st.tuples(sides, sides),
     font_scale=st.sampled_from(layout_file.FONT_SCALES),
-    closed=st.lists(texts).map(tuple),
+    closed=st.none() | st.lists(texts).map(tuple),
     hidden=st.booleans(),
     docking=texts,
 )

@@ -292,10 +292,10 @@ def hides_panels_and_brings_them_back(hand, found):
 
     hand.frames(2)
     before, pane = places(), hand.model.picture_size
-    hand.key(imgui.Key.tab)
+    hand.key(imgui.Key.f9)
     hand.frames(3)
     found["larger"] = [*hand.model.picture_size, *pane]
-    hand.key(imgui.Key.tab)
+    hand.key(imgui.Key.f9)
     hand.frames(3)
     found["as before"] = places() == before and hand.model.picture_size == pane
     hand.key(imgui.Key.p)

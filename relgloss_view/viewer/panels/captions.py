@@ -13,6 +13,7 @@ from relgloss_view.picture.model.view import View
 from relgloss_view.picture.pair import ratio_words
 from relgloss_view.picture.scene.setup import Display
 from relgloss_view.viewer.drawing.arrangement import Arrangement
+from relgloss_view.viewer.panels import overlay_legend
 from relgloss_view.viewer.panels.drawing_words import drawing_words
 from relgloss_view.viewer.panels.list_rows import fitting
 from relgloss_view.viewer.shell.theme import em, gray
@@ -60,11 +61,26 @@ def show(
             painter.add_text(place, ink, text)
     corner = ImVec2(origin.x + em(0.6), origin.y + max(r[3] for r in arrangement.rects.values()))
     if presentation.compare == DIFFERENCE:
-        _legend(painter, corner, ink, ("0", f"{presentation.difference_max:g} dE2000"), None)
-    elif presentation.overlay == "lightness":
-        _legend(
-            painter, corner, ink, ("0", "100 L*"), _lightness_colours(model.state.setup.display)
-        )
+        _legend(painter, corner, ink, ("0", f"{presentation.difference_max:g} dE2000"))
+    elif presentation.overlay != "none":
+        _name_overlay(model, painter, origin, arrangement, (ink, paper))
+
+
+def _name_overlay(
+    model: Model,
+    painter: imgui.ImDrawList,
+    origin: ImVec2,
+    arrangement: Arrangement,
+    colours: tuple[int, int],
+) -> None:
+    """The overlay's legend in the lower left corner of each picture; once where they overlap."""
+    overlay, display = model.state.presentation.overlay, model.state.setup.display
+    places = {rect: side for side, rect in arrangement.rects.items()}
+    apart = len(places) == len(arrangement.rects)
+    for (left, top, width, height), side in places.items():
+        corner = ImVec2(origin.x + left + em(0.6), origin.y + top + height)
+        frame = model.frames.get(side) if apart and side not in model.operator_pictures else None
+        overlay_legend.show(painter, corner, width - em(1.2), colours, display, overlay, frame)
 
 
 def _texts(model: Model, side: str, faults: dict[str, str], room: float, free: int) -> list[str]:
@@ -89,8 +105,6 @@ def _texts(model: Model, side: str, faults: dict[str, str], room: float, free: i
     words = ratio_words(frame.scaling.factor)
     if words:
         more.append((words, words.partition(":")[0]))
-    if state.presentation.overlay != "none":
-        more.append((f"Overlay: {state.presentation.overlay}",))
     words = drawing_words(frame.method)
     brief = words.partition(":")[0]
     more.append(tuple(f"{text} ({frame.look.quality})" for text in (words, brief)))
@@ -184,7 +198,6 @@ def _legend(
     corner: ImVec2,
     ink: int,
     ends: tuple[str, str],
-    colours: list[int] | None,
 ) -> None:
     """A bar from the lower left corner: its scale and the words at its ends."""
     width, height = (em(v) for v in LEGEND_EM)
@@ -193,8 +206,6 @@ def _legend(
     for k in range(LEGEND_STEPS):
         share = k / (LEGEND_STEPS - 1)
         colour = imgui.color_convert_float4_to_u32(_gray_of_lightness(100.0 * share))
-        if colours is not None:
-            colour = colours[k]
         x = low.x + width * k / LEGEND_STEPS
         high = ImVec2(x + width / LEGEND_STEPS + 1.0, low.y + height)
         painter.add_rect_filled(ImVec2(x, low.y), high, colour)
@@ -207,13 +218,3 @@ def _legend(
 def _gray_of_lightness(lightness: float) -> imgui.ImVec4:
     light = tone.lab_f_inverse(np.array((lightness + 16.0) / 116.0))
     return gray(float(tone.srgb_encode(light)))
-
-
-def _lightness_colours(display: Display) -> list[int]:
-    model = DisplayModel.of(display)
-    steps = np.linspace(0.0, 100.0, LEGEND_STEPS)
-    rgb = tone.encode(tone.display_rgb(tone.false_colour(steps), model)[0], model)
-    return [
-        int(imgui.color_convert_float4_to_u32(imgui.ImVec4(red, green, blue, 1.0)))
-        for red, green, blue in rgb.tolist()
-    ]

@@ -72,11 +72,13 @@ def _body(material: Material, fit: FitRecord) -> None:
         _candidates(fit)
         _facts(material, fit)
         return
-    if imgui.begin_child("candidates", ImVec2(0.58 * room.x, room.y)):
+    if imgui.begin_child(
+        "candidates", ImVec2(0.58 * room.x, room.y), imgui.ChildFlags_.nav_flattened
+    ):
         _candidates(fit)
     imgui.end_child()
     imgui.same_line(0.0, em(1.1))
-    if imgui.begin_child("facts", ImVec2(0.0, room.y)):
+    if imgui.begin_child("facts", ImVec2(0.0, room.y), imgui.ChildFlags_.nav_flattened):
         _facts(material, fit)
     imgui.end_child()
 

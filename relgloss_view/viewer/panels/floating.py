@@ -25,7 +25,8 @@ def begin(
     """
     viewport = imgui.get_main_viewport()
     limit = ImVec2(WIDEST * viewport.size.x, HIGHEST * viewport.size.y)
-    size = ImVec2(min(em(width_em), limit.x), min(em(height_em), limit.y))
+    padding = imgui.get_style().scrollbar_size  # a bar must not cover the words where it is needed
+    size = ImVec2(min(em(width_em) + padding, limit.x), min(em(height_em), limit.y))
     place, pivot = viewport.get_center(), ImVec2(0.5, 0.5)
     if top_em:
         place, pivot = ImVec2(place.x, viewport.pos.y + em(top_em)), ImVec2(0.5, 0.0)

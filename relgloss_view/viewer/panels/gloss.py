@@ -15,7 +15,7 @@ from relgloss_view.viewer.files.background import Outcome
 from relgloss_view.viewer.files.own_materials import keep_material
 from relgloss_view.viewer.panels import plot_widgets
 from relgloss_view.viewer.plots.gloss_readings import GlossReadings, Readings
-from relgloss_view.viewer.shell import widgets
+from relgloss_view.viewer.shell import sliders, widgets
 from relgloss_view.viewer.shell.theme import em
 from relgloss_view.viewer.state import matching
 from relgloss_view.viewer.state.model import Model
@@ -74,11 +74,13 @@ def show(model: Model, gloss_readings: GlossReadings) -> None:
             _table(model, outcomes)
             _hypothetical(model, outcomes)
             return
-        if imgui.begin_child("readings", ImVec2(TABLE_SHARE * room.x, room.y)):
+        if imgui.begin_child(
+            "readings", ImVec2(TABLE_SHARE * room.x, room.y), imgui.ChildFlags_.nav_flattened
+        ):
             _table(model, outcomes)
         imgui.end_child()
         imgui.same_line(0.0, em(1.1))
-        if imgui.begin_child("hypothetical", ImVec2(0.0, room.y)):
+        if imgui.begin_child("hypothetical", ImVec2(0.0, room.y), imgui.ChildFlags_.nav_flattened):
             _hypothetical(model, outcomes)
         imgui.end_child()
     finally:
@@ -105,7 +107,7 @@ def _table(model: Model, outcomes: dict[str, Outcome[Material, Readings] | None]
         return
     for name, weight in (("Meter", 2.0), *((side.capitalize(), 1.0) for side in SIDES)):
         imgui.table_setup_column(name, imgui.TableColumnFlags_.none, weight)
-    imgui.table_headers_row()
+    plot_widgets.table_headings()
     for of_side in rows.values():
         imgui.table_next_row()
         imgui.table_next_column()
@@ -165,10 +167,10 @@ def _hypothetical(model: Model, outcomes: dict[str, Outcome[Material, Readings] 
         widgets.quiet("being computed")
         return
     widgets.label(WANTED)
-    moved, value = imgui.slider_float(f"##{WANTED}", present, 0.0, TOP_UNITS, "%.1f units")
+    moved, value = sliders.float_slider(f"##{WANTED}", present, 0.0, TOP_UNITS, "%.1f units")
     widgets.tooltip(
         "Shows a sample of another reading: the width of the lobe with the highest peak changes, "
-        "all else stays. Ctrl+click to type a value."
+        "all else stays. Ctrl+click or Enter to type a value."
     )
     if moved:
         _make(model, side, made.base if made else sample, value)

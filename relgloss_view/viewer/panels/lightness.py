@@ -13,7 +13,7 @@ from relgloss_view.picture.frame import Frame
 from relgloss_view.viewer.panels import plot_widgets
 from relgloss_view.viewer.plots.caches import PerFrame, light_of
 from relgloss_view.viewer.plots.lightness import BINS, Histogram, Lightness, Line
-from relgloss_view.viewer.shell import widgets
+from relgloss_view.viewer.shell import sliders, widgets
 from relgloss_view.viewer.shell.theme import em
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.state import SIDES
@@ -117,14 +117,14 @@ def _row_slider(memory: _Memory, light: Lightness) -> None:
     plot_widgets.beside(em(10))
     imgui.set_next_item_width(em(10))
     where = ", highlight" if following and light.highlight_row is not None else ""
-    changed, moved = imgui.slider_int("##row", row, 0, max(height - 1, 0), f"row %d{where}")
+    changed, moved = sliders.int_slider("##row", row, 0, max(height - 1, 0), f"row %d{where}")
     if changed:
         memory.row = min(max(moved, 0), height - 1)
-    if widgets.reset_by_double_click():
+    if sliders.resetting():
         memory.row = None
     widgets.tooltip(
-        "The row of pixels, from the top, along which the lightness is plotted. Ctrl+click to type "
-        "a row, double-click to follow the highlight again."
+        "The row of pixels, from the top, along which the lightness is plotted. Ctrl+click or "
+        "Enter to type a row, double-click or Delete to follow the highlight again."
     )
 
 

@@ -22,6 +22,8 @@ def show(app: App) -> float:
     if not imgui.begin_main_menu_bar():
         return 0.0
     height = float(imgui.get_window_size().y)
+    if app.menu_wanted:
+        _enter(MENUS[0])
     for name in MENUS:
         if imgui.begin_menu(name):
             for action in ACTIONS:
@@ -37,10 +39,19 @@ def show(app: App) -> float:
     return height
 
 
+def _enter(name: str) -> None:
+    """Give the bar the keyboard, with a menu of it; Down opens that."""
+    internal = imgui.internal
+    window = internal.get_current_window()
+    internal.focus_window(window)
+    internal.set_nav_id(imgui.get_id(name), internal.NavLayer.menu, 0, internal.ImRect())
+    imgui.set_nav_cursor_visible(True)
+
+
 def _item(app: App, action: Action) -> None:
     on = action.on(app) if action.on is not None else False
     clicked, _ = imgui.menu_item(action.text, action.key, on, action.possible(app))
-    tooltip(sentence(action.help))
+    tooltip(sentence(action.help), beside=True)
     if clicked:
         action.run(app)
 

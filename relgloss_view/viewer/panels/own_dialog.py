@@ -169,7 +169,8 @@ class OwnDialog:
         listed = self._list()
         below = 3.0 * imgui.get_frame_height_with_spacing() + floating.text_height(self._message())
         height = imgui.get_content_region_avail().y - below
-        imgui.begin_child("files", ImVec2(0.0, max(height, em(3.0))), imgui.ChildFlags_.borders)
+        flags = imgui.ChildFlags_.borders | imgui.ChildFlags_.nav_flattened
+        imgui.begin_child("files", ImVec2(0.0, max(height, em(3.0))), flags)
         clipper = imgui.ListClipper()
         clipper.begin(len(listed.entries))
         if self._scroll and self._selected >= 0:

@@ -180,7 +180,7 @@ def _table(pixels: dict[str, Readout | None], width: float) -> None:
     imgui.table_setup_column("Pixel", imgui.TableColumnFlags_.width_fixed, names)
     for name in SIDES:
         imgui.table_setup_column(name.capitalize(), imgui.TableColumnFlags_.width_stretch)
-    imgui.table_headers_row()
+    plot_widgets.table_headings()
     for k, row in enumerate(QUANTITIES):
         imgui.table_next_row()
         imgui.table_next_column()

@@ -127,6 +127,13 @@ def _entry(entry: Entry) -> None:
     imgui.text_unformatted(text)
 
 
+def table_headings() -> None:
+    """The row of headings of a table, which the keyboard passes over: they do nothing."""
+    imgui.push_item_flag(imgui.ItemFlags_.no_nav, True)
+    imgui.table_headers_row()
+    imgui.pop_item_flag()
+
+
 def note_if_waiting(current: bool) -> None:
     """Note that curves wait for the end of a drag, where they are not current."""
     if not current:
@@ -161,9 +168,12 @@ def begin(title: str, width: float, height: float, *, decorated: bool = True) ->
     flags |= implot.Flags_.no_frame
     if not decorated:
         flags |= implot.Flags_.canvas_only | implot.Flags_.no_inputs
+    # A plot shows; there is nothing in it that the keyboard could move.
+    imgui.push_item_flag(imgui.ItemFlags_.no_nav, True)
     begun: bool = implot.begin_plot(
         f"##{title}", (max(width, small.x), max(height, small.y)), flags
     )
+    imgui.pop_item_flag()
     if not begun:
         implot.pop_style_var(3)
     return begun

@@ -64,7 +64,8 @@ def _built_in(model: Model, preset: Preset) -> None:
         model.set_setting(model.active_side, published.setting)
     widgets.tooltip(
         "The setting that the observers of the published study chose for this kind of paper: "
-        f"{_words(published)} at the paper's geometry. The sample and the rest of the look stay."
+        f"{_words(published)} at the paper's geometry. The sample and the rest of the look stay.",
+        beside=True,
     )
 
 
@@ -88,7 +89,7 @@ def _own(model: Model, preset: Preset) -> None:
             "eye": f"{look.grain_arcmin:g} arcmin",
         }
         grain = f"grain fixed to the {look.grain}, {cells[look.grain]}, seed {look.seed}"
-        widgets.tooltip(f"{preset.name}: {_words(look)}; {grain}.")
+        widgets.tooltip(f"{preset.name}: {_words(look)}; {grain}.", beside=True)
         imgui.same_line()
         if widgets.small_button("Rename", "gives the preset another name"):
             _name(preset.name)

@@ -13,7 +13,7 @@ from relgloss_view.measure.table import Measurement
 from relgloss_view.viewer.panels import plot_widgets, polar
 from relgloss_view.viewer.plots import reflection
 from relgloss_view.viewer.plots.reflection import Albedo, Points, Slice
-from relgloss_view.viewer.shell import widgets
+from relgloss_view.viewer.shell import sliders, widgets
 from relgloss_view.viewer.shell.theme import em
 from relgloss_view.viewer.state.model import Model
 
@@ -122,7 +122,7 @@ def _controls(memory: _Memory, measurement: Measurement | None) -> None:
             memory.incidence_deg = _nearest(measured, memory.incidence_deg)
     plot_widgets.beside(em(9))
     imgui.set_next_item_width(em(9))
-    changed, angle = imgui.slider_float(
+    changed, angle = sliders.float_slider(
         "##incidence", memory.incidence_deg, 0.0, reflection.STEEPEST_DEG, "incidence %.0f deg"
     )
     memory.held = imgui.is_item_active()
@@ -132,9 +132,9 @@ def _controls(memory: _Memory, measurement: Measurement | None) -> None:
             nearest = _nearest(measured, angle)
             angle = nearest if abs(nearest - angle) <= SNAP_DEG else angle
         memory.incidence_deg = float(angle)
-    if widgets.reset_by_double_click():
+    if sliders.resetting():
         memory.incidence_deg = 45.0
-    meaning = f"Angle between the lamp and the normal. {widgets.HOW}"
+    meaning = f"Angle between the lamp and the normal. {sliders.HOW}"
     if measured is not None and len(measured):
         angles = ", ".join(f"{a:g}" for a in measured)
         meaning += f" Measured at {angles} deg; the slider snaps to these."

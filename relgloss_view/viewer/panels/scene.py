@@ -9,7 +9,7 @@ from imgui_bundle import ImVec2, imgui
 from relgloss_view.material.spectra import SHIPPED_ILLUMINANTS
 from relgloss_view.picture.scene.setup import SIZES, Display, Eye, Lamp, Shape
 from relgloss_view.viewer.drawing import camera
-from relgloss_view.viewer.shell import widgets
+from relgloss_view.viewer.shell import sliders, widgets
 from relgloss_view.viewer.shell.theme import em, gray
 from relgloss_view.viewer.shell.widgets import Reach
 from relgloss_view.viewer.state.model import Model
@@ -20,6 +20,7 @@ HIGHLIGHT_HELP = (
     "turn the lamp so that a highlight lies on the object; where a flat form is seen straight on, "
     "turn the eye too"
 )
+ARROW_DEG = 2.0  #: that a press of an arrow moves the lamp
 
 #: Sliders of a part, by entry, in their order.
 Sliders = dict[str, Reach]
@@ -108,17 +109,25 @@ def _dial(model: Model) -> None:
     indent = 0.5 * (imgui.get_content_region_avail().x - size)
     imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(indent, 0.0))
     origin = imgui.get_cursor_screen_pos()
-    imgui.invisible_button("lamp dial", ImVec2(size, size))
-    resetting = widgets.reset_by_double_click()
+    imgui.invisible_button("lamp dial", ImVec2(size, size), imgui.ButtonFlags_.enable_nav)
+    resetting = sliders.resetting()
     active = imgui.is_item_active()
+    around, up = sliders.arrows()
     widgets.tooltip(
         "The lamp seen from above, with the eye below. Drag to move the lamp around the object. "
-        "Shift+drag up and down to change its height. Double-click to reset it."
+        "Shift+drag up and down to change its height. Arrows move it, too. Double-click or Delete "
+        "to reset it."
     )
     lamp = model.state.setup.lamp
     centre = ImVec2(origin.x + 0.5 * size, origin.y + 0.5 * size)
     if resetting:
         lamp = camera.placed(lamp, Lamp().azimuth_deg, Lamp().elevation_deg)
+        model.change(model.state.placed(lamp=lamp), gesture="lamp dial")
+    elif around or up:
+        sliders.note_moved()
+        lamp = camera.placed(
+            lamp, lamp.azimuth_deg + ARROW_DEG * around, lamp.elevation_deg + ARROW_DEG * up
+        )
         model.change(model.state.placed(lamp=lamp), gesture="lamp dial")
     elif active and not imgui.is_item_activated():
         io = imgui.get_io()

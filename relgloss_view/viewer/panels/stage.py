@@ -14,10 +14,12 @@ from relgloss_view.viewer.drawing.arrangement import Arrangement, Rect, as_shown
 from relgloss_view.viewer.drawing.canvas import Canvas, canvas_of
 from relgloss_view.viewer.drawing.pair_renderer import DrawnPair
 from relgloss_view.viewer.panels import captions
+from relgloss_view.viewer.shell import sliders
 from relgloss_view.viewer.shell.theme import em, gray
 from relgloss_view.viewer.state.model import Model, Pixel
 from relgloss_view.viewer.state.state import WIPE, State
 
+ARROW_DEG = 2.0  #: that a press of an arrow turns
 HANDLE_EM = 0.8  #: width of what takes hold of the wipe's edge
 
 
@@ -61,6 +63,14 @@ def _line(painter: imgui.ImDrawList, origin: ImVec2, x: int, height: int) -> Non
     painter.add_line(ImVec2(place, origin.y), ImVec2(place, origin.y + height), colour, 1.0)
 
 
+def _ring(origin: ImVec2, pane: Size) -> None:
+    """The ring of the focus, within the pane: ImGui draws its own around it, unseen."""
+    colour = imgui.get_color_u32(imgui.Col_.nav_cursor)
+    low = ImVec2(origin.x + 1.0, origin.y + 1.0)
+    high = ImVec2(origin.x + pane[0] - 1.0, origin.y + pane[1] - 1.0)
+    imgui.get_window_draw_list().add_rect(low, high, colour, thickness=2.0)
+
+
 def _take_hand(
     model: Model, origin: ImVec2, pane: Size, drawn: DrawnPane, edge: int | None
 ) -> None:
@@ -72,8 +82,14 @@ def _take_hand(
     imgui.invisible_button(
         "stage",
         ImVec2(max(pane[0], 1), max(pane[1], 1)),
-        buttons.mouse_button_left | buttons.mouse_button_right | buttons.mouse_button_middle,
+        buttons.mouse_button_left
+        | buttons.mouse_button_right
+        | buttons.mouse_button_middle
+        | buttons.enable_nav,
     )
+    _take_keys(model, next(iter(drawn.arrangement.rects.values()))[2:])
+    if imgui.is_item_focused() and imgui.get_io().nav_visible:
+        _ring(origin, pane)
     hovered, active = imgui.is_item_hovered(), imgui.is_item_active()
     if hovered and model.state.presentation.haploscopic and imgui.is_mouse_clicked(1):
         model.set_part("presentation", haploscopic=False)  # no menu is there to do it
@@ -90,7 +106,7 @@ def _take_hand(
         # A hand on a picture never chooses its side: the reference is not tuned by accident.
         if imgui.is_mouse_clicked(imgui.MouseButton_.left) and imgui.get_io().key_alt:
             model.pinned = Pixel(side, column, row)
-        _wheel(model, at, rect[2:])
+        _zoom(model, imgui.get_io().mouse_wheel, at, rect[2:])
         if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
             state = model.state.with_part("presentation", life_size=False)
             model.change(state.placed(eye=camera.framed(state.setup.eye)))
@@ -101,8 +117,8 @@ def _take_hand(
         _drag(model, size)
 
 
-def _wheel(model: Model, at: tuple[float, float], size: Size) -> None:
-    notches = imgui.get_io().mouse_wheel
+def _zoom(model: Model, notches: float, at: tuple[float, float], size: Size) -> None:
+    """Zoom by turns of the wheel towards a place of the picture."""
     if notches == 0.0:
         return
     eye = camera.zoomed(_state_on_screen(model, size).scene(model.active_side), notches, at, size)
@@ -119,21 +135,46 @@ def _drag(model: Model, size: Size) -> None:
     if model.state.presentation.mirror:
         delta = ImVec2(-delta.x, delta.y)
     moved = (delta.x, delta.y)
-    state = model.state
     left = imgui.is_mouse_down(imgui.MouseButton_.left)
-    if left and io.key_ctrl:
-        lamp = camera.turned(state.setup.lamp, moved, size)
-        model.change(state.placed(lamp=lamp), gesture="lamp in the picture")
-    elif left and not (io.key_shift or io.key_alt):
+    lamp = left and io.key_ctrl
+    pan = not lamp and (not left or io.key_shift)
+    if lamp or not io.key_alt:
+        _move(model, moved, size, lamp=lamp, pan=pan)
+
+
+def _move(model: Model, moved: tuple[float, float], size: Size, *, lamp: bool, pan: bool) -> None:
+    """Move the lamp, the picture or else the object by so many pixels, right and down."""
+    state = model.state
+    if lamp:
+        turned = camera.turned(state.setup.lamp, moved, size)
+        model.change(state.placed(lamp=turned), gesture="lamp in the picture")
+    elif not pan:
         eye = camera.orbited(state.setup.eye, moved, size)
         model.change(state.placed(eye=eye), gesture="orbit")
-    elif not io.key_alt:
+    else:
         on_screen = _state_on_screen(model, size)
         eye = camera.panned(on_screen.scene(model.active_side), moved, size)
         if state.presentation.life_size:  # its angle is the monitor's, not the eye's
             angle_deg = state.setup.eye.field_of_view_deg
             eye = dataclasses.replace(eye, field_of_view_deg=angle_deg)
         model.change(state.placed(eye=eye), gesture="pan")
+
+
+def _take_keys(model: Model, size: Size) -> None:
+    """Let arrows, plus and minus do what drags and the wheel do, where pictures have the focus."""
+    across, up = sliders.arrows()
+    if model.state.presentation.mirror:
+        across = -across
+    if across or up:
+        step = ARROW_DEG / camera.DEGREES_ACROSS * size[0]
+        io = imgui.get_io()
+        _move(model, (step * across, -step * up), size, lamp=io.key_ctrl, pan=io.key_shift)
+        sliders.note_moved()
+    if imgui.is_item_focused() and not imgui.is_any_item_active():
+        key, centre = imgui.Key, (0.5 * size[0], 0.5 * size[1])
+        plus = any(imgui.is_key_pressed(k) for k in (key.equal, key.keypad_add))
+        minus = any(imgui.is_key_pressed(k) for k in (key.minus, key.keypad_subtract))
+        _zoom(model, float(plus) - float(minus), centre, size)
 
 
 def _state_on_screen(model: Model, size: Size) -> State:
@@ -144,7 +185,14 @@ def _state_on_screen(model: Model, size: Size) -> State:
 def _wipe_handle(model: Model, origin: ImVec2, pane: Size, edge: int) -> None:
     half = 0.5 * em(HANDLE_EM)
     imgui.set_cursor_screen_pos(ImVec2(origin.x + edge - half, origin.y))
-    imgui.invisible_button("wipe", ImVec2(2.0 * half, max(pane[1], 1)))
+    size = ImVec2(2.0 * half, max(pane[1], 1))
+    imgui.invisible_button("wipe", size, imgui.ButtonFlags_.enable_nav)
+    steps = sliders.arrow_steps() / sliders.STEPS
+    if steps:
+        steps = -steps if model.state.presentation.mirror else steps
+        share = min(max(model.state.presentation.wipe + steps, 0.0), 1.0)
+        model.set_part("presentation", gesture="wipe", wipe=share)
+        sliders.note_moved()
     if imgui.is_item_hovered() or imgui.is_item_active():
         imgui.set_mouse_cursor(imgui.MouseCursor_.resize_ew)
     if imgui.is_item_active() and pane[0] > 0:

@@ -18,7 +18,13 @@ if TYPE_CHECKING:
 
 NOTE_S = 12.0  #: for which a message shows; the tooltip lists the last ones
 #: The first of them show that find room.
-HINTS = ("H: all keys", "drag: turn", "wheel: zoom", "Ctrl+drag: move the lamp")
+HINTS = (
+    "Help > First steps",
+    "H: all keys",
+    "drag: turn",
+    "wheel: zoom",
+    "Ctrl+drag: move the lamp",
+)
 #: In one wording or another, the longest that finds room.
 CROWDED = (
     "Enlarge the window, or choose a smaller text size (View), to see the panels",

@@ -12,6 +12,7 @@ from imgui_bundle import imgui
 from relgloss_view.base.words import sentence_case
 from relgloss_view.picture.scene.look import QUALITIES
 from relgloss_view.viewer.drawing import camera
+from relgloss_view.viewer.shell import navigation
 from relgloss_view.viewer.state import matching
 from relgloss_view.viewer.state.state import (
     COMPARE_MODES,
@@ -27,6 +28,8 @@ from relgloss_view.viewer.state.state import (
 if TYPE_CHECKING:
     from relgloss_view.viewer.shell.app import App
 
+#: The windows of the menu Help.
+FIRST_STEPS, KEYS, MANUAL = "First steps", "Keys and mouse", "Manual"
 _KEY_NAMES = {"Esc": "escape"}
 TURN_LAMP = "Turn the lamp to the highlight"
 
@@ -54,18 +57,30 @@ class Action:
         names.append(_KEY_NAMES.get(key, f"_{key}" if key.isdigit() else key.lower()))
         return sum(int(getattr(imgui.Key, name)) for name in names)
 
+    @property
+    def is_letter(self) -> bool:
+        """Whether its key is a single letter or digit."""
+        return len(self.key) == 1
+
 
 def take_keys(app: App) -> None:
     """Do the actions of the keys that are pressed, unless a text is being typed."""
     app.flip_held = False
-    if imgui.get_io().want_text_input:
+    io = imgui.get_io()
+    app.menu_wanted = app.alt_key.tapped()
+    if io.want_text_input:
         return
-    if app.model.state.presentation.compare == FLIP:
-        app.flip_held = imgui.is_key_down(imgui.Key.space)
     alone = app.model.state.presentation.haploscopic
+    if app.model.state.presentation.compare == FLIP and (alone or not io.nav_visible):
+        # While the focus shows, Space presses the control that has it.
+        imgui.internal.set_key_owner(imgui.Key.space, imgui.get_id("flip by Space"))
+        app.flip_held = imgui.is_key_down(imgui.Key.space)
+    editing = navigation.typing()
     for action in ACTIONS:
         if alone and action.menu not in ("File", "Edit", "") and action.text not in _WHILE_ALONE:
             continue  # its effect would be invisible until the panels are back
+        if editing and action.is_letter:
+            continue  # it belongs to what is edited
         if action.chord and imgui.is_key_chord_pressed(action.chord) and action.possible(app):
             action.run(app)
 
@@ -144,12 +159,19 @@ def _hide(app: App) -> None:
 
 
 def _leave(app: App) -> None:
-    app.helping = False
+    app.help_window = ""
     app.model.set_part("presentation", haploscopic=False)
 
 
-def _help(app: App) -> None:
-    app.helping = not app.helping
+def _menu(app: App) -> None:
+    app.menu_wanted = True
+
+
+def _help(title: str) -> Callable[[App], object]:
+    def run(app: App) -> None:
+        app.help_window = "" if app.help_window == title else title
+
+    return run
 
 
 #: Actions of the menu View whose effect shows where there are only the two pictures.
@@ -254,15 +276,29 @@ ACTIONS: tuple[Action, ...] = (
         "shows only the two pictures; Esc or a right click leaves", on=_is_on("haploscopic"),
     ),
     Action(
-        "View", "Hide panels", "Tab", _hide, "hides all panels, or brings them back",
+        "View", "Hide panels", "F9", _hide, "hides all panels, or brings them back",
         on=lambda app: app.layout.hidden,
+    ),
+    Action(
+        "View", "Next panel", "F6", lambda app: navigation.next_panel(app, 1),
+        "gives the keyboard to the next panel",
+    ),
+    Action(
+        "View", "Previous panel", "Shift+F6", lambda app: navigation.next_panel(app, -1),
+        "gives the keyboard to the previous panel",
     ),
     Action(
         "View", "Reset panels", "", lambda app: app.layout.reset(),
         "arranges the panels as at the first start",
     ),
-    Action("Help", "Keys and mouse", "H", _help, "shows or hides this overview"),
+    Action(
+        "Help", FIRST_STEPS, "", _help(FIRST_STEPS),
+        "leads through a first pair: sample, gloss, light",
+    ),
+    Action("Help", KEYS, "H", _help(KEYS), "shows or hides the overview of all keys"),
+    Action("Help", MANUAL, "", _help(MANUAL), "shows where the manual is, and opens it"),
     Action("", "Leave haploscopic mode", "Esc", _leave, "goes back to the panels"),
+    Action("", "Open the menu", "F10", _menu, "gives the keyboard to the menu, as Alt does"),
 )  # fmt: skip
 
 #: The mouse in the pictures and the panels, for the overview.

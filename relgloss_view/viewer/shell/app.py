@@ -33,9 +33,18 @@ from relgloss_view.viewer.panels import (
     status,
 )
 from relgloss_view.viewer.plots.gloss_readings import GlossReadings
-from relgloss_view.viewer.shell import actions
+from relgloss_view.viewer.shell import actions, navigation, sliders
 from relgloss_view.viewer.shell.file_actions import FileActions
-from relgloss_view.viewer.shell.layout import BELOW, BELOW_RIGHT, RIGHT, Layout, Panel
+from relgloss_view.viewer.shell.layout import (
+    BELOW,
+    BELOW_RIGHT,
+    GLOSS,
+    LIGHT,
+    SAMPLE,
+    Layout,
+    Panel,
+)
+from relgloss_view.viewer.shell.navigation import AltKey
 from relgloss_view.viewer.shell.window import Window
 from relgloss_view.viewer.state import matching
 from relgloss_view.viewer.state.layout_file import WindowLayout, save_layout
@@ -59,14 +68,14 @@ class App:
         self.draft_scale = DraftScale()
         self.layout: Layout = Layout(
             [
-                Panel("Look", RIGHT, lambda: look.show(self.model)),
-                Panel("Scene", RIGHT, lambda: scene.show(self.model)),
-                Panel("Sample", RIGHT, lambda: sample.show(self.model, self.files)),
-                Panel("Lightness", BELOW, lambda: lightness.show(self.model)),
-                Panel("Reflection", BELOW, lambda: reflection.show(self.model)),
-                Panel("Fit", BELOW, lambda: fit.show(self.model)),
-                Panel("Gloss", BELOW, lambda: gloss.show(self.model, self._gloss_readings)),
-                Panel("Pixel", BELOW_RIGHT, lambda: pixel.show(self.model)),
+                Panel("Sample", SAMPLE, lambda: sample.show(self.model, self.files)),
+                Panel("Look", GLOSS, lambda: look.show(self.model)),
+                Panel("Gloss", GLOSS, lambda: gloss.show(self.model, self._gloss_readings)),
+                Panel("Scene", LIGHT, lambda: scene.show(self.model)),
+                Panel("Lightness", BELOW, lambda: lightness.show(self.model), at_first=False),
+                Panel("Reflection", BELOW, lambda: reflection.show(self.model), at_first=False),
+                Panel("Fit", BELOW, lambda: fit.show(self.model), at_first=False),
+                Panel("Pixel", BELOW_RIGHT, lambda: pixel.show(self.model), at_first=False),
             ]
         )
         self.pair_renderer: PairRenderer | None = None
@@ -75,7 +84,9 @@ class App:
         self.stage_origin = (0.0, 0.0)  #: upper left corner of their pane, pixels of the screen
         self.kept_layout = WindowLayout()
         self._layout_path: Path | None = None
-        self.helping = False  #: whether the overview of keys shows
+        self.alt_key = AltKey()
+        self.menu_wanted = False  #: whether the keyboard opens the menu in this frame
+        self.help_window = ""  #: title of the window of the menu Help that shows
         self._window: Window | None = None
         self._frame_began_s = 0.0
         self._lost = False
@@ -91,6 +102,7 @@ class App:
         self.pair_renderer = PairRenderer(ctx)
         self._window = window
         self.model.render_at = self._render_at
+        navigation.enable()
         if self.kept_layout.docking:
             imgui.load_ini_settings_from_memory(self.kept_layout.docking)
 
@@ -109,6 +121,7 @@ class App:
         self._note_hand()
         presentation = self.model.state.presentation
         if presentation.haploscopic:
+            imgui.set_nav_cursor_visible(False)
             self.layout.show_alone(self._show_stage)
         else:
             top = menu.show(self)
@@ -173,8 +186,9 @@ class App:
         """Take over the layout of the last run, and write this one's to a file when it changes."""
         self._layout_path, self.kept_layout = path, kept
         self.layout.hidden = kept.hidden
-        for panel in self.layout.panels:
-            panel.visible = panel.title not in kept.closed
+        if kept.closed is not None:
+            for panel in self.layout.panels:
+                panel.visible = panel.title not in kept.closed
 
     def save_layout(self) -> None:
         """Write the layout, if it is kept and has changed. Raises InputError."""
@@ -229,6 +243,8 @@ class App:
         model = self.model
         pressed = any(imgui.is_mouse_down(button) for button in range(3))
         active = imgui.is_any_item_active()
+        if sliders.take_moved():
+            model.hold()
         now_s = time.monotonic()
         if self._rested(now_s) and not active and not model.held:
             model.history.end_gesture()

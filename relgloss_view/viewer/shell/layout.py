@@ -11,7 +11,9 @@ from relgloss_view.viewer.shell.theme import em
 
 internal = imgui.internal
 
-RIGHT, BELOW, BELOW_RIGHT = "right", "below", "below right"
+#: The column of controls, from above: sample, gloss, light; and the strip of plots.
+SAMPLE, GLOSS, LIGHT, BELOW, BELOW_RIGHT = "sample", "gloss", "light", "below", "below right"
+CONTROLS = (SAMPLE, GLOSS, LIGHT)
 RIGHT_EM = 25.0  #: width of the column of controls
 BELOW_EM = 18.0  #: height of the strip of plots
 #: Of the window's width and height: the pictures stay the largest thing in it.
@@ -30,8 +32,16 @@ PIXEL_SHARE = 0.4  #: of the strip below
 APART_EM = 44.0  #: width of a strip with room for two groups of panels side by side
 #: Least widths and heights of docked panels, and what the pictures have beside them. Where a window
 #: is too small for both, the panels of that place don't show until it grows.
-LEAST_EM = {RIGHT: (16.0, 10.0), BELOW: (16.0, 8.0), BELOW_RIGHT: (12.0, 8.0)}
+LEAST_EM = {
+    **dict.fromkeys(CONTROLS, (16.0, 8.0)),
+    BELOW: (16.0, 8.0),
+    BELOW_RIGHT: (12.0, 8.0),
+}
 PICTURES_EM = (20.0, 9.0)
+SAMPLE_SHARE = 0.46  #: of the column of controls
+#: A column so high has three parts; in a lower one the light is a tab beside the gloss.
+THREE_PARTS_EM = 60.0
+THREE_SHARES = (0.36, 0.36)  #: of sample and gloss
 
 
 @dataclass
@@ -41,8 +51,12 @@ class Panel:
     title: str
     place: str
     show: Callable[[], None]
+    at_first: bool = True  #: whether it is open at the first start
     visible: bool = True
     docked: bool = False  #: whether it was in the dock space when it was last drawn
+
+    def __post_init__(self) -> None:
+        self.visible = self.at_first
 
 
 class Layout:
@@ -55,13 +69,14 @@ class Layout:
         self._new = True
         self._focus: list[str] = []
         self._roomless: set[str] = set()  #: places for whose panels the window is too small
+        self._entering = ""  #: the window that the keyboard is about to enter
 
     def reset(self) -> None:
-        """Show every panel in its first place."""
+        """Show the panels of the first start, each in its first place."""
         self.hidden = False
         self._arrange_again = True
         for panel in self.panels:
-            panel.visible = True
+            panel.visible = panel.at_first
 
     def focus(self, title: str) -> None:
         """Bring a panel to the front; a closed one opens."""
@@ -76,6 +91,19 @@ class Layout:
             any(p.visible and p.docked and p.place in self._roomless for p in self.panels)
             and not self.hidden
         )
+
+    def enter(self, title: str) -> None:
+        """Give a panel or the stage the keyboard, and show which of its controls has it."""
+        self._entering = title
+
+    def _enter(self, title: str) -> None:
+        """Call it within the window."""
+        if title != self._entering:
+            return
+        if imgui.is_window_focused(imgui.FocusedFlags_.root_and_child_windows):
+            internal.nav_init_window(internal.get_current_window(), False)
+            imgui.set_nav_cursor_visible(True)
+            self._entering = ""
 
     def show(self, stage: Callable[[], None], top_px: float, bottom_px: float) -> None:
         """Draw panels and stage between the menu bar and the status line."""
@@ -141,13 +169,16 @@ class Layout:
         return space
 
     def _arrange(self, space: int, size: ImVec2) -> None:
-        """The arrangement of the first start: controls on the right, plots below the pictures."""
+        """The arrangement of the first start: controls on the right, plots below the pictures.
+
+        Where no plot is open, the pictures have the place of the strip.
+        """
         internal.dock_builder_remove_node(space)
         internal.dock_builder_add_node(space, internal.DockNodeFlagsPrivate_.dock_space)
         internal.dock_builder_set_node_size(space, size)
         right = _share(em(RIGHT_EM), size.x, MOST_SHARE[0])
         split = internal.dock_builder_split_node(space, imgui.Dir.right, right)
-        nodes = {RIGHT: split.id_at_dir}
+        nodes = self._arrange_controls(split.id_at_dir, size.y)
         below = _share(em(BELOW_EM), size.y, MOST_SHARE[1])
         split = internal.dock_builder_split_node(split.id_at_opposite_dir, imgui.Dir.down, below)
         nodes |= {BELOW: split.id_at_dir, BELOW_RIGHT: split.id_at_dir}
@@ -158,16 +189,30 @@ class Layout:
             internal.dock_builder_dock_window(panel.title, nodes[panel.place])
         internal.dock_builder_finish(space)
         # The first panel of each place is the one that shows.
-        seen: set[str] = set()
+        seen: set[int] = set()
         for panel in self.panels:
-            if panel.place not in seen:
-                seen.add(panel.place)
+            if nodes[panel.place] not in seen:
+                seen.add(nodes[panel.place])
                 self._focus.append(panel.title)
 
+    def _arrange_controls(self, column: int, height: float) -> dict[str, int]:
+        """The parts of the column of controls, by place."""
+
+        def above(node: int, share: float) -> tuple[int, int]:
+            split = internal.dock_builder_split_node(node, imgui.Dir.up, share)
+            return split.id_at_dir, split.id_at_opposite_dir
+
+        if height < em(THREE_PARTS_EM):
+            sample, rest = above(column, SAMPLE_SHARE)
+            return {SAMPLE: sample, GLOSS: rest, LIGHT: rest}
+        sample, rest = above(column, THREE_SHARES[0])
+        gloss, light = above(rest, THREE_SHARES[1] / (1.0 - THREE_SHARES[0]))
+        return {SAMPLE: sample, GLOSS: gloss, LIGHT: light}
+
     def _show_panel(self, panel: Panel) -> None:
-        if panel.title in self._focus:
+        if panel.title in self._focus or panel.title == self._entering:
             imgui.set_next_window_focus()
-            self._focus.remove(panel.title)
+            self._focus = [title for title in self._focus if title != panel.title]
         imgui.set_next_window_size(ImVec2(em(26.0), em(20.0)), imgui.Cond_.first_use_ever)
         flags = imgui.WindowFlags_.no_collapse
         if panel.docked:  # the window's own colour is the panels'
@@ -177,6 +222,7 @@ class Layout:
         if panel.docked:
             _hold_size(LEAST_EM[panel.place])
         if opened:
+            self._enter(panel.title)
             panel.show()
         imgui.end()
         panel.visible = bool(stays)
@@ -186,8 +232,11 @@ class Layout:
         imgui.set_next_window_size(size)
         for variable in (imgui.StyleVar_.window_padding, imgui.StyleVar_.window_min_size):
             imgui.push_style_var(variable, ImVec2(0.0, 0.0))
+        if self._entering == STAGE:
+            imgui.set_next_window_focus()
         imgui.begin(STAGE, None, _STAGE_FLAGS)
         imgui.pop_style_var(2)
+        self._enter(STAGE)
         stage()
         imgui.end()
 
@@ -195,8 +244,9 @@ class Layout:
 def _roomless(size: ImVec2) -> set[str]:
     """The places whose panels and the pictures don't both fit into a window of so many pixels."""
     lost = set()
-    if size.x < em(LEAST_EM[RIGHT][0] + PICTURES_EM[0]) or size.y < em(LEAST_EM[RIGHT][1]):
-        lost.add(RIGHT)
+    wide, tall = LEAST_EM[SAMPLE]
+    if size.x < em(wide + PICTURES_EM[0]) or size.y < em(2.0 * tall):
+        lost |= {*CONTROLS}
     if size.y < em(LEAST_EM[BELOW][1] + PICTURES_EM[1]) or size.x < em(LEAST_EM[BELOW][0]):
         lost |= {BELOW, BELOW_RIGHT}
     return lost

@@ -158,6 +158,6 @@ _COLOURS = {
     "text_selected_bg": gray(GRAB, 0.5),
     "text_link": gray(TEXT),
     "drag_drop_target": gray(TEXT),
-    "nav_cursor": gray(GRAB),
+    "nav_cursor": gray(1.0),
     "modal_window_dim_bg": gray(0.0, 0.45),
 }

@@ -1,7 +1,7 @@
 """Controls made from declared parameters: label, range, unit, default and meaning of their fields.
 
-Ctrl+click types a value, a double click resets it, a tooltip explains it. Each returns whether the
-user changed it, and the value. The id of a control is its label with `##` before it.
+The keyboard moves them as the mouse does (see sliders.py); a tooltip explains them. Each returns
+whether the user changed it, and the value. The id of a control is its label with `##` before it.
 """
 
 from __future__ import annotations
@@ -12,18 +12,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from imgui_bundle import imgui
+from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.base.parameters import Range
 from relgloss_view.base.words import sentence_case
+from relgloss_view.viewer.shell import sliders
+from relgloss_view.viewer.shell.sliders import HOW
 from relgloss_view.viewer.shell.theme import em, gray
 
 LABEL_EM = 11.6  #: width of the column of labels
+TOOLTIP_EM, TOOLTIP_GAP_EM = 26.0, 0.4  #: width of its words at most; from the item to it
+WIDEST_RANGE = 1e6  #: a wider one is no help
 CONTROL_EM = 7.0  #: a panel without this much room beside its labels has them above the controls
-HOW = "Ctrl+click to type a value, double-click to reset it."
-
-#: The control that a double click has just reset; it ignores the hand until that lets go.
-_reset_id = 0
 _label_em = LABEL_EM
 
 
@@ -32,13 +32,40 @@ def declared(owner: type, name: str) -> dataclasses.Field[Any]:
     return next(f for f in dataclasses.fields(owner) if f.name == name)
 
 
-def tooltip(text: str) -> None:
-    """Explain the item before this call, after the mouse has rested on it."""
-    if imgui.begin_item_tooltip():
-        imgui.push_text_wrap_pos(em(24))
+def tooltip(text: str, *, beside: bool = False) -> None:
+    """Explain the item before this call, after the mouse has rested on it, or the focus.
+
+    The words stand below the item, or above it where there is no room, and not while a hand moves
+    it. beside: to the left or right of its window instead, for the rows of a list.
+    """
+    flags = imgui.HoveredFlags_
+    if imgui.is_item_active() or not imgui.is_item_hovered(flags.for_tooltip | flags.delay_normal):
+        return
+    words = imgui.calc_text_size(text, wrap_width=em(TOOLTIP_EM))
+    padding = imgui.get_style().window_padding
+    size = ImVec2(words.x + 2.0 * padding.x, words.y + 2.0 * padding.y)
+    imgui.set_next_window_pos(_tooltip_place(size, beside=beside))
+    if imgui.begin_tooltip():
+        imgui.push_text_wrap_pos(padding.x + em(TOOLTIP_EM))
         imgui.text_unformatted(text)
         imgui.pop_text_wrap_pos()
         imgui.end_tooltip()
+
+
+def _tooltip_place(size: ImVec2, *, beside: bool) -> ImVec2:
+    """The upper left corner of a tooltip of a size, within the program's window."""
+    low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+    viewport, gap = imgui.get_main_viewport(), em(TOOLTIP_GAP_EM)
+    right, bottom = viewport.pos.x + viewport.size.x, viewport.pos.y + viewport.size.y
+    if beside:
+        window, width = imgui.get_window_pos().x, imgui.get_window_size().x
+        x, y = window + width + gap, low.y
+        x = x if x + size.x <= right else window - gap - size.x
+    else:
+        x, y = low.x, high.y + gap
+        y = y if y + size.y <= bottom else low.y - gap - size.y
+    x, y = min(x, right - size.x), min(y, bottom - size.y)
+    return ImVec2(max(x, viewport.pos.x), max(y, viewport.pos.y))
 
 
 def quiet(text: str) -> None:
@@ -117,31 +144,19 @@ def slider(
     whole = field.metadata.get("whole", False)
     if whole:
         ends = int(low), min(int(high), 2**30)
-        changed, whole_number = imgui.slider_int(f"##{text}", int(value), *ends, f"%d{unit}", flags)
+        changed, whole_number = sliders.int_slider(
+            f"##{text}", int(value), *ends, f"%d{unit}", int(flags)
+        )
         number = float(whole_number)
     else:
         written = f"{reach.digits}{unit}"
-        changed, number = imgui.slider_float(f"##{text}", value, low, high, written, flags)
-    resetting = reset_by_double_click()
-    tooltip(_meaning(allowed, start))
+        changed, number = sliders.float_slider(f"##{text}", value, low, high, written, int(flags))
+    resetting = sliders.resetting()
+    tooltip(_meaning(allowed, start, text, (low, high)))
     if resetting and start is not None:
         return value != start, start
     bounded = min(max(number, allowed.low), allowed.high)
     return changed and bounded != value, int(bounded) if whole else bounded
-
-
-def reset_by_double_click() -> bool:
-    """Whether a double click on the last item asks for its default; so until the hand lets go."""
-    global _reset_id
-    item = imgui.get_item_id()
-    if imgui.is_item_hovered() and imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
-        _reset_id = item
-    if _reset_id == item and not imgui.is_item_active():
-        resetting = imgui.is_mouse_down(imgui.MouseButton_.left)
-        if not resetting:
-            _reset_id = 0
-        return resetting
-    return _reset_id == item
 
 
 def combo(
@@ -237,9 +252,20 @@ def sentence(text: str) -> str:
     return sentence_case(text) + ("" if text.endswith((".", "?", "!")) else ".")
 
 
-def _meaning(allowed: Range, default: float | None) -> str:
+def _meaning(allowed: Range, default: float | None, label: str, reach: tuple[float, float]) -> str:
+    """The words of a slider's tooltip, without its label and what the slider shows by itself.
+
+    reach: the ends of the slider; typing reaches the whole of the allowed range.
+    """
+    name = label.partition(" (")[0]
+    meaning = allowed.meaning.strip()
+    before, colon, after = meaning.partition(": ")
+    if colon and before.casefold() == name.casefold():
+        meaning = after
     unit = f" {allowed.unit}" if allowed.unit else ""
-    text = f"{sentence(allowed.meaning)}\n{allowed.low:.10g} to {allowed.high:.10g}{unit}"
+    facts = []
+    if (allowed.low, allowed.high) != reach and allowed.high <= WIDEST_RANGE:
+        facts.append(f"Typed values: {allowed.low:.6g} to {allowed.high:.6g}{unit}.")
     if default is not None:
-        text += f"; default {default:g}{unit}"
-    return f"{text}.\n{HOW}"
+        facts.append(f"Default: {default:.4g}{unit}.")
+    return "\n".join(part for part in (sentence(meaning), " ".join(facts), HOW) if part)

@@ -22,7 +22,7 @@ class WindowLayout:
 
     size: tuple[int, int] = DEFAULT_SIZE
     font_scale: float = 1.0
-    closed: tuple[str, ...] = ()  #: titles of panels that don't show
+    closed: tuple[str, ...] | None = None  #: titles of panels that don't show; None as at first
     hidden: bool = False
     docking: str = ""
 
@@ -36,12 +36,11 @@ def load_layout(path: str | os.PathLike[str]) -> WindowLayout:
     standard = WindowLayout()
     size = content.get("size")
     scale = content.get("font_scale")
-    closed = content.get("closed")
     docking = content.get("docking")
     return WindowLayout(
         size=(size[0], size[1]) if size is not None and _is_size(size) else standard.size,
         font_scale=float(scale) if scale in FONT_SCALES else 1.0,
-        closed=tuple(t for t in closed if isinstance(t, str)) if isinstance(closed, list) else (),
+        closed=_titles(content.get("closed")),
         hidden=content.get("hidden") is True,
         docking=docking if isinstance(docking, str) else "",
     )
@@ -52,11 +51,20 @@ def save_layout(path: str | os.PathLike[str], layout: WindowLayout) -> None:
     content: dict[str, Any] = {
         "size": list(layout.size),
         "font_scale": layout.font_scale,
-        "closed": list(layout.closed),
         "hidden": layout.hidden,
         "docking": layout.docking,
     }
+    if layout.closed is not None:
+        content["closed"] = list(layout.closed)
     write_toml(path, content)
+
+
+def _titles(value: object) -> tuple[str, ...] | None:
+    """The titles in a list, which may be empty; None for whatever has no title in it."""
+    if not isinstance(value, list):
+        return None
+    titles = tuple(title for title in value if isinstance(title, str))
+    return titles if titles or not value else None
 
 
 def _is_size(value: object) -> bool:
