@@ -160,8 +160,8 @@ def panel_of(pixels):
 
 def pictures_of(pixels):
     """Where both pictures stand in a small window, captions included: reference, test."""
-    pane = pixels[24:180, :300]
-    return pane[:, :140], pane[:, 160:]
+    pane = pixels[24:180]
+    return pane[:, :228], pane[:, 252:]
 
 
 @pytest.fixture(scope="module")

@@ -90,8 +90,9 @@ def read(sizes):
     for draw_list in draw_data.cmd_lists:
         name = draw_list._owner_name or ""
         window = imgui.internal.find_window_by_name(name)
-        # Words in a child reach to its edge; what would reach further makes it wider.
+        # Words in a child or a page reach to its edge; what would reach further makes it wider.
         child = window is not None and bool(window.flags & imgui.WindowFlags_.child_window)
+        flush = child or name == "##page"
         root = window.root_window.name if window is not None else name
         down = window is not None and _scrolls(window)
         if window is not None and name not in seen:
@@ -107,7 +108,7 @@ def read(sizes):
             whole = name.startswith(("##dock", "##MainMenuBar"))
             if window.scroll_max.y > 0.5 * max(sizes) and flags & bar and not whole:
                 hidden.append(name)
-        texts += _texts_of(draw_list, glyphs, name, root, down=down, child=child)
+        texts += _texts_of(draw_list, glyphs, name, root, down=down, flush=flush)
     size = (draw_data.display_size.x, draw_data.display_size.y)
     return Screen(texts, wider, hidden, size)
 
@@ -199,7 +200,7 @@ def _array(buffer, kind):
 _VERTEX = np.dtype([("pos", "<f4", 2), ("uv", "<f4", 2), ("ink", "<u4")])
 
 
-def _texts_of(draw_list, glyphs, name, root, *, down, child):
+def _texts_of(draw_list, glyphs, name, root, *, down, flush):
     from imgui_bundle import imgui
 
     vertices = _array(draw_list.vtx_buffer, _VERTEX)
@@ -245,7 +246,7 @@ def _texts_of(draw_list, glyphs, name, root, *, down, child):
             box = (x0, y0, x1, y1)
             cut |= {"x"} if x0 < clip[0] - SLACK_PX or x1 > clip[2] + SLACK_PX else set()
             cut |= {"y"} if y0 < clip[1] - SLACK_PX or y1 > clip[3] + SLACK_PX else set()
-            near = upright and not child and clip[2] - EDGE_EM * size < x1
+            near = upright and not flush and clip[2] - EDGE_EM * size < x1
             cut |= {"x"} if near else set()
             if down:
                 cut.discard("y")
