@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from relgloss_view.base.errors import InputError as InputError
     from relgloss_view.base.errors import RelglossError as RelglossError
     from relgloss_view.fitting import fit_material as fit_material
+    from relgloss_view.gloss.match import Reference as Reference
+    from relgloss_view.gloss.match import matched as matched
     from relgloss_view.gloss.meter.meter import gloss_readings as gloss_readings
     from relgloss_view.material.files import load_material as load_material
     from relgloss_view.material.files import save_material as save_material
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
     from relgloss_view.picture.frame import Frame as Frame
     from relgloss_view.picture.output.export import save_frame as save_frame
     from relgloss_view.picture.scene.look import Look as Look
+    from relgloss_view.picture.scene.match import Match as Match
     from relgloss_view.picture.scene.sample import SAMPLES as SAMPLES
     from relgloss_view.picture.scene.sample import Sample as Sample
     from relgloss_view.picture.scene.sample import load_sample as load_sample
@@ -46,6 +49,7 @@ _HOMES = {
     "base.errors": ("GLUnavailableError", "InputError", "RelglossError"),
     "material.files": ("load_material", "save_material"),
     "fitting": ("fit_material",),
+    "gloss.match": ("Reference", "matched"),
     "gloss.meter.meter": ("gloss_readings",),
     "material.material": ("Material",),
     "measure.readers": ("read_measurement",),
@@ -56,6 +60,7 @@ _HOMES = {
     "picture.frame": ("Frame",),
     "picture.scene.sample": ("SAMPLES", "Sample", "load_sample"),
     "picture.scene.look": ("Look",),
+    "picture.scene.match": ("Match",),
     "picture.scene.scene": ("Scene",),
     "picture.scene.scene_file": ("load_scene",),
     "picture.scene.setting": ("Setting",),

@@ -129,6 +129,11 @@ def run(args: argparse.Namespace) -> int:
     if args.json:
         print(json.dumps({"outputs": args.output, "size": list(size), **as_numbers(comparison)}))
         return 0
+    if comparison.refused:
+        warn(
+            f"{', '.join(comparison.refused)}: no highlight is seen in this view, so it is not "
+            "ranked; turn the lamp"
+        )
     for text in dict.fromkeys(_warnings(comparison)):
         warn(text)
     print(_tables(comparison))

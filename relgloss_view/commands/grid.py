@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Progress
 from relgloss_view.base.version import __version__
 from relgloss_view.base.writing import whole_folder
+from relgloss_view.commands.matched import add_reference_option, reference_look
 from relgloss_view.commands.operator_options import (
     add_operator_options,
     displayed_by,
@@ -28,6 +30,7 @@ from relgloss_view.commands.scene_options import (
 from relgloss_view.picture.scene.setting import Setting
 
 if TYPE_CHECKING:
+    from relgloss_view.gloss.match import Reference
     from relgloss_view.operators.operator import Operator
     from relgloss_view.picture.output.writers import Writers
     from relgloss_view.picture.scene.look import Look
@@ -35,6 +38,7 @@ if TYPE_CHECKING:
     from relgloss_view.quality.backends import FrameRenderer
 
 THUMBNAIL_PX = 200
+NEAR_MATCH = 2.0  #: a stimulus within this factor of the matched c may be marked
 CAPTION_PX = 150  #: width of a picture that has room for c in its caption
 FORMAT, VERSION = "relgloss-grid", 1
 MANIFEST, SHEET = "manifest.json", "contact-sheet.png"
@@ -57,6 +61,7 @@ def add(commands: Any) -> None:
         help="Folder for the pictures, the contact sheet and the manifest",
     )
     add_scene_options(parser, tuned=False)
+    add_reference_option(parser)
     add_operator_options(parser)
     parser.add_argument("--json", action="store_true", help="Print the manifest as JSON")
     parser.set_defaults(run=run)
@@ -64,12 +69,14 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Draw all stimuli beside the folder, and move them in when the last is done."""
+    from relgloss_view.gloss.match import Reference
     from relgloss_view.picture.output.writers import Writers
     from relgloss_view.quality.backends import open_renderer
 
     folder = own_folder(args.output, {MANIFEST: FORMAT}, "grid")
     operator = operator_from(args)
     scene, look, size = scene_from(args)
+    reference = Reference.of(reference_look(args, look)) if operator.uses_c else None
     with (
         open_renderer(args.backend) as renderer,
         Progress("grid") as progress,
@@ -77,7 +84,7 @@ def run(args: argparse.Namespace) -> int:
         Writers() as writers,
     ):
         by = renderer, writers, operator
-        manifest = _draw(args, temporary, by, scene, look, size, progress)
+        manifest = _draw(args, temporary, by, scene, look, size, reference, progress)
     count = len(manifest["stimuli"])
     summary = f"{printable(folder)}: {count} stimuli, {SHEET} and {MANIFEST}"
     print(json.dumps(manifest) if args.json else summary)
@@ -91,10 +98,12 @@ def _draw(
     scene: Scene,
     look: Look,
     size: tuple[int, int],
+    reference: Reference | None,
     progress: Progress,
 ) -> dict[str, Any]:
     """Draw pictures, contact sheet and manifest into a folder; returns the manifest."""
     from relgloss_view.experiment.design.grid import C_SIXTHS, SIGMA_N_DEG
+    from relgloss_view.gloss.match import matched_point
     from relgloss_view.picture.output.contact_sheet import contact_sheet, thumbnail
     from relgloss_view.picture.output.parameters import parameters
     from relgloss_view.picture.output.png import save_rgb
@@ -106,6 +115,9 @@ def _draw(
     rows: list[list[Bytes]] = []
     captions: list[list[str]] = []
     for sigma_n_deg in SIGMA_N_DEG:
+        matched_c = None
+        if reference is not None:
+            matched_c = matched_point(reference, scene.material, sigma_n_deg).c
         rows.append([])
         captions.append([])
         for sixths in scales:
@@ -118,13 +130,17 @@ def _draw(
             command = _command(args, sigma_n_deg, sixths, name)
             writers.save(frame, folder / name, command, displayed)
             numbers = parameters(frame, displayed)
-            stimuli.append({"file": name, "c_sixths": sixths, **_varying(numbers)})
+            of_match = frame.c / matched_c if matched_c else None
+            stimuli.append(
+                {"file": name, "c_sixths": sixths, **_varying(numbers), "of_match": of_match}
+            )
             rows[-1].append(thumbnail(frame, THUMBNAIL_PX, displayed))
             # A narrow picture has no room for more.
             room = rows[0][0].shape[1] >= CAPTION_PX
             absolute = f", c {frame.c:.3g}" if room else ""
             scale = f", {sixths}/6{absolute}" if sixths else ""
             captions[-1].append(f"{sigma_n_deg:.1f} deg{scale}")
+        _mark_matched(captions[-1], stimuli[-len(scales) :])
     title = printable(scene.material.name, 60)
     if operator.uses_c:
         title += f": sigma_N down, c / c_max across{_c_max(stimuli)}"
@@ -132,6 +148,9 @@ def _draw(
         rows, captions = [[row[0] for row in rows]], [[texts[0] for texts in captions]]
         title += f", {operator.name}: sigma_N across"
     note = "synthetic sample" if scene.material.synthetic else ""
+    if reference is not None and any(s["of_match"] for s in stimuli):
+        note += ". " if note else ""
+        note += f"> <: nearest to the gloss that is matched to {reference.sample.label}"
     save_rgb(
         contact_sheet(rows, captions, title, note),
         folder / SHEET,
@@ -143,11 +162,20 @@ def _draw(
         "version": VERSION,
         "relgloss_version": __version__,
         **same,
+        "reference": None if reference is None else reference.sample.label,
         "stimuli": stimuli,
     }
     text = json.dumps(manifest, indent=1) + "\n"
     (folder / MANIFEST).write_text(text, encoding="utf-8")
     return manifest
+
+
+def _mark_matched(captions: list[str], stimuli: list[dict[str, Any]]) -> None:
+    """Mark the caption of the stimulus nearest to the matched gloss, in ratio."""
+    distances = [abs(math.log(s["of_match"])) if s["of_match"] else math.inf for s in stimuli]
+    nearest = min(range(len(stimuli)), key=distances.__getitem__)
+    if distances[nearest] < math.log(NEAR_MATCH):
+        captions[nearest] = f"> {captions[nearest]} <"
 
 
 def _c_max(stimuli: list[dict[str, Any]]) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, table
+from relgloss_view.commands.matched import add_reference_option, matched_picture
 from relgloss_view.commands.scene_options import add_scene_options, scene_from
 
 if TYPE_CHECKING:
@@ -35,9 +36,10 @@ def add(commands: Any) -> None:
         description="Choose for each stage the cheapest way of drawing whose error on this scene "
         "is within a tolerance, as `--quality auto` does. Errors are CIEDE2000 differences from "
         "the whole model, measured on a thousand pixels of the picture.",
-        epilog="example: relgloss plan --sample uncoated --set lamp.azimuth_deg=110 --matched",
+        epilog="example: relgloss plan --sample uncoated --set lamp.azimuth_deg=110",
     )
     add_scene_options(parser)
+    add_reference_option(parser)
     parser.add_argument(
         "--p95", metavar="DE", type=float, help="Largest 95th percentile of the error (default 0.5)"
     )
@@ -53,6 +55,8 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.quality.planner import Tolerance, advise
 
     scene, look, size = scene_from(args)
+    picture = matched_picture(args, scene, look)
+    look = look if picture is None else picture.look
     limits = {"p95": args.p95, "largest": args.largest}
     tolerance = Tolerance(**{name: value for name, value in limits.items() if value is not None})
     advice = advise(scene, look, size, tolerance)

@@ -14,6 +14,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.terminal import ProgressReport, no_progress
+from relgloss_view.gloss.pose import pose_of
 from relgloss_view.gloss.samples import DEFAULT_GLOSS, SampleLook, computed_gloss
 from relgloss_view.gloss.shown import ORDER_TIE_LSTAR, Measures, agreement, measure, ranks
 from relgloss_view.operators.operator import Operator
@@ -100,6 +101,7 @@ class Comparison:
     real_ranks: Mapping[str, int]  #: of the materials by label, 0 the glossiest
     srgb: bool  #: whether the display, and so the pictures, are sRGB
     factor: float = 1.0  #: of all matched c in this view, so that none clips
+    refused: tuple[str, ...] = ()  #: labels of samples without a highlight here: not ranked
 
 
 def compare(
@@ -137,14 +139,38 @@ def compare(
         cells.append(by_operator)
     labels = [sample.label for sample in samples]
     real = {d.sample.label: d.gloss[gloss] or 0.0 for d in drawn}
+    refused = _without_highlight(samples, scene)
+    ranked = {label: reading for label, reading in real.items() if label not in refused}
     rows = []
     for n, operator in enumerate(operators):
         of_operator = {
             label: by_operator[n] for label, by_operator in zip(labels, cells, strict=True)
         }
-        orders = {name: gloss_order(name, of_operator, real) for name in ORDERED_BY}
+        orders = {name: gloss_order(name, of_operator, ranked) for name in ORDERED_BY}
         rows.append(OperatorRow(operator, of_operator, orders))
-    return Comparison(tuple(drawn), tuple(rows), gloss, ranks(real), is_srgb(scene.display), factor)
+    return Comparison(
+        tuple(drawn),
+        tuple(rows),
+        gloss,
+        ranks(real),
+        is_srgb(scene.display),
+        factor,
+        refused,
+    )
+
+
+def _without_highlight(samples: Sequence[SampleLook], scene: Scene) -> tuple[str, ...]:
+    """Labels of glossy samples whose highlight lies beside the object in this view.
+
+    A sample without a lobe has no highlight anywhere, and is ranked as what it is.
+    """
+    pose = pose_of(scene.setup)
+    return tuple(
+        sample.label
+        for sample in samples
+        if sample.material.visible_lobes()
+        and pose.peak(sample.material, sample.look.sigma_n_deg) is None
+    )
 
 
 def factor_in_view(
@@ -174,7 +200,7 @@ def _bounds(frame: Frame) -> tuple[slice, slice]:
 
 def gloss_order(name: str, cells: Mapping[str, Cell], real: Mapping[str, float]) -> GlossOrder:
     """The order by a measure of ORDERED_BY, and its agreement with that of the real materials."""
-    values = {label: getattr(cell.measures, name) for label, cell in cells.items()}
+    values = {label: getattr(cells[label].measures, name) for label in real}
     return order_of(values, real, ORDER_TIE_LSTAR)
 
 
@@ -204,6 +230,7 @@ def as_numbers(comparison: Comparison) -> dict[str, Any]:
     return {
         "gloss": comparison.gloss,
         "factor": comparison.factor,
+        "refused": list(comparison.refused),
         "samples": [
             {
                 "label": d.sample.label,

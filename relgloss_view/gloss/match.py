@@ -70,7 +70,12 @@ def gloss_of(material: Material, gloss: str = DEFAULT_GLOSS) -> float:
 
 @dataclass(frozen=True)
 class Reference:
-    """The reference of a match: its setting, and how bright its highlight is in each pose."""
+    """The reference of a match: its setting, and how bright its highlight is in each pose.
+
+    >>> reference = Reference.default()
+    >>> reference.sample.label, round(reference.c, 3), len(reference.setups)
+    ('cast-coated', 0.14, 4)
+    """
 
     sample: SampleLook
     c: float
@@ -185,7 +190,14 @@ def matched_point(reference: Reference, material: Material, sigma_n_deg: float) 
 
 
 def matched(reference: Reference, material: Material, sigma_n_deg: float) -> Match:
-    """The match of a pair; without a highlight on either side both have the reference's c."""
+    """The match of a pair; without a highlight on either side both have the reference's c.
+
+    sigma_n_deg: graininess of the test picture, degrees.
+
+    >>> match = matched(Reference.default(), load_sample("uncoated"), 2.0)
+    >>> round(match.test_c, 2), round(match.ratio, 1)
+    (0.35, 2.5)
+    """
     point = matched_point(reference, material, sigma_n_deg)
     return Match(
         reference_c=reference.c,

@@ -23,6 +23,7 @@ HIGHLIGHT_LSTAR = 1.0  #: a highlight adds at least this much to L*, the body at
 HIGHLIGHT_GRAINS = 2.0  #: sd of the mean over grains by which highlight and body are parted
 LIT_LSTAR = 1.0  #: below this L_d* there is no body colour to speak of
 EYE_SD_DEG = 1.0 / 30.0  #: two arc minutes, a little more than the eye blurs
+COVERING_LSTAR = 0.1  #: a peak contrast below this is no highlight that could cover anything
 EDGE_GRAINS = 4.0  #: sd of the mean over grains that leaves edges; see tests/gloss/test_measures.py
 BLUR_REACH = 3.0  #: standard deviations of a filter that must lie on the object
 ORDER_TIE_LSTAR = 1.0  #: contrast glosses this close are a tie
@@ -179,8 +180,8 @@ def coverage(lightness: Array, regions: Regions) -> float | None:
     from scipy.ndimage import gaussian_filter
 
     contrast = peak_contrast(lightness, regions)
-    if contrast is None:
-        return None
+    if contrast is None or contrast < COVERING_LSTAR:
+        return None if contrast is None else 0.0
     blurred = gaussian_filter(lightness, EYE_SD_DEG * regions.pixels_per_degree, mode="nearest")
     flank = float(np.median(lightness[regions.whole])) + 0.5 * contrast
     return float(np.mean(blurred[regions.whole] >= flank))

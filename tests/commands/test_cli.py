@@ -300,7 +300,10 @@ class TestFit:
 
 class TestGrid:
     def test_stimuli_sheet_and_manifest(self, capsys, tmp_path):
-        folder = tmp_path / "stimuli"
+        from relgloss_view.gloss.match import Reference, matched_point
+        from relgloss_view.picture.scene.sample import load_sample
+
+        folder, art = tmp_path / "stimuli", load_sample("art-coated")
         words = ("grid", "--sample", "art-coated", "--size", "40x40", "-o", folder)
         assert run(capsys, *words)[0] == 0
         manifest = json.loads((folder / "manifest.json").read_text())
@@ -308,6 +311,9 @@ class TestGrid:
         assert {s["sigma_n_deg"] for s in manifest["stimuli"]} == {0, 0.5, 1, 1.5, 2, 2.5, 3}
         for stimulus in manifest["stimuli"]:
             assert stimulus["c"] == pytest.approx(stimulus["c_sixths"] / 6 * stimulus["c_max"])
+            wanted = matched_point(Reference.default(), art, stimulus["sigma_n_deg"]).c
+            assert stimulus["of_match"] == pytest.approx(stimulus["c"] / wanted)
+        assert manifest["reference"] == "cast-coated"
         assert len(list(folder.glob("sigma_*.png"))) == 42
         assert len(list(folder.iterdir())) == 44
         assert (manifest["format"], manifest["version"]) == ("relgloss-grid", 1)

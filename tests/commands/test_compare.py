@@ -15,9 +15,17 @@ from materials import paper
 from PIL import Image
 from test_cli import refused, run
 
+from relgloss_view.gloss.match import Reference, matched_point
+from relgloss_view.gloss.samples import SampleLook
 from relgloss_view.material.files import save_material
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.sample import SAMPLES, load_sample
 
 SMALL = ("--size", "64x64")
+
+
+def published(name):
+    return SampleLook(name, load_sample(name), Look().at(SAMPLES[name]))
 
 
 def sheet_pixels(path):
@@ -49,11 +57,14 @@ class Page(HTMLParser):
 
 def test_papers_by_default(capsys, tmp_path):
     png, page = tmp_path / "a.png", tmp_path / "a.html"
-    status, out, err = run(capsys, "compare", *SMALL, "-o", png, "-o", page)
+    # Large enough that the narrow highlight of cast-coated is not lost between pixels.
+    large = ("--size", "256x256")
+    status, out, err = run(capsys, "compare", *large, "-o", png, "-o", page)
     assert status == 0
     for words in ("cast-coated", "uncoated", "split", "clip", "multiscale", "order kept", "drifts"):
         assert words in out
-    assert "uncoated, split: c = 1.0" in err
+    assert "all samples: matched to cast-coated" in out
+    assert "c = 1.0" not in err
     shown = Page(page.read_text(encoding="utf-8"))
     assert len(shown.images) == 12
     assert all(image["src"].startswith("data:image/png;base64,") for image in shown.images)
@@ -78,17 +89,48 @@ def test_materials_settings_and_parameters(capsys, tmp_path):
     assert [s["label"] for s in found["samples"]] == ["art-coated", "mine=1", "mine=1 (2)"]
     assert [s["sigma_n_deg"] for s in found["samples"]] == [0.0, 1.5, 0.0]
     assert found["samples"][1]["c"] == pytest.approx(found["samples"][1]["c_max"] / 3)
-    assert found["samples"][2]["c"] == pytest.approx(found["samples"][2]["c_max"])
+    wanted = matched_point(Reference.of(published("cast-coated"), "gloss-60"), paper("matte"), 0.0)
+    assert found["samples"][2]["c"] == pytest.approx(found["factor"] * wanted.c)
     assert [o["parameters"].get("local") for o in found["operators"]] == [None, 0, 0.5]
     assert found["gloss"] == "gloss-60"
     assert found["samples"][0]["rank"] == 0
 
 
-def test_a_file_without_a_setting_is_a_warning(capsys, tmp_path):
-    save_material(paper("matte"), tmp_path / "mine.json")
-    words = ("art-coated", tmp_path / "mine.json", *SMALL, "--operators", "split")
-    err = run(capsys, "compare", *words, "-o", tmp_path / "a.png")[2]
-    assert "mine: without a setting it is drawn at sigma_N 0 and c_max" in err
+def test_a_file_is_matched_and_not_at_c_max(capsys, tmp_path):
+    """A matte paper between two glossier ones keeps its place, whatever its own c_max."""
+    save_material(paper("uncoated"), tmp_path / "mine.json")
+    words = ("cast-coated", "art-coated", tmp_path / "mine.json", "--size", "256x256", "--json")
+    out = run(capsys, "compare", *words, "--operators", "split", "-o", tmp_path / "a.png")[1]
+    found = json.loads(out)
+    assert found["operators"][0]["orders"]["peak_contrast"]["verdict"] == "kept"
+    mine = found["samples"][2]
+    assert mine["c"] < 0.2 * mine["c_max"]
+    # The control: what c = c_max shows, asked for by name.
+    words = (*words[:2], f"{words[2]}=0,1", *words[3:])
+    out = run(capsys, "compare", *words, "--operators", "split", "-o", tmp_path / "a.png")[1]
+    found = json.loads(out)
+    assert found["operators"][0]["orders"]["peak_contrast"]["verdict"] != "kept"
+
+
+def test_one_factor_scales_all_that_are_matched(capsys, tmp_path):
+    words = (
+        "cast-coated",
+        "matte-coated=2,0.5",
+        "uncoated",
+        *SMALL,
+        "--json",
+        "--operators",
+        "split",
+    )
+    aside = ("--set", "lamp.azimuth_deg=120", "--size", "256x256")
+    found = json.loads(run(capsys, "compare", *words, *aside, "-o", tmp_path / "a.png")[1])
+    assert found["factor"] < 1.0
+    reference = Reference.default()
+    cast, matte, uncoated = (sample["c"] for sample in found["samples"])
+    assert cast == pytest.approx(found["factor"] * reference.c)
+    wanted = matched_point(reference, load_sample("uncoated"), 2.0).c
+    assert uncoated == pytest.approx(found["factor"] * wanted)
+    assert matte == pytest.approx(0.5 * found["samples"][1]["c_max"])
 
 
 def test_the_profile_is_srgbs_where_the_display_is(capsys, tmp_path):
@@ -130,3 +172,13 @@ def test_refused(capsys, tmp_path, monkeypatch, words, place):
 
 def test_no_output_is_wrong_usage(capsys, tmp_path):
     refused(capsys, tmp_path, "compare", status=2)
+
+
+def test_a_view_without_highlights_ranks_nothing(capsys, tmp_path):
+    words = ("compare", *SMALL, "--operators", "split", "--set", "shape.kind=plane", "--json")
+    found = json.loads(run(capsys, *words, "-o", tmp_path / "a.png")[1])
+    assert found["refused"] == ["cast-coated", "art-coated", "matte-coated", "uncoated"]
+    orders = found["operators"][0]["orders"].values()
+    assert {order["verdict"] for order in orders} == {"none"}
+    err = run(capsys, *words[:-1], "-o", tmp_path / "a.png")[2]
+    assert "not ranked; turn the lamp" in err

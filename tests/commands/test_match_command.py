@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 
 import pytest
@@ -50,9 +51,11 @@ def test_written_scene_is_the_pair(capsys, tmp_path):
     content = read_scene_file(scene)
     proposed = found["samples"][0]["proposed"]
     assert content.look.sigma_n_deg == proposed["sigma_n_deg"]
-    assert content.look.c_fraction == pytest.approx(proposed["c_fraction"])
+    assert content.look.c == pytest.approx(proposed["c"])
+    assert content.match.test_c == content.look.c
+    assert content.match.reference_c == content.reference_look.c == found["reference"]["c"]
+    assert content.match.made_by == "match"
     assert (content.sample.name, content.reference.name) == ("matte-coated", "cast-coated")
-    assert content.reference_look.c_fraction == 1.0
     assert content.setup.lamp.azimuth_deg == 40.0
     picture = tmp_path / "a.png"
     assert run(capsys, "snapshot", "--scene", scene, *SMALL, "-o", picture)[0] == 0
@@ -68,14 +71,45 @@ def test_written_scene_is_the_pair(capsys, tmp_path):
         (("-o", "a.html"), "ends in .png"),
         (("art-coated", "--write", "a.json"), "ends in .toml"),
         (("-o", "gone/a.png"), "gone"),
-        (("uncoated", "--gloss", "contrast-gloss", "--write", "a.toml"), "no setting of uncoated"),
-        (("--set", "eye.shift_right=20"), "too little of the object is seen"),
+        (("--here", "--set", "eye.shift_right=20"), "shows no gloss in this view"),
+        (("--here", "--set", "shape.kind=plane"), "shows no gloss in this view"),
     ],
     ids=str,
 )
 def test_refused(capsys, tmp_path, monkeypatch, words, place):
     monkeypatch.chdir(tmp_path)
     assert place in refused(capsys, tmp_path, "match", *SMALL, *words)
+
+
+def test_a_sample_without_a_highlight_has_no_scene(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    save_material(dataclasses.replace(paper("matte"), specular=()), tmp_path / "flat.json")
+    before = sorted(tmp_path.iterdir())
+    status, _, err = run(capsys, "match", "flat.json", *SMALL, "--write", "a.toml", "-o", "a.png")
+    assert status == 1
+    assert "no setting of flat keeps the ratio" in err
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_here_is_the_pose_of_the_options(capsys, tmp_path):
+    words = ("matte-coated", *SMALL, "--json", "--set", "lamp.azimuth_deg=90")
+    here = json.loads(run(capsys, "match", *words, "--here")[1])
+    mean = json.loads(run(capsys, "match", *words)[1])
+    assert here["lamp_azimuths_deg"] == [90.0]
+    assert len(mean["lamp_azimuths_deg"]) == len(mean["poses"]) > 3
+    mine, theirs = (found["samples"][0]["proposed"] for found in (here, mean))
+    assert mine["spread"] == 1.0 < theirs["spread"]
+    assert theirs["low"] < mine["c"] < theirs["high"]
+
+
+def test_the_order_by_each_measure_is_reported(capsys, tmp_path):
+    status, out, _ = run(capsys, "match", *SMALL)
+    assert status == 0
+    rows = {line.split("  ")[1].strip(): line for line in out.splitlines() if "kept" in line}
+    assert "highlight" in rows
+    found = json.loads(run(capsys, "match", *SMALL, "--json")[1])
+    verdicts = [pose["orders"]["contrast_gloss"] for pose in found["poses"]]
+    assert set(verdicts) == {"broken"}
 
 
 def test_a_scene_takes_one_sample(capsys, tmp_path, monkeypatch):

@@ -32,7 +32,7 @@ REAL = {"a": 90.0, "b": 60.0, "c": 30.0}
 def cells(**contrasts):
     nothing = np.zeros((1, 1, 3), dtype=np.uint8)
     return {
-        label: Cell(nothing, Measures(value, value, None, None, None, None), ())
+        label: Cell(nothing, Measures(value, value, None, None, None, None, None), ())
         for label, value in contrasts.items()
     }
 

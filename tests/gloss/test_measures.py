@@ -77,6 +77,14 @@ class TestGraininess:
         assert inside == pytest.approx(3.0, rel=0.1)
 
 
+class TestCoverage:
+    def test_the_share_above_the_flank(self):
+        lightness = np.full((SIZE, SIZE), 30.0)
+        lightness[:, 60:90] = 80.0  # 15 %
+        assert measures.coverage(lightness, regions()) == pytest.approx(0.15, abs=0.005)
+        assert measures.coverage(np.full((SIZE, SIZE), 30.0), regions()) == 0.0
+
+
 class TestSharpness:
     def test_a_ramp(self):
         ramp = np.repeat(0.25 * np.arange(SIZE)[None, :], SIZE, axis=0)  # L* per pixel
@@ -90,6 +98,19 @@ class TestSharpness:
         found = measures.sharpness(step, regions(pixels_per_degree=pixels_per_degree))
         expected = 50.0 / (math.sqrt(2.0 * math.pi) * measures.EYE_SD_DEG)
         assert found == pytest.approx(expected, rel=0.15 if pixels_per_degree < 50 else 0.05)
+
+    def test_grain_is_no_sharpness_and_an_edge_under_grain_is(self):
+        """Matte's grain of sd 1.4 on a flat highlight, against the flank of one."""
+        grain = np.random.default_rng(3).normal(0.0, 1.4, (SIZE, SIZE))
+        grainy = dataclasses.replace(regions(), grainy=True)
+        # The mean over 4 grains leaves 1.4 / (2 sqrt(pi) 4) = 0.1 L*, with a slope of
+        # 0.1 / (sqrt(2) 4) a pixel; the largest of 200^2 / (4 pi 4^2) = 200 places is 3.3 of it.
+        expected = 3.3 * 1.4 / (2.0 * math.sqrt(math.pi) * 4.0) / (math.sqrt(2.0) * 4.0) * 40.0
+        assert measures.sharpness(grain, grainy) == pytest.approx(expected, rel=0.3)
+        ramp = np.repeat(0.25 * np.arange(SIZE)[None, :], SIZE, axis=0)
+        assert measures.sharpness(ramp + grain, grainy) == pytest.approx(0.25 * 40.0, rel=0.3)
+        # The control: without the mean grain passes for an edge.
+        assert measures.sharpness(grain, regions()) > 5.0 * measures.sharpness(grain, grainy)
 
     def test_the_terminator_is_no_highlight(self):
         step = np.where(np.arange(SIZE) < 40, 0.0, 60.0)[None, :].repeat(SIZE, axis=0)

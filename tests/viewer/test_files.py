@@ -59,19 +59,26 @@ def fake(monkeypatch):
 
 
 class TestOpening:
-    def test_a_material_is_one_step_for_the_side_that_was_active(self, desk, tmp_path):
+    @pytest.mark.parametrize("side", ["test", "reference"])
+    def test_a_material_is_one_step_for_the_side_that_was_asked_for(self, desk, tmp_path, side):
+        """The test's, whichever side is active: the reference is replaced by name only."""
         save_material(materials.paper("art"), tmp_path / "art.json")
         before = desk.model.state
-        desk.model.active_side = "reference"
-        desk.open_path(str(tmp_path / "art.json"))
-        desk.model.active_side = "test"  # while it is being read
+        if side == "test":
+            desk.model.active_side = "reference"
+            desk.open_path(str(tmp_path / "art.json"))
+        else:
+            desk.replace_reference()
+            desk.dialogs._own.question.chosen(str(tmp_path / "art.json"))
+            desk.dialogs.close()
         pump(desk)
         state = desk.model.state
-        assert state.reference.sample.file == str(tmp_path / "art.json")
-        assert state.reference.look == before.reference.look
-        assert state.test == before.test
+        other = "reference" if side == "test" else "test"
+        assert state.side(side).sample.file == str(tmp_path / "art.json")
+        assert state.side(side).look == before.side(side).look
+        assert state.side(other) == before.side(other)
         assert desk.scene_path is None
-        assert said(desk) == [("opened art.json; it is the reference sample now", False)]
+        assert said(desk) == [(f"opened art.json; it is the {side} sample now", False)]
         assert desk.model.history.undo()
         assert desk.model.state == before
         assert not desk.model.history.can_undo
@@ -87,6 +94,14 @@ class TestOpening:
         desk.save()
         assert load_state(tmp_path / "s.toml") == desk.model.state
         assert load_state(tmp_path / "s.toml") != other
+
+    def test_a_scene_is_no_reference(self, desk, tmp_path):
+        save_state(tmp_path / "s.toml", State.initial().with_look("test", seed=7))
+        before = desk.model.state
+        desk.open_path(str(tmp_path / "s.toml"), "reference")
+        pump(desk)
+        assert desk.model.state is before
+        assert said(desk) == [("s.toml is a scene, which holds both pictures: use Open", True)]
 
     def test_a_table_is_fitted_and_its_points_are_kept(self, desk):
         table = asset("papers", "uncoated.csv")
@@ -159,12 +174,13 @@ class TestOpening:
 
 
 class TestSaving:
-    def test_a_sample_in_no_file_is_told(self, desk, tmp_path):
+    def test_a_sample_in_no_file_is_saved_beside_the_scene(self, desk, tmp_path):
         desk.model.set_sample("test", Sample(materials.flat(0.5)))
         desk.scene_path = str(tmp_path / "s.toml")
         desk.save()
-        assert said(desk)[-1][1]
-        assert not (tmp_path / "s.toml").exists()
+        (file,) = tmp_path.glob("s-*.json")
+        assert said(desk) == [(f"saved s.toml and {file.name} to {tmp_path}", False)]
+        assert load_state(tmp_path / "s.toml").test.sample.material == materials.flat(0.5)
 
     def test_a_place_that_cannot_be_written(self, desk, tmp_path):
         desk.scene_path = str(tmp_path / "gone" / "s.toml")

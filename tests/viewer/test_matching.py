@@ -209,6 +209,21 @@ class TestOldFiles:
         turned = pair(kept.with_part("lamp", azimuth_deg=80.0))
         assert turned.pictures["test"].frame.look.c == kept.test.look.c
 
+    def test_what_observers_found_stays_their_match(self, state, pair):
+        """A report's scene holds shares of c_max, and the match that they are."""
+        judged = dataclasses.replace(
+            state.with_look("test", c=None, c_fraction=0.5).with_look(
+                "reference", c=None, c_fraction=1.0
+            ),
+            match=dataclasses.replace(state.match, made_by="experiment"),
+        )
+        drawn = pair(judged)
+        frames = {side: p.frame for side, p in drawn.pictures.items()}
+        kept = pinned(judged, frames)
+        assert kept.match.made_by == "experiment"
+        assert kept.match.test_c == frames["test"].c
+        assert share_of_match(kept, "test") == pytest.approx(1.0)
+
     def test_files_keep_the_match(self, state, tmp_path):
         found = taken_as_match(with_share(state, "test", 0.7))
         save_state(tmp_path / "pair.toml", found)

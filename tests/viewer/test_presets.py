@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.sample import SAMPLES
 from relgloss_view.viewer.state import presets
 from relgloss_view.viewer.state.presets import (
     Preset,
@@ -42,11 +43,14 @@ def test_the_published_optima():
     """Ishii et al.: sigma_N 0, 0, 2, 2 degrees and c of 6, 5, 2, 1 sixths."""
     found = {p.name: (p.look.sigma_n_deg, p.look.c_fraction) for p in built_in()}
     assert found == {
-        "cast-coated": (0.0, 1.0),
-        "art-coated": (0.0, 5 / 6),
-        "matte-coated": (2.0, 2 / 6),
-        "uncoated": (2.0, 1 / 6),
+        "Published: cast-coated": (0.0, 1.0),
+        "Published: art-coated": (0.0, 5 / 6),
+        "Published: matte-coated": (2.0, 2 / 6),
+        "Published: uncoated": (2.0, 1 / 6),
     }
+    assert not set(found) & set(SAMPLES)  # no preset can be taken for a sample
+    for name in (*found, *SAMPLES):
+        assert "built-in" in refused(add, (), name, Look())
 
 
 def test_where_they_are_kept(tmp_path, monkeypatch):

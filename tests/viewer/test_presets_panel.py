@@ -26,10 +26,10 @@ def presets(hand, found):
     found["unwritten"] = not file.exists()
 
     hand.model.set_look("test", seed=9, c=0.5, c_fraction=None)
-    hand.click(f"{PANEL}/##uncoated")
+    hand.click(f"{PANEL}/##Published: uncoated")
     look = hand.model.state.test.look
     found["built in"] = [look.sigma_n_deg, look.c, look.c_fraction, look.seed]
-    hand.click("//Sample/Reference", f"{PANEL}/##matte-coated")
+    hand.click("//Sample/Reference", f"{PANEL}/##Published: matte-coated")
     found["other side"] = hand.model.state.reference.look.sigma_n_deg
     hand.click("//Sample/Test")
 

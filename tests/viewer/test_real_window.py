@@ -121,6 +121,63 @@ def test_shows_what_the_null_platform_draws(tmp_path, display):
     assert np.mean(difference(pictures(moved, rects)[1], pictures(null, rects)[1]) > 0) > 0.1
 
 
+# --- what a real window's own framebuffer is read by ----------------------------------------------
+
+
+@pytest.mark.parametrize("copied", [True, False])
+def test_an_exported_view_is_confirmed_and_nothing_is_lost(tmp_path, display, copied):
+    """The control reads the window's framebuffer itself, which looks like a loss of objects."""
+    file = tmp_path / "view.png"
+    done = subprocess.run(
+        [sys.executable, __file__, str(file), "export", str(int(copied))],
+        env=environment(tmp_path, display),
+        capture_output=True,
+        text=True,
+        timeout=LONGEST_S,
+    )
+    assert done.returncode == 0, done.stderr[-3000:]
+    width, height, *notes = done.stdout.splitlines()
+    from PIL import Image
+
+    with Image.open(file) as picture:
+        assert picture.size == (int(width), int(height))
+    assert notes[0] == f"exported view.png, {width} x {height} px, to {tmp_path}"
+    assert len(notes) == (1 if copied else 2)
+    assert copied or "lost its objects" in notes[1]
+
+
+def export_view(out, copied):
+    from pathlib import Path
+
+    from relgloss_view.viewer.shell import window
+    from relgloss_view.viewer.shell.app import App
+    from relgloss_view.viewer.state.state import State
+
+    class Exporting(App):
+        def frame(self):
+            super().frame()
+            self.drawn += 1
+            if self.drawn == 3:
+                self.files._write_view(out)
+
+        drawn = 0
+
+    def read(ctx, blitter, source, box):
+        size = (box[2] - box[0], box[3] - box[1])
+        data = ctx.screen.read(viewport=(*box[:2], *size), components=3, alignment=1)
+        return np.frombuffer(data, dtype=np.uint8).reshape(size[1], size[0], 3)[::-1]
+
+    if not copied:
+        window.copied_pixels = read
+    app = Exporting(State.initial())
+    window.Window(app, (800, 600)).run(FRAMES)
+    rects = app.drawn_pane.arrangement.rects.values()
+    print(max(x + w for x, _, w, _ in rects), max(y + h for _, y, _, h in rects), sep="\n")
+    assert Path(out).exists()
+    for note in app.model.notes:
+        print(note.text)
+
+
 # --- the program, from outside --------------------------------------------------------------------
 
 #: The command, and the same without an autosave in reach: what is kept is kept at the end.
@@ -209,4 +266,7 @@ class TestProgram:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], float(sys.argv[2]), sys.argv[3] == "1")
+    if sys.argv[2] == "export":
+        export_view(sys.argv[1], sys.argv[3] == "1")
+    else:
+        main(sys.argv[1], float(sys.argv[2]), sys.argv[3] == "1")

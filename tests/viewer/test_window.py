@@ -152,6 +152,7 @@ def turns_moves_and_zooms(hand, found):
     from imgui_bundle import imgui
 
     model = hand.model
+    model.active_side = "test"
     place = middle(hand)
     steps = len(model.history._past)
     hand.drag(place, (60.0, 24.0))
@@ -160,6 +161,13 @@ def turns_moves_and_zooms(hand, found):
     hand.drag(place, (0.0, 30.0), button=1)
     found["moved"] = model.state.setup.eye.shift_up
     found["steps"] = len(model.history._past) - steps
+    left = middle(hand, "reference")
+    samples = [side.sample for side in (model.state.reference, model.state.test)]
+    hand.drag(left, (0.0, -30.0), button=1)  # the reference is locked
+    hand.drag(left, (5.0, 0.0), keys=int(imgui.Key.mod_ctrl))
+    hand.drag(left, (-5.0, 0.0), keys=int(imgui.Key.mod_ctrl))
+    kept = samples == [side.sample for side in (model.state.reference, model.state.test)]
+    found["locked"] = [model.active_side, kept, model.state.setup.eye.shift_up]
     hand.turn_wheel(place, 3)
     hand.until(lambda: not model.held)
     found["zoomed"] = model.state.setup.eye.field_of_view_deg
@@ -513,6 +521,10 @@ def test_the_hand_on_the_pictures(found):
     assert got["turned"] == [pytest.approx(-60 * per_pixel), pytest.approx(24 * per_pixel)]
     assert got["moved"] > 0.0
     assert got["steps"] == 2  # one for each drag
+    side, kept, shift_up = got["locked"]
+    assert side == "test"
+    assert kept
+    assert shift_up == pytest.approx(0.0, abs=1e-9)  # so the hand on the left was felt
     assert 1.0 < got["zoomed"] < 15.0
     assert got["lamp"] == pytest.approx(40 * per_pixel)
     assert got["reset"] == [0.0, None]

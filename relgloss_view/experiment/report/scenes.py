@@ -5,10 +5,15 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
+from relgloss_view.experiment.design.study import Study
 from relgloss_view.experiment.report.chosen_setting import chosen_setting
 from relgloss_view.experiment.verdict.analysis import Analysis
+from relgloss_view.gloss.pose import pose_of
 from relgloss_view.material.files import save_material
 from relgloss_view.material.spectra import is_lamp_name
+from relgloss_view.picture.model import tone
+from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.match import Match
 from relgloss_view.picture.scene.sample import SAMPLES, Sample, load_sample
 from relgloss_view.picture.scene.scene_file import SceneFile
 from relgloss_view.picture.scene.scene_writer import write_scene_file
@@ -42,10 +47,29 @@ def write_scenes(
             dataclasses.replace(study.setup, lamp=lamp),
             reference,
             study.reference_look,
+            match=_match(study, samples[label], study.test_look(choice.setting)),
         )
         files[label] = f"{names[label]}.toml"
         write_scene_file(folder / files[label], content)
     return files
+
+
+def _match(study: Study, sample: Sample, look: Look) -> Match:
+    """The observers' settings as a match; a share of c_max is that of the study's setup."""
+    pose = pose_of(study.setup)
+
+    def c_of(look: Look, sample: Sample) -> float:
+        extremes = pose.extremes(sample.material)
+        full = extremes.smallest_ratio if extremes.l_s_max >= tone.NO_LOBE_LSTAR else 1.0
+        return min(look.setting.scaling(full), 1e4)
+
+    return Match(
+        reference_c=c_of(study.reference_look, study.reference),
+        test_c=c_of(look, sample),
+        reference_sigma_n_deg=study.reference_look.sigma_n_deg,
+        test_sigma_n_deg=look.sigma_n_deg,
+        made_by="experiment",
+    )
 
 
 def _sample_in(folder: Path, sample: Sample, name: str) -> Sample:

@@ -14,7 +14,9 @@ from pathlib import Path
 from typing import Any
 
 import moderngl
+import numpy as np
 
+from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.errors import GLUnavailableError, RelglossError
 from relgloss_view.picture.model.view import Box
 
@@ -160,6 +162,32 @@ class Offscreen:
         """Fill it, or a part of it (left, bottom, width, height in pixels), with a colour."""
         assert self._framebuffer is not None
         self._framebuffer.clear(red, green, blue, alpha, viewport=viewport)
+
+    def release(self) -> None:
+        """Free it on the device."""
+        for held in (self._framebuffer, self._texture):
+            if held is not None:
+                held.release()
+        self._framebuffer, self._texture, self._size = None, None, (0, 0)
+
+
+def copied_pixels(ctx: moderngl.Context, blitter: Blitter, source: int, box: Box) -> Bytes:
+    """Pixels of a box of a framebuffer, (H, W, 3), the uppermost row first.
+
+    source: OpenGL's name of the framebuffer. box: left, bottom, right, top in pixels. moderngl
+    reads a window's own framebuffer by a colour buffer that only framebuffers with textures have:
+    the pixels come, but so does GL_INVALID_OPERATION, by which a window seems to have lost its
+    objects. A copy on a texture is read without that.
+    """
+    width, height = box[2] - box[0], box[3] - box[1]
+    copy = Offscreen(ctx)
+    try:
+        copy.resize((width, height))
+        blitter.copy(source, box, copy.glo, (0, 0, width, height), smooth=False)
+        data = copy.read(components=3, alignment=1)
+    finally:
+        copy.release()
+    return np.frombuffer(data, dtype=np.uint8).reshape(height, width, 3)[::-1]
 
 
 def collect(ctx: moderngl.Context) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import math
 from collections.abc import Callable
 from functools import partial
 
@@ -83,7 +84,7 @@ class Renderer:
     ) -> Request:
         """What a frame is asked to be; no method: by the look's quality. InputError for a size."""
         if method is None:
-            method = self.choose(scene, look, check_size(size))
+            method = self.choose(scene, _about_as_scaled(look, factor), check_size(size))
         return Request(as_drawn(scene, look), look, check_size(size), method, factor)
 
     def render(
@@ -145,3 +146,14 @@ class Renderer:
 def _asked_of(frame: Frame) -> tuple[object, ...]:
     """What a frame was asked to be."""
     return frame.scene, frame.look, frame.size, frame.method, frame.scaling.factor
+
+
+def _about_as_scaled(look: Look, factor: float) -> Look:
+    """The look with c about as the picture shows it, for the choice of a method.
+
+    In steps of 2^(1/4), since c_max and so the factor depend a little on the method in turn.
+    """
+    if factor == 1.0 or look.c is None or factor <= 0.0:
+        return look
+    coarse = 2.0 ** (round(4.0 * math.log2(factor)) / 4.0)
+    return look if coarse == 1.0 else look.with_entries(c=look.c * coarse)

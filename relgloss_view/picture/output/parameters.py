@@ -29,6 +29,7 @@ def parameters(frame: Frame, displayed: Displayed | None = None) -> dict[str, An
         "c": scaling.c,
         "c_max": scaling.c_max,
         "c_max_eq4": scaling.c_max_eq4,
+        "pair_factor": scaling.factor,
         "y_n_cd_m2": frame.y_n_cd_m2,
         "seed": look.seed,
         "samples": sample_count(scene, look, frame.size),

@@ -63,8 +63,8 @@ def _built_in(model: Model, preset: Preset) -> None:
     if row(preset.name, preset.name, active, beside=_short_words(published)):
         model.set_setting(model.active_side, published.setting)
     widgets.tooltip(
-        f"The setting that the observers of the published study chose for {preset.name} paper: "
-        f"{_words(published)} at the paper's geometry. The rest of the look stays."
+        "The setting that the observers of the published study chose for this kind of paper: "
+        f"{_words(published)} at the paper's geometry. The sample and the rest of the look stay."
     )
 
 

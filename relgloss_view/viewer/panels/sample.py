@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
@@ -15,36 +15,72 @@ from relgloss_view.viewer.panels.look import side_tabs
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.state.model import Model
 
+if TYPE_CHECKING:
+    from relgloss_view.viewer.shell.file_actions import FileActions
+
 LONGEST = 60  #: characters of a name
 LONGEST_WARNING = 240
 
 
-def show(model: Model, open_file: Callable[[], object]) -> None:
-    """The active side's sample, its evidence and its presets; `open_file` asks for a file."""
+REPLACING = "Replace reference"
+
+
+def show(model: Model, files: FileActions) -> None:
+    """The active side's sample, its evidence and its presets; `files` asks for files."""
     side_tabs(model)
-    _choose(model, open_file)
+    if model.active_side == "reference":
+        _locked(model, files)
+    else:
+        _choose(model, files)
     _evidence(model)
     imgui.separator_text("Presets of the look")
     presets.show(model)
 
 
-def _choose(model: Model, open_file: Callable[[], object]) -> None:
-    sample = model.state.side(model.active_side).sample
-    name = sample.name or printable(sample.material.name, LONGEST)
+def _name(sample: Sample) -> str:
+    return sample.name or printable(sample.material.name, LONGEST)
+
+
+def _choose(model: Model, files: FileActions) -> None:
+    """The list of built-in papers, and a button for a file: what becomes the test sample."""
+    sample = model.state.test.sample
     widgets.label("Sample")
-    if imgui.begin_combo("##Sample", preview(name)):
-        for built_in in SAMPLES:
-            if imgui.selectable(built_in, built_in == sample.name)[0]:
-                model.attempt(
-                    lambda built_in=built_in: model.set_sample(  # type: ignore[misc]
-                        model.active_side, Sample.built_in(built_in)
-                    )
-                )
+    if imgui.begin_combo("##Sample", preview(_name(sample))):
+        _built_in(model, "test")
         imgui.end_combo()
     else:
         widgets.tooltip("The built-in papers, which are synthetic. Open a file for another sample.")
     if widgets.button("Open file...", "opens a material, or a measurement, which is then fitted"):
-        open_file()
+        files.open()
+
+
+def _locked(model: Model, files: FileActions) -> None:
+    """The reference's name, and the one button that replaces it."""
+    widgets.label("Sample")
+    imgui.text_unformatted(_name(model.state.reference.sample))
+    if widgets.button(
+        f"{REPLACING}...",
+        "chooses another reference; files that you open or drop become the test sample",
+    ):
+        imgui.open_popup(REPLACING)
+    if imgui.begin_popup(REPLACING):
+        _built_in(model, "reference")
+        imgui.separator()
+        if imgui.selectable("File...", False)[0]:
+            files.replace_reference()
+        imgui.end_popup()
+
+
+def _built_in(model: Model, side: str) -> None:
+    """The built-in papers as a list; a click puts one on a side."""
+    present = model.state.side(side).sample.name
+    for name in SAMPLES:
+        if imgui.selectable(name, name == present)[0]:
+            model.attempt(
+                lambda name=name: model.set_sample(  # type: ignore[misc]
+                    side, Sample.built_in(name)
+                )
+            )
 
 
 def _evidence(model: Model) -> None:

@@ -87,10 +87,9 @@ def _take_hand(
         column, row = int(at[0] * size_px[0] / rect[2]), int(at[1] * size_px[1] / rect[3])
         if not model.dragging:
             model.pointer = Pixel(side, column, row)
-        if imgui.is_mouse_clicked(imgui.MouseButton_.left):
-            model.active_side = side
-            if imgui.get_io().key_alt:
-                model.pinned = Pixel(side, column, row)
+        # A hand on a picture never chooses its side: the reference is not tuned by accident.
+        if imgui.is_mouse_clicked(imgui.MouseButton_.left) and imgui.get_io().key_alt:
+            model.pinned = Pixel(side, column, row)
         _wheel(model, at, rect[2:])
         if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
             state = model.state.with_part("presentation", life_size=False)

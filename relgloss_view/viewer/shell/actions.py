@@ -163,7 +163,11 @@ _MODE_HELP = {
 ACTIONS: tuple[Action, ...] = (
     Action(
         "File", "Open...", "Ctrl+O", lambda app: app.files.open(),
-        "opens a measurement, a material or a scene",
+        "opens a scene, or a measurement or material as the test sample",
+    ),
+    Action(
+        "File", "Replace reference...", "Ctrl+R", lambda app: app.files.replace_reference(),
+        "opens a measurement or a material as the reference, which nothing else replaces",
     ),
     Action(
         "File", "Save scene", "Ctrl+S", lambda app: app.files.save(),
@@ -267,5 +271,5 @@ MOUSE = (
     ("Ctrl+click a slider", "type a value"),
     ("Double-click a slider", "reset it"),
     ("Alt+click", "pin a pixel"),
-    ("Drop a file", "open it"),
+    ("Drop a file", "open it; a sample becomes the test"),
 )

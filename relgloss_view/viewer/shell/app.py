@@ -6,7 +6,6 @@ import time
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from imgui_bundle import imgui
 
 from relgloss_view.base import fonts
@@ -62,7 +61,7 @@ class App:
             [
                 Panel("Look", RIGHT, lambda: look.show(self.model)),
                 Panel("Scene", RIGHT, lambda: scene.show(self.model)),
-                Panel("Sample", RIGHT, lambda: sample.show(self.model, self.files.open)),
+                Panel("Sample", RIGHT, lambda: sample.show(self.model, self.files)),
                 Panel("Lightness", BELOW, lambda: lightness.show(self.model)),
                 Panel("Reflection", BELOW, lambda: reflection.show(self.model)),
                 Panel("Fit", BELOW, lambda: fit.show(self.model)),
@@ -310,17 +309,16 @@ class App:
             frames = {side: picture.frame for side, picture in pair.pictures.items()}
             model.history.amend(matching.pinned(model.state, frames))
 
-    def _give_view(self, screen: Any, height: int) -> None:
+    def _give_view(self) -> None:
         """Hand over the pane's pixels, without the interface."""
         take, self.model.take_view = self.model.take_view, None
         if take is None or self.drawn_pane is None:
             return
+        assert self._window is not None
         rects = self.drawn_pane.arrangement.rects.values()
         wide, tall = max(x + w for x, _, w, _ in rects), max(y + h for _, y, _, h in rects)
         left, top = (int(v) for v in self.stage_origin)
-        box = (left, height - top - tall, wide, tall)
-        data = screen.read(viewport=box, components=3, alignment=1)
-        take(np.frombuffer(data, dtype=np.uint8).reshape(tall, wide, 3)[::-1])
+        take(self._window.pixels(left, top, wide, tall))
 
     def _render_at(self, side: str, size: Size) -> Frame:
         """A side's picture at another size than the screen's. Raises RelglossError."""

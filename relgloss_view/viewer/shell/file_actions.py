@@ -16,6 +16,7 @@ from relgloss_view.base.reading import printable
 from relgloss_view.viewer.drawing.arrangement import as_shown
 from relgloss_view.viewer.files.open_job import Opened, OpenJob
 from relgloss_view.viewer.files.own_materials import safe_name
+from relgloss_view.viewer.files.scene_saving import save_scene
 from relgloss_view.viewer.panels import floating
 from relgloss_view.viewer.panels.export import Export
 from relgloss_view.viewer.panels.file_dialogs import FileDialogs
@@ -25,12 +26,12 @@ from relgloss_view.viewer.state.command_line import snapshot_command
 from relgloss_view.viewer.state.matching import as_displayed
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.session import Autosave
-from relgloss_view.viewer.state.state_file import save_state
 
 TICK_S = 0.1  #: between looks at a running job
 QUICK_S = 0.3  #: a job that ends sooner shows no window
 SCENE_SUFFIXES = (".toml",)
-OPEN_SUFFIXES = (".toml", ".json", ".csv", ".txt", ".bsdf", ".binary")
+SAMPLE_SUFFIXES = (".json", ".csv", ".txt", ".bsdf", ".binary")
+OPEN_SUFFIXES = (*SCENE_SUFFIXES, *SAMPLE_SUFFIXES)
 PROGRESS = "Opening"
 
 
@@ -55,10 +56,17 @@ class FileActions:
         """Ask for a file and open it."""
         self._ask(Question("Open file", self.open_path, OPEN_SUFFIXES))
 
-    def open_path(self, path: str) -> None:
-        """Open a file in the background; a sample is for the side that is active now."""
-        self._waiting.append((os.fspath(path), self.model.active_side))
+    def open_path(self, path: str, side: str = "test") -> None:
+        """Open a file in the background; a sample becomes the test unless asked otherwise."""
+        self._waiting.append((os.fspath(path), side))
         self._wake()
+
+    def replace_reference(self) -> None:
+        """Ask for the file of another reference sample and open it."""
+        question = Question(
+            "Replace reference", lambda path: self.open_path(path, "reference"), SAMPLE_SUFFIXES
+        )
+        self._ask(question)
 
     def save(self) -> None:
         """Save the scene where it was opened or saved last, or ask where."""
@@ -93,7 +101,9 @@ class FileActions:
             presentation = dataclasses.asdict(self.model.state.presentation)
             text = {"Software": "relgloss", "Presentation": json.dumps(presentation)}
             if self.model.attempt(lambda: save_rgb(pixels, path, text)):
-                self.model.report(f"written: {path}, the pane as it was displayed")
+                height, width = pixels.shape[:2]
+                folder, name = os.path.split(os.path.abspath(path))
+                self.model.report(f"exported {name}, {width} x {height} px, to {folder}")
 
         self.model.take_view = take
         self._wake()
@@ -169,9 +179,9 @@ class FileActions:
 
     def _save_to(self, path: str) -> None:
         def write() -> None:
-            save_state(path, self.model.state)
+            saved = save_scene(path, self.model.state)
             self.scene_path = path
-            self.model.report(f"saved {path}")
+            self.model.report(saved.words)
 
         self.model.attempt(write)
 
@@ -186,6 +196,9 @@ class FileActions:
 
     def _apply(self, opened: Opened, name: str) -> None:
         model = self.model
+        if opened.state is not None and self._job_side == "reference":
+            model.report(f"{name} is a scene, which holds both pictures: use Open", fault=True)
+            return
         model.change(opened.applied(model.state, self._job_side))
         if opened.state is not None:
             self.scene_path = opened.path

@@ -20,7 +20,13 @@ from imgui_bundle import hello_imgui, imgui, immapp  # isort: skip
 import glfw
 import numpy as np
 
-from relgloss_view.picture.gpu.context import Blitter, Offscreen, attach, texture_probe
+from relgloss_view.picture.gpu.context import (
+    Blitter,
+    Offscreen,
+    attach,
+    copied_pixels,
+    texture_probe,
+)
 from relgloss_view.viewer.drawing.canvas import Canvas
 from relgloss_view.viewer.shell import theme
 from relgloss_view.viewer.shell.keyboard import Keyboard, listen
@@ -87,8 +93,9 @@ class Window:
         #: copied: to blend it as the interface does takes a software driver several times as long.
         self.canvas = Canvas()
         self.surround = 0.0
-        #: Called when all but the interface is painted, with the surface and its height.
-        self.below: Callable[[Any, int], None] | None = None
+        #: Called when all but the interface is painted: `pixels` then reads the canvas.
+        self.below: Callable[[], None] | None = None
+        self._ctx: Any = None
         self._blitter: Blitter | None = None
         self._keyboard: Keyboard | None = None
         #: Whether the device still knows a texture by this name.
@@ -135,6 +142,13 @@ class Window:
     def to_screen(self) -> None:
         """Direct drawing to the window again after pictures were drawn."""
         self._screen.use()
+
+    def pixels(self, left: int, top: int, width: int, height: int) -> Bytes:
+        """What a box of the window shows now, (H, W, 3); its place from the upper left corner."""
+        bottom = self.size_now()[1] - top - height
+        box = (left, bottom, left + width, bottom + height)
+        assert self._blitter is not None
+        return copied_pixels(self._ctx, self._blitter, self._screen.glo, box)
 
     def close(self) -> None:
         """End the loop after this frame."""
@@ -247,7 +261,7 @@ class Window:
         on_drop: Any = lambda _, paths: self._dropped(list(paths))  # noqa: E731 - annotated wrongly
         glfw.set_drop_callback(handle, on_drop)
         self._keyboard = listen(handle, address)
-        ctx = attach(load)
+        ctx = self._ctx = attach(load)
         self.is_texture = texture_probe(load)
         self._screen = Offscreen(ctx) if self.headless else ctx.screen
         self._blitter = Blitter(load)
@@ -285,7 +299,8 @@ class Window:
         self.to_screen()
         self.canvas = Canvas()
         if self.below is not None:
-            self.below(self._screen, height)
+            self.below()
+            self.to_screen()
 
     def _guarded(self, action: Callable[[], None]) -> None:
         """An exception must not pass through the window library; the loop raises it instead."""

@@ -189,9 +189,12 @@ def pinned(state: State, frames: dict[str, Frame]) -> State:
             side,
             absolute_c(look, state.side(side).sample.material) if shown is None else shown,
         )
-    if state.match is None and all(state.side(side).look.c is not None for side in SIDES):
-        state = dataclasses.replace(state, match=new_match(state))
-    return state
+    if any(state.side(side).look.c is None for side in SIDES):
+        return state
+    if state.match is None:
+        return dataclasses.replace(state, match=new_match(state))
+    # The file's own numbers of a match are those of the pictures that were judged.
+    return taken_as_match(state, state.match.made_by)
 
 
 def _with_c(state: State, side: str, c: float) -> State:

@@ -52,7 +52,14 @@ def presets_file() -> Path:
 
 def built_in() -> Presets:
     """The settings that the paper's observers chose for each kind of paper."""
-    return tuple(Preset(name, Look().at(setting)) for name, setting in SAMPLES.items())
+    return tuple(
+        Preset(published_name(sample), Look().at(setting)) for sample, setting in SAMPLES.items()
+    )
+
+
+def published_name(sample: str) -> str:
+    """The name of the built-in preset of a sample, which no sample has."""
+    return f"Published: {sample}"
 
 
 def load(path: str | os.PathLike[str]) -> Presets:
@@ -133,5 +140,5 @@ def _check_free(presets: Presets, name: str) -> None:
 
 
 def _check_not_built_in(name: str) -> None:
-    if name in SAMPLES:
+    if name in SAMPLES or name in map(published_name, SAMPLES):
         raise InputError(f"preset {name!r}: the name is that of a built-in one; choose another")

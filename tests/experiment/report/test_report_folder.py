@@ -142,6 +142,9 @@ class TestFolder:
         assert scene.reference_look == study.reference_look
         assert scene.reference.name == "cast-coated"
         assert scene.scene() == study.scene(1)
+        assert scene.match.made_by == "experiment"
+        assert scene.match.test_sigma_n_deg == leading.sigma_n_deg
+        assert scene.match.test_c > 0.0
 
     def test_a_scene_is_drawn(self, folder, tmp_path):
         out = tmp_path / "out.png"
