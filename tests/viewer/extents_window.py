@@ -175,9 +175,9 @@ def _name_samples(model, name):
         model.change(model.state.with_sample(side, sample))
 
 
-def _note(shown, name, entry, where):
+def _note(shown, name, entry, where, fields=()):
     screen = shown.read()
-    entry["faults"] += [f"{where}: {fault}" for fault in screen.faults((name,))]
+    entry["faults"] += [f"{where}: {fault}" for fault in screen.faults((name,), fields)]
     entry["seen"].append({"where": where, "letters": screen.letters})
 
 
@@ -198,10 +198,11 @@ def _panels(shown, name, entry):
 
 
 def _export(shown, name, entry):
-    shown.program.files._export.open()
-    yield from _frames(SETTLING)
-    _note(shown, name, entry, "export")
-    shown.program.files._export._open = False
+    export = shown.program.files._export
+    export.open()
+    yield from _frames(2 * SETTLING)
+    _note(shown, name, entry, "export", (export.name.text,))
+    export._open = False
     yield from _frames(2)
 
 

@@ -17,6 +17,7 @@ from relgloss_view.viewer.state.model import Model
 
 NARROW_EM = 52.0  #: below this width the facts lie under the table
 WHOLE_TABLE_EM = 28.0  #: a narrower table has the verdicts in tooltips
+COUNTS_EM = 26.0  #: a still narrower one the numbers of parameters, too
 QUALITY = {
     Quality.GOOD: "the model describes this sample",
     Quality.POOR: "the model does not describe this sample well",
@@ -56,7 +57,8 @@ def show(model: Model) -> None:
 
 def _heading(material: Material, fit: FitRecord) -> None:
     name = printable(material.name, 60)
-    imgui.text_unformatted(fitting(name, imgui.get_content_region_avail().x))
+    room = imgui.get_content_region_avail().x - em(1.2)  # the gap to what comes beside it
+    imgui.text_unformatted(fitting(name, room))
     text = f"Fit quality: {fit.quality}"
     plot_widgets.beside(imgui.calc_text_size(f"! {text}").x)
     if fit.quality == Quality.GOOD:
@@ -99,8 +101,9 @@ def _candidates(fit: FitRecord) -> None:
         )
         return
     flags = imgui.TableFlags_.row_bg | imgui.TableFlags_.sizing_fixed_fit
-    whole = imgui.get_content_region_avail().x >= em(WHOLE_TABLE_EM)
-    columns = COLUMNS if whole else COLUMNS[:-1]
+    room = imgui.get_content_region_avail().x
+    whole = room >= em(WHOLE_TABLE_EM)
+    columns = COLUMNS if whole else COLUMNS[: 3 if room >= em(COUNTS_EM) else 2]
     if not imgui.begin_table("candidates", len(columns), flags):
         return
     for name, _ in columns:
@@ -123,11 +126,11 @@ def _candidates(fit: FitRecord) -> None:
             _plain(candidate.get("parameters")),
             printable(str(candidate.get("verdict", "")), LONGEST),
         )
-        for text in cells[:-1]:
+        for text in cells[: min(len(columns), 3)]:
             imgui.table_next_column()
             write(text)
             if not whole:
-                widgets.tooltip(widgets.sentence(cells[-1]))
+                widgets.tooltip(f"{cells[2]} parameters. {widgets.sentence(cells[3])}")
         if whole:
             imgui.table_next_column()
             widgets.wrapped(cells[-1], dim=not chosen)

@@ -47,7 +47,16 @@ def begin(
     imgui.push_style_var(imgui.StyleVar_.window_border_size, 1.0)
     opened, stays = imgui.begin(title, True, flags)
     imgui.pop_style_var()
+    _hold_inside(viewport)
     return bool(opened), bool(stays)
+
+
+def _hold_inside(viewport: imgui.Viewport) -> None:
+    """Lift the present window where it has grown beyond the lower edge of the program's."""
+    place, size = imgui.get_window_pos(), imgui.get_window_size()
+    over = place.y + size.y - (viewport.pos.y + viewport.size.y)
+    if over > 0.0 and not imgui.is_mouse_down(imgui.MouseButton_.left):
+        imgui.set_window_pos(ImVec2(place.x, max(place.y - over, viewport.pos.y)))
 
 
 def escaped() -> bool:
