@@ -156,13 +156,13 @@ def _largest_side():
 
 def panel_of(pixels):
     """The menu and the controls; the status line, with the time of a frame, is left out."""
-    return np.concatenate([pixels[:20].reshape(-1, 3), pixels[:300, 330:].reshape(-1, 3)])
+    return np.concatenate([pixels[:20].reshape(-1, 3), pixels[:300, 340:].reshape(-1, 3)])
 
 
 def pictures_of(pixels):
     """Where both pictures are in a small window, below their captions: reference, test."""
-    pane = pixels[60:185, :316]
-    return pane[:, :154], pane[:, 162:316]
+    pane = pixels[80:260]
+    return pane[:, :158], pane[:, 172:330]
 
 
 @pytest.fixture(scope="module")
