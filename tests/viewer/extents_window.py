@@ -41,6 +41,7 @@ STUDIES = {
     "Thai": ("ความมันวาว", "กระดาษ", "", ("ใกล้", "ไกล"), "paper"),
 }
 SETTLING = 4  #: frames until a layout rests
+MOST_LOOKS = 100  #: at a screen on which something is being computed
 LONGEST_S = 900.0
 
 
@@ -176,7 +177,16 @@ def _name_samples(model, name):
 
 
 def _note(shown, name, entry, where, fields=()):
+    """Read the screen when it rests: a number that has just come may move what is below it."""
     screen = shown.read()
+    for _ in range(MOST_LOOKS):
+        waits = any("eing computed" in text for text in screen.letters)
+        if not waits and not screen.faults((name,), fields):
+            break
+        yield from _frames(SETTLING)
+        screen = shown.read()
+        if not waits and screen.faults((name,), fields):
+            break  # it lasts
     entry["faults"] += [f"{where}: {fault}" for fault in screen.faults((name,), fields)]
     entry["seen"].append({"where": where, "letters": screen.letters})
 
@@ -194,14 +204,14 @@ def _panels(shown, name, entry):
             yield from _frames(3)
         yield from _frames(2)
         entry["panels"] += front
-        _note(shown, name, entry, " and ".join(front))
+        yield from _note(shown, name, entry, " and ".join(front))
 
 
 def _export(shown, name, entry):
     export = shown.program.files._export
     export.open()
     yield from _frames(2 * SETTLING)
-    _note(shown, name, entry, "export", (export.name.text,))
+    yield from _note(shown, name, entry, "export", (export.name.text,))
     export._open = False
     yield from _frames(2)
 
@@ -214,7 +224,7 @@ def _compared(shown, name, entry):
     for mode in COMPARE_MODES:
         model.set_part("presentation", compare=mode, overlay="lightness")
         yield from _frames(2)
-        _note(shown, name, entry, mode)
+        yield from _note(shown, name, entry, mode)
     model.set_part("presentation", compare=COMPARE_MODES[0], overlay="none")
     yield from _frames(1)
 
@@ -239,7 +249,7 @@ def _controls(shown, name, entry):
 
     shown.draw = draw
     yield from _frames(SETTLING)
-    _note(shown, name, entry, "control")
+    yield from _note(shown, name, entry, "control")
     shown.draw = lambda: None
     yield from _frames(2)
 
@@ -290,7 +300,7 @@ def _pages(shown, label, entry):
         if page not in entry["pages"] and not waits:
             yield from _frames(2)
             entry["pages"].append(page)
-            _note(shown, label, entry, page)
+            yield from _note(shown, label, entry, page)
             if page == Phase.TRIAL.value:
                 return
         program._act("retry" if page == "warning" else "confirm")
