@@ -19,8 +19,8 @@ from relgloss_view.gloss.shown import ORDER_TIE_LSTAR, Measures, agreement, meas
 from relgloss_view.operators.operator import Operator
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.output.parameters import SPLIT, warnings
-from relgloss_view.picture.output.png import is_srgb
 from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Display
 
 if TYPE_CHECKING:
     from relgloss_view.quality.backends import FrameRenderer
@@ -97,7 +97,7 @@ class Comparison:
     rows: tuple[OperatorRow, ...]
     gloss: str  #: which of GLOSSES orders the real materials
     real_ranks: Mapping[str, int]  #: of the materials by label, 0 the glossiest
-    srgb: bool  #: whether the display, and so the pictures, are sRGB
+    display: Display  #: that the pictures are for
 
 
 def compare(
@@ -138,7 +138,7 @@ def compare(
         }
         orders = {name: gloss_order(name, of_operator, real) for name in ORDERED_BY}
         rows.append(OperatorRow(operator, of_operator, orders))
-    return Comparison(tuple(drawn), tuple(rows), gloss, ranks(real), is_srgb(scene.display))
+    return Comparison(tuple(drawn), tuple(rows), gloss, ranks(real), scene.display)
 
 
 def _bounds(frame: Frame) -> tuple[slice, slice]:

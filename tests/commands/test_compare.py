@@ -16,6 +16,8 @@ from PIL import Image
 from test_cli import refused, run
 
 from relgloss_view.material.files import save_material
+from relgloss_view.picture.output.icc import matrix_profile, srgb_profile
+from relgloss_view.picture.scene.setup import Display
 
 SMALL = ("--size", "64x64")
 
@@ -91,17 +93,20 @@ def test_a_file_without_a_setting_is_a_warning(capsys, tmp_path):
     assert "mine: without a setting it is drawn at sigma_N 0 and c_max" in err
 
 
-def test_the_profile_is_srgbs_where_the_display_is(capsys, tmp_path):
+def test_the_profile_is_the_displays(capsys, tmp_path):
     other = ("--set", "display.transfer=gain-offset-gamma")
-    for words, there in (((), True), (other, False)):
+    for words, expected in (
+        ((), srgb_profile()),
+        (other, matrix_profile(Display(transfer="gain-offset-gamma").for_the_eye())),
+    ):
         png, page = tmp_path / "a.png", tmp_path / "a.html"
         common = ("art-coated", *SMALL, "--operators", "clip", "-o", png, "-o", page)
         assert run(capsys, "compare", *common, *words)[0] == 0
-        assert ("icc_profile" in sheet_pixels(png)[1]) == there
+        assert sheet_pixels(png)[1]["icc_profile"] == expected
         (image,) = Page(page.read_text(encoding="utf-8")).images
         held = base64.b64decode(image["src"].partition(",")[2])
         with Image.open(io.BytesIO(held)) as picture:
-            assert ("icc_profile" in picture.info) == there
+            assert picture.info["icc_profile"] == expected
 
 
 @pytest.mark.parametrize(

@@ -91,7 +91,8 @@ class FileActions:
 
             presentation = dataclasses.asdict(self.model.state.presentation)
             text = {"Software": "relgloss", "Presentation": json.dumps(presentation)}
-            if self.model.attempt(lambda: save_rgb(pixels, path, text)):
+            display = self.model.state.setup.display
+            if self.model.attempt(lambda: save_rgb(pixels, path, text, display=display)):
                 self.model.report(f"written: {path}, the pane as it was displayed")
 
         self.model.take_view = take
