@@ -17,7 +17,7 @@ from relgloss_view.base.notebook import html_table, span
 from relgloss_view.base.resources import asset
 from relgloss_view.material.material import FitRecord
 from relgloss_view.measure.table import NEGATIVE
-from relgloss_view.picture.output.png import srgb_profile
+from relgloss_view.picture.output.icc import matrix_profile, srgb_profile
 
 HOSTILE = "<script>alert('a')</script> & \"b\" <img src=x onerror=alert(1)>\n\x1b[31m"
 TAGS = {"table", "caption", "tr", "th", "td", "p", "ul", "li"}
@@ -128,12 +128,12 @@ def test_frame_is_the_picture_of_its_file(frame, tmp_path):
     np.testing.assert_array_equal(np.asarray(image), frame.display)
 
 
-def test_frame_for_another_display_claims_no_profile(renderer):
+def test_frame_for_another_display_carries_its_profile(renderer):
     wide = r.Display(primaries_xy=((0.68, 0.32), (0.265, 0.69), (0.15, 0.06)))
     scene = r.Scene(r.load_sample("art-coated"), display=wide)
     data = renderer.render(scene, r.Look(), (16, 16))._repr_png_()
     with Image.open(io.BytesIO(data)) as image:
-        assert "icc_profile" not in image.info
+        assert image.info["icc_profile"] == matrix_profile(wide)
 
 
 def test_frame_of_a_closed_renderer_falls_back_to_text():

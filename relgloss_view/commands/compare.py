@@ -195,7 +195,8 @@ def _write(comparison: Comparison, output: Path, command: str) -> None:
             temporary.write_text(page, encoding="utf-8")
         return
     text = {"Software": f"relgloss {__version__}", "Title": title, "Command": command}
-    save_rgb(comparison_sheet(comparison, title, note), output, text, srgb=comparison.srgb)
+    sheet = comparison_sheet(comparison, title, note)
+    save_rgb(sheet, output, text, display=comparison.display)
 
 
 def _warnings(comparison: Comparison) -> list[str]:
@@ -220,7 +221,7 @@ def _tables(comparison: Comparison) -> str:
 
 
 def _sample_table(comparison: Comparison, width: int) -> str:
-    from relgloss_view.gloss.samples import gloss_words
+    from relgloss_view.gloss.samples import gloss_number, gloss_words
 
     columns = (
         Column("sample", width, left=True),
@@ -235,7 +236,7 @@ def _sample_table(comparison: Comparison, width: int) -> str:
         rows.append(
             (
                 drawn.sample.label,
-                "-" if gloss is None else f"{gloss:.4g}",
+                "-" if gloss is None else gloss_number(comparison.gloss, gloss),
                 f"{drawn.sample.look.sigma_n_deg:.2f}",
                 f"{drawn.c:.3g}",
                 "-" if drawn.c_max is None else f"{drawn.c_max:.3g}",

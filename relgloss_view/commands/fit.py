@@ -18,6 +18,7 @@ QUANTITIES = ("radiance-factor", "brdf", "brdf-cos")
 def add(commands: Any) -> None:
     """Declare the command."""
     from relgloss_view.fitting.ladder import MODELS
+    from relgloss_view.measure.readers.built_in import built_in_tables
 
     parser = commands.add_parser(
         "fit",
@@ -26,7 +27,12 @@ def add(commands: Any) -> None:
         "chooses the smallest model that is enough; the material file keeps the evidence.",
         epilog="example: relgloss fit paper.csv -o paper.json --report paper.png",
     )
-    parser.add_argument("table", metavar="TABLE", help="Measured table; its format is recognised")
+    parser.add_argument(
+        "table",
+        metavar="TABLE|SAMPLE",
+        help="Measured table, whose format is recognised, or built-in paper "
+        f"({', '.join(built_in_tables())}) for its synthetic table",
+    )
     parser.add_argument(
         "-o", "--output", metavar="MATERIAL.json", required=True, help="File of the fitted material"
     )

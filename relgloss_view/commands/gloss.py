@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from relgloss_view.material.material import Material
 
 MATERIAL, TABLE, HYPOTHETICAL = "material", "table", "hypothetical"
+MOST_REFLECTED = 1.2  #: of the light received; fits of bright samples may pass 1 by noise
 
 
 def add(commands: Any) -> None:
@@ -123,6 +124,7 @@ def _read(name: str, args: argparse.Namespace) -> SampleReadings:
     """The readings of a built-in sample, a material file or a measured table."""
     from relgloss_view.gloss.meter.table import table_readings
     from relgloss_view.measure.readers import read_measurement
+    from relgloss_view.measure.screening import percent_warning
     from relgloss_view.picture.scene import file_kinds
     from relgloss_view.picture.scene.sample import SAMPLES
 
@@ -132,12 +134,20 @@ def _read(name: str, args: argparse.Namespace) -> SampleReadings:
     if kind == file_kinds.MATERIAL:
         return _of_material(name, _material(name))
     measured = read_measurement(name, quantity=args.quantity, gamma_s_deg=args.gamma_s_deg)
+    doubt = percent_warning(
+        measured.to_lamp, measured.to_receiver, measured.radiance_factor, measured.kept
+    )
+    if doubt is not None:
+        raise InputError(f"{name}: {doubt}")
     readings = table_readings(measured)
     return SampleReadings(measured.name, measured.source, TABLE, readings, measured.warnings)
 
 
 def _of_material(place: str, material: Material) -> SampleReadings:
+    import numpy as np
+
     from relgloss_view.gloss.meter.meter import gloss_readings
+    from relgloss_view.material.albedo import directional_albedo
 
     try:
         readings = gloss_readings(material)
@@ -147,6 +157,13 @@ def _of_material(place: str, material: Material) -> SampleReadings:
     limits = [k + 1 for k, lobe in enumerate(material.specular) if lobe.at_the_limit]
     if material.fit and limits:
         text = f"the width of lobe {limits[0]} is the widest there is, so it has no standard error"
+        warnings = (*warnings, text)
+    reflected = float(np.max(np.sum(directional_albedo(material, 0.0), axis=0)))
+    if reflected > MOST_REFLECTED:
+        text = (
+            f"it reflects {reflected:.3g} times the light that it receives: if its numbers are "
+            "percent, divide them by 100"
+        )
         warnings = (*warnings, text)
     kind = HYPOTHETICAL if material.hypothetical else MATERIAL
     return SampleReadings(material.name, material.source, kind, readings, warnings)
@@ -208,9 +225,8 @@ def _table(sample: SampleReadings) -> str:
 def _row(reading: Reading) -> tuple[str, ...]:
     if reading.value is None:
         return reading.name, reading.standard, "-", "", "", reading.reason
-    parts = (reading.standard_error, reading.diffuse)
-    rounded = ("" if part is None else f"{part:.2g}" for part in parts)
-    return reading.name, reading.standard, f"{reading.value:.4g}", *rounded, reading.note
+    parts = reading.error_words, reading.words(reading.diffuse)
+    return reading.name, reading.standard, reading.words(reading.value), *parts, reading.note
 
 
 def _wanted(text: str) -> tuple[float, float]:

@@ -155,6 +155,7 @@ def _draw(
         contact_sheet(rows, captions, title, note),
         folder / SHEET,
         {"Software": f"relgloss {__version__}", "Title": title},
+        display=scene.display,
     )
     same = {k: v for k, v in numbers.items() if k not in (*stimuli[0], "warnings", "version")}
     manifest = {

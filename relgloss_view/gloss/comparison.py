@@ -20,9 +20,9 @@ from relgloss_view.gloss.shown import ORDER_TIE_LSTAR, Measures, agreement, meas
 from relgloss_view.operators.operator import Operator
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.output.parameters import SPLIT, warnings
-from relgloss_view.picture.output.png import is_srgb
 from relgloss_view.picture.pair import common_factor
 from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Display
 
 if TYPE_CHECKING:
     from relgloss_view.quality.backends import FrameRenderer
@@ -99,7 +99,7 @@ class Comparison:
     rows: tuple[OperatorRow, ...]
     gloss: str  #: which of GLOSSES orders the real materials
     real_ranks: Mapping[str, int]  #: of the materials by label, 0 the glossiest
-    srgb: bool  #: whether the display, and so the pictures, are sRGB
+    display: Display  #: that the pictures are for
     factor: float = 1.0  #: of all matched c in this view, so that none clips
     refused: tuple[str, ...] = ()  #: labels of samples without a highlight here: not ranked
 
@@ -153,7 +153,7 @@ def compare(
         tuple(rows),
         gloss,
         ranks(real),
-        is_srgb(scene.display),
+        scene.display,
         factor,
         refused,
     )

@@ -12,6 +12,7 @@ from relgloss_view.base.words import sentence_case
 from relgloss_view.gloss.comparison import Cell, Comparison, DrawnSample, OperatorRow
 from relgloss_view.gloss.comparison_sheet import MEASURES, VERDICTS, body_words, number, percent
 from relgloss_view.gloss.samples import gloss_words
+from relgloss_view.picture.scene.setup import Display
 
 STYLE = """
 h2 { font-size: 1.1rem; font-weight: 600; margin: 2rem 0 .2rem; }
@@ -37,7 +38,7 @@ def comparison_page(comparison: Comparison, note: str, command: str) -> str:
         f'<p class="muted">{escape(note)} Pictures are shown pixel by pixel; look at them at 100 %.'
         "</p>",
         _samples(comparison),
-        *(_operator(row, comparison.srgb) for row in comparison.rows),
+        *(_operator(row, comparison.display) for row in comparison.rows),
         "<h2>Made with</h2>",
         f'<p class="muted">relgloss {escape(__version__)}</p><p><code>{escape(command)}</code></p>',
     ]
@@ -59,9 +60,9 @@ def _samples(comparison: Comparison) -> str:
     return pages.table(heads, [cells(drawn) for drawn in comparison.samples])
 
 
-def _operator(row: OperatorRow, srgb: bool) -> str:
+def _operator(row: OperatorRow, display: Display) -> str:
     figures = [
-        f'<figure><img src="{_embedded(cell.picture, srgb)}" width="{cell.picture.shape[1]}" '
+        f'<figure><img src="{_embedded(cell.picture, display)}" width="{cell.picture.shape[1]}" '
         f'height="{cell.picture.shape[0]}" alt="{escape(label, quote=True)} shown by '
         f'{escape(row.operator.label, quote=True)}"><figcaption>{escape(label)}</figcaption>'
         "</figure>"
@@ -112,13 +113,12 @@ def _rounded(value: float | None) -> str:
     return "-" if value is None else f"{value:.4g}"
 
 
-def _embedded(picture: Bytes, srgb: bool) -> str:
+def _embedded(picture: Bytes, display: Display) -> str:
     """A picture as a data URL, PNG."""
     from PIL import Image
 
-    from relgloss_view.picture.output.png import srgb_profile
+    from relgloss_view.picture.output.icc import profile_of
 
     file = io.BytesIO()
-    profile = {"icc_profile": srgb_profile()} if srgb else {}
-    Image.fromarray(picture).save(file, format="PNG", **profile)
+    Image.fromarray(picture).save(file, format="PNG", icc_profile=profile_of(display))
     return pages.embedded_png(file.getvalue())

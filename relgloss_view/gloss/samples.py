@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from relgloss_view.gloss.meter.meter import gloss_readings
+from relgloss_view.gloss.meter.meter import BARE_DECIMALS, DECIMALS, gloss_readings
 from relgloss_view.material.material import Material
 from relgloss_view.picture.scene.look import Look
 
@@ -25,6 +25,16 @@ class SampleLook:
 def computed_gloss(material: Material) -> dict[str, float | None]:
     """The readings of a material by key, GLOSSES; None where a meter reads nothing."""
     return {r.key: r.value for r in gloss_readings(material) if r.key in GLOSSES}
+
+
+def gloss_number(gloss: str, value: float) -> str:
+    """A value of one of GLOSSES with the digits that a meter shows.
+
+    >>> gloss_number("gloss-75", 30.0642), gloss_number("contrast-gloss", 0.0464)
+    ('30.1', '0.046')
+    """
+    decimals = DECIMALS if gloss.startswith("gloss-") else BARE_DECIMALS
+    return f"{value:.{decimals}f}"
 
 
 def gloss_words(gloss: str) -> str:

@@ -5,9 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view.base.arrays import Array
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.measure import table
 from relgloss_view.measure.gonio import GRAZING_COSINE, OCCLUSION_DEG
+
+#: Values whose half-vector is further from the normal than this show the body of most samples.
+BODY_DEG = 20.0
+#: No surface sends back more light than it receives; fluorescent papers come near this.
+MOST_BODY = 2.0
 
 
 def reasons(
@@ -52,3 +57,33 @@ def reasons(
     names = [name for name, _ in faults]
     chosen = np.select([mask for _, mask in faults], names, default=table.KEPT)
     return np.asarray(chosen, dtype=np.str_)
+
+
+def percent_warning(
+    to_lamp: Array, to_receiver: Array, radiance_factor: Array, kept: Mask
+) -> str | None:
+    """A warning where the values can be no radiance factors, as where they are percent; else None.
+
+    Arrays as in Measurement. Away from the mirror direction the median of the brightest band is the
+    diffuse reflectance, at most about 1.
+
+    >>> straight = np.array([[0.0, 0.0, 1.0]])
+    >>> aslant = np.array([[0.0, 0.9428, 0.3333]])
+    >>> percent_warning(straight, aslant, np.array([[0.8]]), np.array([True])) is None
+    True
+    >>> percent_warning(straight, aslant, np.array([[80.0]]), np.array([True]))
+    'away from the mirror direction the values reach 80, ... they look like percent; ...'
+    """
+    half = to_lamp + to_receiver
+    length = np.linalg.norm(half, axis=1)
+    away = kept & (half[:, 2] < np.cos(np.radians(BODY_DEG)) * length)
+    if not np.any(away):
+        return None
+    level = float(np.max(np.median(radiance_factor[away], axis=0)))
+    if not level > MOST_BODY:
+        return None
+    looks = "they look like percent; divide them by 100, or " if level <= 100 * MOST_BODY else ""
+    return (
+        f"away from the mirror direction the values reach {level:.3g}, and the perfect diffuser "
+        f"has 1: {looks}give the right --quantity"
+    )

@@ -18,8 +18,10 @@ from test_cli import refused, run
 from relgloss_view.gloss.match import Reference, matched_point
 from relgloss_view.gloss.samples import SampleLook
 from relgloss_view.material.files import save_material
+from relgloss_view.picture.output.icc import matrix_profile, srgb_profile
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import SAMPLES, load_sample
+from relgloss_view.picture.scene.setup import Display
 
 SMALL = ("--size", "64x64")
 
@@ -133,17 +135,20 @@ def test_one_factor_scales_all_that_are_matched(capsys, tmp_path):
     assert matte == pytest.approx(0.5 * found["samples"][1]["c_max"])
 
 
-def test_the_profile_is_srgbs_where_the_display_is(capsys, tmp_path):
+def test_the_profile_is_the_displays(capsys, tmp_path):
     other = ("--set", "display.transfer=gain-offset-gamma")
-    for words, there in (((), True), (other, False)):
+    for words, expected in (
+        ((), srgb_profile()),
+        (other, matrix_profile(Display(transfer="gain-offset-gamma").for_the_eye())),
+    ):
         png, page = tmp_path / "a.png", tmp_path / "a.html"
         common = ("art-coated", *SMALL, "--operators", "clip", "-o", png, "-o", page)
         assert run(capsys, "compare", *common, *words)[0] == 0
-        assert ("icc_profile" in sheet_pixels(png)[1]) == there
+        assert sheet_pixels(png)[1]["icc_profile"] == expected
         (image,) = Page(page.read_text(encoding="utf-8")).images
         held = base64.b64decode(image["src"].partition(",")[2])
         with Image.open(io.BytesIO(held)) as picture:
-            assert ("icc_profile" in picture.info) == there
+            assert picture.info["icc_profile"] == expected
 
 
 @pytest.mark.parametrize(
@@ -175,10 +180,11 @@ def test_no_output_is_wrong_usage(capsys, tmp_path):
 
 
 def test_a_view_without_highlights_ranks_nothing(capsys, tmp_path):
-    words = ("compare", *SMALL, "--operators", "split", "--set", "shape.kind=plane", "--json")
-    found = json.loads(run(capsys, *words, "-o", tmp_path / "a.png")[1])
+    words = ("compare", *SMALL, "--operators", "split", "--set", "shape.kind=plane")
+    words = (*words, "--lamp", "given", "-o", tmp_path / "a.png")
+    found = json.loads(run(capsys, *words, "--json")[1])
     assert found["refused"] == ["cast-coated", "art-coated", "matte-coated", "uncoated"]
     orders = found["operators"][0]["orders"].values()
     assert {order["verdict"] for order in orders} == {"none"}
-    err = run(capsys, *words[:-1], "-o", tmp_path / "a.png")[2]
+    err = run(capsys, *words)[2]
     assert "not ranked; turn the lamp" in err

@@ -74,7 +74,7 @@ def test_table_in_the_terminal(capsys):
     assert first.splitlines()[0] == "art-coated, green ink"
     (line,) = [row for row in first.splitlines() if "60 deg" in row]
     value = specular_gloss(load_material(FITTED), 60)
-    assert f" {value:.4g} " in line
+    assert f" {value:.1f} " in line
     assert "se" in first
     assert "no incidence within 1 degree of 85" in second
     assert max(len(row) for row in first.splitlines()) <= 100
@@ -206,3 +206,55 @@ class TestFaults:
         status, out, _ = run(capsys, path)
         assert status == 0
         assert "\x1b" not in out
+
+
+class TestPercent:
+    """Reflectances in percent, which would read a hundred times too high without a word."""
+
+    def table(self, tmp_path, factor):
+        lines = []
+        for line in Path(PAPER).read_text().splitlines():
+            numbers = line.split(",")
+            if not line.startswith("#") and numbers[0].lstrip("-").replace(".", "").isdigit():
+                values = [f"{factor * float(v):.6g}" for v in numbers[3:]]
+                line = ",".join([*numbers[:3], *values])
+            lines.append(line)
+        file = tmp_path / "table.csv"
+        file.write_text("\n".join(lines) + "\n")
+        return file
+
+    def test_a_table_is_refused_in_one_line(self, capsys, tmp_path):
+        said = refused(capsys, self.table(tmp_path, 100.0))
+        assert "percent; divide them by 100" in said
+
+    def test_a_table_of_radiance_factors_is_not(self, capsys, tmp_path):
+        (found,) = samples(capsys, self.table(tmp_path, 1.0))
+        assert found["warnings"] == []
+
+    def test_every_reader_of_the_table_is_warned(self, tmp_path):
+        from relgloss_view import read_measurement
+
+        assert any("percent" in w for w in read_measurement(self.table(tmp_path, 100.0)).warnings)
+        assert not read_measurement(self.table(tmp_path, 1.0)).warnings
+
+    def test_a_material_is_warned_of(self, capsys, tmp_path):
+        content = json.loads(Path(FITTED).read_text())
+        for lobe in content["specular"]:
+            lobe["strength"] *= 100.0
+        file = tmp_path / "percent.json"
+        file.write_text(json.dumps(content))
+        (found,) = samples(capsys, file)
+        assert any("times the light that it receives" in w for w in found["warnings"])
+
+
+def test_no_more_digits_than_a_meter_shows(capsys):
+    """A tenth of a unit, the error rounded up; JSON keeps all of it."""
+    import re
+
+    status, out, _ = run(capsys, "matte-coated")
+    assert status == 0
+    (row,) = [line for line in out.splitlines() if "75 deg" in line]
+    assert re.findall(r"\d+\.\d+", row) == ["30.1", "0.1", "0.3"]
+    (found,) = samples(capsys, "matte-coated")
+    assert found["readings"]["gloss-75"]["value"] == pytest.approx(30.06, abs=0.01)
+    assert found["readings"]["gloss-75"]["value"] != 30.1

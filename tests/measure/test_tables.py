@@ -9,6 +9,7 @@ import pytest
 from files import GCMS, GENERIC
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.resources import asset
 from relgloss_view.measure import gonio, table
 from relgloss_view.measure.bands import RGB
 from relgloss_view.measure.readers import read_measurement
@@ -261,3 +262,23 @@ def test_the_writer_refuses_shapes_that_do_not_agree(tmp_path):
             values=np.zeros((4, 3)),
         )
     assert not list(tmp_path.iterdir())
+
+
+class TestBuiltIn:
+    def test_a_papers_table_is_read_by_its_name_from_anywhere(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        by_name = read_measurement("matte-coated")
+        by_file = read_measurement(asset("papers", "matte-coated.csv"))
+        np.testing.assert_array_equal(by_name.radiance_factor, by_file.radiance_factor)
+        assert by_name.file == by_file.file
+        assert by_name.synthetic
+
+    def test_a_file_of_that_name_goes_first(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        text = asset("papers", "uncoated.csv").read_text().replace("uncoated, green ink", "mine")
+        (tmp_path / "matte-coated").write_text(text)
+        assert read_measurement("matte-coated").name == "mine"
+
+    def test_another_name_is_a_file_that_is_not_there(self):
+        with pytest.raises(InputError, match="can't be read"):
+            read_measurement("velvet")

@@ -18,6 +18,7 @@ from relgloss_view.picture.model.tone import DisplayModel, encode
 from relgloss_view.picture.output.contact_sheet import contact_sheet, thumbnail
 from relgloss_view.picture.output.export import save_frame
 from relgloss_view.picture.output.exr import LAYERS
+from relgloss_view.picture.output.icc import matrix_profile
 from relgloss_view.picture.output.parameters import parameters
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import load_sample
@@ -83,7 +84,7 @@ def test_files_name_their_own_colours(renderer, tmp_path):
     expected = [*np.ravel(OTHER.primaries_xy), *OTHER.white_xy]
     np.testing.assert_allclose(header["chromaticities"], expected, rtol=1e-6)
     with Image.open(tmp_path / "a.png") as picture:
-        assert "icc_profile" not in picture.info
+        assert picture.info["icc_profile"] == matrix_profile(OTHER)
 
 
 def test_parameters_tell_every_entry(frame):

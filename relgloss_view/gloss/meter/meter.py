@@ -33,6 +33,9 @@ from relgloss_view.measure.bands import Bands
 ILLUMINANT = "C"
 METERS = (*SPECULAR.values(), HAZE, DISTINCTNESS)
 FERWERDA = "Pellacini, Ferwerda, Greenberg 2000"
+#: Decimals that an instrument shows: a tenth of a gloss unit, which is finer than meters repeat
+#: (ISO 2813, ASTM D523); of numbers without a unit, as Pellacini et al. 2000 print them.
+DECIMALS, BARE_DECIMALS = 1, 3
 #: Widths at which a reading is looked at before its root is refined.
 WIDTHS_TRIED = 33
 
@@ -51,6 +54,27 @@ class Reading:
     diffuse: float | None = None
     reason: str = ""  #: why there is no value
     note: str = ""  #: what to know about the value
+
+    @property
+    def decimals(self) -> int:
+        """How many decimals are shown of it; the value itself has all."""
+        return BARE_DECIMALS if self.standard == FERWERDA else DECIMALS
+
+    def words(self, number: float | None) -> str:
+        """A number of this reading, its value or its part, with the digits that a meter shows.
+
+        >>> Reading("gloss-60", "specular gloss, 60 deg", "ISO 2813", 30.0642).words(30.0642)
+        '30.1'
+        """
+        return "" if number is None else f"{number:.{self.decimals}f}"
+
+    @property
+    def error_words(self) -> str:
+        """The standard error in the same digits, rounded up so that it is never 0."""
+        if self.standard_error is None:
+            return ""
+        step = 10.0**-self.decimals
+        return self.words(step * max(float(np.ceil(self.standard_error / step - 1e-9)), 1.0))
 
 
 def gloss_readings(material: Material) -> tuple[Reading, ...]:

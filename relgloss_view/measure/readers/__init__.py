@@ -9,6 +9,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import check_regular, unreadable
 from relgloss_view.measure.quantity import BRDF, canonical_quantity
 from relgloss_view.measure.readers import csv_table, gcms, generic, merl, rgl, tensor_file
+from relgloss_view.measure.readers.built_in import table_file
 from relgloss_view.measure.table import Measurement
 
 __all__ = ["read_measurement"]
@@ -22,7 +23,8 @@ def read_measurement(
 ) -> Measurement:
     """Read an instrument's file: RGL .bsdf, MERL .binary, GCMS-style or generic CSV.
 
-    path: the file; its content decides the format (docs/files.md).
+    path: the file; its content decides the format (docs/files.md). The name of a built-in paper,
+    such as 'art-coated', reads its synthetic table, unless there is a file of that name.
     quantity: 'radiance-factor' (pi f_r), 'brdf' (f_r, 1/sr) or 'brdf-cos' (f_r cos theta_r, 1/sr).
     It replaces what a text table declares, and is required where the table declares none.
     gamma_s_deg: tilt at which a GCMS table sees the mirror direction, degrees, -90 to 90; replaces
@@ -33,19 +35,19 @@ def read_measurement(
 
     Sources of the formats: Dupuy and Jakob 2018 (RGL), Matusik et al. 2003 (MERL).
 
-    >>> from relgloss_view.base.resources import asset
-    >>> read_measurement(asset("papers", "uncoated.csv")).bands.count
+    >>> read_measurement("uncoated").bands.count
     35
     >>> read_measurement("no-such.csv")
     Traceback (most recent call last):
     ...
     relgloss_view.base.errors.InputError: no-such.csv: can't be read (No such file or directory)...
     """
+    file = table_file(path)
     try:
-        measurement = _read(Path(path), quantity, gamma_s_deg)
+        measurement = _read(file, quantity, gamma_s_deg)
     except OSError as error:
         raise unreadable(path, error, EXPECTED) from None
-    return replace(measurement, file=str(path))
+    return replace(measurement, file=str(file))
 
 
 def _read(path: Path, quantity: str | None, gamma_s_deg: float | None) -> Measurement:

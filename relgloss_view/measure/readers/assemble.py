@@ -66,7 +66,10 @@ def from_table(
         to_lamp, to_receiver, readings, saturation=facts.saturation, arms_occlude=arms_occlude
     )
     factor = to_radiance_factor(readings, facts.quantity, to_receiver[:, 2])
-    contradiction = contradictions(angles, factor, reasons == KEPT)
+    doubts = (
+        screen.percent_warning(to_lamp, to_receiver, factor, reasons == KEPT),
+        contradictions(angles, factor, reasons == KEPT),
+    )
     measurement = Measurement(
         name=facts.name,
         source=facts.source,
@@ -77,7 +80,7 @@ def from_table(
         reasons=reasons,
         group=np.rint(group).astype(np.int64),
         aperture_sd_deg=facts.aperture_sd_deg,
-        warnings=(*facts.warnings, *([contradiction] if contradiction else [])),
+        warnings=(*facts.warnings, *(doubt for doubt in doubts if doubt)),
         synthetic=source_is_synthetic(facts.source),
     )
     return require_samples(measurement, table.path)

@@ -111,7 +111,7 @@ def peak_share(material: Material, sigma_n_deg: float, tilt_deg: float) -> float
         height = float(np.mean(lobe.strength)) / variance
         peak += height
         shown += height * float(np.exp(-0.5 * np.radians(tilt_deg) ** 2 / variance))
-    return shown / peak if peak > 0.0 else 0.0
+    return float(shown / peak) if peak > 0.0 else 0.0
 
 
 def shows_gloss(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import json
 import os
-from functools import lru_cache
 from pathlib import Path
 from typing import BinaryIO
 
@@ -18,6 +17,7 @@ from relgloss_view.base.writing import whole_file
 from relgloss_view.picture.displayed import Displayed, shown_light
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
+from relgloss_view.picture.output.icc import profile_of
 from relgloss_view.picture.output.parameters import parameters
 from relgloss_view.picture.output.png16 import write_png16
 from relgloss_view.picture.scene.setup import Display
@@ -34,12 +34,12 @@ def save_png(
 ) -> None:
     """Write a frame as PNG; arguments as save_frame."""
     text = _text(json.dumps(parameters(frame, displayed)), command)
-    save_rgb(digital(frame, displayed, bits), path, text, srgb=is_srgb(frame.scene.display))
+    save_rgb(digital(frame, displayed, bits), path, text, display=frame.scene.display)
 
 
 def png_bytes(frame: Frame) -> bytes:
     """A PNG of 8 bits with the profile but without parameters, which needs only the pixels."""
-    profile = srgb_profile() if is_srgb(frame.scene.display) else None
+    profile = profile_of(frame.scene.display)
     memory = io.BytesIO()
     write_png8(memory, frame.display, {"Software": SOFTWARE}, profile)
     return memory.getvalue()
@@ -79,7 +79,7 @@ def save_pair(
     surround = _quantised(np.array(tone.encode(np.array(model.background_light), model)), bits)
     gap = np.full((left.shape[0], gap_px, 3), surround, dtype=surround.dtype)
     text = _text(json.dumps(pair), "\n".join(commands))
-    save_rgb(np.concatenate([left, gap, right], axis=1), file, text, srgb=is_srgb(display))
+    save_rgb(np.concatenate([left, gap, right], axis=1), file, text, display=display)
 
 
 def digital(frame: Frame, displayed: Displayed | None, bits: int) -> Digital:
@@ -91,25 +91,22 @@ def digital(frame: Frame, displayed: Displayed | None, bits: int) -> Digital:
 
 
 def save_rgb(
-    rgb: Digital, path: str | os.PathLike[str], text: dict[str, str], *, srgb: bool = True
+    rgb: Digital,
+    path: str | os.PathLike[str],
+    text: dict[str, str],
+    *,
+    display: Display | None = None,
 ) -> None:
-    """Write RGB (H, W, 3) of 8 or 16 bits as PNG with text chunks and, for sRGB, the profile."""
-    profile = srgb_profile() if srgb else None
+    """Write RGB (H, W, 3) of 8 or 16 bits as PNG with text chunks and the display's profile.
+
+    display: whose digital values they are; sRGB where none is given.
+    """
+    profile = profile_of(display or Display())
     with whole_file(path) as temporary:
         if rgb.dtype == np.uint16:
             write_png16(temporary, rgb.astype(np.uint16, copy=False), text, profile)
         else:
             write_png8(temporary, rgb, text, profile)
-
-
-@lru_cache(maxsize=1)
-def srgb_profile() -> bytes:
-    """An sRGB ICC profile, the same bytes each time (its date field is cleared)."""
-    from PIL import ImageCms
-
-    data = bytearray(ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes())
-    data[24:36] = bytes((7, 234, 0, 1, 0, 1)) + bytes(6)  # 2026-01-01, big-endian words
-    return bytes(data)
 
 
 def write_png8(
@@ -140,13 +137,3 @@ def _quantised(values: Array, bits: int) -> Digital:
     if bits == 8:
         return np.asarray(whole.astype(np.uint8))
     return np.asarray(whole.astype(np.uint16))
-
-
-def is_srgb(display: Display) -> bool:
-    """Whether digital values of a display are sRGB's."""
-    standard = Display()
-    return (display.transfer, display.primaries_xy, display.white_xy) == (
-        standard.transfer,
-        standard.primaries_xy,
-        standard.white_xy,
-    )

@@ -126,17 +126,17 @@ def _cell(reading: Reading, *, faint: bool) -> None:
         widgets.quiet("-")
         widgets.tooltip(widgets.sentence(reading.reason))
         return
-    error = reading.standard_error
-    text = f"{reading.value:.3g}"
-    with_error = text if error is None else f"{text} ± {error:.1g}"
+    error = reading.error_words
+    text = reading.words(reading.value)
+    with_error = f"{text} ± {error}" if error else text
     if imgui.calc_text_size(with_error).x <= imgui.get_content_region_avail().x:
         text = with_error
     (widgets.quiet if faint else imgui.text_unformatted)(text)
     lines = [reading.standard]
     if reading.diffuse is not None:
-        lines.append(f"The diffuse reflection gives {reading.diffuse:.2g} of it.")
-    if error is not None:
-        lines.append(f"The error, ± {error:.1g}, follows from the standard errors of the fit.")
+        lines.append(f"The diffuse reflection gives {reading.words(reading.diffuse)} of it.")
+    if error:
+        lines.append(f"The error, ± {error}, follows from the standard errors of the fit.")
     if reading.note:
         lines.append(widgets.sentence(reading.note))
     widgets.tooltip("\n".join(lines))

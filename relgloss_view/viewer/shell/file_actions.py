@@ -100,7 +100,8 @@ class FileActions:
 
             presentation = dataclasses.asdict(self.model.state.presentation)
             text = {"Software": "relgloss", "Presentation": json.dumps(presentation)}
-            if self.model.attempt(lambda: save_rgb(pixels, path, text)):
+            display = self.model.state.setup.display
+            if self.model.attempt(lambda: save_rgb(pixels, path, text, display=display)):
                 height, width = pixels.shape[:2]
                 folder, name = os.path.split(os.path.abspath(path))
                 self.model.report(f"exported {name}, {width} x {height} px, to {folder}")
