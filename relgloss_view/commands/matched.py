@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from relgloss_view.base.errors import InputError
 from relgloss_view.commands.scene_options import (
     SAMPLE_METAVAR,
     graininess_is_given,
@@ -71,9 +73,14 @@ class MatchedPicture:
 def matched_picture(args: argparse.Namespace, scene: Scene, look: Look) -> MatchedPicture | None:
     """The match of what the options describe; None where they ask for another c.
 
-    Raises InputError where the reference has no gloss.
+    A scene file that holds a match stays a pair: its c are kept, or matched anew where the options
+    name another sample. Raises InputError where the reference has no gloss.
     """
-    if not wants_match(args, look):
+    pair = _pair_of_file(args, look)
+    another_sample = args.sample is not None or args.material is not None
+    if pair is not None and not another_sample:
+        return pair
+    if not wants_match(args, look) and pair is None:
         return None
     from relgloss_view.gloss.match import Reference, matched, own_sigma_n_deg
     from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE
@@ -85,6 +92,32 @@ def matched_picture(args: argparse.Namespace, scene: Scene, look: Look) -> Match
     match = matched(reference, scene.material, sigma_n_deg)
     changed = look.with_entries(c=match.test_c, sigma_n_deg=sigma_n_deg)
     return MatchedPicture(changed, reference, match)
+
+
+def _pair_of_file(args: argparse.Namespace, look: Look) -> MatchedPicture | None:
+    """The pair that a scene file holds with its match, unless an option gives another c."""
+    from relgloss_view.gloss.match import Reference
+    from relgloss_view.picture.scene.scene_file import read_scene_file
+
+    given = any(getattr(args, name, None) for name in ("c", "c_fraction", "published"))
+    if args.scene is None or given or args.reference is not None:
+        return None
+    content = read_scene_file(args.scene)
+    if content.match is None or content.reference is None or look.c is None:
+        return None
+    if content.presentation.get("clip_highlights") is True or look.c != content.look.c:
+        return None
+    try:
+        reference = Reference.of(reference_look(args, look), content.match.gloss)
+    except InputError:  # a reference without gloss: nothing is to be kept
+        return None
+    match = dataclasses.replace(
+        content.match,
+        reference_c=reference.c,
+        test_c=look.c,
+        test_sigma_n_deg=look.sigma_n_deg,
+    )
+    return MatchedPicture(look, reference, match)
 
 
 def reference_look(args: argparse.Namespace, look: Look) -> SampleLook:
