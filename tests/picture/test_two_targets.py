@@ -40,14 +40,14 @@ def passes_drawn(monkeypatch):
     drawn = []
     original = Programs.draw
 
-    def draw(self, stage, defines, uniforms, target):
+    def draw(self, stage, defines, uniforms, target, *vertices):
         reads = {
             k: v.glo
             for k, v in uniforms.items()
             if isinstance(v, moderngl.Texture) and k in self.get(stage, defines).program
         }
         drawn.append((stage, reads, [texture.glo for texture in target.color_attachments]))
-        return original(self, stage, defines, uniforms, target)
+        return original(self, stage, defines, uniforms, target, *vertices)
 
     monkeypatch.setattr(Programs, "draw", draw)
     return drawn
