@@ -251,6 +251,7 @@ class TestExport:
         assert len(manifest["stimuli"]) == 1 + 3 * 4
         assert all(s["as_shown"] is None for s in manifest["stimuli"])
         words = ("--sample", "uncoated", "--sigma-n", 2, "--c-fraction", 1.0, "--size", "64x64")
+        words += ("--grain-kind", "screen", "--edges", "sampled", "--dither", "none")
         run(capsys, "snapshot", *words, "-o", "u.png")
         (name,) = [
             s["file"] for s in manifest["stimuli"]

@@ -72,7 +72,7 @@ def test_written_scene_is_the_pair(capsys, tmp_path):
         (("art-coated", "--write", "a.json"), "ends in .toml"),
         (("-o", "gone/a.png"), "gone"),
         (("--here", "--set", "eye.shift_right=20"), "shows no gloss in this view"),
-        (("--here", "--set", "shape.kind=plane"), "shows no gloss in this view"),
+        (("--here", "--set", "shape.kind=plane", "--lamp", "given"), "shows no gloss in this view"),
     ],
     ids=str,
 )

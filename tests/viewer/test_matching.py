@@ -9,7 +9,7 @@ from materials import paper
 
 from relgloss_view.gloss.match import Reference, full_c, matched
 from relgloss_view.material.files import save_material
-from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.look import viewed_look
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
 from relgloss_view.picture.scene.setup import SHAPES
 from relgloss_view.viewer.drawing.arrangement import arranged
@@ -237,6 +237,6 @@ class TestOldFiles:
 def test_looks_of_an_old_file_have_no_share_of_a_match(state):
     old = state.with_look("test", c=None, c_fraction=0.5)
     assert share_of_match(old, "test") is None
-    assert old.test.look == Look(
+    assert old.test.look == viewed_look(
         sigma_n_deg=state.test.look.sigma_n_deg, c_fraction=0.5, quality="auto"
     )

@@ -23,6 +23,7 @@ from relgloss_view.picture.gpu.held import Held, key_of
 from relgloss_view.picture.gpu.programs import Programs, Uniforms
 from relgloss_view.picture.gpu.reduction import Reduction
 from relgloss_view.picture.gpu.request import Request
+from relgloss_view.picture.gpu.shading import Shading, shading_of
 from relgloss_view.picture.gpu.targets import (
     CLEARED,
     COVERAGE,
@@ -36,12 +37,9 @@ from relgloss_view.picture.gpu.targets import (
     Targets,
 )
 from relgloss_view.picture.gpu.uniforms import (
-    NO_GRAIN,
-    colour_uniforms,
     display_uniforms,
     field_size,
     grain_uniforms,
-    material_uniforms,
     per_size,
     view_uniforms,
 )
@@ -74,14 +72,6 @@ class Drawn(NamedTuple):
     white: float  #: Y_n before the lamp's power
     object_pixels: int  #: how many show any of the object
     l_s_max: float  #: largest L_s* of a pixel
-
-
-class Shading(NamedTuple):
-    """How pass 1 and the split are drawn, and with what."""
-
-    variant: Variant
-    uniforms: Uniforms
-    white: float  #: Y_n before the lamp's power
 
 
 class Passes:
@@ -300,22 +290,12 @@ class Passes:
         return inputs
 
     def _shading(self, request: Request) -> Shading:
-        scene, look, size, method = request.scene, request.look, request.size, request.method
-        view = View.of(scene, size)
-        seen_from: dict[str, Any] = {
-            **view_uniforms(scene, view),
-            "samples": sample_count(scene, look, size),
-        }
-        variant = Variant.of(scene, look, seen_from["samples"], method)
-        white = self._white_of(scene, view, variant, seen_from)
-        uniforms: dict[str, Any] = {
-            **seen_from,
-            **(grain_uniforms(scene, look, size) if variant.noise != "none" else NO_GRAIN),
-            **material_uniforms(scene, look, method),
-            **colour_uniforms(scene, method),
-            "irradiance": np.pi / white if white > 0.0 else 0.0,
-        }
-        return Shading(variant, uniforms, white)
+        view = View.of(request.scene, request.size)
+
+        def white_of(variant: Variant, seen_from: dict[str, Any]) -> float:
+            return self._white_of(request.scene, view, variant, seen_from)
+
+        return shading_of(request, view, white_of)
 
     def _make_room(self, request: Request) -> None:
         if (request.size, request.method.targets) != (self.targets.size, self.targets.numbers):
