@@ -257,6 +257,8 @@ def _hold_size(least_em: tuple[float, float]) -> None:
     node = internal.dock_builder_get_node(imgui.get_window_dock_id())
     if node is None or node.is_root_node() or imgui.is_mouse_down(imgui.MouseButton_.left):
         return  # a hand that drags the edge is held when it lets go
+    if node.size.x < 1.0 or node.size.y < 1.0:
+        return  # read from a saved layout, and not laid out yet
     least = ImVec2(em(least_em[0]), em(least_em[1]))
     if node.size.x < least.x - 1.0 or node.size.y < least.y - 1.0:
         size = ImVec2(max(node.size.x, least.x), max(node.size.y, least.y))
