@@ -12,6 +12,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from relgloss_view.viewer.shell.layout import GLOSS, LIGHT
+
 NAMES = {
     "German": "Glänzend gestrichener Karton, größere Körnung",
     "Japanese": "光沢紙・緑インキ（試作品）両面印刷",
@@ -192,11 +194,12 @@ def _note(shown, name, entry, where, fields=()):
 
 
 def _panels(shown, name, entry):
-    """Each panel in front, one of each place at a time."""
+    """Each panel in front, one of each place at a time; gloss and light may share a place."""
     layout = shown.program.layout
     places: dict[str, list[str]] = {}
     for panel in layout.panels:
-        places.setdefault(panel.place, []).append(panel.title)
+        place = GLOSS if panel.place == LIGHT else panel.place
+        places.setdefault(place, []).append(panel.title)
     for k in range(max(len(titles) for titles in places.values())):
         front = [titles[k] for titles in places.values() if k < len(titles)]
         for title in front:

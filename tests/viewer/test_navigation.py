@@ -74,11 +74,14 @@ def items(hand, title):
 def tabs_through(title):
     def script(hand, found):
         from imgui_bundle import imgui
+        from test_gloss_panel import worked_out
 
         shown_alone(hand, title)
         hand.ctx.mouse_teleport_to_pos((5.0, 700.0))
         if title == "Pixel":
             hand.model.pinned = None
+        if title == "Gloss":
+            worked_out(hand)  # before that there is no slider
         wanted, others = items(hand, title)
         first = focus()[0]
         seen = {}

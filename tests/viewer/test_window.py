@@ -197,6 +197,8 @@ def draws_only_what_changed(hand, found):
     for side in ("reference", "test"):  # quality auto may draw other stages after any change
         model.set_look(side, quality="exact")
     hand.frames(8)
+    hand.until(lambda: not hand.app._warming_waits)  # the hand has rested: programs are warmed up
+    hand.frames(20)
     compiled = hand.app.pair_renderer.compiled
     for name, change in (
         ("c", {"c_fraction": 0.41, "c": None}),

@@ -77,5 +77,8 @@ def _panels(app: App) -> None:
     if imgui.begin_menu("Panels"):
         for panel in app.layout.panels:
             if imgui.menu_item(panel.title, "", panel.visible, True)[0]:
-                panel.visible = not panel.visible
+                if panel.visible:
+                    panel.visible = False
+                else:
+                    app.layout.focus(panel.title)
         imgui.end_menu()

@@ -10,6 +10,7 @@ from imgui_bundle import ImVec2, imgui
 from relgloss_view.picture.output.parameters import warnings
 from relgloss_view.viewer.panels.drawing_words import drawing_words, quality_words
 from relgloss_view.viewer.shell.actions import TURN_LAMP
+from relgloss_view.viewer.shell.layout import STATUS
 from relgloss_view.viewer.shell.theme import POPUP, em, gray
 from relgloss_view.viewer.shell.widgets import tooltip
 
@@ -50,10 +51,10 @@ def show(app: App) -> None:
     imgui.push_style_color(imgui.Col_.window_bg, gray(POPUP))
     flags = imgui.WindowFlags_
     imgui.begin(
-        "##status",
+        STATUS,
         None,
         flags.no_decoration | flags.no_docking | flags.no_move | flags.no_saved_settings
-        | flags.no_bring_to_front_on_focus | flags.no_nav,
+        | flags.no_bring_to_front_on_focus | flags.no_nav | flags.no_focus_on_appearing,
     )  # fmt: skip
     imgui.pop_style_color()
     imgui.pop_style_var(2)

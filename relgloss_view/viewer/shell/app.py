@@ -130,6 +130,7 @@ class App:
             status.show(self)
             self.files.show()
             help.show(self)
+            self.layout.keep_focus(navigation.focused_window())
         self._window.to_screen()  # pictures were drawn, and panels fetched numbers
 
     def after_frame(self, frame_s: float) -> bool:

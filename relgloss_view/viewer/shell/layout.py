@@ -18,7 +18,7 @@ RIGHT_EM = 25.0  #: width of the column of controls
 BELOW_EM = 18.0  #: height of the strip of plots
 #: Of the window's width and height: the pictures stay the largest thing in it.
 LEAST_SHARE, MOST_SHARE = 0.15, (0.40, 0.42)
-STAGE = "Pictures"
+STAGE, STATUS, DOCK = "Pictures", "##status", "##dock"  #: windows that are no panels
 _STAGE_FLAGS = (
     imgui.WindowFlags_.no_decoration
     | imgui.WindowFlags_.no_docking
@@ -54,6 +54,7 @@ class Panel:
     at_first: bool = True  #: whether it is open at the first start
     visible: bool = True
     docked: bool = False  #: whether it was in the dock space when it was last drawn
+    in_front: bool = False  #: whether it was no tab behind another then
 
     def __post_init__(self) -> None:
         self.visible = self.at_first
@@ -70,6 +71,7 @@ class Layout:
         self._focus: list[str] = []
         self._roomless: set[str] = set()  #: places for whose panels the window is too small
         self._entering = ""  #: the window that the keyboard is about to enter
+        self._entered = ""  #: the last one that had it
 
     def reset(self) -> None:
         """Show the panels of the first start, each in its first place."""
@@ -95,6 +97,25 @@ class Layout:
     def enter(self, title: str) -> None:
         """Give a panel or the stage the keyboard, and show which of its controls has it."""
         self._entering = title
+
+    def keep_focus(self, present: str) -> None:
+        """Give the keyboard back to where it was, if a window has it that has no controls.
+
+        present: the window that has it. When a dialog closes, ImGui gives it to the status line;
+        at the start, to the panel that was drawn last, which may be a tab behind another.
+        """
+        shown = [STAGE, *(p.title for p in self._shown() if p.in_front)]
+        bare = present in ("", STATUS, DOCK) or any(p.title == present for p in self.panels)
+        if present in shown:
+            self._entered = present
+        elif bare and not self._focus and not self._entering:
+            last = self._entered if self._entered in shown else shown[min(1, len(shown) - 1)]
+            window = internal.find_window_by_name(last)
+            if window is not None:
+                internal.focus_window(window)
+
+    def _shown(self) -> list[Panel]:
+        return [] if self.hidden else [panel for panel in self.panels if panel.visible]
 
     def _enter(self, title: str) -> None:
         """Call it within the window."""
@@ -139,7 +160,7 @@ class Layout:
         imgui.set_next_window_size(size)
         imgui.push_style_var(imgui.StyleVar_.window_padding, ImVec2(0.0, 0.0))
         imgui.begin(
-            "##dock",
+            DOCK,
             None,
             flags.no_decoration
             | flags.no_docking
@@ -191,7 +212,7 @@ class Layout:
         # The first panel of each place is the one that shows.
         seen: set[int] = set()
         for panel in self.panels:
-            if nodes[panel.place] not in seen:
+            if panel.visible and nodes[panel.place] not in seen:
                 seen.add(nodes[panel.place])
                 self._focus.append(panel.title)
 
@@ -210,15 +231,18 @@ class Layout:
         return {SAMPLE: sample, GLOSS: gloss, LIGHT: light}
 
     def _show_panel(self, panel: Panel) -> None:
+        flags = imgui.WindowFlags_.no_collapse
         if panel.title in self._focus or panel.title == self._entering:
             imgui.set_next_window_focus()
+        else:  # of panels that share a place, the last to appear would be the one in front
+            flags |= imgui.WindowFlags_.no_focus_on_appearing
+        if panel.title in self._focus:
             self._focus = [title for title in self._focus if title != panel.title]
         imgui.set_next_window_size(ImVec2(em(26.0), em(20.0)), imgui.Cond_.first_use_ever)
-        flags = imgui.WindowFlags_.no_collapse
         if panel.docked:  # the window's own colour is the panels'
             flags |= imgui.WindowFlags_.no_background
         opened, stays = imgui.begin(panel.title, True, flags)
-        panel.docked = imgui.is_window_docked()
+        panel.docked, panel.in_front = imgui.is_window_docked(), bool(opened)
         if panel.docked:
             _hold_size(LEAST_EM[panel.place])
         if opened:
