@@ -41,7 +41,7 @@ def shows_tooltips(hand, found):
     hand.ctx.scroll_to_bottom("//Scene")
     items = {
         "control": "//Scene/##Out-of-gamut colours",
-        "slider": "//Scene/##Surround lightness (L*)",
+        "slider": "//Scene/##Difference scale (dE2000)",
     }
     for name, path in items.items():
         item = hand.ctx.item_info(path).rect_full

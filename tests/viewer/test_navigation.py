@@ -6,6 +6,8 @@ import driven
 import numpy as np
 import pytest
 
+from relgloss_view.viewer.state.matching import with_share
+
 SIZE = (1280, 1400)  # high enough for each panel without scrolling: what is clipped shows no focus
 #: The panels, and how many of their items are no controls: plots, headings, frames of parts.
 PANELS = {
@@ -19,6 +21,7 @@ PANELS = {
     "Pixel": 3,
 }
 MOVED = ("Look", "Scene")
+FOLD = "In numbers (c, c_max)"
 MOST = 60
 WHITE = 250  #: the ring around the focus; nothing else of the interface is as bright over a length
 
@@ -120,6 +123,7 @@ def moves_all(title):
 
         model, key = hand.model, imgui.Key
         start = model.state.with_part("eye", azimuth_deg=5.0).with_look("test", seed=5)
+        start = with_share(start, "test", 0.5)  # so that "Match again" has something to do
         exact = start.with_look("reference", quality="exact")
         seen, moved = {}, set()
 
@@ -172,13 +176,20 @@ def has_labels(hand, found):
 
     from relgloss_view.picture.scene.look import Look
 
-    looks = ("sigma_n_deg", "c_fraction", "c", "grain", "grain_px", "noise_law", "noisy_lobes",
-             "seed", "diffuse_model", "samples")  # fmt: skip
+    looks = ("sigma_n_deg", "c_fraction", "c", "grain", "grain_arcmin", "noise_law",
+             "noisy_lobes", "seed", "diffuse_model", "samples")  # fmt: skip
     for title, owners in (("Look", {Look: looks}), ("Scene", SCENE)):
         shown_alone(hand, title)
         wanted, _ = items(hand, title)
         labels = [label_of(owner, name) for owner, names in owners.items() for name in names]
+        fold = f"//{title}/{FOLD}"
+        if hand.there(fold) and not hand.there(f"{fold}/##{label_of(Look, 'c')}"):
+            hand.click(fold)
+            wanted, _ = items(hand, title)
         paths = {label: f"//{title}/##{label}".replace(" / ", " \\/ ") for label in labels}
+        for label in (label_of(Look, "c"), label_of(Look, "c_fraction")):
+            if label in paths:
+                paths[label] = paths[label].replace(f"//{title}/", f"{fold}/")
         there = {label: path for label, path in paths.items() if hand.there(path)}
         found[title] = [
             [

@@ -105,7 +105,7 @@ def _table(model: Model, outcomes: dict[str, Outcome[Material, Readings] | None]
     flags = imgui.TableFlags_.row_bg | imgui.TableFlags_.sizing_stretch_prop
     if not imgui.begin_table("readings", 1 + len(SIDES), flags):
         return
-    for name, weight in (("Meter", 2.0), *((side.capitalize(), 1.0) for side in SIDES)):
+    for name, weight in (("Meter", 1.5), ("Reference", 1.3), ("Test", 1.0)):
         imgui.table_setup_column(name, imgui.TableColumnFlags_.none, weight)
     plot_widgets.table_headings()
     for of_side in rows.values():

@@ -104,7 +104,7 @@ def _contrast(model: Model, side: str, look: Look) -> None:
         if changed:
             model.set_share(side, value, gesture=f"{side} share")
     _match(model)
-    if imgui.tree_node("In numbers (c, c_max)"):
+    if imgui.tree_node_ex("In numbers (c, c_max)", imgui.TreeNodeFlags_.framed):
         _numbers(model, side, look)
         imgui.tree_pop()
 

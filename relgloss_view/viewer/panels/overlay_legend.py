@@ -73,6 +73,9 @@ def show(
     """
     ink, paper = colours
     patch = ImVec2(*(em(v) for v in (BAR_EM if overlay == "lightness" else PATCH_EM)))
+    if overlay == "lightness":  # with its ends beside it, within the picture
+        ends = imgui.calc_text_size("0").x + imgui.calc_text_size("100").x + em(0.7)
+        patch.x = max(min(patch.x, width - ends), em(1.0))
     gap, line = em(0.5), imgui.get_text_line_height()
     sample = patch.x + gap if overlay in _PATTERNS else 0.0
     fitting = (t for t in words(overlay, frame) if imgui.calc_text_size(t).x + sample <= width)

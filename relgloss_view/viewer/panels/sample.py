@@ -81,6 +81,8 @@ def _built_in(model: Model, side: str) -> None:
                     side, Sample.built_in(name)
                 )
             )
+        if name == present:
+            imgui.set_item_default_focus()
 
 
 def _evidence(model: Model) -> None:

@@ -175,6 +175,8 @@ def combo(
         for option in options:
             if imgui.selectable(words.get(option, option), option == value)[0]:
                 chosen = option
+            if option == value:
+                imgui.set_item_default_focus()  # where the keyboard begins
         imgui.end_combo()
     else:
         tooltip(meaning)
