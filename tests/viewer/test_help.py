@@ -38,12 +38,13 @@ def shows_tooltips(hand, found):
     hand.frames(3)
     hand.app.layout.focus("Scene")
     hand.frames(4)
-    hand.ctx.scroll_to_bottom("//Scene")
     items = {
         "control": "//Scene/##Out-of-gamut colours",
-        "slider": "//Scene/##Difference scale (dE2000)",
+        "slider": "//Scene/##Surround lightness (L*)",
     }
     for name, path in items.items():
+        hand.ctx.scroll_to_item_y(path)
+        hand.frames(2)
         item = hand.ctx.item_info(path).rect_full
         box = [item.min.x, item.min.y, item.max.x, item.max.y]
         hand.ctx.mouse_move_to_pos((0.5 * (box[0] + box[2]), 0.5 * (box[1] + box[3])))
