@@ -236,12 +236,13 @@ def _write_scene(
 
 
 def _reference_line(reference: Reference) -> str:
-    from relgloss_view.gloss.samples import gloss_words
+    from relgloss_view.gloss.samples import gloss_number, gloss_words
 
     sample = reference.sample
     lamps = ", ".join(f"{setup.lamp.azimuth_deg:g}" for setup in reference.setups)
     return (
-        f"reference {sample.label}: {gloss_words(reference.gloss)} {reference.reading:.4g}; "
+        f"reference {sample.label}: {gloss_words(reference.gloss)} "
+        f"{gloss_number(reference.gloss, reference.reading)}; "
         f"sigma_N {sample.look.sigma_n_deg:g} deg, c {reference.c:.4g}: its highlight adds "
         f"{reference.displayed_gloss:.1f} L*\nmean over the lamp at {lamps} degrees"
     )
@@ -265,11 +266,12 @@ def _cell(m: MatchCurve, sigma: float) -> str:
 
 def _sample_lines(m: MatchCurve, origin: str, reference: Reference) -> list[str]:
     """The wanted gloss of a sample, its proposal, and its own setting beside the curve."""
-    from relgloss_view.gloss.samples import gloss_words
+    from relgloss_view.gloss.samples import gloss_number, gloss_words
 
     wanted = m.ratio * reference.displayed_gloss
     lines = [
-        f"{m.sample.label}: {gloss_words(reference.gloss)} {m.reading:.4g}, {m.ratio:.3g} of the "
+        f"{m.sample.label}: {gloss_words(reference.gloss)} "
+        f"{gloss_number(reference.gloss, m.reading)}, {m.ratio:.3g} of the "
         f"reference's; its highlight should add {wanted:.1f} L*"
     ]
     if m.proposed is None:

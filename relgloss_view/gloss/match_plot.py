@@ -9,7 +9,7 @@ from typing import Any
 from relgloss_view.base.figures import INK, MUTED, drawing, new_figure, save_figure
 from relgloss_view.base.writing import whole_file
 from relgloss_view.gloss.match import MatchCurve, Reference
-from relgloss_view.gloss.samples import gloss_words
+from relgloss_view.gloss.samples import gloss_number, gloss_words
 
 #: They differ in lightness too (Okabe and Ito's blue, vermilion, green, purple, sky, orange).
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#8a5a8c", "#3f9fd0", "#b37a00")
@@ -100,7 +100,7 @@ def _texts(figure: Any, reference: Reference) -> None:
     figure.text(
         0.08, 0.885,
         f"x 0.5: half the reference material's {gloss_words(reference.gloss)}, "
-        f"{reference.reading:.4g}; mean over the lamp at {lamps} degrees",
+        f"{gloss_number(reference.gloss, reference.reading)}; mean over the lamp at {lamps} deg",
         color=MUTED,
     )  # fmt: skip
     figure.text(

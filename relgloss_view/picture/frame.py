@@ -72,6 +72,10 @@ class Extremes:
         )
 
 
+#: Highlights drawn this much too strong are called so; a few percent of their L_s* are not seen.
+EXAGGERATED = 1.05
+
+
 @dataclass(frozen=True)
 class Scaling:
     """The scaling of L_s* in a picture; c_max is None where no pixel shows a highlight."""
@@ -116,7 +120,7 @@ class Scaling:
         c_max = max(at_brightest if eq4 else extremes.smallest_ratio, 0.0)
         c = look.setting.scaling(c_max) * (1.0 if look.c is None else factor)
         warnings = []
-        if c > 1.0 + 1e-9:
+        if c > EXAGGERATED:
             warnings.append(f"c = {c:.3g} is above 1: the picture exaggerates the contrast gloss")
         if c > c_max * (1.0 + 1e-9):
             warnings.append(f"c = {c:.3g} is above c_max = {c_max:.3g}: highlights are clipped")
