@@ -82,10 +82,14 @@ def _step(app: App) -> float:
 
 
 def _lacks_gloss(app: App) -> bool:
-    """Whether the active picture shows none of its sample's gloss, while nothing is dragged."""
+    """Whether the active picture shows none of its sample's gloss, while nothing is dragged.
+
+    The button itself is pressed and held too; it must not go away under the hand.
+    """
     model = app.model
     frame = model.frames.get(model.active_side)
-    return frame is not None and not model.dragging and frame.lacks_gloss
+    pressed = imgui.internal.get_active_id() == imgui.get_id(TURN_LAMP)
+    return frame is not None and (pressed or not model.dragging) and frame.lacks_gloss
 
 
 def _message(app: App, width: float) -> None:

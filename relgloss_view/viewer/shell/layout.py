@@ -108,7 +108,8 @@ class Layout:
         bare = present in ("", STATUS, DOCK) or any(p.title == present for p in self.panels)
         if present in shown:
             self._entered = present
-        elif bare and not self._focus and not self._entering:
+        elif bare and not self._focus and not self._entering and not imgui.is_any_item_active():
+            # (What is pressed would be let go of: the status line has a button at times.)
             last = self._entered if self._entered in shown else shown[min(1, len(shown) - 1)]
             window = internal.find_window_by_name(last)
             if window is not None:
