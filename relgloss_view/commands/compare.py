@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, Progress, table, warn
+from relgloss_view.base.words import sentence_case
 from relgloss_view.base.writing import check_writable, whole_file
 from relgloss_view.commands.matched import add_reference_option, reference_look
 from relgloss_view.commands.scene_options import (
@@ -124,8 +125,11 @@ def run(args: argparse.Namespace) -> int:
             gloss=args.gloss, matched=matched, progress=progress,
         )  # fmt: skip
     command = printable_command(args.argv)
+    words = ""
+    if reference is not None:
+        words = _matched_words(reference, matched, len(samples), comparison.factor)
     for output in outputs:
-        _write(comparison, output, command)
+        _write(comparison, output, command, words)
     if args.json:
         print(json.dumps({"outputs": args.output, "size": list(size), **as_numbers(comparison)}))
         return 0
@@ -137,9 +141,9 @@ def run(args: argparse.Namespace) -> int:
     for text in dict.fromkeys(_warnings(comparison)):
         warn(text)
     print(_tables(comparison))
-    if reference is not None:
+    if words:
         print()
-        print(_matched_words(reference, matched, len(samples), comparison.factor))
+        print(words)
     for output in outputs:
         print(f"{printable(output)}: written")
     return 0
@@ -179,7 +183,8 @@ def operators_of(text: str) -> list[Operator]:
     return operators
 
 
-def _write(comparison: Comparison, output: Path, command: str) -> None:
+def _write(comparison: Comparison, output: Path, command: str, matched: str) -> None:
+    """One sheet or page; `matched` is what is to be known of the match."""
     from relgloss_view.base.version import __version__
     from relgloss_view.gloss.comparison_page import comparison_page
     from relgloss_view.gloss.comparison_sheet import comparison_sheet
@@ -188,6 +193,7 @@ def _write(comparison: Comparison, output: Path, command: str) -> None:
     synthetic = all(drawn.sample.material.synthetic for drawn in comparison.samples)
     title = "Is the order of gloss kept? Samples across, operators down"
     note = "All samples are synthetic. " if synthetic else ""
+    note += f"{sentence_case(matched)}. " if matched else ""
     note += "Contrasts and grain in L*; definitions in docs/operators.md."
     if output.suffix.lower() == ".html":
         with whole_file(output) as temporary:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import dataclasses
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -44,6 +43,13 @@ class MatchedPicture:
     reference: Reference
     match: Match
 
+    @property
+    def share(self) -> float:
+        """The picture's gloss in units of the match: 1 as matched."""
+        ratio = self.match.ratio * self.reference.c
+        c = self.look.c
+        return c / ratio if c is not None and ratio > 0.0 else 1.0
+
     def factor(self, renderer: FrameRenderer, scene: Scene, size: tuple[int, int]) -> float:
         """The common factor of the pair's c in a view, from both pictures' c_max."""
         from relgloss_view.gloss.comparison import factor_in_view
@@ -66,6 +72,7 @@ class MatchedPicture:
             "gloss": self.match.gloss,
             "spread": self.match.spread,
             "made_by": self.match.made_by,
+            "share": self.share,
             "factor": frame.scaling.factor,
         }
 
@@ -81,6 +88,11 @@ def matched_picture(args: argparse.Namespace, scene: Scene, look: Look) -> Match
     if pair is not None and not another_sample:
         return pair
     if not wants_match(args, look) and pair is None:
+        if args.reference is not None:
+            raise InputError(
+                f"--reference {args.reference}: c of this picture is given, so nothing is matched; "
+                "leave it out, or give --c matched"
+            )
         return None
     from relgloss_view.gloss.match import Reference, matched, own_sigma_n_deg
     from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE
@@ -96,7 +108,7 @@ def matched_picture(args: argparse.Namespace, scene: Scene, look: Look) -> Match
 
 def _pair_of_file(args: argparse.Namespace, look: Look) -> MatchedPicture | None:
     """The pair that a scene file holds with its match, unless an option gives another c."""
-    from relgloss_view.gloss.match import Reference
+    from relgloss_view.gloss.match import Reference, matched
     from relgloss_view.picture.scene.scene_file import read_scene_file
 
     given = any(getattr(args, name, None) for name in ("c", "c_fraction", "published"))
@@ -111,13 +123,12 @@ def _pair_of_file(args: argparse.Namespace, look: Look) -> MatchedPicture | None
         reference = Reference.of(reference_look(args, look), content.match.gloss)
     except InputError:  # a reference without gloss: nothing is to be kept
         return None
-    match = dataclasses.replace(
-        content.match,
-        reference_c=reference.c,
-        test_c=look.c,
-        test_sigma_n_deg=look.sigma_n_deg,
-    )
-    return MatchedPicture(look, reference, match)
+    match, c = content.match, look.c
+    if look.sigma_n_deg != content.look.sigma_n_deg:  # another graininess keeps the share
+        share = c / (match.ratio * reference.c) if match.ratio > 0.0 else 1.0
+        match = matched(reference, content.sample.material, look.sigma_n_deg)
+        c = share * match.ratio * reference.c
+    return MatchedPicture(look.with_entries(c=c), reference, match)
 
 
 def reference_look(args: argparse.Namespace, look: Look) -> SampleLook:
@@ -139,6 +150,10 @@ def reference_look(args: argparse.Namespace, look: Look) -> SampleLook:
 def match_words(picture: MatchedPicture, frame: Frame) -> str:
     """The match of a drawn picture in a few words."""
     label = picture.reference.sample.label
+    if not frame.scene.material.visible_lobes():
+        return f"it has no highlight, so there is no gloss to match to {label}"
     words = f"matched to {label} (c {picture.reference.c:.4g})"
+    if abs(picture.share - 1.0) > 5e-4:
+        words = f"{picture.share:.2f} of the gloss that is {words}"
     changed = ratio_words(frame.scaling.factor)
     return f"{words}; {changed}" if changed else words

@@ -37,10 +37,12 @@ from relgloss_view.quality.backends import BACKENDS
 DEFAULT_SIZE = (512, 512)
 MATCHED, MAX = "matched", "max"
 SAMPLE_METAVAR = "SAMPLE|MATERIAL.json[=SIGMA_N,C]"
-_C_WORDS = (
-    f"; {MATCHED}: keeps the ratio of gloss to the reference; {MAX}: c_max of this picture "
-    f"(default {MATCHED}, or what a --scene holds)"
-)
+#: What a command adds to the words of an entry.
+_MORE_WORDS = {
+    "sigma_n_deg": ", or that of the paper's observers for a built-in paper that is matched",
+    "c": f"; {MATCHED}: keeps the ratio of gloss to the reference; {MAX}: c_max of this picture "
+    f"(default {MATCHED}, or what a --scene holds)",
+}
 GRAIN_KIND = "--grain-kind"
 PAPER_LOOK = Look()  #: with the paper's grain, one a pixel
 
@@ -104,12 +106,11 @@ def add_scene_options(
             help=option.help_with(
                 getattr(look, option.entry) if option.table == "look" else option.field.default
             )
-            + (_C_WORDS if option.entry == "c" else ""),
+            + _MORE_WORDS.get(option.entry, ""),
         )
     if tuned:
         how.add_argument(
             "--published",
-            "--matched",  # its older name
             action="store_true",
             help="Take sigma_N and c that the paper's observers chose for this kind of paper, c as "
             "a share of this picture's c_max",

@@ -53,8 +53,11 @@ def run(args: argparse.Namespace) -> int:
         args.wrong_usage(f"argument --bits: {output} is OpenEXR, which holds floats; leave it out")
     operator = operator_from(args)
     scene, look, size = scene_from(args)
-    picture = matched_picture(args, scene, look) if operator.uses_c else None
-    look = look if picture is None else picture.look
+    picture = matched_picture(args, scene, look)
+    if picture is not None:
+        look = picture.look
+    if not operator.uses_c:  # the graininess stays, so that operators show the same surface
+        look, picture = look.without_c() if picture is not None else look, None
     check_writable(output)
     with Progress("snapshot") as progress, open_renderer(args.backend, progress) as renderer:
         factor = 1.0 if picture is None else picture.factor(renderer, scene, size)

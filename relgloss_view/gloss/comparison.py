@@ -27,8 +27,9 @@ from relgloss_view.picture.scene.setup import Display
 if TYPE_CHECKING:
     from relgloss_view.quality.backends import FrameRenderer
 
-#: Measures by which pictures are ordered: both, since one does not see narrow highlights.
-ORDERED_BY = ("contrast_gloss", "peak_contrast")
+#: Measures by which pictures are ordered: first the one whose ratio a match keeps. The 99th
+#: percentile does not see narrow highlights, the others do.
+ORDERED_BY = ("highlight", "contrast_gloss", "peak_contrast")
 MARGIN = 0.06  #: of surround around the object in a picture, of its longer side
 KEPT_DE = 1.0  #: a body colour that moved by less than this, CIEDE2000, is kept
 KEPT, TIED, BROKEN, NONE = "kept", "tied", "broken", "none"

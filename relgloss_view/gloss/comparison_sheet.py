@@ -25,7 +25,11 @@ from relgloss_view.picture.output.lettering import Lettering
 MUTED_GRAY = 208
 LINE_GRAY = 140
 NO_BREAK = "\u00a0"  #: a space at which no line ends
-MEASURES = {"peak_contrast": "peak contrast", "contrast_gloss": "99th percentile"}
+MEASURES = {
+    "highlight": "what the highlight adds",
+    "peak_contrast": "peak contrast",
+    "contrast_gloss": "99th percentile",
+}
 VERDICTS = {
     KEPT: "order kept",
     TIED: "order tied",

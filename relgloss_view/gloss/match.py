@@ -100,6 +100,9 @@ class Reference:
         if reading <= 0.0 or c <= 0.0:
             raise InputError(f"{name}: has no gloss, so no ratio to it can be kept; choose another "
                              "--reference")  # fmt: skip
+        if not sample.material.visible_lobes():
+            raise InputError(f"{name}: has no highlight, because it has no specular lobe; choose "
+                             "another --reference")  # fmt: skip
         if all(peak is None for peak in peaks):
             raise InputError(f"{name}: shows no gloss in this view, so no ratio to it can be kept; "
                              "turn the lamp, or choose another --reference")  # fmt: skip

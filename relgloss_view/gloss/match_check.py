@@ -11,14 +11,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from relgloss_view.gloss.comparison import GlossOrder, factor_in_view, order_of
 from relgloss_view.gloss.pose import pose_of
 from relgloss_view.gloss.samples import SampleLook
 from relgloss_view.gloss.shown import ORDER_TIE_LSTAR, measure
 from relgloss_view.operators.split import Split
-from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Setup
 
@@ -70,16 +67,7 @@ def check_pose(
             frame = renderer.render(of_sample, sample.look, SIZE, factor=factor)
             measures = measure(frame, Split().draw(frame))
             for name in TIES:
-                value = _highlight(frame) if name == "highlight" else getattr(measures, name)
-                values[name][sample.label] = value
+                values[name][sample.label] = getattr(measures, name)
     real = {label: reading for label, reading in readings.items() if label not in refused}
     orders = {name: order_of(of_samples, real, TIES[name]) for name, of_samples in values.items()}
     return CheckedPose(setup, factor, values, orders, refused)
-
-
-def _highlight(frame: Frame) -> float | None:
-    """What the highlight adds to L* at its brightest pixel."""
-    whole = frame.coverage >= 1.0
-    if not np.any(whole):
-        return None
-    return float(frame.c * np.max(frame.split[1][whole]))

@@ -82,6 +82,7 @@ class Measures:
     coverage: float | None  #: of the object's pixels
     clipped_share: float | None  #: of the object's pixels
     body_difference: float | None  #: CIEDE2000, median
+    highlight: float | None = None  #: L*
 
 
 def measure(frame: Frame, picture: Displayed) -> Measures:
@@ -97,7 +98,18 @@ def measure(frame: Frame, picture: Displayed) -> Measures:
         coverage(lightness, regions),
         float(np.mean(picture.clipped[on_object])) if np.any(on_object) else None,
         body_difference(picture, Clip().draw(frame), regions),
+        highlight(lightness, frame, regions),
     )
+
+
+def highlight(lightness: Array, frame: Frame, regions: Regions) -> float | None:
+    """What the highlight adds to L* at its brightest pixel: L* less the diffuse part's.
+
+    Of the split that is c L_s* (Ishii et al., eq. 2), whose ratio a match keeps.
+    """
+    if not np.any(regions.whole):
+        return None
+    return float(np.max((lightness - frame.split[0])[regions.whole]))
 
 
 def contrast_gloss(lightness: Array, regions: Regions) -> float | None:

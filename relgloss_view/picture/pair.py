@@ -14,6 +14,7 @@ SLACK = 1.25
 #: And one that has to fall is taken this much smaller than needed, so that it need not fall again
 #: at the next step.
 RESERVE = 1.04
+UNSEEN = 0.995  #: a factor above this changes nothing that is seen
 
 
 def common_factor(contrasts: Iterable[tuple[float, float | None]]) -> float:
@@ -48,7 +49,7 @@ def ratio_words(factor: float) -> str:
     >>> ratio_words(0.55)
     'R is 1.8 times as large in this view: the ratio of gloss is kept, the highlights are dimmer'
     """
-    if factor >= 1.0 - 1e-9 or factor <= 0.0:
+    if factor > UNSEEN or factor <= 0.0:
         return ""
     times = 1.0 / factor
     amount = f"{times:.2f}" if times < 1.095 else f"{times:.2g}"

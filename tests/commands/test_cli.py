@@ -153,7 +153,7 @@ class TestSnapshot:
         assert numbers["auto"]["samples"] > 1
 
     def test_matched_settings(self, capsys, tmp_path):
-        words = ("snapshot", "--sample", "uncoated", "--matched", "--size", "32x32", "--json")
+        words = ("snapshot", "--sample", "uncoated", "--published", "--size", "32x32", "--json")
         numbers = json.loads(run(capsys, *words, "-o", tmp_path / "a.png")[1])
         assert numbers["sigma_n_deg"] == 2.0
         assert numbers["c"] == pytest.approx(numbers["c_max"] / 6)

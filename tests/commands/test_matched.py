@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 
 import numpy as np
@@ -154,8 +155,9 @@ class TestSceneFiles:
         text = pair.read_text()
         c = drawn(capsys, tmp_path, "--scene", pair)["match"]["c"]
         pair.write_text(text.replace(f"c = {c!r}", f"c = {0.5 * c!r}", 1))
-        found_c = drawn(capsys, tmp_path, "--scene", pair)["match"]["c"]
-        assert found_c == pytest.approx(0.5 * c)
+        found = drawn(capsys, tmp_path, "--scene", pair)
+        assert found["match"]["share"] == pytest.approx(0.5)
+        assert found["c"] == pytest.approx(0.5 * found["match"]["factor"] * c)
 
 
 def test_the_command_in_a_picture_draws_it_again(capsys, tmp_path):
@@ -168,3 +170,41 @@ def test_the_command_in_a_picture_draws_it_again(capsys, tmp_path):
     assert run(capsys, *shlex.split(command)[1:])[0] == 0
     with Image.open(first) as again:
         np.testing.assert_array_equal(np.asarray(again), pixels)
+
+
+class TestFoundByOthers:
+    """What someone else met first."""
+
+    def test_graininess_of_a_pair_keeps_its_share(self, capsys, tmp_path):
+        file = tmp_path / "pair.toml"
+        assert run(capsys, "match", "art-coated", "--write", file)[0] == 0
+        found = drawn(capsys, tmp_path, "--scene", file, "--sigma-n", 2)
+        wanted = matched_point(Reference.default(), load_sample("art-coated"), 2.0).c
+        assert found["c"] == pytest.approx(wanted)
+        assert found["match"]["share"] == pytest.approx(1.0)
+
+    def test_a_reference_that_is_not_used_is_refused(self, capsys, tmp_path):
+        words = ("--c", 0.3, "--reference", "art-coated", "-o", tmp_path / "a.png")
+        assert "nothing is matched" in refused(capsys, tmp_path, "snapshot", *words)
+
+    def test_a_sample_without_lobes_is_named(self, capsys, tmp_path):
+        flat = dataclasses.replace(paper("matte"), specular=())
+        save_material(flat, tmp_path / "flat.json")
+        words = ("snapshot", "--material", tmp_path / "flat.json", *SIZE, "-o", tmp_path / "a.png")
+        assert "no gloss to match" in run(capsys, *words)[1]
+        words = (*SIZE, "--reference", tmp_path / "flat.json", "-o", tmp_path / "b.png")
+        status, _, err = run(capsys, "snapshot", *words)
+        assert status == 1
+        assert "has no specular lobe" in err
+
+    def test_a_highlight_between_two_pixels_is_no_missing_highlight(self, capsys, tmp_path):
+        base = load_sample("art-coated")
+        lobe = dataclasses.replace(base.specular[0], s_deg=0.05)
+        save_material(dataclasses.replace(base, specular=(lobe,), fit=None), tmp_path / "s.json")
+        found = drawn(capsys, tmp_path, "--material", tmp_path / "s.json", "--size", "128x128")
+        assert any("narrower" in text for text in found["warnings"])
+        assert not any("no gloss is visible" in text for text in found["warnings"])
+
+    def test_an_operator_without_c_shows_the_same_surface(self, capsys, tmp_path):
+        found = drawn(capsys, tmp_path, "--sample", "uncoated", "--operator", "clip")
+        assert (found["sigma_n_deg"], found["match"]) == (2.0, None)

@@ -6,7 +6,7 @@ from relgloss_view.cli import main
 
 
 def test_it_tells_each_choice(capsys):
-    assert main(["plan", "--sample", "uncoated", "--matched", "--size", "320x240"]) == 0
+    assert main(["plan", "--sample", "uncoated", "--published", "--size", "320x240"]) == 0
     shown = capsys.readouterr().out
     for word in ("uncoated", "grain", "diffuse reflection", "shadowing G", "together:", "saved"):
         assert word in shown
@@ -49,13 +49,13 @@ def test_bad_input_is_one_line(capsys, words, told):
 
 
 def test_snapshot_draws_it(tmp_path, capsys):
-    words = ["snapshot", "--json", "--size", "200x150", "--matched", "--quality"]
+    words = ["snapshot", "--json", "--size", "200x150", "--published", "--quality"]
     pictures = {}
     for quality in ("auto", "exact"):
         path = tmp_path / f"{quality}.png"
         assert main([*words, quality, "-o", str(path)]) == 0
         pictures[quality] = json.loads(capsys.readouterr().out)
-    assert main(["plan", "--json", "--size", "200x150", "--matched"]) == 0
+    assert main(["plan", "--json", "--size", "200x150", "--published"]) == 0
     plan = json.loads(capsys.readouterr().out)
     assert pictures["auto"]["method"] == plan["simplified"] != {}
     assert pictures["exact"]["method"] == {}

@@ -248,7 +248,7 @@ class TestCurve:
         assert found.proposed is None
         assert found.own_setting is None
         assert matched(reference, flat, 0.0).test_c == reference.c
-        with pytest.raises(InputError, match="shows no gloss"):
+        with pytest.raises(InputError, match="no specular lobe"):
             Reference.of(sample)
 
     def test_a_share_is_of_c_max_at_the_papers_geometry(self):

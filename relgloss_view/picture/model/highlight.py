@@ -6,6 +6,7 @@ angle between lamp and eye (Torrance, Sparrow 1967), whatever the material.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -120,9 +121,12 @@ def shows_gloss(
     """Whether gloss can be judged in a picture whose largest L_s* is `l_s_max`."""
     if l_s_max >= GLOW_LSTAR:
         return True
-    if l_s_max < NO_LOBE_LSTAR:
-        return False
     highlight = best_mirror(setup, size)
     if highlight is None:
+        return False
+    narrowest = min((lobe.s_deg for lobe in material.visible_lobes()), default=0.0)
+    if highlight.tilt_deg <= math.hypot(narrowest, sigma_n_deg):
+        return True  # it is there; where it falls between pixels, more samples show it
+    if l_s_max < NO_LOBE_LSTAR:
         return False
     return peak_share(material, sigma_n_deg, highlight.tilt_deg) >= LEAST_SHARE

@@ -99,6 +99,8 @@ def _sigma_n(model: Model, side: str, look: Look) -> None:
 def _contrast(model: Model, side: str, look: Look) -> None:
     """Contrast gloss in units of the match; c itself behind a fold."""
     share = share_of_match(model.state, side)
+    if share is None and model.state.match is not None:
+        widgets.wrapped("The reference picture has no contrast gloss (c = 0): see In numbers.")
     if share is not None:
         changed, value = widgets.slider(Shares, side, share, SHARE_REACH, default=1.0)
         if changed:
