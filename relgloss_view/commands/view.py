@@ -141,11 +141,15 @@ def warn_if_clamped(args: argparse.Namespace, size: tuple[int, int]) -> None:
 
 def _opened(files: list[str]) -> list[Opened]:
     """The content of the files, read before there is a window, so that a fault ends the command."""
-    from relgloss_view.viewer.files.open_job import OpenJob
+    from relgloss_view.picture.scene.sample import Sample
+    from relgloss_view.viewer.files.open_job import Opened, OpenJob
 
     _check_files(files)
     opened = []
     for file in files:
+        if _is_built_in(file):
+            opened.append(Opened(file, sample=Sample.built_in(file)))
+            continue
         job = OpenJob(file, lambda: None)
         try:
             with Progress(f"open {Path(file).name}") as progress:
@@ -180,11 +184,19 @@ def _show(app: App, opened: list[Opened]) -> None:
     app.model.change(state)
 
 
+def _is_built_in(file: str) -> bool:
+    """Whether a word names a built-in paper, and no file of that name is there."""
+    from relgloss_view.picture.scene.sample import SAMPLES
+
+    return file in SAMPLES and not Path(file).exists()
+
+
 def _check_files(files: list[str]) -> None:
     """Raise InputError for too many files before the first is fitted, which takes a while."""
     from relgloss_view.picture.scene.file_kinds import SCENE, likely_kind
 
-    scenes = [likely_kind(file) for file in files].count(SCENE)
+    kinds = [likely_kind(file) for file in files if not _is_built_in(file)]
+    scenes = kinds.count(SCENE)
     samples = len(files) - scenes
     if scenes > 1:
         raise InputError(f"{scenes} scenes given: expected at most 1")
