@@ -188,6 +188,13 @@ class TestFiles:
         np.testing.assert_array_equal(again[1], second)
         np.testing.assert_array_equal(again[0], first)
 
+    def test_a_built_in_paper_by_its_name(self, folder, plain):
+        first, second = pictures_of(shot(folder, "uncoated"))
+        np.testing.assert_array_equal(first, pictures_of(plain)[0])
+        state = with_sample(State.initial(), "test", Sample.built_in("uncoated"))
+        save_state(folder / "uncoated.toml", state)
+        np.testing.assert_array_equal(pictures_of(shot(folder, "uncoated.toml"))[1], second)
+
     def test_two_materials_are_reference_and_test(self, folder, plain):
         save_material(materials.flat(0.2), folder / "a.json")
         save_material(materials.flat(0.6), folder / "b.json")
