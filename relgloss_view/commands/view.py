@@ -32,7 +32,10 @@ def add(commands: Any) -> None:
         epilog="example: relgloss view paper.csv",
     )
     parser.add_argument(
-        "files", metavar="FILE", nargs="*", help="Scene, material or measured table"
+        "files",
+        metavar="FILE",
+        nargs="*",
+        help="Scene, material or measured table, or the name of a built-in paper",
     )
     parser.add_argument("--fresh", action="store_true", help="Start without the last session")
     parser.add_argument(
