@@ -84,4 +84,6 @@ def run(args: argparse.Namespace) -> int:
     print(f"{printable(output)}: {sample}, {settings}")
     if picture is not None:
         print(f"  {match_words(picture, frame)}")
+    elif operator.uses_c and look.c is None and look.c_fraction is None:
+        print("  the scene gives no c, so it is c_max; --c matched keeps the ratio of gloss")
     return 0

@@ -125,6 +125,8 @@ class TestSceneFiles:
         (tmp_path / "old.toml").write_text('[sample]\nname = "uncoated"\n[look]\nsigma_n_deg = 1\n')
         found = drawn(capsys, tmp_path, "--scene", tmp_path / "old.toml")
         assert (found["c"], found["match"]) == (found["c_max"], None)
+        words = ("snapshot", "--scene", tmp_path / "old.toml", *SIZE, "-o", tmp_path / "a.png")
+        assert "--c matched keeps the ratio" in run(capsys, *words)[1]
         found = drawn(capsys, tmp_path, "--scene", tmp_path / "old.toml", "--c", "matched")
         wanted = matched_point(Reference.default(), load_sample("uncoated"), 1.0).c
         assert found["c"] == pytest.approx(wanted)

@@ -53,6 +53,7 @@ from relgloss_view.viewer.state.state import SIDES, State
 
 #: Time of the interface after the pictures, on a software driver and a large window.
 INTERFACE_S = 0.008
+NEAR_MATCH = 0.02  #: a share of the match that far from 1 is reported when a scene is opened
 LAYOUT_S = 1.0  #: between checks for changes of the layout
 
 
@@ -325,6 +326,12 @@ class App:
         if model.state.match is None or any(look.c is None for look in looks):
             frames = {side: picture.frame for side, picture in pair.pictures.items()}
             model.history.amend(matching.pinned(model.state, frames))
+            share = matching.share_of_match(model.state, "test")
+            if share is not None and abs(share - 1.0) > NEAR_MATCH:
+                model.report(
+                    f"this scene shows {share:.2g} times the matched gloss, since its c is a share "
+                    "of c_max; Match again (panel Look) keeps the ratio to the reference"
+                )
 
     def _give_view(self) -> None:
         """Hand over the pane's pixels, without the interface."""
