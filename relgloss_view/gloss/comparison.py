@@ -22,7 +22,7 @@ from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.output.parameters import SPLIT, warnings
 from relgloss_view.picture.pair import common_factor
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display
+from relgloss_view.picture.scene.setup import Display, Setup
 
 if TYPE_CHECKING:
     from relgloss_view.quality.backends import FrameRenderer
@@ -140,7 +140,7 @@ def compare(
         cells.append(by_operator)
     labels = [sample.label for sample in samples]
     real = {d.sample.label: d.gloss[gloss] or 0.0 for d in drawn}
-    refused = _without_highlight(samples, scene)
+    refused = without_highlight(samples, scene.setup)
     ranked = {label: reading for label, reading in real.items() if label not in refused}
     rows = []
     for n, operator in enumerate(operators):
@@ -160,12 +160,12 @@ def compare(
     )
 
 
-def _without_highlight(samples: Sequence[SampleLook], scene: Scene) -> tuple[str, ...]:
+def without_highlight(samples: Sequence[SampleLook], setup: Setup) -> tuple[str, ...]:
     """Labels of glossy samples whose highlight lies beside the object in this view.
 
     A sample without a lobe has no highlight anywhere, and is ranked as what it is.
     """
-    pose = pose_of(scene.setup)
+    pose = pose_of(setup)
     return tuple(
         sample.label
         for sample in samples

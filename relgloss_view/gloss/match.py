@@ -25,11 +25,11 @@ from relgloss_view.gloss.samples import DEFAULT_GLOSS, SampleLook, computed_glos
 from relgloss_view.material.material import Material
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.match import Match
+from relgloss_view.picture.scene.match import MOST_C, Match
 from relgloss_view.picture.scene.sample import SAMPLES, load_sample
-from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.picture.scene.setup import Setup
 
+PAPER = Setup()  #: the paper's geometry
 #: Directions of the lamp, seen from the default eye, over which a proposal is the mean.
 LAMPS_DEG = (20.0, 50.0, 80.0, 110.0)
 SIGMAS_N_DEG = tuple(0.25 * k for k in range(13))  #: the paper's range, twice as fine
@@ -43,21 +43,21 @@ def match_setups(setup: Setup | None = None) -> tuple[Setup, ...]:
     return tuple(Setup().with_entries("lamp", azimuth_deg=lamp) for lamp in LAMPS_DEG)
 
 
-def full_c(material: Material) -> float:
-    """c_max of a material at the paper's geometry, without grain; 1 where it has no highlight.
+def full_c(material: Material, setup: Setup = PAPER) -> float:
+    """c_max of a material in a setup, by default the paper's, without grain; 1 without a highlight.
 
     It is the limit for pictures of ever more pixels, so that no picture there has a smaller one.
 
     >>> round(full_c(load_sample("cast-coated")), 4)
     0.1403
     """
-    extremes = pose_of(Setup()).extremes(material)
+    extremes = pose_of(setup).extremes(material)
     return 1.0 if extremes.l_s_max < tone.NO_LOBE_LSTAR else extremes.smallest_ratio
 
 
-def absolute_c(look: Look, material: Material) -> float:
-    """c of a look; a share is of c_max at the paper's geometry."""
-    return look.c if look.c is not None else look.setting.c_fraction * full_c(material)
+def absolute_c(look: Look, material: Material, setup: Setup = PAPER) -> float:
+    """c of a look; a share is of c_max in a setup, by default at the paper's geometry."""
+    return look.c if look.c is not None else look.setting.c_fraction * full_c(material, setup)
 
 
 def gloss_of(material: Material, gloss: str = DEFAULT_GLOSS) -> float:
@@ -204,7 +204,7 @@ def matched(reference: Reference, material: Material, sigma_n_deg: float) -> Mat
     point = matched_point(reference, material, sigma_n_deg)
     return Match(
         reference_c=reference.c,
-        test_c=reference.c if point.c is None else min(point.c, 1e4),
+        test_c=reference.c if point.c is None else min(point.c, MOST_C),
         reference_sigma_n_deg=reference.sample.look.sigma_n_deg,
         test_sigma_n_deg=sigma_n_deg,
         gloss=reference.gloss,
@@ -282,11 +282,6 @@ def _crossings(curve: Sequence[CurvePoint], c: float) -> list[float]:
 def own_sigma_n_deg(name: str | None) -> float:
     """The graininess of a sample as far as it is known: that of the published setting, or 0."""
     return SAMPLES[name].sigma_n_deg if name in SAMPLES else 0.0
-
-
-def matched_setting(reference: Reference, material: Material, sigma_n_deg: float) -> Setting:
-    """sigma_N and the matched c as a setting."""
-    return Setting(sigma_n_deg, c=matched(reference, material, sigma_n_deg).test_c)
 
 
 def as_numbers(reference: Reference, curves: Sequence[MatchCurve]) -> dict[str, Any]:

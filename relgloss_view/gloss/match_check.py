@@ -11,8 +11,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from relgloss_view.gloss.comparison import GlossOrder, factor_in_view, order_of
-from relgloss_view.gloss.pose import pose_of
+from relgloss_view.gloss.comparison import (
+    GlossOrder,
+    factor_in_view,
+    order_of,
+    without_highlight,
+)
 from relgloss_view.gloss.samples import SampleLook
 from relgloss_view.gloss.shown import ORDER_TIE_LSTAR, measure
 from relgloss_view.operators.split import Split
@@ -54,9 +58,8 @@ def check_pose(
 
     readings: gloss of the materials by label. A sample without a highlight here is not ranked.
     """
-    pose = pose_of(setup)
-    seen = [s for s in samples if pose.peak(s.material, s.look.sigma_n_deg) is not None]
-    refused = tuple(s.label for s in samples if s not in seen)
+    refused = without_highlight(samples, setup)
+    seen = [sample for sample in samples if sample.label not in refused]
     values: dict[str, dict[str, float | None]] = {name: {} for name in TIES}
     factor = 1.0
     if seen:

@@ -8,12 +8,11 @@ from pathlib import Path
 from relgloss_view.experiment.design.study import Study
 from relgloss_view.experiment.report.chosen_setting import chosen_setting
 from relgloss_view.experiment.verdict.analysis import Analysis
-from relgloss_view.gloss.pose import pose_of
+from relgloss_view.gloss.match import absolute_c
 from relgloss_view.material.files import save_material
 from relgloss_view.material.spectra import is_lamp_name
-from relgloss_view.picture.model import tone
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.match import Match
+from relgloss_view.picture.scene.match import MOST_C, Match
 from relgloss_view.picture.scene.sample import SAMPLES, Sample, load_sample
 from relgloss_view.picture.scene.scene_file import SceneFile
 from relgloss_view.picture.scene.scene_writer import write_scene_file
@@ -56,16 +55,11 @@ def write_scenes(
 
 def _match(study: Study, sample: Sample, look: Look) -> Match:
     """The observers' settings as a match; a share of c_max is that of the study's setup."""
-    pose = pose_of(study.setup)
-
-    def c_of(look: Look, sample: Sample) -> float:
-        extremes = pose.extremes(sample.material)
-        full = extremes.smallest_ratio if extremes.l_s_max >= tone.NO_LOBE_LSTAR else 1.0
-        return min(look.setting.scaling(full), 1e4)
-
+    reference = absolute_c(study.reference_look, study.reference.material, study.setup)
+    test = absolute_c(look, sample.material, study.setup)
     return Match(
-        reference_c=c_of(study.reference_look, study.reference),
-        test_c=c_of(look, sample),
+        reference_c=min(reference, MOST_C),
+        test_c=min(test, MOST_C),
         reference_sigma_n_deg=study.reference_look.sigma_n_deg,
         test_sigma_n_deg=look.sigma_n_deg,
         made_by="experiment",

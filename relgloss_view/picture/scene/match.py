@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from relgloss_view.base.parameters import Checked, choice, parameter
 
+MOST_C = 1e4  #: as of Look.c
 #: Who found it: `relgloss match` and all that draws matched, an experiment, the paper's observers,
 #: or a hand on the sliders.
 MAKERS = ("match", "experiment", "paper", "hand")
@@ -31,8 +32,8 @@ class Match(Checked):
     2.714285714285714
     """
 
-    reference_c: float = parameter(1.0, 0.0, 1e4, "", "contrast gloss of the reference picture")
-    test_c: float = parameter(1.0, 0.0, 1e4, "", "contrast gloss of the test picture")
+    reference_c: float = parameter(1.0, 0.0, MOST_C, "", "contrast gloss of the reference picture")
+    test_c: float = parameter(1.0, 0.0, MOST_C, "", "contrast gloss of the test picture")
     reference_sigma_n_deg: float = parameter(
         0.0, 0.0, 10.0, "deg", "graininess of the reference picture"
     )

@@ -35,7 +35,7 @@ class History:
         self.state = state
 
     def amend(self, state: State) -> None:
-        """Say the present state otherwise, without a step: what is drawn does not change."""
+        """Replace the present state without a step: another form of it that draws the same."""
         self.state = state
 
     def end_gesture(self) -> None:

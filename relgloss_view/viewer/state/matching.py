@@ -14,7 +14,7 @@ from relgloss_view.gloss.match import Reference, absolute_c, full_c, matched, ow
 from relgloss_view.gloss.samples import SampleLook
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.match import Match
+from relgloss_view.picture.scene.match import MOST_C, Match
 from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.viewer.state.state import SIDES, State
@@ -198,5 +198,5 @@ def pinned(state: State, frames: dict[str, Frame]) -> State:
 
 
 def _with_c(state: State, side: str, c: float) -> State:
-    look = state.side(side).look.with_entries(c=min(max(c, 0.0), 1e4))
+    look = state.side(side).look.with_entries(c=min(max(c, 0.0), MOST_C))
     return state.with_setting(side, look.setting)
