@@ -24,15 +24,14 @@ def load_state(path: str | os.PathLike[str], stood_in: list[str] | None = None) 
         presentation = build_part(Presentation, "presentation", dict(content.presentation))
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    reference = State.initial().reference
-    reference_look = content.reference_look
-    if reference_look is None:
-        reference_look = reference.look.with_entries(quality=content.look.quality)
+    sample, look = content.reference, content.reference_look
+    if sample is None or look is None:
+        initial = State.initial().reference
+        sample = initial.sample if sample is None else sample
+        if look is None:
+            look = initial.look.with_entries(quality=content.look.quality)
     return State(
-        Side(
-            content.reference if content.reference is not None else reference.sample,
-            reference_look,
-        ),
+        Side(sample, look),
         Side(content.sample, content.look),
         content.setup,
         presentation,
