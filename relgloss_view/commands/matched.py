@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from relgloss_view.gloss.samples import SampleLook
     from relgloss_view.picture.frame import Frame
     from relgloss_view.picture.scene.match import Match
+    from relgloss_view.picture.scene.scene_file import SceneFile
     from relgloss_view.quality.backends import FrameRenderer
 
 
@@ -115,12 +116,13 @@ def _pair_of_file(args: argparse.Namespace, look: Look) -> MatchedPicture | None
     if args.scene is None or given or args.reference is not None:
         return None
     content = read_scene_file(args.scene)
-    if content.match is None or content.reference is None or look.c is None:
+    sample = _reference_of_file(content)
+    if content.match is None or sample is None or look.c is None:
         return None
     if content.presentation.get("clip_highlights") is True or look.c != content.look.c:
         return None
     try:
-        reference = Reference.of(reference_look(args, look), content.match.gloss)
+        reference = Reference.of(sample, content.match.gloss)
     except InputError:  # a reference without gloss: nothing is to be kept
         return None
     match, c = content.match, look.c
@@ -135,16 +137,24 @@ def reference_look(args: argparse.Namespace, look: Look) -> SampleLook:
     """The reference of the options: --reference, the scene file's, or cast-coated."""
     from relgloss_view.commands.sample_arguments import sample_argument
     from relgloss_view.gloss.match import DEFAULT_REFERENCE
-    from relgloss_view.gloss.samples import SampleLook
     from relgloss_view.picture.scene.scene_file import read_scene_file
 
     if args.reference is None and args.scene is not None:
-        content = read_scene_file(args.scene)
-        if content.reference is not None:
-            sample = content.reference
-            label = sample.name or sample.material.name
-            return SampleLook(label, sample.material, content.reference_look or Look())
+        of_file = _reference_of_file(read_scene_file(args.scene))
+        if of_file is not None:
+            return of_file
     return sample_argument(args.reference or DEFAULT_REFERENCE, look).sample_look
+
+
+def _reference_of_file(content: SceneFile) -> SampleLook | None:
+    """The reference of a scene file at its look; None where it has none."""
+    from relgloss_view.gloss.samples import SampleLook
+
+    sample = content.reference
+    if sample is None:
+        return None
+    label = sample.name or sample.material.name
+    return SampleLook(label, sample.material, content.reference_look or Look())
 
 
 def match_words(picture: MatchedPicture, frame: Frame) -> str:
