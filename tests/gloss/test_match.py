@@ -195,10 +195,15 @@ class TestInEveryView:
             ratios.append(uncoated / cast)
         assert ratios[0] > 3.0 * ratios[1]
 
-    @pytest.mark.parametrize("lamp", [20.0, 50.0, 110.0, 140.0])
-    def test_gloss_rises_with_the_reading_of_a_hypothetical_sample(self, reference, lamp):
-        """The Gloss panel's slider: 5 to 95 units, the width of the lobe changes."""
-        pose = pose_of(Setup(lamp=Lamp(azimuth_deg=lamp)))
+    @pytest.mark.parametrize("number", range(8))
+    def test_gloss_rises_with_the_reading_of_a_hypothetical_sample(self, reference, number):
+        """The Gloss panel's slider: 5 to 95 units, the width of the lobe changes; any pose."""
+        lamps = (20.0, 50.0, 110.0, 140.0)
+        if number < len(lamps):
+            setup = Setup(lamp=Lamp(azimuth_deg=lamps[number]))
+        else:
+            setup = mirrored_setup(SHAPES[number % len(SHAPES)], np.random.default_rng(number))
+        pose = pose_of(setup)
         matte = load_sample("matte-coated")
         most = pose.extremes(reference.sample.material).smallest_ratio
         shown = []

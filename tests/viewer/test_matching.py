@@ -145,10 +145,11 @@ def numbers(drawn):
 
 
 class TestHeld:
-    def test_there_and_back_every_number_is_as_before(self, state, pair):
-        """100 steps of a lamp that goes where highlights need to be scaled, and home again."""
+    @pytest.mark.parametrize(("part", "start", "step"), [("lamp", 50.0, 0.9), ("eye", 0.0, -0.9)])
+    def test_there_and_back_every_number_is_as_before(self, state, pair, part, start, step):
+        """100 steps of a lamp or an orbit to where highlights need to be scaled, and home again."""
         before = numbers(pair(state))
-        turns = [state.with_part("lamp", azimuth_deg=50.0 + 0.9 * k) for k in range(101)]
+        turns = [state.with_part(part, azimuth_deg=start + step * k) for k in range(101)]
         factors = []
         for turned in [*turns, *turns[::-1]]:
             drawn = pair(turned, moving=True)
