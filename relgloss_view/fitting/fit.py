@@ -18,7 +18,9 @@ from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.fitting import ladder, verdict
 from relgloss_view.fitting.descent import refine
 from relgloss_view.fitting.evidence import ChosenFit, judge, record_fit, with_energy_warning
+from relgloss_view.fitting.instrument import corrected
 from relgloss_view.fitting.ladder import Candidate
+from relgloss_view.fitting.limits import at_limits
 from relgloss_view.fitting.model import (
     INDEX_RANGE,
     LOG_S_RANGE,
@@ -26,17 +28,22 @@ from relgloss_view.fitting.model import (
     Rung,
     State,
     States,
+    log_residual,
     mean_error,
     predict,
 )
-from relgloss_view.fitting.observations import Observations, compress, prepare
+from relgloss_view.fitting.observations import TAU, Observations, compress, prepare
 from relgloss_view.fitting.problem import Problem
+from relgloss_view.fitting.search import solve
 from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material, Quality
 from relgloss_view.measure.table import Measurement
 
 MODELS = ladder.MODELS
+USUAL_INDEX = 1.5  #: of a coating or an ink, where the samples do not show another
 _FINAL_ROUNDS = 40
 _HIGHLIGHT_COST = 1.05
+_SMALL_ERROR, _FIRST_GAMMA = 0.25, 1.5  #: prior standard deviations
+_LEAST_NOISE = 0.005
 _FLAT_SIGMA = 0.005  #: rad; Oren-Nayar below this differs from Lambert by less than 0.02 %
 
 
@@ -44,24 +51,27 @@ def fit_material(
     measurement: Measurement,
     *,
     model: str = "auto",
-    refractive_index: float = 1.5,
+    refractive_index: float | None = None,
     aperture_sd_deg: tuple[float, float] | None = None,
     seed: int = 0,
     progress: ProgressReport | None = None,
     free_index: bool = True,
     start_s_deg: float | None = None,
+    free_errors: bool = True,
 ) -> Material:
     """Fit the reflection models of the ladder and return the smallest that is enough.
 
     measurement: radiance factors over directions and bands.
     model: 'auto', or one of MODELS to fit that model alone.
-    refractive_index: fixed value, above 1 and at most 10. The fit varies it where the samples
-    support that, and never with free_index=False.
+    refractive_index: above 1 and at most 10, held. Without one it is 1.5, and the fit varies it
+    where the samples support that; never with free_index=False.
     aperture_sd_deg: per-axis angular standard deviations of lamp and receiver, degrees, instead of
     the measurement's.
     seed: of the random folds, used where a measurement names fewer than four groups.
     progress: called with a share from 0 to 1 and a text; returning False raises FitCancelled.
     start_s_deg: anchor of the scan of lobe widths, degrees, for tests of independence.
+    free_errors: whether zeros of the instrument's angles and the spread of its apertures are fitted
+    too, with priors (fitting.instrument); else they are as the table declares them.
 
     Returns a Material whose `fit` holds the evidence: candidates, residuals, standard errors,
     quality and warnings. Raises InputError for an unknown model, an index out of range or too few
@@ -76,18 +86,25 @@ def fit_material(
     """
     if model not in MODELS:
         raise InputError(f"model is {model!r}; expected one of {', '.join(MODELS)}")
-    if not 1.0 < refractive_index <= INDEX_RANGE[1]:
+    free_index = free_index and refractive_index is None
+    index = USUAL_INDEX if refractive_index is None else refractive_index
+    if not 1.0 < index <= INDEX_RANGE[1]:
         raise InputError(
-            f"refractive index is {refractive_index:g}; expected above 1, at most "
-            f"{INDEX_RANGE[1]:g}"
+            f"refractive index is {index:g}; expected above 1, at most {INDEX_RANGE[1]:g}"
         )
     began = time.perf_counter()
     if aperture_sd_deg is not None:
         measurement = replace(measurement, aperture_sd_deg=aperture_sd_deg)
     full = prepare(measurement, seed)
     few = compress(full)
+    errors = np.zeros(0)
+    if free_errors:
+        errors, noise = _first_errors(few, index)
+        full, few = replace(full, noise=noise), replace(few, noise=noise)
+        if errors.size:
+            measurement, full, few = _corrected(measurement, errors, seed, noise)
     rungs = ladder.LADDER if model == "auto" else _forced(model)
-    candidates, folds = ladder.climb(few, rungs, refractive_index, progress, start_s_deg)
+    candidates, folds = ladder.climb(few, rungs, index, progress, start_s_deg)
     chosen = ladder.choose(candidates)
     best = candidates[chosen]
     if free_index:
@@ -95,10 +112,23 @@ def fit_material(
         freed = ladder.free_index(folds, best)
         if freed is not None:
             candidates.insert(chosen + 1, freed)
-            if not ladder.enough(best, freed, ladder.RELEVANT_SHARE_INDEX):
+            gains = not ladder.enough(best, freed, ladder.RELEVANT_SHARE_INDEX)
+            if gains and not at_limits(freed.rung, freed.solution.state):
                 best = freed
+    ladder.report(progress, 0.93, "errors of the instrument")
+    spread = ladder.free_errors(folds, best) if free_errors else best
+    if spread is not best:
+        more = spread.solution.state.errors
+        errors = more + (errors if errors.size else 0.0)
+        measurement, full, few = _corrected(measurement, more, seed, few.noise)
+        state = replace(spread.solution.state, errors=np.zeros(0))
+        at_rest = ladder.with_state(best, few, state)
+        candidates = [at_rest if c is best else c for c in candidates]
+        best = at_rest
     ladder.report(progress, 0.95, "all bands")
-    fit = ChosenFit(measurement, full, few, tuple(candidates), best, _all_bands(full, best))
+    fit = ChosenFit(
+        measurement, full, few, tuple(candidates), best, _all_bands(full, best), spread, errors
+    )
     judged = judge(fit)
     state = fit.state
     if judged.quality == Quality.UNIDENTIFIABLE and judged.width is not None:
@@ -112,6 +142,48 @@ def fit_material(
         raise InputError(
             f"{measurement.place}: the fit is no material: {error}; check the quantity and its unit"
         ) from error
+
+
+def _first_errors(few: Observations, n: float) -> tuple[Array, float]:
+    """The errors of the instrument (K,) that one lobe shows, and the noise beside it.
+
+    The ladder climbs from there. The errors are empty where there are none to speak of: no lobe,
+    or errors far below what is expected of them.
+    """
+    count, none = len(few.prior_sd), np.zeros(0)
+    if not count:
+        return none, few.noise
+    rung = next(rung for rung in ladder.LADDER if rung.name == "lobe")
+    state = solve(few, rung, n).state
+    if not np.any(state.ks > 0.0):
+        return none, few.noise
+    free = replace(rung, errors=count)
+    # A tilt across all planes lowers the peak by its square: it is found from either side.
+    aside = [np.zeros(count)]
+    if "gamma_s" in few.error_names:
+        k = few.error_names.index("gamma_s")
+        far = np.where(np.arange(count) == k, _FIRST_GAMMA * few.prior_sd, 0.0)
+        aside += [far, -far]
+    starts = [replace(state, errors=errors) for errors in aside]
+    best = min(refine(Problem(few, free), starts), key=lambda s: s.loss).state
+    noise = _noise(few, best)
+    few = replace(few, noise=noise)
+    errors = refine(Problem(few, free), [best])[0].state.errors
+    return (errors if np.any(np.abs(errors) > _SMALL_ERROR * few.prior_sd) else none), noise
+
+
+def _noise(few: Observations, state: State) -> float:
+    """Standard deviation of the logarithmic residuals of most samples, within what is likely."""
+    residual = log_residual(few, predict(few.geometry, state))[few.weight > 0.0]
+    return float(np.clip(1.4826 * np.median(np.abs(residual)), _LEAST_NOISE, TAU))
+
+
+def _corrected(
+    measurement: Measurement, errors: Array, seed: int, noise: float
+) -> tuple[Measurement, Observations, Observations]:
+    measurement = corrected(measurement, errors)
+    full = replace(prepare(measurement, seed), noise=noise)
+    return measurement, full, compress(full)
 
 
 def _forced(model: str) -> tuple[Rung, ...]:

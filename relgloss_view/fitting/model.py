@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
-from relgloss_view.fitting.observations import Observations
-from relgloss_view.fitting.shapes import Geometry, diffuse_columns, lobe_columns
+from relgloss_view.fitting.observations import TAU, Observations
+from relgloss_view.fitting.shapes import Geometry, diffuse_columns, displaced, lobe_columns
 
-TAU = 0.03  #: logarithmic residual where the loss leaves the square: a good instrument's worst
 SOFT_L1, REDESCENDING = 1.0, 0.25  #: shapes of the loss: of the search, of the last refinement
 LOG_S_RANGE = (float(np.log(np.radians(0.05))), float(np.log(np.radians(40.0))))
 T_MAX = 0.49  #: sigma = 0.7 rad, the end of Oren and Nayar's own range
@@ -28,9 +27,10 @@ class Rung:
     lobes: int = 0
     spectral: bool = False  #: each band has its own lobe strengths
     free_index: bool = False
+    errors: int = 0  #: freed errors of the instrument, all of them or none
 
     def parameters(self, bands: int) -> int:
-        """Number of unknowns in `bands` bands."""
+        """Number of unknowns of the sample in `bands` bands."""
         strengths = self.lobes * (bands if self.spectral else 1)
         index = 1 if self.free_index and self.lobes else 0
         return bands + int(self.rough) + self.lobes + strengths + index
@@ -45,6 +45,8 @@ class State:
     n: Array  #: (J,), refractive indices
     kd: Array
     ks: Array
+    #: (K,), errors of the instrument (fitting.instrument); empty where none is fitted
+    errors: Array = field(default_factory=lambda: np.zeros(0))
 
 
 @dataclass(frozen=True)
@@ -56,11 +58,12 @@ class States:
     n: Array  #: (P, J)
     kd: Array  #: (P, B)
     ks: Array  #: (P, J, B)
+    errors: Array  #: (P, K)
 
     @classmethod
     def of(cls, states: Sequence[State]) -> States:
         """Stack states of one rung, at least one."""
-        parts = ([s.t, s.log_s, s.n, s.kd, s.ks] for s in states)
+        parts = ([s.t, s.log_s, s.n, s.kd, s.ks, s.errors] for s in states)
         return cls(*(np.array(part, dtype=np.float64) for part in zip(*parts, strict=True)))
 
     def __len__(self) -> int:
@@ -73,11 +76,12 @@ class States:
             self.n[place].copy(),
             self.kd[place].copy(),
             self.ks[place].copy(),
+            self.errors[place].copy(),
         )
 
     def subset(self, rows: Mask) -> States:
         """The states marked in `rows`."""
-        return States(self.t[rows], self.log_s[rows], self.n[rows], self.kd[rows], self.ks[rows])
+        return States(*(getattr(self, part.name)[rows] for part in fields(self)))
 
     def updated(self, rows: Mask, other: States) -> States:
         """These states, with those of `other` where `rows` is true."""
@@ -87,6 +91,7 @@ class States:
             np.where(rows[:, None], other.n, self.n),
             np.where(rows[:, None], other.kd, self.kd),
             np.where(rows[:, None, None], other.ks, self.ks),
+            np.where(rows[:, None], other.errors, self.errors),
         )
 
 
@@ -102,6 +107,8 @@ class Solution:
 def predict(g: Geometry, state: State) -> Array:
     """Radiance factors (N, B) as the instrument would see them, through its apertures."""
     first, second, _, _ = diffuse_columns(g, state.t)
+    if state.errors.size:
+        g = displaced(g, state.errors)
     value = np.multiply.outer(first, state.kd) + np.multiply.outer(second, state.kd**2)
     for j, log_s in enumerate(state.log_s):
         value += np.multiply.outer(lobe_columns(g, float(log_s), float(state.n[j]))[0], state.ks[j])
