@@ -13,7 +13,7 @@ from relgloss_view.fitting.covariance import names_of, prior_covariance, sample_
 from relgloss_view.fitting.instrument import instrument_of
 from relgloss_view.fitting.ladder import Candidate
 from relgloss_view.fitting.limits import OPTICAL_INDEX, at_limits
-from relgloss_view.fitting.model import State, predict
+from relgloss_view.fitting.model import State, lobe_order, predict
 from relgloss_view.fitting.observations import Observations
 from relgloss_view.fitting.results import CandidateEvidence, Verdict
 from relgloss_view.material.albedo import directional_albedo
@@ -98,16 +98,26 @@ def record_fit(fit: ChosenFit, judged: Verdict, seed: int) -> FitRecord:
         warnings=(*fit.measurement.warnings, *judged.warnings.values(), *_odd_index(fit)),
         grounds=() if grounds is None else (grounds,),
         seed=seed,
-        standard_errors=_present(asdict(verdict.standard_errors(fit.spread))),
-        covariance=_covariance(fit.spread),
+        standard_errors=_present(
+            asdict(verdict.standard_errors(fit.spread, lobe_order(fit.state)))
+        ),
+        covariance=_covariance(fit.spread, lobe_order(fit.state)),
         instrument=_instrument(fit),
         bounds={name: asdict(bound) for name, bound in bounds.items() if bound is not None},
     )
 
 
-def _covariance(spread: Candidate) -> dict[str, Any]:
-    names = names_of(spread)
-    kept = [k for k, name in enumerate(names) if not name.startswith("error.")]
+def _covariance(spread: Candidate, order: list[int]) -> dict[str, Any]:
+    """Both covariances, of the lobes that the material has, numbered as it lists them."""
+    names = list(names_of(spread))
+    kept = []
+    for k, name in enumerate(names):
+        what, _, lobe = name.partition(".")
+        if what == "error" or (lobe and int(lobe) - 1 not in order):
+            continue
+        kept.append(k)
+        if lobe:
+            names[k] = f"{what}.{order.index(int(lobe) - 1) + 1}"
     parts = {"samples": sample_covariance(spread), "instrument": prior_covariance(spread)}
     return {
         "names": [names[k] for k in kept],

@@ -28,6 +28,7 @@ from relgloss_view.fitting.model import (
     Rung,
     State,
     States,
+    lobe_order,
     log_residual,
     mean_error,
     predict,
@@ -117,7 +118,7 @@ def fit_material(
                 best = freed
     ladder.report(progress, 0.93, "errors of the instrument")
     spread = ladder.free_errors(folds, best) if free_errors else best
-    if spread is not best:
+    if spread.rung.errors:
         more = spread.solution.state.errors
         errors = more + (errors if errors.size else 0.0)
         measurement, full, few = _corrected(measurement, more, seed, few.noise)
@@ -253,10 +254,8 @@ def _material(measurement: Measurement, rung: Rung, state: State, record: FitRec
     sigma = float(np.sqrt(state.t))
     flat = sigma < _FLAT_SIGMA
     lobes = []
-    for j in np.argsort(-np.mean(state.ks, axis=1)) if rung.lobes else ():
+    for j in lobe_order(state):
         strength = state.ks[j]
-        if not np.any(strength > 0.0):
-            continue
         values = strength if rung.spectral else strength[:1]
         lobes.append(
             Lobe(

@@ -41,6 +41,9 @@ LADDER = (
 )
 MODELS = ("auto", *(rung.name for rung in LADDER))
 FOLD_ROUNDS = 4
+#: Of the zero level of a table's readings, in radiance factor: dark current and stray light of a
+#: goniophotometer leave some tenths of a percent of the perfect diffuser.
+OFFSET_SD = 0.003
 HELD_SD = (-2.0, -1.0, 1.0, 2.0)  #: of an error's prior, where the unknowns are found again
 #: Differences in the held-out logarithmic error that do not matter: a misfit of about 0.6 % of the
 #: reflectance adds the first to noise; the second is a share of the smaller model's error.
@@ -76,6 +79,8 @@ class Candidate:
     #: against the solution, for each error: (K, Z) of both
     held_states: tuple[tuple[State, ...], ...] = ()
     likelihoods: tuple[tuple[float, ...], ...] = ()
+    #: Where all readings are one standard deviation of the zero level lower, and higher
+    offset_states: tuple[State, ...] = ()
 
     @property
     def name(self) -> str:
@@ -180,7 +185,7 @@ def free_errors(folds: Folds, candidate: Candidate) -> Candidate:
     observations = folds.observations
     count = len(observations.prior_sd)
     if candidate.rung.lobes == 0 or not count:
-        return candidate
+        return replace(candidate, offset_states=_offset_states(observations, candidate))
     rung = replace(candidate.rung, errors=count)
     start = replace(candidate.solution.state, errors=np.zeros(count))
     solution = refine(Problem(observations, rung), [start])[0]
@@ -197,13 +202,26 @@ def free_errors(folds: Folds, candidate: Candidate) -> Candidate:
     _, misfit = problem.reweighted(problem.columns_of(states), states)
     likelihood = np.exp(np.minimum((solution.loss - misfit.loss) / problem.prior.weight, 0.0))
     shape = (count, len(HELD_SD))
+    freed = evaluate(folds, rung, solution)
     return replace(
-        evaluate(folds, rung, solution),
+        freed,
         held_states=tuple(
             tuple(held[k * shape[1] + z].state for z in range(shape[1])) for k in range(count)
         ),
         likelihoods=tuple(tuple(row) for row in likelihood.reshape(shape).tolist()),
+        offset_states=_offset_states(observations, freed),
     )
+
+
+def _offset_states(observations: Observations, candidate: Candidate) -> tuple[State, ...]:
+    """The unknowns where the zero level of all readings is off by its standard deviation."""
+    states = []
+    for side in (-1.0, 1.0):
+        seen = observations.value > 0.0
+        moved = np.where(seen, np.maximum(observations.value + side * OFFSET_SD, 1e-6), 0.0)
+        problem = Problem(replace(observations, value=moved), candidate.rung)
+        states.append(refine(problem, [candidate.solution.state], FOLD_ROUNDS)[0].state)
+    return tuple(states)
 
 
 def free_index(folds: Folds, candidate: Candidate) -> Candidate | None:

@@ -104,6 +104,12 @@ class Solution:
     converged: bool = True
 
 
+def lobe_order(state: State) -> list[int]:
+    """The lobes as a material lists them: those that have a strength, the strongest first."""
+    mean = np.mean(state.ks, axis=1) if len(state.ks) else np.zeros(0)
+    return [int(j) for j in np.argsort(-mean, kind="stable") if np.any(state.ks[j] > 0.0)]
+
+
 def predict(g: Geometry, state: State) -> Array:
     """Radiance factors (N, B) as the instrument would see them, through its apertures."""
     first, second, _, _ = diffuse_columns(g, state.t)

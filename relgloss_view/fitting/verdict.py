@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -86,22 +87,30 @@ def mostly_outside(observations: Observations) -> Mask:
     return np.asarray(positive < 0.5 * np.sum(observations.weight > 0.0, axis=0))
 
 
-def standard_errors(candidate: Candidate) -> StandardErrors:
-    """Standard errors from the samples' noise; of the albedos the median over bands."""
+def standard_errors(candidate: Candidate, order: Sequence[int] | None = None) -> StandardErrors:
+    """Standard errors from the samples' noise; of the albedos the median over bands.
+
+    order: of the lobes; that of the candidate without one.
+    """
     states, rung = States.of(candidate.fold_states), candidate.rung
+    order = range(rung.lobes) if order is None else order
     names = names_of(candidate)
     sd = np.sqrt(np.maximum(np.diag(sample_covariance(candidate)), 0.0))
     error = {name: _round(float(value)) for name, value in zip(names, sd, strict=True)}
     mean = np.maximum(np.mean(states.kd, axis=0), 1e-9)
-    bands = np.sqrt(np.diag(jackknife_covariance(states.kd / mean)))
+    bands = np.diag(jackknife_covariance(states.kd / mean)).copy()
     method = f"jackknife over {len(states)} groups"
+    if candidate.offset_states:
+        low, high = (state.kd for state in candidate.offset_states)
+        bands += (0.5 * (high - low) / mean) ** 2
+        method += ", zero level of the readings"
 
     def each(name: str) -> list[float]:
-        return [error[f"{name}.{j}"] for j in range(1, rung.lobes + 1)]
+        return [error[f"{name}.{j + 1}"] for j in order]
 
     return StandardErrors(
         method,
-        _round(float(np.median(bands))),
+        _round(float(np.median(np.sqrt(bands)))),
         sigma_deg=error.get("sigma_deg"),
         s_deg=each("s_deg") if rung.lobes else None,
         strength=each("strength") if rung.lobes else None,
