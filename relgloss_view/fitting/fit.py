@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from relgloss_view.fitting.model import (
     LOG_S_RANGE,
     REDESCENDING,
     Rung,
+    Solution,
     State,
     States,
     lobe_order,
@@ -98,14 +100,16 @@ def fit_material(
         measurement = replace(measurement, aperture_sd_deg=aperture_sd_deg)
     full = prepare(measurement, seed)
     few = compress(full)
-    errors = np.zeros(0)
-    if free_errors:
-        errors, noise = _first_errors(few, index)
-        full, few = replace(full, noise=noise), replace(few, noise=noise)
+    errors, solved = np.zeros(0), None
+    if free_errors and len(few.prior_sd):
+        look = _first_look(few, index, start_s_deg)
+        errors, solved = look.errors, {look.solution_name: look.solution}
+        full, few = replace(full, noise=look.noise), replace(few, noise=look.noise)
         if errors.size:
-            measurement, full, few = _corrected(measurement, errors, seed, noise)
+            solved = None
+            measurement, full, few = _corrected(measurement, errors, seed, look.noise)
     rungs = ladder.LADDER if model == "auto" else _forced(model)
-    candidates, folds = ladder.climb(few, rungs, index, progress, start_s_deg)
+    candidates, folds = ladder.climb(few, rungs, index, progress, start_s_deg, solved)
     chosen = ladder.choose(candidates)
     best = candidates[chosen]
     if free_index:
@@ -145,19 +149,26 @@ def fit_material(
         ) from error
 
 
-def _first_errors(few: Observations, n: float) -> tuple[Array, float]:
-    """The errors of the instrument (K,) that one lobe shows, and the noise beside it.
+class _Look(NamedTuple):
+    """What one lobe shows before the ladder is climbed."""
 
-    The ladder climbs from there. The errors are empty where there are none to speak of: no lobe,
-    or errors far below what is expected of them.
+    solution: Solution  #: of the one-lobe rung, the instrument in order
+    errors: Array  #: (K,), of the instrument; empty where there are none to speak of
+    noise: float  #: beside that lobe
+    solution_name: str
+
+
+def _first_look(few: Observations, n: float, start_s_deg: float | None) -> _Look:
+    """The errors of the instrument that one lobe shows, so that the ladder climbs from there.
+
+    They are empty where there is no lobe, and where they are far below what is expected of them.
     """
     count, none = len(few.prior_sd), np.zeros(0)
-    if not count:
-        return none, few.noise
     rung = next(rung for rung in ladder.LADDER if rung.name == "lobe")
-    state = solve(few, rung, n).state
+    solution = solve(few, rung, n, start_s_deg=start_s_deg)
+    state = solution.state
     if not np.any(state.ks > 0.0):
-        return none, few.noise
+        return _Look(solution, none, few.noise, rung.name)
     free = replace(rung, errors=count)
     # A tilt across all planes lowers the peak by its square: it is found from either side.
     aside = [np.zeros(count)]
@@ -168,9 +179,9 @@ def _first_errors(few: Observations, n: float) -> tuple[Array, float]:
     starts = [replace(state, errors=errors) for errors in aside]
     best = min(refine(Problem(few, free), starts), key=lambda s: s.loss).state
     noise = _noise(few, best)
-    few = replace(few, noise=noise)
-    errors = refine(Problem(few, free), [best])[0].state.errors
-    return (errors if np.any(np.abs(errors) > _SMALL_ERROR * few.prior_sd) else none), noise
+    errors = refine(Problem(replace(few, noise=noise), free), [best])[0].state.errors
+    found = bool(np.any(np.abs(errors) > _SMALL_ERROR * few.prior_sd))
+    return _Look(solution, errors if found else none, noise, rung.name)
 
 
 def _noise(few: Observations, state: State) -> float:

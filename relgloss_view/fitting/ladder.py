@@ -8,6 +8,7 @@ models keep gaining by amounts that nobody could see.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -128,14 +129,20 @@ def climb(
     n: float,
     progress: ProgressReport | None = None,
     start_s_deg: float | None = None,
+    solved: Mapping[str, Solution] | None = None,
 ) -> tuple[list[Candidate], Folds]:
-    """Fit and cross-validate the rungs in order; each starts also from the rung before."""
+    """Fit and cross-validate the rungs in order; each starts also from the rung before.
+
+    solved: solutions that are known already, by the rung's name.
+    """
     folds = make_folds(observations)
     candidates: list[Candidate] = []
     for k, rung in enumerate(rungs):
         report(progress, k / (len(rungs) + 1), f"fitting {rung.name}")
         warm = tuple(c.solution.state for c in candidates if c.rung.lobes == rung.lobes)
-        if warm and rung.spectral and rung.lobes > 1:
+        if solved is not None and rung.name in solved:
+            solution = solved[rung.name]
+        elif warm and rung.spectral and rung.lobes > 1:
             # The lobes of a neutral strength are where spectral ones begin.
             solution = refine(Problem(observations, rung), warm[-1:])[0]
         else:
