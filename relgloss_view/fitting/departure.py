@@ -45,8 +45,9 @@ MIRROR_DEG = 1.0
 #: From the mirror direction to the first half-vector beside it facets may fall by this logarithm: a
 #: Gaussian that falls by more (1.4 standard deviations) lies between the samples unseen. Farther
 #: out, down to a tenth of the peak, they may fall by the second one.
-STEEPEST_CORE, STEEPEST_FLANK = 1.0, 2.0
+STEEPEST_CORE, STEEPEST_FLANK = 1.0, 3.0
 TENTH = float(np.log(10.0))
+TOO_COARSE = "its half-vectors lie too far apart"
 TO_SD = 1.4826  #: median absolute deviation to a Gaussian's sd
 #: Places of a profile per unit of the root of delta: dense at the mirror direction.
 PLACES = 40
@@ -67,6 +68,7 @@ class Departures:
     measured: Array  #: (N,), luminance factor
     fitted: Array  #: (N,), the same as the instrument would see the fit
     unit: Array  #: (N,), what facets of one density reflect there, relative
+    cosines: Array  #: (N,), mu_i mu_o: what a sample counts as light that arrives and leaves
     group: Ints  #: (N,), plane or setting of the lamp, 0 .. G-1
     incidence: Array  #: (N,), degrees
     plane_spread: float  #: sd of the logarithm that planes have in common, but for smooth trends
@@ -136,6 +138,7 @@ def departures(
         measured=measured[:, METER],
         fitted=fitted[:, METER],
         unit=brdf.fresnel_dielectric(f.cos_d, INDEX) * brdf.shadowing(f),
+        cosines=f.mu_i * f.mu_o,
         group=group.astype(np.int64),
         incidence=np.degrees(np.arccos(np.clip(f.mu_i, 0.0, 1.0))),
         plane_spread=_plane_spread(log_ratio[:, METER], group, theta_d),
@@ -259,9 +262,10 @@ def _coarse(samples: Departures, part: Ints, levels: Array, number: Ints) -> str
         steep = np.flatnonzero(bright & (step > allowed))
         if len(steep):
             k = steep[0]
+            near_deg = levels[k] if levels[k] > 0.5 * SAME_ANGLE_DEG else 0.0
             return (
-                f"its half-vectors lie too far apart: from {levels[k]:.2g} to {levels[k + 1]:.2g} "
-                f"degrees off the normal the lobe falls by a factor of {np.exp(step[k]):.2g}"
+                f"{TOO_COARSE}: from {near_deg:.2g} to {levels[k + 1]:.2g} degrees off the normal "
+                f"the lobe falls by a factor of {np.exp(step[k]):.2g}"
             )
     return ""
 

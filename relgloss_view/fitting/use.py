@@ -11,7 +11,7 @@ from dataclasses import asdict, replace
 from typing import Any
 
 from relgloss_view.base.arrays import Array
-from relgloss_view.fitting.departure import departures
+from relgloss_view.fitting.departure import TOO_COARSE, departures
 from relgloss_view.fitting.results import GlossUse, PictureUse, PlaneUse, TailUse, UseJudgement
 from relgloss_view.fitting.use_gloss import gloss_uses, poor_gloss
 from relgloss_view.fitting.use_picture import picture_uses, poor_picture
@@ -59,7 +59,7 @@ def judge_by_use(
         *(_gloss_words(row) for row in gloss if poor_gloss(row)),
         *(_picture_words(row) for row in pictures if poor_picture(row)),
         *(words if off else ()),
-        *_mirror_words(tail, planes),
+        *_mirror_words(tail, planes, any(TOO_COARSE in row.reason for row in (*gloss, *pictures))),
     )
     return UseJudgement(gloss, pictures, tail, planes, "", () if off else words, poor)
 
@@ -81,7 +81,7 @@ def _picture_words(row: PictureUse) -> str:
     )
 
 
-def _mirror_words(tail: TailUse, planes: tuple[PlaneUse, ...]) -> tuple[str, ...]:
+def _mirror_words(tail: TailUse, planes: tuple[PlaneUse, ...], coarse: bool) -> tuple[str, ...]:
     """One line where light near the mirror direction is off, over all or in the worst plane."""
     missed = None if tail.mirror_explained is None else 1.0 - tail.mirror_explained
     if missed is not None and missed > POOR_MIRROR:
@@ -91,9 +91,14 @@ def _mirror_words(tail: TailUse, planes: tuple[PlaneUse, ...]) -> tuple[str, ...
         if worst is None or (worst.mirror_error or 0.0) <= POOR_PLANE_MIRROR:
             return ()
         place, share = f" at incidence {worst.incidence_deg:.0f} deg", worst.mirror_error or 0.0
+    step = (
+        "measure in finer steps across the mirror direction"
+        if coarse
+        else "take gloss from the table itself (`relgloss gloss TABLE`)"
+    )
     return (
-        f"near the mirror direction{place} the fit is off by {share:.0%} of the light: gloss and "
-        "highlights are uncertain; a finer scan across the mirror direction would show why",
+        f"near the mirror direction{place} the fit is off by {share:.0%} of the light, so its "
+        f"gloss and its highlights are uncertain: {step}",
     )
 
 

@@ -28,6 +28,8 @@ from relgloss_view.material.material import Material
 GLOSS_SHARE = 0.03
 #: ... which counts up to here: no noise excuses more.
 LARGEST_ERROR = 0.06
+#: A reading with a larger standard error, as a share, is none.
+UNREADABLE = 0.25
 #: Gloss below this many units is that of a matte sheet, where a meter's own unit counts.
 GLOSS_UNITS = 0.5
 RINGS, SPOKES = 48, 12  #: places in a window: radii, dense at its middle, and azimuths of a half
@@ -62,6 +64,9 @@ def _use(material: Material, samples: Departures | str, meter: Meter) -> GlossUs
     factor = float(np.sum(share * np.exp(departure.at(delta, METER))))
     # Errors of neighbouring angles go together: they are added, not their squares.
     error = float(np.sum(share * departure.error_at(delta, METER)))
+    if error > UNREADABLE:
+        reason = f"its samples near {meter.angle_deg:g} degrees of incidence differ by {error:.0%}"
+        return dataclasses.replace(empty, reason=reason)
     fit = specular_gloss(material, meter.angle_deg)
     return GlossUse(meter.angle_deg, fit, fit * factor, fit * factor * error, "")
 

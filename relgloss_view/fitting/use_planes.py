@@ -15,8 +15,9 @@ from relgloss_view.fitting.departure import METER, TO_SD, Departures, near
 from relgloss_view.fitting.results import PlaneUse, TailUse
 from relgloss_view.fitting.verdict import NEAR_MIRROR_DEG
 
-#: A plane is named where its offset from the median plane is this many times the planes' spread ...
-NAMED_SPREADS = 5.0
+#: A plane is named where its offset from the median plane is this many times the planes' spread,
+#: and more where few planes give the spread (by 4 over their number) ...
+NAMED_SPREADS, FEW_PLANES = 5.0, 4.0
 #: ... and at least this share: less is in no picture.
 NAMED_SHARE = 0.05
 #: A table whose plane is off by this share is not described by any fit.
@@ -66,7 +67,8 @@ def plane_uses(samples: Departures) -> tuple[PlaneUse, ...]:
     offsets, errors = np.array([row[2] for row in rows]), np.array([row[3] for row in rows])
     centre = float(np.median(offsets))
     spread = TO_SD * float(np.median(np.abs(offsets - centre)))
-    allowed = np.maximum(NAMED_SPREADS * np.hypot(spread, errors), NAMED_SHARE)
+    spreads = NAMED_SPREADS * (1.0 + FEW_PLANES / len(rows))
+    allowed = np.maximum(spreads * np.hypot(spread, errors), NAMED_SHARE)
     named = (np.abs(offsets - centre) > allowed) & (len(rows) >= FEWEST_PLANES)
     uses = [
         PlaneUse(incidence, count, float(np.expm1(middle)), mirror_error, bool(name))
@@ -76,12 +78,13 @@ def plane_uses(samples: Departures) -> tuple[PlaneUse, ...]:
 
 
 def _light_error(samples: Departures, rows: Mask) -> float:
-    """Differences over measured light, at least 0."""
+    """Differences over measured light, at least 0 (cosine weights: Ngan, Durand, Matusik 2005)."""
+    cosines = samples.cosines[rows]
     measured: Array = np.maximum(samples.measured[rows], 0.0)
-    total = float(np.sum(measured))
+    total = float(np.sum(cosines * measured))
     if total <= 0.0:
         return 0.0
-    return float(np.sum(np.abs(samples.fitted[rows] - measured))) / total
+    return float(np.sum(cosines * np.abs(samples.fitted[rows] - measured))) / total
 
 
 def plane_words(planes: tuple[PlaneUse, ...]) -> tuple[str, ...]:
