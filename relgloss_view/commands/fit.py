@@ -105,9 +105,10 @@ def run(args: argparse.Namespace) -> int:
             seed=args.seed,
             progress=progress,
         )
+    # The material first: no fault of a plot may cost it.
+    save_material(material, args.output)
     if args.report:
         write_fit_report(material, measurement, args.report)
-    save_material(material, args.output)
     if args.json:
         print(json.dumps({"output": args.output, **material_to_dict(material)}))
         return 0

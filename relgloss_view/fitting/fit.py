@@ -38,6 +38,7 @@ from relgloss_view.fitting.model import (
 from relgloss_view.fitting.observations import TAU, Observations, compress, prepare
 from relgloss_view.fitting.problem import Problem
 from relgloss_view.fitting.search import solve
+from relgloss_view.fitting.use import with_use
 from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material, Quality
 from relgloss_view.measure.table import Measurement
 
@@ -139,14 +140,21 @@ def fit_material(
     if judged.quality == Quality.UNIDENTIFIABLE and judged.width is not None:
         state = _plainest_width(full, best.rung, state, judged.width.s_deg_upper)
     record = record_fit(fit, judged, seed)
-    ladder.report(progress, 1.0, "done")
-    record = replace(record, seconds=round(time.perf_counter() - began, 3))
     try:
-        return with_energy_warning(_material(measurement, best.rung, state, record))
+        material = with_energy_warning(_material(measurement, best.rung, state, record))
     except InputError as error:
         raise InputError(
             f"{measurement.place}: the fit is no material: {error}; check the quantity and its unit"
         ) from error
+    ladder.report(progress, 0.97, "gloss and picture")
+    return _timed(with_use(material, measurement), began, progress)
+
+
+def _timed(material: Material, began: float, progress: ProgressReport | None) -> Material:
+    ladder.report(progress, 1.0, "done")
+    assert material.fit is not None
+    seconds = round(time.perf_counter() - began, 3)
+    return replace(material, fit=replace(material.fit, seconds=seconds))
 
 
 class _Look(NamedTuple):

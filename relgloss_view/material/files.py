@@ -118,6 +118,7 @@ _FIT_FIELDS: dict[str, tuple[Any, str]] = {
     "seconds": (int | float, "a number"),
     "standard_errors": (dict, "an object"),
     "bounds": (dict, "an object"),
+    "judgement": (dict, "an object"),
     "convention": (str, "a text"),
     "grounds": (list, "a list of texts"),
     "covariance": (dict, "an object"),
@@ -136,7 +137,11 @@ _EXPLAINS = {
 def _grounds(fit: FitRecord) -> tuple[str, ...]:
     """The warnings that explain the quality, by their words: older files do not mark them."""
     words = _EXPLAINS[fit.quality]
-    return tuple(text for text in fit.warnings if any(word in text for word in words))
+    judged = fit.judgement.get("poor") if fit.quality == Quality.POOR else None
+    lines = judged if isinstance(judged, list) else []
+    return tuple(
+        text for text in fit.warnings if text in lines or any(word in text for word in words)
+    )
 
 
 def _source_is_hypothetical(source: str) -> bool:
