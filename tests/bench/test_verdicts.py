@@ -114,7 +114,7 @@ def test_lobe_and_body_agree_with_the_drawn_models():
     assert_allclose(body, 0.4 * first + 0.16 * second, rtol=1e-6)
 
 
-#: A lobe of n = 1.5 without a body: s in degrees, then readings at 20, 60, 85 and 75 degrees, from a
+#: A lobe of n = 1.5 without a body: s in degrees; readings at 20, 60, 85 and 75 degrees, from a
 #: separate computation that this project was given at its start.
 PUBLISHED = {
     0.3: (67, 89, 99, 97), 0.7: (30, 79, 83, 97), 1.5: (9, 48, 49, 91), 3.0: (2.4, 24, 26, 62),
