@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.base.errors import InputError
 from relgloss_view.base.terminal import Column, table
 from relgloss_view.bench.verdicts.instrument import GRIDS
 from relgloss_view.bench.verdicts.judging import peak_of
@@ -74,7 +75,10 @@ def trial(seed: int, index: int) -> Trial:
     with tempfile.TemporaryDirectory(prefix="relgloss-") as folder:
         path = Path(folder) / "table.csv"
         made.write(path)
-        material = fit_material(read_measurement(path))
+        try:
+            material = fit_material(read_measurement(path))
+        except InputError:
+            return Trial("refused", (len(made.sample.highlights), 0), {}, {}, 0.0)
     assert material.fit is not None
     sample = made.sample
     numbers = dict(_numbers(material, sample))

@@ -130,7 +130,7 @@ FAULTS = (
         "other shadowing",
         troubles.other_shadowing,
         r"grazing|incidence|describe|plane|shadow",
-        s_range_deg=(3.0, 20.0),
+        s_range_deg=(6.0, 20.0),
     ),
     Fault("coat and body", troubles.clear_coat, r"lobe|describe|grazing|incidence|plane"),
 )

@@ -75,6 +75,11 @@ class Outcome:
     seconds: float
     numbers: dict[str, Any] = field(default_factory=dict)  #: true, fitted, stated error
 
+    @property
+    def severity(self) -> float:
+        """The largest difference from the truth within reach, in units of what is allowed."""
+        return float(self.numbers.get("severity", 0.0))
+
 
 def table_of(seed: int, kind: str, index: int, fault: Fault | None) -> Table:
     """The table of a seed, kind and index; the same at every call."""
@@ -182,16 +187,19 @@ def compare(
     reach = _reach_deg(measurement, material)
     wrong: list[str] = at_limits(material)
     beyond: list[str] = []
+    excesses: list[float] = []
     numbers: dict[str, Any] = {"reach_deg": round(reach, 1)}
     for angle in METERS:
         fitted = specular_gloss(material, angle)
         error = standard_error(partial(specular_gloss, angle_deg=angle), steps) or 0.0
         right = truth.gloss[angle]
         numbers[f"gloss-{angle}"] = ([round(float(r), 3) for r in right], fitted, error)
-        if any(_gloss_differs(fitted, float(r), error) for r in right):
-            off = max(right, key=lambda r: abs(fitted - r))
-            text = f"gloss {angle}: {fitted:.1f} for {off:.1f}"
-            (wrong if angle <= reach + BEYOND_DEG else beyond).append(text)
+        excess, off = max((gloss_excess(fitted, float(r), error), float(r)) for r in right)
+        within = angle <= reach + BEYOND_DEG
+        if within:
+            excesses.append(excess)
+        if excess > 1.0:
+            (wrong if within else beyond).append(f"gloss {angle}: {fitted:.1f} for {off:.1f}")
     weights = luminous_weights(wavelengths_nm)
     if len(weights) != material.bands.count:  # a band was left out
         weights = luminous_weights(material.bands.centres_nm())
@@ -203,17 +211,24 @@ def compare(
             [[round(float(x), 4) for x in p] for p in truth.peak[incidence]], top.tolist(), error
         )  # fmt: skip
         farthest = max(truth.peak[incidence], key=lambda p: float(np.max(np.abs(top / p - 1.0))))
-        if np.max(np.abs(top / farthest - 1.0)) > allowed:
+        excesses.append(float(np.max(np.abs(top / farthest - 1.0))) / allowed)
+        if excesses[-1] > 1.0:
             parts = ", ".join(f"{100 * x:+.0f}" for x in top / farthest - 1.0)
             wrong.append(f"peak at {incidence:g}: XYZ {parts} %")
+    numbers["severity"] = max(excesses)
     return tuple(wrong), tuple(beyond), numbers
 
 
-def _gloss_differs(fitted: float, right: float, error: float) -> bool:
+def gloss_excess(fitted: float, right: float, error: float) -> float:
+    """How far a gloss reading is from the truth, in units of what the rule allows.
+
+    >>> gloss_excess(63.0, 60.0, 0.1), gloss_excess(1.9, 0.1, 0.0)
+    (1.0, 0.0)
+    """
     if max(right, fitted) < SMALLEST_GLOSS:
-        return False
+        return 0.0
     excused = min(STATED_ERRORS * error, GLOSS_EXCUSED * right)
-    return abs(fitted - right) > max(GLOSS_SHARE * right, GLOSS_UNITS, excused)
+    return abs(fitted - right) / max(GLOSS_SHARE * right, GLOSS_UNITS, excused)
 
 
 def peak_of(material: Material, incidence_deg: float, weights: Array) -> Array:

@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 from relgloss_view.base.terminal import Column, table
 from relgloss_view.bench.verdicts import judging
 from relgloss_view.bench.verdicts.faults import FAULTS
-from relgloss_view.bench.verdicts.judging import CLASSES, SOUND, Outcome, judge_one
+from relgloss_view.bench.verdicts.judging import CLASSES, FALSE_GOOD, SOUND, Outcome, judge_one
 
 Result = TypeVar("Result")
 FORMAT, VERSION = "relgloss-fit-verdicts", 1
@@ -71,11 +71,15 @@ COLUMNS = (
     Column("tables", 6),
     *(Column(name, max(len(name), 4)) for name in CLASSES),
     Column("named", 5),
+    Column("worst", 5),
 )
 
 
 def summary(outcomes: Sequence[Outcome]) -> str:
-    """A row a kind, and one for all with faults."""
+    """A row a kind, and one for all with faults.
+
+    "worst" is the largest difference of a false "good", in units of what the rule allows.
+    """
     kinds = list(dict.fromkeys(o.kind for o in outcomes))
     rows = [_row(kind, [o for o in outcomes if o.kind == kind]) for kind in kinds]
     troubled = [o for o in outcomes if o.kind != SOUND]
@@ -87,7 +91,9 @@ def summary(outcomes: Sequence[Outcome]) -> str:
 def _row(name: str, outcomes: Sequence[Outcome]) -> tuple[str, ...]:
     counts = Counter(o.outcome for o in outcomes)
     cells = (str(counts[c]) if counts[c] else "" for c in CLASSES)
-    return (name, str(len(outcomes)), *cells, str(sum(o.named for o in outcomes)))
+    worst = max((o.severity for o in outcomes if o.outcome == FALSE_GOOD), default=0.0)
+    named = str(sum(o.named for o in outcomes))
+    return (name, str(len(outcomes)), *cells, named, f"{worst:.1f}" if worst else "")
 
 
 def details(outcomes: Sequence[Outcome], classes: Sequence[str]) -> list[str]:
@@ -96,7 +102,9 @@ def details(outcomes: Sequence[Outcome], classes: Sequence[str]) -> list[str]:
     for o in outcomes:
         if o.outcome not in classes:
             continue
-        lines.append(f"{o.kind} {o.index}: {o.outcome}; {o.size or 'no fault'}; {o.grid}")
+        lines.append(
+            f"{o.kind} {o.index}: {o.outcome} ({o.severity:.1f}); {o.size or 'no fault'}; {o.grid}"
+        )
         lines.append(f"    {o.sample}")
         lines.append(f"    fitted {o.fitted or 'no lobe'} ({o.quality or 'none'})")
         if o.wrong or o.beyond:

@@ -125,10 +125,11 @@ def wrong_unit(plan: Plan, rng: np.random.Generator, share: float) -> Plan:
 
 
 def cosine_missed(plan: Plan, rng: np.random.Generator, share: float) -> Plan:
-    """Readings hold the receiver's cosine, and are declared as radiance factors."""
+    """Readings hold the receiver's cosine, or a part of it; the file declares radiance factors."""
     _, o = plan.true_directions()
-    cosine = o[:, 2:] ** (0.3 + 0.7 * share)
-    return replace(plan, drift=lambda v, _: v * cosine, note=f"cos^{0.3 + 0.7 * share:.2f}")
+    power = 0.3 + 0.7 * min(2.0 * share, 1.0)
+    cosine = np.maximum(o[:, 2:], 1e-6) ** power
+    return replace(plan, drift=lambda v, _: v * cosine, note=f"cos^{power:.2f}")
 
 
 def radians(plan: Plan, rng: np.random.Generator, share: float) -> Plan:
