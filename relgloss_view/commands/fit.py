@@ -13,6 +13,7 @@ from relgloss_view.base.terminal import Progress
 from relgloss_view.base.writing import check_writable
 
 QUANTITIES = ("radiance-factor", "brdf", "brdf-cos")
+MIRRORS = ("same-side", "opposite")
 
 
 def add(commands: Any) -> None:
@@ -60,6 +61,12 @@ def add(commands: Any) -> None:
         help="Tilt of the table at which the receiver sees the mirror direction",
     )
     parser.add_argument(
+        "--mirror",
+        choices=MIRRORS,
+        help="Side on which the receiver's angles put the mirror direction: opposite to the lamp "
+        "(default), or the same side (beta = +alpha, or equal azimuths)",
+    )
+    parser.add_argument(
         "--refractive-index",
         metavar="N",
         type=float,
@@ -95,7 +102,9 @@ def run(args: argparse.Namespace) -> int:
     if args.seed < 0:
         raise InputError(f"--seed {args.seed}: expected a whole number of at least 0")
     _check_places(args)
-    measurement = read_measurement(args.table, quantity=args.quantity, gamma_s_deg=args.gamma_s_deg)
+    measurement = read_measurement(
+        args.table, quantity=args.quantity, gamma_s_deg=args.gamma_s_deg, mirror=args.mirror
+    )
     with Progress("fit") as progress:
         material = fit_material(
             measurement,

@@ -14,7 +14,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import WARNING_LENGTH, Column, table
 from relgloss_view.base.writing import check_writable
-from relgloss_view.commands.fit import QUANTITIES
+from relgloss_view.commands.fit import MIRRORS, QUANTITIES
 
 if TYPE_CHECKING:
     from relgloss_view.gloss.meter.meter import Reading
@@ -66,6 +66,12 @@ def add(commands: Any) -> None:
         metavar="DEG",
         type=float,
         help="Tilt of a table at which the receiver sees the mirror direction",
+    )
+    parser.add_argument(
+        "--mirror",
+        choices=MIRRORS,
+        help="Side on which the receiver's angles put the mirror direction: opposite to the lamp "
+        "(default), or the same side (beta = +alpha, or equal azimuths)",
     )
     parser.add_argument("--json", action="store_true", help="Print the readings as JSON")
     parser.set_defaults(run=run, wrong_usage=parser.error)
@@ -123,6 +129,7 @@ def run(args: argparse.Namespace) -> int:
 def _read(name: str, args: argparse.Namespace) -> SampleReadings:
     """The readings of a built-in sample, a material file or a measured table."""
     from relgloss_view.gloss.meter.table import table_readings
+    from relgloss_view.measure.findings import examine
     from relgloss_view.measure.readers import read_measurement
     from relgloss_view.measure.screening import percent_warning
     from relgloss_view.picture.scene import file_kinds
@@ -133,14 +140,18 @@ def _read(name: str, args: argparse.Namespace) -> SampleReadings:
         raise InputError(f"{name}: this is a scene; give a material, a table or a built-in paper")
     if kind == file_kinds.MATERIAL:
         return _of_material(name, _material(name))
-    measured = read_measurement(name, quantity=args.quantity, gamma_s_deg=args.gamma_s_deg)
+    measured = read_measurement(
+        name, quantity=args.quantity, gamma_s_deg=args.gamma_s_deg, mirror=args.mirror
+    )
     doubt = percent_warning(
         measured.to_lamp, measured.to_receiver, measured.radiance_factor, measured.kept
     )
     if doubt is not None:
         raise InputError(f"{name}: {doubt}")
-    readings = table_readings(measured)
-    return SampleReadings(measured.name, measured.source, TABLE, readings, measured.warnings)
+    examined = examine(measured)
+    readings = table_readings(examined.measurement)
+    warnings = (*measured.warnings, *examined.texts)
+    return SampleReadings(measured.name, measured.source, TABLE, readings, warnings)
 
 
 def _of_material(place: str, material: Material) -> SampleReadings:

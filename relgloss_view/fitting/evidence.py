@@ -39,6 +39,7 @@ class ChosenFit:
     state: State  #: of the best candidate, on all bands
     spread: Candidate  #: the best candidate with the errors of the instrument freed
     errors: Array  #: (K,), of the instrument, found in all; the measurement is corrected for them
+    serious: tuple[str, ...] = ()  #: what the table shows by itself, for which no fit is good
 
 
 def judge(fit: ChosenFit) -> Verdict:
@@ -46,6 +47,8 @@ def judge(fit: ChosenFit) -> Verdict:
     best, few = fit.best, fit.few
     residuals = verdict.residuals(fit.measurement, fit.full, predict(fit.full.geometry, fit.state))
     warnings: dict[Quality, str] = {}
+    if fit.serious:
+        warnings[Quality.POOR] = fit.serious[0]
     if residuals.poor:
         near = residuals.near_mirror.median_relative_error
         beside = f", {near:.0%} within {verdict.NEAR_MIRROR_DEG:g} deg of mirror" if near else ""
@@ -89,14 +92,19 @@ def record_fit(fit: ChosenFit, judged: Verdict, seed: int) -> FitRecord:
         "refractive_index": judged.index,
         "no_lobe": judged.no_lobe,
     }
-    grounds = judged.warnings.get(judged.quality)
+    grounds = (
+        *(() if judged.quality == Quality.GOOD else (judged.warnings[judged.quality],)),
+        *fit.serious,
+    )
     return FitRecord(
         candidates=tuple(asdict(evidence) for evidence in _evidence(fit)),
         chosen=fit.best.name,
         residuals=asdict(judged.residuals),
         quality=judged.quality,
-        warnings=(*fit.measurement.warnings, *judged.warnings.values(), *_odd_index(fit)),
-        grounds=() if grounds is None else (grounds,),
+        warnings=tuple(
+            dict.fromkeys((*fit.measurement.warnings, *judged.warnings.values(), *_odd_index(fit)))
+        ),
+        grounds=tuple(dict.fromkeys(grounds)),
         seed=seed,
         standard_errors=_present(
             asdict(verdict.standard_errors(fit.spread, lobe_order(fit.state)))

@@ -40,6 +40,7 @@ from relgloss_view.fitting.problem import Problem
 from relgloss_view.fitting.search import solve
 from relgloss_view.fitting.use import with_use
 from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material, Quality
+from relgloss_view.measure.findings import examine
 from relgloss_view.measure.table import Measurement
 
 MODELS = ladder.MODELS
@@ -99,6 +100,8 @@ def fit_material(
     began = time.perf_counter()
     if aperture_sd_deg is not None:
         measurement = replace(measurement, aperture_sd_deg=aperture_sd_deg)
+    examined = examine(measurement)
+    measurement = replace(examined.measurement, warnings=(*measurement.warnings, *examined.texts))
     full = prepare(measurement, seed)
     few = compress(full)
     errors, solved = np.zeros(0), None
@@ -133,7 +136,15 @@ def fit_material(
         best = at_rest
     ladder.report(progress, 0.95, "all bands")
     fit = ChosenFit(
-        measurement, full, few, tuple(candidates), best, _all_bands(full, best), spread, errors
+        measurement,
+        full,
+        few,
+        tuple(candidates),
+        best,
+        _all_bands(full, best),
+        spread,
+        errors,
+        examined.serious,
     )
     judged = judge(fit)
     state = fit.state

@@ -19,7 +19,11 @@ MATERIAL = b"relgloss-material"  #: the format that `fit` writes into a material
 
 
 def read_measurement(
-    path: str | Path, *, quantity: str | None = None, gamma_s_deg: float | None = None
+    path: str | Path,
+    *,
+    quantity: str | None = None,
+    gamma_s_deg: float | None = None,
+    mirror: str | None = None,
 ) -> Measurement:
     """Read an instrument's file: RGL .bsdf, MERL .binary, GCMS-style or generic CSV.
 
@@ -29,6 +33,9 @@ def read_measurement(
     It replaces what a text table declares, and is required where the table declares none.
     gamma_s_deg: tilt at which a GCMS table sees the mirror direction, degrees, -90 to 90; replaces
     the declared one.
+    mirror: 'opposite' where the receiver is counted to the other side than the lamp, so that the
+    mirror direction is at beta = -alpha or opposite azimuths; 'same-side' where it is at
+    beta = +alpha or equal azimuths. Replaces what a text table declares; opposite is the default.
 
     Returns the Measurement in radiance factors, with its warnings. Raises InputError, one line
     that names file, place and remedy, for everything that is wrong with the file.
@@ -44,13 +51,15 @@ def read_measurement(
     """
     file = table_file(path)
     try:
-        measurement = _read(file, quantity, gamma_s_deg)
+        measurement = _read(file, quantity, gamma_s_deg, mirror)
     except OSError as error:
         raise unreadable(path, error, EXPECTED) from None
     return replace(measurement, file=str(file))
 
 
-def _read(path: Path, quantity: str | None, gamma_s_deg: float | None) -> Measurement:
+def _read(
+    path: Path, quantity: str | None, gamma_s_deg: float | None, mirror: str | None
+) -> Measurement:
     with check_regular(path, EXPECTED).open("rb") as file:
         head = file.read(4096)
 
@@ -72,12 +81,15 @@ def _read(path: Path, quantity: str | None, gamma_s_deg: float | None) -> Measur
             f"draw it with `relgloss snapshot --material`"
         )
     else:
-        return _read_text(path, quantity, gamma_s_deg)
-    return _with_unused_arguments(measurement, quantity, gamma_s_deg)
+        return _read_text(path, quantity, gamma_s_deg, mirror)
+    return _with_unused_arguments(measurement, quantity, gamma_s_deg, mirror)
 
 
 def _with_unused_arguments(
-    measurement: Measurement, quantity: str | None, gamma_s_deg: float | None
+    measurement: Measurement,
+    quantity: str | None,
+    gamma_s_deg: float | None,
+    mirror: str | None,
 ) -> Measurement:
     """The measurement, with a warning for each argument that its format does not use."""
     warnings = list(measurement.warnings)
@@ -85,16 +97,20 @@ def _with_unused_arguments(
         warnings.append(f"the format holds BRDFs in 1/sr; --quantity {quantity} is not used")
     if gamma_s_deg is not None:
         warnings.append("the format has no tilt of the sample; --gamma-s-deg is not used")
+    if mirror is not None:
+        warnings.append("the format fixes its mirror direction; --mirror is not used")
     return replace(measurement, warnings=tuple(warnings))
 
 
-def _read_text(path: Path, quantity: str | None, gamma_s_deg: float | None) -> Measurement:
+def _read_text(
+    path: Path, quantity: str | None, gamma_s_deg: float | None, mirror: str | None
+) -> Measurement:
     table = csv_table.parse(path)
     names = {name.lower() for name in table.columns}
     if names & gcms.COLUMNS.keys():
-        return gcms.read(table, quantity, gamma_s_deg)
+        return gcms.read(table, quantity, gamma_s_deg, mirror)
     if names & generic.COLUMNS.keys():
-        return generic.read(table, quantity, gamma_s_deg)
+        return generic.read(table, quantity, gamma_s_deg, mirror)
     raise InputError(
         f"{path}: line {table.header_line}: found column {table.columns[0]!a}; the header "
         f"should begin {','.join(gcms.COLUMNS)} or {','.join(generic.COLUMNS)}"

@@ -6,11 +6,15 @@ import math
 from dataclasses import dataclass
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
 from relgloss_view.measure import quantity as quantities
 from relgloss_view.measure.gonio import GAMMA_S_DEG
 from relgloss_view.measure.readers.csv_table import TextTable
 
 MAX_APERTURE_SD_DEG = 45.0
+#: Where the mirror direction lies: beta = -alpha or opposite azimuths, or on the lamp's side.
+OPPOSITE, SAME_SIDE = "opposite", "same-side"
+MIRRORS = (SAME_SIDE, OPPOSITE)
 
 
 @dataclass(frozen=True)
@@ -57,6 +61,21 @@ def declared(
         saturation=saturation,
         warnings=tuple(warnings),
     )
+
+
+def same_side(table: TextTable, argument: str | None = None) -> bool:
+    """Whether the mirror direction is on the lamp's side, as the caller or the file declares.
+
+    Raises InputError for a word that is neither.
+    """
+    where, word = "--mirror", argument
+    if word is None:
+        line, word = table.comments.get("mirror", (0, OPPOSITE))
+        where = f"{table.path}: line {line}"
+    word = "-".join(word.strip().lower().replace("_", " ").replace("-", " ").split())
+    if word not in MIRRORS:
+        raise InputError(f"{where}: {printable(word, 40)!r}; expected {' or '.join(MIRRORS)}")
+    return word == SAME_SIDE
 
 
 def check_angle(value: float, where: str, limit_deg: float = 90.0) -> float:

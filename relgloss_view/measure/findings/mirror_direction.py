@@ -1,0 +1,158 @@
+"""Where the mirror direction is: the peak of the readings against the geometry of the table.
+
+Under the right geometry the readings depend on the half-vector's angle from the normal nearly
+alone. So the rows are put in the order of that angle, once for the geometry as declared and once
+for each other convention; neighbours in the right order read alike. How unlike they are is the
+mean square of successive differences (von Neumann 1941).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from relgloss_view.base.arrays import Array
+from relgloss_view.measure import ridge
+from relgloss_view.measure.findings.finding import MIRROR, Finding
+from relgloss_view.measure.findings.rows import Rows, facet_density, tilt_of
+from relgloss_view.measure.gonio import direction
+from relgloss_view.measure.table import Measurement
+
+#: The peak must exceed the body by this factor, or the order of the rows is that of noise.
+PEAK = 1.6
+#: Another geometry is named where neighbours are this many times less unlike than as declared ...
+CLEARLY = 3.0
+#: ... and an azimuth or tilt that is no other convention, but a wrong number, by more.
+FEWEST = 10
+TURN_STEP_DEG = 15.0
+RIDGE = "the mirror ridge lies at gamma"
+SAME_SIDE = "--mirror same-side"
+
+
+@dataclass(frozen=True)
+class _Geometry:
+    """Another reading of the table's angles."""
+
+    name: str  #: "same side", "turned" or "tilted"
+    to_lamp: Array
+    to_receiver: Array
+    amount_deg: float = 0.0
+
+
+def check(measurement: Measurement, rows: Rows) -> list[Finding]:
+    """A serious finding where the peak lies elsewhere than the declared geometry puts it."""
+    told = [w for w in measurement.warnings if w.startswith(RIDGE)]
+    if told:
+        return [Finding(MIRROR, told[0], True)]
+    if len(rows) < FEWEST or float(np.max(rows.level)) < PEAK * rows.body_level:
+        return []
+    best, gain = _best(measurement, rows)
+    if best is not None and gain > CLEARLY:
+        return [Finding(MIRROR, _words(measurement, rows, best), True)]
+    elsewhere = _ridge(measurement, rows)
+    return [] if elsewhere is None else [Finding(MIRROR, elsewhere, True)]
+
+
+def _best(measurement: Measurement, rows: Rows) -> tuple[_Geometry | None, float]:
+    """The other geometry in which the rows lie best, and how much better than as declared."""
+    declared = _unlikeness(rows, rows.to_lamp, rows.to_receiver)
+    best, least = None, declared
+    for other in _others(measurement, rows):
+        unlike = _unlikeness(rows, other.to_lamp, other.to_receiver)
+        if unlike < least:
+            best, least = other, unlike
+    return best, declared / max(least, 1e-12)
+
+
+def _unlikeness(rows: Rows, to_lamp: Array, to_receiver: Array) -> float:
+    """Mean square difference of neighbours in the order of the half-vector's angle."""
+    body = rows.body_level
+    density = facet_density(np.maximum(rows.level - body, 0.0), to_lamp, to_receiver)
+    floor = float(facet_density(np.array([0.3 * body]), *_upright())[0])
+    half = to_lamp + to_receiver
+    order = np.argsort(tilt_of(half), kind="stable")
+    return float(np.mean(np.square(np.diff(np.log(density[order] + floor)))))
+
+
+def _upright() -> tuple[Array, Array]:
+    up = np.array([[0.0, 0.0, 1.0]])
+    return up, up
+
+
+def _others(measurement: Measurement, rows: Rows) -> list[_Geometry]:
+    lamp, receiver = rows.to_lamp, rows.to_receiver
+    if measurement.gamma_s_deg is None:
+        turns = np.arange(TURN_STEP_DEG, 359.0, TURN_STEP_DEG)
+        out_of_plane = np.max(np.abs(lamp[:, 0] * receiver[:, 1] - lamp[:, 1] * receiver[:, 0]))
+        if out_of_plane < 1e-3:
+            turns = np.array([180.0])
+        return [
+            _Geometry("same side" if t == 180.0 else "turned", lamp, _turned(receiver, t), float(t))
+            for t in turns
+        ]
+    others = [_Geometry("same side", lamp, receiver * np.array([-1.0, 1.0, 1.0]))]
+    tilt = np.degrees(np.arctan2(-lamp[:, 1], lamp[:, 2]))
+    alpha = np.degrees(np.arcsin(np.clip(lamp[:, 0], -1.0, 1.0)))
+    beta = np.degrees(np.arcsin(np.clip(receiver[:, 0], -1.0, 1.0)))
+    tilts = np.unique(np.round(tilt, 3))
+    shifts = tilts[np.abs(tilts) > 0.5] if len(tilts) > 1 else ()
+    return others + [
+        _Geometry(name, direction(alpha, tilt - s), direction(sign * beta, tilt - s), float(s))
+        for s in shifts
+        for name, sign in (("tilted", 1.0), ("same side", -1.0))
+    ]
+
+
+def _turned(v: Array, degrees: float) -> Array:
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return np.asarray(v @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]))
+
+
+def _words(measurement: Measurement, rows: Rows, best: _Geometry) -> str:
+    top = int(np.argmax(rows.facets))
+    lamp_deg, receiver_deg = rows.lamp_deg[top], rows.receiver_deg[top]
+    gamma_s = measurement.gamma_s_deg
+    if best.name == "same side":
+        tilt = ""
+        if gamma_s is not None and best.amount_deg:
+            tilt = f" and --gamma-s-deg {gamma_s + best.amount_deg:g}"
+        where = (
+            "at the lamp's azimuth (phi_r = phi_i)"
+            if gamma_s is None
+            else "at beta = +alpha, not at beta = -alpha"
+        )
+        return (
+            f"the peak lies on the lamp's side, {where}: the receiver is counted to the other "
+            f"side; give {SAME_SIDE}{tilt} or add '# mirror: same-side' (or the sample sends light "
+            "back to the lamp)"
+        )
+    if best.name == "tilted":
+        there = (gamma_s or 0.0) + best.amount_deg
+        return (
+            f"{RIDGE} = {there:g} deg (the nearest tilt in the table), not at gamma_s = "
+            f"{gamma_s:g} deg: give --gamma-s-deg {there:g} or check the table"
+        )
+    offset = (best.amount_deg + 180.0) % 360.0 - 180.0
+    return (
+        f"the peak lies about {abs(offset):.0f} deg in azimuth from the mirror direction "
+        f"(brightest row: lamp at {lamp_deg:.0f} deg, receiver at {receiver_deg:.0f} deg "
+        f"from the normal): add {offset:+.0f} to every phi_r_deg, or check the azimuths"
+    )
+
+
+def _ridge(measurement: Measurement, rows: Rows) -> str | None:
+    """The ridge over the tilts of a GCMS table, by its mirror rows (measure.ridge)."""
+    gamma_s = measurement.gamma_s_deg
+    if gamma_s is None:
+        return None
+    lamp, receiver = rows.to_lamp[rows.kept], rows.to_receiver[rows.kept]
+    angles = np.stack(
+        [
+            np.round(np.degrees(np.arcsin(np.clip(lamp[:, 0], -1.0, 1.0))), 6),
+            np.round(np.degrees(np.arcsin(np.clip(receiver[:, 0], -1.0, 1.0))), 6),
+            np.round(np.degrees(np.arctan2(-lamp[:, 1], lamp[:, 2])) + gamma_s, 6),
+        ],
+        axis=1,
+    )
+    return ridge.check(angles, rows.level[rows.kept], gamma_s)
