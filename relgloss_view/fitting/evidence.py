@@ -118,7 +118,7 @@ def _covariance(spread: Candidate, order: list[int]) -> dict[str, Any]:
         kept.append(k)
         if lobe:
             names[k] = f"{what}.{order.index(int(lobe) - 1) + 1}"
-    parts = {"samples": sample_covariance(spread), "instrument": prior_covariance(spread)}
+    parts = {"samples": sample_covariance(spread), "priors": prior_covariance(spread)}
     return {
         "names": [names[k] for k in kept],
         **{

@@ -19,7 +19,7 @@ from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.fitting import ladder, verdict
 from relgloss_view.fitting.descent import refine
 from relgloss_view.fitting.evidence import ChosenFit, judge, record_fit, with_energy_warning
-from relgloss_view.fitting.instrument import corrected
+from relgloss_view.fitting.instrument import GAMMA_S, corrected
 from relgloss_view.fitting.ladder import Candidate
 from relgloss_view.fitting.limits import at_limits
 from relgloss_view.fitting.model import (
@@ -38,6 +38,7 @@ from relgloss_view.fitting.model import (
 from relgloss_view.fitting.observations import TAU, Observations, compress, prepare
 from relgloss_view.fitting.problem import Problem
 from relgloss_view.fitting.search import solve
+from relgloss_view.fitting.spread import spread as spread_of
 from relgloss_view.fitting.use import with_use
 from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material, Quality
 from relgloss_view.measure.table import Measurement
@@ -90,7 +91,6 @@ def fit_material(
     """
     if model not in MODELS:
         raise InputError(f"model is {model!r}; expected one of {', '.join(MODELS)}")
-    free_index = free_index and refractive_index is None
     index = USUAL_INDEX if refractive_index is None else refractive_index
     if not 1.0 < index <= INDEX_RANGE[1]:
         raise InputError(
@@ -113,7 +113,7 @@ def fit_material(
     candidates, folds = ladder.climb(few, rungs, index, progress, start_s_deg, solved)
     chosen = ladder.choose(candidates)
     best = candidates[chosen]
-    if free_index:
+    if free_index and refractive_index is None:
         ladder.report(progress, 0.9, "refractive index")
         freed = ladder.free_index(folds, best)
         if freed is not None:
@@ -122,7 +122,8 @@ def fit_material(
             if gains and not at_limits(freed.rung, freed.solution.state):
                 best = freed
     ladder.report(progress, 0.93, "errors of the instrument")
-    spread = ladder.free_errors(folds, best) if free_errors else best
+    uncertain = free_index and refractive_index is None
+    spread = spread_of(folds, best, errors=free_errors, index=uncertain)
     if spread.rung.errors:
         more = spread.solution.state.errors
         errors = more + (errors if errors.size else 0.0)
@@ -180,8 +181,8 @@ def _first_look(few: Observations, n: float, start_s_deg: float | None) -> _Look
     free = replace(rung, errors=count)
     # A tilt across all planes lowers the peak by its square: it is found from either side.
     aside = [np.zeros(count)]
-    if "gamma_s" in few.error_names:
-        k = few.error_names.index("gamma_s")
+    if GAMMA_S in few.error_names:
+        k = few.error_names.index(GAMMA_S)
         far = np.where(np.arange(count) == k, _FIRST_GAMMA * few.prior_sd, 0.0)
         aside += [far, -far]
     starts = [replace(state, errors=errors) for errors in aside]

@@ -45,6 +45,14 @@ class Observations:
     noise: float = TAU  #: logarithmic residual of a good model, against which priors weigh
 
     @property
+    def sample_weight(self) -> float:
+        """What half a squared deviation of one sample weighs in a mean loss, in units of TAU^2.
+
+        One of the N samples, whose bands share their error, at the noise that they have.
+        """
+        return (self.noise / TAU) ** 2 / len(self.value)
+
+    @property
     def bands(self) -> int:
         """Number of bands."""
         return int(self.value.shape[1])

@@ -68,17 +68,14 @@ class Prior:
 
     centre: Array  #: (P, K) or (1, K)
     sd: Array  #: the same
-    #: Of half a squared standard deviation against the mean loss, which is in units of TAU^2: what
-    #: one of the N samples weighs, whose bands share their error, at the noise that they have.
-    weight: float
+    weight: float  #: of half a squared standard deviation, Observations.sample_weight
 
 
 def _prior(observations: Observations, rung: Rung) -> Prior | None:
     if not rung.errors:
         return None
     sd = observations.prior_sd
-    weight = (observations.noise / TAU) ** 2 / len(observations.value)
-    return Prior(np.zeros((1, len(sd))), sd[None], weight)
+    return Prior(np.zeros((1, len(sd))), sd[None], observations.sample_weight)
 
 
 class Problem:
