@@ -24,6 +24,7 @@ from relgloss_view.measure.table import Measurement
 ENERGY_INCIDENCES_DEG = np.arange(0.0, 81.0, 10.0)
 #: Prior standard deviations beyond which an error is none of an instrument in order.
 BEYOND_SD = 3.0
+LARGEST_VARIANCE = 1e9
 ENERGY_EXCESS = 1.02  #: noise of a white sample is not an excess
 
 
@@ -122,10 +123,15 @@ def _covariance(spread: Candidate, order: list[int]) -> dict[str, Any]:
     return {
         "names": [names[k] for k in kept],
         **{
-            name: [[_round(value) for value in row] for row in matrix[np.ix_(kept, kept)]]
+            name: [[_round(value) for value in row] for row in _bounded(matrix)[kept][:, kept]]
             for name, matrix in parts.items()
         },
     }
+
+
+def _bounded(matrix: Array) -> Array:
+    """Variances that a file can hold: a number that the samples leave open has none to speak of."""
+    return np.asarray(np.clip(matrix, -LARGEST_VARIANCE, LARGEST_VARIANCE))
 
 
 def _instrument(fit: ChosenFit) -> dict[str, Any]:
