@@ -89,7 +89,7 @@ def decoded(data: bytes, place: str) -> Decoded:
 
 
 def first_byte_of_no_text(beginning: bytes) -> int | None:
-    """Where the beginning of a file stops to be text in any encoding read here; None if it is.
+    r"""Where the beginning of a file stops to be text in any encoding read here; None if it is.
 
     >>> first_byte_of_no_text(b"45\xb0"), first_byte_of_no_text(b"a" + b"\xfe" * 9)
     (None, 1)

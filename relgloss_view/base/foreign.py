@@ -183,8 +183,8 @@ def _of_text(text: str) -> Foreign | None:
 
 def _is_eulumdat(text: str) -> bool:
     """Whether lines 2 to 6 are EULUMDAT's: type 0 to 3, symmetry 0 to 4, counts and distances."""
-    lines = [line.strip() for line in text.splitlines()[1:26]]
-    if len(lines) < 25 or not re.fullmatch(r"[0-3]", lines[0]):
+    maker, *lines = [line.strip() for line in text.splitlines()[:26]] or [""]
+    if len(lines) < 25 or not re.search(r"[^\W\d_]", maker) or not re.fullmatch(r"[0-3]", lines[0]):
         return False
     return bool(re.fullmatch(r"[0-4]", lines[1])) and all(
         re.fullmatch(r"\d+([.,]\d+)?", line) for line in lines[2:6]

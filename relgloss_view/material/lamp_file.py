@@ -21,6 +21,7 @@ POWER_MAX = 1e100  # relative, and its sums must stay finite
 NOISE = 1e-3
 #: ... or this many standard deviations of the noise that the file shows, up to a share of the peak.
 NOISE_DEVIATIONS, MOST_NOISE = 5.0, 1e-2
+DARK, FEWEST_DARK = 0.02, 20  #: share of the peak, and how many such powers show the noise
 OBSERVER_NM = (360.0, 830.0)  #: outside, nothing is seen (CIE 1931)
 MOST_STEP_NM = 10.0
 MOST_TITLES = 200  #: lines of words above the numbers
@@ -212,14 +213,12 @@ def _without_noise(path: Path, nm: Array, power: Array, notes: list[str]) -> Arr
     """The powers with noise below zero read as zero.
 
     Noise is below a thousandth of the peak, or what the file shows all over: a weak lamp's is more.
-    Where no eye sees, any amount is. The noise is estimated from second differences, whose variance
-    is six times that of one power (von Neumann 1941); their median sees neither lines nor edges.
+    Where no eye sees, any amount is.
     """
     low, high = OBSERVER_NM
     seen = (nm >= low) & (nm <= high)
     peak = float(np.max(power[seen], initial=0.0))
-    rough = float(np.median(np.abs(np.diff(power, 2)))) / (0.6745 * np.sqrt(6.0))
-    limit = max(NOISE * peak, min(NOISE_DEVIATIONS * rough, MOST_NOISE * peak))
+    limit = max(NOISE * peak, min(NOISE_DEVIATIONS * _noise(power, peak), MOST_NOISE * peak))
     below = power < 0.0
     too_low = below & seen & (power < -limit)
     if np.any(too_low):
@@ -235,6 +234,19 @@ def _without_noise(path: Path, nm: Array, power: Array, notes: list[str]) -> Arr
             f"{'are' if count > 1 else 'is'} read as 0: noise about zero (peak {peak:.3g})"
         )
     return np.where(below, 0.0, power)
+
+
+def _noise(power: Array, peak: float) -> float:
+    """Standard deviation of the noise where the lamp gives next to nothing; 0 where unseen.
+
+    It is estimated from second differences, whose variance is six times that of one power
+    (von Neumann 1941); their median (over 0.6745, Hampel 1974) sees no lines.
+    """
+    dark = np.abs(power) < DARK * peak
+    differences = np.diff(power, 2)[dark[:-2] & dark[1:-1] & dark[2:]]
+    if len(differences) < FEWEST_DARK:
+        return 0.0
+    return float(np.median(np.abs(differences)) / (0.6745 * np.sqrt(6.0)))
 
 
 def _check_enough(path: Path, nm: Array, power: Array) -> None:

@@ -132,6 +132,8 @@ def unusable_bands(radiance_factor: Array, above: Mask, bands: Bands) -> tuple[M
     if bands.wavelengths_nm is None or np.sum(above) < FEWEST_ROWS:
         return none, none
     values = radiance_factor[above]
+    if np.min(values) > 0.0:  # False for NaN
+        return none, none
     bad = ~(values >= 0.0)
     always = bad.mean(axis=0) > 1.0 - ENOUGH_WITHOUT
     # A sample that lacks most of the other bands is at fault itself.
@@ -149,23 +151,21 @@ def unusable_bands(radiance_factor: Array, above: Mask, bands: Bands) -> tuple[M
     filled = np.all(np.nan_to_num(values) == 0.0, axis=0)
     if np.nanmax(values[:, ~filled], initial=0.0) > HIGHLIGHT:
         out |= filled
-    dark = _dark_runs(values, bad, out, bands.centres_nm())
+    dark = _dark_runs(values, out, bands.centres_nm())
     out &= ~dark
     return (out, dark) if np.sum(~out) >= 2 else (none, none)
 
 
-def _dark_runs(values: Array, bad: Mask, out: Mask, centres_nm: Array) -> Mask:
-    """The bands in `out` that belong to runs of two and more about zero in the seen spectrum."""
+def _dark_runs(values: Array, out: Mask, centres_nm: Array) -> Mask:
+    """The bands in `out` that lie about zero, in runs with two and more in the seen spectrum."""
+    level = np.abs(np.median(np.where(np.isnan(values), np.inf, values), axis=0))
+    about_zero = out & (level <= NOISE) & np.any(values > 0.0, axis=0)
     dark = np.zeros_like(out)
     low, high = SEEN_NM
-    edges = np.flatnonzero(np.diff(np.r_[False, out, False].astype(int)))
+    edges = np.flatnonzero(np.diff(np.r_[False, about_zero, False].astype(int)))
     for first, end in zip(edges[::2], edges[1::2], strict=True):
-        run = slice(first, end)
-        seen = (centres_nm[run] >= low) & (centres_nm[run] <= high)
-        empty = np.isnan(values[:, run]).mean() > 0.5
-        level = np.abs(np.nanmedian(values[:, run], axis=0)) if not empty else np.inf
-        if np.sum(seen) >= 2 and np.all(level <= NOISE) and np.any(values[:, run] > 0.0):
-            dark[run] = True
+        seen = (centres_nm[first:end] >= low) & (centres_nm[first:end] <= high)
+        dark[first:end] = np.sum(seen) >= 2
     return dark
 
 

@@ -128,9 +128,4 @@ def _read_text(
     names = {name.lower() for name in table.columns}
     if names & gcms.COLUMNS.keys():
         return gcms.read(table, quantity, gamma_s_deg, angle_unit)
-    if names & generic.COLUMNS.keys():
-        return generic.read(table, quantity, gamma_s_deg, angle_unit)
-    raise InputError(
-        f"{path}: line {table.header_line}: found column {table.columns[0]!a}; the header "
-        f"should begin {','.join(gcms.COLUMNS)} or {','.join(generic.COLUMNS)}"
-    )
+    return generic.read(table, quantity, gamma_s_deg, angle_unit)

@@ -72,7 +72,7 @@ def radians_doubt(angles: Array, limits_deg: Array) -> str | None:
     degrees of the normal with lamp, receiver and azimuths at once; angles in radians all do.
 
     >>> radians_doubt(np.array([[0.0, 0.0, 0.7854, 3.1416]]), np.array([90, 360, 90, 360]))
-    'all angles lie below 1.6 (azimuths below 6.3): are they radians? ...'
+    "all angles lie below 1.6 (azimuths below 6.3): are they radians? ..."
     >>> radians_doubt(np.array([[0.0, 0.0, 1.0, 180.0]]), np.array([90, 360, 90, 360])) is None
     True
     """
@@ -120,14 +120,7 @@ def _bands(where: str, columns: Sequence[tuple[int, str]]) -> Bands:
     low, high = WAVELENGTH_RANGE_NM
     for k, name in columns:
         place = f"{where}, column {k}"
-        nm = band_nm(name)
-        if (nm is None and name.lstrip("+-")[:1].isdigit()) or name.lower() in ("nan", "inf"):
-            nm = 0.0  # a number all the same, such as -400
-        if nm is None:
-            raise InputError(
-                f"{place}: {name!a} is neither an angle, a wavelength in nm, nor R, G, B; "
-                "rename or remove it"
-            )
+        nm = band_nm(name) or 0.0  # another number, such as -400, is no wavelength either
         if not low <= nm <= high:
             raise InputError(
                 f"{place}: wavelength {name} is not between {low:g} and {high:g} nm; "

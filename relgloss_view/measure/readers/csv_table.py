@@ -19,7 +19,7 @@ from relgloss_view.base.decoding import decoded
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.measure.readers.cells import is_number
-from relgloss_view.measure.readers.headings import RADIANS, AngleHeading, angle_heading
+from relgloss_view.measure.readers.headings import RADIANS, AngleHeading, angle_heading, is_band
 from relgloss_view.measure.readers.rows import Header, RowReader, Rows, has_decimal_commas, split
 
 #: Beyond these a table is not a gonio scan, and reading it would exhaust the memory.
@@ -78,6 +78,8 @@ def parse(path: Path, layouts: Sequence[Collection[str]] = ()) -> TextTable:
     start, delimiter = _find_header(path, lines, layouts)
     comments, titles = _above(path, lines, start)
     header, units, renamed = _header(path, start + 1, lines[start], delimiter)
+    if layouts:
+        _check_columns(path, header, layouts)
     _check_declared_once(path, lines, start, comments)
     comma = has_decimal_commas(lines, start + 1, delimiter)
     rows = RowReader(path, header, comma, MAX_ROWS).read(lines)
@@ -242,6 +244,23 @@ def _header(
     return Header(line, columns, words, keys, delimiter), radians, _renamed(names, angles)
 
 
+def _check_columns(path: Path, header: Header, layouts: Sequence[Collection[str]]) -> None:
+    """InputError where the header is that of no table, before any row is parsed."""
+    where = f"{path}: line {header.line}"
+    if not header.keys:
+        first = next(name for name in header.columns if name)
+        expected = " or ".join(",".join(layout) for layout in layouts)
+        raise InputError(f"{where}: found column {first!r}; the header should begin {expected}")
+    if not any(set(layout) <= set(header.columns) for layout in layouts):
+        return  # the column that is missing is named later
+    for k, name in enumerate(header.columns, start=1):
+        if name and k - 1 not in header.keys and not is_band(name):
+            raise InputError(
+                f"{where}, column {k}: {name!r} is neither an angle, a wavelength in nm, nor R, G, "
+                "B; rename or remove it"
+            )
+
+
 def _renamed(names: list[str], angles: list[AngleHeading | None]) -> list[str]:
     """A note where columns of angles have other words than relgloss's, for the reader to check."""
     pairs = [
@@ -317,10 +336,8 @@ def _passed_over(titles: list[int], rows: Rows, unnamed: list[int]) -> list[str]
     if rows.signs:
         line, text = rows.signs[0]
         count = len(rows.signs)
-        notes.append(
-            f"{count} cell{'s' if count > 1 else ''} such as {printable(text, 20)!r} (line {line}) "
-            "count as not read"
-        )
+        more = f" and {count - 1} more like it" if count > 1 else ""
+        notes.append(f"read {printable(text, 20)!r} in line {line}{more} as empty")
     return notes
 
 

@@ -112,6 +112,13 @@ def band_nm(heading: str) -> float | None:
     return float(found[1].replace(",", ".")) if found else None
 
 
+def is_band(heading: str) -> bool:
+    """Whether a heading names a wavelength or a channel of linear sRGB, or is a number at least."""
+    text = heading.strip().lower()
+    number = text.lstrip("+-.")[:1].isdigit() or text in ("nan", "inf")
+    return number or band_nm(text) is not None or colour_name(text) is not None
+
+
 def colour_name(heading: str) -> str | None:
     """'R', 'G' or 'B' where a heading names a channel of linear sRGB, else None."""
     return _COLOURS.get(heading.strip().lower())

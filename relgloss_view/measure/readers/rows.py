@@ -118,7 +118,7 @@ class RowReader:
                 fields = text.split(delimiter)
                 if len(fields) == width:
                     try:
-                        numbers = [float(f) for f in fields]
+                        numbers = list(map(float, fields))
                     except ValueError:
                         pass
                     else:
@@ -204,7 +204,7 @@ class RowReader:
                     value = None
                 else:
                     raise InputError(
-                        f"{self._place(line, k)}: found {printable(text, 30)!a}, expected a finite "
+                        f"{self._place(line, k)}: found {printable(text, 30)!r}, expected a finite "
                         f"number; {error}"
                     ) from None
             if value is None and text:
@@ -213,7 +213,7 @@ class RowReader:
         for k, text in enumerate(rest, start=header.width):
             if cells.is_number(text):
                 raise InputError(
-                    f"{where}, column {k + 1}: {printable(text, 30)!a} is in a column without a "
+                    f"{where}, column {k + 1}: {printable(text, 30)!r} is in a column without a "
                     f"name; name it in line {header.line} or remove it"
                 )
             if text:
@@ -233,7 +233,9 @@ class RowReader:
     def _wrong_count(self, fields: list[str]) -> str:
         """The fault of a row of another length, and its remedy."""
         header = self._header
-        count = f"{len(fields)} fields, the header has {header.width}; "
+        count = (
+            f"{len(fields)} field{'s' if len(fields) > 1 else ''}, the header has {header.width}; "
+        )
         joined = header.delimiter and header.delimiter.join(fields)
         for other, name in ((";", "semicolons"), ("\t", "tabs"), (",", "commas")):
             if len(fields) == 1 and other != header.delimiter and joined and other in joined:
@@ -248,9 +250,10 @@ class RowReader:
     def _end(self) -> None:
         """Pass over what lies below the last row, if it is no row with a fault."""
         for line, fields, error in self._odd:
-            if not self._is_footer(fields):
+            if not self._numbers or not self._is_footer(fields):
                 raise error
-            self._rows.below.append((line, next((f for f in fields if f), "")))
+            words = (f for f in fields if f and not cells.is_number(f))
+            self._rows.below.append((line, next(words, "")))
 
     def _is_footer(self, fields: list[str]) -> bool:
         """Whether a line is a remark or a row of averages, and no row with a fault in it.
