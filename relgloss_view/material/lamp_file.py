@@ -25,6 +25,7 @@ DARK, FEWEST_DARK = 0.02, 20  #: share of the peak, and how many such powers sho
 OBSERVER_NM = (360.0, 830.0)  #: outside, nothing is seen (CIE 1931)
 MOST_STEP_NM = 10.0
 MOST_TITLES = 200  #: lines of words above the numbers
+LONGEST_LINE = 4000  #: characters
 
 _NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eEdD][+-]?\d+)?", re.ASCII)
 _NOTHING = frozenset(
@@ -76,7 +77,7 @@ def _rows(path: Path, text: str) -> list[_Row]:
     ended: tuple[int, str] | None = None
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     for number, line in enumerate(lines, 1):
-        fields = _fields(line)
+        fields = _fields(line) if len(line) <= LONGEST_LINE else [line[:40]]
         if not any(fields) or fields[0].startswith("#"):
             continue
         row = _row(path, number, line, fields)
@@ -120,6 +121,8 @@ def _fields(line: str) -> list[str]:
 def _row(path: Path, number: int, line: str, fields: list[str]) -> _Row | None:
     """The row of a line, or None where it does not begin with a number."""
     first = fields[0]
+    if len(line) > LONGEST_LINE:
+        raise _wrong(path, number, line)
     if not _NUMBER.fullmatch(first):
         return None
     if len(fields) != 2:

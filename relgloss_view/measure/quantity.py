@@ -37,7 +37,7 @@ def canonical_quantity(quantity: str, where: str) -> str:
     >>> canonical_quantity("Radiance factor (%)", "")
     'radiance-factor-percent'
     """
-    words = quantity.strip().strip('"').lower()
+    words = " ".join(quantity.split())[:100].strip('"').lower()
     words = re.sub(r"[\[(]?\s*(%|\bpercent)\s*[\])]?$", " percent", words)
     words = re.sub(r"[\s_*-]+", "-", _UNITS.sub("", words).strip()).strip("-")
     canonical = _SYNONYMS.get(words, words)

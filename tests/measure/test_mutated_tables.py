@@ -29,6 +29,10 @@ LAMP = "nm,power\n" + "".join(f"{nm},{1 + nm % 7}.5\n" for nm in range(380, 781,
 ZEMAX = "Source  Measured\nSymmetry  PlaneSymmetrical\nScatterType  BRDF\nSampleRotation  1\n0\n"
 
 
+#: Long runs of what a careless expression would try to split in every way.
+LONG = ["9" * 200_000 + "x", " " * 200_000 + "x", "9 " * 100_000, '"' * 100_001, "theta " * 50_000]
+
+
 def european(text):
     return text.replace(",", ";").replace(".", ",")
 
@@ -107,3 +111,15 @@ def test_mutations_are_read_or_refused(tmp_path, name):
         path.write_bytes(mutated(seed, SEEDS[name]))
         outcomes.add(outcome(path, name))
     assert "refused" in outcomes
+
+
+@pytest.mark.parametrize("name", ["plain", "european", "lamp"])
+@pytest.mark.parametrize("long", range(len(LONG)))
+@pytest.mark.parametrize("place", [0, 1, 2, 5])
+def test_long_cells_take_no_longer(tmp_path, name, long, place):
+    path = tmp_path / "input"
+    text = SEEDS[name].decode("utf-16" if name == "european" else "utf-8").split("\n")
+    text.insert(place, LONG[long])
+    text[place + 1] = text[place + 1].replace(":", ":" + LONG[long])
+    path.write_text("\n".join(text))
+    outcome(path, name)

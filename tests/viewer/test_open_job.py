@@ -124,7 +124,7 @@ class TestKinds:
             (b"\x00" * 100, "neither text nor"),
             (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR", "a picture"),
             (b"PK\x03\x04\x14\x00\x00\x00", "a packed archive"),
-            (b"\xff\xfe[\x00l\x00", "no row follows"),
+            (b"\xff\xfe[\x00l\x00", "found column '[l'"),
             (b"{}", "relgloss-material"),
             (b'[{"format": 1}]', "relgloss-material"),
             (b'[project]\nname = "x"\n', "[project]"),

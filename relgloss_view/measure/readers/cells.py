@@ -22,6 +22,9 @@ _NOTHING = frozenset(
      "missing", "void", "n.d.", "nd")
 )  # fmt: skip
 
+#: No number is as long, and expressions that try every way to split digits stay quick.
+LONGEST = 400
+
 PERCENT = "radiance-factor-percent"
 
 
@@ -43,6 +46,8 @@ def number(cell: str, decimal_comma: bool = False) -> float | None:
     relgloss_view.base.errors.InputError: write the number without thousands separators
     """
     text = cell.strip().replace("\u2212", "-")
+    if len(text) > LONGEST:
+        raise InputError("write a number with a decimal point, or leave the field empty")
     if NUMBER.fullmatch(text):
         return float(text)
     if text.lower() in _NOTHING:
@@ -57,6 +62,8 @@ def number(cell: str, decimal_comma: bool = False) -> float | None:
 def is_number(cell: str) -> bool:
     """Whether a cell holds a number with decimal point or comma."""
     text = cell.strip().replace("\u2212", "-")
+    if len(text) > LONGEST:
+        return False
     return bool(NUMBER.fullmatch(text) or _COMMA_NUMBER.fullmatch(text))
 
 

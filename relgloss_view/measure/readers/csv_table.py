@@ -30,6 +30,7 @@ MAX_COLUMNS = 10_000
 #: No reading comes near: a mirror-like lobe of 0.1 degrees at grazing incidence reaches 1e5.
 MAX_MAGNITUDE = 1e12
 MOST_TITLES = 200  #: lines above the header
+MOST_LOOKED_AT = 500  #: columns of a line that may be the header
 
 #: What a table declares: `# key: value` or, above the header, `key,value`.
 DECLARATIONS = (
@@ -141,7 +142,8 @@ def _find_header(
         for delimiter in _DELIMITERS:
             if delimiter is not None and delimiter not in line:
                 continue
-            names = {a.name for a in map(angle_heading, split(line, delimiter)) if a is not None}
+            fields = split(line, delimiter)[:MOST_LOOKED_AT]
+            names = {a.name for a in map(angle_heading, fields) if a is not None}
             for layout in layouts:
                 if len(names & set(layout)) == len(layout):
                     return index, delimiter
@@ -180,7 +182,7 @@ def _above(
 
 def _title(text: str) -> tuple[str, str]:
     """Key and value of a line above the header without #, as 'quantity: brdf' or 'name;x'."""
-    found = re.match(r"([\w ]+?)\s*[:=,;\t]\s*(.*)", text)
+    found = re.match(r"([\w ]{1,40}?)\s*[:=,;\t]\s*(.*)", text)
     return (found[1].strip().lower(), found[2].strip(_PADDING)) if found else ("", "")
 
 

@@ -59,7 +59,7 @@ def angle_heading(heading: str) -> AngleHeading | None:
     (AngleHeading(name='phi_r_deg', unit='radians'), None)
     """
     text = heading.strip().lower()
-    if not text or len(text) > 60 or text[0].isdigit():
+    if not text or len(text) > 60 or text[0] in "0123456789+-.":
         return None
     for letter, word in _GREEK.items():
         text = text.replace(letter, f" {word} ")
