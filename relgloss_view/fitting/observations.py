@@ -98,9 +98,12 @@ def prepare(measurement: Measurement, seed: int = 0) -> Observations:
     enough = np.sum(np.any(positive, axis=1))
     if enough < FEWEST_SAMPLES:
         left_out = _unusable(measurement, rows, positive)
+        why = f" ({left_out})" if left_out else ""
         raise InputError(
-            f"{measurement.place}: {enough} usable samples of {len(rows)}"
-            f"{f' ({left_out})' if left_out else ''}; a fit needs at least {FEWEST_SAMPLES}"
+            f"{measurement.place}: {enough} usable sample{'' if enough == 1 else 's'} of "
+            f"{len(rows)}{why}; a fit needs at least {FEWEST_SAMPLES} geometries, at and beside "
+            "the mirror direction. So few can serve for the colour of a material alone: write them "
+            "as the albedo of a material file (docs/files.md)"
         )
     if float(np.max(value)) < DARKEST:
         raise InputError(
