@@ -27,6 +27,7 @@ FEWEST_SAMPLES = 12
 SEARCH_BANDS = 5
 FOLDS_WITHOUT_GROUPS = 10
 FEWEST_GROUPS = 4
+INDEPENDENT = 8
 TAU = 0.03  #: logarithmic residual where the loss leaves the square: a good instrument's worst
 
 
@@ -42,15 +43,17 @@ class Observations:
     groups: int
     prior_sd: Array = field(default_factory=lambda: np.zeros(0))  #: (K,), of instrument errors
     error_names: tuple[str, ...] = ()  #: (K,)
+    prior_centre: Array = field(default_factory=lambda: np.zeros(0))  #: (K,) or none: zero
     noise: float = TAU  #: logarithmic residual of a good model, against which priors weigh
 
     @property
     def sample_weight(self) -> float:
         """What half a squared deviation of one sample weighs in a mean loss, in units of TAU^2.
 
-        One of the N samples, whose bands share their error, at the noise that they have.
+        As if INDEPENDENT of them in each group were independent, at the noise that they have: its
+        bands and neighbours share what is wrong with a model or a plane.
         """
-        return (self.noise / TAU) ** 2 / len(self.value)
+        return (self.noise / TAU) ** 2 / min(len(self.value), INDEPENDENT * self.groups)
 
     @property
     def bands(self) -> int:

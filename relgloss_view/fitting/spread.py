@@ -12,8 +12,9 @@ from dataclasses import replace
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.fitting.choice import Choice
 from relgloss_view.fitting.descent import refine
-from relgloss_view.fitting.ladder import FOLD_ROUNDS, Candidate, Folds, Held, evaluate
+from relgloss_view.fitting.ladder import FOLD_ROUNDS, Candidate, Held, evaluate
 from relgloss_view.fitting.model import State, States
 from relgloss_view.fitting.observations import Observations
 from relgloss_view.fitting.problem import Problem
@@ -28,36 +29,54 @@ OFFSET_SD = 0.003
 _DARKEST = 1e-6
 
 
-def spread(folds: Folds, candidate: Candidate, *, errors: bool, index: bool) -> Candidate:
-    """The candidate with what its samples may leave open.
+def spread(choice: Choice, *, errors: bool, index: bool) -> Candidate:
+    """The chosen candidate with what its samples may leave open.
 
-    errors: whether those of the instrument are freed; index: whether a held refractive index is
-    uncertain. Its rung frees the errors where it has a lobe to see them by.
+    errors: whether those of the instrument are uncertain; index: whether a held refractive index
+    is. Where the choice found errors, its folds find their own.
     """
-    observations = folds.observations
-    count = len(observations.prior_sd) if errors and candidate.rung.lobes else 0
+    observations, candidate = choice.few, choice.best
+    if not candidate.rung.lobes:
+        return replace(candidate, offset_states=_offset_states(observations, candidate))
+    count = len(observations.prior_sd) if errors else 0
+    held: tuple[Held, ...] = ()
     if count:
         rung = replace(candidate.rung, errors=count)
-        start = replace(candidate.solution.state, errors=np.zeros(count))
-        candidate = evaluate(folds, rung, refine(Problem(observations, rung), [start])[0])
-    held = _held_errors(observations, candidate) if count else ()
-    if index and candidate.rung.lobes and not candidate.rung.free_index:
-        held = (*held, _held_index(observations, candidate))
-    offset_states = _offset_states(observations, candidate)
-    return replace(candidate, held=held, offset_states=offset_states)
+        at_rest = replace(candidate.solution.state, errors=np.zeros(count))
+        resting = replace(candidate.solution, state=at_rest)
+        with_none = replace(candidate, rung=rung, solution=resting)
+        held = _held_errors(observations, with_none)
+        if choice.errors.size:
+            candidate = evaluate(choice.folds, rung, resting)
+        else:
+            states = tuple(replace(s, errors=np.zeros(count)) for s in candidate.fold_states)
+            candidate = replace(with_none, fold_states=states)
+    if index and not candidate.rung.free_index:
+        held = (*held, _held_index(observations, choice.best))
+        if count:
+            held = (*held[:-1], _padded(held[-1], count))
+    offsets = _offset_states(observations, choice.best)
+    if count:
+        offsets = tuple(replace(s, errors=np.zeros(count)) for s in offsets)
+    return replace(candidate, held=held, offset_states=offsets)
+
+
+def _padded(held: Held, count: int) -> Held:
+    states = tuple(replace(s, errors=np.zeros(count)) for s in held.states)
+    return replace(held, states=states)
 
 
 def _held_errors(observations: Observations, candidate: Candidate) -> tuple[Held, ...]:
+    """Each error at its prior's nodes, the others at rest."""
     problem = Problem(observations, candidate.rung)
     count, nodes = candidate.rung.errors, len(HELD_SD)
+    centre = problem.prior.centre[0]
     error = np.repeat(np.arange(count), nodes)
-    value = np.tile(HELD_SD, count) * observations.prior_sd[error]
-    starts = []
-    for k, v in zip(error.tolist(), value.tolist(), strict=True):
-        errors = candidate.solution.state.errors.copy()
-        errors[k] = v
-        starts.append(replace(candidate.solution.state, errors=errors))
-    states = [s.state for s in refine(problem.pinned(error, value), starts, FOLD_ROUNDS)]
+    errors = np.zeros((count * nodes, count))
+    values = np.tile(HELD_SD, count) * observations.prior_sd[error] + centre[error]
+    errors[np.arange(len(error)), error] = values
+    starts = [replace(candidate.solution.state, errors=e) for e in errors]
+    states = [s.state for s in refine(problem.pinned(errors), starts, FOLD_ROUNDS)]
     likelihood = _likelihoods(problem, observations, candidate, states)
     parts = [slice(k * nodes, (k + 1) * nodes) for k in range(count)]
     return tuple(Held(tuple(states[p]), tuple(likelihood[p].tolist())) for p in parts)
@@ -79,9 +98,9 @@ def _likelihoods(
     problem: Problem, observations: Observations, candidate: Candidate, states: list[State]
 ) -> Array:
     """Of states against the solution, at most 1: what one sample weighs sets the scale."""
-    stacked = States.of(states)
+    stacked = States.of([candidate.solution.state, *states])
     _, misfit = problem.reweighted(problem.columns_of(stacked), stacked)
-    rise = (misfit.loss - candidate.solution.loss) / observations.sample_weight
+    rise = (misfit.loss[1:] - misfit.loss[0]) / observations.sample_weight
     return np.asarray(np.exp(-np.maximum(rise, 0.0)))
 
 
