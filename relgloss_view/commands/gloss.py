@@ -14,7 +14,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import WARNING_LENGTH, Column, table
 from relgloss_view.base.writing import check_writable
-from relgloss_view.commands.fit import MIRRORS, QUANTITIES
+from relgloss_view.commands.fit import ANGLE_UNITS, MIRRORS, QUANTITIES
 
 if TYPE_CHECKING:
     from relgloss_view.gloss.meter.meter import Reading
@@ -72,6 +72,11 @@ def add(commands: Any) -> None:
         choices=MIRRORS,
         help="Side on which the receiver's angles put the mirror direction: opposite to the lamp "
         "(default), or the same side (beta = +alpha, or equal azimuths)",
+    )
+    parser.add_argument(
+        "--angle-unit",
+        choices=ANGLE_UNITS,
+        help="Unit of a table's angles, if it does not state it",
     )
     parser.add_argument("--json", action="store_true", help="Print the readings as JSON")
     parser.set_defaults(run=run, wrong_usage=parser.error)
@@ -131,7 +136,6 @@ def _read(name: str, args: argparse.Namespace) -> SampleReadings:
     from relgloss_view.gloss.meter.table import table_readings
     from relgloss_view.measure.findings import examine
     from relgloss_view.measure.readers import read_measurement
-    from relgloss_view.measure.screening import percent_warning
     from relgloss_view.picture.scene import file_kinds
     from relgloss_view.picture.scene.sample import SAMPLES
 
@@ -141,13 +145,12 @@ def _read(name: str, args: argparse.Namespace) -> SampleReadings:
     if kind == file_kinds.MATERIAL:
         return _of_material(name, _material(name))
     measured = read_measurement(
-        name, quantity=args.quantity, gamma_s_deg=args.gamma_s_deg, mirror=args.mirror
+        name,
+        quantity=args.quantity,
+        gamma_s_deg=args.gamma_s_deg,
+        angle_unit=args.angle_unit,
+        mirror=args.mirror,
     )
-    doubt = percent_warning(
-        measured.to_lamp, measured.to_receiver, measured.radiance_factor, measured.kept
-    )
-    if doubt is not None:
-        raise InputError(f"{name}: {doubt}")
     examined = examine(measured)
     readings = table_readings(examined.measurement)
     warnings = (*measured.warnings, *examined.texts)

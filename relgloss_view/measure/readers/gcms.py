@@ -26,15 +26,16 @@ def read(
     table: TextTable,
     quantity: str | None = None,
     gamma_s_deg: float | None = None,
+    angle_unit: str | None = None,
     mirror: str | None = None,
 ) -> Measurement:
     """Read a parsed GCMS table. Raises InputError.
 
-    quantity, gamma_s_deg, mirror: replace what the file declares. The tilt gamma_s is
+    quantity, gamma_s_deg, angle_unit, mirror: replace what the file declares. The tilt gamma_s is
     checked against the ridge in the data.
     """
-    facts = declared(table, quantity, gamma_s_deg)
-    angles, bands, readings = split_columns(table, COLUMNS)
+    facts = declared(table, quantity, gamma_s_deg, angle_unit)
+    angles, bands, readings = split_columns(table, COLUMNS, facts.angle_unit)
     if same_side(table, mirror):
         angles = angles * np.array([1.0, -1.0, 1.0])
     alpha, beta, gamma = angles.T

@@ -26,14 +26,16 @@ def read(
     table: TextTable,
     quantity: str | None = None,
     gamma_s_deg: float | None = None,
+    angle_unit: str | None = None,
     mirror: str | None = None,
 ) -> Measurement:
     """Read a parsed generic table; `i` is the lamp, `r` the receiver. Raises InputError.
 
-    quantity, mirror: replace what the file declares. gamma_s_deg: has no effect but a warning.
+    quantity, angle_unit, mirror: replace what the file declares. gamma_s_deg: has no effect but
+    a warning.
     """
-    facts = declared(table, quantity)
-    angles, bands, readings = split_columns(table, COLUMNS)
+    facts = declared(table, quantity, angle_unit=angle_unit)
+    angles, bands, readings = split_columns(table, COLUMNS, facts.angle_unit)
     if same_side(table, mirror):
         angles = angles + np.array([0.0, 0.0, 0.0, 180.0])
     theta_i, phi_i, theta_r, phi_r = angles.T
