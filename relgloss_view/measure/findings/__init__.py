@@ -8,7 +8,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from relgloss_view.measure.findings import lamp_peak, mirror_direction, plateaus, units
+from relgloss_view.measure.findings import (
+    colour,
+    lamp_peak,
+    lobe,
+    mirror_direction,
+    plateaus,
+    single_rows,
+    units,
+)
 from relgloss_view.measure.findings.finding import Examined, Finding
 from relgloss_view.measure.findings.rows import Rows
 from relgloss_view.measure.table import Measurement
@@ -35,6 +43,14 @@ def examine(measurement: Measurement) -> Examined:
             return Examined(measurement, tuple(findings))
         elsewhere = mirror_direction.check(measurement, rows)
         findings += elsewhere
-        if not elsewhere:
-            findings += lamp_peak.check(rows)
+        if elsewhere:
+            return Examined(measurement, tuple(findings))
+        rows = Rows.of(measurement)  # without those on a plateau
+        core = lobe.lobe_of(rows)
+        findings += lobe.coverage(measurement, rows, core)
+        findings += lobe.aperture(measurement, rows, core)
+        findings += lobe.anisotropy(measurement, rows, core)
+        findings += lamp_peak.check(rows)
+        findings += colour.check(measurement, rows)
+        findings += single_rows.check(rows, core)
     return Examined(measurement, tuple(findings))

@@ -20,7 +20,8 @@ from relgloss_view.measure.gonio import direction
 from relgloss_view.measure.table import Measurement
 
 #: The peak must exceed the body by this factor, or the order of the rows is that of noise.
-PEAK = 1.6
+PEAK = 2.2
+STEEPEST_COSINE = 0.34  #: closer to the horizon rough bodies brighten towards the lamp
 #: Another geometry is named where neighbours are this many times less unlike than as declared ...
 CLEARLY = 3.0
 #: ... and an azimuth or tilt that is no other convention, but a wrong number, by more.
@@ -47,9 +48,12 @@ def check(measurement: Measurement, rows: Rows) -> list[Finding]:
         return [Finding(MIRROR, told[0], True)]
     if len(rows) < FEWEST or float(np.max(rows.level)) < PEAK * rows.body_level:
         return []
-    best, gain = _best(measurement, rows)
+    some = rows.subset(np.minimum(rows.to_lamp[:, 2], rows.to_receiver[:, 2]) > STEEPEST_COSINE)
+    if len(some) < FEWEST or float(np.max(some.level)) < PEAK * some.body_level:
+        return []
+    best, gain = _best(measurement, some)
     if best is not None and gain > CLEARLY:
-        return [Finding(MIRROR, _words(measurement, rows, best), True)]
+        return [Finding(MIRROR, _words(measurement, some, best), True)]
     elsewhere = _ridge(measurement, rows)
     return [] if elsewhere is None else [Finding(MIRROR, elsewhere, True)]
 

@@ -98,7 +98,8 @@ def _top(measurement: Measurement, rows: Rows) -> tuple[float, Mask, list[str]]:
             column = values[:, band]
             top = float(column.max())
             at = column >= top * (1.0 - SAME)
-            if np.sum(at) < FEWEST or not _piled(column, at, top, unlike):
+            turned = np.ptp(divisor[at]) > 1e-3 or np.ptp(divisor) == 0.0
+            if np.sum(at) < FEWEST or not turned or not _piled(column, at, top, unlike):
                 continue
             marked |= at
             bands.append(measurement.bands.labels[band])

@@ -30,6 +30,7 @@ class Rows:
     values: Array  #: (N, B), radiance factors, finite
     kept: Mask  #: (N,), whether the fit uses the row
     group: Ints  #: (N,), plane of incidence or setting of the lamp
+    whole_body_level: float | None = None  #: of the whole table, where these are some of its rows
 
     @classmethod
     def of(cls, measurement: Measurement) -> Rows:
@@ -60,6 +61,7 @@ class Rows:
             self.values[rows],
             self.kept[rows],
             self.group[rows],
+            self.body_level,
         )
 
     def __len__(self) -> int:
@@ -110,7 +112,9 @@ class Rows:
 
     @cached_property
     def body_level(self) -> float:
-        """Typical level away from the highlight."""
+        """Typical level away from the highlight, in the whole table."""
+        if self.whole_body_level is not None:
+            return self.whole_body_level
         away = self.delta_deg > BODY_DEG
         levels = self.level[away] if np.sum(away) >= 5 else self.level
         return float(np.median(levels))

@@ -16,6 +16,7 @@ MOST_RADIANS = 1.6
 MOST_BODY = 1.25
 #: A power of the receiver's cosine that is named, and how many standard errors it must have.
 COSINE_POWER, ERRORS = 0.25, 6.0
+MOST_REST = 0.15  #: scatter about smooth functions of the angles beyond which nothing is said
 FEWEST = 12
 
 
@@ -82,7 +83,9 @@ def _cosine(rows: Rows) -> str | None:
         [np.ones(len(some)), total, total**2, between, between**2, some.delta_deg / 50.0,
          (log_o - log_i) ** 2, log_o - log_i]
     )  # fmt: skip
-    power, error = _last_slope(basis, np.log(some.level), some)
+    power, error, rest = _last_slope(basis, np.log(some.level), some)
+    if rest > MOST_REST:
+        return None
     power *= 2.0
     error *= 2.0
     if abs(power) < COSINE_POWER or abs(power) < ERRORS * error:
@@ -90,18 +93,19 @@ def _cosine(rows: Rows) -> str | None:
     if power > 0.0:
         return (
             f"the body falls with the cosine of the receiver's angle (as its power {power:.2f}), "
-            "and the sample is not the same with lamp and receiver exchanged: a cosine is left in; "
-            "give --quantity brdf-cos if the values are BRDFs times that cosine"
+            "and the sample is not the same with lamp and receiver exchanged: a cosine is left in, "
+            "or the lamp drifted between planes; give --quantity brdf-cos if the values are BRDFs "
+            "times that cosine"
         )
     return (
         f"the body grows towards grazing receivers (as the cosine's power {power:.2f}), and the "
-        "sample is not the same with lamp and receiver exchanged: a cosine was divided out twice; "
-        "check --quantity"
+        "sample is not the same with lamp and receiver exchanged: a cosine was divided out "
+        "twice, or the lamp drifted between planes; check --quantity"
     )
 
 
-def _last_slope(basis: Array, y: Array, rows: Rows) -> tuple[float, float]:
-    """The last coefficient of a robust fit, and its error with rows of a group counted as one."""
+def _last_slope(basis: Array, y: Array, rows: Rows) -> tuple[float, float, float]:
+    """The last coefficient of a robust fit, its error with rows of a group as one, the spread."""
     weight = np.ones(len(y))
     solution = np.zeros(basis.shape[1])
     residual = y
@@ -116,4 +120,5 @@ def _last_slope(basis: Array, y: Array, rows: Rows) -> tuple[float, float]:
     sums = np.zeros((len(names), basis.shape[1]))
     np.add.at(sums, number, influence)
     covariance = inverse @ (sums.T @ sums + influence.T @ influence) @ inverse
-    return float(solution[-1]), float(np.sqrt(max(covariance[-1, -1], 0.0)))
+    error = float(np.sqrt(max(covariance[-1, -1], 0.0)))
+    return float(solution[-1]), error, float(np.std(residual))
