@@ -21,8 +21,11 @@ CORE, LOBE = 0.3, 0.05
 #: Readings must exceed the body by this share for their excess to mean something.
 ABOVE_BODY = 0.15
 FEWEST = 6
-#: A core this many times as wide as the blur and less is the instrument's; one below is impossible.
-INSTRUMENT, IMPOSSIBLE = 1.2, 0.7
+#: Core over blur. A Gaussian aperture alone makes a core of 1, and one below is impossible; a disc's
+#: flat top makes it 1.5 and more. Up to the last, and where the blur is no usual one (degrees), the
+#: width is the instrument's.
+IMPOSSIBLE, SURELY_INSTRUMENT, DISC, INSTRUMENT = 0.85, 1.1, 1.35, 1.8
+WIDE_BLUR_DEG = 0.45
 #: Without a declared aperture, a core this narrow may be the instrument's, degrees.
 NARROW_DEG = 0.6
 #: Anisotropy: ratio of widths that is named, that is serious, and its certainty.
@@ -119,15 +122,18 @@ def aperture(measurement: Measurement, rows: Rows, lobe: Lobe | None) -> list[Fi
                 True,
             )
         ]
-    if width > INSTRUMENT * blur:
+    if width > (INSTRUMENT if blur > WIDE_BLUR_DEG else DISC) * blur:
         return []
+    doubt = "measure with smaller apertures"
+    if width < DISC * blur:
+        doubt += ", or divide by 4 if the full angle is declared"
     return [
         Finding(
             APERTURE,
             f"the width of the highlight ({width:.2g} deg of the half-vector) is that of the "
             f"declared apertures {declared}: the receiver is wider than the lobe, whose width and "
-            f"height are not known; measure with smaller apertures, or check them: {RULE}",
-            False,
+            f"height are uncertain; {doubt} ({RULE})",
+            width < SURELY_INSTRUMENT * blur,
         )
     ]
 
@@ -209,9 +215,14 @@ def anisotropy(measurement: Measurement, rows: Rows, lobe: Lobe | None) -> list[
     return [
         Finding(
             ANISOTROPY,
-            f"the sample is anisotropic: its highlight is {wide:.2g} deg wide at azimuth "
+            f"the sample is anisotropic: its highlight is {_degrees(wide)} wide at azimuth "
             f"{towards:.0f} deg and {narrow:.2g} deg across it. The models here are isotropic: "
             "fit a table of each orientation, and turn the sample between them",
             serious,
         )
     ]
+
+
+def _degrees(width: float) -> str:
+    """A width for people; beyond what the rows hold only that it is wide."""
+    return f"{width:.2g} deg" if width < WIDEST_DEG else f"more than {WIDEST_DEG:g} deg"

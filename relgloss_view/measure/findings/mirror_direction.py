@@ -3,7 +3,8 @@
 Under the right geometry the readings depend on the half-vector's angle from the normal nearly
 alone. So the rows are put in the order of that angle, once for the geometry as declared and once
 for each other convention; neighbours in the right order read alike. How unlike they are is the
-mean square of successive differences (von Neumann 1941).
+mean square of successive differences (von Neumann 1941). And the rows nearest to the right mirror
+direction hold the peak.
 """
 
 from __future__ import annotations
@@ -22,10 +23,12 @@ from relgloss_view.measure.table import Measurement
 #: The peak must exceed the body by this factor, or the order of the rows is that of noise.
 PEAK = 2.2
 STEEPEST_COSINE = 0.34  #: closer to the horizon rough bodies brighten towards the lamp
-#: Another geometry is named where neighbours are this many times less unlike than as declared ...
-CLEARLY = 3.0
-#: ... and an azimuth or tilt that is no other convention, but a wrong number, by more.
-FEWEST = 10
+#: Another geometry is named where neighbours are this many times less unlike than as declared, and
+#: where the rows nearest to its mirror direction show this share of the highest density, and more
+#: than as declared. Where they show nearly none as declared, the order of the rest matters less.
+CLEARLY, SURELY = 1.5, 0.7
+SHOWN, SURELY_SHOWN, NOT_SHOWN = 0.3, 0.45, 0.1
+FEWEST, FEWEST_NEAREST = 10, 5
 TURN_STEP_DEG = 15.0
 RIDGE = "the mirror ridge lies at gamma"
 SAME_SIDE = "--mirror same-side"
@@ -51,32 +54,41 @@ def check(measurement: Measurement, rows: Rows) -> list[Finding]:
     some = rows.subset(np.minimum(rows.to_lamp[:, 2], rows.to_receiver[:, 2]) > STEEPEST_COSINE)
     if len(some) < FEWEST or float(np.max(some.level)) < PEAK * some.body_level:
         return []
-    best, gain = _best(measurement, some)
-    if best is not None and gain > CLEARLY:
+    best = _best(measurement, some)
+    if best is not None:
         return [Finding(MIRROR, _words(measurement, some, best), True)]
     elsewhere = _ridge(measurement, rows)
     return [] if elsewhere is None else [Finding(MIRROR, elsewhere, True)]
 
 
-def _best(measurement: Measurement, rows: Rows) -> tuple[_Geometry | None, float]:
-    """The other geometry in which the rows lie best, and how much better than as declared."""
-    declared = _unlikeness(rows, rows.to_lamp, rows.to_receiver)
-    best, least = None, declared
+def _best(measurement: Measurement, rows: Rows) -> _Geometry | None:
+    """The other geometry in which the rows lie clearly better than as declared, or None."""
+    declared, shown = _order(rows, rows.to_lamp, rows.to_receiver)
+    best, least = None, np.inf
     for other in _others(measurement, rows):
-        unlike = _unlikeness(rows, other.to_lamp, other.to_receiver)
+        unlike, shows = _order(rows, other.to_lamp, other.to_receiver)
+        gain = CLEARLY if shown > NOT_SHOWN or shows < SURELY_SHOWN else SURELY
+        if shows < max(SHOWN, shown + SHOWN) or unlike * gain > declared:
+            continue
         if unlike < least:
             best, least = other, unlike
-    return best, declared / max(least, 1e-12)
+    return best
 
 
-def _unlikeness(rows: Rows, to_lamp: Array, to_receiver: Array) -> float:
-    """Mean square difference of neighbours in the order of the half-vector's angle."""
+def _order(rows: Rows, to_lamp: Array, to_receiver: Array) -> tuple[float, float]:
+    """How the rows lie in the order of the half-vector's angle.
+
+    The mean square difference of neighbours, and the density of facets in the rows nearest to the
+    mirror direction as a share of the highest anywhere.
+    """
     body = rows.body_level
-    density = facet_density(np.maximum(rows.level - body, 0.0), to_lamp, to_receiver)
+    density = facet_density(rows.level - body, to_lamp, to_receiver)
     floor = float(facet_density(np.array([0.3 * body]), *_upright())[0])
-    half = to_lamp + to_receiver
-    order = np.argsort(tilt_of(half), kind="stable")
-    return float(np.mean(np.square(np.diff(np.log(density[order] + floor)))))
+    order = np.argsort(tilt_of(to_lamp + to_receiver), kind="stable")
+    sorted_log = np.log(np.maximum(density[order], 0.0) + floor)
+    nearest = max(FEWEST_NEAREST, len(rows) // 50)
+    shown = float(np.median(density[order[:nearest]])) / max(float(np.sort(density)[-2]), 1e-12)
+    return float(np.mean(np.square(np.diff(sorted_log)))), shown
 
 
 def _upright() -> tuple[Array, Array]:
