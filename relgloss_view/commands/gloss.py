@@ -153,7 +153,7 @@ def _read(name: str, args: argparse.Namespace) -> SampleReadings:
     )
     examined = examine(measured)
     readings = table_readings(examined.measurement)
-    warnings = (*measured.warnings, *examined.texts)
+    warnings = (*examined.measurement.warnings, *examined.texts)
     return SampleReadings(measured.name, measured.source, TABLE, readings, warnings)
 
 

@@ -94,7 +94,9 @@ def fit_material(
     if aperture_sd_deg is not None:
         measurement = replace(measurement, aperture_sd_deg=aperture_sd_deg)
     examined = examine(measurement)
-    measurement = replace(examined.measurement, warnings=(*measurement.warnings, *examined.texts))
+    measurement = replace(
+        examined.measurement, warnings=(*examined.measurement.warnings, *examined.texts)
+    )
     uncertain = free_index and refractive_index is None
     options = Options(
         rungs=ladder.LADDER if model == "auto" else _forced(model),

@@ -44,13 +44,15 @@ def examine(measurement: Measurement) -> Examined:
         elsewhere = mirror_direction.check(measurement, rows)
         findings += elsewhere
         if elsewhere:
+            measurement = mirror_direction.without_other_remedy(measurement, elsewhere[0])
             return Examined(measurement, tuple(findings))
         rows = Rows.of(measurement)  # without those on a plateau
         core = lobe.lobe_of(rows)
         findings += lobe.coverage(measurement, rows, core)
         findings += lobe.aperture(measurement, rows, core)
         findings += lobe.anisotropy(measurement, rows, core)
-        findings += lamp_peak.check(rows)
+        towards_lamp = lamp_peak.check(rows)
+        findings += towards_lamp
         findings += colour.check(measurement, rows)
-        findings += single_rows.check(rows, core)
+        findings += single_rows.check(rows, core, lamp_peak=bool(towards_lamp))
     return Examined(measurement, tuple(findings))

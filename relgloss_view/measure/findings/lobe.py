@@ -21,9 +21,9 @@ CORE, LOBE = 0.3, 0.05
 #: Readings must exceed the body by this share for their excess to mean something.
 ABOVE_BODY = 0.15
 FEWEST = 6
-#: Core over blur. A Gaussian aperture alone makes a core of 1, and one below is impossible; a disc's
-#: flat top makes it 1.5 and more. Up to the last, and where the blur is no usual one (degrees), the
-#: width is the instrument's.
+#: Core over blur. A Gaussian aperture alone makes a core of 1, and one below is impossible; the flat
+#: top of a disc makes it 1.5 and more. Up to the last, where the blur is no usual one (degrees),
+#: the width is the instrument's.
 IMPOSSIBLE, SURELY_INSTRUMENT, DISC, INSTRUMENT = 0.85, 1.1, 1.35, 1.8
 WIDE_BLUR_DEG = 0.45
 #: Without a declared aperture, a core this narrow may be the instrument's, degrees.
@@ -32,7 +32,8 @@ NARROW_DEG = 0.6
 RATIO, SERIOUS_RATIO, ERRORS, GAIN = 1.25, 1.5, 6.0, 1.6
 #: Beyond these body, shadowing and grazing incidence draw the shape as much as the facets do.
 WIDEST_DEG, STEEPEST_DEG, WIDEST_NARROW_DEG = 30.0, 66.0, 14.0
-MOST_BLUR = 0.25  #: of the narrow width's square that may be the apertures'
+#: Shares of the narrow width's square that may be the apertures', and the ratio beyond the first.
+FREE_OF_BLUR, MOST_BLUR, BLURRED_RATIO = 0.25, 0.6, 1.8
 #: A lobe whose nearest row to the mirror direction lies this many widths away is misplaced.
 AWAY = 2.5
 #: With no row this near to a mirror direction a highlight may be missed, degrees.
@@ -177,6 +178,8 @@ def anisotropy(measurement: Measurement, rows: Rows, lobe: Lobe | None) -> list[
     """A finding where the width depends on the azimuth of the half-vector in the sample's frame."""
     if lobe is None or np.sum(lobe.rows) < 3 * FEWEST:
         return []
+    if np.min(rows.delta_deg[rows.kept]) > lobe.width_deg:
+        return []
     near = lobe.rows & (rows.delta_deg < WIDEST_DEG) & (rows.incidence_deg < STEEPEST_DEG)
     if np.sum(near) < 2 * FEWEST:
         return []
@@ -207,8 +210,9 @@ def anisotropy(measurement: Measurement, rows: Rows, lobe: Lobe | None) -> list[
     blur /= float(np.mean(np.square(some.cos_d)))  # across the plane apertures blur more
     if blur > MOST_BLUR * narrow**2 or narrow > WIDEST_NARROW_DEG:
         return []
+    least = RATIO if blur < FREE_OF_BLUR * narrow**2 else BLURRED_RATIO
     ratio = float(np.sqrt((wide**2 - blur) / (narrow**2 - blur)))
-    if ratio < RATIO or errors < ERRORS or gain < GAIN:
+    if ratio < least or errors < ERRORS or gain < GAIN:
         return []
     towards = float(np.degrees(0.5 * np.arctan2(part[1], part[0]))) % 180.0
     serious = ratio > SERIOUS_RATIO

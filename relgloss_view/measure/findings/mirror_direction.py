@@ -9,7 +9,7 @@ direction hold the peak.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from relgloss_view.measure.table import Measurement
 
 #: The peak must exceed the body by this factor, or the order of the rows is that of noise.
 PEAK = 2.2
+BODY_SHARE = 0.2  #: of the rows, whose level is the body's
 STEEPEST_COSINE = 0.34  #: closer to the horizon rough bodies brighten towards the lamp
 #: Another geometry is named where neighbours are this many times less unlike than as declared, and
 #: where the rows nearest to its mirror direction show this share of the highest density, and more
@@ -46,19 +47,22 @@ class _Geometry:
 
 def check(measurement: Measurement, rows: Rows) -> list[Finding]:
     """A serious finding where the peak lies elsewhere than the declared geometry puts it."""
-    told = [w for w in measurement.warnings if w.startswith(RIDGE)]
-    if told:
-        return [Finding(MIRROR, told[0], True)]
-    if len(rows) < FEWEST or float(np.max(rows.level)) < PEAK * rows.body_level:
-        return []
     some = rows.subset(np.minimum(rows.to_lamp[:, 2], rows.to_receiver[:, 2]) > STEEPEST_COSINE)
-    if len(some) < FEWEST or float(np.max(some.level)) < PEAK * some.body_level:
-        return []
-    best = _best(measurement, some)
+    if len(some) >= FEWEST and float(np.max(some.level)) > PEAK * _body(some):
+        best = _best(measurement, some)
+    else:
+        best = None
     if best is not None:
         return [Finding(MIRROR, _words(measurement, some, best), True)]
-    elsewhere = _ridge(measurement, rows)
+    told = [w for w in measurement.warnings if w.startswith(RIDGE)]
+    elsewhere = told[0] if told else _ridge(measurement, rows)
     return [] if elsewhere is None else [Finding(MIRROR, elsewhere, True)]
+
+
+def without_other_remedy(measurement: Measurement, named: Finding) -> Measurement:
+    """The measurement without a reader's warning of a ridge where the cause is another."""
+    warnings = tuple(w for w in measurement.warnings if not w.startswith(RIDGE) or w == named.text)
+    return replace(measurement, warnings=warnings)
 
 
 def _best(measurement: Measurement, rows: Rows) -> _Geometry | None:
@@ -81,7 +85,7 @@ def _order(rows: Rows, to_lamp: Array, to_receiver: Array) -> tuple[float, float
     The mean square difference of neighbours, and the density of facets in the rows nearest to the
     mirror direction as a share of the highest anywhere.
     """
-    body = rows.body_level
+    body = _body(rows)
     density = facet_density(rows.level - body, to_lamp, to_receiver)
     floor = float(facet_density(np.array([0.3 * body]), *_upright())[0])
     order = np.argsort(tilt_of(to_lamp + to_receiver), kind="stable")
@@ -89,6 +93,11 @@ def _order(rows: Rows, to_lamp: Array, to_receiver: Array) -> tuple[float, float
     nearest = max(FEWEST_NEAREST, len(rows) // 50)
     shown = float(np.median(density[order[:nearest]])) / max(float(np.sort(density)[-2]), 1e-12)
     return float(np.mean(np.square(np.diff(sorted_log)))), shown
+
+
+def _body(rows: Rows) -> float:
+    """Level of the body, whatever the geometry is."""
+    return float(np.quantile(rows.level, BODY_SHARE))
 
 
 def _upright() -> tuple[Array, Array]:

@@ -20,10 +20,13 @@ FEWEST_ROWS, FEWEST_APART = 30, 3
 NAMED, SERIOUS = 0.01, 0.08
 
 
-def check(rows: Rows, lobe: Lobe | None) -> list[Finding]:
-    """A finding where readings of the body stand apart from their neighbours."""
+def check(rows: Rows, lobe: Lobe | None, *, lamp_peak: bool = False) -> list[Finding]:
+    """A finding where readings of the body stand apart from their neighbours.
+
+    lamp_peak: whether the sample sends light back to the lamp, so that rows near it stand apart.
+    """
     beyond = BODY_DEG if lobe is None else max(BODY_DEG, 4.0 * lobe.width_deg)
-    away = rows.kept & (rows.delta_deg > beyond) & (rows.phase_deg > 12.0)
+    away = rows.kept & (rows.delta_deg > beyond) & (rows.phase_deg > (45.0 if lamp_peak else 12.0))
     away &= np.minimum(rows.to_lamp[:, 2], rows.to_receiver[:, 2]) > 0.25
     if np.sum(away) < FEWEST_ROWS:
         return []
