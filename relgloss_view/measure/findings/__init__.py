@@ -38,7 +38,7 @@ def examine(measurement: Measurement) -> Examined:
         rows = Rows.of(measurement)
         measurement, findings = plateaus.saturation(measurement, rows)
         findings += plateaus.floors(measurement, rows)
-        findings += units.check(measurement, rows)
+        findings += units.radians(measurement, rows)
         if any(f.serious for f in findings):
             return Examined(measurement, tuple(findings))
         elsewhere = mirror_direction.check(measurement, rows)
@@ -47,6 +47,9 @@ def examine(measurement: Measurement) -> Examined:
             measurement = mirror_direction.without_other_remedy(measurement, elsewhere[0])
             return Examined(measurement, tuple(findings))
         rows = Rows.of(measurement)  # without those on a plateau
+        findings += units.values(measurement, rows)
+        if any(f.serious for f in findings):
+            return Examined(measurement, tuple(findings))
         core = lobe.lobe_of(rows)
         findings += lobe.coverage(measurement, rows, core)
         findings += lobe.aperture(measurement, rows, core)

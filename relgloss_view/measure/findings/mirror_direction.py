@@ -30,6 +30,8 @@ STEEPEST_COSINE = 0.34  #: closer to the horizon rough bodies brighten towards t
 CLEARLY, SURELY = 1.5, 0.7
 SHOWN, SURELY_SHOWN, NOT_SHOWN = 0.3, 0.45, 0.1
 FEWEST, FEWEST_NEAREST = 10, 5
+#: Near the mirror direction and far from it, degrees; how much brighter far rows must be.
+NEAR_DEG, FAR_DEG, BRIGHTER = 4.0, 12.0, 4.0
 TURN_STEP_DEG = 15.0
 RIDGE = "the mirror ridge lies at gamma"
 SAME_SIDE = "--mirror same-side"
@@ -56,6 +58,8 @@ def check(measurement: Measurement, rows: Rows) -> list[Finding]:
         return [Finding(MIRROR, _words(measurement, some, best), True)]
     told = [w for w in measurement.warnings if w.startswith(RIDGE)]
     elsewhere = told[0] if told else _ridge(measurement, rows)
+    if elsewhere is None:
+        elsewhere = _bright_elsewhere(some)
     return [] if elsewhere is None else [Finding(MIRROR, elsewhere, True)]
 
 
@@ -163,6 +167,28 @@ def _words(measurement: Measurement, rows: Rows, best: _Geometry) -> str:
         f"the peak lies about {abs(offset):.0f} deg in azimuth from the mirror direction "
         f"(brightest row: lamp at {lamp_deg:.0f} deg, receiver at {receiver_deg:.0f} deg "
         f"from the normal): add {offset:+.0f} to every phi_r_deg, or check the azimuths"
+    )
+
+
+def _bright_elsewhere(rows: Rows) -> str | None:
+    """Bright rows far from the mirror direction, brighter than all that lie near it."""
+    if len(rows) < FEWEST:
+        return None
+    near, far = rows.delta_deg < NEAR_DEG, rows.delta_deg > FAR_DEG
+    # Rows towards the lamp may be bright by retroreflection, which is looked for by itself.
+    far &= rows.phase_deg > FAR_DEG
+    if np.sum(near) < FEWEST_NEAREST or np.sum(far) < FEWEST:
+        return None
+    top = int(np.argmax(np.where(far, rows.level, 0.0)))
+    second = float(np.sort(rows.level[far])[-2])
+    least = max(float(np.max(rows.level[near])), _body(rows))
+    if second < BRIGHTER * least:
+        return None
+    lamp_deg, receiver_deg = rows.lamp_deg[top], rows.receiver_deg[top]
+    return (
+        f"the brightest rows lie {rows.delta_deg[top]:.0f} deg from the mirror direction (lamp at "
+        f"{lamp_deg:.0f} deg, receiver at {receiver_deg:.0f} deg from the normal), and none near "
+        "it is bright: check the azimuths and the signs of the angles"
     )
 
 
