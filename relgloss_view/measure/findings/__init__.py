@@ -56,6 +56,6 @@ def examine(measurement: Measurement) -> Examined:
         findings += lobe.anisotropy(measurement, rows, core)
         towards_lamp = lamp_peak.check(rows)
         findings += towards_lamp
-        findings += colour.check(measurement, rows)
+        findings += colour.check(measurement, rows, core)
         findings += single_rows.check(rows, core, lamp_peak=bool(towards_lamp))
     return Examined(measurement, tuple(findings))

@@ -176,7 +176,7 @@ def coverage(measurement: Measurement, rows: Rows, lobe: Lobe | None) -> list[Fi
 
 def anisotropy(measurement: Measurement, rows: Rows, lobe: Lobe | None) -> list[Finding]:
     """A finding where the width depends on the azimuth of the half-vector in the sample's frame."""
-    if lobe is None or np.sum(lobe.rows) < 3 * FEWEST:
+    if measurement.tabulated or lobe is None or np.sum(lobe.rows) < 3 * FEWEST:
         return []
     if np.min(rows.delta_deg[rows.kept]) > lobe.width_deg:
         return []
