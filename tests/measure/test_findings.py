@@ -66,6 +66,16 @@ class TestMirrorDirection:
         assert "mirror: same-side" in text
         assert ("beta = +alpha" in text) == (grid is gcms)
 
+    @pytest.mark.parametrize("s_deg", [0.6, 1.0])
+    def test_a_narrow_highlight_in_a_few_rows_of_a_coarse_grid(self, s_deg):
+        def coarse():
+            polar = [(t, p) for t in range(0, 76, 10) for p in range(0, 360, 15)]
+            return np.array([(i, 0.0, t, p) for i in (15, 30, 45, 60) for t, p in polar], float)
+
+        flipped = sample(coarse, s_deg=s_deg, flip=True)
+        assert "--mirror same-side" in the_text(flipped, "mirror direction", serious=True)
+        assert kinds(sample(coarse, s_deg=s_deg)) == set()
+
     def test_rows_between_the_arms_are_not_passed_over(self):
         flipped = sample(gcms, flip=True)
         assert flipped.left_out()[table.OCCLUDED] > 100
@@ -154,7 +164,8 @@ class TestPlateaus:
         clipped = with_values(sound, lambda v: np.minimum(v, level))
         examined = examine(clipped)
         assert [f.kind for f in examined.findings] == ["plateau"]
-        assert f"'# saturation: {level:.6g}'" in examined.findings[0].text
+        assert f"largest value {level:.6g} (as radiance factor)" in examined.findings[0].text
+        assert "'# saturation: LEVEL'" in examined.findings[0].text
         above = (sound.radiance_factor >= level).any(axis=1)
         assert np.array_equal(examined.measurement.reasons == table.SATURATED, above)
 
@@ -164,7 +175,7 @@ class TestPlateaus:
             return values
 
         text = the_text(with_values(sample(in_plane), one), "plateau")
-        assert " in 550 nm:" in text
+        assert " in 550 nm (as" in text
         assert "450" not in text
 
     def test_a_plateau_in_another_quantity_is_found(self):
@@ -174,6 +185,13 @@ class TestPlateaus:
         level = 0.4 * (sound.radiance_factor * cosine).max()
         spoiled = with_values(sound, lambda v: np.minimum(v * cosine, level) / cosine)
         assert "plateau" in kinds(spoiled)
+
+    def test_a_plateau_with_a_little_noise_is_found(self):
+        sound = sample(in_plane)
+        level = 0.2 * sound.radiance_factor.max()
+        jitter = 1.0 + 1e-3 * np.random.default_rng(0).standard_normal(sound.radiance_factor.shape)
+        clipped = with_values(sound, lambda v: np.where(v > level, level * jitter, v))
+        assert "plateau" in kinds(clipped)
 
     @pytest.mark.parametrize("digits", [2, 3])
     @pytest.mark.parametrize("grid", GRIDS)

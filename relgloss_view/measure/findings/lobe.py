@@ -167,8 +167,9 @@ def coverage(measurement: Measurement, rows: Rows, lobe: Lobe | None) -> list[Fi
     return [
         Finding(
             COVERAGE,
-            f"{text}, and none shows a flank: a highlight may be missing; measure across the "
-            "mirror direction before gloss is read from this table",
+            f"{text}, and none shows a flank: a highlight may be missing, or the receiver is "
+            "counted to the other side (--mirror same-side); measure across the mirror direction "
+            "before gloss is read from this table",
             True,
         )
     ]

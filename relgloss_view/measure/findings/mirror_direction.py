@@ -32,6 +32,7 @@ SHOWN, SURELY_SHOWN, NOT_SHOWN = 0.3, 0.45, 0.1
 FEWEST, FEWEST_NEAREST = 10, 5
 #: Near the mirror direction and far from it, degrees; how much brighter far rows must be.
 NEAR_DEG, FAR_DEG, BRIGHTER = 4.0, 12.0, 4.0
+FEWEST_TOPS = 2
 TURN_STEP_DEG = 15.0
 RIDGE = "the mirror ridge lies at gamma"
 SAME_SIDE = "--mirror same-side"
@@ -75,6 +76,9 @@ def _best(measurement: Measurement, rows: Rows) -> _Geometry | None:
     best, least = None, np.inf
     for other in _others(measurement, rows):
         unlike, shows = _order(rows, other.to_lamp, other.to_receiver)
+        turned = other.name == "same side" and abs(other.amount_deg) in (0.0, 180.0)
+        if turned and _tops(rows, other.to_lamp, other.to_receiver) and unlike < declared:
+            return other
         gain = CLEARLY if shown > NOT_SHOWN or shows < SURELY_SHOWN else SURELY
         if shows < max(SHOWN, shown + SHOWN) or unlike * gain > declared:
             continue
@@ -97,6 +101,18 @@ def _order(rows: Rows, to_lamp: Array, to_receiver: Array) -> tuple[float, float
     nearest = max(FEWEST_NEAREST, len(rows) // 50)
     shown = float(np.median(density[order[:nearest]])) / max(float(np.sort(density)[-2]), 1e-12)
     return float(np.mean(np.square(np.diff(sorted_log)))), shown
+
+
+def _tops(rows: Rows, to_lamp: Array, to_receiver: Array) -> bool:
+    """Whether the brightest rows, far from the declared mirror direction, lie at another.
+
+    On a coarse grid few rows see a narrow highlight: these alone show where it is.
+    """
+    clear = rows.level > BRIGHTER * _body(rows)
+    top = np.argsort(np.where(clear, rows.facets, -np.inf))[-FEWEST_TOPS:]
+    if np.sum(clear) < FEWEST_TOPS or np.min(rows.delta_deg[top]) < FAR_DEG:
+        return False
+    return bool(np.max(tilt_of((to_lamp + to_receiver)[top])) < NEAR_DEG)
 
 
 def _body(rows: Rows) -> float:

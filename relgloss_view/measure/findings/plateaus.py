@@ -22,6 +22,9 @@ SAME = 2e-6
 FEWEST, TIMES_NEXT = 3, 3
 #: Where the next values differ by this share and more, the table is rounded: so many rows more.
 ROUNDED, ROUNDED_MORE, STEPS_BELOW = 1e-3, 2, 20
+#: A plateau with a little noise: rows within this share of the top, so many, of so many classes of
+#: incidence (5 degrees), and a fifth of them at most in the next two such steps.
+NEARLY, NEARLY_FEWEST, NEARLY_INCIDENCES = 4e-3, 6, 2
 #: A plateau lies above the typical reading by this factor; at it the whole sample is flat.
 ABOVE_TYPICAL = 1.03
 #: Where the plateau is lower than this many bodies, what is left shows no highlight.
@@ -45,8 +48,9 @@ def saturation(measurement: Measurement, rows: Rows) -> tuple[Measurement, list[
     count = int(np.sum(marked))
     which = "" if len(bands) == measurement.bands.count else f" in {_some(bands)}"
     text = (
-        f"{count} rows stand at the largest value {level:.6g}{which}: the detector saturates "
-        f"there, and they are left out; declare it with '# saturation: {level:.6g}'"
+        f"{count} rows stand at the largest value {level:.6g}{which} (as radiance factor): the "
+        "detector saturates there, and they are left out; declare its level with '# saturation: "
+        "LEVEL', in the unit of the file"
     )
     if hidden:
         text += ". Hardly any of the highlight is left: measure it again with less light"
@@ -100,13 +104,26 @@ def _top(measurement: Measurement, rows: Rows) -> tuple[float, Mask, list[str]]:
             at = column >= top * (1.0 - SAME)
             turned = np.ptp(divisor[at]) > 1e-3 or np.ptp(divisor) == 0.0
             if np.sum(at) < FEWEST or not turned or not _piled(column, at, top, unlike):
-                continue
+                at = column >= top * (1.0 - NEARLY)
+                if not _level_at_all_incidences(column, at, top, rows):
+                    continue
+                at = column >= top * (1.0 - 2.0 * NEARLY)
             marked |= at
             bands.append(measurement.bands.labels[band])
             level = max(level, top)
         if bands:
             break
     return level, marked, bands
+
+
+def _level_at_all_incidences(column: Array, at: Mask, top: float, rows: Rows) -> bool:
+    """Whether peaks of several incidences are equally high, which no sample's are (Fresnel)."""
+    if np.sum(at) < NEARLY_FEWEST or top < HIGHLIGHT_LEFT * float(np.median(column)):
+        return False
+    below = (column < top * (1.0 - 2.0 * NEARLY)) & (column > top * (1.0 - 4.0 * NEARLY))
+    if np.sum(below) > np.sum(at) // 5:
+        return False
+    return len(np.unique(np.round(rows.incidence_deg[at] / 5.0))) >= NEARLY_INCIDENCES
 
 
 def _piled(column: Array, at: Mask, top: float, unlike: Ints) -> bool:
