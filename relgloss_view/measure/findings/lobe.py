@@ -22,10 +22,10 @@ CORE, LOBE = 0.3, 0.05
 ABOVE_BODY = 0.15
 FEWEST = 6
 #: Core over blur. A Gaussian aperture alone makes a core of 1, and one below is impossible; a disc
-#: makes it 1.5 and more. Up to the last, where the blur is no usual one (degrees), the width is the
-#: instrument's.
-IMPOSSIBLE, DISC, INSTRUMENT = 0.85, 1.35, 1.8
-WIDE_BLUR_DEG = 0.45
+#: alone makes 1.5 to 1.9. Where the blur has so many degrees, cores up to the number beside it are
+#: in doubt: of usual instruments, of wide apertures, and of those that few instruments have.
+IMPOSSIBLE = 0.85
+IN_DOUBT = ((0.0, 1.35), (0.45, 2.0), (0.6, 3.2))
 #: Without a declared aperture, a core this narrow may be the instrument's, degrees.
 NARROW_DEG = 0.6
 #: Anisotropy: ratio of widths that is named, that is serious, and its certainty.
@@ -123,17 +123,15 @@ def aperture(measurement: Measurement, rows: Rows, lobe: Lobe | None) -> list[Fi
                 True,
             )
         ]
-    if width > (INSTRUMENT if blur > WIDE_BLUR_DEG else DISC) * blur:
+    if width > blur * max(most for least, most in IN_DOUBT if blur >= least):
         return []
-    doubt = "measure with smaller apertures"
-    if width < DISC * blur:
-        doubt += ", or divide by 4 if the full angle is declared"
     return [
         Finding(
             APERTURE,
-            f"the width of the highlight ({width:.2g} deg of the half-vector) is that of the "
-            f"declared apertures {declared}: the receiver is wider than the lobe, whose width and "
-            f"height are uncertain; {doubt} ({RULE})",
+            f"the declared apertures {declared} are wide beside the highlight ({width:.2g} deg of "
+            "the half-vector): the receiver is as wide as the lobe, whose width and height are "
+            "uncertain; measure with smaller apertures, or divide by 4 if the full angle is "
+            f"declared ({RULE})",
             True,
         )
     ]
