@@ -92,6 +92,25 @@ def test_fit_beside_its_table(capsys):
     assert table["readings"]["gloss-85"]["reason"]
 
 
+def test_what_a_table_shows_by_itself_is_printed_with_its_option(capsys, tmp_path):
+    """The built-in paper with its receiver counted to the other side."""
+    lines = Path(PAPER).read_text().splitlines()
+    start = next(k for k, line in enumerate(lines) if line.startswith("alpha")) + 1
+    turned = []
+    for line in lines[start:]:
+        alpha, beta, rest = line.split(",", 2)
+        turned.append(f"{alpha},{-float(beta):g},{rest}")
+    table = tmp_path / "turned.csv"
+    table.write_text("\n".join([*lines[:start], *turned]) + "\n")
+    status, out, _ = run(capsys, table)
+    assert status == 0
+    assert "--mirror same-side" in out
+    status, out, _ = run(capsys, table, "--mirror", "same-side")
+    assert status == 0
+    assert "warning" not in out
+    assert run(capsys, PAPER)[1].splitlines()[2:] == out.splitlines()[2:]
+
+
 def test_options_of_a_table(capsys, tmp_path):
     lines = Path(PAPER).read_text(encoding="utf-8").splitlines()
     bare = tmp_path / "bare.csv"

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import tempfile
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from sampled import BODY, directions, factors, gcms, in_plane, measured, noisy, rings, sample
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.bench.verdicts import judging
+from relgloss_view.bench.verdicts.faults import BY_NAME
 from relgloss_view.bench.verdicts.reflection import Body, Surface, metal_index
 from relgloss_view.commands.fit import MIRRORS
 from relgloss_view.measure import table
@@ -397,3 +401,29 @@ def test_a_few_rows_are_no_trouble(count):
         group=whole.group[:count],
     )  # fmt: skip
     assert "mirror direction" not in kinds(few)
+
+
+@pytest.mark.slow
+def test_false_alarms_and_misses_over_made_tables():
+    """Tables of the bench, whose samples have other lobes, apertures and noise than those here."""
+    alarms = [(k, f.text) for k in range(120) for f in examine(made(21, judging.SOUND, k)).findings]
+    assert len(alarms) <= 1, alarms
+    for kind, finding, least in (
+        ("mirror at the other side", "mirror direction", 18),
+        ("undeclared saturation", "plateau", 18),
+        ("cosine missed", "units", 18),
+        ("retroreflection", "peak towards the lamp", 14),
+        ("anisotropic", "anisotropy", 12),
+        ("interference colour", "colour", 12),
+        ("full angle as deviation", "aperture", 12),
+    ):
+        named = sum(finding in kinds(made(21, kind, k)) for k in range(20))
+        assert named >= least, (kind, named)
+
+
+def made(seed, kind, index):
+    """A table of the bench as a measurement."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "table.csv"
+        judging.table_of(seed, kind, index, BY_NAME.get(kind)).write(file)
+        return read_measurement(file)

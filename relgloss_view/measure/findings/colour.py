@@ -50,13 +50,14 @@ def check(measurement: Measurement, rows: Rows, lobe: Lobe | None) -> list[Findi
         return []
     own, highlight, of_highlight = _highlight(some, values, body)
     spectra = [body, body**2, np.ones_like(body), *([] if own is None else [own])]
-    left = _left_over(colour, np.array([s / max(float(s.mean()), DARK) for s in spectra]))
     beyond = 0.0 if lobe is None else TAILS * lobe.width_deg
-    worst, where, which = 0.0, 0.0, ""
-    parts = (
-        ("highlight", highlight, of_highlight),
-        ("body", _away(some) & (some.delta_deg > beyond), left),
+    shows_body = _away(some) & (some.delta_deg > beyond)
+    of_body = np.zeros(len(some))
+    of_body[shows_body] = _left_over(
+        colour[shows_body], np.array([s / max(float(s.mean()), DARK) for s in spectra])
     )
+    worst, where, which = 0.0, 0.0, ""
+    parts = (("highlight", highlight, of_highlight), ("body", shows_body, of_body))
     for name, members, rest in parts:
         for low in np.arange(0.0, 90.0, CLASS_DEG):
             angle = some.incidence_deg if name == "highlight" else some.receiver_deg

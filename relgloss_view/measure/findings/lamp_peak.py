@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.measure.findings.finding import LAMP_PEAK, Finding
 from relgloss_view.measure.findings.rows import Rows
 
@@ -56,19 +57,21 @@ def check(rows: Rows) -> list[Finding]:
     ]
 
 
-def _height(basis: np.ndarray, y: np.ndarray) -> tuple[float, float]:
+def _height(basis: Array, y: Array) -> tuple[float, float]:
     """The last coefficient of a robust fit of relative values, and its standard error."""
-    weight = np.ones(len(y))
-    spread, inverse, solution = 0.0, np.eye(1), np.zeros(1)
     scale = 1.0 / np.maximum(y, 0.3)
-    last = basis[:, -1]
+    last = basis[:, -1] > 0.05
+    weight: Array = np.ones(len(y))
+    height, error = 0.0, 1.0
     for _ in range(4):
-        w = weight * scale
-        solution = np.linalg.lstsq(basis * w[:, None], y * w, rcond=1e-9)[0]
+        weighted = basis * (weight * scale)[:, None]
+        normal = weighted.T @ weighted
+        inverse = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
+        solution = inverse @ (weighted.T @ (y * weight * scale))
         residual = (y - basis @ solution) * scale
         spread = max(1.4826 * float(np.median(np.abs(residual))), 0.01)
         # Rows of the peak keep their weight: they are what is looked for.
-        weight = np.where(last > 0.05, 1.0, 1.0 / np.sqrt(1.0 + np.square(residual / spread)))
-        inverse = np.linalg.pinv((basis * w[:, None]).T @ (basis * w[:, None]), rcond=1e-9)
-        spread = max(spread, float(np.std(residual[last > 0.05])))
-    return float(solution[-1]), max(spread * float(np.sqrt(inverse[-1, -1])), 1e-6)
+        weight = np.where(last, 1.0, 1.0 / np.sqrt(1.0 + np.square(residual / spread)))
+        spread = max(spread, float(np.std(residual[last])))
+        height, error = float(solution[-1]), spread * float(np.sqrt(max(inverse[-1, -1], 0.0)))
+    return height, max(error, 1e-6)

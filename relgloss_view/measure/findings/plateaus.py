@@ -92,7 +92,7 @@ def floors(measurement: Measurement, rows: Rows) -> list[Finding]:
 
 def _top(measurement: Measurement, rows: Rows) -> tuple[float, Mask, list[str]]:
     """Level of the plateau, the rows on it, and the bands that have it."""
-    unlike = _unlike(rows)
+    unlike: Ints | None = None
     marked = np.zeros(len(rows), dtype=bool)
     bands: list[str] = []
     level = 0.0
@@ -102,8 +102,10 @@ def _top(measurement: Measurement, rows: Rows) -> tuple[float, Mask, list[str]]:
             column = values[:, band]
             top = float(column.max())
             at = column >= top * (1.0 - SAME)
+            if np.sum(at) >= FEWEST and unlike is None:
+                unlike = _unlike(rows)
             turned = np.ptp(divisor[at]) > 1e-3 or np.ptp(divisor) == 0.0
-            if np.sum(at) < FEWEST or not turned or not _piled(column, at, top, unlike):
+            if unlike is None or not turned or not _piled(column, at, top, unlike):
                 at = column >= top * (1.0 - NEARLY)
                 if not _level_at_all_incidences(column, at, top, rows):
                     continue

@@ -54,7 +54,7 @@ def directions(angles, gamma_s=15.0):
 
 
 def factors(i, o, s_deg=3.0, strength=1.0, body=BODY, ratio=1.0, azimuth_deg=0.0, colour=None):
-    """Radiance factors of Gaussian facets under Schlick's Fresnel term, over a matte body.
+    """Radiance factors of Gaussian facets of index 1.5 (Fresnel), over a matte body.
 
     ratio: of the deviations along and across azimuth_deg (Ward 1992). colour: function of the
     facets' cosine (N,) that gives the highlight's colour (N, B).
@@ -66,7 +66,10 @@ def factors(i, o, s_deg=3.0, strength=1.0, body=BODY, ratio=1.0, azimuth_deg=0.0
     along, across = (x * c + y * s) / np.sqrt(ratio), (y * c - x * s) * np.sqrt(ratio)
     sd = np.radians(s_deg)
     facets = np.exp(-(along**2 + across**2) / (2 * sd * sd)) / (2 * np.pi * sd * sd)
-    fresnel = 0.04 + 0.96 * (1 - cos_d) ** 5
+    inner = np.sqrt(1.0 - (1.0 - cos_d**2) / 1.5**2)
+    r_s = (cos_d - 1.5 * inner) / (cos_d + 1.5 * inner)
+    r_p = (1.5 * cos_d - inner) / (1.5 * cos_d + inner)
+    fresnel = 0.5 * (r_s**2 + r_p**2)
     groove = np.minimum(1.0, 2 * half[:, 2] * np.minimum(i[:, 2], o[:, 2]) / cos_d)
     lobe = strength * np.pi * facets * fresnel * groove / (4 * i[:, 2] * o[:, 2])
     shade = np.ones((len(i), len(body))) if colour is None else colour(cos_d)
