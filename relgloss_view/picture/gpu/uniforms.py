@@ -8,7 +8,7 @@ import numpy as np
 
 from relgloss_view.material import brdf
 from relgloss_view.material.approximations import mean_lobe, plain_lobe
-from relgloss_view.material.spectra import illuminant, xyz_weights
+from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.gpu.programs import Uniforms
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.model.drawn import drawn_diffuse, drawn_facets, drawn_lobes
@@ -96,7 +96,7 @@ def material_uniforms(scene: Scene, look: Look, method: Method) -> Uniforms:
 def colour_uniforms(scene: Scene, method: Method) -> Uniforms:
     """The material's spectra, folded into XYZ under the scene's lamp and band by band."""
     material, lamp = scene.material, illuminant(scene.lamp.illuminant)
-    weights = xyz_weights(material.bands, lamp)
+    weights = material.xyz_weights(lamp)
     albedo = np.asarray(material.diffuse.albedo)
     second = brdf.second_albedo(drawn_diffuse(material, method), albedo, material.diffuse.sigma)
     strength = np.zeros((2, material.bands.count))
