@@ -136,12 +136,12 @@ def random_scene(seed):
     """A scene and a look without grain."""
     rng = np.random.default_rng(seed)
     display = Display() if rng.uniform() < 0.5 else _part(rng, Display)
-    scene = Scene(
-        material_of(rng),
-        shape=_part(rng, Shape),
-        lamp=_part(rng, Lamp),
-        eye=_eye(rng),
-        display=display,
-    )
+    eye, lamp = _eye(rng), _part(rng, Lamp)
+    if rng.uniform() < 0.6:  # most lamps of the sphere light nothing that the eye sees
+        turn = float(rng.uniform(-90.0, 90.0))
+        azimuth_deg = (eye.azimuth_deg + turn + 180.0) % 360.0 - 180.0
+        elevation_deg = float(np.clip(eye.elevation_deg + rng.uniform(-60.0, 60.0), -90.0, 90.0))
+        lamp = dataclasses.replace(lamp, azimuth_deg=azimuth_deg, elevation_deg=elevation_deg)
+    scene = Scene(material_of(rng), shape=_part(rng, Shape), lamp=lamp, eye=eye, display=display)
     samples = (1, 1, 1, 2, None)[int(rng.integers(0, 5))]
     return scene, _part(rng, Look, sigma_n_deg=0.0, samples=samples, c_fraction=None)
