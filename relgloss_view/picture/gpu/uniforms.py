@@ -21,13 +21,17 @@ from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 
 
-def view_uniforms(scene: Scene, view: View) -> Uniforms:
-    """Eye, lamp and object."""
+def view_uniforms(scene: Scene, view: View, *, afar: bool) -> Uniforms:
+    """Eye, lamp and object; from afar the eye and its frame are as view.glsl's AFAR has them."""
+    eye_m, step = view.eye_m, 1.0
+    if afar:
+        step = -float(view.eye_m @ view.forward / (view.forward @ view.forward))
+        eye_m = view.eye_m + step * view.forward
     return {
-        "eye_m": view.eye_m,
-        "view_right": view.right,
-        "view_up": view.up,
-        "view_forward": view.forward,
+        "eye_m": eye_m,
+        "view_right": step * view.right,
+        "view_up": step * view.up,
+        "view_forward": step * view.forward,
         "pixel_step": view.pixel_step,
         "view_shift": view.shift,
         "size_px": view.size,
