@@ -27,6 +27,7 @@ from relgloss_view.material.material import (
 from relgloss_view.material.spectra import SHIPPED_ILLUMINANTS
 from relgloss_view.measure.bands import RGB, Bands
 from relgloss_view.picture.model import tone
+from relgloss_view.picture.model.difference import delta_e_2000
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
@@ -132,8 +133,8 @@ def _eye(rng):
     )
 
 
-def random_scene(seed):
-    """A scene and a look without grain."""
+def random_scene(seed, *, grain=None):
+    """A scene and a look: without grain, or with grain of a kind."""
     rng = np.random.default_rng(seed)
     display = Display() if rng.uniform() < 0.5 else _part(rng, Display)
     eye, lamp = _eye(rng), _part(rng, Lamp)
@@ -143,5 +144,41 @@ def random_scene(seed):
         elevation_deg = float(np.clip(eye.elevation_deg + rng.uniform(-60.0, 60.0), -90.0, 90.0))
         lamp = dataclasses.replace(lamp, azimuth_deg=azimuth_deg, elevation_deg=elevation_deg)
     scene = Scene(material_of(rng), shape=_part(rng, Shape), lamp=lamp, eye=eye, display=display)
-    samples = (1, 1, 1, 2, None)[int(rng.integers(0, 5))]
-    return scene, _part(rng, Look, sigma_n_deg=0.0, samples=samples, c_fraction=None)
+    samples = (1, 1, 1, 2, 3)[int(rng.integers(0, 5))]
+    look = _part(rng, Look, sigma_n_deg=0.0, samples=samples, c_fraction=None)
+    if grain is None:
+        return scene, look
+    sigma_n_deg = _number(rng, 1e-3, 10.0, 2.0)
+    return scene, dataclasses.replace(look, grain=grain, sigma_n_deg=sigma_n_deg)
+
+
+@dataclass(frozen=True)
+class Difference:
+    """How a picture differs from the reference's."""
+
+    silhouette: int  #: pixels whose share of the object differs
+    delta_e: float  #: largest dE2000 of displayed light, over pixels that both show
+    off: float  #: share of those pixels with more than 0.5
+    c: float  #: of c, relative
+    darkest: float  #: smallest X, Y or Z of either picture
+    seen: int  #: pixels that show the object
+
+    @classmethod
+    def of(cls, frame, truth):
+        both = frame.on_object & truth.on_object
+        delta_e = delta_e_2000(_displayed_lab(frame), _displayed_lab(truth))[both]
+        stages = (frame.diffuse, frame.specular, truth.diffuse, truth.specular)
+        return cls(
+            silhouette=int(np.sum(np.abs(frame.coverage - truth.coverage) > 1e-6)),
+            delta_e=float(np.max(delta_e, initial=0.0)),
+            off=float(np.mean(delta_e > 0.5)) if delta_e.size else 0.0,
+            c=abs(frame.c - truth.c) / max(abs(truth.c), 1e-12),
+            darkest=float(min(np.min(stage) for stage in stages)),
+            seen=int(np.sum(truth.on_object)),
+        )
+
+
+def _displayed_lab(frame):
+    model = tone.DisplayModel.of(frame.scene.display)
+    xyz = frame.light.astype(np.float64) @ np.linalg.inv(model.rgb_from_xyz).T
+    return tone.lab_from_xyz(np.maximum(xyz, 0.0), model.white)
