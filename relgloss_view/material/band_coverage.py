@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.material.spectra import observer
 from relgloss_view.measure.bands import Bands
 
@@ -34,8 +34,8 @@ def coverage_warnings(bands: Bands) -> tuple[str, ...]:
     """
     if bands.is_rgb:
         return ()
-    centres = bands.centres_nm()
-    steps = np.diff(centres)
+    centres = [float(v) for v in bands.centres_nm()]
+    steps = [float(v) for v in np.diff(centres)]
     texts = []
     # A band stands for its half of the step to the next, as far as instruments' bands are wide.
     low = centres[0] - min(0.5 * steps[0], HALF_BAND_NM)
@@ -69,7 +69,7 @@ def _within(low: float, high: float) -> Array:
     return _shares((wavelengths > low) & (wavelengths < high))
 
 
-def _shares(chosen: Array) -> Array:
+def _shares(chosen: Mask) -> Array:
     """Shares of X, Y and Z under equal energy at the chosen wavelengths of the observer, (3,)."""
     functions = observer()[:, 1:]
     return np.asarray(np.sum(functions[chosen], axis=0) / np.sum(functions, axis=0))

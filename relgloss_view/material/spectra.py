@@ -162,7 +162,9 @@ def _white(lamp: Illuminant, place: str) -> Illuminant:
 
 #: Steps of a regular table differ by at most this factor: instruments round their wavelengths.
 EVEN_STEPS = 1.25
-SHARE_MARGIN = 1e-4  #: of a line's share in `light_weights`, so that rounding leaves nothing negative
+SHARE_MARGIN = (
+    1e-4  #: of a line's share in `light_weights`, so that rounding leaves nothing negative
+)
 
 
 @lru_cache(maxsize=64)

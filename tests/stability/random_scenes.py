@@ -116,7 +116,9 @@ def material_of(rng):
             if rng.uniform() < 0.3
             else (_number(rng, 0.0, STRENGTH_MAX, 1.0),)
         )
-        lobes.append(Lobe(strength, _number(rng, low, S_DEG_MAX, 5.0), _number(rng, *INDEX_RANGE, 1.5)))
+        lobes.append(
+            Lobe(strength, _number(rng, low, S_DEG_MAX, 5.0), _number(rng, *INDEX_RANGE, 1.5))
+        )
     return Material("any", "synthetic", bands, diffuse, tuple(lobes), synthetic=True)
 
 
