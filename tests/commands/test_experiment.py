@@ -122,6 +122,7 @@ class TestSimulate:
 
     def test_many_studies(self, folder, capsys):
         words = ("experiment", "simulate", "paper", *SMALL, "--studies", 2, "--observers", 5)
+        words = (*words, "--grain-weight", -1)
         found = json.loads(run(capsys, *words, "--draws", 10, "--json"))
         assert found["all"]["cases"] == 6
         assert set(found["samples"]) == {"art-coated", "matte-coated", "uncoated"}
