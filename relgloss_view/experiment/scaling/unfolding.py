@@ -1,9 +1,18 @@
 """The smooth fit of a sample's answers: one right place in the grid, and how fast it falls off.
 
-Unfolding (Coombs 1964): every observer judges how far a setting lies from an ideal one. The
-distance is Euclidean in the plane of sigma_N and log c, stretched, sheared and bent by what the
-answers tell; categories are cut from it by the ordinal probit model (Aitchison and Silvey 1957).
-The ideal place lies between grid points; what is always "far" takes no part in finding it.
+Unfolding (Coombs 1964): every observer judges how far a setting lies from an ideal one. The plane
+of sigma_N and log c is stretched, sheared and bent by what the answers show. The distance in it is
+signed: either side of the ideal has a slope of its own along both axes, as too glossy may be worse
+than too dull (two slopes about a reference point: Kahneman and Tversky 1979). Its power, below one,
+lets far settings differ less than near ones (Stevens 1957: a power law of magnitudes). Categories
+are cut from it by the ordinal probit model (Aitchison and Silvey 1957).
+
+Priors draw the additional shapes towards the symmetric, straight, Euclidean one. All shapes are
+fitted anew to each resampling of the observers, so that intervals contain the choice between them.
+
+The ideal place lies between grid points; what is always "far" takes no part in finding it. It may
+lie a step beyond the grid, so that one on the edge can be missed to either side; what is reported
+is the nearest place of the grid.
 """
 
 from __future__ import annotations
@@ -23,10 +32,17 @@ from relgloss_view.experiment.session.posterior import LAPSE
 #: of the noise, so that the tip of the mean judgment is round.
 ROUND = 0.25
 #: Priors, weak against one observer's answers: logs of the slopes along both axes, shear, the first
-#: bound, logs of the widths of categories, bends. Means and standard deviations.
+#: bound, logs of the widths of categories. Means and standard deviations.
 SLOPES, SLOPE_SD, SHEAR_SD = (-0.3, 0.0), 1.5, 1.5
-FIRST_BOUND, FIRST_BOUND_SD, WIDTH_SD, BEND_SD = 1.0, 3.0, 1.5, 0.4
-MOST_BEND = 0.9  #: an axis stays ascending up to one
+FIRST_BOUND, FIRST_BOUND_SD, WIDTH_SD = 1.0, 3.0, 1.5
+#: Of the shapes, about 0. A bend is the log of the ratio of an axis's scales at both ends of the
+#: grid: 1.8 makes a linear axis of a logarithmic one over a ratio of six. A skew is half the log
+#: of the ratio of slopes above and below the ideal: 0.55 triples it. The power's log.
+BEND_SD, SKEW_SD, POWER_SD = 1.0, 0.5, 0.3
+MOST_BEND, MOST_SKEW, POWERS = 4.0, 1.5, (-1.0, 0.7)
+BEYOND = 1.0  #: steps that the ideal may lie beyond the grid
+STRAIGHT = 1e-4  #: a bend below has its series
+SHAPES = 5  #: bends, skews, power: the last parameters
 STARTS = 3  #: settings from which the search begins
 
 
@@ -80,40 +96,66 @@ def _closest(grid: Grid, counts: Array) -> Array:
 class Distance:
     """The distance of fixed points from the ideal place, and its derivatives.
 
-    Parameters (..., n): ideal x and y in steps, log slope along x and y, shear, ..., bend of x and
-    y (last).
+    Parameters (..., n): ideal x and y in steps, log slope along x and y, shear, ...; the last are
+    bend of x and y, skew along x and y, log power. With x and y the bent differences from the
+    ideal: u = slope x, v = slope y + shear x, each times exp(skew) above 0 and exp(-skew) below;
+    distance = (ROUND + u^2 + v^2)^(power / 2).
     """
 
     def __init__(self, points: Array, ends: Array) -> None:
         self._ends = np.where(ends > 0.0, ends, 1.0)
-        self._share = np.ascontiguousarray((points / self._ends).T)  # (2, points)
-        self._arch = self._share * (1.0 - self._share)
+        self._from_middle = np.ascontiguousarray((points / self._ends).T - 0.5)  # (2, points)
 
     def at(self, p: Array) -> Array:
         """(..., points)."""
-        ideal, bend = p[..., :2] / self._ends, p[..., -2:]
+        ideal = p[..., :2] / self._ends - 0.5
+        bend, skew = p[..., -5:-3], p[..., -3:-1, None]
+        self._power = np.exp(p[..., -1, None])
         self._slopes, self._shear = np.exp(p[..., 2:4, None]), p[..., 4, None]
-        self._ideal_arch = ideal * (1.0 - ideal)
-        self._ideal_turn = 1.0 + bend * (1.0 - 2.0 * ideal)
-        apart = self._share + bend[..., None] * self._arch
-        apart -= (ideal + bend * self._ideal_arch)[..., None]
-        apart *= self._ends[:, None]
-        self._x, self._y = apart[..., 0, :], apart[..., 1, :]
-        self._u = self._slopes[..., 0, :] * self._x + self._shear * self._y
-        self._v = self._slopes[..., 1, :] * self._y
-        self._d = np.asarray(np.sqrt(ROUND + self._u * self._u + self._v * self._v))
+        self._apart(ideal, bend)
+        self._own = self._slopes[..., 1, :] * self._y  # of y alone
+        u, v = self._slopes[..., 0, :] * self._x, self._own + self._shear * self._x
+        self._side_u = np.exp(np.where(u > 0.0, skew[..., 0, :], -skew[..., 0, :]))
+        self._side_v = np.exp(np.where(v > 0.0, skew[..., 1, :], -skew[..., 1, :]))
+        self._u, self._v = u * self._side_u, v * self._side_v
+        self._square = ROUND + self._u * self._u + self._v * self._v
+        self._d = np.asarray(self._square ** (0.5 * self._power))
         return self._d
 
+    def _apart(self, ideal: Array, bend: Array) -> None:
+        """Differences from the ideal on axes whose scale grows as exp(bend share)."""
+        bent = np.where(np.abs(bend) < STRAIGHT, STRAIGHT, bend)
+        at_ideal = np.exp(bent * ideal)
+        at_points = np.exp(bent[..., None] * self._from_middle)
+        apart = (at_points - at_ideal[..., None]) * (self._ends / bent)[..., None]
+        self._ideal_turn = at_ideal
+        grown = at_points * self._from_middle - (at_ideal * ideal)[..., None]
+        self._by_bend = (grown * self._ends[:, None] - apart) / bent[..., None]
+        self._x, self._y = apart[..., 0, :], apart[..., 1, :]
+
     def derivatives(self) -> Array:
-        """Where `at` was asked last: by ideal, log slopes, shear and bends, (..., 7, points)."""
-        by_u, by_v = self._u / self._d, self._v / self._d
-        by_x = self._slopes[..., 0, :] * by_u
-        by_y = self._shear * by_u + self._slopes[..., 1, :] * by_v
+        """Where `at` was asked last, (..., 10, points).
+
+        By ideal, log slopes, shear, bends, skews and log power.
+        """
+        steep = self._power * self._d / self._square
+        by_u, by_v = steep * self._u, steep * self._v
+        of_v = by_v * self._side_v  # by v before its side is counted
+        by_x = self._slopes[..., 0, :] * by_u * self._side_u + self._shear * of_v
+        by_y = self._slopes[..., 1, :] * of_v
         by_place = np.stack([by_x, by_y], axis=-2)
-        by_scale = np.stack([by_x * self._x, by_v * self._v, by_u * self._y], axis=-2)
-        arch = (self._arch - self._ideal_arch[..., None]) * self._ends[:, None]
+        rest = [
+            by_u * self._u,
+            of_v * self._own,
+            of_v * self._x,
+            by_x * self._by_bend[..., 0, :],
+            by_y * self._by_bend[..., 1, :],
+            by_u * np.abs(self._u),
+            by_v * np.abs(self._v),
+            0.5 * self._power * self._d * np.log(self._square),
+        ]
         return np.concatenate(
-            [-by_place * self._ideal_turn[..., None], by_scale, by_place * arch], axis=-2
+            [-by_place * self._ideal_turn[..., None], np.stack(rest, axis=-2)], axis=-2
         )
 
 
@@ -121,7 +163,7 @@ class UnfoldingLoss:
     """Minus the log-likelihood of counts and minus the log of the priors, with its derivatives.
 
     Counts (..., settings, categories) are those of one fit or of many. Parameters (..., n) are
-    those of Distance, and between shear and bends the first bound and the logs of the widths of
+    those of Distance, and between shear and the shapes the first bound and the logs of the widths of
     the categories after it.
     """
 
@@ -132,13 +174,13 @@ class UnfoldingLoss:
         self._distance = Distance(places[judged], places[-1])
         widths = counts.shape[-1] - 2
         self.limits = [
-            *((0.0, float(end)) for end in places[-1]),
+            *((-BEYOND, float(end) + BEYOND) if end else (0.0, 0.0) for end in places[-1]),
             (-4.0, 4.0), (-4.0, 4.0), (-8.0, 8.0), (-5.0, 10.0),
             *[(-4.0, 3.0)] * widths,
-            *[(-MOST_BEND, MOST_BEND)] * 2,
+            *[(-MOST_BEND, MOST_BEND)] * 2, *[(-MOST_SKEW, MOST_SKEW)] * 2, POWERS,
         ]  # fmt: skip
-        self._mean = np.array([0.0, 0.0, *SLOPES, 0.0, FIRST_BOUND, *[0.0] * widths, 0.0, 0.0])
-        sd = [SLOPE_SD, SLOPE_SD, SHEAR_SD, FIRST_BOUND_SD, *[WIDTH_SD] * widths, BEND_SD, BEND_SD]
+        self._mean = np.array([0.0, 0.0, *SLOPES, 0.0, FIRST_BOUND, *[0.0] * (widths + SHAPES)])
+        sd = [SLOPE_SD, SLOPE_SD, SHEAR_SD, FIRST_BOUND_SD, *[WIDTH_SD] * widths, *[BEND_SD] * 2, *[SKEW_SD] * 2, POWER_SD]
         self._precision = np.array([0.0, 0.0, *(s**-2 for s in sd)])
 
     def start(self, place: Array) -> Array:
@@ -181,7 +223,8 @@ class UnfoldingLoss:
         bounds = np.concatenate([by_bound.swapaxes(-1, -2) @ of_bounds @ by_bound, across], axis=-1)
         information = np.concatenate([bounds, places], axis=-2)
         size = information.shape[-1]
-        order = np.r_[size - 7 : size - 2, : size - 7, size - 2 : size]
+        shapes = size - SHAPES
+        order = np.r_[shapes - 5 : shapes, : shapes - 5, shapes:size]
         information = information[..., order[:, None], order]
         return value, gradient, information + np.diag(self._precision)
 
@@ -193,7 +236,7 @@ class UnfoldingLoss:
         """
         from scipy.special import ndtr
 
-        widths = np.exp(p[..., 6:-2])
+        widths = np.exp(p[..., 6:-SHAPES])
         number = widths.shape[-1] + 1
         by_bound = np.ones((*p.shape[:-1], number, number))
         by_bound[..., 1:] = np.tri(number, number - 1, -1) * widths[..., None, :]

@@ -79,7 +79,7 @@ def verdict_on(
         leading=leading,
         wins=wins,
         as_good=as_good,
-        optimum=smooth.fine.optimum(smooth.closeness, smooth.draws),
+        optimum=smooth.fine.optimum(smooth.closeness, smooth.draws, observers),
         shape=shape,
         edges=edges_of(grid, leading),
         smooth=smooth.closeness.reshape(smooth.fine.shape),
