@@ -38,11 +38,11 @@ FIRST_BOUND, FIRST_BOUND_SD, WIDTH_SD = 1.0, 3.0, 1.5
 #: Of the shapes, about 0. A bend is the log of the ratio of an axis's scales at both ends of the
 #: grid: 1.8 makes a linear axis of a logarithmic one over a ratio of six. A skew is half the log
 #: of the ratio of slopes above and below the ideal: 0.55 triples it. The power's log.
-BEND_SD, SKEW_SD, POWER_SD = 1.0, 0.5, 0.3
-MOST_BEND, MOST_SKEW, POWERS = 4.0, 1.5, (-1.0, 0.7)
+BEND_SD, SKEW_SD, POWER_SD, EXPONENT_SD = 1.0, 0.5, 0.3, float(__import__('os').environ.get('EXPO','0.4'))
+MOST_BEND, MOST_SKEW, POWERS, EXPONENTS = 4.0, 1.5, (-1.0, 0.7), (-0.6, 1.2)
 BEYOND = 1.0  #: steps that the ideal may lie beyond the grid
 STRAIGHT = 1e-4  #: a bend below has its series
-SHAPES = 5  #: bends, skews, power: the last parameters
+SHAPES = 6  #: bends, skews, power: the last parameters
 STARTS = 3  #: settings from which the search begins
 
 
@@ -109,8 +109,8 @@ class Distance:
     def at(self, p: Array) -> Array:
         """(..., points)."""
         ideal = p[..., :2] / self._ends - 0.5
-        bend, skew = p[..., -5:-3], p[..., -3:-1, None]
-        self._power = np.exp(p[..., -1, None])
+        bend, skew = p[..., -6:-4], p[..., -4:-2, None]
+        self._power, self._exponent = np.exp(p[..., -2, None]), 2.0 * np.exp(p[..., -1, None])
         self._slopes, self._shear = np.exp(p[..., 2:4, None]), p[..., 4, None]
         self._apart(ideal, bend)
         self._own = self._slopes[..., 1, :] * self._y  # of y alone
@@ -118,8 +118,13 @@ class Distance:
         self._side_u = np.exp(np.where(u > 0.0, skew[..., 0, :], -skew[..., 0, :]))
         self._side_v = np.exp(np.where(v > 0.0, skew[..., 1, :], -skew[..., 1, :]))
         self._u, self._v = u * self._side_u, v * self._side_v
-        self._square = ROUND + self._u * self._u + self._v * self._v
-        self._d = np.asarray(self._square ** (0.5 * self._power))
+        # By logarithms: with any exponent no power of a large number overflows.
+        self._log_u = np.log(0.5 * ROUND + self._u * self._u)
+        self._log_v = np.log(0.5 * ROUND + self._v * self._v)
+        apart = np.exp(0.5 * self._exponent * (self._log_v - self._log_u))
+        self._part_u = 1.0 / (1.0 + apart)  # of the sum of both powers
+        self._log_sum = 0.5 * self._exponent * self._log_u - np.log(self._part_u)
+        self._d = np.asarray(np.exp(self._power / self._exponent * self._log_sum))
         return self._d
 
     def _apart(self, ideal: Array, bend: Array) -> None:
@@ -138,8 +143,10 @@ class Distance:
 
         By ideal, log slopes, shear, bends, skews and log power.
         """
-        steep = self._power * self._d / self._square
-        by_u, by_v = steep * self._u, steep * self._v
+        part_v = 1.0 - self._part_u
+        steep = self._power * self._d
+        by_u = steep * self._part_u * self._u / (0.5 * ROUND + self._u * self._u)
+        by_v = steep * part_v * self._v / (0.5 * ROUND + self._v * self._v)
         of_v = by_v * self._side_v  # by v before its side is counted
         by_x = self._slopes[..., 0, :] * by_u * self._side_u + self._shear * of_v
         by_y = self._slopes[..., 1, :] * of_v
@@ -152,7 +159,9 @@ class Distance:
             by_y * self._by_bend[..., 1, :],
             by_u * np.abs(self._u),
             by_v * np.abs(self._v),
-            0.5 * self._power * self._d * np.log(self._square),
+            steep / self._exponent * self._log_sum,
+            steep * (0.5 * (self._part_u * self._log_u + part_v * self._log_v)
+                     - self._log_sum / self._exponent),
         ]
         return np.concatenate(
             [-by_place * self._ideal_turn[..., None], np.stack(rest, axis=-2)], axis=-2
@@ -177,10 +186,10 @@ class UnfoldingLoss:
             *((-BEYOND, float(end) + BEYOND) if end else (0.0, 0.0) for end in places[-1]),
             (-4.0, 4.0), (-4.0, 4.0), (-8.0, 8.0), (-5.0, 10.0),
             *[(-4.0, 3.0)] * widths,
-            *[(-MOST_BEND, MOST_BEND)] * 2, *[(-MOST_SKEW, MOST_SKEW)] * 2, POWERS,
+            *[(-MOST_BEND, MOST_BEND)] * 2, *[(-MOST_SKEW, MOST_SKEW)] * 2, POWERS, EXPONENTS,
         ]  # fmt: skip
         self._mean = np.array([0.0, 0.0, *SLOPES, 0.0, FIRST_BOUND, *[0.0] * (widths + SHAPES)])
-        sd = [SLOPE_SD, SLOPE_SD, SHEAR_SD, FIRST_BOUND_SD, *[WIDTH_SD] * widths, *[BEND_SD] * 2, *[SKEW_SD] * 2, POWER_SD]
+        sd = [SLOPE_SD, SLOPE_SD, SHEAR_SD, FIRST_BOUND_SD, *[WIDTH_SD] * widths, *[BEND_SD] * 2, *[SKEW_SD] * 2, POWER_SD, EXPONENT_SD]
         self._precision = np.array([0.0, 0.0, *(s**-2 for s in sd)])
 
     def start(self, place: Array) -> Array:
