@@ -7,9 +7,11 @@ here are chosen, not measured. A new kind is a function and a line in KINDS.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from statistics import NormalDist
 
 import numpy as np
 
@@ -106,6 +108,7 @@ class Kind:
     right_settings: int = 1  #: settings that are equally right
     one_best: bool = True  #: whether "best" is right: for all of them one setting is closest
     to_middle: bool = False  #: whether answers move towards the middle category
+    signed: bool = False  #: whether too glossy and too dull are different
 
 
 UNIQUE, RATIO_ONLY, RANDOM = "unique", "ratio", "random"
@@ -119,7 +122,7 @@ KINDS = {
         "answers by chance", nothing, normal, NOTHING, own_widths=False, one_best=False
     ),
     ASYMMETRIC: Kind(
-        "too glossy is worse than too dull, and answers saturate", asymmetric, gumbel
+        "too glossy is worse than too dull, and answers saturate", asymmetric, gumbel, signed=True
     ),
     CITY_BLOCK: Kind("differences of sigma_N and c are added", city_block, logistic, SETTING),
     TWO_GROUPS: Kind(
@@ -134,6 +137,32 @@ KINDS = {
         larger, logistic, to_middle=True,
     ),
 }  # fmt: skip
+
+
+@functools.lru_cache(maxsize=8)
+def closest_on_average(kind: Kind, sd: float) -> float:
+    """The mismatch of gloss that a population finds closest whose personal truths differ by sd.
+
+    In noises; the mean of both percepts' truths is 0. Where too glossy is worse, it is below 0: a
+    picture that is too dull for most of them is too glossy for few.
+    """
+    if not kind.signed or sd == 0.0:
+        return 0.0
+    gloss = [NormalDist(0.0, sd).inv_cdf((k + 0.5) / 101) for k in range(101)]
+    grain = [NormalDist(0.0, sd).inv_cdf((k + 0.5) / 21) for k in range(21)]
+
+    def mean(at: float) -> float:
+        return sum(kind.distance(Mismatch(at + a, b), 0) for a in gloss for b in grain)
+
+    # The mean of distances that rise on both sides has one minimum: a search by thirds ends there.
+    low, high = -3.0 * sd, 3.0 * sd
+    while high - low > 1e-3 * sd:
+        third = (high - low) / 3.0
+        if mean(low + third) < mean(high - third):
+            high -= third
+        else:
+            low += third
+    return 0.5 * (low + high)
 
 
 def towards_middle(category: int, categories: int) -> int:

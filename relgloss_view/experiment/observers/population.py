@@ -25,6 +25,7 @@ from relgloss_view.experiment.observers.kinds import (
     UNIQUE,
     Kind,
     Mismatch,
+    closest_on_average,
     towards_middle,
 )
 from relgloss_view.picture.scene.setting import Setting
@@ -79,7 +80,10 @@ class SimulatedObserver:
     def of(
         cls, population: Population, seed: int, number: int, categories: int
     ) -> SimulatedObserver:
-        """The observer of a number, with personal bounds and a personal truth."""
+        """The observer of a number, with personal bounds and a personal truth.
+
+        Personal truths lie about the truth so that the whole population finds the truth closest.
+        """
         kind = population.of_kind
         random = np.random.default_rng([seed, OF_OBSERVER, number])
         width = float(np.exp(population.bound_spread * random.standard_normal()))
@@ -94,7 +98,7 @@ class SimulatedObserver:
             seed,
             number,
             tuple(float(b) * width + shift for b in bounds),
-            (float(bias[0]), float(bias[1])),
+            (float(bias[0]) + closest_on_average(kind, population.bias), float(bias[1])),
             group=number % kind.groups,
             to_middle=float(random.random()) if kind.to_middle else 0.0,
         )

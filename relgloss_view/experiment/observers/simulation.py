@@ -18,6 +18,8 @@ from relgloss_view.experiment.session.records import SIMULATED, Observer
 from relgloss_view.experiment.session.store import Store
 
 DEVICE = "none: simulated"
+#: How observers were made whose files do not state it.
+UNSTATED = {"group": 0, "to_middle": 0.0, "sigma_n_jnd": 0.5, "c_jnd": 0.1, "grain_weight": -1.0}
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,8 @@ def run_observers(
             "truths": truths,
             "grain_weight": None if np.isnan(weight) else weight,
         }
-        if number < len(observers) and store.details(observers[number]) != details:
+        begun = {**UNSTATED, **store.details(observers[number])} if number < len(observers) else {}
+        if begun and begun != details:
             raise InputError(
                 f"{store.path}: {observers[number].name} began with other truths, seed or options; "
                 "continue with those, or give another file"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from cases import Clock, answer, index_of, percepts, standing, started, study
@@ -210,6 +212,24 @@ class TestRun:
                     run_observers(store, seen, population, 2, seed)
             run_observers(store, seen, Population(), 2, 7)
             assert len(store.answers()) == 8
+
+    def test_an_older_file_goes_on(self, tmp_path):
+        """Its observers do not state what all had before there were kinds."""
+        made = study(grid=SMALL)
+        seen = dataclasses.replace(percepts(made, [Setting(1.0, 0.7)]), grain_weights=(-1.0,))
+        details = {
+            **SimulatedObserver.of(Population(), 7, 0, 5).details(),
+            "truths": {"matte-coated": [1.0, 0.7]},
+        }
+        for name in ("group", "to_middle", "sigma_n_jnd", "c_jnd"):
+            del details[name]
+        with Store(tmp_path / "a.sqlite", made) as store:
+            store.observer(kind="simulated", details=details)
+            other = dataclasses.replace(seen, grain_weights=(-4.0,))
+            with pytest.raises(InputError, match="O01 began with other truths"):
+                run_observers(store, other, Population(), 1, 7)
+            run_observers(store, seen, Population(), 1, 7)
+            assert len(store.answers()) == 4
 
     def test_not_into_the_answers_of_people(self, tmp_path):
         made = study(grid=SMALL)
