@@ -88,9 +88,14 @@ class FineGrid:
 
     def shape_of_best(self, smooth: Array, drawn: Array) -> Shape:
         """What the points form whose closeness is within 95 % of the best's, one by one."""
+        return self.region_of_best(smooth, drawn)[0]
+
+    def region_of_best(self, smooth: Array, drawn: Array) -> tuple[Shape, Mask]:
+        """That, and which points they are, (points,)."""
         best = int(np.argmax(smooth))
         sd = np.std(drawn[:, best, None] - drawn, axis=0)
-        return shape_of(self.points, smooth[best] - smooth <= Z_95 * sd)
+        as_good = smooth[best] - smooth <= Z_95 * sd
+        return shape_of(self.points, as_good), as_good
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,8 @@ of sigma_N and log c is stretched, sheared and bent by what the answers show. Th
 signed: either side of the ideal has a slope of its own along both axes, as too glossy may be worse
 than too dull (two slopes about a reference point: Kahneman and Tversky 1979). Its power, below one,
 lets far settings differ less than near ones (Stevens 1957: a power law of magnitudes). Categories
-are cut from it by the ordinal probit model (Aitchison and Silvey 1957).
+are cut from it by the ordinal probit model (Aitchison and Silvey 1957). Both differences add up by
+Minkowski's exponent: 2 is Euclid's, 1 the city block (Attneave 1950), a large one the larger alone.
 
 Priors draw the additional shapes towards the symmetric, straight, Euclidean one. All shapes are
 fitted anew to each resampling of the observers, so that intervals contain the choice between them.
@@ -38,7 +39,7 @@ FIRST_BOUND, FIRST_BOUND_SD, WIDTH_SD = 1.0, 3.0, 1.5
 #: Of the shapes, about 0. A bend is the log of the ratio of an axis's scales at both ends of the
 #: grid: 1.8 makes a linear axis of a logarithmic one over a ratio of six. A skew is half the log
 #: of the ratio of slopes above and below the ideal: 0.55 triples it. The power's log.
-BEND_SD, SKEW_SD, POWER_SD, EXPONENT_SD = 1.0, 0.5, 0.3, float(__import__('os').environ.get('EXPO','0.4'))
+BEND_SD, SKEW_SD, POWER_SD, EXPONENT_SD = 1.0, 0.5, 0.3, 0.4
 MOST_BEND, MOST_SKEW, POWERS, EXPONENTS = 4.0, 1.5, (-1.0, 0.7), (-0.6, 1.2)
 BEYOND = 1.0  #: steps that the ideal may lie beyond the grid
 STRAIGHT = 1e-4  #: a bend below has its series
@@ -93,13 +94,14 @@ def _closest(grid: Grid, counts: Array) -> Array:
     return coordinates(grid)[order[: min(STARTS, int(np.sum(number > 0.0)))]]
 
 
-class Distance:
-    """The distance of fixed points from the ideal place, and its derivatives.
+class _FromOne:
+    """The distance of fixed points from one ideal place, and its derivatives.
 
     Parameters (..., n): ideal x and y in steps, log slope along x and y, shear, ...; the last are
-    bend of x and y, skew along x and y, log power. With x and y the bent differences from the
+    bend of x and y, skew along x and y, log power, log of half the exponent. With x and y the bent differences from the
     ideal: u = slope x, v = slope y + shear x, each times exp(skew) above 0 and exp(-skew) below;
-    distance = (ROUND + u^2 + v^2)^(power / 2).
+    distance = ((r + u^2)^(e / 2) + (r + v^2)^(e / 2))^(power / e), r = ROUND / 2, e the exponent;
+    Euclidean with e = 2: (ROUND + u^2 + v^2)^(power / 2).
     """
 
     def __init__(self, points: Array, ends: Array) -> None:
@@ -139,9 +141,9 @@ class Distance:
         self._x, self._y = apart[..., 0, :], apart[..., 1, :]
 
     def derivatives(self) -> Array:
-        """Where `at` was asked last, (..., 10, points).
+        """Where `at` was asked last, (..., 11, points).
 
-        By ideal, log slopes, shear, bends, skews and log power.
+        By ideal, log slopes, shear, bends, skews, log power and log exponent.
         """
         part_v = 1.0 - self._part_u
         steep = self._power * self._d
@@ -168,29 +170,70 @@ class Distance:
         )
 
 
+class Distance:
+    """The distance of fixed points from the ideal place, or from the nearer of two.
+
+    Parameters (..., n) as in _FromOne; of two places, the second one follows at the end.
+    """
+
+    def __init__(self, points: Array, ends: Array, places: int = 1) -> None:
+        self._each = [_FromOne(points, ends) for _ in range(places)]
+
+    def at(self, p: Array) -> Array:
+        """(..., points)."""
+        if len(self._each) == 1:
+            return self._each[0].at(p)
+        first, second = p[..., :-2], np.concatenate([p[..., -2:], p[..., 2:-2]], axis=-1)
+        distances = [one.at(q) for one, q in zip(self._each, (first, second), strict=True)]
+        self._nearer = distances[0] <= distances[1]
+        return np.minimum(*distances)
+
+    def derivatives(self) -> Array:
+        """Where `at` was asked last: (..., 11, points), of two places (..., 13, points).
+
+        By ideal, log slopes, shear, bends, skews, log power, log exponent, and second ideal.
+        """
+        first = self._each[0].derivatives()
+        if len(self._each) == 1:
+            return first
+        nearer = self._nearer[..., None, :]
+        second = self._each[1].derivatives()
+        shared = np.where(nearer, first[..., 2:, :], second[..., 2:, :])
+        own = np.where(nearer, first[..., :2, :], 0.0)
+        return np.concatenate([own, shared, np.where(nearer, 0.0, second[..., :2, :])], axis=-2)
+
+
 class UnfoldingLoss:
     """Minus the log-likelihood of counts and minus the log of the priors, with its derivatives.
 
     Counts (..., settings, categories) are those of one fit or of many. Parameters (..., n) are
     those of Distance, and between shear and the shapes the first bound and the logs of the widths of
-    the categories after it.
+    the categories after it. With two `places` a setting is judged from the nearer one.
     """
 
-    def __init__(self, grid: Grid, counts: Array) -> None:
-        places = coordinates(grid)
+    def __init__(self, grid: Grid, counts: Array, places: int = 1) -> None:
+        settings = coordinates(grid)
+        more = 2 * (places - 1)
+        self._shapes = SHAPES + more
         judged = np.any(counts > 0.0, axis=(*range(counts.ndim - 2), -1))
         self._counts = np.ascontiguousarray(counts[..., judged, :].swapaxes(-1, -2))
-        self._distance = Distance(places[judged], places[-1])
+        self._distance = Distance(settings[judged], settings[-1], places)
+        self._judged = judged
         widths = counts.shape[-1] - 2
+        ideal = [(-BEYOND, float(end) + BEYOND) if end else (0.0, 0.0) for end in settings[-1]]
         self.limits = [
-            *((-BEYOND, float(end) + BEYOND) if end else (0.0, 0.0) for end in places[-1]),
+            *ideal,
             (-4.0, 4.0), (-4.0, 4.0), (-8.0, 8.0), (-5.0, 10.0),
             *[(-4.0, 3.0)] * widths,
             *[(-MOST_BEND, MOST_BEND)] * 2, *[(-MOST_SKEW, MOST_SKEW)] * 2, POWERS, EXPONENTS,
+            *ideal[:more],
         ]  # fmt: skip
-        self._mean = np.array([0.0, 0.0, *SLOPES, 0.0, FIRST_BOUND, *[0.0] * (widths + SHAPES)])
-        sd = [SLOPE_SD, SLOPE_SD, SHEAR_SD, FIRST_BOUND_SD, *[WIDTH_SD] * widths, *[BEND_SD] * 2, *[SKEW_SD] * 2, POWER_SD, EXPONENT_SD]
-        self._precision = np.array([0.0, 0.0, *(s**-2 for s in sd)])
+        of_shapes = [BEND_SD, BEND_SD, SKEW_SD, SKEW_SD, POWER_SD, EXPONENT_SD]
+        self._mean = np.array(
+            [0.0, 0.0, *SLOPES, 0.0, FIRST_BOUND, *[0.0] * (widths + self._shapes)]
+        )
+        sd = [SLOPE_SD, SLOPE_SD, SHEAR_SD, FIRST_BOUND_SD, *[WIDTH_SD] * widths, *of_shapes]
+        self._precision = np.array([0.0, 0.0, *(s**-2 for s in sd), *[0.0] * more])
 
     def start(self, place: Array) -> Array:
         """Parameters at the priors' means with the ideal at places (..., 2)."""
@@ -208,6 +251,12 @@ class UnfoldingLoss:
         """Values (...,) and gradients (..., n)."""
         share, density, by_bound = self._shares(p)
         return self._slope(p, share, density, by_bound, self._distance.derivatives())
+
+    def shares(self, p: Array) -> Array:
+        """Probabilities of categories, (settings, categories) of one fit; 1 where nobody judged."""
+        every = np.ones((len(self._judged), self._counts.shape[-2]))
+        every[self._judged] = self._shares(p)[0].T
+        return every
 
     def scoring(self, p: Array) -> tuple[Array, Array, Array]:
         """Values, gradients, and the expected second derivatives (..., n, n) (Fisher 1925)."""
@@ -232,7 +281,7 @@ class UnfoldingLoss:
         bounds = np.concatenate([by_bound.swapaxes(-1, -2) @ of_bounds @ by_bound, across], axis=-1)
         information = np.concatenate([bounds, places], axis=-2)
         size = information.shape[-1]
-        shapes = size - SHAPES
+        shapes = size - self._shapes
         order = np.r_[shapes - 5 : shapes, : shapes - 5, shapes:size]
         information = information[..., order[:, None], order]
         return value, gradient, information + np.diag(self._precision)
@@ -245,7 +294,7 @@ class UnfoldingLoss:
         """
         from scipy.special import ndtr
 
-        widths = np.exp(p[..., 6:-SHAPES])
+        widths = np.exp(p[..., 6 : -self._shapes])
         number = widths.shape[-1] + 1
         by_bound = np.ones((*p.shape[:-1], number, number))
         by_bound[..., 1:] = np.tri(number, number - 1, -1) * widths[..., None, :]
