@@ -63,14 +63,6 @@ def add(commands: Any) -> None:
     )
     add_population_options(parser)
     parser.add_argument(
-        "--grain-weight",
-        metavar="X",
-        type=float,
-        help="What a grain as high as its highlight adds to log gloss; below 0 it lowers it. "
-        "Nobody measured it: without this option both signs are taken, for observers in turn or, "
-        "with --studies, in studies of their own",
-    )
-    parser.add_argument(
         "--studies", metavar="N", type=int, help="Number of studies to run and analyse"
     )
     parser.add_argument(
@@ -91,7 +83,10 @@ def add(commands: Any) -> None:
 
 
 def add_population_options(parser: argparse.ArgumentParser) -> None:
-    """Declare how simulated observers are made; every entry of Population is an option."""
+    """Declare how simulated observers are made; every entry of Population is an option.
+
+    The weight of grain is one too; it belongs to what they see (percept.py).
+    """
     from relgloss_view.experiment.observers.kinds import KINDS
     from relgloss_view.experiment.observers.population import Population
 
@@ -103,6 +98,14 @@ def add_population_options(parser: argparse.ArgumentParser) -> None:
         choices=(*KINDS, ALL),
         help="; ".join(f"{name}: {kind.meaning}" for name, kind in KINDS.items())
         + f"; {ALL}: one kind after another, with --studies (default {Population.kind})",
+    )
+    who.add_argument(
+        "--grain-weight",
+        metavar="X",
+        type=float,
+        help="What a grain as high as its highlight adds to log gloss; below 0 it lowers it. "
+        "Nobody measured it: without this option both signs are taken, for observers in turn or, "
+        "with --studies, in studies of their own",
     )
     for field in dataclasses.fields(Population):
         if field.name == "kind":
