@@ -2,7 +2,7 @@
 # make test   the tests (make test-all: with the slow ones)
 # make lint   ruff, mypy, shader compilers
 # make coverage   branch coverage of `make test`, with a page in out/coverage
-# make observers  the table of simulated observers of docs/experiment.md, into out/ (hours: OBSERVERS="--studies 5")
+# make observers  the table of docs/experiment.md on simulated observers, into out/ (hours; OBSERVERS="--studies 5")
 # make mutants    300 seeded faults in the heart: which of them does a test notice? (an hour)
 
 VENV ?= .venv

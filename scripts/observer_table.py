@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import json
 import sys
+from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 HEAD = (
     "| observers (`--kind`) | grain weight | true setting leads | it or one beside it "
-    "| it is in the set of the best | 95 % interval holds sigma_N, c | declared best |"
+    "| it is in the set of the best | 95 % interval holds sigma_N, c | verdicts |"
 )
 
 
@@ -41,9 +42,8 @@ def table(files: Iterable[dict[str, Any]]) -> list[str]:
             share(studies, "exact"),
             share(studies, "near"),
             share(studies, "in_set"),
-            f"{share(studies, 'sigma_n_inside')}, {share(studies, 'c_inside')}",
-            f"{100 * sum(s['status'] == 'best' for s in studies) / len(studies):.0f} %"
-            + ("" if one_best else " (right: 0 %)"),
+            intervals(studies),
+            verdicts(studies) + ("" if one_best else "; *best* is wrong"),
         )
         lines.append("| " + " | ".join(cells) + " |")
     count = {len(studies) for studies in cases.values()}
@@ -54,6 +54,19 @@ def share(studies: list[dict[str, Any]], name: str) -> str:
     """Of those cases that have it."""
     values = [s[name] for s in studies if s[name] is not None]
     return f"{100 * sum(values) / len(values):.0f} %" if values else "-"
+
+
+def intervals(studies: list[dict[str, Any]]) -> str:
+    """How often those that there are hold the truth; where some cases have none, of how many."""
+    count = sum(s["c_inside"] is not None for s in studies)
+    words = f"{share(studies, 'sigma_n_inside')}, {share(studies, 'c_inside')}"
+    return words if count in (0, len(studies)) else f"{words} of {count}"
+
+
+def verdicts(studies: list[dict[str, Any]]) -> str:
+    """Each with its share of the cases, the most frequent first."""
+    counts = Counter(s["status"] for s in studies).most_common()
+    return ", ".join(f"{name} {100 * n / len(studies):.0f} %" for name, n in counts)
 
 
 if __name__ == "__main__":

@@ -16,9 +16,10 @@ def script():
 
 
 def case(exact, inside, status):
+    c_inside = None if inside is None else True
     return {
-        "exact": exact, "near": True, "in_set": exact, "sigma_n_inside": inside, "c_inside": True,
-        "status": status,
+        "exact": exact, "near": True, "in_set": exact, "sigma_n_inside": inside,
+        "c_inside": c_inside, "status": status,
     }  # fmt: skip
 
 
@@ -32,8 +33,11 @@ def test_rows_of_several_files_are_put_together():
     lines = script().table([{"tables": [one, mixed]}, other])
     head, rule, first, second, _, count = lines
     assert head.count("|") == rule.count("|") == first.count("|") == second.count("|")
-    assert first == "| unique | -4 | 50 % | 100 % | 50 % | 100 %, 100 % | 50 % |"
+    assert first == (
+        "| unique | -4 | 50 % | 100 % | 50 % | 100 %, 100 % of 1 | best 50 %, broad 50 % |"
+    )
     assert second == (
-        "| two-optima | sees no picture | 100 % | 100 % | 100 % | 0 %, 100 % | 0 % (right: 0 %) |"
+        "| two-optima | sees no picture | 100 % | 100 % | 100 % | 0 %, 100 % | "
+        "ridge 50 %, broad 50 %; *best* is wrong |"
     )
     assert count == "Samples judged in each row: 2."
