@@ -204,14 +204,20 @@ def profile(samples: Departures, theta_deg: float, largest_deg: float) -> Profil
 
 
 def _window(offset: Array) -> float | None:
-    """Half width in theta_d that reaches planes on both sides; None where one side has none."""
-    near = float(np.min(np.abs(offset)))
-    below, above = offset[offset <= 0.0], offset[offset >= 0.0]
-    if len(below) and len(above):
-        reach = max(float(-np.max(below)), float(np.min(above)))
-        if reach <= FARTHEST_PLANE_DEG:
-            return 1.25 * max(reach, NEAREST_PLANES_DEG)
-    return NEAREST_PLANES_DEG if near <= OWN_PLANE_DEG else None
+    """Half width in theta_d, degrees, for planes at some offsets from it; None where it is outside.
+
+    It reaches a plane on both sides, beside one at theta_d itself: several planes let their noise
+    be averaged and a trend be followed.
+    """
+    own = bool(np.min(np.abs(offset)) <= OWN_PLANE_DEG)
+    sides = [
+        float(np.min(side))
+        for side in (-offset[offset < -SAME_ANGLE_DEG], offset[offset > SAME_ANGLE_DEG])
+        if len(side) and np.min(side) <= FARTHEST_PLANE_DEG
+    ]
+    if len(sides) < 2 and not own:
+        return None
+    return 1.25 * max(NEAREST_PLANES_DEG, *sides, 0.0)
 
 
 def _levels(delta: Array) -> tuple[Array, Ints]:

@@ -398,9 +398,10 @@ class TestRecord:
     def test_the_text_has_gloss_and_picture(self) -> None:
         table = sound(3)
         text = describe_fit(fit_material(table))
-        assert "gloss 60: fit" in text
-        assert "picture: dE2000 p95 of the highlight" in text
-        assert "light explained 9" in text
+        assert "  gloss 60   fit " in text
+        assert "  gloss      not judged at 75, 85: the table's mirror directions" in text
+        assert "  picture    dE2000 (p95) " in text
+        assert "% explained, near the mirror 9" in text
 
     def test_a_file_with_another_judgement_is_still_described(self) -> None:
         material = fit_material(sound(3))
