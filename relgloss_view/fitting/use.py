@@ -55,11 +55,12 @@ def judge_by_use(
     tail, planes = tail_use(samples), plane_uses(samples)
     words = plane_words(planes)
     off = any(use.named and abs(use.offset) > POOR_PLANE for use in planes)
+    reasons = [row.reason for row in gloss] + [row.reason for row in pictures]
     poor = (
         *(_gloss_words(row) for row in gloss if poor_gloss(row)),
         *(_picture_words(row) for row in pictures if poor_picture(row)),
         *(words if off else ()),
-        *_mirror_words(tail, planes, any(TOO_COARSE in row.reason for row in (*gloss, *pictures))),
+        *_mirror_words(tail, planes, any(TOO_COARSE in reason for reason in reasons)),
     )
     return UseJudgement(gloss, pictures, tail, planes, "", () if off else words, poor)
 
