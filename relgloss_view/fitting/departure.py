@@ -53,8 +53,9 @@ TO_SD = 1.4826  #: median absolute deviation to a Gaussian's sd
 PLACES = 40
 #: Slopes are held by this share of the weight, where samples at one angle alone can't give them.
 RIDGE = 1e-3
-#: Sd that planes of an instrument have in common, where a table has too few to see it.
-PRESUMED_SPREAD, FEWEST_PLANES = 0.02, 4
+#: Sd that the samples of a plane share, before a table is seen, and the planes that this is worth:
+#: a table of few planes hardly shows it.
+PRESUMED_SPREAD, WORTH, FEWEST_PLANES = 0.02, 2.0, 4
 
 
 @dataclass(frozen=True)
@@ -157,7 +158,10 @@ def _plane_spread(log_ratio: Array, group: Ints, theta_d: Array) -> float:
     level = np.array([np.median(log_ratio[group == k]) for k in planes])
     place = np.array([np.median(theta_d[group == k]) for k in planes])
     second = np.diff(level[np.argsort(place)], 2)
-    return float(TO_SD * np.median(np.abs(second)) / np.sqrt(6.0))
+    seen2 = (TO_SD * float(np.median(np.abs(second)))) ** 2 / 6.0
+    return float(
+        np.sqrt((len(second) * seen2 + WORTH * PRESUMED_SPREAD**2) / (len(second) + WORTH))
+    )
 
 
 def profile(samples: Departures, theta_deg: float, largest_deg: float) -> Profile | str:

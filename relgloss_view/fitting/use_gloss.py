@@ -25,10 +25,10 @@ from relgloss_view.material import brdf
 from relgloss_view.material.material import Material
 
 #: A fit's gloss may differ from its table's by this share and so many of the table's standard
-#: errors. Of 400 gloss readings of sound tables 1 exceeds it, of a fit that is 9 % off the truth.
+#: errors.
 GLOSS_SHARE, GLOSS_ERRORS = 0.03, 1.25
 #: The standard error counts up to here: no noise excuses more.
-LARGEST_ERROR = 0.06
+LARGEST_ERROR = 0.05
 #: A reading with a larger standard error, as a share, is none.
 UNREADABLE = 0.25
 #: Gloss below this many units is that of a matte sheet, where a meter's own unit counts.
