@@ -118,7 +118,7 @@ def departures(
     measured, fitted = value @ weights, seen @ weights
     typical = np.median(measured, axis=0)
     if np.any(typical <= 0.0):
-        return "its bands carry no colour that the eye sees"
+        return "no luminance and colour follow from its bands"
     floor = np.clip(FLOOR_OF_MEDIAN * typical, 0.0, FLOOR * np.sum(weights, axis=0))
     log_ratio = np.log(np.maximum(measured, 0.0) + floor) - np.log(np.maximum(fitted, 0.0) + floor)
     log_ratio[:, RED:] -= log_ratio[:, LUMINANCE : LUMINANCE + 1]
