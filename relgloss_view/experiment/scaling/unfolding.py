@@ -162,8 +162,11 @@ class _FromOne:
             by_u * np.abs(self._u),
             by_v * np.abs(self._v),
             steep / self._exponent * self._log_sum,
-            steep * (0.5 * (self._part_u * self._log_u + part_v * self._log_v)
-                     - self._log_sum / self._exponent),
+            steep
+            * (
+                0.5 * (self._part_u * self._log_u + part_v * self._log_v)
+                - self._log_sum / self._exponent
+            ),
         ]
         return np.concatenate(
             [-by_place * self._ideal_turn[..., None], np.stack(rest, axis=-2)], axis=-2
