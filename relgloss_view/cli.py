@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+# First, for a signal may come while the rest is imported.
+from relgloss_view.base.interruptions import SIGNALS, WORDS, Interrupted  # isort: skip
+
 import argparse
 import contextlib
 import importlib
@@ -11,6 +14,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
+from relgloss_view.base import temporaries
 from relgloss_view.base.errors import GLUnavailableError, InputError, RelglossError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.version import __version__
@@ -48,7 +52,21 @@ LESS_MEMORY = {
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command line; returns the exit status (0 done, 1 input, 2 usage, 3 no OpenGL)."""
-    words = list(sys.argv[1:] if argv is None else argv)
+    if argv is not None or not SIGNALS.caught:
+        return _status_of(list(sys.argv[1:] if argv is None else argv))
+    SIGNALS.work(temporaries.remove_all)
+    try:
+        status = _status_of(sys.argv[1:])
+    except BaseException:
+        SIGNALS.end()
+        raise
+    if SIGNALS.interrupted:
+        SIGNALS.leave(status)
+    SIGNALS.end()
+    return status
+
+
+def _status_of(words: list[str]) -> int:
     try:
         _prepare_streams()
         try:
@@ -59,8 +77,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         return status
     except RelglossError as error:
         return _fault(str(error), error.exit_status)
+    except Interrupted as signal:
+        return _fault(WORDS, signal.exit_status)
     except KeyboardInterrupt:
-        return _fault("interrupted; no file is left half written", INTERRUPTED)
+        return _fault(WORDS, INTERRUPTED)
     except BrokenPipeError:
         _drop_output()  # the reader has closed the pipe; the files are written
         return 0

@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
+from relgloss_view.base.temporaries import scratch_folder
 from relgloss_view.base.terminal import Progress
 from relgloss_view.base.version import __version__
 from relgloss_view.base.writing import whole_file, whole_folder
@@ -62,8 +62,8 @@ def run(args: argparse.Namespace) -> int:
     folder = None
     if args.stimuli is not None:
         folder = own_folder(args.stimuli, {MANIFEST: FORMAT}, "export", alone=True)
-    with tempfile.TemporaryDirectory(prefix="relgloss-") as lamps:
-        pool = read_pool(args.files, Path(lamps))
+    with scratch_folder() as lamps:
+        pool = read_pool(args.files, lamps)
         written: dict[str, Any] = {}
         if table is not None:
             written["answers"] = _write_answers(table, pool)

@@ -11,12 +11,12 @@ import contextlib
 import os
 import shutil
 import sqlite3
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import check_regular, printable
+from relgloss_view.base.temporaries import scratch_folder
 from relgloss_view.base.writing import fresh_file
 
 APPLICATION_ID = 0x52476C45  #: "RGlE"
@@ -115,7 +115,7 @@ def open_to_read(path: str | os.PathLike[str]) -> Iterator[sqlite3.Connection]:
             if _is_lock(error):
                 raise
             # After a kill the log must be read too, and SQLite does that only where it may write.
-            folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+            folder = stack.enter_context(scratch_folder())
             for name in (file.name, f"{file.name}-wal"):
                 if file.with_name(name).exists():
                     shutil.copyfile(file.with_name(name), folder / name)

@@ -10,7 +10,6 @@ import contextlib
 import json
 import os
 import sqlite3
-import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -18,6 +17,7 @@ from typing import Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
+from relgloss_view.base.temporaries import scratch_folder
 from relgloss_view.base.version import __version__
 from relgloss_view.experiment.design.study import Study
 from relgloss_view.experiment.design.study_file import study_digest, study_to_dict
@@ -49,9 +49,10 @@ class Store:
             written = json.dumps(content, allow_nan=False)
             session_file.create_file(path, written, study_digest(content), __version__)
         self._connection: sqlite3.Connection | None = session_file.open_to_write(path)
-        self._lamps = tempfile.TemporaryDirectory(prefix="relgloss-")
+        self._lamps = contextlib.ExitStack()
         try:
-            held, digest = read_study(self._connection, Path(self._lamps.name), self.path)
+            lamps = self._lamps.enter_context(scratch_folder())
+            held, digest = read_study(self._connection, lamps, self.path)
             if content is not None and study_digest(content) != digest:
                 raise InputError(
                     f"{printable(path)}: holds answers to another study, or to this one before it "
@@ -76,7 +77,7 @@ class Store:
             try:
                 session_file.close(connection, self.path)
             finally:
-                self._lamps.cleanup()
+                self._lamps.close()
 
     # --- observers and runs -------------------------------------------------------------------
 
