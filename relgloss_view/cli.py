@@ -8,7 +8,6 @@ from relgloss_view.base.interruptions import SIGNALS, WORDS, Interrupted  # isor
 import argparse
 import contextlib
 import importlib
-import io
 import os
 import sys
 from collections.abc import Sequence
@@ -17,6 +16,7 @@ from typing import Any
 from relgloss_view.base import temporaries
 from relgloss_view.base.errors import GLUnavailableError, InputError, RelglossError
 from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import make_streams_safe
 from relgloss_view.base.version import __version__
 
 #: Each command, a module of its own, with its line in `relgloss --help`.
@@ -53,7 +53,11 @@ LESS_MEMORY = {
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command line; returns the exit status (0 done, 1 input, 2 usage, 3 no OpenGL)."""
     if argv is not None or not SIGNALS.caught:
-        return _status_of(list(sys.argv[1:] if argv is None else argv))
+        streams = sys.stdout, sys.stderr
+        try:
+            return _status_of(list(sys.argv[1:] if argv is None else argv))
+        finally:
+            sys.stdout, sys.stderr = streams
     SIGNALS.work(temporaries.remove_all)
     try:
         status = _status_of(sys.argv[1:])
@@ -108,15 +112,13 @@ def _run(words: list[str]) -> int:
 
 
 def _prepare_streams() -> None:
-    """Let every name be printed, whatever the terminal's encoding; InputError without stdout."""
+    """Let every name be printed, and no terminal obey one; InputError without stdout."""
     if sys.stderr is None:
         sys.stderr = open(os.devnull, "w")  # noqa: SIM115 - as long as the program
     if sys.stdout is None:
         # The next file that is opened would become the standard output of every library.
         raise InputError("standard output is closed; send it to /dev/null")
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
+    make_streams_safe()
 
 
 def _fault(text: str, status: int) -> int:

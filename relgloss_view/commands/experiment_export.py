@@ -80,7 +80,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _write_answers(path: Path, pool: Pool) -> int:
-    from relgloss_view.experiment.report.tables import ANSWER_COLUMNS, answer_rows, write_csv
+    from relgloss_view.base.csv_files import write_csv
+    from relgloss_view.experiment.report.tables import ANSWER_COLUMNS, answer_rows
 
     rows = list(answer_rows(pool))
     with whole_file(path) as temporary:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import shlex
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
+from relgloss_view.base.shell import command_line, operand, option
 from relgloss_view.base.terminal import Progress, warn
 from relgloss_view.commands.scene_options import size_of_text
 
@@ -171,6 +171,8 @@ def _tell(args: argparse.Namespace, path: Path, observer: str, answered: int, to
         return
     text = f"{printable(path)}: {printable(observer)} has judged {answered} of {total}"
     if answered < total:
-        name = shlex.quote(printable(observer))
-        text += f"; `relgloss experiment run {printable(path)} --observer {name}` resumes"
+        line = command_line(
+            ["relgloss", "experiment", "run", operand(path), *option("--observer", observer)]
+        )
+        text += f"; `{line}` resumes"
     print(text)

@@ -17,6 +17,7 @@ from typing import Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
+from relgloss_view.base.shell import command_line, operand
 from relgloss_view.base.temporaries import scratch_folder
 from relgloss_view.base.version import __version__
 from relgloss_view.experiment.design.study import Study
@@ -54,10 +55,10 @@ class Store:
             lamps = self._lamps.enter_context(scratch_folder())
             held, digest = read_study(self._connection, lamps, self.path)
             if content is not None and study_digest(content) != digest:
+                line = command_line(["relgloss", "experiment", "run", operand(path)])
                 raise InputError(
                     f"{printable(path)}: holds answers to another study, or to this one before it "
-                    "was edited; give another file with -o, or continue with "
-                    f"`relgloss experiment run {printable(path)}`"
+                    f"was edited; give another file with -o, or continue with `{line}`"
                 )
         except BaseException:
             self.close()
