@@ -7,13 +7,17 @@ middle of its work, and can end in a segmentation fault.
 
 from __future__ import annotations
 
-import contextlib
+# Nothing that takes time to import comes before the handlers are in place: hence _signal, which
+# `signal` only dresses up, and no contextlib.
+import _signal as signal  # type: ignore[import-not-found]
 import os
-import signal
 import sys
 import time
-from collections.abc import Callable
-from types import FrameType
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import FrameType
 
 PROGRAM = "relgloss"
 MODULE = "relgloss_view.cli"
@@ -93,14 +97,18 @@ class Signals:
         self.end()
         self._clean_up()
         for stream in (sys.stdout, sys.stderr):
-            with contextlib.suppress(OSError, ValueError, AttributeError):
+            try:  # noqa: SIM105
                 stream.flush()
+            except (OSError, ValueError, AttributeError):
+                pass
         os._exit(status)
 
     def _leave_early(self, number: int, frame: FrameType | None) -> None:
         self.end()
-        with contextlib.suppress(OSError):
+        try:  # noqa: SIM105
             os.write(2, f"{PROGRAM}: {WORDS}\n".encode())
+        except OSError:
+            pass
         os._exit(128 + number)
 
     def _on_signal(self, number: int, frame: FrameType | None) -> None:

@@ -86,11 +86,11 @@ def _removed_at_the_end(path: str) -> Iterator[int | None]:
             lock = TAKEN
         yield lock
     finally:
-        _held.discard(path)
         if lock != TAKEN:
             shutil.rmtree(path, ignore_errors=True)
             if lock is not None:
                 os.close(lock)
+        _held.discard(path)  # last: until then `remove_all` removes it, should a signal come here
 
 
 def sweep(base: str | os.PathLike[str]) -> None:
