@@ -27,8 +27,9 @@ NAMES = ("SIGINT", "SIGTERM", "SIGHUP")
 AGAIN_S = 1.0  #: a signal sooner after the first is the same wish, and does not stop the clean-up
 RETRY_S = 0.005
 #: While these are at work an exception has to wait: C code below them calls Python and does not
-#: expect one (moderngl ends in a segmentation fault), or swallows it.
-DELICATE_MODULES = ("moderngl", "_moderngl", "glcontext", "importlib")
+#: expect one (moderngl ends in a segmentation fault), or swallows it. tempfile leaves the file by
+#: which it tries a folder.
+DELICATE_MODULES = ("moderngl", "_moderngl", "glcontext", "importlib", "tempfile")
 DELICATE_FUNCTIONS = ("__del__",)
 
 

@@ -75,21 +75,24 @@ def held_folder(base: str | os.PathLike[str]) -> Iterator[Path]:
 def _removed_at_the_end(path: str) -> Iterator[int | None]:
     """Make a folder and lock it; the lock, None without such locks, or TAKEN."""
     lock: int | None = TAKEN
+    ours = True  # before it is made, for a signal may come in between
     try:
         _held.add(path)
-        with contextlib.suppress(FileExistsError):
+        try:
             os.mkdir(path, PRIVATE)
             lock = _lock(path)
+        except FileExistsError:
+            ours = False
         # Another program may have taken it for a leftover before it was locked.
         if lock is not None and lock != TAKEN and not _is_at(lock, path):
             os.close(lock)
             lock = TAKEN
         yield lock
     finally:
-        if lock != TAKEN:
+        if ours:
             shutil.rmtree(path, ignore_errors=True)
-            if lock is not None:
-                os.close(lock)
+        if lock is not None and lock != TAKEN:
+            os.close(lock)
         _held.discard(path)  # last: until then `remove_all` removes it, should a signal come here
 
 

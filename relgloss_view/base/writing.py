@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shutil
 import stat
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.temporaries import held_folder
+from relgloss_view.base.temporaries import held_folder, scratch_folder
 
 
 @contextlib.contextmanager
@@ -128,6 +129,20 @@ def check_target(path: str | os.PathLike[str]) -> Path:
     if mode is not None and not stat.S_ISREG(mode):
         raise InputError(f"{path}: is not a regular file; choose another place")
     return target
+
+
+@contextlib.contextmanager
+def utf8_path(path: Path) -> Iterator[Path]:
+    """A path that libraries take which know UTF-8 alone; what they write there goes to `path`."""
+    try:
+        os.fspath(path).encode("utf-8")
+    except UnicodeEncodeError:
+        with scratch_folder() as folder:
+            written = folder / f"written{path.suffix if path.suffix.isascii() else ''}"
+            yield written
+            shutil.copyfile(written, path)
+        return
+    yield path
 
 
 def make_folder(path: str | os.PathLike[str]) -> Path:

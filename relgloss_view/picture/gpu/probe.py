@@ -1,0 +1,84 @@
+"""Whether the OpenGL driver that the environment names can draw, tried where a crash does no harm.
+
+Mesa's libraries end the process where a driver is named whose hardware is missing, as with
+GALLIUM_DRIVER=d3d12 on Debian 12. Nothing is tried, and no time spent, unless such a variable is
+set: then the context is first made in a process of its own.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+
+from relgloss_view.base.errors import GLUnavailableError
+
+#: How the names of variables begin by which a driver is chosen or changed.
+OF_DRIVERS = (
+    "GALLIUM_", "MESA_", "LIBGL_", "LP_", "EGL_", "__EGL_", "__GLX_", "DRI_", "ZINK_", "LVP_",
+)  # fmt: skip
+#: Those with which Mesa's software drivers are known to draw.
+HARMLESS = {
+    "GALLIUM_DRIVER": ("llvmpipe", "softpipe"),
+    "LIBGL_ALWAYS_SOFTWARE": ("0", "1", "true", "false"),
+    "LP_NUM_THREADS": tuple(map(str, range(33))),
+}
+HARMLESS_NAMES = ("MESA_GL_VERSION_OVERRIDE", "MESA_GLSL_VERSION_OVERRIDE", "EGL_LOG_LEVEL")
+CACHES = ("MESA_SHADER_CACHE", "MESA_GLSL_CACHE")
+DRAWN = "relgloss: drawn"
+
+_crashes: dict[str, str] = {}  #: of backends that were tried, by name
+
+
+def chosen_by_hand() -> list[str]:
+    """Variables of the environment that choose a driver, as NAME=VALUE."""
+    return [
+        f"{name}={value}"
+        for name, value in sorted(os.environ.items())
+        if name.startswith(OF_DRIVERS)
+        and value
+        and name not in HARMLESS_NAMES
+        and not name.startswith(CACHES)
+        and value not in HARMLESS.get(name, ())
+    ]
+
+
+def check(backend: str) -> None:
+    """Raise GLUnavailableError where this backend would end the process; at no cost usually."""
+    named = chosen_by_hand()
+    if not named:
+        return
+    if backend not in _crashes:
+        from relgloss_view.base.child import run_module
+
+        _crashes[backend] = run_module(__name__, backend).crash
+    if _crashes[backend]:
+        raise GLUnavailableError(
+            f"{backend}: the OpenGL driver {_crashes[backend]}; unset {', '.join(named)}"
+        )
+
+
+def _draw(backend: str) -> None:
+    """Make a context and draw on it, as any picture would."""
+    from relgloss_view.picture.gpu.context import open_context
+
+    ctx = open_context(backend, probed=True)
+    program = ctx.program(
+        vertex_shader="#version 330 core\nvoid main() {\n"
+        "  vec2 p = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0;\n"
+        "  gl_Position = vec4(p, 0.0, 1.0);\n}",
+        fragment_shader="#version 330 core\nout vec4 light;\n"
+        "void main() { light = vec4(pow(gl_FragCoord.x, 0.3)); }",
+    )
+    target = ctx.framebuffer([ctx.texture((16, 16), 4, dtype="f4")])
+    target.use()
+    ctx.vertex_array(program, []).render(vertices=3)
+    target.read(components=4, dtype="f4")
+    print(DRAWN, flush=True)
+
+
+if __name__ == "__main__":
+    # A fault that is no crash is met again, and reported, by the caller.
+    with contextlib.suppress(GLUnavailableError):
+        _draw(sys.argv[1])
+    os._exit(0)
