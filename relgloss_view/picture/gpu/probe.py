@@ -25,7 +25,6 @@ HARMLESS = {
 }
 HARMLESS_NAMES = ("MESA_GL_VERSION_OVERRIDE", "MESA_GLSL_VERSION_OVERRIDE", "EGL_LOG_LEVEL")
 CACHES = ("MESA_SHADER_CACHE", "MESA_GLSL_CACHE")
-DRAWN = "relgloss: drawn"
 
 _crashes: dict[str, str] = {}  #: of backends that were tried, by name
 
@@ -61,20 +60,13 @@ def check(backend: str) -> None:
 def _draw(backend: str) -> None:
     """Make a context and draw on it, as any picture would."""
     from relgloss_view.picture.gpu.context import open_context
+    from relgloss_view.picture.gpu.renderer import Renderer
+    from relgloss_view.picture.scene.look import Look
+    from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, load_sample
+    from relgloss_view.picture.scene.scene import Scene
 
-    ctx = open_context(backend, probed=True)
-    program = ctx.program(
-        vertex_shader="#version 330 core\nvoid main() {\n"
-        "  vec2 p = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0;\n"
-        "  gl_Position = vec4(p, 0.0, 1.0);\n}",
-        fragment_shader="#version 330 core\nout vec4 light;\n"
-        "void main() { light = vec4(pow(gl_FragCoord.x, 0.3)); }",
-    )
-    target = ctx.framebuffer([ctx.texture((16, 16), 4, dtype="f4")])
-    target.use()
-    ctx.vertex_array(program, []).render(vertices=3)
-    target.read(components=4, dtype="f4")
-    print(DRAWN, flush=True)
+    renderer = Renderer(open_context(backend, probed=True))
+    _ = renderer.render(Scene(load_sample(DEFAULT_SAMPLE)), Look(), (16, 16)).display
 
 
 if __name__ == "__main__":
