@@ -32,14 +32,13 @@ class FrameRenderer(Protocol):
 
 @contextlib.contextmanager
 def open_renderer(
-    backend: str = "auto", progress: ProgressReport = no_progress, *, probed: bool = False
+    backend: str = "auto", progress: ProgressReport = no_progress
 ) -> Iterator[FrameRenderer]:
     """A renderer for the length of a block; fetch a frame's stages inside the block.
 
     backend: 'egl' or 'osmesa' draw through OpenGL, 'reference' in float64 without it; 'auto' takes
     the first OpenGL that works.
     progress: called with a share from 0 to 1 and a text while the reference draws.
-    probed: as for open_context.
 
     Raises GLUnavailableError where no OpenGL context can be made.
 
@@ -58,7 +57,7 @@ def open_renderer(
     from relgloss_view.picture.gpu.renderer import Renderer
     from relgloss_view.quality.planner import MethodChooser
 
-    ctx = open_context(backend, probed=probed)
+    ctx = open_context(backend)
     try:
         renderer = Renderer(ctx, choose=MethodChooser().method)
         try:

@@ -139,10 +139,10 @@ class TestOpenGL:
 
         real = backends.open_renderer
 
-        def fail(name, **options):
+        def fail(name, *rest):
             if name == "osmesa":
                 raise SystemError("driver\nfell over")
-            return real(name, **options)
+            return real(name, *rest)
 
         monkeypatch.setattr(backends, "open_renderer", fail)
         monkeypatch.setattr(doctor, "_check", doctor._check_here)

@@ -32,11 +32,11 @@ REMEDY = (
 )
 
 
-def open_context(backend: str = "auto", *, probed: bool = False) -> moderngl.Context:
+def open_context(backend: str = "auto") -> moderngl.Context:
     """A headless context; `backend` is 'auto', 'egl' or 'osmesa'.
 
-    probed: nothing is tried in a process of its own first; see probe.py. Raises
-    GLUnavailableError, one line with the remedy, where none can be made.
+    A driver that the environment names is tried in a process of its own first; see probe.py.
+    Raises GLUnavailableError, one line with the remedy, where none can be made.
     """
     if backend == "auto":
         makers = [_egl, _osmesa] if sys.platform.startswith("linux") else [_standalone]
@@ -45,8 +45,7 @@ def open_context(backend: str = "auto", *, probed: bool = False) -> moderngl.Con
     faults: list[str] = []
     for make in makers:
         try:
-            if not probed:
-                probe.check(make.__name__.strip("_"))
+            probe.check(make.__name__.strip("_"))
             return _checked(make())
         except GLUnavailableError as error:
             faults.append(str(error))

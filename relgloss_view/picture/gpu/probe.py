@@ -57,6 +57,11 @@ def check(backend: str) -> None:
         )
 
 
+def trust(backend: str) -> None:
+    """Try this backend in this process, whatever comes of it: the process is there for that."""
+    _crashes[backend] = ""
+
+
 def _draw(backend: str) -> None:
     """Make a context and draw on it, as any picture would."""
     from relgloss_view.picture.gpu.context import open_context
@@ -65,11 +70,14 @@ def _draw(backend: str) -> None:
     from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, load_sample
     from relgloss_view.picture.scene.scene import Scene
 
-    renderer = Renderer(open_context(backend, probed=True))
+    renderer = Renderer(open_context(backend))
     _ = renderer.render(Scene(load_sample(DEFAULT_SAMPLE)), Look(), (16, 16)).display
 
 
 if __name__ == "__main__":
+    from relgloss_view.picture.gpu import probe  # this module again, as the others know it
+
+    probe.trust(sys.argv[1])
     # A fault that is no crash is met again, and reported, by the caller.
     with contextlib.suppress(GLUnavailableError):
         _draw(sys.argv[1])
