@@ -6,15 +6,14 @@ Every study goes the whole way: observers answer through the store, the file is 
 from __future__ import annotations
 
 import dataclasses
-import tempfile
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
+from relgloss_view.base.temporaries import scratch_folder
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.experiment.design.coordinates import grid_steps
 from relgloss_view.experiment.design.grid import Grid
@@ -103,8 +102,7 @@ def _one(
     seed: int,
     number: int,
 ) -> list[Recovery]:
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
+    with scratch_folder() as folder:
         file = folder / "study.sqlite"
         with Store(file, study) as store:
             run_observers(store, percepts, population, observers, seed)

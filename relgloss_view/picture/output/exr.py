@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from relgloss_view.base.arrays import AnyArray
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.version import __version__
-from relgloss_view.base.writing import whole_file
+from relgloss_view.base.writing import utf8_path, whole_file
 from relgloss_view.picture.displayed import Displayed, cut_out
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.output.parameters import parameters
@@ -86,7 +86,8 @@ def save_exr(
     }
     with whole_file(path) as temporary, OpenEXR.File(header, channels) as picture:
         try:
-            picture.write(str(temporary))
+            with utf8_path(temporary) as written:
+                picture.write(str(written))
         except RuntimeError as error:  # what OpenEXR raises where the disk is full
             raise InputError(f"{path}: can't be written ({error}); choose another place") from error
 
