@@ -109,11 +109,14 @@ def fit_material(
     fit = ChosenFit(choice, _all_bands(full, best), spread)
     judged = judge(fit)
     state = fit.state
-    if judged.quality == Quality.UNIDENTIFIABLE and judged.width is not None:
-        state = _plainest_width(full, best.rung, state, judged.width.s_deg_upper)
+    width = judged.width
+    if judged.quality == Quality.UNIDENTIFIABLE and width and width.s_deg_lower is None:
+        state = _plainest_width(full, best.rung, state, width.s_deg_upper)
     record = record_fit(fit, judged, seed)
     try:
-        material = with_energy_warning(_material(measurement, best.rung, state, record))
+        material = _material(measurement, best.rung, state, record)
+        steepest = float(np.degrees(np.arccos(np.min(measurement.to_lamp[measurement.kept, 2]))))
+        material = with_energy_warning(material, steepest)
     except InputError as error:
         raise InputError(
             f"{measurement.place}: the fit is no material: {error}; check the quantity and its unit"

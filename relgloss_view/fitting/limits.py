@@ -13,6 +13,8 @@ OPTICAL_INDEX = (1.3, 1.8)
 #: A lobe this weak against the strongest one does not move a picture or a reading.
 _FAINT = 1e-4
 _NEAR = 1e-3
+#: Of a width, an index or an error, beside its limit: the samples hold it no better than this.
+_BESIDE = 0.05
 
 
 def at_limits(rung: Rung, state: State, *, names: tuple[str, ...] = ()) -> tuple[str, ...]:
@@ -29,7 +31,7 @@ def at_limits(rung: Rung, state: State, *, names: tuple[str, ...] = ()) -> tuple
     for j, strength in enumerate(strengths.tolist()):
         if strength <= _FAINT * float(np.max(strengths)):
             continue
-        if state.log_s[j] >= LOG_S_RANGE[1] - _NEAR:
+        if state.log_s[j] >= LOG_S_RANGE[1] - _BESIDE:
             found.append(f"the width of a lobe at {np.degrees(np.exp(LOG_S_RANGE[1])):.0f} deg")
         if rung.free_index:
             ends = [end for end in INDEX_RANGE if abs(state.n[j] - end) <= _NEAR * end]

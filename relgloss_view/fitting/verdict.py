@@ -39,6 +39,9 @@ FLANK_SD = (0.5, 3.0)  #: standard deviations from a lobe's peak between which i
 FEWEST_ON_FLANK = 3
 #: Widths below this (radians) reach the end of the search: the samples set no lower bound.
 NO_LOWER_BOUND = float(np.radians(0.06))
+UNSEEN_DEG = 2.5  #: of half-vectors; a finer gap hides no highlight of packaging but a mirror's
+#: Of a smooth dielectric's one: what a printed surface's highlight carries at least.
+INTERFACE_STRENGTH = 0.25
 NULL_WIDTHS_DEG = (0.1, 0.3, 1.0, 3.0, 10.0)
 _LARGEST_STRENGTH = 1e4
 
@@ -222,6 +225,26 @@ def width_is_seen(observations: Observations, state: State, lobe: int) -> bool:
     flank = (sd2 >= FLANK_SD[0] ** 2) & (sd2 <= FLANK_SD[1] ** 2) & (np.max(share, axis=1) > 0.1)
     weighted = np.any(observations.weight > 0.0, axis=1)
     return int(np.sum(flank & weighted)) >= FEWEST_ON_FLANK
+
+
+def unseen_highlight(observations: Observations, state: State) -> str:
+    """A warning where samples near the mirror direction are missing that a highlight may hide in.
+
+    The flanks of a lobe show it (FLANK_SD) if it carries the light of an interface; a weak foot far
+    out may belong to a highlight that no sample shows.
+    """
+    seen = np.any(observations.weight > 0.0, axis=1)
+    nearest = float(np.sqrt(np.min(observations.geometry.facing.delta2[seen])))
+    if nearest <= np.radians(UNSEEN_DEG):
+        return ""
+    if len(state.ks) and np.any(state.ks > 0.0):
+        s = float(np.exp(np.max(state.log_s)))
+        if nearest <= FLANK_SD[1] * s and np.sum(np.mean(state.ks, axis=1)) >= INTERFACE_STRENGTH:
+            return ""
+    return (
+        f"unidentifiable: no sample lies within {np.degrees(nearest):.2g} deg of the mirror "
+        "direction, so a highlight narrower than that would not be seen: measure there"
+    )
 
 
 def no_lobe_bounds(observations: Observations, state: State, n: float) -> NoLobeBounds:
