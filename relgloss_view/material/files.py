@@ -20,6 +20,8 @@ from relgloss_view.measure.table import source_is_synthetic
 FORMAT = "relgloss-material"
 VERSION = 1
 MAX_BYTES = 64 * 1024 * 1024
+#: The kinds of lobes.
+DIELECTRIC, METAL = "torrance-sparrow", "metal"
 MAX_DIGITS = 1000  # of a whole number; Python itself refuses more than 4300
 
 
@@ -42,9 +44,13 @@ def material_to_dict(material: Material) -> dict[str, Any]:
     }
     content["specular"] = [
         {
-            "model": "torrance-sparrow",
-            "strength": lobe.strength[0] if len(lobe.strength) == 1 else list(lobe.strength),
-            "refractive_index": lobe.refractive_index,
+            "model": DIELECTRIC if lobe.f0 is None else METAL,
+            "strength": _one_or_list(lobe.strength),
+            **(
+                {"refractive_index": lobe.refractive_index}
+                if lobe.f0 is None
+                else {"f0": _one_or_list(lobe.f0)}
+            ),
             "s_deg": lobe.s_deg,
         }
         for lobe in material.specular
@@ -59,6 +65,10 @@ def material_to_dict(material: Material) -> dict[str, Any]:
         if getattr(material, name) != reading(material.source):
             content[name] = getattr(material, name)
     return content
+
+
+def _one_or_list(values: tuple[float, ...]) -> float | list[float]:
+    return values[0] if len(values) == 1 else list(values)
 
 
 def save_material(material: Material, path: str | os.PathLike[str]) -> None:
@@ -176,16 +186,25 @@ def material_from_dict(content: object) -> Material:
 
 def _lobe(value: object, place: str, bands: Bands) -> Lobe:
     part = _table(value, place)
-    if part.get("model") != "torrance-sparrow":
-        refuse(f"{place}.model", '"torrance-sparrow"', part.get("model"))
-    strength = part.get("strength")
-    if isinstance(strength, list) and len(strength) != bands.count:
-        refuse(f"{place}.strength", f"one number, or {bands.count}, one a band", len(strength))
-    values = tuple(strength) if isinstance(strength, list) else (strength,)
+    if part.get("model") not in (DIELECTRIC, METAL):
+        refuse(f"{place}.model", f'"{DIELECTRIC}" or "{METAL}"', part.get("model"))
     s_deg: Any = part.get("s_deg")
+    if part["model"] == METAL:
+        strength: Any = part.get("strength", 1.0)
+        f0 = _per_band(part.get("f0"), f"{place}.f0", bands)
+        with _inside(place):
+            return Lobe((strength,), s_deg, f0=f0)
+    values = _per_band(part.get("strength"), f"{place}.strength", bands)
     index: Any = part.get("refractive_index")
     with _inside(place):
         return Lobe(values, s_deg, index)
+
+
+def _per_band(value: object, place: str, bands: Bands) -> tuple[Any, ...]:
+    """The values of a list of one a band, or a single one; the lobe checks each."""
+    if isinstance(value, list) and len(value) != bands.count:
+        refuse(place, f"one number, or {bands.count}, one a band", len(value))
+    return tuple(value) if isinstance(value, list) else (value,)
 
 
 def _fit(value: object) -> FitRecord | None:
