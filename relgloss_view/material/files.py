@@ -14,12 +14,13 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable, read_text, refuse, text
 from relgloss_view.base.writing import whole_file
 from relgloss_view.material.material import MAX_LOBES, Diffuse, FitRecord, Lobe, Material, Quality
-from relgloss_view.measure.bands import RGB, Bands
+from relgloss_view.measure.bands import RGB, WIDE_RGB, Bands
 from relgloss_view.measure.table import source_is_synthetic
 
 FORMAT = "relgloss-material"
 VERSION = 1
 MAX_BYTES = 64 * 1024 * 1024
+RGB_BASES = {"rgb": RGB, "rec2020": WIDE_RGB}
 #: The kinds of lobes.
 DIELECTRIC, METAL = "torrance-sparrow", "metal"
 MAX_DIGITS = 1000  # of a whole number; Python itself refuses more than 4300
@@ -33,7 +34,7 @@ def material_to_dict(material: Material) -> dict[str, Any]:
         "version": VERSION,
         "name": material.name,
         "source": material.source,
-        "basis": "rgb" if bands.is_rgb else "spectral",
+        "basis": next((name for name, b in RGB_BASES.items() if b == bands), "spectral"),
     }
     if bands.wavelengths_nm is not None:
         content["wavelengths_nm"] = list(bands.wavelengths_nm)
@@ -164,9 +165,10 @@ def material_from_dict(content: object) -> Material:
         refuse("format", f'"{FORMAT}"', top.get("format"))
     if top.get("version") != VERSION:
         refuse("version", f"{VERSION} (a newer file needs a newer relgloss)", top.get("version"))
-    if top.get("basis") not in ("spectral", "rgb"):
-        refuse("basis", '"spectral" or "rgb"', top.get("basis"))
-    bands = RGB if top["basis"] == "rgb" else Bands(_list(top, "wavelengths_nm"))
+    basis: Any = top.get("basis")
+    if basis not in ("spectral", *RGB_BASES):
+        refuse("basis", '"spectral", "rgb" or "rec2020"', basis)
+    bands = Bands(_list(top, "wavelengths_nm")) if basis == "spectral" else RGB_BASES[basis]
     part = _table(top.get("diffuse"), "diffuse")
     with _inside("diffuse"):
         model: Any = part.get("model")
