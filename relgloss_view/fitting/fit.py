@@ -15,7 +15,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.terminal import ProgressReport
-from relgloss_view.fitting import ladder, verdict
+from relgloss_view.fitting import ladder, metal, verdict
 from relgloss_view.fitting.descent import refine
 from relgloss_view.fitting.evidence import ChosenFit, judge, record_fit, with_energy_warning
 from relgloss_view.fitting.ladder import Candidate
@@ -34,7 +34,7 @@ from relgloss_view.fitting.problem import Problem
 from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material, Quality
 from relgloss_view.measure.table import Measurement
 
-MODELS = ladder.MODELS
+MODELS = (*ladder.MODELS, *metal.NAMES)
 _FINAL_ROUNDS = 40
 _HIGHLIGHT_COST = 1.05
 _FLAT_SIGMA = 0.005  #: rad; Oren-Nayar below this differs from Lambert by less than 0.02 %
@@ -88,13 +88,17 @@ def fit_material(
     few = compress(full)
     rungs = ladder.LADDER if model == "auto" else _forced(model)
     candidates, folds = ladder.climb(few, rungs, refractive_index, progress, start_s_deg)
-    chosen = ladder.choose(candidates)
-    best = candidates[chosen]
+    if model == "auto":
+        candidates = metal.with_metals(folds, candidates)
+    elif model in metal.NAMES:
+        candidates = metal.forced(folds, candidates, model)
+    best = candidates[ladder.choose(candidates)]
     if free_index:
         ladder.report(progress, 0.9, "refractive index")
-        freed = ladder.free_index(folds, best)
+        held = metal.dielectric_of(candidates, best)
+        freed = ladder.free_index(folds, held)
         if freed is not None:
-            candidates.insert(chosen + 1, freed)
+            candidates.insert(candidates.index(held) + 1, freed)
             if not ladder.enough(best, freed, ladder.RELEVANT_SHARE_INDEX):
                 best = freed
     ladder.report(progress, 0.95, "all bands")
@@ -117,6 +121,8 @@ def fit_material(
 def _forced(model: str) -> tuple[Rung, ...]:
     # Two lobes may be neutral or not: the samples decide.
     names = (model, "two-spectral-lobes") if model == "two-lobes" else (model,)
+    if model in metal.NAMES:  # it starts from the rung of that many coloured lobes
+        names = (next(coloured for rung, _, coloured in metal.METALS if rung.name == model),)
     return tuple(rung for rung in ladder.LADDER if rung.name in names)
 
 
@@ -167,12 +173,13 @@ def _plainest_width(full: Observations, rung: Rung, state: State, upper_deg: flo
     that the samples allow.
     """
     main = verdict.main_lobe(state)
+    row = rung.lobes + main if main < rung.metals else main
     problem = Problem(full, rung)
     options = []
     for log_s in np.linspace(LOG_S_RANGE[0], float(np.log(np.radians(upper_deg))), 13):
         moved = replace(state, log_s=np.where(np.arange(rung.lobes) == main, log_s, state.log_s))
         kd, ks = _linear_unknowns(problem, moved, rounds=6)
-        distance = abs(np.log(max(float(np.mean(ks[main])), 1e-12)))
+        distance = abs(np.log(max(float(np.mean(ks[row])), 1e-12)))
         options.append((distance, replace(moved, kd=kd, ks=ks)))
     return min(options, key=lambda option: option[0])[1]
 
@@ -181,9 +188,12 @@ def _material(measurement: Measurement, rung: Rung, state: State, record: FitRec
     sigma = float(np.sqrt(state.t))
     flat = sigma < _FLAT_SIGMA
     lobes = []
-    for j in np.argsort(-np.mean(state.ks, axis=1)) if rung.lobes else ():
+    for j in np.argsort(-metal.brightness(state)) if rung.lobes else ():
         strength = state.ks[j]
         if not np.any(strength > 0.0):
+            continue
+        if j < rung.metals:
+            lobes.append(metal.lobe_of(state, int(j)))
             continue
         values = strength if rung.spectral else strength[:1]
         lobes.append(

@@ -27,6 +27,7 @@ class SharedUnknowns:
     log_s: slice
     n: slice
     ks: slice  #: empty where each band has its own strengths
+    own: int  #: strengths that are a band's own, before those
     low: Array  #: (S,)
     high: Array  #: (S,)
     limit: Array  #: (S,)
@@ -42,7 +43,7 @@ class SharedUnknowns:
         values[:, self.t] = states.t[:, None][:, : self.t.stop]
         values[:, self.log_s] = states.log_s
         values[:, self.n] = states.n[:, : self.n.stop - self.n.start]
-        values[:, self.ks] = states.ks[:, : self.ks.stop - self.ks.start, 0]
+        values[:, self.ks] = states.ks[:, self.own : self.own + self.ks.stop - self.ks.start, 0]
         return values
 
     def replaced(self, states: States, values: Array, kd: Array, own_ks: Array) -> States:
@@ -57,18 +58,25 @@ class SharedUnknowns:
             values[:, self.log_s],
             values[:, self.n] if self.n.stop > self.n.start else states.n,
             kd,
-            np.repeat(neutral[:, :, None], bands, axis=2) if neutral.shape[1] else own_ks,
+            self._strengths(np.repeat(neutral[:, :, None], bands, axis=2), own_ks),
         )
+
+    def _strengths(self, neutral: Array, own: Array) -> Array:
+        if not neutral.shape[1]:
+            return own
+        return np.concatenate([own, neutral], axis=1) if self.own else neutral
 
 
 @lru_cache(maxsize=64)
 def shared_unknowns(rung: Rung) -> SharedUnknowns:
     """Roughness, widths, freed indices and neutral strengths, each present as the rung has it."""
-    neutral = 0 if rung.spectral else rung.lobes
+    neutral = rung.strengths - rung.own
     counts = (int(rung.rough), rung.lobes, rung.lobes if rung.free_index else 0, neutral)
     ends = np.cumsum(counts).tolist()
     ranges = ((0.0, T_MAX), LOG_S_RANGE, INDEX_RANGE, (0.0, np.inf))
     low, high = np.repeat(np.array(ranges), counts, axis=0).T
     limit = np.repeat((np.inf, WIDTH_STEP, INDEX_STEP, np.inf), counts)
     t, log_s, n, ks = (slice(e - c, e) for c, e in zip(counts, ends, strict=True))
-    return SharedUnknowns(t=t, log_s=log_s, n=n, ks=ks, low=low, high=high, limit=limit)
+    return SharedUnknowns(
+        t=t, log_s=log_s, n=n, ks=ks, own=rung.own, low=low, high=high, limit=limit
+    )

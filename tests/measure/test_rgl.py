@@ -7,8 +7,8 @@ import pytest
 from files import rgl_fields, tensor_file
 from rgl_data import NAMES, rgl_file
 
-from relgloss_view.measure import table
 from relgloss_view.material.spectra import illuminant, xyz_weights
+from relgloss_view.measure import table
 from relgloss_view.measure.bands import RGB, WIDE_RGB
 from relgloss_view.measure.gonio import spherical, tabulated_grid
 from relgloss_view.measure.readers import read_measurement, rgl
