@@ -63,8 +63,8 @@ def add(commands: Any) -> None:
         "--refractive-index",
         metavar="N",
         type=float,
-        default=1.5,
-        help="Refractive index, held fixed in the fit (default 1.5)",
+        help="Refractive index of the lobes, held fixed in the fit (default: 1.5, fitted where the "
+        "samples show another)",
     )
     parser.add_argument(
         "--aperture-sd-deg",
@@ -84,9 +84,10 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.material.material import INDEX_RANGE
     from relgloss_view.measure.readers import read_measurement
 
-    if not INDEX_RANGE[0] < args.refractive_index <= INDEX_RANGE[1]:
+    index = args.refractive_index
+    if index is not None and not INDEX_RANGE[0] < index <= INDEX_RANGE[1]:
         raise InputError(
-            f"--refractive-index {args.refractive_index:g}: expected above {INDEX_RANGE[0]:g}, at "
+            f"--refractive-index {index:g}: expected above {INDEX_RANGE[0]:g}, at "
             f"most {INDEX_RANGE[1]:g}"
         )
     if args.aperture_sd_deg and not all(0.0 <= a <= 10.0 for a in args.aperture_sd_deg):
@@ -99,14 +100,15 @@ def run(args: argparse.Namespace) -> int:
         material = fit_material(
             measurement,
             model=args.model,
-            refractive_index=args.refractive_index,
+            refractive_index=index,
             aperture_sd_deg=tuple(args.aperture_sd_deg) if args.aperture_sd_deg else None,
             seed=args.seed,
             progress=progress,
         )
+    # The material first: no fault of a plot may cost it.
+    save_material(material, args.output)
     if args.report:
         write_fit_report(material, measurement, args.report)
-    save_material(material, args.output)
     if args.json:
         print(json.dumps({"output": args.output, **material_to_dict(material)}))
         return 0

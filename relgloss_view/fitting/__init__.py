@@ -2,8 +2,9 @@
 
 In order: `observations` (what is fitted), `shapes` and `model` (what a rung predicts), `unknowns`,
 `linear`, `problem` and `descent` (how one rung is fitted), `search` and `ladder` (which rungs are
-tried and chosen), `verdict`, `evidence` and `results` (what the fit may claim), `fit` (all of it),
-`curves`, `slices`, `describe` and `report` (how people read it).
+tried and chosen), `verdict`, `evidence` and `results` (what the fit may claim), `departure`,
+`use_gloss`, `use_picture`, `use_planes` and `use` (the fit judged by gloss and picture), `fit` (all
+of it), `curves`, `slices`, `describe` and `report` (how people read it).
 """
 
 from relgloss_view.fitting.describe import describe_fit

@@ -20,7 +20,7 @@ def refine(
 ) -> list[Solution]:
     """Descend from each start to the nearest optimum, in at most `rounds` steps."""
     states = States.of(starts)
-    columns = problem.columns(states.t, states.log_s, states.n)
+    columns = problem.columns_of(states)
     states, misfit = problem.reweighted(columns, states)
     place = np.arange(len(states))
     damping = np.full(len(states), 1e-4)
@@ -29,11 +29,12 @@ def refine(
     while len(place):
         equations = problem.equations(columns, misfit, states)
         trial = gauss_newton_step(problem.unknowns, states, equations, damping)
-        trial_columns = problem.columns(trial.t, trial.log_s, trial.n)
+        trial_columns = problem.columns_of(trial)
         trial, trial_misfit = problem.reweighted(trial_columns, trial)
         accepted = trial_misfit.loss <= misfit.loss
         moved = np.abs(trial.t - states.t) + np.sum(np.abs(trial.log_s - states.log_s), axis=1)
         moved = moved + np.sum(np.abs(trial.n - states.n), axis=1)
+        moved = moved + np.sum(np.abs(trial.errors - states.errors), axis=1)
         gained = misfit.loss - trial_misfit.loss
         small = (moved < tolerance) | (gained < 1e-3 * tolerance * trial_misfit.loss)
         converged = np.where(accepted, small, trials == TRIALS - 1)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from relgloss_view.base.reading import printable
@@ -63,9 +65,41 @@ def describe_fit(material: Material) -> str:
         f"{r['samples']} samples"
         + "".join(f", {count} left out ({why})" for why, count in r["left_out"].items())
     )
+    lines += [f"  {line}" for line in use_lines(fit.judgement)]
     lines.append(f"  quality    {fit.quality} ({fit.seconds:.2f} s)")
     lines += [f"  warning    {printable(text, 300)}" for text in material.warnings]
     return "\n".join(lines)
+
+
+def use_lines(judgement: dict[str, Any]) -> list[str]:
+    """The judgement of a fit by gloss and picture, one line each; none where a file has none."""
+    lines = []
+    try:
+        gloss = [
+            f"{row['angle_deg']:g}: fit {row['fit']:.1f}, table {row['table']:.1f} +- "
+            f"{row['table_error']:.1f}"
+            for row in judgement.get("gloss", ())
+            if row["fit"] is not None
+        ]
+        lines += [f"gloss {text}" for text in gloss]
+        pictures = [
+            f"{row['highlight']:.1f} at lamp {row['lamp_azimuth_deg']:g}"
+            for row in judgement.get("pictures", ())
+            if row["highlight"] is not None
+        ]
+        if pictures:
+            lines.append(f"picture: dE2000 p95 of the highlight {', '.join(pictures)}")
+        tail = judgement.get("tail")
+        if tail:
+            near = tail["mirror_explained"]
+            beside = "" if near is None else f", {near:.1%} near the mirror direction"
+            lines.append(f"light explained {tail['explained']:.1%}{beside}; p99 {tail['p99']:.1%}")
+        missing = [row for part in ("gloss", "pictures") for row in judgement.get(part, ())]
+        if missing and not gloss and not pictures:
+            lines.append(f"gloss and picture not judged: {missing[0]['reason']}")
+    except (KeyError, TypeError, ValueError, AttributeError):  # a file that someone else wrote
+        return []
+    return [printable(line, 200) for line in lines]
 
 
 def width_error(material: Material, lobe: int, sign: str) -> str:

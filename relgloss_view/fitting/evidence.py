@@ -7,10 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.fitting import ladder, verdict
+from relgloss_view.fitting.covariance import names_of, prior_covariance, sample_covariance
+from relgloss_view.fitting.instrument import instrument_of
 from relgloss_view.fitting.ladder import Candidate
-from relgloss_view.fitting.metal import brightness
-from relgloss_view.fitting.model import State, predict
+from relgloss_view.fitting.limits import OPTICAL_INDEX, at_limits
+from relgloss_view.fitting.model import State, brightness, lobe_order, predict
 from relgloss_view.fitting.observations import Observations
 from relgloss_view.fitting.results import CandidateEvidence, Verdict
 from relgloss_view.material.albedo import directional_albedo
@@ -19,6 +22,8 @@ from relgloss_view.measure.table import Measurement
 
 #: Incidences at which the energy of a fit is checked; grazing light beyond is little.
 ENERGY_INCIDENCES_DEG = np.arange(0.0, 81.0, 10.0)
+#: Prior standard deviations beyond which an error is none of an instrument in order.
+BEYOND_SD = 3.0
 ENERGY_EXCESS = 1.02  #: noise of a white sample is not an excess
 
 
@@ -32,6 +37,8 @@ class ChosenFit:
     candidates: tuple[Candidate, ...]  #: in order of size, fitted to `few`
     best: Candidate
     state: State  #: of the best candidate, on all bands
+    spread: Candidate  #: the best candidate with the errors of the instrument freed
+    errors: Array  #: (K,), of the instrument, found in all; the measurement is corrected for them
 
 
 def judge(fit: ChosenFit) -> Verdict:
@@ -46,6 +53,18 @@ def judge(fit: ChosenFit) -> Verdict:
             f"no model describes this sample: median relative error "
             f"{residuals.median_relative_error:.0%}{beside}"
         )
+    limits = at_limits(best.rung, fit.state) + at_limits(
+        fit.spread.rung, fit.spread.solution.state, names=few.error_names
+    )
+    if limits:
+        warnings.setdefault(
+            Quality.POOR,
+            f"poor: the fit stopped at a limit of its search ({', '.join(dict.fromkeys(limits))}): "
+            "the samples want what the model cannot be; its numbers are no measurement",
+        )
+    beyond = _beyond(fit)
+    if beyond:
+        warnings.setdefault(Quality.POOR, beyond)
     width, index, no_lobe = None, None, None
     if best.rung.lobes > 0 and np.any(best.solution.state.ks > 0.0):
         width = verdict.width_bounds(few, best)
@@ -78,11 +97,90 @@ def record_fit(fit: ChosenFit, judged: Verdict, seed: int) -> FitRecord:
         chosen=fit.best.name,
         residuals=asdict(judged.residuals),
         quality=judged.quality,
-        warnings=(*fit.measurement.warnings, *judged.warnings.values()),
+        warnings=(*fit.measurement.warnings, *judged.warnings.values(), *_odd_index(fit)),
         grounds=() if grounds is None else (grounds,),
         seed=seed,
-        standard_errors=_present(asdict(verdict.standard_errors(fit.best))),
+        standard_errors=_present(
+            asdict(verdict.standard_errors(fit.spread, lobe_order(fit.state)))
+        ),
+        covariance=_covariance(fit.spread, lobe_order(fit.state)),
+        instrument=_instrument(fit),
         bounds={name: asdict(bound) for name, bound in bounds.items() if bound is not None},
+    )
+
+
+def _covariance(spread: Candidate, order: list[int]) -> dict[str, Any]:
+    """Both covariances, of the lobes that the material has, numbered as it lists them."""
+    names = list(names_of(spread))
+    kept = []
+    for k, name in enumerate(names):
+        what, _, lobe = name.partition(".")
+        if what == "error" or (lobe and int(lobe) - 1 not in order):
+            continue
+        kept.append(k)
+        if lobe:
+            names[k] = f"{what}.{order.index(int(lobe) - 1) + 1}"
+    parts = {"samples": sample_covariance(spread), "instrument": prior_covariance(spread)}
+    return {
+        "names": [names[k] for k in kept],
+        **{
+            name: [[_round(value) for value in row] for row in matrix[np.ix_(kept, kept)]]
+            for name, matrix in parts.items()
+        },
+    }
+
+
+def _instrument(fit: ChosenFit) -> dict[str, Any]:
+    """The errors found, by name; empty where none were fitted."""
+    device = instrument_of(fit.measurement)
+    if device is None or not fit.spread.rung.errors:
+        return {}
+    count = device.count
+    both = sample_covariance(fit.spread) + prior_covariance(fit.spread)
+    sd = np.sqrt(np.diag(both)[-count:])
+    angle = [True] * (count - 1) + [False]
+    return {
+        name: {
+            "value": _round(np.degrees(value) if turns else value),
+            "standard_error": _round(np.degrees(error) if turns else error),
+            "unit": "deg" if turns else "ln of the ratio to the declared spread",
+        }
+        for name, value, error, turns in zip(device.names, fit.errors, sd, angle, strict=True)
+    }
+
+
+def _beyond(fit: ChosenFit) -> str:
+    """A warning where the samples want errors that no instrument in order has, else ''."""
+    sd = fit.full.prior_sd
+    if not fit.errors.size:
+        return ""
+    far = np.flatnonzero(np.abs(fit.errors) > BEYOND_SD * sd)
+    words = []
+    for k in far.tolist():
+        error = float(fit.errors[k])
+        if k == len(sd) - 1:
+            words.append(f"its apertures {np.exp(error):.2g} times as wide as declared")
+        else:
+            words.append(f"{fit.full.error_names[k]} off by {np.degrees(error):.2g} deg")
+    if not words:
+        return ""
+    return (
+        f"poor: the fit needs an instrument with {' and '.join(words)}: check the angles and the "
+        "apertures of the table before its numbers are used"
+    )
+
+
+def _odd_index(fit: ChosenFit) -> tuple[str, ...]:
+    """A warning where a freed refractive index is that of no dielectric."""
+    low, high = OPTICAL_INDEX
+    if not fit.best.rung.free_index:
+        return ()
+    odd = [float(n) for n in fit.state.n if not low <= n <= high]
+    if not odd:
+        return ()
+    return (
+        f"the refractive index {', '.join(f'{n:.3g}' for n in odd)} describes how the highlight "
+        f"grows with incidence; it is no optical constant (coatings have {low:g} to {high:g})",
     )
 
 
@@ -152,6 +250,9 @@ def _why_not(c: Candidate, best: Candidate) -> str:
         mean, se = ladder.gain(c, best)
         return f"too small: {mean:.2g} worse (se {se:.1g})"
     mean, se = ladder.gain(best, c)
+    limits = at_limits(c.rung, c.solution.state)
+    if mean > se and limits:
+        return f"gains {mean:.2g}, but stopped at a limit: {limits[0]}"
     if mean <= 0.0:
         return "larger, and no better held out"
     if mean <= se:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,25 +19,35 @@ from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.fitting import ladder, metal, verdict
 from relgloss_view.fitting.descent import refine
 from relgloss_view.fitting.evidence import ChosenFit, judge, record_fit, with_energy_warning
+from relgloss_view.fitting.instrument import corrected
 from relgloss_view.fitting.ladder import Candidate
+from relgloss_view.fitting.limits import at_limits
 from relgloss_view.fitting.model import (
     INDEX_RANGE,
     LOG_S_RANGE,
     REDESCENDING,
     Rung,
+    Solution,
     State,
     States,
+    lobe_order,
+    log_residual,
     mean_error,
     predict,
 )
-from relgloss_view.fitting.observations import Observations, compress, prepare
+from relgloss_view.fitting.observations import TAU, Observations, compress, prepare
 from relgloss_view.fitting.problem import Problem
+from relgloss_view.fitting.search import solve
+from relgloss_view.fitting.use import with_use
 from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material, Quality
 from relgloss_view.measure.table import Measurement
 
 MODELS = (*ladder.MODELS, *metal.NAMES)
+USUAL_INDEX = 1.5  #: of a coating or an ink, where the samples do not show another
 _FINAL_ROUNDS = 40
 _HIGHLIGHT_COST = 1.05
+_SMALL_ERROR, _FIRST_GAMMA = 0.25, 1.5  #: prior standard deviations
+_LEAST_NOISE = 0.005
 _FLAT_SIGMA = 0.005  #: rad; Oren-Nayar below this differs from Lambert by less than 0.02 %
 
 
@@ -44,24 +55,27 @@ def fit_material(
     measurement: Measurement,
     *,
     model: str = "auto",
-    refractive_index: float = 1.5,
+    refractive_index: float | None = None,
     aperture_sd_deg: tuple[float, float] | None = None,
     seed: int = 0,
     progress: ProgressReport | None = None,
     free_index: bool = True,
     start_s_deg: float | None = None,
+    free_errors: bool = True,
 ) -> Material:
     """Fit the reflection models of the ladder and return the smallest that is enough.
 
     measurement: radiance factors over directions and bands.
     model: 'auto', or one of MODELS to fit that model alone.
-    refractive_index: fixed value, above 1 and at most 10. The fit varies it where the samples
-    support that, and never with free_index=False.
+    refractive_index: above 1 and at most 10, held. Without one it is 1.5, and the fit varies it
+    where the samples support that; never with free_index=False.
     aperture_sd_deg: per-axis angular standard deviations of lamp and receiver, degrees, instead of
     the measurement's.
     seed: of the random folds, used where a measurement names fewer than four groups.
     progress: called with a share from 0 to 1 and a text; returning False raises FitCancelled.
     start_s_deg: anchor of the scan of lobe widths, degrees, for tests of independence.
+    free_errors: whether zeros of the instrument's angles and the spread of its apertures are fitted
+    too, with priors (fitting.instrument); else, and for a metal, they are as the table declares.
 
     Returns a Material whose `fit` holds the evidence: candidates, residuals, standard errors,
     quality and warnings. Raises InputError for an unknown model, an index out of range or too few
@@ -76,18 +90,27 @@ def fit_material(
     """
     if model not in MODELS:
         raise InputError(f"model is {model!r}; expected one of {', '.join(MODELS)}")
-    if not 1.0 < refractive_index <= INDEX_RANGE[1]:
+    free_index = free_index and refractive_index is None
+    index = USUAL_INDEX if refractive_index is None else refractive_index
+    if not 1.0 < index <= INDEX_RANGE[1]:
         raise InputError(
-            f"refractive index is {refractive_index:g}; expected above 1, at most "
-            f"{INDEX_RANGE[1]:g}"
+            f"refractive index is {index:g}; expected above 1, at most {INDEX_RANGE[1]:g}"
         )
     began = time.perf_counter()
     if aperture_sd_deg is not None:
         measurement = replace(measurement, aperture_sd_deg=aperture_sd_deg)
     full = prepare(measurement, seed)
     few = compress(full)
+    errors, solved, declared = np.zeros(0), None, measurement
+    if free_errors and len(few.prior_sd):
+        look = _first_look(few, index, start_s_deg)
+        errors, solved = look.errors, {look.solution_name: look.solution}
+        full, few = replace(full, noise=look.noise), replace(few, noise=look.noise)
+        if errors.size:
+            solved = None
+            measurement, full, few = _corrected(measurement, errors, seed, look.noise)
     rungs = ladder.LADDER if model == "auto" else _forced(model)
-    candidates, folds = ladder.climb(few, rungs, refractive_index, progress, start_s_deg)
+    candidates, folds = ladder.climb(few, rungs, index, progress, start_s_deg, solved)
     if model == "auto":
         candidates = metal.with_metals(folds, candidates)
     elif model in metal.NAMES:
@@ -99,23 +122,99 @@ def fit_material(
         freed = ladder.free_index(folds, held)
         if freed is not None:
             candidates.insert(candidates.index(held) + 1, freed)
-            if not ladder.enough(best, freed, ladder.RELEVANT_SHARE_INDEX):
+            gains = not ladder.enough(best, freed, ladder.RELEVANT_SHARE_INDEX)
+            if gains and not at_limits(freed.rung, freed.solution.state):
                 best = freed
+    if best.rung.metals and errors.size:
+        # The first look is at one dielectric lobe: how a metal's brightness grows with incidence
+        # may look like an error of the instrument, and the rungs with a metal free none.
+        return fit_material(
+            declared, model=model, refractive_index=refractive_index, seed=seed, progress=progress,
+            free_index=free_index, start_s_deg=start_s_deg, free_errors=False,
+        )  # fmt: skip
+    ladder.report(progress, 0.93, "errors of the instrument")
+    spread = ladder.free_errors(folds, best) if free_errors else best
+    if spread.rung.errors:
+        more = spread.solution.state.errors
+        errors = more + (errors if errors.size else 0.0)
+        measurement, full, few = _corrected(measurement, more, seed, few.noise)
+        state = replace(spread.solution.state, errors=np.zeros(0))
+        at_rest = ladder.with_state(best, few, state)
+        candidates = [at_rest if c is best else c for c in candidates]
+        best = at_rest
     ladder.report(progress, 0.95, "all bands")
-    fit = ChosenFit(measurement, full, few, tuple(candidates), best, _all_bands(full, best))
+    fit = ChosenFit(
+        measurement, full, few, tuple(candidates), best, _all_bands(full, best), spread, errors
+    )
     judged = judge(fit)
     state = fit.state
     if judged.quality == Quality.UNIDENTIFIABLE and judged.width is not None:
         state = _plainest_width(full, best.rung, state, judged.width.s_deg_upper)
     record = record_fit(fit, judged, seed)
-    ladder.report(progress, 1.0, "done")
-    record = replace(record, seconds=round(time.perf_counter() - began, 3))
     try:
-        return with_energy_warning(_material(measurement, best.rung, state, record))
+        material = with_energy_warning(_material(measurement, best.rung, state, record))
     except InputError as error:
         raise InputError(
             f"{measurement.place}: the fit is no material: {error}; check the quantity and its unit"
         ) from error
+    ladder.report(progress, 0.97, "gloss and picture")
+    return _timed(with_use(material, measurement), began, progress)
+
+
+def _timed(material: Material, began: float, progress: ProgressReport | None) -> Material:
+    ladder.report(progress, 1.0, "done")
+    assert material.fit is not None
+    seconds = round(time.perf_counter() - began, 3)
+    return replace(material, fit=replace(material.fit, seconds=seconds))
+
+
+class _Look(NamedTuple):
+    """What one lobe shows before the ladder is climbed."""
+
+    solution: Solution  #: of the one-lobe rung, the instrument in order
+    errors: Array  #: (K,), of the instrument; empty where there are none to speak of
+    noise: float  #: beside that lobe
+    solution_name: str
+
+
+def _first_look(few: Observations, n: float, start_s_deg: float | None) -> _Look:
+    """The errors of the instrument that one lobe shows, so that the ladder climbs from there.
+
+    They are empty where there is no lobe, and where they are far below what is expected of them.
+    """
+    count, none = len(few.prior_sd), np.zeros(0)
+    rung = next(rung for rung in ladder.LADDER if rung.name == "lobe")
+    solution = solve(few, rung, n, start_s_deg=start_s_deg)
+    state = solution.state
+    if not np.any(state.ks > 0.0):
+        return _Look(solution, none, few.noise, rung.name)
+    free = replace(rung, errors=count)
+    # A tilt across all planes lowers the peak by its square: it is found from either side.
+    aside = [np.zeros(count)]
+    if "gamma_s" in few.error_names:
+        k = few.error_names.index("gamma_s")
+        far = np.where(np.arange(count) == k, _FIRST_GAMMA * few.prior_sd, 0.0)
+        aside += [far, -far]
+    starts = [replace(state, errors=errors) for errors in aside]
+    best = min(refine(Problem(few, free), starts), key=lambda s: s.loss).state
+    noise = _noise(few, best)
+    errors = refine(Problem(replace(few, noise=noise), free), [best])[0].state.errors
+    found = bool(np.any(np.abs(errors) > _SMALL_ERROR * few.prior_sd))
+    return _Look(solution, errors if found else none, noise, rung.name)
+
+
+def _noise(few: Observations, state: State) -> float:
+    """Standard deviation of the logarithmic residuals of most samples, within what is likely."""
+    residual = log_residual(few, predict(few.geometry, state))[few.weight > 0.0]
+    return float(np.clip(1.4826 * np.median(np.abs(residual)), _LEAST_NOISE, TAU))
+
+
+def _corrected(
+    measurement: Measurement, errors: Array, seed: int, noise: float
+) -> tuple[Measurement, Observations, Observations]:
+    measurement = corrected(measurement, errors)
+    full = replace(prepare(measurement, seed), noise=noise)
+    return measurement, full, compress(full)
 
 
 def _forced(model: str) -> tuple[Rung, ...]:
@@ -188,13 +287,11 @@ def _material(measurement: Measurement, rung: Rung, state: State, record: FitRec
     sigma = float(np.sqrt(state.t))
     flat = sigma < _FLAT_SIGMA
     lobes = []
-    for j in np.argsort(-metal.brightness(state)) if rung.lobes else ():
-        strength = state.ks[j]
-        if not np.any(strength > 0.0):
-            continue
+    for j in lobe_order(state):
         if j < rung.metals:
-            lobes.append(metal.lobe_of(state, int(j)))
+            lobes.append(metal.lobe_of(state, j))
             continue
+        strength = state.ks[j]
         values = strength if rung.spectral else strength[:1]
         lobes.append(
             Lobe(

@@ -8,6 +8,7 @@ models keep gaining by amounts that nobody could see.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,6 +17,7 @@ from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import FitCancelled
 from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.fitting.descent import refine
+from relgloss_view.fitting.limits import at_limits
 from relgloss_view.fitting.model import (
     Rung,
     Solution,
@@ -40,12 +42,18 @@ LADDER = (
 )
 MODELS = ("auto", *(rung.name for rung in LADDER))
 FOLD_ROUNDS = 4
+#: Of the zero level of a table's readings, in radiance factor: dark current and stray light of a
+#: goniophotometer leave some tenths of a percent of the perfect diffuser.
+OFFSET_SD = 0.003
+HELD_SD = (-2.0, -1.0, 1.0, 2.0)  #: of an error's prior, where the unknowns are found again
 #: Differences in the held-out logarithmic error that do not matter: a misfit of about 0.6 % of the
 #: reflectance adds the first to noise; the second is a share of the smaller model's error.
 RELEVANT = 0.0005
 RELEVANT_SHARE = 0.03
 #: The same share for a freed refractive index, larger because index and strength are correlated.
 RELEVANT_SHARE_INDEX = 0.10
+#: What a model may lose, of its held-out error, to have no unknown at a limit of its search.
+LIMIT_COST = 0.15
 
 
 @dataclass(frozen=True)
@@ -68,6 +76,12 @@ class Candidate:
     error: float  #: on all samples
     cv_mean: float
     cv_se: float
+    #: States that hold one error of the instrument elsewhere, and how likely each still is
+    #: against the solution, for each error: (K, Z) of both
+    held_states: tuple[tuple[State, ...], ...] = ()
+    likelihoods: tuple[tuple[float, ...], ...] = ()
+    #: Where all readings are one standard deviation of the zero level lower, and higher
+    offset_states: tuple[State, ...] = ()
 
     @property
     def name(self) -> str:
@@ -90,7 +104,7 @@ def evaluate(folds: Folds, rung: Rung, solution: Solution) -> Candidate:
     problem = Problem(observations, rung, weight=folds.kept)
     refined = refine(problem, [solution.state] * count, FOLD_ROUNDS)
     states = States.of([fold.state for fold in refined])
-    model = problem.model(problem.columns(states.t, states.log_s, states.n), states.kd, states.ks)
+    model = problem.model(problem.columns_of(states), states.kd, states.ks)
     errors = Problem(observations, rung, weight=folds.left).mean_errors(model)
     return Candidate(
         rung=rung,
@@ -103,20 +117,32 @@ def evaluate(folds: Folds, rung: Rung, solution: Solution) -> Candidate:
     )
 
 
+def with_state(candidate: Candidate, observations: Observations, state: State) -> Candidate:
+    """The candidate at another state, whose error it is on the observations."""
+    error = mean_error(observations, predict(observations.geometry, state))
+    return replace(candidate, solution=replace(candidate.solution, state=state), error=error)
+
+
 def climb(
     observations: Observations,
     rungs: tuple[Rung, ...],
     n: float,
     progress: ProgressReport | None = None,
     start_s_deg: float | None = None,
+    solved: Mapping[str, Solution] | None = None,
 ) -> tuple[list[Candidate], Folds]:
-    """Fit and cross-validate the rungs in order; each starts also from the rung before."""
+    """Fit and cross-validate the rungs in order; each starts also from the rung before.
+
+    solved: solutions that are known already, by the rung's name.
+    """
     folds = make_folds(observations)
     candidates: list[Candidate] = []
     for k, rung in enumerate(rungs):
         report(progress, k / (len(rungs) + 1), f"fitting {rung.name}")
         warm = tuple(c.solution.state for c in candidates if c.rung.lobes == rung.lobes)
-        if warm and rung.spectral and rung.lobes > 1:
+        if solved is not None and rung.name in solved:
+            solution = solved[rung.name]
+        elif warm and rung.spectral and rung.lobes > 1:
             # The lobes of a neutral strength are where spectral ones begin.
             solution = refine(Problem(observations, rung), warm[-1:])[0]
         else:
@@ -127,12 +153,22 @@ def climb(
 
 
 def choose(candidates: list[Candidate]) -> int:
-    """Index of the smallest candidate that is enough. Candidates come in order of size."""
+    """Index of the smallest candidate that is enough. Candidates come in order of size.
+
+    One that ends at a limit of its search gives way to one that does not and is hardly worse.
+    """
+    chosen = _smallest(candidates)
+    if at_limits(chosen.rung, chosen.solution.state):
+        inside = [c for c in candidates if not at_limits(c.rung, c.solution.state)]
+        other = _smallest(inside) if inside else chosen
+        if other.cv_mean <= (1.0 + LIMIT_COST) * chosen.cv_mean + RELEVANT:
+            chosen = other
+    return next(k for k, candidate in enumerate(candidates) if candidate is chosen)
+
+
+def _smallest(candidates: list[Candidate]) -> Candidate:
     best = min(candidates, key=lambda c: c.cv_mean)
-    for k, candidate in enumerate(candidates):
-        if candidate is best or enough(candidate, best, RELEVANT_SHARE):
-            return k
-    raise AssertionError("the best candidate is enough")
+    return next(c for c in candidates if c is best or enough(c, best, RELEVANT_SHARE))
 
 
 def enough(small: Candidate, large: Candidate, share: float) -> bool:
@@ -145,6 +181,55 @@ def gain(small: Candidate, large: Candidate) -> tuple[float, float]:
     """Mean and standard error over groups of what the larger candidate gains, held out."""
     difference = small.held_out - large.held_out
     return float(np.mean(difference)), float(np.std(difference, ddof=1) / len(difference) ** 0.5)
+
+
+def free_errors(folds: Folds, candidate: Candidate) -> Candidate:
+    """The same rung with the errors of the instrument free; the same where it has no lobe, or a
+    metal's.
+
+    Also holds each error at HELD_SD prior standard deviations and finds the unknowns there: what
+    the samples do not show of an error stays as uncertain as the prior is.
+    """
+    observations = folds.observations
+    count = len(observations.prior_sd)
+    if candidate.rung.lobes == 0 or candidate.rung.metals or not count:
+        return replace(candidate, offset_states=_offset_states(observations, candidate))
+    rung = replace(candidate.rung, errors=count)
+    start = replace(candidate.solution.state, errors=np.zeros(count))
+    solution = refine(Problem(observations, rung), [start])[0]
+    problem = Problem(observations, rung)
+    error = np.repeat(np.arange(count), len(HELD_SD))
+    value = np.tile(HELD_SD, count) * observations.prior_sd[error]
+    starts = []
+    for k, v in zip(error.tolist(), value.tolist(), strict=True):
+        errors = solution.state.errors.copy()
+        errors[k] = v
+        starts.append(replace(solution.state, errors=errors))
+    held = refine(problem.pinned(error, value), starts, FOLD_ROUNDS)
+    states = States.of([s.state for s in held])
+    _, misfit = problem.reweighted(problem.columns_of(states), states)
+    likelihood = np.exp(np.minimum((solution.loss - misfit.loss) / problem.prior.weight, 0.0))
+    shape = (count, len(HELD_SD))
+    freed = evaluate(folds, rung, solution)
+    return replace(
+        freed,
+        held_states=tuple(
+            tuple(held[k * shape[1] + z].state for z in range(shape[1])) for k in range(count)
+        ),
+        likelihoods=tuple(tuple(row) for row in likelihood.reshape(shape).tolist()),
+        offset_states=_offset_states(observations, freed),
+    )
+
+
+def _offset_states(observations: Observations, candidate: Candidate) -> tuple[State, ...]:
+    """The unknowns where the zero level of all readings is off by its standard deviation."""
+    states = []
+    for side in (-1.0, 1.0):
+        seen = observations.value > 0.0
+        moved = np.where(seen, np.maximum(observations.value + side * OFFSET_SD, 1e-6), 0.0)
+        problem = Problem(replace(observations, value=moved), candidate.rung)
+        states.append(refine(problem, [candidate.solution.state], FOLD_ROUNDS)[0].state)
+    return tuple(states)
 
 
 def free_index(folds: Folds, candidate: Candidate) -> Candidate | None:

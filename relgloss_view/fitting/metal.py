@@ -14,7 +14,7 @@ from relgloss_view.fitting.descent import refine
 from relgloss_view.fitting.ladder import RELEVANT_SHARE, Candidate, Folds, enough, evaluate
 from relgloss_view.fitting.model import Rung, State, States
 from relgloss_view.fitting.problem import Problem
-from relgloss_view.material.material import HEAD_ON, Lobe
+from relgloss_view.material.material import Lobe
 
 #: Each with the rungs between which its colour shows: of neutral lobes, of coloured ones.
 METALS = (
@@ -76,7 +76,7 @@ def fitted(folds: Folds, rung: Rung, coloured: Candidate) -> Candidate:
     n = np.array([np.roll(start.n, k) for k in order])
     t = np.full(len(order), start.t)
     kd, ks = problem.first_guess(problem.columns(t, log_s, n), _GUESS_ROUNDS)
-    states = States(t, log_s, n, kd, ks)
+    states = States(t, log_s, n, kd, ks, np.zeros((len(order), 0)))
     solutions = refine(problem, [states[k] for k in range(len(states))])
     return evaluate(folds, rung, min(solutions, key=lambda s: s.loss))
 
@@ -93,13 +93,6 @@ def metals_of(state: State) -> int:
     return len(state.ks) - len(state.log_s)
 
 
-def brightness(state: State) -> Array:
-    """(J,), mean strength of each lobe; a metal's as that of a dielectric of index 1.5."""
-    mean = np.mean(state.ks[: len(state.log_s)], axis=1)
-    mean[: metals_of(state)] /= HEAD_ON
-    return np.asarray(mean)
-
-
 def lobe_of(state: State, j: int) -> Lobe:
     """A metal's lobe of a state as it goes into a material."""
     colour, white = state.ks[j], float(state.ks[len(state.log_s) + j, 0])
@@ -108,18 +101,17 @@ def lobe_of(state: State, j: int) -> Lobe:
     return Lobe((strength,), s_deg, f0=tuple(float(a) / strength for a in colour))
 
 
-def strength_spread(states: States) -> Array:
-    """(P, J), mean strength of each lobe: what standard errors are taken of.
+def mean_strengths(states: States, fitted: State) -> Array:
+    """(P, J), mean strength of each lobe, which errors are taken of.
 
-    A metal's is scaled so that its mean over the states is that of its white part, which a material
-    has as its strength: what varies from state to state is how bright it is head on.
+    A metal's is what a material has as its strength, that of the white part, at the fitted state;
+    what varies from state to state is how bright it is head on.
     """
-    lobes = states.log_s.shape[1]
     mean = np.mean(states.ks, axis=2)
-    for j in range(mean.shape[1] - lobes):
-        colour, white = mean[:, j], float(np.mean(mean[:, lobes + j]))
-        mean[:, j] = colour * (white / max(float(np.mean(colour)), 1e-12))
-    return np.asarray(mean[:, :lobes])
+    for j in range(metals_of(fitted)):
+        white = lobe_of(fitted, j).strength[0] if np.any(fitted.ks[j] > 0.0) else 0.0
+        mean[:, j] *= white / max(float(np.mean(fitted.ks[j])), 1e-12)
+    return np.asarray(mean[:, : len(fitted.log_s)])
 
 
 def unknowns_of(lobes: tuple[Lobe, ...], bands: int) -> tuple[Array, Array, Array]:

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
-from relgloss_view.fitting.observations import Observations
-from relgloss_view.fitting.shapes import Geometry, diffuse_columns, lobe_columns, metal_columns
+from relgloss_view.fitting.observations import TAU, Observations
+from relgloss_view.fitting.shapes import (
+    Geometry,
+    diffuse_columns,
+    displaced,
+    lobe_columns,
+    metal_columns,
+)
+from relgloss_view.material.material import HEAD_ON
 
-TAU = 0.03  #: logarithmic residual where the loss leaves the square: a good instrument's worst
 SOFT_L1, REDESCENDING = 1.0, 0.25  #: shapes of the loss: of the search, of the last refinement
 LOG_S_RANGE = (float(np.log(np.radians(0.05))), float(np.log(np.radians(40.0))))
 T_MAX = 0.49  #: sigma = 0.7 rad, the end of Oren and Nayar's own range
@@ -29,6 +35,7 @@ class Rung:
     spectral: bool = False  #: each band has its own lobe strengths
     free_index: bool = False
     metals: int = 0  #: of the lobes, the first, which are a metal's
+    errors: int = 0  #: freed errors of the instrument, all of them or none
 
     @property
     def strengths(self) -> int:
@@ -41,7 +48,7 @@ class Rung:
         return self.lobes if self.spectral else self.metals
 
     def parameters(self, bands: int) -> int:
-        """Number of unknowns in `bands` bands."""
+        """Number of unknowns of the sample in `bands` bands."""
         strengths = self.own * bands + (self.strengths - self.own)
         index = 1 if self.free_index and self.lobes else 0
         return bands + int(self.rough) + self.lobes + strengths + index
@@ -60,6 +67,8 @@ class State:
     n: Array  #: (J,), refractive indices
     kd: Array
     ks: Array
+    #: (K,), errors of the instrument (fitting.instrument); empty where none is fitted
+    errors: Array = field(default_factory=lambda: np.zeros(0))
 
 
 @dataclass(frozen=True)
@@ -71,11 +80,12 @@ class States:
     n: Array  #: (P, J)
     kd: Array  #: (P, B)
     ks: Array  #: (P, J, B)
+    errors: Array  #: (P, K)
 
     @classmethod
     def of(cls, states: Sequence[State]) -> States:
         """Stack states of one rung, at least one."""
-        parts = ([s.t, s.log_s, s.n, s.kd, s.ks] for s in states)
+        parts = ([s.t, s.log_s, s.n, s.kd, s.ks, s.errors] for s in states)
         return cls(*(np.array(part, dtype=np.float64) for part in zip(*parts, strict=True)))
 
     def __len__(self) -> int:
@@ -88,11 +98,12 @@ class States:
             self.n[place].copy(),
             self.kd[place].copy(),
             self.ks[place].copy(),
+            self.errors[place].copy(),
         )
 
     def subset(self, rows: Mask) -> States:
         """The states marked in `rows`."""
-        return States(self.t[rows], self.log_s[rows], self.n[rows], self.kd[rows], self.ks[rows])
+        return States(*(getattr(self, part.name)[rows] for part in fields(self)))
 
     def updated(self, rows: Mask, other: States) -> States:
         """These states, with those of `other` where `rows` is true."""
@@ -102,6 +113,7 @@ class States:
             np.where(rows[:, None], other.n, self.n),
             np.where(rows[:, None], other.kd, self.kd),
             np.where(rows[:, None, None], other.ks, self.ks),
+            np.where(rows[:, None], other.errors, self.errors),
         )
 
 
@@ -114,9 +126,25 @@ class Solution:
     converged: bool = True
 
 
+def lobe_order(state: State) -> list[int]:
+    """The lobes as a material lists them: those that have a strength, the strongest first."""
+    mean = brightness(state) if len(state.ks) else np.zeros(0)
+    return [int(j) for j in np.argsort(-mean, kind="stable") if np.any(state.ks[j] > 0.0)]
+
+
+def brightness(state: State) -> Array:
+    """(J,), mean strength of each lobe; a metal's as that of a dielectric of index 1.5."""
+    lobes = len(state.log_s)
+    mean = np.mean(state.ks[:lobes], axis=1)
+    mean[: len(state.ks) - lobes] /= HEAD_ON
+    return np.asarray(mean)
+
+
 def predict(g: Geometry, state: State) -> Array:
     """Radiance factors (N, B) as the instrument would see them, through its apertures."""
     first, second, _, _ = diffuse_columns(g, state.t)
+    if state.errors.size:
+        g = displaced(g, state.errors)
     value = np.multiply.outer(first, state.kd) + np.multiply.outer(second, state.kd**2)
     lobes = len(state.log_s)
     metals = len(state.ks) - lobes

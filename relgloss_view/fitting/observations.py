@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Ints, Mask
 from relgloss_view.base.errors import InputError
+from relgloss_view.fitting.instrument import instrument_of
 from relgloss_view.fitting.shapes import Geometry, geometry
 from relgloss_view.measure.table import NEGATIVE, Measurement
 
@@ -26,6 +27,7 @@ FEWEST_SAMPLES = 12
 SEARCH_BANDS = 5
 FOLDS_WITHOUT_GROUPS = 10
 FEWEST_GROUPS = 4
+TAU = 0.03  #: logarithmic residual where the loss leaves the square: a good instrument's worst
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,9 @@ class Observations:
     weight: Array  #: (N, B), 0 where there is no usable value, else the band's share
     group: Ints  #: (N,), 0 .. G-1
     groups: int
+    prior_sd: Array = field(default_factory=lambda: np.zeros(0))  #: (K,), of instrument errors
+    error_names: tuple[str, ...] = ()  #: (K,)
+    noise: float = TAU  #: logarithmic residual of a good model, against which priors weigh
 
     @property
     def bands(self) -> int:
@@ -99,13 +104,18 @@ def prepare(measurement: Measurement, seed: int = 0) -> Observations:
     value = np.where(positive, value, 0.0)
     weight = np.where(usable, foreshortening(measurement, rows)[:, None] / value.shape[1], 0.0)
     lamp, receiver = measurement.to_lamp[rows], measurement.to_receiver[rows]
+    instrument = instrument_of(measurement)
+    if instrument is not None:
+        instrument = instrument.subset(rows)
     return Observations(
-        geometry(lamp, receiver, measurement.aperture_sd_deg),
+        geometry(lamp, receiver, measurement.aperture_sd_deg, instrument),
         value,
         floor,
         weight,
         group,
         groups,
+        np.zeros(0) if instrument is None else instrument.prior_sd,
+        () if instrument is None else instrument.names,
     )
 
 

@@ -13,11 +13,12 @@ the samples are on the last axis, N.
 from __future__ import annotations
 
 import copy
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array, Mask
+from relgloss_view.base.arrays import Array, Ints, Mask
 from relgloss_view.fitting import linear
 from relgloss_view.fitting.mixed import nnls_mixed
 from relgloss_view.fitting.model import (
@@ -28,9 +29,11 @@ from relgloss_view.fitting.model import (
     influence,
     robust,
 )
-from relgloss_view.fitting.observations import Observations
+from relgloss_view.fitting.observations import TAU, Observations
 from relgloss_view.fitting.shapes import (
     diffuse_columns,
+    displaced,
+    error_slopes,
     facet_columns,
     index_slope,
     metal_columns,
@@ -57,6 +60,29 @@ class Misfit(NamedTuple):
     loss: Array  #: (P,)
 
 
+#: Of its prior's standard deviation: how near an error is held to a value.
+_PINNED = 1e-3
+
+
+@dataclass(frozen=True)
+class Prior:
+    """Gaussian priors of the instrument's K errors."""
+
+    centre: Array  #: (P, K) or (1, K)
+    sd: Array  #: the same
+    #: Of half a squared standard deviation against the mean loss, which is in units of TAU^2: what
+    #: one of the N samples weighs, whose bands share their error, at the noise that they have.
+    weight: float
+
+
+def _prior(observations: Observations, rung: Rung) -> Prior | None:
+    if not rung.errors:
+        return None
+    sd = observations.prior_sd
+    weight = (observations.noise / TAU) ** 2 / len(observations.value)
+    return Prior(np.zeros((1, len(sd))), sd[None], weight)
+
+
 class Problem:
     """One rung on one set of observations, with one weight for all P problems or one for each.
 
@@ -79,26 +105,41 @@ class Problem:
         self._per_seen = 1.0 / self._seen
         self._weight = observations.weight.T[None].copy() if weight is None else weight
         self._total = np.sum(self._weight, axis=(1, 2))
+        self._prior = _prior(observations, rung)
         self._reflectance: dict[float, Array] = {}
 
-    def columns(self, t: Array, log_s: Array, n: Array) -> Array:
+    def columns_of(self, states: States) -> Array:
+        """The columns at P states."""
+        errors = states.errors if self.rung.errors else None
+        return self.columns(states.t, states.log_s, states.n, errors)
+
+    def columns(self, t: Array, log_s: Array, n: Array, errors: Array | None = None) -> Array:
         """(P, C, N): columns of D1, D2 and the lobes, then their derivatives (see shapes)."""
         lobes, count = self.rung.lobes, 2 + self.rung.strengths
         freed = lobes if self.rung.free_index else 0
-        columns = np.empty((len(t), 2 * count + freed, len(self.geometry.along)))
+        wrong = lobes * self.rung.errors
+        columns = np.empty((len(t), 2 * count + freed + wrong, len(self.geometry.along)))
+        g = self.geometry if errors is None else displaced(self.geometry, errors)
         columns[:, 0], columns[:, 1], columns[:, count], columns[:, count + 1] = diffuse_columns(
             self.geometry, t
         )
         for j in range(self.rung.metals):
-            facing, grazing, slope = metal_columns(self.geometry, log_s[:, j])
+            facing, grazing, slope = metal_columns(g, log_s[:, j])
             for k, part in ((2 + j, facing), (2 + lobes + j, grazing)):
                 columns[:, k], columns[:, count + k] = part, part * slope
         for j in range(self.rung.metals, lobes):
-            facets, slope = facet_columns(self.geometry, log_s[:, j])
-            lobe = facets * self._fresnel(n[:, j])
+            facets, slope = facet_columns(g, log_s[:, j])
+            if errors is None:
+                lobe = facets * self._fresnel(n[:, j])
+            else:
+                lobe = facets * brdf.fresnel_dielectric(g.facing.cos_d, n[:, j, None])
             columns[:, 2 + j], columns[:, count + 2 + j] = lobe, lobe * slope
             if freed:
-                columns[:, 2 * count + j] = lobe * index_slope(self.geometry, n[:, j])
+                columns[:, 2 * count + j] = lobe * index_slope(g, n[:, j])
+            if errors is not None:
+                place = 2 * count + freed + j * self.rung.errors
+                slopes = error_slopes(self.geometry, errors, log_s[:, j], n[:, j])
+                columns[:, place : place + self.rung.errors] = lobe[:, None] * slopes
         return columns
 
     def _fresnel(self, n: Array) -> Array:
@@ -133,7 +174,27 @@ class Problem:
         part = copy.copy(self)
         if len(self._weight) > 1:
             part._weight, part._total = self._weight[rows], self._total[rows]
+        if part._prior is not None and len(part._prior.centre) > 1:
+            prior = part._prior
+            part._prior = replace(prior, centre=prior.centre[rows], sd=prior.sd[rows])
         return part
+
+    @property
+    def prior(self) -> Prior:
+        """Of the instrument's errors, which the rung frees."""
+        if self._prior is None:
+            raise ValueError("the rung holds the instrument's errors")
+        return self._prior
+
+    def pinned(self, error: Ints, value: Array) -> Problem:
+        """P problems, each of which holds one of the errors, `error` (P,), at a value (P,)."""
+        prior = copy.copy(self)
+        centre = np.repeat(self.prior.centre, len(error), axis=0)
+        sd = np.repeat(self.prior.sd, len(error), axis=0)
+        rows = np.arange(len(error))
+        centre[rows, error], sd[rows, error] = value, sd[rows, error] * _PINNED
+        prior._prior = replace(self.prior, centre=centre, sd=sd)
+        return prior
 
     # --- inside: the linear unknowns ------------------------------------------------------------
 
@@ -209,7 +270,8 @@ class Problem:
         """How columns combine into derivatives: own (P, B, C, K) and shared (P, B, C, S)."""
         rung, lobes, unknowns = self.rung, self.rung.lobes, self.unknowns
         slope = 2 + rung.strengths
-        count = 2 * slope + (lobes if rung.free_index else 0)
+        freed = 2 * slope + (lobes if rung.free_index else 0)
+        count = freed + lobes * rung.errors
         own_lobes = rung.own
         own = np.zeros((len(states), self.bands, count, 1 + own_lobes))
         shared = np.zeros((len(states), self.bands, count, unknowns.count))
@@ -223,6 +285,9 @@ class Problem:
             shared[:, :, slope + 2 + j, unknowns.log_s.start + j] = states.ks[:, j]
             if rung.free_index:
                 shared[:, :, 2 * slope + j, unknowns.n.start + j] = states.ks[:, j]
+            for k in range(rung.errors):
+                place = freed + j * rung.errors + k
+                shared[:, :, place, unknowns.errors.start + k] = states.ks[:, j]
         for j in range(rung.metals):
             white = lobes + j
             shared[:, :, slope + 2 + white, unknowns.log_s.start + j] = states.ks[:, white]
@@ -241,16 +306,29 @@ class Problem:
         gradient = ((slope * misfit.residual) @ transposed)[..., None, :]
         own, shared = self._jacobian_maps(states)
         gram_own = gram @ own
+        curvature = np.sum(np.swapaxes(shared, 2, 3) @ (gram @ shared), axis=1)
+        pull = np.sum((gradient @ shared)[..., 0, :], axis=1)
+        if self._prior is not None:
+            errors = self.unknowns.errors
+            size = self._total[:, None] * (self._prior.weight * TAU**2 / self._prior.sd**2)
+            pull[:, errors] += size * (states.errors - self._prior.centre)
+            diagonal = np.einsum("pss->ps", curvature)  # a view that can be written to
+            diagonal[:, errors] += size
         return Equations(
             np.swapaxes(own, 2, 3) @ gram_own,
             np.swapaxes(gram_own, 2, 3) @ shared,
-            np.sum(np.swapaxes(shared, 2, 3) @ (gram @ shared), axis=1),
+            curvature,
             (gradient @ own)[..., 0, :],
-            np.sum((gradient @ shared)[..., 0, :], axis=1),
+            pull,
         )
 
     def reweighted(self, columns: Array, states: States) -> tuple[States, Misfit]:
         """The states after one reweighting of their linear unknowns, and their misfit."""
         kd, ks = self.inner(columns, states.kd, states.ks, 1)
-        states = States(states.t, states.log_s, states.n, kd, ks)
-        return states, self.misfit(self.model(columns, kd, ks))
+        states = replace(states, kd=kd, ks=ks)
+        misfit = self.misfit(self.model(columns, kd, ks))
+        if self._prior is not None:
+            away = (states.errors - self._prior.centre) / self._prior.sd
+            loss = misfit.loss + 0.5 * self._prior.weight * np.sum(away**2, axis=1)
+            misfit = misfit._replace(loss=loss)
+        return states, misfit

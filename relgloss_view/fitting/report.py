@@ -17,6 +17,7 @@ from relgloss_view.material.material import Material, Quality
 from relgloss_view.measure.table import Measurement
 
 GOOD = "#2e7d4f"
+SMALLEST_PERCENT = 1e-4  #: of the axis of errors
 BADGE = {Quality.GOOD: GOOD, Quality.POOR: ACCENT, Quality.UNIDENTIFIABLE: "#b26a00"}
 
 
@@ -99,12 +100,21 @@ def _logarithmic(axis: Any) -> None:
 def _colours(count: int) -> list[Any]:
     from matplotlib import colormaps
 
-    return [colormaps["viridis"](x) for x in np.linspace(0.0, 0.85, max(count, 1))]
+    return [colormaps["viridis"](x) for x in np.linspace(0.0, 0.85, count)]
+
+
+def _nothing(axis: Any, text: str) -> None:
+    """A panel whose slice the table does not have: the words instead of an empty frame."""
+    axis.set_axis_off()
+    axis.text(0.5, 0.5, text, ha="center", va="center", fontsize=8, color=MUTED)
 
 
 def _plane(axis: Any, material: Material, measured: slices.Slices) -> None:
     axis.set_title(f"Mirror plane, {measured.label}")
     chosen = slices.some(measured.incidences(), 5)
+    if not chosen:
+        _nothing(axis, "no incidence has a sample near its mirror direction")
+        return
     angle = slices.receiver_angles(chosen, material)
     for incidence, colour in zip(chosen, _colours(len(chosen)), strict=True):
         x, y = measured.plane(incidence)
@@ -121,6 +131,9 @@ def _plane(axis: Any, material: Material, measured: slices.Slices) -> None:
 def _ridge(axis: Any, material: Material, measured: slices.Slices) -> None:
     axis.set_title("Across the mirror direction")
     chosen = slices.some(measured.incidences(), 5)
+    if not chosen:
+        _nothing(axis, "no sample near a mirror direction")
+        return
     offset = np.linspace(-6.0, 6.0, 241)
     for incidence, colour in zip(chosen, _colours(len(chosen)), strict=True):
         x, y = measured.plane(incidence)
@@ -137,6 +150,9 @@ def _ridge(axis: Any, material: Material, measured: slices.Slices) -> None:
 def _tilt(axis: Any, material: Material, measured: slices.Slices) -> None:
     axis.set_title("Out of the plane")
     chosen = slices.some(measured.tilt_angles(), 4)
+    if not chosen:
+        _nothing(axis, "all samples lie in the plane of incidence")
+        return
     for theta, colour in zip(chosen, _colours(len(chosen)), strict=True):
         x, y = measured.tilt(theta)
         axis.plot(x, y, "o", ms=3.0, mew=0.0, color=colour, alpha=0.8)
@@ -165,7 +181,7 @@ def _candidates(axis: Any, candidates: tuple[dict[str, Any], ...], chosen: str) 
     place = np.arange(len(candidates))[::-1]
     for y, c in zip(place, candidates, strict=True):
         picked = c["name"] == chosen
-        mean, se = 100.0 * c["cv_mean"], 100.0 * c["cv_se"]
+        mean, se = _percent(c["cv_mean"]), 100.0 * c["cv_se"]
         colour = GOOD if picked else "#aab3bb"
         axis.barh(y, mean, height=0.62, color=colour)
         axis.plot([max(mean - se, 0.3 * mean), mean + se], [y, y], color=INK, lw=0.9)
@@ -179,8 +195,8 @@ def _candidates(axis: Any, candidates: tuple[dict[str, Any], ...], chosen: str) 
             color=INK if picked else MUTED,
             weight="bold" if picked else "normal",
         )
-    top = 100.0 * max(c["cv_mean"] + c["cv_se"] for c in candidates)
-    low = 100.0 * min(c["cv_mean"] for c in candidates)
+    top = max(_percent(c["cv_mean"] + c["cv_se"]) for c in candidates)
+    low = min(_percent(c["cv_mean"]) for c in candidates)
     axis.set_xscale("log")
     axis.set_xlim(0.5 * low, top * (top / (0.5 * low)) ** 0.9)
     ticks = [t for t in (0.01, 0.1, 1.0, 10.0, 100.0) if 0.5 * low <= t <= 1.2 * top]
@@ -189,6 +205,11 @@ def _candidates(axis: Any, candidates: tuple[dict[str, Any], ...], chosen: str) 
     axis.set_yticks(place, [c["name"] for c in candidates])
     axis.set_xlabel("logarithmic error, about relative error (%)")
     axis.grid(visible=False, axis="y")
+
+
+def _percent(error: float) -> float:
+    """An error in percent, kept on the logarithmic axis: data without noise leave none at all."""
+    return max(100.0 * float(error), SMALLEST_PERCENT)
 
 
 def _spectra(axis: Any, material: Material) -> None:

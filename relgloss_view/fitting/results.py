@@ -124,3 +124,65 @@ class CandidateEvidence:
     sigma_deg: float
     converged: bool
     verdict: str
+
+
+@dataclass(frozen=True)
+class GlossUse:
+    """What a gloss meter reads from a fit and from its table, in gloss units."""
+
+    angle_deg: float
+    fit: float | None  #: None, with the reason, where the table allows no reading
+    table: float | None
+    table_error: float | None  #: standard error of the table's, from its noise
+    reason: str
+
+
+@dataclass(frozen=True)
+class PictureUse:
+    """Pictures of a cylinder drawn from a fit and from its table: 95th percentiles of dE2000.
+
+    `beyond_noise`: what is left where twice the table's noise is taken from each pixel.
+    """
+
+    lamp_azimuth_deg: float
+    highlight: float | None  #: None where nothing shines, or with the reason
+    highlight_beyond_noise: float | None
+    whole_object: float | None
+    object_beyond_noise: float | None
+    c: float | None  #: of both pictures: c_max of the table's own
+    reason: str
+
+
+@dataclass(frozen=True)
+class PlaneUse:
+    """One plane of incidence against the fit."""
+
+    incidence_deg: float
+    samples: int
+    offset: float  #: its median of measured over fitted, minus 1
+    mirror_error: float | None  #: of the light near the mirror direction; None without samples
+    named: bool  #: whether it is off by more than the other planes let expect
+
+
+@dataclass(frozen=True)
+class TailUse:
+    """How much of the measured light a fit explains, all samples and those near the mirror."""
+
+    explained: float  #: share of all measured light
+    mirror_explained: float | None  #: within `near_mirror_deg` of it; None without samples there
+    p90: float  #: of the relative errors, above the floor of the instrument
+    p99: float
+    mirror_p90: float | None
+
+
+@dataclass(frozen=True)
+class UseJudgement:
+    """A fit judged by what it is for: gloss numbers, pictures, and the light of each plane."""
+
+    gloss: tuple[GlossUse, ...]
+    pictures: tuple[PictureUse, ...]
+    tail: TailUse | None  #: None, with the reason, where fit and table can't be compared
+    planes: tuple[PlaneUse, ...]
+    reason: str
+    notes: tuple[str, ...]  #: what to know; the fit may still be good
+    poor: tuple[str, ...]  #: why the fit is not good, one plain line each

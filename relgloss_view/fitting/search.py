@@ -84,4 +84,4 @@ def _linear_guess(problem: Problem, t: Array, log_s: Array, n: float) -> tuple[S
     columns = problem.columns(t, log_s, index)
     kd, ks = problem.first_guess(columns, _SCAN_ROUNDS)
     errors = problem.mean_errors(problem.model(columns, kd, ks))
-    return States(t, log_s, index, kd, ks), errors
+    return States(t, log_s, index, kd, ks, np.zeros((len(t), 0))), errors

@@ -10,12 +10,13 @@ the band: D1, D2, L_j, dD1/dt, dD2/dt, dL_j/dln s_j (and dL_j/dn). All in radian
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from relgloss_view.base.arrays import Array, Mask
+from relgloss_view.fitting.instrument import Instrument, Sway, sway
 from relgloss_view.material import brdf
 
 #: exp(-100) is far below any floor, and its square and fourth power are still normal numbers.
@@ -31,12 +32,13 @@ class Geometry:
     facing: brdf.Facing
     along: Array  #: (N,), squared tilt of the half-vector in the plane of lamp and receiver, rad^2
     across: Array  #: (N,), and across it; the two sum to delta^2
-    blur_along: float  #: variance that the apertures add in that plane, rad^2
+    blur_along: float | Array  #: variance that the apertures add in that plane, rad^2
     blur_across: Array  #: (N,), and across it
     grooves: Array  #: (N,), pi G / (4 cos_i cos_o)
     flat: Array  #: (N,), the parts of Oren-Nayar: constant,
     directed: Array  #: (N,), single scattering
     interreflected: Array  #: (N,), and its rho^2 term
+    sway: Sway | None = None  #: how errors of the instrument move the above
 
     def subset(self, rows: Mask) -> Geometry:
         """The geometries marked in `rows`."""
@@ -50,11 +52,19 @@ class Geometry:
             flat=self.flat[rows],
             directed=self.directed[rows],
             interreflected=self.interreflected[rows],
+            sway=None if self.sway is None else self.sway.subset(rows),
         )
 
 
-def geometry(to_lamp: Array, to_receiver: Array, aperture_sd_deg: tuple[float, float]) -> Geometry:
+def geometry(
+    to_lamp: Array,
+    to_receiver: Array,
+    aperture_sd_deg: tuple[float, float],
+    instrument: Instrument | None = None,
+) -> Geometry:
     """Prepare the shapes at unit directions (N, 3); the apertures' per-axis sd is in degrees.
+
+    instrument: its errors at the same samples, where they are to be fitted too.
 
     With E = hypot(lamp, receiver) the half-vector is blurred by E/2 in the plane of the two
     directions and by E / (2 cos theta_d) across it, since |i + o| = 2 cos theta_d.
@@ -82,7 +92,54 @@ def geometry(to_lamp: Array, to_receiver: Array, aperture_sd_deg: tuple[float, f
         flat=np.pi * flat,
         directed=np.pi * (first - (1.0 - 0.5 * t / (t + 0.33)) * flat) / (t / (t + 0.09)),
         interreflected=np.pi * second / (0.17 * t / (t + 0.13)),
+        sway=None if instrument is None else sway(instrument, i, o),
     )
+
+
+def displaced(g: Geometry, errors: Array) -> Geometry:
+    """The geometry where errors of the instrument, (..., K), put it, to their first order.
+
+    What lobes depend on gets the shape (..., N); the diffuse part hardly changes and stays.
+    """
+    sway = g.sway
+    if sway is None:
+        raise ValueError("the geometry was made without an instrument")
+    angles, spread2 = errors[..., :-1], np.exp(2.0 * errors[..., -1:])
+    cos_d = np.clip(g.facing.cos_d + angles @ sway.cos_d_slope, 1e-6, 1.0)
+    return replace(
+        g,
+        facing=g.facing._replace(cos_d=cos_d),
+        along=(sway.along + angles @ sway.along_slope) ** 2,
+        across=(sway.across + angles @ sway.across_slope) ** 2,
+        blur_along=g.blur_along * spread2,
+        blur_across=g.blur_across * spread2,
+        grooves=g.grooves * np.exp(angles @ sway.grooves_slope),
+    )
+
+
+def error_slopes(g: Geometry, errors: Array, log_s: Array, n: Array) -> Array:
+    """d ln L / d error of a lobe, (P, K, N), at errors (P, K), widths and indices (P,)."""
+    sway, moved = g.sway, displaced(g, errors)
+    if sway is None:
+        raise ValueError("the geometry was made without an instrument")
+    s2 = np.exp(2.0 * log_s)[:, None]
+    wide, tall = s2 + moved.blur_along, s2 + moved.blur_across
+    angles = errors[:, :-1]
+    along = (sway.along + angles @ sway.along_slope) / wide
+    across = (sway.across + angles @ sway.across_slope) / tall
+    cos_d, index = moved.facing.cos_d, n[:, None]
+    up, down = np.minimum(cos_d + _STEP, 1.0), np.maximum(cos_d - _STEP, 1e-6)
+    change = np.log(brdf.fresnel_dielectric(up, index) / brdf.fresnel_dielectric(down, index))
+    slopes = np.empty((*errors.shape, len(g.along)))
+    slopes[:, :-1] = (
+        (change / (up - down))[:, None] * sway.cos_d_slope
+        + sway.grooves_slope
+        - along[:, None] * sway.along_slope
+        - across[:, None] * sway.across_slope
+    )
+    slopes[:, -1] = (along**2 * wide - 1.0) * moved.blur_along / wide
+    slopes[:, -1] += (across**2 * tall - 1.0) * moved.blur_across / tall
+    return slopes
 
 
 def diffuse_columns(g: Geometry, t: ArrayLike) -> tuple[Array, Array, Array, Array]:

@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.fitting.instrument import LARGEST_ANGLE, LARGEST_LOG_APERTURE
 from relgloss_view.fitting.model import (
     INDEX_RANGE,
     LOG_S_RANGE,
@@ -17,6 +18,7 @@ from relgloss_view.fitting.model import (
 )
 
 WIDTH_STEP, INDEX_STEP = 0.7, 0.5  #: limits of one step in ln s and in a refractive index
+ANGLE_STEP, SPREAD_STEP = 0.01, 0.3  #: and in the instrument's errors, rad and ln
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,7 @@ class SharedUnknowns:
     n: slice
     ks: slice  #: empty where each band has its own strengths
     own: int  #: strengths that are a band's own, before those
+    errors: slice  #: of the instrument
     low: Array  #: (S,)
     high: Array  #: (S,)
     limit: Array  #: (S,)
@@ -44,6 +47,7 @@ class SharedUnknowns:
         values[:, self.log_s] = states.log_s
         values[:, self.n] = states.n[:, : self.n.stop - self.n.start]
         values[:, self.ks] = states.ks[:, self.own : self.own + self.ks.stop - self.ks.start, 0]
+        values[:, self.errors] = states.errors[:, : self.errors.stop - self.errors.start]
         return values
 
     def replaced(self, states: States, values: Array, kd: Array, own_ks: Array) -> States:
@@ -59,6 +63,7 @@ class SharedUnknowns:
             values[:, self.n] if self.n.stop > self.n.start else states.n,
             kd,
             self._strengths(np.repeat(neutral[:, :, None], bands, axis=2), own_ks),
+            values[:, self.errors] if self.errors.stop > self.errors.start else states.errors,
         )
 
     def _strengths(self, neutral: Array, own: Array) -> Array:
@@ -69,14 +74,20 @@ class SharedUnknowns:
 
 @lru_cache(maxsize=64)
 def shared_unknowns(rung: Rung) -> SharedUnknowns:
-    """Roughness, widths, freed indices and neutral strengths, each present as the rung has it."""
+    """Roughness, widths, freed indices, neutral strengths, errors, each as the rung has it."""
     neutral = rung.strengths - rung.own
-    counts = (int(rung.rough), rung.lobes, rung.lobes if rung.free_index else 0, neutral)
+    free = (rung.lobes if rung.free_index else 0, neutral, max(rung.errors - 1, 0))
+    counts = (int(rung.rough), rung.lobes, *free, min(rung.errors, 1))
     ends = np.cumsum(counts).tolist()
-    ranges = ((0.0, T_MAX), LOG_S_RANGE, INDEX_RANGE, (0.0, np.inf))
-    low, high = np.repeat(np.array(ranges), counts, axis=0).T
-    limit = np.repeat((np.inf, WIDTH_STEP, INDEX_STEP, np.inf), counts)
-    t, log_s, n, ks = (slice(e - c, e) for c, e in zip(counts, ends, strict=True))
-    return SharedUnknowns(
-        t=t, log_s=log_s, n=n, ks=ks, own=rung.own, low=low, high=high, limit=limit
+    angle, spread = LARGEST_ANGLE, LARGEST_LOG_APERTURE
+    ranges = (
+        *((0.0, T_MAX), LOG_S_RANGE, INDEX_RANGE, (0.0, np.inf)),
+        *((-angle, angle), (-spread, spread)),
     )
+    low, high = np.repeat(np.array(ranges), counts, axis=0).T
+    steps = (np.inf, WIDTH_STEP, INDEX_STEP, np.inf, ANGLE_STEP, SPREAD_STEP)
+    t, log_s, n, ks, angles, last = (slice(e - c, e) for c, e in zip(counts, ends, strict=True))
+    return SharedUnknowns(
+        t=t, log_s=log_s, n=n, ks=ks, own=rung.own, errors=slice(angles.start, last.stop),
+        low=low, high=high, limit=np.repeat(steps, counts),
+    )  # fmt: skip

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
+from relgloss_view.fitting.covariance import jackknife_covariance, names_of, sample_covariance
 from relgloss_view.fitting.ladder import Candidate, group_errors
-from relgloss_view.fitting.metal import brightness, metals_of, strength_spread
+from relgloss_view.fitting.metal import metals_of
 from relgloss_view.fitting.model import (
     LOG_S_RANGE,
     State,
     States,
+    brightness,
     log_residual,
     predict,
 )
@@ -86,36 +89,35 @@ def mostly_outside(observations: Observations) -> Mask:
     return np.asarray(positive < 0.5 * np.sum(observations.weight > 0.0, axis=0))
 
 
-def standard_errors(candidate: Candidate) -> StandardErrors:
-    """Jackknife over groups: the spread of the unknowns when whole groups are left out.
+def standard_errors(candidate: Candidate, order: Sequence[int] | None = None) -> StandardErrors:
+    """Standard errors from the samples' noise; of the albedos the median over bands.
 
-    Samples of one group share their errors, so J'J alone would promise too much.
+    order: of the lobes; that of the candidate without one.
     """
     states, rung = States.of(candidate.fold_states), candidate.rung
-    count = len(states)
-
-    def jackknife(values: Array) -> Array:
-        spread = values - np.mean(values, axis=0)
-        return np.asarray(np.sqrt((count - 1) / count * np.sum(spread**2, axis=0)))
-
-    def each(values: Array) -> list[float]:
-        return [_round(float(error)) for error in jackknife(values)]
-
+    order = range(rung.lobes) if order is None else order
+    names = names_of(candidate)
+    sd = np.sqrt(np.maximum(np.diag(sample_covariance(candidate)), 0.0))
+    error = {name: _round(float(value)) for name, value in zip(names, sd, strict=True)}
     mean = np.maximum(np.mean(states.kd, axis=0), 1e-9)
-    errors = StandardErrors(
-        f"jackknife over {count} groups", _round(float(np.median(jackknife(states.kd) / mean)))
+    bands = np.diag(jackknife_covariance(states.kd / mean)).copy()
+    method = f"jackknife over {len(states)} groups"
+    if candidate.offset_states:
+        low, high = (state.kd for state in candidate.offset_states)
+        bands += (0.5 * (high - low) / mean) ** 2
+        method += ", zero level of the readings"
+
+    def each(name: str) -> list[float]:
+        return [error[f"{name}.{j + 1}"] for j in order]
+
+    return StandardErrors(
+        method,
+        _round(float(np.median(np.sqrt(bands)))),
+        sigma_deg=error.get("sigma_deg"),
+        s_deg=each("s_deg") if rung.lobes else None,
+        strength=each("strength") if rung.lobes else None,
+        refractive_index=each("refractive_index") if rung.lobes and rung.free_index else None,
     )
-    if rung.rough:
-        sigma_deg = np.degrees(np.sqrt(states.t))
-        errors = replace(errors, sigma_deg=_round(float(jackknife(sigma_deg))))
-    if rung.lobes:
-        errors = replace(
-            errors,
-            s_deg=each(np.degrees(np.exp(states.log_s))),
-            strength=each(strength_spread(states)),
-            refractive_index=each(states.n) if rung.free_index else None,
-        )
-    return errors
 
 
 def index_bounds(observations: Observations, candidate: Candidate) -> IndexBounds:

@@ -129,7 +129,11 @@ _FIT_FIELDS: dict[str, tuple[Any, str]] = {
     "seconds": (int | float, "a number"),
     "standard_errors": (dict, "an object"),
     "bounds": (dict, "an object"),
+    "judgement": (dict, "an object"),
     "convention": (str, "a text"),
+    "grounds": (list, "a list of texts"),
+    "covariance": (dict, "an object"),
+    "instrument": (dict, "an object"),
 }
 
 
@@ -142,9 +146,13 @@ _EXPLAINS = {
 
 
 def _grounds(fit: FitRecord) -> tuple[str, ...]:
-    """The warnings that explain the quality, by their words: a file does not mark them."""
+    """The warnings that explain the quality, by their words: older files do not mark them."""
     words = _EXPLAINS[fit.quality]
-    return tuple(text for text in fit.warnings if any(word in text for word in words))
+    judged = fit.judgement.get("poor") if fit.quality == Quality.POOR else None
+    lines = judged if isinstance(judged, list) else []
+    return tuple(
+        text for text in fit.warnings if text in lines or any(word in text for word in words)
+    )
 
 
 def _source_is_hypothetical(source: str) -> bool:
@@ -219,7 +227,7 @@ def _fit(value: object) -> FitRecord | None:
             if not isinstance(part[name], kind) or isinstance(part[name], bool):
                 refuse(f"fit.{name}", expected, part[name])
             record[name] = tuple(part[name]) if kind is list else part[name]
-    for name, kind in (("candidates", dict), ("warnings", str)):
+    for name, kind in (("candidates", dict), ("warnings", str), ("grounds", str)):
         if not all(isinstance(entry, kind) for entry in record.get(name, ())):
             refuse(f"fit.{name}", _FIT_FIELDS[name][1], part[name])
     try:
@@ -228,7 +236,7 @@ def _fit(value: object) -> FitRecord | None:
         raise InputError("fit: expected finite numbers, found one beyond every float") from None
     with _inside("fit"):
         fit = FitRecord(**record)
-    return dataclasses.replace(fit, grounds=_grounds(fit))
+    return fit if "grounds" in record else dataclasses.replace(fit, grounds=_grounds(fit))
 
 
 def _table(value: object, place: str) -> dict[str, Any]:

@@ -163,7 +163,7 @@ class Lobe:
 
 @dataclass(frozen=True)
 class FitRecord:
-    """The evidence behind a fitted material; every field but `grounds` goes into the file."""
+    """The evidence behind a fitted material; all of it goes into the file."""
 
     candidates: tuple[dict[str, Any], ...] = ()
     chosen: str = ""
@@ -174,9 +174,16 @@ class FitRecord:
     seconds: float = 0.0
     standard_errors: dict[str, Any] = field(default_factory=dict)
     bounds: dict[str, Any] = field(default_factory=dict)
+    #: Gloss, pictures and planes of the fit against those of its table; empty in older files.
+    judgement: dict[str, Any] = field(default_factory=dict)
     convention: str = "f_s = k F D G / (4 cos_i cos_o), D normalised to unit projected area"
     #: Those of the warnings that explain the quality.
     grounds: tuple[str, ...] = field(default=(), compare=False)
+    #: `names` of M fitted numbers and their covariances (M, M): what the `samples`' noise does,
+    #: and what errors of the `instrument` do that the samples leave open
+    covariance: dict[str, Any] = field(default_factory=dict)
+    #: Errors of the instrument that the fit found, by name: `value`, `standard_error`, `unit`
+    instrument: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.quality not in list(Quality):
@@ -184,6 +191,8 @@ class FitRecord:
         _settle(self, quality=Quality(self.quality))
         for k, warning in enumerate(self.warnings):
             reading.text(warning, f"warnings[{k}]")
+        for k, ground in enumerate(self.grounds):
+            reading.text(ground, f"grounds[{k}]")
 
 
 #: The warning of a quality that no warning explains.

@@ -62,6 +62,8 @@ class Measurement:
     warnings: tuple[str, ...] = ()
     file: str = ""  #: where it was read from
     synthetic: bool = False  #: computed from invented parameters, not measured
+    #: Resampled by those who publish it: its directions are exact, no instrument's
+    tabulated: bool = False
 
     @property
     def place(self) -> str:

@@ -32,6 +32,7 @@ def states_of(rung: Rung) -> States:
         rng.uniform(1.6, 1.9, (PROBLEMS, lobes)),
         rng.uniform(2.0, 3.0, (PROBLEMS, BANDS)),
         ks,
+        rng.uniform(-0.01, 0.01, (PROBLEMS, rung.errors)),
     )
 
 

@@ -214,5 +214,5 @@ def test_unknowns_of_a_material_and_back() -> None:
     made = metal.lobe_of(state, 0)
     assert made.f0 == pytest.approx((0.2, 0.4))
     assert made.strength == (0.5,)
-    np.testing.assert_allclose(metal.brightness(state), [0.15 / 0.04, 0.9])
+    np.testing.assert_allclose(model.brightness(state), [0.15 / 0.04, 0.9])
     assert metal.largest_f0(state) == pytest.approx(0.4)

@@ -21,7 +21,6 @@ def test_median_relative_error(name: str) -> None:
     measurement = read_measurement(rgl_file(name))
     material = fit_material(measurement)
     assert material.fit is not None
-    assert material.fit.quality == "good"
     kept = measurement.kept
     diffuse, specular = material.evaluate(measurement.to_lamp[kept], measurement.to_receiver[kept])
     model = np.pi * (diffuse + specular)
@@ -45,3 +44,20 @@ def test_a_colour_shifting_flake_film_is_poor() -> None:
     assert material.fit is not None
     assert material.fit.quality == "poor"
     assert any("no model describes" in text for text in material.warnings)
+
+
+def test_highlights_and_gloss_decide_beside_medians() -> None:
+    """Their medians are within 6 %; still their pictures or their gloss are not the table's.
+
+    Integrated over the meters' windows, the whole measured BRDF of the sunflower film reads 41 and
+    28 at 20 and 60 degrees; this fit reads 27 and 35. The rosaline film's highlight at a lamp of
+    110 degrees differs by dE2000 23 in its brightest twentieth.
+    """
+    for name, word in (("cg_sunflower", "near the mirror"), ("satin_rosaline", "pictures of")):
+        material = fit_material(read_measurement(rgl_file(name)))
+        assert material.fit is not None
+        assert material.fit.quality == "poor"
+        assert any(word in text for text in material.fit.grounds)
+    paper = fit_material(read_measurement(rgl_file("paper_white")))
+    assert paper.fit is not None
+    assert paper.fit.quality == "good"

@@ -275,7 +275,7 @@ def test_starts_come_from_different_valleys() -> None:
     width = np.arange(10.0)
     errors = np.minimum(np.abs(width - 2.0), 0.1 + np.abs(width - 7.0))
     one = np.ones((10, 1))
-    states = model.States(one[:, 0], width[:, None], one, one, one[:, :, None])
+    states = model.States(one[:, 0], width[:, None], one, one, one[:, :, None], np.empty((10, 0)))
     starts = search.lowest_of_valleys(states, errors, pitch=1.1)
     assert [float(state.log_s[0]) for state in starts] == [2.0, 7.0, 0.0]
     # Control: without a pitch they are the lowest three.

@@ -354,6 +354,40 @@ class TestUncertainty:
         # The sd of 200 draws is known to 1 / sqrt(400) = 5 %; four of that.
         assert error == pytest.approx(np.std(values), rel=0.2)
 
+    def test_correlated_errors_are_not_independent(self):
+        """The same draws, of a width and a strength of which each rises with the other."""
+        rng = np.random.default_rng(3)
+        material = fitted({"albedo_relative": 0.0, "s_deg": [0.15], "strength": [0.04]})
+        names = ["s_deg.1", "strength.1"]
+        errors = {}
+        for correlation in (0.95, -0.95):
+            cross = correlation * 0.15 * 0.04
+            matrix = [[0.15**2, cross], [cross, 0.04**2]]
+            kept = {"names": names, "samples": matrix}
+            fit = dataclasses.replace(material.fit, covariance=kept)
+            readings = by_key(gloss_readings(dataclasses.replace(material, fit=fit)))
+            errors[correlation] = readings["gloss-60"].standard_error
+            values = []
+            for ds, dk in rng.multivariate_normal([0.0, 0.0], matrix, 400):
+                one = Lobe((0.8 + dk,), 3.0 + ds, 1.5)
+                values.append(specular_gloss(dataclasses.replace(material, specular=(one,)), 60))
+            # The sd of 400 draws is known to 1 / sqrt(800) = 3.5 %; four of that.
+            assert errors[correlation] == pytest.approx(np.std(values), rel=0.15)
+        # A wider lobe lowers the peak, a stronger one raises it: together they hide each other.
+        assert errors[-0.95] > 2.0 * errors[0.95]
+
+    @pytest.mark.parametrize(
+        ("kept", "place"),
+        [({"names": "s"}, "names"), ({"names": ["s_deg.1"], "samples": [[1.0, 2.0]]}, "samples"),
+         ({"names": ["s_deg.1"], "instrument": [[-1.0]]}, "instrument"),
+         ({"names": ["s_deg.1"], "samples": [["x"]]}, "samples")],
+    )  # fmt: skip
+    def test_covariances_that_are_none(self, kept, place):
+        material = fitted(ERRORS)
+        fit = dataclasses.replace(material.fit, covariance=kept)
+        with pytest.raises(InputError, match=rf"fit\.covariance\.{place}"):
+            gloss_readings(dataclasses.replace(material, fit=fit))
+
     def test_strength_alone_by_hand(self):
         errors = {"albedo_relative": 0.0, "s_deg": [0.0], "strength": [0.04]}
         reading = by_key(gloss_readings(fitted(errors)))["gloss-60"]
@@ -379,7 +413,7 @@ class TestUncertainty:
             fitted(ERRORS | {"s_deg": [2.0], "strength": [0.0], "albedo_relative": 0.0},
                    (Lobe((0.8,), 0.5),), sigma_deg=0.0)
         )  # fmt: skip
-        (scale,) = [x for a, b, x in steps if a.specular[0].s_deg != b.specular[0].s_deg]
+        (scale,) = [step.scale for step in steps.steps if step.name == "s_deg.1"]
         assert scale == pytest.approx(2.0 / 2.5, rel=1e-5)
 
     @pytest.mark.parametrize(

@@ -79,5 +79,6 @@ def test_the_fit_finds_what_made_the_paper(name: str) -> None:
     assert material.synthetic
     np.testing.assert_allclose(material.diffuse.albedo, truth["albedo"], rtol=0.05)
     kept = load_material(ROOT / "assets" / "materials" / f"{name}.json")
-    assert kept.specular[0].s_deg == pytest.approx(main.s_deg, rel=1e-3)
+    # The kept files were fitted without errors of the instrument, and drawn scenes rest on them.
+    assert kept.specular[0].s_deg == pytest.approx(main.s_deg, rel=0.02)
     assert kept.synthetic

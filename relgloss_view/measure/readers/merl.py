@@ -48,6 +48,7 @@ def read(path: Path) -> Measurement:
             reasons=screen.reasons(to_lamp, to_receiver, factor),
             group=group,
             synthetic=source_is_synthetic(path.name),
+            tabulated=True,
         ),
         path,
     )

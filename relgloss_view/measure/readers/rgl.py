@@ -77,6 +77,7 @@ def read(path: Path) -> Measurement:
             group=group,
             warnings=tuple(warnings),
             synthetic=source_is_synthetic(path.name),
+            tabulated=True,
         ),
         path,
     )

@@ -1,0 +1,165 @@
+"""The instrument's errors: how they move a lobe, and what a fit makes of tables that have them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import fit_cases
+import numpy as np
+import pytest
+
+from relgloss_view.fitting import fit_material, instrument, shapes
+from relgloss_view.fitting.instrument import instrument_of
+from relgloss_view.material import brdf
+from relgloss_view.measure import gonio
+
+APERTURE = (0.3, 0.4)
+GRID = fit_cases.GRID
+
+
+def table(grid=GRID):
+    return replace(
+        fit_cases.measured(fit_cases.truth(((0.7, 1.0),), grid=grid), grid=grid),
+        aperture_sd_deg=APERTURE,
+    )
+
+
+def test_errors_of_the_angles_are_those_of_the_scales() -> None:
+    """Directions computed from wrong angles by the instrument's own formula, to second order."""
+    a, b, g = GRID.T
+    measured = table()
+    device = instrument_of(measured)
+    assert device.names == (
+        "the zero of alpha", "the zero of beta", "gamma_s", instrument.APERTURE,
+    )  # fmt: skip
+    for k, changed in enumerate(((0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.1))):
+        errors = np.zeros(4)
+        errors[k] = np.radians(0.1)
+        moved = device.moved(measured.to_lamp, measured.to_receiver, errors)
+        expected = gonio.gcms_directions(
+            a + changed[0], b + changed[1], g, gonio.GAMMA_S_DEG + changed[2]
+        )
+        for got, true in zip(moved, expected, strict=True):
+            np.testing.assert_allclose(got, true, atol=2e-6)
+
+
+def test_a_plane_has_two_zeros_and_a_half_space_two_tilts() -> None:
+    plane = table(GRID[GRID[:, 2] == gonio.GAMMA_S_DEG])
+    assert len(instrument_of(replace(plane, gamma_s_deg=None)).names) == 3
+    assert "tilt" in instrument_of(replace(table(), gamma_s_deg=None)).names[0]
+    assert instrument_of(replace(table(), tabulated=True)) is None
+
+
+@pytest.mark.parametrize("s_deg", [0.5, 3.0])
+def test_slopes_are_differences_of_exact_geometries(s_deg: float) -> None:
+    """d ln L / d error against lobes of directions that were really moved."""
+    measured = table()
+    device = instrument_of(measured)
+    g = shapes.geometry(measured.to_lamp, measured.to_receiver, APERTURE, device)
+    log_s, n = np.log(np.radians([s_deg])), np.array([1.5])
+    at = np.append(np.radians([0.005, -0.003, 0.004]), 0.2)
+    slopes = shapes.error_slopes(g, at[None], log_s, n)[0]
+    lobe = shapes.lobe_columns(shapes.displaced(g, at), log_s[0], 1.5)[0]
+    # Beyond 65 degrees the cosines under the lobe bend within these errors.
+    near = (
+        (np.sqrt(g.along + g.across) < np.radians(3.0 * s_deg))
+        & (np.linalg.norm(measured.to_lamp - measured.to_receiver, axis=1) > 0.1)
+        & (np.minimum(measured.to_lamp[:, 2], measured.to_receiver[:, 2]) > np.cos(np.radians(65)))
+    )
+    assert np.sum(near) > 20
+    for k in range(4):
+        ends = []
+        for step in (1e-4, -1e-4):
+            errors = at.copy()
+            errors[k] += step
+            lamp, receiver = device.moved(measured.to_lamp, measured.to_receiver, errors)
+            wide = tuple(a * np.exp(errors[-1]) for a in APERTURE)
+            ends.append(
+                shapes.lobe_columns(shapes.geometry(lamp, receiver, wide), log_s[0], 1.5)[0]
+            )
+        slope = (ends[0] - ends[1]) / 2e-4
+        # The first order about zero: at these errors the second is some hundredths of it.
+        np.testing.assert_allclose(
+            (slopes[k] * lobe)[near], slope[near], atol=0.02 * np.max(np.abs(slope[near]))
+        )
+
+
+def seen(
+    s_deg: float = 0.7,
+    *,
+    alpha: float = 0.0,
+    gamma_s: float = 0.0,
+    aperture: tuple[float, float] = APERTURE,
+    seed: int = 0,
+):
+    """A table as the paper's instrument writes it where its scales or apertures are off.
+
+    The lobe's blur is the average over 11 x 11 tilts of the half-vector, not the fit's closed form.
+    """
+    a, b, g = GRID.T
+    i, o = gonio.gcms_directions(a + alpha, b, g, gonio.GAMMA_S_DEG + gamma_s)
+    f = brdf.facing(np.broadcast_to(fit_cases.NORMAL, i.shape), i, o)
+    along, across = instrument.signed_tilts(i, o)
+    half_e = 0.5 * np.radians(np.hypot(*aperture))
+    nodes, weights = np.polynomial.hermite_e.hermegauss(11)
+    weights = weights / np.sum(weights)
+    amplitude, s = brdf.facet_amplitude(np.radians(s_deg)), np.radians(s_deg)
+    facets = np.zeros(len(a))
+    for u, wu in zip(nodes, weights, strict=True):
+        for v, wv in zip(nodes, weights, strict=True):
+            tilt2 = (along + u * half_e) ** 2 + (across + v * half_e / f.cos_d) ** 2
+            facets += wu * wv * amplitude * np.exp(-tilt2 / (2.0 * s * s))
+    lobe = facets * brdf.fresnel_dielectric(f.cos_d, 1.5) * 0.25 * np.pi * brdf.shadowing(f)
+    first, second = brdf.oren_nayar(fit_cases.facing(), 0.1)
+    kd = np.array(fit_cases.ALBEDO)
+    value = np.pi * (first[:, None] * kd + second[:, None] * kd**2) + lobe[:, None]
+    return replace(fit_cases.measured(value, noise=0.01, seed=seed), aperture_sd_deg=APERTURE)
+
+
+def peak_of(material) -> float:
+    """Of the main lobe, relative to the one that made the tables: strength over width squared."""
+    lobe = material.specular[0]
+    ratio = brdf.facet_amplitude(lobe.s) / brdf.facet_amplitude(np.radians(0.7))
+    return float(lobe.strength[0] * ratio)
+
+
+@pytest.mark.parametrize(
+    ("faults", "held_peak"),
+    [
+        ({"aperture": (0.5, 0.6)}, 0.9),
+        ({"alpha": 0.3}, None),
+        ({"gamma_s": 0.6}, 0.92),
+    ],
+    ids=["apertures", "alpha", "gamma_s"],
+)
+def test_errors_of_the_instrument_do_not_lower_the_peak(faults, held_peak) -> None:
+    table = seen(**faults)
+    material = fit_material(table)
+    # A tilt that no sample shows leaves the peak open by what the fit itself reports.
+    names, matrix = material.fit.covariance["names"], material.fit.covariance["instrument"]
+    at = names.index("strength.1")
+    open_by = float(np.sqrt(matrix[at][at])) / material.specular[0].strength[0]
+    assert peak_of(material) == pytest.approx(1.0, abs=0.03 + 2.0 * open_by)
+    assert open_by < 0.2
+    assert material.fit.quality == "good"
+    held = fit_material(table, free_errors=False)
+    if held_peak is None:  # control: held errors make this table look as if no model described it
+        assert held.fit.quality == "poor"
+    else:
+        assert peak_of(held) < held_peak
+
+
+def test_an_instrument_in_order_is_found_in_order() -> None:
+    errors = fit_material(seen()).fit.instrument
+    for name in ("the zero of alpha", "the zero of beta"):
+        assert abs(errors[name]["value"]) < 0.02
+    assert (
+        abs(errors[instrument.APERTURE]["value"])
+        < 2.0 * errors[instrument.APERTURE]["standard_error"]
+    )
+
+
+def test_an_error_of_two_degrees_is_no_instrument_in_order() -> None:
+    material = fit_material(seen(3.0, alpha=2.0))
+    assert material.fit.quality == "poor"
+    assert any("zero of" in warning for warning in material.fit.warnings)
