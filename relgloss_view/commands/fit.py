@@ -12,7 +12,8 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Progress
 from relgloss_view.base.writing import check_writable
 
-QUANTITIES = ("radiance-factor", "brdf", "brdf-cos")
+QUANTITIES = ("radiance-factor", "brdf", "brdf-cos", "radiance-factor-percent")
+ANGLE_UNITS = ("degrees", "radians")
 
 
 def add(commands: Any) -> None:
@@ -60,6 +61,11 @@ def add(commands: Any) -> None:
         help="Tilt of the table at which the receiver sees the mirror direction",
     )
     parser.add_argument(
+        "--angle-unit",
+        choices=ANGLE_UNITS,
+        help="Unit of the table's angles, if it does not state it",
+    )
+    parser.add_argument(
         "--refractive-index",
         metavar="N",
         type=float,
@@ -95,7 +101,12 @@ def run(args: argparse.Namespace) -> int:
     if args.seed < 0:
         raise InputError(f"--seed {args.seed}: expected a whole number of at least 0")
     _check_places(args)
-    measurement = read_measurement(args.table, quantity=args.quantity, gamma_s_deg=args.gamma_s_deg)
+    measurement = read_measurement(
+        args.table,
+        quantity=args.quantity,
+        gamma_s_deg=args.gamma_s_deg,
+        angle_unit=args.angle_unit,
+    )
     with Progress("fit") as progress:
         material = fit_material(
             measurement,

@@ -14,7 +14,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import WARNING_LENGTH, Column, table
 from relgloss_view.base.writing import check_writable
-from relgloss_view.commands.fit import QUANTITIES
+from relgloss_view.commands.fit import ANGLE_UNITS, QUANTITIES
 
 if TYPE_CHECKING:
     from relgloss_view.gloss.meter.meter import Reading
@@ -66,6 +66,11 @@ def add(commands: Any) -> None:
         metavar="DEG",
         type=float,
         help="Tilt of a table at which the receiver sees the mirror direction",
+    )
+    parser.add_argument(
+        "--angle-unit",
+        choices=ANGLE_UNITS,
+        help="Unit of a table's angles, if it does not state it",
     )
     parser.add_argument("--json", action="store_true", help="Print the readings as JSON")
     parser.set_defaults(run=run, wrong_usage=parser.error)
@@ -124,7 +129,6 @@ def _read(name: str, args: argparse.Namespace) -> SampleReadings:
     """The readings of a built-in sample, a material file or a measured table."""
     from relgloss_view.gloss.meter.table import table_readings
     from relgloss_view.measure.readers import read_measurement
-    from relgloss_view.measure.screening import percent_warning
     from relgloss_view.picture.scene import file_kinds
     from relgloss_view.picture.scene.sample import SAMPLES
 
@@ -133,12 +137,12 @@ def _read(name: str, args: argparse.Namespace) -> SampleReadings:
         raise InputError(f"{name}: this is a scene; give a material, a table or a built-in paper")
     if kind == file_kinds.MATERIAL:
         return _of_material(name, _material(name))
-    measured = read_measurement(name, quantity=args.quantity, gamma_s_deg=args.gamma_s_deg)
-    doubt = percent_warning(
-        measured.to_lamp, measured.to_receiver, measured.radiance_factor, measured.kept
+    measured = read_measurement(
+        name,
+        quantity=args.quantity,
+        gamma_s_deg=args.gamma_s_deg,
+        angle_unit=args.angle_unit,
     )
-    if doubt is not None:
-        raise InputError(f"{name}: {doubt}")
     readings = table_readings(measured)
     return SampleReadings(measured.name, measured.source, TABLE, readings, measured.warnings)
 

@@ -25,8 +25,7 @@ def names_of(candidate: Candidate) -> tuple[str, ...]:
     rung = candidate.rung
     names = [ALBEDO] + (["sigma_deg"] if rung.rough else [])
     for j in range(1, rung.lobes + 1):
-        names += [f"s_deg.{j}", f"strength.{j}"]
-        names += [f"refractive_index.{j}"] if rung.free_index else []
+        names += [f"s_deg.{j}", f"strength.{j}", f"refractive_index.{j}"]
     return (*names, *(f"error.{k}" for k in range(1, rung.errors + 1)))
 
 
@@ -40,7 +39,7 @@ def numbers_of(candidate: Candidate, states: States) -> Array:
     strengths = mean_strengths(states, candidate.solution.state)
     for j in range(rung.lobes):
         columns += [np.degrees(np.exp(states.log_s[:, j])), strengths[:, j]]
-        columns += [states.n[:, j]] if rung.free_index else []
+        columns += [states.n[:, j]]
     columns += list(states.errors.T)[: rung.errors]
     return np.stack(columns, axis=1)
 
@@ -60,14 +59,14 @@ def sample_covariance(candidate: Candidate) -> Array:
 
 
 def prior_covariance(candidate: Candidate) -> Array:
-    """(M, M), what errors of the instrument do that the samples do not show; zero without any."""
+    """(M, M), what the samples do not show of the instrument's errors and of a held index do."""
     fitted = numbers_of(candidate, States.of([candidate.solution.state]))
     result = np.zeros((fitted.shape[1],) * 2)
-    for states, likelihood in zip(candidate.held_states, candidate.likelihoods, strict=True):
-        # The second moment about the fit over the values of the error, as likely as each is: a
+    for held in candidate.held:
+        # The second moment about the fit over the values of the thing, as likely as each is: a
         # tilt across all planes changes the peak by its square, which no slope would see.
-        moved = numbers_of(candidate, States.of(states)) - fitted
-        weight = np.array(likelihood)
+        moved = numbers_of(candidate, States.of(held.states)) - fitted
+        weight = np.array(held.likelihoods)
         result += (moved * weight[:, None]).T @ moved / (1.0 + np.sum(weight))
     return result
 

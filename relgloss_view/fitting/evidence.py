@@ -9,21 +9,21 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.fitting import ladder, verdict
+from relgloss_view.fitting.choice import Choice
 from relgloss_view.fitting.covariance import names_of, prior_covariance, sample_covariance
 from relgloss_view.fitting.instrument import instrument_of
 from relgloss_view.fitting.ladder import Candidate
 from relgloss_view.fitting.limits import OPTICAL_INDEX, at_limits
 from relgloss_view.fitting.model import State, brightness, lobe_order, predict
-from relgloss_view.fitting.observations import Observations
 from relgloss_view.fitting.results import CandidateEvidence, Verdict
 from relgloss_view.material.albedo import directional_albedo
 from relgloss_view.material.material import FitRecord, Material, Quality
-from relgloss_view.measure.table import Measurement
 
 #: Incidences at which the energy of a fit is checked; grazing light beyond is little.
 ENERGY_INCIDENCES_DEG = np.arange(0.0, 81.0, 10.0)
 #: Prior standard deviations beyond which an error is none of an instrument in order.
 BEYOND_SD = 3.0
+LARGEST_VARIANCE = 1e9
 ENERGY_EXCESS = 1.02  #: noise of a white sample is not an excess
 
 
@@ -31,20 +31,17 @@ ENERGY_EXCESS = 1.02  #: noise of a white sample is not an excess
 class ChosenFit:
     """A chosen candidate with all that its verdict rests on."""
 
-    measurement: Measurement
-    full: Observations  #: all bands
-    few: Observations  #: the bands of the search
-    candidates: tuple[Candidate, ...]  #: in order of size, fitted to `few`
-    best: Candidate
+    choice: Choice
     state: State  #: of the best candidate, on all bands
-    spread: Candidate  #: the best candidate with the errors of the instrument freed
-    errors: Array  #: (K,), of the instrument, found in all; the measurement is corrected for them
+    spread: Candidate  #: the best candidate where what its samples may leave open is otherwise
 
 
 def judge(fit: ChosenFit) -> Verdict:
     """The verdict on a fit: residuals on all bands, bounds on the few of the search."""
-    best, few = fit.best, fit.few
-    residuals = verdict.residuals(fit.measurement, fit.full, predict(fit.full.geometry, fit.state))
+    best, few = fit.choice.best, fit.choice.few
+    residuals = verdict.residuals(
+        fit.choice.measurement, fit.choice.full, predict(fit.choice.full.geometry, fit.state)
+    )
     warnings: dict[Quality, str] = {}
     if residuals.poor:
         near = residuals.near_mirror.median_relative_error
@@ -77,7 +74,7 @@ def judge(fit: ChosenFit) -> Verdict:
                 "show it"
             )
     else:
-        largest = fit.candidates[-1]
+        largest = fit.choice.candidates[-1]
         n = float(largest.solution.state.n[0]) if largest.rung.lobes else 1.5
         no_lobe = verdict.no_lobe_bounds(few, best.solution.state, n)
     quality = next(iter(warnings), Quality.GOOD)
@@ -94,10 +91,10 @@ def record_fit(fit: ChosenFit, judged: Verdict, seed: int) -> FitRecord:
     grounds = judged.warnings.get(judged.quality)
     return FitRecord(
         candidates=tuple(asdict(evidence) for evidence in _evidence(fit)),
-        chosen=fit.best.name,
+        chosen=fit.choice.best.name,
         residuals=asdict(judged.residuals),
         quality=judged.quality,
-        warnings=(*fit.measurement.warnings, *judged.warnings.values(), *_odd_index(fit)),
+        warnings=(*fit.choice.measurement.warnings, *judged.warnings.values(), *_odd_index(fit)),
         grounds=() if grounds is None else (grounds,),
         seed=seed,
         standard_errors=_present(
@@ -120,22 +117,28 @@ def _covariance(spread: Candidate, order: list[int]) -> dict[str, Any]:
         kept.append(k)
         if lobe:
             names[k] = f"{what}.{order.index(int(lobe) - 1) + 1}"
-    parts = {"samples": sample_covariance(spread), "instrument": prior_covariance(spread)}
+    parts = {"samples": sample_covariance(spread), "priors": prior_covariance(spread)}
     return {
         "names": [names[k] for k in kept],
         **{
-            name: [[_round(value) for value in row] for row in matrix[np.ix_(kept, kept)]]
+            name: [[_round(value) for value in row] for row in _bounded(matrix)[kept][:, kept]]
             for name, matrix in parts.items()
         },
     }
 
 
+def _bounded(matrix: Array) -> Array:
+    """Variances that a file can hold: a number that the samples leave open has none to speak of."""
+    return np.asarray(np.clip(matrix, -LARGEST_VARIANCE, LARGEST_VARIANCE))
+
+
 def _instrument(fit: ChosenFit) -> dict[str, Any]:
     """The errors found, by name; empty where none were fitted."""
-    device = instrument_of(fit.measurement)
+    device = instrument_of(fit.choice.measurement)
     if device is None or not fit.spread.rung.errors:
         return {}
     count = device.count
+    errors = fit.choice.errors if fit.choice.errors.size else np.zeros(count)
     both = sample_covariance(fit.spread) + prior_covariance(fit.spread)
     sd = np.sqrt(np.diag(both)[-count:])
     angle = [True] * (count - 1) + [False]
@@ -145,23 +148,23 @@ def _instrument(fit: ChosenFit) -> dict[str, Any]:
             "standard_error": _round(np.degrees(error) if turns else error),
             "unit": "deg" if turns else "ln of the ratio to the declared spread",
         }
-        for name, value, error, turns in zip(device.names, fit.errors, sd, angle, strict=True)
+        for name, value, error, turns in zip(device.names, errors, sd, angle, strict=True)
     }
 
 
 def _beyond(fit: ChosenFit) -> str:
     """A warning where the samples want errors that no instrument in order has, else ''."""
-    sd = fit.full.prior_sd
-    if not fit.errors.size:
+    sd = fit.choice.full.prior_sd
+    if not fit.choice.errors.size:
         return ""
-    far = np.flatnonzero(np.abs(fit.errors) > BEYOND_SD * sd)
+    far = np.flatnonzero(np.abs(fit.choice.errors) > BEYOND_SD * sd)
     words = []
     for k in far.tolist():
-        error = float(fit.errors[k])
+        error = float(fit.choice.errors[k])
         if k == len(sd) - 1:
             words.append(f"its apertures {np.exp(error):.2g} times as wide as declared")
         else:
-            words.append(f"{fit.full.error_names[k]} off by {np.degrees(error):.2g} deg")
+            words.append(f"{fit.choice.full.error_names[k]} off by {np.degrees(error):.2g} deg")
     if not words:
         return ""
     return (
@@ -173,7 +176,7 @@ def _beyond(fit: ChosenFit) -> str:
 def _odd_index(fit: ChosenFit) -> tuple[str, ...]:
     """A warning where a freed refractive index is that of no dielectric."""
     low, high = OPTICAL_INDEX
-    if not fit.best.rung.free_index:
+    if not fit.choice.best.rung.free_index:
         return ()
     odd = [float(n) for n in fit.state.n if not low <= n <= high]
     if not odd:
@@ -208,11 +211,11 @@ def with_energy_warning(material: Material) -> Material:
 
 
 def _evidence(fit: ChosenFit) -> list[CandidateEvidence]:
-    few, best = fit.few, fit.best
-    lowest = min(fit.candidates, key=lambda c: c.cv_mean)
+    few, best = fit.choice.few, fit.choice.best
+    lowest = min(fit.choice.candidates, key=lambda c: c.cv_mean)
     values = int(np.sum(few.weight > 0.0))
     evidence = []
-    for c in fit.candidates:
+    for c in fit.choice.candidates:
         state = c.solution.state
         model = predict(few.geometry, state)
         seen = (few.value > 0.0) & (few.weight > 0.0)
@@ -223,7 +226,7 @@ def _evidence(fit: ChosenFit) -> list[CandidateEvidence]:
         evidence.append(
             CandidateEvidence(
                 name=c.name,
-                parameters=c.rung.parameters(fit.full.bands),
+                parameters=c.rung.parameters(fit.choice.full.bands),
                 loss=_round(c.solution.loss),
                 error=_round(c.error),
                 rms_log_error=_round(ladder.rms_log_error(few, model)),

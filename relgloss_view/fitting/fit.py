@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -17,27 +16,24 @@ from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.fitting import ladder, metal, verdict
+from relgloss_view.fitting.choice import Options, choose
 from relgloss_view.fitting.descent import refine
 from relgloss_view.fitting.evidence import ChosenFit, judge, record_fit, with_energy_warning
-from relgloss_view.fitting.instrument import corrected
 from relgloss_view.fitting.ladder import Candidate
-from relgloss_view.fitting.limits import at_limits
 from relgloss_view.fitting.model import (
     INDEX_RANGE,
     LOG_S_RANGE,
     REDESCENDING,
     Rung,
-    Solution,
     State,
     States,
     lobe_order,
-    log_residual,
     mean_error,
     predict,
 )
-from relgloss_view.fitting.observations import TAU, Observations, compress, prepare
+from relgloss_view.fitting.observations import Observations
 from relgloss_view.fitting.problem import Problem
-from relgloss_view.fitting.search import solve
+from relgloss_view.fitting.spread import spread as spread_of
 from relgloss_view.fitting.use import with_use
 from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material, Quality
 from relgloss_view.measure.table import Measurement
@@ -46,8 +42,6 @@ MODELS = (*ladder.MODELS, *metal.NAMES)
 USUAL_INDEX = 1.5  #: of a coating or an ink, where the samples do not show another
 _FINAL_ROUNDS = 40
 _HIGHLIGHT_COST = 1.05
-_SMALL_ERROR, _FIRST_GAMMA = 0.25, 1.5  #: prior standard deviations
-_LEAST_NOISE = 0.005
 _FLAT_SIGMA = 0.005  #: rad; Oren-Nayar below this differs from Lambert by less than 0.02 %
 
 
@@ -90,7 +84,6 @@ def fit_material(
     """
     if model not in MODELS:
         raise InputError(f"model is {model!r}; expected one of {', '.join(MODELS)}")
-    free_index = free_index and refractive_index is None
     index = USUAL_INDEX if refractive_index is None else refractive_index
     if not 1.0 < index <= INDEX_RANGE[1]:
         raise InputError(
@@ -99,53 +92,22 @@ def fit_material(
     began = time.perf_counter()
     if aperture_sd_deg is not None:
         measurement = replace(measurement, aperture_sd_deg=aperture_sd_deg)
-    full = prepare(measurement, seed)
-    few = compress(full)
-    errors, solved, declared = np.zeros(0), None, measurement
-    if free_errors and len(few.prior_sd):
-        look = _first_look(few, index, start_s_deg)
-        errors, solved = look.errors, {look.solution_name: look.solution}
-        full, few = replace(full, noise=look.noise), replace(few, noise=look.noise)
-        if errors.size:
-            solved = None
-            measurement, full, few = _corrected(measurement, errors, seed, look.noise)
-    rungs = ladder.LADDER if model == "auto" else _forced(model)
-    candidates, folds = ladder.climb(few, rungs, index, progress, start_s_deg, solved)
-    if model == "auto":
-        candidates = metal.with_metals(folds, candidates)
-    elif model in metal.NAMES:
-        candidates = metal.forced(folds, candidates, model)
-    best = candidates[ladder.choose(candidates)]
-    if free_index:
-        ladder.report(progress, 0.9, "refractive index")
-        held = metal.dielectric_of(candidates, best)
-        freed = ladder.free_index(folds, held)
-        if freed is not None:
-            candidates.insert(candidates.index(held) + 1, freed)
-            gains = not ladder.enough(best, freed, ladder.RELEVANT_SHARE_INDEX)
-            if gains and not at_limits(freed.rung, freed.solution.state):
-                best = freed
-    if best.rung.metals and errors.size:
-        # The first look is at one dielectric lobe: how a metal's brightness grows with incidence
-        # may look like an error of the instrument, and the rungs with a metal free none.
-        return fit_material(
-            declared, model=model, refractive_index=refractive_index, seed=seed, progress=progress,
-            free_index=free_index, start_s_deg=start_s_deg, free_errors=False,
-        )  # fmt: skip
-    ladder.report(progress, 0.93, "errors of the instrument")
-    spread = ladder.free_errors(folds, best) if free_errors else best
-    if spread.rung.errors:
-        more = spread.solution.state.errors
-        errors = more + (errors if errors.size else 0.0)
-        measurement, full, few = _corrected(measurement, more, seed, few.noise)
-        state = replace(spread.solution.state, errors=np.zeros(0))
-        at_rest = ladder.with_state(best, few, state)
-        candidates = [at_rest if c is best else c for c in candidates]
-        best = at_rest
-    ladder.report(progress, 0.95, "all bands")
-    fit = ChosenFit(
-        measurement, full, few, tuple(candidates), best, _all_bands(full, best), spread, errors
+    uncertain = free_index and refractive_index is None
+    options = Options(
+        rungs=ladder.LADDER if model == "auto" else _forced(model),
+        index=index,
+        free_index=uncertain,
+        free_errors=free_errors,
+        seed=seed,
+        start_s_deg=start_s_deg,
+        progress=progress,
+        metals=model if model in ("auto", *metal.NAMES) else "none",
     )
+    choice = choose(measurement, options)
+    spread = spread_of(choice, errors=free_errors, index=uncertain)
+    measurement, full, best = choice.measurement, choice.full, choice.best
+    ladder.report(progress, 0.95, "all bands")
+    fit = ChosenFit(choice, _all_bands(full, best), spread)
     judged = judge(fit)
     state = fit.state
     if judged.quality == Quality.UNIDENTIFIABLE and judged.width is not None:
@@ -166,55 +128,6 @@ def _timed(material: Material, began: float, progress: ProgressReport | None) ->
     assert material.fit is not None
     seconds = round(time.perf_counter() - began, 3)
     return replace(material, fit=replace(material.fit, seconds=seconds))
-
-
-class _Look(NamedTuple):
-    """What one lobe shows before the ladder is climbed."""
-
-    solution: Solution  #: of the one-lobe rung, the instrument in order
-    errors: Array  #: (K,), of the instrument; empty where there are none to speak of
-    noise: float  #: beside that lobe
-    solution_name: str
-
-
-def _first_look(few: Observations, n: float, start_s_deg: float | None) -> _Look:
-    """The errors of the instrument that one lobe shows, so that the ladder climbs from there.
-
-    They are empty where there is no lobe, and where they are far below what is expected of them.
-    """
-    count, none = len(few.prior_sd), np.zeros(0)
-    rung = next(rung for rung in ladder.LADDER if rung.name == "lobe")
-    solution = solve(few, rung, n, start_s_deg=start_s_deg)
-    state = solution.state
-    if not np.any(state.ks > 0.0):
-        return _Look(solution, none, few.noise, rung.name)
-    free = replace(rung, errors=count)
-    # A tilt across all planes lowers the peak by its square: it is found from either side.
-    aside = [np.zeros(count)]
-    if "gamma_s" in few.error_names:
-        k = few.error_names.index("gamma_s")
-        far = np.where(np.arange(count) == k, _FIRST_GAMMA * few.prior_sd, 0.0)
-        aside += [far, -far]
-    starts = [replace(state, errors=errors) for errors in aside]
-    best = min(refine(Problem(few, free), starts), key=lambda s: s.loss).state
-    noise = _noise(few, best)
-    errors = refine(Problem(replace(few, noise=noise), free), [best])[0].state.errors
-    found = bool(np.any(np.abs(errors) > _SMALL_ERROR * few.prior_sd))
-    return _Look(solution, errors if found else none, noise, rung.name)
-
-
-def _noise(few: Observations, state: State) -> float:
-    """Standard deviation of the logarithmic residuals of most samples, within what is likely."""
-    residual = log_residual(few, predict(few.geometry, state))[few.weight > 0.0]
-    return float(np.clip(1.4826 * np.median(np.abs(residual)), _LEAST_NOISE, TAU))
-
-
-def _corrected(
-    measurement: Measurement, errors: Array, seed: int, noise: float
-) -> tuple[Measurement, Observations, Observations]:
-    measurement = corrected(measurement, errors)
-    full = replace(prepare(measurement, seed), noise=noise)
-    return measurement, full, compress(full)
 
 
 def _forced(model: str) -> tuple[Rung, ...]:

@@ -18,15 +18,15 @@ from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.material import brdf
 from relgloss_view.measure.table import Measurement
 
-#: Prior standard deviations, degrees: of the zero of an arm, of the tilt that sees the mirror
-#: direction, of the sample's own tilt. Instruments are set up to a few tenths of a degree.
-ZERO_SD_DEG = 0.2
+#: Prior standard deviations, degrees: of the mean zero of the two arms, of the tilt that sees the
+#: mirror direction, of the sample's own tilt. Instruments are set up to a few tenths of a degree.
+MEAN_ZERO_SD_DEG = 0.2
 GAMMA_S_SD_DEG = 0.4
 TILT_SD_DEG = 0.2
 #: Prior standard deviation of the logarithm of the apertures' spread against the declared one: a
 #: declared full width taken for a standard deviation, or an edge that is not seen, are within it.
 LOG_APERTURE_SD = 0.25
-APERTURE = "ln aperture"
+APERTURE, GAMMA_S = "ln aperture", "gamma_s"
 #: Beyond these an error is no longer one of an instrument that was set up.
 LARGEST_ANGLE = float(np.radians(3.0))
 LARGEST_LOG_APERTURE = 1.5
@@ -65,65 +65,50 @@ class Instrument:
 def instrument_of(measurement: Measurement) -> Instrument | None:
     """The errors that the instrument of a measurement may have; None for tabulated reflectances.
 
-    A table with gamma has the zeros of both arms and gamma_s; one whose directions all lie in a
-    plane the zeros of both arms; any other the two tilts of the sample.
+    A table with gamma has the zeros of both arms together and gamma_s; one whose directions all lie
+    in a plane the zeros of both arms; any other the two tilts of the sample. The zeros are one
+    unknown, how far the bisector of the arms is off: what they do against one another changes the
+    angle between them alone, which a refractive index or a shadowing would be taken for.
     """
     if measurement.tabulated:
         return None
     lamp, receiver = measurement.to_lamp, measurement.to_receiver
     across = np.array([1.0, 0.0, 0.0])
+    turns: list[tuple[str, float, Array]]
     if measurement.gamma_s_deg is not None:
         # Both arms turn about an axis that tilts with gamma: it is seen in their bisector.
         bisector = lamp + receiver
         tilt = np.arctan2(-bisector[:, 1], bisector[:, 2])
         axis = np.stack([np.zeros_like(tilt), np.cos(tilt), np.sin(tilt)], axis=1)
-        return _arms(
-            lamp, receiver, axis, ("alpha", "beta"),
-            [("gamma_s", GAMMA_S_SD_DEG, -np.cross(across, lamp), -np.cross(across, receiver))],
-        )  # fmt: skip
-    normal = _plane(np.concatenate([lamp, receiver]))
-    if normal is not None:
-        axis = np.broadcast_to(normal, lamp.shape)
-        return _arms(lamp, receiver, axis, ("the incidence", "the receiver"), [])
-    sd = np.radians([TILT_SD_DEG, TILT_SD_DEG, 0.0])
-    sd[-1] = LOG_APERTURE_SD
-    axes = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
+        turns = [
+            ("the mean zero of alpha and beta", MEAN_ZERO_SD_DEG, axis),
+            (GAMMA_S, GAMMA_S_SD_DEG, -across),
+        ]
+    elif (normal := _plane(lamp, receiver)) is not None:
+        turns = [("the mean zero of lamp and receiver", MEAN_ZERO_SD_DEG, normal)]
+    else:
+        turns = [
+            ("the sample's tilt about y", TILT_SD_DEG, np.array([0.0, 1.0, 0.0])),
+            ("the sample's tilt about x", TILT_SD_DEG, across),
+        ]
     return Instrument(
-        ("the sample's tilt about y", "the sample's tilt about x", APERTURE),
-        sd,
-        np.stack([np.cross(a, lamp) for a in axes]),
-        np.stack([np.cross(a, receiver) for a in axes]),
+        (*(name for name, _, _ in turns), APERTURE),
+        np.append(np.radians([sd for _, sd, _ in turns]), LOG_APERTURE_SD),
+        np.stack([np.cross(axis, lamp) for _, _, axis in turns]),
+        np.stack([np.cross(axis, receiver) for _, _, axis in turns]),
     )
 
 
-def _arms(
-    lamp: Array,
-    receiver: Array,
-    axis: Array,
-    arms: tuple[str, str],
-    more: list[tuple[str, float, Array, Array]],
-) -> Instrument:
-    still = np.zeros_like(lamp)
-    names = [f"the zero of {arm}" for arm in arms] + [name for name, *_ in more]
-    sd = np.radians([ZERO_SD_DEG, ZERO_SD_DEG, *(sd for _, sd, _, _ in more)])
-    return Instrument(
-        (*names, APERTURE),
-        np.append(sd, LOG_APERTURE_SD),
-        np.stack([np.cross(axis, lamp), still, *(turn for *_, turn, _ in more)]),
-        np.stack([still, np.cross(axis, receiver), *(turn for *_, turn in more)]),
-    )
-
-
-def _plane(directions: Array) -> Array | None:
+def _plane(to_lamp: Array, to_receiver: Array) -> Array | None:
     """The normal of the one plane that holds the sample's normal and all directions, or None."""
-    sideways = directions[:, :2]
+    sideways = np.concatenate([to_lamp, to_receiver])[:, :2]
     length = np.linalg.norm(sideways, axis=1)
     if not np.any(length > _PLANAR):
         return None
     x, y = sideways[np.argmax(length)] / np.max(length)
     if np.any(np.abs(sideways @ np.array([-y, x])) > _PLANAR):
         return None
-    # A positive turn takes the normal towards (x, y), so that angles grow to that side.
+    # A positive turn takes the normal towards (x, y): angles grow to that side.
     return np.array([-y, x, 0.0])
 
 

@@ -42,10 +42,6 @@ LADDER = (
 )
 MODELS = ("auto", *(rung.name for rung in LADDER))
 FOLD_ROUNDS = 4
-#: Of the zero level of a table's readings, in radiance factor: dark current and stray light of a
-#: goniophotometer leave some tenths of a percent of the perfect diffuser.
-OFFSET_SD = 0.003
-HELD_SD = (-2.0, -1.0, 1.0, 2.0)  #: of an error's prior, where the unknowns are found again
 #: Differences in the held-out logarithmic error that do not matter: a misfit of about 0.6 % of the
 #: reflectance adds the first to noise; the second is a share of the smaller model's error.
 RELEVANT = 0.0005
@@ -66,6 +62,14 @@ class Folds:
 
 
 @dataclass(frozen=True)
+class Held:
+    """States that hold one thing elsewhere, and how likely each is against the solution."""
+
+    states: tuple[State, ...]
+    likelihoods: tuple[float, ...]
+
+
+@dataclass(frozen=True)
 class Candidate:
     """A fitted rung and its evidence."""
 
@@ -76,10 +80,7 @@ class Candidate:
     error: float  #: on all samples
     cv_mean: float
     cv_se: float
-    #: States that hold one error of the instrument elsewhere, and how likely each still is
-    #: against the solution, for each error: (K, Z) of both
-    held_states: tuple[tuple[State, ...], ...] = ()
-    likelihoods: tuple[tuple[float, ...], ...] = ()
+    held: tuple[Held, ...] = ()  #: one for each thing that the samples may leave open
     #: Where all readings are one standard deviation of the zero level lower, and higher
     offset_states: tuple[State, ...] = ()
 
@@ -181,55 +182,6 @@ def gain(small: Candidate, large: Candidate) -> tuple[float, float]:
     """Mean and standard error over groups of what the larger candidate gains, held out."""
     difference = small.held_out - large.held_out
     return float(np.mean(difference)), float(np.std(difference, ddof=1) / len(difference) ** 0.5)
-
-
-def free_errors(folds: Folds, candidate: Candidate) -> Candidate:
-    """The same rung with the errors of the instrument free; the same where it has no lobe, or a
-    metal's.
-
-    Also holds each error at HELD_SD prior standard deviations and finds the unknowns there: what
-    the samples do not show of an error stays as uncertain as the prior is.
-    """
-    observations = folds.observations
-    count = len(observations.prior_sd)
-    if candidate.rung.lobes == 0 or candidate.rung.metals or not count:
-        return replace(candidate, offset_states=_offset_states(observations, candidate))
-    rung = replace(candidate.rung, errors=count)
-    start = replace(candidate.solution.state, errors=np.zeros(count))
-    solution = refine(Problem(observations, rung), [start])[0]
-    problem = Problem(observations, rung)
-    error = np.repeat(np.arange(count), len(HELD_SD))
-    value = np.tile(HELD_SD, count) * observations.prior_sd[error]
-    starts = []
-    for k, v in zip(error.tolist(), value.tolist(), strict=True):
-        errors = solution.state.errors.copy()
-        errors[k] = v
-        starts.append(replace(solution.state, errors=errors))
-    held = refine(problem.pinned(error, value), starts, FOLD_ROUNDS)
-    states = States.of([s.state for s in held])
-    _, misfit = problem.reweighted(problem.columns_of(states), states)
-    likelihood = np.exp(np.minimum((solution.loss - misfit.loss) / problem.prior.weight, 0.0))
-    shape = (count, len(HELD_SD))
-    freed = evaluate(folds, rung, solution)
-    return replace(
-        freed,
-        held_states=tuple(
-            tuple(held[k * shape[1] + z].state for z in range(shape[1])) for k in range(count)
-        ),
-        likelihoods=tuple(tuple(row) for row in likelihood.reshape(shape).tolist()),
-        offset_states=_offset_states(observations, freed),
-    )
-
-
-def _offset_states(observations: Observations, candidate: Candidate) -> tuple[State, ...]:
-    """The unknowns where the zero level of all readings is off by its standard deviation."""
-    states = []
-    for side in (-1.0, 1.0):
-        seen = observations.value > 0.0
-        moved = np.where(seen, np.maximum(observations.value + side * OFFSET_SD, 1e-6), 0.0)
-        problem = Problem(replace(observations, value=moved), candidate.rung)
-        states.append(refine(problem, [candidate.solution.state], FOLD_ROUNDS)[0].state)
-    return tuple(states)
 
 
 def free_index(folds: Folds, candidate: Candidate) -> Candidate | None:

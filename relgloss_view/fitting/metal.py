@@ -27,12 +27,18 @@ LARGEST_F0 = 1.1
 _GUESS_ROUNDS = 4
 
 
-def with_metals(folds: Folds, candidates: list[Candidate]) -> list[Candidate]:
+def with_metals(folds: Folds, candidates: list[Candidate], tried: str) -> list[Candidate]:
     """The candidates of the ladder, and those with a metal that a coloured lobe calls for.
+
+    tried: 'auto', 'none', or the one of NAMES that is fitted alone.
 
     A rung is tried where its coloured rung predicts left-out samples better than the neutral one;
     all others cost nothing. It comes before the coloured one of two lobes, which is larger.
     """
+    if tried == "none":
+        return candidates
+    if tried in NAMES:
+        return [_forced(folds, candidates, tried)]
     by_name = {candidate.name: candidate for candidate in candidates}
     made = []
     for rung, neutral, coloured in METALS:
@@ -49,11 +55,11 @@ def with_metals(folds: Folds, candidates: list[Candidate]) -> list[Candidate]:
     return [*candidates[:place], *made, *candidates[place:]]
 
 
-def forced(folds: Folds, candidates: list[Candidate], name: str) -> list[Candidate]:
-    """The candidate of one rung with a metal alone, whatever its F0."""
+def _forced(folds: Folds, candidates: list[Candidate], name: str) -> Candidate:
+    """One rung with a metal, whatever its F0."""
     rung, _, coloured = METALS[NAMES.index(name)]
     start = next(candidate for candidate in candidates if candidate.name == coloured)
-    return [fitted(folds, rung, start)]
+    return fitted(folds, rung, start)
 
 
 def dielectric_of(candidates: list[Candidate], best: Candidate) -> Candidate:

@@ -27,6 +27,7 @@ FEWEST_SAMPLES = 12
 SEARCH_BANDS = 5
 FOLDS_WITHOUT_GROUPS = 10
 FEWEST_GROUPS = 4
+INDEPENDENT = 8
 TAU = 0.03  #: logarithmic residual where the loss leaves the square: a good instrument's worst
 
 
@@ -42,7 +43,17 @@ class Observations:
     groups: int
     prior_sd: Array = field(default_factory=lambda: np.zeros(0))  #: (K,), of instrument errors
     error_names: tuple[str, ...] = ()  #: (K,)
+    prior_centre: Array = field(default_factory=lambda: np.zeros(0))  #: (K,) or none: zero
     noise: float = TAU  #: logarithmic residual of a good model, against which priors weigh
+
+    @property
+    def sample_weight(self) -> float:
+        """What half a squared deviation of one sample weighs in a mean loss, in units of TAU^2.
+
+        As if INDEPENDENT of them in each group were independent, at the noise that they have: its
+        bands and neighbours share what is wrong with a model or a plane.
+        """
+        return (self.noise / TAU) ** 2 / min(len(self.value), INDEPENDENT * self.groups)
 
     @property
     def bands(self) -> int:
@@ -90,9 +101,12 @@ def prepare(measurement: Measurement, seed: int = 0) -> Observations:
     enough = np.sum(np.any(positive, axis=1))
     if enough < FEWEST_SAMPLES:
         left_out = _unusable(measurement, rows, positive)
+        why = f" ({left_out})" if left_out else ""
         raise InputError(
-            f"{measurement.place}: {enough} usable samples of {len(rows)}"
-            f"{f' ({left_out})' if left_out else ''}; a fit needs at least {FEWEST_SAMPLES}"
+            f"{measurement.place}: {enough} usable sample{'' if enough == 1 else 's'} of "
+            f"{len(rows)}{why}; a fit needs at least {FEWEST_SAMPLES} geometries, at and beside "
+            "the mirror direction. So few can serve for the colour of a material alone: write them "
+            "as the albedo of a material file (docs/files.md)"
         )
     if float(np.max(value)) < DARKEST:
         raise InputError(

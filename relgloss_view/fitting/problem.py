@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array, Ints, Mask
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.fitting import linear
 from relgloss_view.fitting.mixed import nnls_mixed
 from relgloss_view.fitting.model import (
@@ -70,17 +70,15 @@ class Prior:
 
     centre: Array  #: (P, K) or (1, K)
     sd: Array  #: the same
-    #: Of half a squared standard deviation against the mean loss, which is in units of TAU^2: what
-    #: one of the N samples weighs, whose bands share their error, at the noise that they have.
-    weight: float
+    weight: float  #: of half a squared standard deviation, Observations.sample_weight
 
 
 def _prior(observations: Observations, rung: Rung) -> Prior | None:
     if not rung.errors:
         return None
     sd = observations.prior_sd
-    weight = (observations.noise / TAU) ** 2 / len(observations.value)
-    return Prior(np.zeros((1, len(sd))), sd[None], weight)
+    centre = observations.prior_centre if observations.prior_centre.size else np.zeros(len(sd))
+    return Prior(centre[None], sd[None], observations.sample_weight)
 
 
 class Problem:
@@ -186,15 +184,12 @@ class Problem:
             raise ValueError("the rung holds the instrument's errors")
         return self._prior
 
-    def pinned(self, error: Ints, value: Array) -> Problem:
-        """P problems, each of which holds one of the errors, `error` (P,), at a value (P,)."""
-        prior = copy.copy(self)
-        centre = np.repeat(self.prior.centre, len(error), axis=0)
-        sd = np.repeat(self.prior.sd, len(error), axis=0)
-        rows = np.arange(len(error))
-        centre[rows, error], sd[rows, error] = value, sd[rows, error] * _PINNED
-        prior._prior = replace(self.prior, centre=centre, sd=sd)
-        return prior
+    def pinned(self, errors: Array) -> Problem:
+        """P problems that hold all errors of the instrument at values (P, K)."""
+        pinned = copy.copy(self)
+        sd = np.repeat(self.prior.sd * _PINNED, len(errors), axis=0)
+        pinned._prior = replace(self.prior, centre=errors, sd=sd)
+        return pinned
 
     # --- inside: the linear unknowns ------------------------------------------------------------
 

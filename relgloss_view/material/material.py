@@ -180,7 +180,7 @@ class FitRecord:
     #: Those of the warnings that explain the quality.
     grounds: tuple[str, ...] = field(default=(), compare=False)
     #: `names` of M fitted numbers and their covariances (M, M): what the `samples`' noise does,
-    #: and what errors of the `instrument` do that the samples leave open
+    #: and what `priors` leave open, of the instrument's errors and of a held refractive index
     covariance: dict[str, Any] = field(default_factory=dict)
     #: Errors of the instrument that the fit found, by name: `value`, `standard_error`, `unit`
     instrument: dict[str, Any] = field(default_factory=dict)

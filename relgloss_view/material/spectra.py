@@ -8,7 +8,6 @@ sampling a discharge lamp at 10 nm moves its white by several dE.
 from __future__ import annotations
 
 import csv
-import itertools
 import os
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -18,8 +17,10 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.reading import printable, read_text, unreadable
+from relgloss_view.base.reading import printable, unreadable
 from relgloss_view.base.resources import asset
+from relgloss_view.material.lamp_file import EXPECTED as LAMP_FILE
+from relgloss_view.material.lamp_file import read_lamp
 from relgloss_view.measure.bands import REC2020, SRGB, Bands
 
 #: Linear sRGB to XYZ, IEC 61966-2-1:1999 with its primaries and D65 (0.3127, 0.3290) carried to
@@ -34,9 +35,6 @@ PRIMARIES_XY = {
 SHIPPED_ILLUMINANTS = ("HP5", "D65", "D50", "A", "C")
 #: Endings that no named lamp has: such a name is a file, and colour-science need not be asked.
 LAMP_SUFFIXES = (".csv", ".txt", ".tsv", ".dat")
-MAX_LAMP_BYTES = 16 * 1024 * 1024
-LAMP_FILE = "a lamp file of wavelength (nm) and power"
-POWER_MAX = 1e100  # relative, and its sums must stay finite
 
 
 def rgb_to_xyz_matrix(
@@ -68,12 +66,14 @@ def white_from_xy(xy: tuple[float, float]) -> Array:
 class Illuminant:
     """A lamp's relative spectral power on a regular or irregular grid of at most 10 nm.
 
-    wavelengths_nm: increasing, nanometres. power: relative, 0 or more.
+    wavelengths_nm: increasing, nanometres. power: relative, 0 or more. notes: what was passed over
+    in its file.
     """
 
     name: str
     wavelengths_nm: tuple[float, ...]
     power: tuple[float, ...]
+    notes: tuple[str, ...] = ()
 
     @cached_property
     def weighted_observer(self) -> tuple[Array, Array]:
@@ -210,40 +210,6 @@ def _observer() -> Array:
 
 
 def _illuminant_file(path: Path, name: str) -> Illuminant:
-    rows: list[tuple[float, float]] = []
-    lines = read_text(path, MAX_LAMP_BYTES, LAMP_FILE).splitlines()
-    for number, line in enumerate(lines, 1):
-        fields = line.replace(",", " ").replace(";", " ").split()
-        if not fields or fields[0].startswith("#"):
-            continue
-        try:
-            wavelength, power = (float(v) for v in fields)
-        except ValueError:
-            if rows:
-                raise InputError(
-                    f"{path}: line {number}: expected wavelength (nm) and power, found "
-                    f"{printable(line, 40)!r}"
-                ) from None
-            continue  # the header
-        if not (0.0 < wavelength < np.inf and 0.0 <= power <= POWER_MAX):
-            raise InputError(
-                f"{path}: line {number}: expected a wavelength above 0 and a power from 0 to "
-                f"{POWER_MAX:g}, found {wavelength:g} and {power:g}"
-            )
-        if rows and wavelength <= rows[-1][0]:
-            raise InputError(f"{path}: line {number}: wavelengths must increase")
-        rows.append((wavelength, power))
-    inside = [(w, p) for w, p in rows if 380 <= w <= 780]
-    widest = max((b[0] - a[0] for a, b in itertools.pairwise(rows)), default=np.inf)
-    if (
-        not inside
-        or inside[0][0] > 400
-        or inside[-1][0] < 700
-        or widest > 10
-        or not any(p for _, p in inside)
-    ):
-        raise InputError(
-            f"{path}: a lamp needs power from 400 to 700 nm or wider, in steps of at most 10 nm"
-        )
-    lamp = Illuminant(name, tuple(w for w, _ in rows), tuple(p for _, p in rows))
-    return _white(lamp, str(path))
+    table = read_lamp(path)
+    notes = tuple(f"{path.name}: {note}" for note in table.notes)
+    return _white(Illuminant(name, table.wavelengths_nm, table.power, notes), str(path))

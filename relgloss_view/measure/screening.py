@@ -1,4 +1,4 @@
-"""Reasons to leave samples out of a measurement."""
+"""Reasons to leave samples and bands out of a measurement."""
 
 from __future__ import annotations
 
@@ -7,12 +7,28 @@ from numpy.typing import NDArray
 
 from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.measure import table
+from relgloss_view.measure.bands import Bands
 from relgloss_view.measure.gonio import GRAZING_COSINE, OCCLUSION_DEG
+from relgloss_view.measure.quantity import RADIANCE_FACTOR_PERCENT
 
 #: Values whose half-vector is further from the normal than this show the body of most samples.
 BODY_DEG = 20.0
 #: No surface sends back more light than it receives; fluorescent papers come near this.
 MOST_BODY = 2.0
+#: With fewer values of the body one may be anything, and the least of them is taken.
+FEWEST_BODY = 5
+#: Readings this far below zero are noise about zero: a thousandth of the perfect diffuser.
+NOISE = 1e-3
+#: With fewer samples the shares below mean nothing.
+FEWEST_ROWS = 8
+#: A band is left out where it has no reading above zero in this share of the samples ...
+MOST_WITHOUT = 0.5
+#: ... or in this share, where the samples would be left out in its place and most would be.
+ENOUGH_WITHOUT = 0.1
+#: Above it a value shows light from the surface itself, which no band lacks (Fresnel 1823).
+HIGHLIGHT = 1.0
+#: Bands outside hardly change a colour: CIE 1931's V(lambda) is below 0.02 there.
+SEEN_NM = (420.0, 680.0)
 
 
 def reasons(
@@ -65,25 +81,135 @@ def percent_warning(
     """A warning where the values can be no radiance factors, as where they are percent; else None.
 
     Arrays as in Measurement. Away from the mirror direction the median of the brightest band is the
-    diffuse reflectance, at most about 1.
+    diffuse reflectance, at most about 1. Near the lamp a retroreflector sends back more.
 
     >>> straight = np.array([[0.0, 0.0, 1.0]])
     >>> aslant = np.array([[0.0, 0.9428, 0.3333]])
     >>> percent_warning(straight, aslant, np.array([[0.8]]), np.array([True])) is None
     True
     >>> percent_warning(straight, aslant, np.array([[80.0]]), np.array([True]))
-    'away from the mirror direction the values reach 80, ... they look like percent; ...'
+    "away from the mirror direction the values reach 80, ... like percent; pass --quantity ..."
     """
     half = to_lamp + to_receiver
     length = np.linalg.norm(half, axis=1)
     away = kept & (half[:, 2] < np.cos(np.radians(BODY_DEG)) * length)
+    away &= np.sum(to_lamp * to_receiver, axis=1) < np.cos(np.radians(BODY_DEG))
     if not np.any(away):
         return None
-    level = float(np.max(np.median(radiance_factor[away], axis=0)))
+    few = np.sum(away) < FEWEST_BODY
+    typical = np.min(radiance_factor[away], axis=0) if few else np.median(radiance_factor[away], 0)
+    level = float(np.max(typical))
     if not level > MOST_BODY:
         return None
-    looks = "they look like percent; divide them by 100, or " if level <= 100 * MOST_BODY else ""
-    return (
+    reach = (
         f"away from the mirror direction the values reach {level:.3g}, and the perfect diffuser "
-        f"has 1: {looks}give the right --quantity"
+        "has 1"
+    )
+    if level > 100 * MOST_BODY:
+        return f"{reach}: check the unit, and give the right --quantity"
+    return (
+        f"{reach}: they look like percent; pass --quantity {RADIANCE_FACTOR_PERCENT}, or write "
+        f"'# quantity: {RADIANCE_FACTOR_PERCENT}' on top"
+    )
+
+
+def unusable_bands(radiance_factor: Array, above: Mask, bands: Bands) -> tuple[Mask, Mask]:
+    """Bands to leave out, and bands to read as black where they are below zero, (B,) each.
+
+    radiance_factor: (N, B), NaN where empty. above: (N,), both directions above the horizon.
+
+    A band that is empty or negative in most samples says nothing of the sample, and its samples
+    would be left out one and all. So it is left out, and what an instrument fills with zeros
+    though it saw the highlight. Two bands always stay. A run of several bands in the middle of
+    the spectrum that lie about zero is a dark colour and stays: without it the colour would be that
+    of its neighbours. Channels of linear sRGB are negative where a colour is saturated, and stay.
+
+    >>> rows = np.tile([-0.0004, 0.2, 0.3], (9, 1))
+    >>> unusable_bands(rows, np.full(9, True), Bands((390.0, 550.0, 650.0)))[0].tolist()
+    [True, False, False]
+    """
+    none = np.zeros(bands.count, dtype=bool)
+    if bands.wavelengths_nm is None or np.sum(above) < FEWEST_ROWS:
+        return none, none
+    values = radiance_factor[above]
+    if np.min(values) > 0.0:  # False for NaN
+        return none, none
+    bad = ~(values >= 0.0)
+    always = bad.mean(axis=0) > 1.0 - ENOUGH_WITHOUT
+    # A sample that lacks most of the other bands is at fault itself.
+    sound = bad[:, ~always].mean(axis=1) <= 0.5 if not always.all() else np.zeros(len(bad), bool)
+    if np.sum(sound) < FEWEST_ROWS:
+        return none, none
+    values, bad = values[sound], bad[sound]
+    share = bad.mean(axis=0)
+    out = share > MOST_WITHOUT
+    while np.any(bad[:, ~out], axis=1).mean() > MOST_WITHOUT:
+        worst = int(np.argmax(np.where(out, -1.0, share)))
+        if share[worst] < ENOUGH_WITHOUT:
+            break
+        out[worst] = True
+    filled = np.all(np.nan_to_num(values) == 0.0, axis=0)
+    if np.nanmax(values[:, ~filled], initial=0.0) > HIGHLIGHT:
+        out |= filled
+    dark = _dark_runs(values, out, bands.centres_nm())
+    out &= ~dark
+    return (out, dark) if np.sum(~out) >= 2 else (none, none)
+
+
+def _dark_runs(values: Array, out: Mask, centres_nm: Array) -> Mask:
+    """The bands in `out` that lie about zero, in runs with two and more in the seen spectrum."""
+    level = np.abs(np.median(np.where(np.isnan(values), np.inf, values), axis=0))
+    about_zero = out & (level <= NOISE) & np.any(values > 0.0, axis=0)
+    dark = np.zeros_like(out)
+    low, high = SEEN_NM
+    edges = np.flatnonzero(np.diff(np.r_[False, about_zero, False].astype(int)))
+    for first, end in zip(edges[::2], edges[1::2], strict=True):
+        seen = (centres_nm[first:end] >= low) & (centres_nm[first:end] <= high)
+        dark[first:end] = np.sum(seen) >= 2
+    return dark
+
+
+def read_above_zero(radiance_factor: Array, dark: Mask) -> tuple[Array, str | None]:
+    """Values with noise below zero read as zero, and a note where that is any.
+
+    dark: (B,), bands whose values below zero are all noise.
+    """
+    below = (radiance_factor < 0.0) & ((radiance_factor >= -NOISE) | dark)
+    if not np.any(below):
+        return radiance_factor, None
+    count, lowest = int(np.sum(below)), float(np.min(radiance_factor[below]))
+    note = (
+        f"{count} reading{'s' if count > 1 else ''} down to {lowest:.2g} "
+        f"{'are' if count > 1 else 'is'} read as 0: noise about zero"
+    )
+    return np.where(below, 0.0, radiance_factor), note
+
+
+def bands_note(radiance_factor: Array, out: Mask, bands: Bands) -> str | None:
+    """A sentence that names the bands that are left out and why; None where none is.
+
+    >>> rows = np.tile([-0.0004, 0.2, 0.3], (9, 1))
+    >>> bands_note(rows, np.array([True, False, False]), Bands((390.0, 550.0, 650.0)))
+    'left out the band 390 nm, which is negative in 9 of 9 samples; the rest is read'
+    """
+    if not np.any(out):
+        return None
+    values = radiance_factor[:, out]
+    counts = {
+        "negative": np.sum(values < 0.0, axis=0),
+        "empty": np.sum(np.isnan(values), axis=0),
+        "zero": np.sum(values == 0.0, axis=0),
+    }
+    total = {word: int(np.sum(count)) for word, count in counts.items()}
+    word = max(total, key=lambda name: total[name])
+    labels = [label for label, left in zip(bands.labels, out, strict=True) if left]
+    if len(labels) == 1:
+        return (
+            f"left out the band {labels[0]}, which is {word} in {counts[word][0]} of {len(values)} "
+            "samples; the rest is read"
+        )
+    shown = labels if len(labels) <= 6 else [*labels[:5], f"{len(labels) - 5} more"]
+    return (
+        f"left out {len(labels)} bands that are {word} or unread in most samples "
+        f"({', '.join(shown)}); the rest is read"
     )

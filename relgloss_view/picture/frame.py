@@ -140,7 +140,7 @@ def scene_warnings(
         return ("nothing of the object falls on a pixel's sample: the picture is empty",)
     if not lit:
         return (BLACK,)
-    warnings = []
+    warnings = list(illuminant(scene.lamp.illuminant).notes)
     needed = samples_needed(scene, size)
     if sample_count(scene, look, size) < needed:
         warnings.append(

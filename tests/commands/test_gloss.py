@@ -225,17 +225,30 @@ class TestPercent:
 
     def test_a_table_is_refused_in_one_line(self, capsys, tmp_path):
         said = refused(capsys, self.table(tmp_path, 100.0))
-        assert "percent; divide them by 100" in said
+        assert "percent; pass --quantity radiance-factor-percent" in said
+
+    def test_the_option_that_it_names_reads_it(self, capsys, tmp_path):
+        (whole,) = samples(capsys, self.table(tmp_path, 1.0))
+        table = self.table(tmp_path, 100.0)
+        (found,) = samples(capsys, table, "--quantity", "radiance-factor-percent")
+        for key, reading in whole["readings"].items():
+            expected = reading["value"] and pytest.approx(reading["value"], rel=1e-4)
+            assert found["readings"][key]["value"] == expected
 
     def test_a_table_of_radiance_factors_is_not(self, capsys, tmp_path):
         (found,) = samples(capsys, self.table(tmp_path, 1.0))
         assert found["warnings"] == []
 
-    def test_every_reader_of_the_table_is_warned(self, tmp_path):
-        from relgloss_view import read_measurement
+    def test_every_reader_of_the_table_refuses_it(self, tmp_path):
+        from relgloss_view import InputError, read_measurement
 
-        assert any("percent" in w for w in read_measurement(self.table(tmp_path, 100.0)).warnings)
         assert not read_measurement(self.table(tmp_path, 1.0)).warnings
+        table = self.table(tmp_path, 100.0)
+        with pytest.raises(InputError, match="percent"):
+            read_measurement(table)
+        # Whoever insists on the quantity is warned.
+        insisted = read_measurement(table, quantity="radiance-factor")
+        assert any("percent" in w for w in insisted.warnings)
 
     def test_a_material_is_warned_of(self, capsys, tmp_path):
         content = json.loads(Path(FITTED).read_text())

@@ -379,7 +379,7 @@ class TestUncertainty:
     @pytest.mark.parametrize(
         ("kept", "place"),
         [({"names": "s"}, "names"), ({"names": ["s_deg.1"], "samples": [[1.0, 2.0]]}, "samples"),
-         ({"names": ["s_deg.1"], "instrument": [[-1.0]]}, "instrument"),
+         ({"names": ["s_deg.1"], "priors": [[-1.0]]}, "priors"),
          ({"names": ["s_deg.1"], "samples": [["x"]]}, "samples")],
     )  # fmt: skip
     def test_covariances_that_are_none(self, kept, place):

@@ -43,7 +43,6 @@ MERL_HEADER = struct.pack("<3i", 90, 90, 180)
 
 #: What is wrong -> the file, the place that the message must name, and the remedy.
 BAD = {
-    "nan": (swap("0.20", "nan"), "line 6, column 5 (500)", "leave the field empty"),
     "inf": (swap("1.30", "-inf"), "line 7, column 6 (600)", "leave the field empty"),
     "overflow": (swap("1.30", "1e999"), "line 7, column 6 (600)", "correct it"),
     "absurd reading": (swap("1.30", "1e13"), "line 7, column 6 (600)", "correct it"),
@@ -95,9 +94,8 @@ BAD = {
     "aperture": ("# aperture_sd_deg: -1\n" + GCMS, "line 1", "correct it or remove"),
     "three apertures": ("# aperture_sd_deg: 1 1 1\n" + GCMS, "line 1", "1 or 2 numbers"),
     "saturation": ("# saturation: high\n" + GCMS, "line 1", "correct it or remove"),
-    "latin-1": (swap("paper", "Büttenpapier").encode("latin-1"), "line 1", "UTF-8"),
-    "utf-16": (GCMS.encode("utf-16"), "UTF-16", "save it as UTF-8"),
-    "picture": (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR", "neither text", "RGL .bsdf"),
+    "utf-16 cut off": (GCMS.encode("utf-16")[:-1], "UTF-16, but damaged", "save it as UTF-8"),
+    "picture": (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR", "a picture", "RGL .bsdf"),
     "zeros": (bytes(100), "neither text", "give a CSV table"),
     "bsdf cut in the magic": (BSDF[:7], "offset 7", "download it again"),
     "bsdf cut in the count": (BSDF[:16], "offset 16", "download it again"),

@@ -211,7 +211,7 @@ def test_contradicting_repeats_are_kept_with_a_warning(read):
 def test_what_is_written_is_read_back(tmp_path):
     grid = gonio.gcms4_grid()
     nm = list(range(390, 731, 10))
-    values = np.random.default_rng(0).uniform(0.01, 9, (len(grid), len(nm)))
+    values = np.random.default_rng(0).uniform(0.01, 3, (len(grid), len(nm)))
     values[3, 5] = np.nan
     path = tmp_path / "t.csv"
     write_gcms_csv(

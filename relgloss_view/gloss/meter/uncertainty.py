@@ -81,7 +81,7 @@ def _covariance(fit: FitRecord) -> tuple[list[str], Array]:
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         refuse(f"{COVARIANCE}.names", "a list of texts", names)
     total = np.zeros((len(names), len(names)))
-    for part in ("samples", "instrument"):
+    for part in ("samples", "priors"):
         rows = fit.covariance.get(part, [[0.0] * len(names)] * len(names))
         expected = f"{len(names)} rows of {len(names)} numbers"
         if not isinstance(rows, list) or len(rows) != len(names):

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from relgloss_view.base.decoding import wide_encoding
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.foreign import HEAD_BYTES, refuse_foreign
 from relgloss_view.base.reading import check_regular, unreadable
 from relgloss_view.measure.quantity import BRDF, canonical_quantity
 from relgloss_view.measure.readers import csv_table, gcms, generic, merl, rgl, tensor_file
@@ -16,19 +18,29 @@ __all__ = ["read_measurement"]
 
 EXPECTED = "a measurement file"
 MATERIAL = b"relgloss-material"  #: the format that `fit` writes into a material file
+#: Bytes that no text holds, but for a few that a program lets slip.
+_CONTROLS = [bytes([c]) for c in range(32) if c not in b"\t\n\x0b\x0c\r\x1a\x1b"]
+MOST_CONTROLS = 0.005
 
 
 def read_measurement(
-    path: str | Path, *, quantity: str | None = None, gamma_s_deg: float | None = None
+    path: str | Path,
+    *,
+    quantity: str | None = None,
+    gamma_s_deg: float | None = None,
+    angle_unit: str | None = None,
 ) -> Measurement:
     """Read an instrument's file: RGL .bsdf, MERL .binary, GCMS-style or generic CSV.
 
     path: the file; its content decides the format (docs/files.md). The name of a built-in paper,
     such as 'art-coated', reads its synthetic table, unless there is a file of that name.
-    quantity: 'radiance-factor' (pi f_r), 'brdf' (f_r, 1/sr) or 'brdf-cos' (f_r cos theta_r, 1/sr).
-    It replaces what a text table declares, and is required where the table declares none.
+    quantity: 'radiance-factor' (pi f_r), 'brdf' (f_r, 1/sr), 'brdf-cos' (f_r cos theta_r, 1/sr) or
+    'radiance-factor-percent' (100 pi f_r). It replaces what a text table declares, and is required
+    where the table declares none. A table whose values can't be the declared quantity is refused,
+    unless this argument insists on it.
     gamma_s_deg: tilt at which a GCMS table sees the mirror direction, degrees, -90 to 90; replaces
     the declared one.
+    angle_unit: 'degrees' or 'radians' of a text table's angles; replaces the declared one.
 
     Returns the Measurement in radiance factors, with its warnings. Raises InputError, one line
     that names file, place and remedy, for everything that is wrong with the file.
@@ -44,40 +56,54 @@ def read_measurement(
     """
     file = table_file(path)
     try:
-        measurement = _read(file, quantity, gamma_s_deg)
+        measurement = _read(file, quantity, gamma_s_deg, angle_unit)
     except OSError as error:
         raise unreadable(path, error, EXPECTED) from None
     return replace(measurement, file=str(file))
 
 
-def _read(path: Path, quantity: str | None, gamma_s_deg: float | None) -> Measurement:
+def _read(
+    path: Path, quantity: str | None, gamma_s_deg: float | None, angle_unit: str | None
+) -> Measurement:
     with check_regular(path, EXPECTED).open("rb") as file:
-        head = file.read(4096)
+        head = file.read(HEAD_BYTES)
 
     # A file cut off inside the magic number is a damaged .bsdf too.
     if head and tensor_file.MAGIC.startswith(head[: len(tensor_file.MAGIC)]):
         measurement = rgl.read(path)
     elif head.startswith(merl.HEADER):
         measurement = merl.read(path)
-    elif head.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise InputError(f"{path}: the text is UTF-16; save it as UTF-8")
-    elif b"\x00" in head:
+    else:
+        refuse_foreign(head, path)
+        return _read_text(path, head, quantity, gamma_s_deg, angle_unit)
+    return _with_unused_arguments(measurement, quantity, gamma_s_deg, angle_unit)
+
+
+def _refuse_no_table(path: Path, head: bytes) -> None:
+    """InputError for binary data and JSON."""
+    controls = sum(head.count(c) for c in _CONTROLS)
+    wide = wide_encoding(head) is not None
+    if not wide and (b"\x00" in head or controls > MOST_CONTROLS * len(head)):
         raise InputError(
             f"{path}: neither text nor a known binary format; "
             "give a CSV table, an RGL .bsdf or a MERL .binary"
         )
-    elif head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{") and MATERIAL in head:
+    text = head.replace(b"\x00", b"") if wide else head
+    text = text.lstrip(b"\xff\xfe\xef\xbb\xbf \t\r\n")
+    if text.startswith(b"{") and MATERIAL in text:
         raise InputError(
             f"{path}: this is a material, not a measurement; "
             f"draw it with `relgloss snapshot --material`"
         )
-    else:
-        return _read_text(path, quantity, gamma_s_deg)
-    return _with_unused_arguments(measurement, quantity, gamma_s_deg)
+    if text.startswith((b"{", b"[{")):
+        raise InputError(f"{path}: this looks like JSON; give a measured table as CSV")
 
 
 def _with_unused_arguments(
-    measurement: Measurement, quantity: str | None, gamma_s_deg: float | None
+    measurement: Measurement,
+    quantity: str | None,
+    gamma_s_deg: float | None,
+    angle_unit: str | None,
 ) -> Measurement:
     """The measurement, with a warning for each argument that its format does not use."""
     warnings = list(measurement.warnings)
@@ -85,17 +111,21 @@ def _with_unused_arguments(
         warnings.append(f"the format holds BRDFs in 1/sr; --quantity {quantity} is not used")
     if gamma_s_deg is not None:
         warnings.append("the format has no tilt of the sample; --gamma-s-deg is not used")
+    if angle_unit is not None:
+        warnings.append("the format fixes the unit of its angles; --angle-unit is not used")
     return replace(measurement, warnings=tuple(warnings))
 
 
-def _read_text(path: Path, quantity: str | None, gamma_s_deg: float | None) -> Measurement:
-    table = csv_table.parse(path)
+def _read_text(
+    path: Path,
+    head: bytes,
+    quantity: str | None,
+    gamma_s_deg: float | None,
+    angle_unit: str | None,
+) -> Measurement:
+    _refuse_no_table(path, head[:4096])
+    table = csv_table.parse(path, (gcms.COLUMNS.keys(), generic.COLUMNS.keys()))
     names = {name.lower() for name in table.columns}
     if names & gcms.COLUMNS.keys():
-        return gcms.read(table, quantity, gamma_s_deg)
-    if names & generic.COLUMNS.keys():
-        return generic.read(table, quantity, gamma_s_deg)
-    raise InputError(
-        f"{path}: line {table.header_line}: found column {table.columns[0]!a}; the header "
-        f"should begin {','.join(gcms.COLUMNS)} or {','.join(generic.COLUMNS)}"
-    )
+        return gcms.read(table, quantity, gamma_s_deg, angle_unit)
+    return generic.read(table, quantity, gamma_s_deg, angle_unit)

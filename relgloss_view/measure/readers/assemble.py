@@ -11,7 +11,7 @@ from relgloss_view.base.arrays import Array, Ints, Mask
 from relgloss_view.base.errors import InputError
 from relgloss_view.measure import screening as screen
 from relgloss_view.measure.bands import Bands
-from relgloss_view.measure.gonio import spherical, tabulated_grid
+from relgloss_view.measure.gonio import GRAZING_COSINE, spherical, tabulated_grid
 from relgloss_view.measure.quantity import to_radiance_factor
 from relgloss_view.measure.readers.csv_table import TextTable
 from relgloss_view.measure.readers.declared import Declared
@@ -59,17 +59,29 @@ def from_table(
 
     angles: (N, A), the instrument's, degrees. readings: (N, B), in the declared quantity.
     directions: to lamp and to receiver, (N, 3) each. group: (N,), rounded to whole numbers.
-    Raises InputError where no sample is left.
+    Raises InputError where no sample is left, or where the values can't be the declared quantity
+    and the caller does not insist on it.
     """
     to_lamp, to_receiver = directions
+    factor = to_radiance_factor(readings, facts.quantity, to_receiver[:, 2])
+    above = np.minimum(to_lamp[:, 2], to_receiver[:, 2]) > GRAZING_COSINE
+    out, dark = screen.unusable_bands(factor, above, bands)
+    left_out = screen.bands_note(factor[above], out, bands)
+    if left_out is not None and bands.wavelengths_nm is not None:
+        centres = zip(bands.wavelengths_nm, out, strict=True)
+        bands = Bands(tuple(nm for nm, left in centres if not left))
+        factor, readings, dark = factor[:, ~out], readings[:, ~out], dark[~out]
+    noise = None
+    if not bands.is_rgb:  # a negative channel of linear sRGB is a saturated colour
+        factor, noise = screen.read_above_zero(factor, dark)
+        readings = np.where((readings < 0.0) & (factor == 0.0), 0.0, readings)
     reasons = screen.reasons(
         to_lamp, to_receiver, readings, saturation=facts.saturation, arms_occlude=arms_occlude
     )
-    factor = to_radiance_factor(readings, facts.quantity, to_receiver[:, 2])
-    doubts = (
-        screen.percent_warning(to_lamp, to_receiver, factor, reasons == KEPT),
-        contradictions(angles, factor, reasons == KEPT),
-    )
+    percent = screen.percent_warning(to_lamp, to_receiver, factor, reasons == KEPT)
+    if percent is not None and not facts.quantity_insisted:
+        raise InputError(f"{table.path}: {percent}")
+    doubts = (left_out, noise, percent, contradictions(angles, factor, reasons == KEPT))
     measurement = Measurement(
         name=facts.name,
         source=facts.source,

@@ -1,16 +1,26 @@
-"""Text tables of any subject: comments, a header of column names, rows of numbers."""
+"""Text tables as instruments and spreadsheets save them: comments, a header, rows of numbers.
+
+The header is looked for: lines above it, empty rows, blank columns, averages below the data and
+remarks are passed over and reported once. What could be a faulty row is refused with its place.
+"""
 
 from __future__ import annotations
 
+import itertools
 import re
-from array import array
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Ints
+from relgloss_view.base.decoding import decoded
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
+from relgloss_view.measure.readers.cells import is_number
+from relgloss_view.measure.readers.headings import RADIANS, AngleHeading, angle_heading, is_band
+from relgloss_view.measure.readers.rows import Header, RowReader, Rows, has_decimal_commas, split
 
 #: Beyond these a table is not a gonio scan, and reading it would exhaust the memory.
 MAX_BYTES = 1_000_000_000
@@ -19,9 +29,17 @@ MAX_LINES = 6_000_000  #: with comments and blank lines
 MAX_COLUMNS = 10_000
 #: No reading comes near: a mirror-like lobe of 0.1 degrees at grazing incidence reaches 1e5.
 MAX_MAGNITUDE = 1e12
+MOST_TITLES = 200  #: lines above the header
+MOST_LOOKED_AT = 500  #: columns of a line that may be the header
 
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
-_DELIMITERS = (",", ";", "\t")
+#: What a table declares: `# key: value` or, above the header, `key,value`.
+DECLARATIONS = (
+    "name", "source", "quantity", "gamma_s_deg", "aperture_sd_deg", "saturation", "angle_unit",
+)  # fmt: skip
+_ONCE = DECLARATIONS[2:]
+_DELIMITERS = (",", ";", "\t", None)
+_PADDING = " \t,;"  #: what a spreadsheet appends to a line of one cell
+_SEPARATOR_LINE = re.compile(r'"?sep=.?"?', re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -34,30 +52,50 @@ class TextTable:
     header_line: int
     values: Array  #: (N, C)
     lines: Ints  #: (N,), line number of each row in the file, from 1
+    numbers: tuple[int, ...] = ()  #: (C,), number of each column in the file, from 1
+    radians: frozenset[str] = frozenset()  #: angle columns whose heading or row of units says so
+    decimal_comma: bool = False
+    notes: tuple[str, ...] = ()  #: what was passed over
 
     def at(self, row: int, column: int) -> str:
         """The place of a value, for messages: 'FILE: line 7, column 3 (gamma_deg)'."""
-        return f"{self.path}: line {self.lines[row]}, column {column + 1} ({self.columns[column]})"
+        return (
+            f"{self.path}: line {self.lines[row]}, column {self.numbers[column]} "
+            f"({self.columns[column]})"
+        )
 
 
-def parse(path: Path) -> TextTable:
-    """Read a delimited text table (comma, semicolon or tab; UTF-8).
+def parse(path: Path, layouts: Sequence[Collection[str]] = ()) -> TextTable:
+    """Read a delimited text table (comma, semicolon, tab or spaces; any usual encoding).
 
+    layouts: the angle columns of each kind of table that is looked for. The header is the first
+    line that holds all of one, in any spelling; else the one that holds most; else the first line.
     Raises InputError that names file, line, column and remedy.
     """
-    text = _text(path)
+    text, note = _text(path)
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    comments: dict[str, tuple[int, str]] = {}
-    start = _read_comments(path, lines, comments)
-    header = lines[start].strip()
-    delimiter = max(_DELIMITERS, key=header.count)
-    columns = _columns(path, start + 1, header, delimiter)
-    values, numbers = _rows(path, lines, start + 1, columns, delimiter)
-    return TextTable(path, comments, columns, start + 1, values, numbers)
+    if '"' in text:
+        lines = [_unquoted(line) if '"' in line else line for line in lines]
+    start, delimiter = _find_header(path, lines, layouts)
+    comments, titles = _above(path, lines, start)
+    header, units, renamed = _header(path, start + 1, lines[start], delimiter)
+    if layouts:
+        _check_columns(path, header, layouts)
+    _check_declared_once(path, lines, start, comments)
+    comma = has_decimal_commas(lines, start + 1, delimiter)
+    rows = RowReader(path, header, comma, MAX_ROWS).read(lines)
+    columns, values, numbers, unnamed = _named_columns(path, header, rows)
+    _check_rows(path, columns, numbers, values, rows)
+    radians = {header.columns[k] for k in rows.radians} | units
+    notes = [*([note] if note else []), *renamed, *_passed_over(titles, rows, unnamed)]
+    return TextTable(
+        path, comments, columns, start + 1, values, rows.lines, numbers, frozenset(radians), comma,
+        tuple(notes),
+    )  # fmt: skip
 
 
-def _text(path: Path) -> str:
-    """The whole file as text, after its size has been checked."""
+def _text(path: Path) -> tuple[str, str | None]:
+    """The whole file as text, after its size has been checked, and a note on its encoding."""
     size = path.stat().st_size
     if size > MAX_BYTES:
         raise InputError(
@@ -67,116 +105,253 @@ def _text(path: Path) -> str:
     data = path.read_bytes()
     if not data.strip():
         raise InputError(f"{path}: the file is empty; a table needs a header line and rows")
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise InputError(
-            f"{path}: line {line}: byte 0x{data[error.start]:02x} is not UTF-8; "
-            "save the table as UTF-8 text"
-        ) from None
+    content = decoded(data, str(path))
+    text = content.text
     if max(text.count("\n"), text.count("\r")) > MAX_LINES:
         raise InputError(f"{path}: more than {MAX_LINES} lines; split the table or thin it out")
-    return text
+    return text, content.note
 
 
-def _read_comments(path: Path, lines: list[str], comments: dict[str, tuple[int, str]]) -> int:
-    """Collect the `# key: value` lines on top; returns the index of the header line."""
+def _unquoted(line: str) -> str:
+    """A line that a spreadsheet wrote as one quoted cell, without its quotes."""
+    cell = line.strip(_PADDING)
+    if len(cell) > 1 and cell[0] == cell[-1] == '"':
+        inner = cell[1:-1].replace('""', "\0")
+        if '"' not in inner:
+            return inner.replace("\0", '"')
+    return line
+
+
+def _find_header(
+    path: Path, lines: list[str], layouts: Sequence[Collection[str]]
+) -> tuple[int, str | None]:
+    """The index of the header line and its delimiter."""
+    first: int | None = None
+    best: tuple[int, int, str | None] = (0, -1, None)
+    looked_at = 0
     for index, line in enumerate(lines):
         stripped = line.strip()
-        if not stripped:
+        if not stripped.strip(_PADDING) or stripped.startswith("#"):
             continue
-        if not stripped.startswith("#"):
-            return index
-        key, colon, value = stripped.lstrip("#").partition(":")
-        key = key.strip().lower()
-        if colon and key:
-            comments.setdefault(key, (index + 1, value.strip()))
-    raise InputError(f"{path}: only comments; a table needs a header line and rows")
+        if index < 2 and _SEPARATOR_LINE.fullmatch(stripped):
+            continue
+        first = index if first is None else first
+        looked_at += 1
+        if looked_at > MOST_TITLES:
+            break
+        for delimiter in _DELIMITERS:
+            if delimiter is not None and delimiter not in line:
+                continue
+            fields = split(line, delimiter)[:MOST_LOOKED_AT]
+            names = {a.name for a in map(angle_heading, fields) if a is not None}
+            for layout in layouts:
+                if len(names & set(layout)) == len(layout):
+                    return index, delimiter
+                if len(names & set(layout)) > best[0]:
+                    best = (len(names & set(layout)), index, delimiter)
+    if first is None:
+        raise InputError(f"{path}: only comments; a table needs a header line and rows")
+    if best[0] > 1 or best[1] == first:
+        return best[1], best[2]
+    return first, max(",;\t", key=lines[first].count)
 
 
-def _columns(path: Path, line: int, header: str, delimiter: str) -> tuple[str, ...]:
-    """The column names; each must be there and be unlike the others."""
-    columns = tuple(name.strip().strip('"').strip()[:40] for name in header.split(delimiter))
-    if len(columns) > MAX_COLUMNS:
+def _above(
+    path: Path, lines: list[str], start: int
+) -> tuple[dict[str, tuple[int, str]], list[int]]:
+    """The declarations above the header, and the lines there that are neither they nor empty."""
+    comments: dict[str, tuple[int, str]] = {}
+    titles = []
+    for index, line in enumerate(lines[:start]):
+        text = line.strip().strip(_PADDING)
+        if not text or (index < 2 and _SEPARATOR_LINE.fullmatch(text)):
+            continue
+        if not text.startswith("#"):
+            key, value = _title(text)
+            if key not in DECLARATIONS or not value:
+                titles.append(index + 1)
+                continue
+        else:
+            key, colon, value = text.lstrip("#").partition(":")
+            key, value = key.strip().lower(), value.strip().strip(_PADDING)
+            if not colon or not key:
+                continue
+        _declare(path, comments, key, index + 1, value)
+    return comments, titles
+
+
+def _title(text: str) -> tuple[str, str]:
+    """Key and value of a line above the header without #, as 'quantity: brdf' or 'name;x'."""
+    found = re.match(r"([\w ]{1,40}?)\s*[:=,;\t]\s*(.*)", text)
+    return (found[1].strip().lower(), found[2].strip(_PADDING)) if found else ("", "")
+
+
+def _declare(
+    path: Path, comments: dict[str, tuple[int, str]], key: str, line: int, value: str
+) -> None:
+    earlier = comments.setdefault(key, (line, value))
+    if key in _ONCE and earlier[1].lower().split() != value.lower().split():
         raise InputError(
-            f"{path}: line {line}: {len(columns)} columns, at most {MAX_COLUMNS} are read; "
+            f"{path}: line {line}: '# {key}: {printable(value, 40)}' contradicts line "
+            f"{earlier[0]}, '{printable(earlier[1], 40)}'; keep one of them, or split the file"
+        )
+
+
+def _check_declared_once(
+    path: Path, lines: list[str], start: int, comments: dict[str, tuple[int, str]]
+) -> None:
+    """InputError where a comment among the rows contradicts one above, as in joined files."""
+    seen = dict(comments)
+    for index in range(start + 1, len(lines)):
+        line = lines[index]
+        if line.lstrip().startswith("#"):
+            key, colon, value = line.strip().lstrip("#").partition(":")
+            key = key.strip().lower()
+            if colon and key in _ONCE and key in seen:
+                _declare(path, seen, key, index + 1, value.strip().strip(_PADDING))
+
+
+def _header(
+    path: Path, line: int, text: str, delimiter: str | None
+) -> tuple[Header, set[str], list[str]]:
+    """The header, the angles that it declares in radians, and a note on other words for angles."""
+    names = [name.strip().strip('"').strip() for name in split(text.strip("\r\n"), delimiter)]
+    if len(names) > MAX_COLUMNS:
+        raise InputError(
+            f"{path}: line {line}: {len(names)} columns, at most {MAX_COLUMNS} are read; "
             "is this the header of a table?"
         )
-    if all(_NUMBER.fullmatch(name) for name in columns):
+    if not any(names):
+        raise InputError(f"{path}: line {line}: no column has a name; name the columns")
+    if all(is_number(name) for name in names if name):
         raise InputError(
             f"{path}: line {line}: numbers where the header should be; "
             "name the columns in the first line that is not a # comment"
         )
+    angles = [angle_heading(name) for name in names]
+    columns = tuple(
+        angle.name if angle else printable(name, 40)
+        for angle, name in zip(angles, names, strict=True)
+    )
     first: dict[str, int] = {}
     for k, name in enumerate(columns, start=1):
-        if not name:
-            raise InputError(f"{path}: line {line}, column {k}: no name; name it or remove it")
-        if first.setdefault(name.lower(), k) != k:
+        if name and first.setdefault(name.lower(), k) != k:
             raise InputError(
                 f"{path}: line {line}, column {k}: {name!r} is already column "
                 f"{first[name.lower()]}; rename or remove one"
             )
-    return columns
+    keys = tuple(k for k, angle in enumerate(angles) if angle)
+    radians = {angle.name for angle in angles if angle and angle.unit == RADIANS}
+    words = tuple(name.lower() for name in names)
+    return Header(line, columns, words, keys, delimiter), radians, _renamed(names, angles)
 
 
-def _rows(
-    path: Path, lines: list[str], start: int, columns: tuple[str, ...], delimiter: str
-) -> tuple[Array, Ints]:
-    """The numbers below the header, (N, C), and their line numbers."""
-    width = len(columns)
-    flat = array("d")
-    numbers = array("q")
-    for index in range(start, len(lines)):
-        line = lines[index]
-        if not line or line.isspace() or line.lstrip().startswith("#"):
-            continue
-        fields = line.split(delimiter)
-        if len(fields) != width:
+def _check_columns(path: Path, header: Header, layouts: Sequence[Collection[str]]) -> None:
+    """InputError where the header is that of no table, before any row is parsed."""
+    where = f"{path}: line {header.line}"
+    if not header.keys:
+        first = next(name for name in header.columns if name)
+        expected = " or ".join(",".join(layout) for layout in layouts)
+        raise InputError(f"{where}: found column {first!r}; the header should begin {expected}")
+    if not any(set(layout) <= set(header.columns) for layout in layouts):
+        return  # the column that is missing is named later
+    for k, name in enumerate(header.columns, start=1):
+        if name and k - 1 not in header.keys and not is_band(name):
             raise InputError(
-                f"{path}: line {index + 1}: {len(fields)} fields, the header has {width}; "
-                "complete the row, leaving a field empty where nothing was read"
+                f"{where}, column {k}: {name!r} is neither an angle, a wavelength in nm, nor R, G, "
+                "B; rename or remove it"
             )
-        # float() also takes 1_000, nan, infinity and digits of other scripts: such lines, and
-        # those with empty fields, are parsed field by field.
-        plain = line.isascii() and "_" not in line and "n" not in line and "N" not in line
-        try:
-            if not plain:
-                raise ValueError
-            flat.extend([float(field) for field in fields])
-        except ValueError:
-            flat.extend(_careful(path, index + 1, columns, fields))
-        numbers.append(index + 1)
-    if not numbers:
+
+
+def _renamed(names: list[str], angles: list[AngleHeading | None]) -> list[str]:
+    """A note where columns of angles have other words than relgloss's, for the reader to check."""
+    pairs = [
+        f"{printable(name, 30)!r} as {angle.name}"
+        for name, angle in zip(names, angles, strict=True)
+        if angle and angle.name.removesuffix("_deg") not in re.sub(r"[\s_.-]+", "_", name.lower())
+    ]
+    return [f"read {', '.join(pairs)}"] if pairs else []
+
+
+def _named_columns(
+    path: Path, header: Header, rows: Rows
+) -> tuple[tuple[str, ...], Array, tuple[int, ...], list[int]]:
+    """Names, values and file numbers of the columns that have a name; the numbers of the others.
+
+    A column without a name may be empty, hold remarks or count the rows; anything else is refused.
+    """
+    unnamed = [k for k, name in enumerate(header.columns) if not name]
+    for k in unnamed:
+        if k >= header.width or not len(rows.values):
+            continue
+        column = rows.values[:, k]
+        filled = column[np.isfinite(column)]
+        counts = len(filled) == len(column) and (
+            k == 0 and len(column) > 1 and bool(np.all(np.diff(column) == 1.0))
+        )
+        if len(filled) and not counts and k not in rows.remarks:
+            raise InputError(
+                f"{path}: line {header.line}, column {k + 1}: no name; name it or remove it"
+            )
+    kept = [k for k, name in enumerate(header.columns) if name]
+    names = tuple(header.columns[k] for k in kept)
+    values = rows.values if len(kept) == header.width else rows.values[:, kept]
+    return names, values, tuple(k + 1 for k in kept), [k + 1 for k in unnamed]
+
+
+def _check_rows(
+    path: Path, columns: tuple[str, ...], numbers: tuple[int, ...], values: Array, rows: Rows
+) -> None:
+    """InputError where there is no row, or a number beyond any reading."""
+    if not len(values):
         raise InputError(f"{path}: no row follows the header; add rows of numbers below it")
-    if len(numbers) > MAX_ROWS:
-        raise InputError(f"{path}: more than {MAX_ROWS} rows; split the table or thin it out")
-    values = np.frombuffer(flat, dtype=np.float64).reshape(-1, width)
     huge = np.argwhere(np.abs(values) > MAX_MAGNITUDE)
     if len(huge):
         row, column = huge[0]
         raise InputError(
-            f"{path}: line {numbers[row]}, column {column + 1} ({columns[column]}): "
+            f"{path}: line {rows.lines[row]}, column {numbers[column]} ({columns[column]}): "
             f"{values[row, column]:g} is beyond any reading; correct it or leave the field empty"
         )
-    return values, np.frombuffer(numbers, dtype=np.int64)
 
 
-def _careful(path: Path, line: int, columns: tuple[str, ...], fields: list[str]) -> list[float]:
-    """Parse one row field by field: NaN for an empty one, InputError for anything odd."""
-    row = []
-    for k, field in enumerate(fields):
-        stripped = field.strip()
-        if not stripped:
-            row.append(float("nan"))
-        elif _NUMBER.fullmatch(stripped):
-            row.append(float(stripped))
-        else:
-            remedy = "leave the field empty where nothing was read"
-            if stripped.lower().lstrip("+-") not in ("nan", "inf", "infinity"):
-                remedy = "write a number with a decimal point, or leave the field empty"
-            raise InputError(
-                f"{path}: line {line}, column {k + 1} ({columns[k]}): "
-                f"found {stripped[:30]!a}, expected a finite number; {remedy}"
-            )
-    return row
+def _passed_over(titles: list[int], rows: Rows, unnamed: list[int]) -> list[str]:
+    """What was passed over, as at most two sentences."""
+    parts = []
+    if titles:
+        parts.append(f"{_numbered('line', titles)} above the header")
+    if rows.units:
+        parts.append(f"the units in line {rows.units}")
+    if rows.empty:
+        parts.append(f"{_numbered('line', rows.empty)} without values")
+    if rows.repeated:
+        parts.append(f"the header again in {_numbered('line', rows.repeated)}")
+    if rows.summaries:
+        word = printable(rows.summaries[0][1], 30)
+        parts.append(f"{_numbered('line', [n for n, _ in rows.summaries])} ({word!r})")
+    if rows.below:
+        word = printable(rows.below[0][1], 30)
+        where = f"{_numbered('line', [n for n, _ in rows.below])} below the data"
+        parts.append(f"{where} ({word!r})" if word else where)
+    if unnamed:
+        parts.append(f"{_numbered('column', unnamed)} without a name")
+    notes = [f"passed over: {'; '.join(parts)}"] if parts else []
+    if rows.signs:
+        line, text = rows.signs[0]
+        count = len(rows.signs)
+        more = f" and {count - 1} more like it" if count > 1 else ""
+        notes.append(f"read {printable(text, 20)!r} in line {line}{more} as empty")
+    return notes
+
+
+def _numbered(word: str, numbers: Iterable[int]) -> str:
+    """Numbers as a reader lists them: 'line 3', 'lines 1 to 4 and 9'."""
+    ordered = sorted(numbers)
+    spans: list[str] = []
+    for _, group in itertools.groupby(enumerate(ordered), lambda pair: pair[1] - pair[0]):
+        members = [number for _, number in group]
+        spans += [f"{members[0]} to {members[-1]}"] if len(members) > 2 else map(str, members)
+    if len(spans) > 4:
+        spans = [*spans[:3], f"{len(spans) - 3} more"]
+    plural = "s" if len(ordered) > 1 else ""
+    listed = spans[0] if len(spans) == 1 else f"{', '.join(spans[:-1])} and {spans[-1]}"
+    return f"{word}{plural} {listed}"

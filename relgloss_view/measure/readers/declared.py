@@ -1,4 +1,4 @@
-"""Declarations of a text table or of the caller: quantity, gamma_s, apertures, saturation."""
+"""Declarations of a text table or of the caller: quantity, unit, gamma_s, apertures, saturation."""
 
 from __future__ import annotations
 
@@ -6,11 +6,14 @@ import math
 from dataclasses import dataclass
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
 from relgloss_view.measure import quantity as quantities
 from relgloss_view.measure.gonio import GAMMA_S_DEG
 from relgloss_view.measure.readers.csv_table import TextTable
+from relgloss_view.measure.readers.headings import DEGREES, RADIANS, unit_of
 
 MAX_APERTURE_SD_DEG = 45.0
+MAX_TEXT = 2000  #: characters of a name or a source
 
 
 @dataclass(frozen=True)
@@ -20,6 +23,8 @@ class Declared:
     name: str
     source: str
     quantity: str
+    quantity_insisted: bool  #: True where the caller gave it, whatever the file declares
+    angle_unit: str | None  #: RADIANS or DEGREES; None where nobody declares it
     gamma_s_deg: float
     gamma_s_declared: bool  #: False where gamma_s_deg is the default
     aperture_sd_deg: tuple[float, float]
@@ -28,13 +33,16 @@ class Declared:
 
 
 def declared(
-    table: TextTable, quantity: str | None = None, gamma_s_deg: float | None = None
+    table: TextTable,
+    quantity: str | None = None,
+    gamma_s_deg: float | None = None,
+    angle_unit: str | None = None,
 ) -> Declared:
     """The facts from the file's comments; an argument of the caller replaces the comment.
 
     Raises InputError where neither declares the quantity or a value is out of its range.
     """
-    warnings: list[str] = []
+    warnings = list(table.notes)
     chosen = _quantity(table, quantity, warnings)
     gamma_s, is_declared = _gamma_s(table, gamma_s_deg, warnings)
 
@@ -51,6 +59,8 @@ def declared(
         name=_comment(table, "name") or table.path.stem,
         source=_comment(table, "source") or table.path.name,
         quantity=chosen,
+        quantity_insisted=quantity is not None,
+        angle_unit=_angle_unit(table, angle_unit, warnings),
         gamma_s_deg=gamma_s,
         gamma_s_declared=is_declared,
         aperture_sd_deg=aperture,
@@ -79,9 +89,32 @@ def _quantity(table: TextTable, argument: str | None, warnings: list[str]) -> st
     if in_file is None:
         raise InputError(
             f"{table.path}: the quantity of the numbers is not declared; add the line "
-            "'# quantity: radiance-factor' (or brdf, or brdf-cos) on top, or pass --quantity"
+            "'# quantity: radiance-factor' (or brdf, brdf-cos, radiance-factor-percent) on top, "
+            "or pass --quantity"
         )
     return in_file
+
+
+def _angle_unit(table: TextTable, argument: str | None, warnings: list[str]) -> str | None:
+    in_file = None
+    if "angle_unit" in table.comments:
+        line, text = table.comments["angle_unit"]
+        in_file = _canonical_unit(text, f"{table.path}: line {line}")
+    if argument is None:
+        return in_file
+    chosen = _canonical_unit(argument, "--angle-unit")
+    if in_file not in (None, chosen):
+        warnings.append(f"the file declares angles in {in_file}, but they are read as {chosen}")
+    return chosen
+
+
+def _canonical_unit(text: str, where: str) -> str:
+    unit = unit_of(text)
+    if unit is None:
+        raise InputError(
+            f"{where}: unknown unit of angle {printable(text, 40)!r}; give {DEGREES} or {RADIANS}"
+        )
+    return unit
 
 
 def _gamma_s(table: TextTable, argument: float | None, warnings: list[str]) -> tuple[float, bool]:
@@ -101,7 +134,8 @@ def _gamma_s(table: TextTable, argument: float | None, warnings: list[str]) -> t
 
 
 def _comment(table: TextTable, key: str) -> str:
-    return " ".join(table.comments.get(key, (0, ""))[1].split())
+    # Escape sequences of a file must not reach a terminal through a name.
+    return printable(table.comments.get(key, (0, ""))[1], MAX_TEXT)
 
 
 def _numbers(
@@ -109,8 +143,14 @@ def _numbers(
 ) -> list[float]:
     """The finite numbers of a comment, low to high each; `counts` lists how many are allowed."""
     line, text = table.comments[key]
+    if ";" in text or "\t" in text:  # as a spreadsheet splits the two numbers
+        words = [word.replace(",", ".") for word in text.replace(";", " ").split()]
+    elif table.decimal_comma and counts == (1,):
+        words = [text.replace(",", ".")]
+    else:
+        words = text.replace(",", " ").split()
     try:
-        numbers = [float(word) for word in text.replace(",", " ").split()]
+        numbers = [float(word) for word in words]
     except ValueError:
         numbers = []
     fine = all(math.isfinite(x) and low <= x <= high for x in numbers)
@@ -118,7 +158,7 @@ def _numbers(
         expected = " or ".join(str(c) for c in counts)
         limit = f" from {low:g} to {high:g}" if math.isfinite(high) else f" of at least {low:g}"
         raise InputError(
-            f"{table.path}: line {line}: '# {key}: {text[:40]}', expected {expected} "
+            f"{table.path}: line {line}: '# {key}: {printable(text, 40)}', expected {expected} "
             f"number{'s' if counts[-1] > 1 else ''}{limit}; correct it or remove the line"
         )
     return numbers

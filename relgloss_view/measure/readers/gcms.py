@@ -23,15 +23,18 @@ COLUMNS = {"alpha_deg": 90.0, "beta_deg": 90.0, "gamma_deg": 90.0}
 
 
 def read(
-    table: TextTable, quantity: str | None = None, gamma_s_deg: float | None = None
+    table: TextTable,
+    quantity: str | None = None,
+    gamma_s_deg: float | None = None,
+    angle_unit: str | None = None,
 ) -> Measurement:
     """Read a parsed GCMS table. Raises InputError.
 
-    quantity, gamma_s_deg: replace what the file declares. The tilt gamma_s is checked against the
-    ridge in the data.
+    quantity, gamma_s_deg, angle_unit: replace what the file declares. The tilt gamma_s is checked
+    against the ridge in the data.
     """
-    facts = declared(table, quantity, gamma_s_deg)
-    angles, bands, readings = split_columns(table, COLUMNS)
+    facts = declared(table, quantity, gamma_s_deg, angle_unit)
+    angles, bands, readings = split_columns(table, COLUMNS, facts.angle_unit)
     alpha, beta, gamma = angles.T
     directions = gcms_directions(alpha, beta, gamma, facts.gamma_s_deg)
     measurement = from_table(

@@ -23,14 +23,17 @@ COLUMNS = {
 
 
 def read(
-    table: TextTable, quantity: str | None = None, gamma_s_deg: float | None = None
+    table: TextTable,
+    quantity: str | None = None,
+    gamma_s_deg: float | None = None,
+    angle_unit: str | None = None,
 ) -> Measurement:
     """Read a parsed generic table; `i` is the lamp, `r` the receiver. Raises InputError.
 
-    quantity: replaces what the file declares. gamma_s_deg: has no effect but a warning.
+    quantity, angle_unit: replace what the file declares. gamma_s_deg: has no effect but a warning.
     """
-    facts = declared(table, quantity)
-    angles, bands, readings = split_columns(table, COLUMNS)
+    facts = declared(table, quantity, angle_unit=angle_unit)
+    angles, bands, readings = split_columns(table, COLUMNS, facts.angle_unit)
     theta_i, phi_i, theta_r, phi_r = angles.T
     directions = spherical(theta_i, phi_i), spherical(theta_r, phi_r)
     measurement = from_table(table, facts, angles, bands, readings, directions, np.abs(theta_i))

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import codecs
 import os
 import re
 import tomllib
 from pathlib import Path
 
+from relgloss_view.base.decoding import first_byte_of_no_text
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.foreign import HEAD_BYTES, refuse_foreign
 from relgloss_view.base.reading import check_regular, printable, unreadable
 from relgloss_view.material.files import FORMAT
 from relgloss_view.material.files import MAX_BYTES as MAX_MATERIAL_BYTES
@@ -18,7 +19,7 @@ from relgloss_view.picture.scene.scene_file import PAIR_TABLES, TABLES
 
 SCENE, MATERIAL, MEASUREMENT = "scene", "material", "measurement"
 EXPECTED = "a scene (TOML), a material (JSON) or a measurement (CSV, .bsdf, .binary)"
-HEAD_BYTES = 4096
+MOST_TITLES = 200  #: lines of words above the header of a table
 FEWEST_DELIMITERS = 3  #: three angles and a band
 _SCENE_TABLES = ("sample", *TABLES, *PAIR_TABLES)
 #: A line that only a scene has, so that a scene with a mistake is reported as a scene.
@@ -47,6 +48,7 @@ def likely_kind(path: str | os.PathLike[str]) -> str:
         raise InputError(f"{file}: the file is empty; give {EXPECTED}")
     if b"\x00" in head:  # a binary format, or UTF-16: the reader decides
         return MEASUREMENT
+    refuse_foreign(head, file)
     text = head.lstrip(b"\xef\xbb\xbf \t\r\n")
     if text.startswith((b"{", b"[{")):
         _check_material(file)
@@ -72,7 +74,11 @@ def _is_scene(file: Path) -> bool:
     """Whether a text file is a scene; InputError for TOML that has nothing of one."""
     data = _beginning(file, MAX_SCENE_BYTES + 1)
     if len(data) > MAX_SCENE_BYTES:
-        _check_text(file, data)
+        at = first_byte_of_no_text(data)
+        if at is not None:
+            raise InputError(
+                f"{file}: byte {at}: neither UTF-8 text nor a known binary format; give {EXPECTED}"
+            )
         return False
     try:
         text = data.decode("utf-8-sig")
@@ -92,23 +98,22 @@ def _is_scene(file: Path) -> bool:
 
 
 def _check_table(file: Path) -> None:
-    """InputError where the first line that is neither empty nor a comment is no table header."""
+    """InputError where none of the first lines that are no comments can be a table's header."""
+    looked_at = 0
     for line in _beginning(file, MAX_SCENE_BYTES).lstrip(b"\xef\xbb\xbf").splitlines():
-        if line.strip() and not line.lstrip().startswith(b"#"):
-            if max(line.count(delimiter) for delimiter in b",;\t") < FEWEST_DELIMITERS:
-                raise InputError(f"{file}: a text, but neither scene nor table; give {EXPECTED}")
+        if not line.strip() or line.lstrip(b'" \t').startswith(b"#"):
+            continue
+        if max(line.count(delimiter) for delimiter in b",;\t") >= FEWEST_DELIMITERS:
             return
-
-
-def _check_text(file: Path, beginning: bytes) -> None:
-    """InputError where a large file does not begin as text, before all of it is read."""
-    try:
-        codecs.getincrementaldecoder("utf-8")().decode(beginning)
-    except UnicodeDecodeError as error:
-        raise InputError(
-            f"{file}: byte {error.start}: neither UTF-8 text nor a known binary format; "
-            f"give {EXPECTED}"
-        ) from None
+        # Columns set apart by spaces alone have at least one number in a row.
+        words = line.split()
+        if len(words) > FEWEST_DELIMITERS and any(c in b"0123456789" for c in line):
+            return
+        looked_at += 1
+        if looked_at > MOST_TITLES:
+            break
+    if looked_at:
+        raise InputError(f"{file}: a text, but neither scene nor table; give {EXPECTED}")
 
 
 def _beginning(file: Path, count: int) -> bytes:

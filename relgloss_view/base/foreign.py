@@ -1,0 +1,191 @@
+"""Files of other programs, recognised by how they begin and refused by their names.
+
+Each entry names the format in a reader's words and the step that helps, so that nobody has to
+find out from a message about line 3, column 1 that a spreadsheet's own file was given.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from relgloss_view.base.decoding import decoded, wide_encoding
+from relgloss_view.base.errors import InputError
+
+HEAD_BYTES = 16384  #: of a file's beginning, which are enough to recognise it
+
+_CSV = "save or export the table as CSV"
+_LATER = "relgloss does not read these yet; export the readings as CSV (docs/files.md)"
+_TABLE = "give the measured table as CSV, an RGL .bsdf or a MERL .binary"
+_SPECTRUM = "relgloss does not read these; save two columns, wavelength (nm) and value, as text"
+
+
+@dataclass(frozen=True)
+class Foreign:
+    """A recognised format: its name with its article, and what can be done."""
+
+    name: str
+    remedy: str
+
+
+_SHEET = Foreign("an Excel or OpenDocument spreadsheet", _CSV)
+_PICTURE = Foreign("a picture", _TABLE)
+_PACKED = Foreign("a packed archive", "unpack it and give the table inside")
+_DATA = Foreign("a container of binary data", _CSV)
+_PROGRAM = Foreign("a program", _TABLE)
+
+#: The first bytes of binary formats. Those of .zip and OLE files are looked into first.
+_MAGIC: tuple[tuple[bytes, Foreign], ...] = (
+    (b"%PDF", Foreign("a PDF document", "ask for the numbers behind it as CSV")),
+    (b"\x89PNG\r\n", _PICTURE),
+    (b"\xff\xd8\xff", _PICTURE),
+    (b"GIF8", _PICTURE),
+    (b"II*\x00", _PICTURE),
+    (b"MM\x00*", _PICTURE),
+    (b"v/1\x01", _PICTURE),
+    (b"8BPS", _PICTURE),
+    (b"#?RADIANCE", _PICTURE),
+    (b"#?RGBE", _PICTURE),
+    (b"\x1f\x8b", _PACKED),
+    (b"BZh", _PACKED),
+    (b"\xfd7zXZ\x00", _PACKED),
+    (b"7z\xbc\xaf\x27\x1c", _PACKED),
+    (b"Rar!\x1a", _PACKED),
+    (b"\x89HDF\r\n", _DATA),
+    (b"CDF\x01", _DATA),
+    (b"CDF\x02", _DATA),
+    (b"MATLAB 5.0", Foreign("a MATLAB file", "export the table with writetable as CSV")),
+    (b"\x93NUMPY", Foreign("a numpy array", _CSV)),
+    (b"PAR1", _DATA),
+    (b"SQLite format 3\x00", Foreign("an SQLite database", _TABLE)),
+    (b"\x7fELF", _PROGRAM),
+    (b"MZ\x90\x00", _PROGRAM),
+    (b"%!PS", Foreign("a PostScript document", "ask for the numbers behind it as CSV")),
+    (b"{\\rtf", Foreign("a formatted text (RTF)", "save it as plain text")),
+)
+
+#: Elements whose presence near the top of an XML file names its kind; all other XML comes last.
+_XML: tuple[tuple[str, Foreign], ...] = (
+    (r"<(\w+:)?WindowElement\b", Foreign("a BSDF in Radiance's XML (WINDOW)", _LATER)),
+    (r"<(\w+:)?CxF\b", Foreign("a CxF file of colour measurements", _LATER)),
+    (r"IESTM2714|<(\w+:)?SpectralDistribution\b", Foreign("a TM-27 spectrum (.spdx)", _SPECTRUM)),
+    (r"<!DOCTYPE html|<html\b", Foreign("a web page", "download the file itself")),
+    (r"<svg\b", _PICTURE),
+    (r"<(\w+:)?Workbook\b", _SHEET),
+    (r"<scene\b", Foreign("a scene of Mitsuba", "give a scene of relgloss or a measured table")),
+    (r"<(\w+:)?materialx\b", Foreign("a MaterialX document", _TABLE)),
+)
+
+_ZEMAX_WORDS = (
+    "symmetry", "spectralcontent", "scattertype", "samplerotation", "angleofincidence",
+    "scatterazimuth", "scatterradial", "databegin",
+)  # fmt: skip
+
+_GROUND = re.MULTILINE | re.IGNORECASE
+#: What the lines of text formats begin with; every expression of an entry must be met.
+_TEXTS: tuple[tuple[tuple[str, ...], Foreign], ...] = (
+    ((r"^NUM_POINTS\b", r"^VARS\b"), Foreign("a BRDF in the format of ASTM E1392", _LATER)),
+    ((r"\AOPTIS\b",), Foreign("a Speos surface file", _LATER)),
+    ((r"\ASSDD\b",), Foreign("an SSDD file (surface scattering data)", _LATER)),
+    (
+        (r"^TypeSym\b|^TypeColorModel\b", r"^Source\b|^TypeData\b"),
+        Foreign("an Integra .ddr or .ddt file", _LATER),
+    ),
+    (
+        (r"\AIESNA|^TILT *=",),
+        Foreign(
+            "an IES photometric file of a luminaire, which holds no spectrum",
+            "give a spectrum as text of wavelength (nm) and power, or a table of readings",
+        ),
+    ),
+    ((r"\ACGATS|\AIT8|^BEGIN_DATA_FORMAT\b",), Foreign("a CGATS or IT8 colour chart", _LATER)),
+    ((r"\ACTI[123]\b",), Foreign("a chart of ArgyllCMS", _LATER)),
+    ((r"\ASPECT\b",), Foreign("a spectrum of ArgyllCMS (.sp)", _SPECTRUM)),
+    ((r"\A##TITLE *=",), Foreign("a JCAMP-DX spectrum", _SPECTRUM)),
+    ((r"^STD_NAME *=|^\[STANDARD_DATA",), Foreign("a QTX file of Datacolor", _LATER)),
+    ((r"\A#! */",), Foreign("a script", _TABLE)),
+)
+_EULUMDAT = Foreign(
+    "a EULUMDAT photometric file of a luminaire, which holds no spectrum",
+    "give a spectrum as text of wavelength (nm) and power, or a table of readings",
+)
+
+
+def foreign_format(head: bytes) -> Foreign | None:
+    """The format of another program that a file's beginning shows, or None.
+
+    head: the first HEAD_BYTES of the file. JSON and TOML are relgloss's own and not among them.
+
+    >>> foreign_format(b"%PDF-1.7 ...").name
+    'a PDF document'
+    >>> foreign_format(b"# quantity: brdf\\nalpha_deg,beta_deg,gamma_deg,400,500") is None
+    True
+    """
+    packed = _office(head)
+    if packed is not None:
+        return packed
+    for magic, foreign in _MAGIC:
+        if head.startswith(magic):
+            return foreign
+    if head.startswith(b"RIFF") and head[8:12] == b"WEBP":
+        return _PICTURE
+    if head.startswith(b"BM") and head[6:10] == b"\x00\x00\x00\x00":
+        return _PICTURE
+    if head[:1] and b"\x00" in head and wide_encoding(head) is None:
+        return None
+    return _of_text(_text(head))
+
+
+def refuse_foreign(head: bytes, path: object) -> None:
+    """Raise InputError, naming the format, where a file begins as one of another program."""
+    foreign = foreign_format(head)
+    if foreign is not None:
+        raise InputError(f"{path}: this looks like {foreign.name}; {foreign.remedy}")
+
+
+def _office(head: bytes) -> Foreign | None:
+    """What a .zip or OLE file holds: both are what office programs write, among others."""
+    if head.startswith(b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"):
+        return _SHEET
+    if not head.startswith((b"PK\x03\x04", b"PK\x05\x06")):
+        return None
+    if b"word/" in head or b"opendocument.text" in head:
+        return Foreign("a text document", "save the table as CSV or plain text")
+    if b"xl/" in head or b"[Content_Types].xml" in head or b"opendocument.spreadsheet" in head:
+        return _SHEET
+    return _PACKED
+
+
+def _text(head: bytes) -> str:
+    """The beginning as text; a character cut at its end does no harm."""
+    try:
+        if wide_encoding(head) is not None:
+            head = head[: len(head) // 4 * 4]
+        return decoded(head, "").text.lstrip()
+    except InputError:
+        return ""
+
+
+def _of_text(text: str) -> Foreign | None:
+    if text.startswith("<"):
+        for pattern, foreign in _XML:
+            if re.search(pattern, text, re.IGNORECASE):
+                return foreign
+        return Foreign("an XML file", _TABLE) if re.match(r"<[?!\w]", text) else None
+    words = {line.split(maxsplit=1)[0].lower() for line in text.splitlines() if line.strip()}
+    if len(words & set(_ZEMAX_WORDS)) >= 3:
+        return Foreign("a Zemax BSDF file", _LATER)
+    for patterns, foreign in _TEXTS:
+        if all(re.search(pattern, text, _GROUND) for pattern in patterns):
+            return foreign
+    return _EULUMDAT if _is_eulumdat(text) else None
+
+
+def _is_eulumdat(text: str) -> bool:
+    """Whether lines 2 to 6 are EULUMDAT's: type 0 to 3, symmetry 0 to 4, counts and distances."""
+    maker, *lines = [line.strip() for line in text.splitlines()[:26]] or [""]
+    if len(lines) < 25 or not re.search(r"[^\W\d_]", maker) or not re.fullmatch(r"[0-3]", lines[0]):
+        return False
+    return bool(re.fullmatch(r"[0-4]", lines[1])) and all(
+        re.fullmatch(r"\d+([.,]\d+)?", line) for line in lines[2:6]
+    )

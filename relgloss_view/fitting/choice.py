@@ -1,0 +1,156 @@
+"""The choice of a model, and of whether the instrument has errors: both by what is held out.
+
+The ladder is climbed with the instrument in order. Then its errors are freed, in the models of
+neutral lobes; only where they predict held-out planes better than the chosen model does, by more
+than one standard error and by an amount that matters, the table is corrected for them and the
+ladder climbed again. A model that is wrong in its tails would otherwise bend the instrument.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from relgloss_view.base.arrays import Array
+from relgloss_view.base.terminal import ProgressReport
+from relgloss_view.fitting import ladder, metal
+from relgloss_view.fitting.descent import refine
+from relgloss_view.fitting.instrument import GAMMA_S, corrected
+from relgloss_view.fitting.ladder import Candidate, Folds
+from relgloss_view.fitting.limits import at_limits
+from relgloss_view.fitting.model import Rung, State, log_residual, predict
+from relgloss_view.fitting.observations import TAU, Observations, compress, prepare
+from relgloss_view.fitting.problem import Problem
+from relgloss_view.measure.table import Measurement
+
+#: Share of the chosen model's held-out error that errors of the instrument must gain.
+RELEVANT_SHARE_ERRORS = 0.10
+_FIRST_GAMMA = 1.5  #: prior standard deviations
+_LEAST_NOISE = 0.005
+_ROUNDS = 3  #: of corrections: the errors are first-order about the geometry
+
+
+@dataclass(frozen=True)
+class Options:
+    """What a caller asks of the choice."""
+
+    rungs: tuple[Rung, ...]
+    index: float
+    free_index: bool
+    free_errors: bool
+    seed: int
+    start_s_deg: float | None
+    progress: ProgressReport | None
+    metals: str = "auto"  #: tried where a colour shows, or 'none', or the name of the one rung
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The chosen candidate among those that were tried, on a measurement that may be corrected."""
+
+    measurement: Measurement
+    full: Observations  #: all bands
+    few: Observations  #: the bands of the search
+    candidates: tuple[Candidate, ...]
+    folds: Folds
+    best: Candidate
+    errors: Array  #: (K,), of the instrument, which the measurement is corrected for; empty: none
+
+
+def choose(measurement: Measurement, options: Options) -> Choice:
+    """Climb the ladder, with the instrument in order and, where that predicts better, without."""
+    full = prepare(measurement, options.seed)
+    choice = _climbed(measurement, full, np.zeros(0), options, (0.0, 0.5))
+    if not options.free_errors or not len(full.prior_sd):
+        return choice
+    ladder.report(options.progress, 0.6, "errors of the instrument")
+    errors = _errors(choice, options)
+    if not errors.size:
+        return choice
+    moved = corrected(measurement, errors)
+    full = replace(prepare(moved, options.seed), noise=choice.few.noise, prior_centre=-errors)
+    return _climbed(moved, full, errors, options, (0.6, 0.9))
+
+
+def _climbed(
+    measurement: Measurement,
+    full: Observations,
+    errors: Array,
+    options: Options,
+    shares: tuple[float, float],
+) -> Choice:
+    few = compress(full)
+    report = options.progress
+
+    def progress(share: float, text: str) -> bool:
+        at = shares[0] + share * (shares[1] - shares[0])
+        return report is None or report(at, text) is not False
+
+    candidates, folds = ladder.climb(
+        few, options.rungs, options.index, progress, options.start_s_deg
+    )
+    candidates = metal.with_metals(folds, candidates, options.metals)
+    best = candidates[ladder.choose(candidates)]
+    if options.free_index:
+        held = metal.dielectric_of(candidates, best)
+        freed = ladder.free_index(folds, held)
+        if freed is not None:
+            candidates.insert(candidates.index(held) + 1, freed)
+            gains = not ladder.enough(best, freed, ladder.RELEVANT_SHARE_INDEX)
+            if gains and not at_limits(freed.rung, freed.solution.state):
+                best = freed
+    noise = _noise(few, best.solution.state)
+    full, few = replace(full, noise=noise), replace(few, noise=noise)
+    folds = replace(folds, observations=few)
+    return Choice(measurement, full, few, tuple(candidates), folds, best, errors)
+
+
+def _errors(choice: Choice, options: Options) -> Array:
+    """The errors of the instrument (K,) that predict better than the chosen model, or none."""
+    measurement, few, folds = choice.measurement, choice.few, choice.folds
+    neutral = [
+        c for c in choice.candidates
+        if c.rung.lobes and not c.rung.own and not c.rung.free_index
+    ]  # fmt: skip
+    freed = [with_errors(folds, c) for c in neutral if np.any(c.solution.state.ks > 0.0)]
+    if not freed:
+        return np.zeros(0)
+    found = min(freed, key=lambda c: c.cv_mean)
+    if ladder.enough(choice.best, found, RELEVANT_SHARE_ERRORS):
+        return np.zeros(0)
+    errors = found.solution.state.errors
+    # Exact directions instead of the first order about those of the table.
+    for _ in range(_ROUNDS - 1):
+        moved = replace(
+            compress(prepare(corrected(measurement, errors), options.seed)),
+            noise=few.noise,
+            prior_centre=-errors,
+        )
+        start = replace(found.solution.state, errors=np.zeros(len(errors)))
+        more = refine(Problem(moved, found.rung), [start])[0].state
+        found = replace(found, solution=replace(found.solution, state=more))
+        errors = errors + more.errors
+    return np.asarray(errors)
+
+
+def with_errors(folds: Folds, candidate: Candidate) -> Candidate:
+    """The same rung, which has a lobe, with the errors of the instrument free, cross-validated."""
+    few = folds.observations
+    count = len(few.prior_sd)
+    rung = replace(candidate.rung, errors=count)
+    starts = [np.zeros(count)]
+    if GAMMA_S in few.error_names:
+        # A tilt across all planes lowers the peak by its square: it is found from either side.
+        k = few.error_names.index(GAMMA_S)
+        far = np.where(np.arange(count) == k, _FIRST_GAMMA * few.prior_sd, 0.0)
+        starts += [far, -far]
+    state = candidate.solution.state
+    solutions = refine(Problem(few, rung), [replace(state, errors=errors) for errors in starts])
+    return ladder.evaluate(folds, rung, min(solutions, key=lambda s: s.loss))
+
+
+def _noise(few: Observations, state: State) -> float:
+    """Standard deviation of the logarithmic residuals of most samples, within what is likely."""
+    residual = log_residual(few, predict(few.geometry, state))[few.weight > 0.0]
+    return float(np.clip(1.4826 * np.median(np.abs(residual)), _LEAST_NOISE, TAU))

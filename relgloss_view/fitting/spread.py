@@ -1,0 +1,116 @@
+"""A chosen model where what the samples may not show is otherwise: how far its numbers go.
+
+The errors of the instrument are freed, under their priors. Then each of them, and the refractive
+index where it is held, is put at several values and the rest is fitted again; how likely a value
+still is weighs it. The zero level of the readings is moved by what it is known to.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from relgloss_view.base.arrays import Array
+from relgloss_view.fitting.choice import Choice
+from relgloss_view.fitting.descent import refine
+from relgloss_view.fitting.ladder import FOLD_ROUNDS, Candidate, Held, evaluate
+from relgloss_view.fitting.model import State, States
+from relgloss_view.fitting.observations import Observations
+from relgloss_view.fitting.problem import Problem
+
+#: Of a prior's standard deviation: where the unknowns are found again.
+HELD_SD = np.array([-2.0, -1.0, 1.0, 2.0])
+#: Of a held refractive index: coatings, inks and varnishes have 1.4 to 1.6.
+INDEX_SD = 0.05
+#: Of the zero level of a table's readings, in radiance factor: dark current and stray light of a
+#: goniophotometer leave some tenths of a percent of the perfect diffuser.
+OFFSET_SD = 0.003
+_DARKEST = 1e-6
+
+
+def spread(choice: Choice, *, errors: bool, index: bool) -> Candidate:
+    """The chosen candidate with what its samples may leave open.
+
+    errors: whether those of the instrument are uncertain; index: whether a held refractive index
+    is. Where the choice found errors, its folds find their own.
+    """
+    observations, candidate = choice.few, choice.best
+    if not candidate.rung.lobes:
+        return replace(candidate, offset_states=_offset_states(observations, candidate))
+    metal = candidate.rung.metals > 0  # which has no index, and whose errors none has worked out
+    count = len(observations.prior_sd) if errors and not metal else 0
+    held: tuple[Held, ...] = ()
+    if count:
+        rung = replace(candidate.rung, errors=count)
+        at_rest = replace(candidate.solution.state, errors=np.zeros(count))
+        resting = replace(candidate.solution, state=at_rest)
+        with_none = replace(candidate, rung=rung, solution=resting)
+        held = _held_errors(observations, with_none)
+        if choice.errors.size:
+            candidate = evaluate(choice.folds, rung, resting)
+        else:
+            states = tuple(replace(s, errors=np.zeros(count)) for s in candidate.fold_states)
+            candidate = replace(with_none, fold_states=states)
+    if index and not metal and not candidate.rung.free_index:
+        held = (*held, _held_index(observations, choice.best))
+        if count:
+            held = (*held[:-1], _padded(held[-1], count))
+    offsets = _offset_states(observations, choice.best)
+    if count:
+        offsets = tuple(replace(s, errors=np.zeros(count)) for s in offsets)
+    return replace(candidate, held=held, offset_states=offsets)
+
+
+def _padded(held: Held, count: int) -> Held:
+    states = tuple(replace(s, errors=np.zeros(count)) for s in held.states)
+    return replace(held, states=states)
+
+
+def _held_errors(observations: Observations, candidate: Candidate) -> tuple[Held, ...]:
+    """Each error at its prior's nodes, the others at rest."""
+    problem = Problem(observations, candidate.rung)
+    count, nodes = candidate.rung.errors, len(HELD_SD)
+    centre = problem.prior.centre[0]
+    error = np.repeat(np.arange(count), nodes)
+    errors = np.zeros((count * nodes, count))
+    values = np.tile(HELD_SD, count) * observations.prior_sd[error] + centre[error]
+    errors[np.arange(len(error)), error] = values
+    starts = [replace(candidate.solution.state, errors=e) for e in errors]
+    states = [s.state for s in refine(problem.pinned(errors), starts, FOLD_ROUNDS)]
+    likelihood = _likelihoods(problem, observations, candidate, states)
+    parts = [slice(k * nodes, (k + 1) * nodes) for k in range(count)]
+    return tuple(Held(tuple(states[p]), tuple(likelihood[p].tolist())) for p in parts)
+
+
+def _held_index(observations: Observations, candidate: Candidate) -> Held:
+    problem = Problem(observations, candidate.rung)
+    start = candidate.solution.state
+    values = HELD_SD * INDEX_SD
+    starts = [replace(start, n=np.maximum(start.n + v, 1.01)) for v in values.tolist()]
+    # Each index in a problem of its own: one whose indices differ forms each reflectance anew.
+    states = [refine(problem, [s], FOLD_ROUNDS)[0].state for s in starts]
+    prior = np.exp(-0.5 * HELD_SD**2)
+    likelihood = prior * _likelihoods(problem, observations, candidate, states)
+    return Held(tuple(states), tuple(likelihood.tolist()))
+
+
+def _likelihoods(
+    problem: Problem, observations: Observations, candidate: Candidate, states: list[State]
+) -> Array:
+    """Of states against the solution, at most 1: what one sample weighs sets the scale."""
+    stacked = States.of([candidate.solution.state, *states])
+    _, misfit = problem.reweighted(problem.columns_of(stacked), stacked)
+    rise = (misfit.loss[1:] - misfit.loss[0]) / observations.sample_weight
+    return np.asarray(np.exp(-np.maximum(rise, 0.0)))
+
+
+def _offset_states(observations: Observations, candidate: Candidate) -> tuple[State, ...]:
+    """The unknowns where the zero level of all readings is off by its standard deviation."""
+    states = []
+    for side in (-1.0, 1.0):
+        seen = observations.value > 0.0
+        moved = np.maximum(observations.value + side * OFFSET_SD, _DARKEST)
+        problem = Problem(replace(observations, value=np.where(seen, moved, 0.0)), candidate.rung)
+        states.append(refine(problem, [candidate.solution.state], FOLD_ROUNDS)[0].state)
+    return tuple(states)

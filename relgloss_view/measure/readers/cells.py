@@ -1,0 +1,86 @@
+"""One cell of a table: a number, nothing, or a text with the step that mends it."""
+
+from __future__ import annotations
+
+import re
+
+from relgloss_view.base.errors import InputError
+
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_COMMA_NUMBER = re.compile(r"[+-]?(\d+,?\d*|,\d+)([eE][+-]?\d+)?", re.ASCII)
+_FORTRAN = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)[dD][+-]?\d+", re.ASCII)
+_THOUSANDS = re.compile(r"[+-]?\d{1,3}([ ,.'’\u00a0\u202f]\d{3})+([.,]\d+)?", re.ASCII)
+_WITH_UNIT = re.compile(r"([+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?)\s*[^\W\d_].*|.*\d\s*°.*")
+_DATE = re.compile(
+    r"\d{1,4}[./ -]+(\w{3,9}[./ -]*(\d{2,4})?|\d{1,2}[./-]\d{1,4})|[a-z]{3,9}[./ -]+\d{2,4}",
+    re.IGNORECASE,
+)
+#: How programs write that nothing was read.
+_NOTHING = frozenset(
+    ("", "-", "--", "---", "\u2013", "\u2014", "nan", "+nan", "-nan", "1.#qnan", "-1.#ind", "n/a",
+     "na", "n.a.", "#n/a", "#na", "#value!", "#div/0!", "#num!", "#ref!", "null", "none", "nil",
+     "missing", "void", "n.d.", "nd")
+)  # fmt: skip
+
+#: No number is as long, and expressions that try every way to split digits stay quick.
+LONGEST = 400
+
+PERCENT = "radiance-factor-percent"
+
+
+def says_nothing(cell: str) -> bool:
+    """Whether a cell is empty or holds a sign for it, such as 'n/a'."""
+    return cell.strip().lower() in _NOTHING
+
+
+def number(cell: str, decimal_comma: bool = False) -> float | None:
+    """The number in a cell; None where it says nothing. Raises InputError: the remedy alone.
+
+    decimal_comma: the numbers of the table have decimal commas.
+
+    >>> number(" 0.5 "), number("0,5", decimal_comma=True), number("n/a"), number("1.0D-03")
+    (0.5, 0.5, None, 0.001)
+    >>> number("1,234.5")
+    Traceback (most recent call last):
+    ...
+    relgloss_view.base.errors.InputError: write the number without thousands separators
+    """
+    text = cell.strip().replace("\u2212", "-")
+    if len(text) > LONGEST:
+        raise InputError("write a number with a decimal point, or leave the field empty")
+    if NUMBER.fullmatch(text):
+        return float(text)
+    if text.lower() in _NOTHING:
+        return None
+    if decimal_comma and _COMMA_NUMBER.fullmatch(text):
+        return float(text.replace(",", "."))
+    if _FORTRAN.fullmatch(text):
+        return float(text.lower().replace("d", "e"))
+    raise InputError(_remedy(text))
+
+
+def is_number(cell: str) -> bool:
+    """Whether a cell holds a number with decimal point or comma."""
+    text = cell.strip().replace("\u2212", "-")
+    if len(text) > LONGEST:
+        return False
+    return bool(NUMBER.fullmatch(text) or _COMMA_NUMBER.fullmatch(text))
+
+
+def _remedy(text: str) -> str:
+    low = text.lower().lstrip("+-")
+    if low in ("inf", "infinity", "1.#inf", "overflow", "over", "ovf"):
+        return "leave the field empty where nothing was read"
+    if _COMMA_NUMBER.fullmatch(text) and not re.fullmatch(r"[+-]?[1-9]\d{0,2},\d{3}", text):
+        return "write a number with a decimal point, as the other numbers have"
+    if _THOUSANDS.fullmatch(text):
+        return "write the number without thousands separators"
+    if text.startswith("="):
+        return "save the values of the spreadsheet and not its formulas"
+    if text.endswith("%"):
+        return f"write the number without %, and '# quantity: {PERCENT}' on top"
+    if _DATE.fullmatch(text):
+        return "a spreadsheet has made a date of a number; format the cells as numbers"
+    if "0x" not in low and _WITH_UNIT.fullmatch(text):
+        return "write a number without its unit"
+    return "write a number with a decimal point, or leave the field empty"
