@@ -10,7 +10,8 @@
 //   WRITES_SPLIT          (L_d*, L_s*, a*, b*); where the object is not seen, L_d* is OFF_OBJECT
 //   WRITES_XYZ_AND_SPLIT  both, where several samples share a pixel
 //
-// Constants: SHAPE, CAPS, LAMP, DIFFUSE, LOBES, METALS (see colours.glsl), FRESNEL, SHADOWING, FACETS, NOISE, NOISY_DIFFUSE, GRAIN,
+// Constants: SHAPE, CAPS, AFAR, LAMP, DIFFUSE, LOBES, METALS (see colours.glsl), FRESNEL, SHADOWING, FACETS,
+// NOISE, NOISY_DIFFUSE, GRAIN,
 // SAMPLED, CUBE_ROOT, BANDS, WRITES.
 
 #include "view.glsl"
@@ -67,7 +68,7 @@ struct Light {
 
 Light light_through(ivec2 here, vec2 place) {
     vec3 ray = ray_through(here, place);
-    Hit hit = meet(SHAPE, eye_m, ray, half_extent_m);
+    Hit hit = meet(SHAPE, start_m(here, place), ray, half_extent_m);
     float per_distance2;
     vec3 i = to_lamp(hit.point_m, per_distance2);
     vec3 o = -normalize(ray);

@@ -17,7 +17,7 @@ from relgloss_view.gloss.meter.meter import main_lobe
 from relgloss_view.material import approximations, brdf
 from relgloss_view.material.approximations import mean_lobe, plain_lobe
 from relgloss_view.material.material import Material
-from relgloss_view.material.spectra import illuminant, xyz_weights
+from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.frame import Extremes
 from relgloss_view.picture.model import shape, tone
 from relgloss_view.picture.model.highlight import SIZE, Highlight, best_mirror
@@ -97,7 +97,7 @@ class Pose:
         return known[sigma_n_deg]
 
     def _extremes(self, material: Material, sigma_n_deg: float) -> Extremes:
-        weights = xyz_weights(material.bands, illuminant(self.setup.lamp.illuminant))[:, 1]
+        weights = material.xyz_weights(illuminant(self.setup.lamp.illuminant))[:, 1]
         f, albedo = self.facing, np.asarray(material.diffuse.albedo)
         first, second = brdf.diffuse_shapes(material.diffuse.model, f, material.diffuse.sigma)
         diffuse = first * float(albedo @ weights)

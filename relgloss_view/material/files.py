@@ -6,7 +6,6 @@ import contextlib
 import dataclasses
 import json
 import os
-import re
 from collections.abc import Callable, Iterator
 from typing import Any, NoReturn
 
@@ -19,7 +18,9 @@ from relgloss_view.measure.table import source_is_synthetic
 
 FORMAT = "relgloss-material"
 VERSION = 1
-MAX_BYTES = 64 * 1024 * 1024
+MAX_BYTES = 8 * 1024 * 1024  #: the finest bands with a whole fit take less than one
+MOST_VALUES = 10_000  #: of a list of bands; at their finest there are 5,801
+MOST_ENTRIES = 1000  #: of a list of candidates or warnings
 RGB_BASES = {"rgb": RGB, "rec2020": WIDE_RGB}
 #: The kinds of lobes.
 DIELECTRIC, METAL = "torrance-sparrow", "metal"
@@ -82,12 +83,12 @@ def save_material(material: Material, path: str | os.PathLike[str]) -> None:
     """
     try:
         content = material_to_dict(material)
-        written = json.dumps(content, indent=1, allow_nan=False)
+        written = _written(content)
     except (ValueError, TypeError, RecursionError) as error:
         raise InputError(f"{path}: {material.name}: the fit can't be written ({error})") from error
     _refuse_surrogates(content, written, f"{path}: ")
     with whole_file(path) as temporary:
-        temporary.write_text(_one_line_arrays(written) + "\n", encoding="utf-8")
+        temporary.write_text(written + "\n", encoding="utf-8")
 
 
 def load_material(path: str | os.PathLike[str]) -> Material:
@@ -224,6 +225,10 @@ def _fit(value: object) -> FitRecord | None:
     record: dict[str, Any] = {}
     for name, (kind, expected) in _FIT_FIELDS.items():
         if name in part:
+            if isinstance(part[name], list) and len(part[name]) > MOST_ENTRIES:
+                raise InputError(
+                    f"fit.{name}: expected at most {MOST_ENTRIES} entries, found {len(part[name])}"
+                )
             if not isinstance(part[name], kind) or isinstance(part[name], bool):
                 refuse(f"fit.{name}", expected, part[name])
             record[name] = tuple(part[name]) if kind is list else part[name]
@@ -250,6 +255,8 @@ def _list(part: dict[str, Any], name: str) -> tuple[Any, ...]:
     value = part.get(name)
     if not isinstance(value, list):
         refuse(name, "a list of numbers", value)
+    if len(value) > MOST_VALUES:  # before each is looked at, which takes a second for a million
+        raise InputError(f"{name}: expected at most {MOST_VALUES} numbers, found {len(value)}")
     return tuple(value)
 
 
@@ -293,9 +300,14 @@ def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return result
 
 
-def _one_line_arrays(text: str) -> str:
-    """Join the lines of arrays that hold only numbers, so that spectra stay readable."""
-    return _NUMBERS.sub(lambda match: f"[{' '.join(match[1].split())}]", text)
-
-
-_NUMBERS = re.compile(r"\[\s+([-+.\deE,\s]+?)\s+\]")
+def _written(value: object, indent: str = "") -> str:
+    """JSON with an indent of one; lists of numbers take one line, so that spectra stay readable."""
+    inner = indent + " "
+    if isinstance(value, dict) and value:
+        entries = (f"{json.dumps(str(k))}: {_written(v, inner)}" for k, v in value.items())
+        return f"{{\n{inner}" + f",\n{inner}".join(entries) + f"\n{indent}}}"
+    if isinstance(value, list | tuple) and not all(isinstance(v, int | float) for v in value):
+        return (
+            f"[\n{inner}" + f",\n{inner}".join(_written(v, inner) for v in value) + f"\n{indent}]"
+        )
+    return json.dumps(value, allow_nan=False)

@@ -14,6 +14,8 @@ from relgloss_view.base.arrays import Array
 from relgloss_view.base.notebook import html_table, span
 from relgloss_view.base.reading import printable, refuse
 from relgloss_view.material import brdf
+from relgloss_view.material.band_coverage import coverage_warnings
+from relgloss_view.material.spectra import Illuminant, light_weights
 from relgloss_view.measure.bands import Bands
 
 DIFFUSE_MODELS = ("lambert", "oren-nayar", "eon")
@@ -260,11 +262,23 @@ class Material:
                     f"specular[{k}].s_deg = {lobe.s_deg:g} is narrower than {S_DEG_DRAWN:g} "
                     f"degrees, where a point lamp has no limit image; drawn as {S_DEG_DRAWN:g}"
                 )
-        return tuple(texts)
+        return (*texts, *coverage_warnings(self.bands))
 
     def second_albedo(self) -> Array:
         """(B,), the albedo of the diffuse model's second shape (see brdf.second_albedo)."""
         return brdf.second_albedo(self.diffuse.model, self.diffuse.albedo, self.diffuse.sigma)
+
+    def xyz_weights(self, lamp: Illuminant) -> Array:
+        """Weights (B, 3) that fold this material's spectra into XYZ under a lamp, none below zero.
+
+        They are spectra.xyz_weights of its bands, but for spectra that those make negative; see
+        spectra.light_weights. The same weights serve every diffuse model and each lobe.
+        """
+        rho = np.asarray(self.diffuse.albedo)
+        multiple = brdf.second_albedo("eon", rho, self.diffuse.sigma)
+        count = self.bands.count
+        strengths = [p.spectrum for lobe in self.specular for p in lobe.parts(count)]
+        return light_weights([rho, rho * rho, multiple, *strengths], self.bands, lamp)
 
     def evaluate(self, i: Array, o: Array) -> tuple[Array, Array]:
         """Diffuse and specular BRDF in 1/sr, each (..., B).

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from relgloss_view.base.arrays import Array
 from relgloss_view.material import brdf
 from relgloss_view.material.material import Lobe, Material
-from relgloss_view.material.spectra import illuminant, xyz_weights
+from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.model import shape as shapes
 from relgloss_view.picture.model.drawn import as_drawn, drawn_diffuse, drawn_lobes
@@ -252,7 +252,7 @@ def _largest_y(
     if not lobes or not len(irradiance):
         return 0.0
     material = scene.material
-    weights = xyz_weights(material.bands, illuminant(scene.lamp.illuminant))[:, 1]
+    weights = material.xyz_weights(illuminant(scene.lamp.illuminant))[:, 1]
     total = np.zeros(len(irradiance))
     cosine = np.maximum(facing.cos_d, brdf.COSINE_EPSILON)
     for lobe in lobes:

@@ -16,7 +16,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.material import approximations, brdf
 from relgloss_view.material.approximations import mean_lobe, plain_lobe
-from relgloss_view.material.spectra import illuminant, xyz_weights
+from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.frame import Extremes, Scaling
 from relgloss_view.picture.gpu.variant import Variant
 from relgloss_view.picture.method import EXACT, Method
@@ -135,7 +135,7 @@ class Proxy:
         scene, look = self.scene, self.look
         variant = Variant.of(scene, look, 1, method)
         material, lamp = scene.material, illuminant(scene.lamp.illuminant)
-        weights = xyz_weights(material.bands, lamp)
+        weights = material.xyz_weights(lamp)
         smooth, arriving = self._facing(variant.lamp, tilted=False)
         white = float(np.max(np.maximum(smooth.mu_i, 0.0) * arriving * (smooth.mu_o > 0.0)))
         if scene.lamp.y_n == "front":

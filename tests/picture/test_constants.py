@@ -163,6 +163,7 @@ class TestShaders:
             "SAMPLED",
             "NOISY_DIFFUSE",
             "CAPS",
+            "AFAR",
             "FIRST",
             "STRIDE",
             "BLOCK",

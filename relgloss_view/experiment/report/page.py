@@ -10,6 +10,7 @@ import numpy as np
 
 from relgloss_view.base import pages
 from relgloss_view.base.reading import printable
+from relgloss_view.base.shell import command_line, operand
 from relgloss_view.base.version import __version__
 from relgloss_view.base.words import sentence_case
 from relgloss_view.experiment.report import sentences
@@ -122,8 +123,8 @@ def _sample(
     listed = "".join(f"<li>{escape(note)}</li>" for note in notes)
     opened = "No scene is written: nothing is declared best."
     if scene is not None:
-        name = escape(scene)
-        opened = f"The leading setting as a scene: <code>relgloss view {name}</code>"
+        line = escape(command_line(["relgloss", "view", operand(scene)]))
+        opened = f"The leading setting as a scene: <code>{line}</code>"
     return "\n".join(
         [
             f"<h2>{escape(sentences.label_of(result))}</h2>",

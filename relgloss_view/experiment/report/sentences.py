@@ -15,6 +15,7 @@ from relgloss_view.experiment.report.chosen_setting import (
     setting_chosen_by,
 )
 from relgloss_view.experiment.session.pool import Pool
+from relgloss_view.experiment.session.session_file import lost_log
 from relgloss_view.experiment.verdict.analysis import JOINT, Analysis, SampleResult
 from relgloss_view.experiment.verdict.full_grid import (
     BEST,
@@ -76,7 +77,7 @@ def files(pool: Pool) -> list[str]:
         line = f"{path_words(record)}: {len(record.answers)} answers"
         line += f", {record.undone} taken back" if record.undone else ""
         if record.log_missing:
-            line += f"; {path_words(record)}-wal is not beside it: the last answers may be in it"
+            line += f"; {lost_log(record.path)}"
         lines.append(line)
     return lines
 

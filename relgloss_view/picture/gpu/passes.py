@@ -154,7 +154,7 @@ class Passes:
         scene, look, size = request.scene, request.look, request.size
         variant = Variant.of(scene, look, chosen=request.method)
         uniforms: dict[str, Any] = {
-            **view_uniforms(scene, View.of(scene, size)),
+            **view_uniforms(scene, View.of(scene, size), afar=variant.afar),
             **grain_uniforms(scene, look, size),
             "samples": sample_count(scene, look, size),
         }
@@ -379,8 +379,8 @@ class Passes:
     def _silhouette_of(self, request: Request) -> Silhouette:
         """The pixels at the silhouette; they are found again where the view has changed."""
         view = View.of(request.scene, request.size)
-        uniforms = view_uniforms(request.scene, view)
         variant = Variant.of(request.scene, request.look, chosen=request.method)
+        uniforms = view_uniforms(request.scene, view, afar=variant.afar)
         defines = variant.shape_defines()
         seen_from = {name: value for name, value in uniforms.items() if name != "lamp_m"}
         if self.held.renew("coverage", tuple(defines.items()), seen_from):

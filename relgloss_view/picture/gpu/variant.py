@@ -12,6 +12,7 @@ from relgloss_view.picture import method
 from relgloss_view.picture.gpu.constants import code
 from relgloss_view.picture.gpu.targets import written
 from relgloss_view.picture.model.drawn import drawn_diffuse, drawn_facets, drawn_lobes
+from relgloss_view.picture.model.view import from_afar
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Display
@@ -26,6 +27,7 @@ class Variant:
     lobes: int
     metals: int = 0  #: bits of the lobes that are a metal's, the first lobe's the lowest
     caps: bool = True  #: of a cylinder, which the eye may see
+    afar: bool = False  #: rays begin beside the object: see view.from_afar
     noise: str = "none"
     noisy_diffuse: bool = True
     grain: str = "screen"
@@ -55,6 +57,7 @@ class Variant:
             lobes=lobes,
             metals=sum(1 << k for k, lobe in enumerate(drawn) if lobe.is_metal),
             caps=_sees_a_cap(scene),
+            afar=from_afar(scene.shape, scene.eye),
             sampled=samples > 1,
             fresnel=chosen.fresnel if not all(lobe.is_metal for lobe in drawn) else "exact",
             shadowing=chosen.shadowing if lobes else "v-groove",
@@ -113,7 +116,11 @@ class Variant:
 
     def shape_defines(self) -> dict[str, int]:
         """The constants of what meets the object."""
-        return {"SHAPE": code("SHAPE", self.shape), "CAPS": int(self.caps)}
+        return {
+            "SHAPE": code("SHAPE", self.shape),
+            "CAPS": int(self.caps),
+            "AFAR": int(self.afar),
+        }
 
     def split_defines(self) -> dict[str, int]:
         """The constants of the pass that splits what pass 1 wrote."""
@@ -134,7 +141,7 @@ class Variant:
 
     def geometry_defines(self) -> dict[str, int]:
         """The constants of the pass that draws normals and points."""
-        return {name: self.defines()[name] for name in ("SHAPE", "CAPS", "NOISE", "GRAIN")}
+        return {name: self.defines()[name] for name in ("SHAPE", "CAPS", "AFAR", "NOISE", "GRAIN")}
 
 
 def _written(chosen: method.Method, samples: int) -> str:
