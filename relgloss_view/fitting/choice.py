@@ -14,7 +14,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.terminal import ProgressReport
-from relgloss_view.fitting import ladder
+from relgloss_view.fitting import ladder, metal
 from relgloss_view.fitting.descent import refine
 from relgloss_view.fitting.instrument import GAMMA_S, corrected
 from relgloss_view.fitting.ladder import Candidate, Folds
@@ -42,6 +42,7 @@ class Options:
     seed: int
     start_s_deg: float | None
     progress: ProgressReport | None
+    metals: str = "auto"  #: tried where a colour shows, or 'none', or the name of the one rung
 
 
 @dataclass(frozen=True)
@@ -89,12 +90,13 @@ def _climbed(
     candidates, folds = ladder.climb(
         few, options.rungs, options.index, progress, options.start_s_deg
     )
-    chosen = ladder.choose(candidates)
-    best = candidates[chosen]
+    candidates = metal.with_metals(folds, candidates, options.metals)
+    best = candidates[ladder.choose(candidates)]
     if options.free_index:
-        freed = ladder.free_index(folds, best)
+        held = metal.dielectric_of(candidates, best)
+        freed = ladder.free_index(folds, held)
         if freed is not None:
-            candidates.insert(chosen + 1, freed)
+            candidates.insert(candidates.index(held) + 1, freed)
             gains = not ladder.enough(best, freed, ladder.RELEVANT_SHARE_INDEX)
             if gains and not at_limits(freed.rung, freed.solution.state):
                 best = freed
@@ -109,7 +111,7 @@ def _errors(choice: Choice, options: Options) -> Array:
     measurement, few, folds = choice.measurement, choice.few, choice.folds
     neutral = [
         c for c in choice.candidates
-        if c.rung.lobes and not c.rung.spectral and not c.rung.free_index
+        if c.rung.lobes and not c.rung.own and not c.rung.free_index
     ]  # fmt: skip
     freed = [with_errors(folds, c) for c in neutral if np.any(c.solution.state.ks > 0.0)]
     if not freed:

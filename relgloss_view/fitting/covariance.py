@@ -12,6 +12,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.fitting.ladder import Candidate
+from relgloss_view.fitting.metal import mean_strengths
 from relgloss_view.fitting.model import States
 
 ALBEDO = "albedo_relative"
@@ -35,8 +36,9 @@ def numbers_of(candidate: Candidate, states: States) -> Array:
     columns = [np.mean(states.kd, axis=1) / fitted]
     if rung.rough:
         columns.append(np.degrees(np.sqrt(states.t)))
+    strengths = mean_strengths(states, candidate.solution.state)
     for j in range(rung.lobes):
-        columns += [np.degrees(np.exp(states.log_s[:, j])), np.mean(states.ks[:, j], axis=1)]
+        columns += [np.degrees(np.exp(states.log_s[:, j])), strengths[:, j]]
         columns += [states.n[:, j]]
     columns += list(states.errors.T)[: rung.errors]
     return np.stack(columns, axis=1)

@@ -53,7 +53,12 @@ def describe_fit(material: Material) -> str:
         lines.append(
             f"  lobe {k + 1}     s {lobe.s_deg:.3g} deg"
             + (f" ({error})" if error else "")
-            + f", strength {span}, n {lobe.refractive_index:.3g}"
+            + f", strength {span}, "
+            + (
+                f"n {lobe.refractive_index:.3g}"
+                if lobe.f0 is None
+                else f"metal, F0 {min(lobe.f0):.3g}-{max(lobe.f0):.3g}"
+            )
         )
     r = fit.residuals
     lines.append(

@@ -14,7 +14,7 @@ from relgloss_view.fitting.covariance import names_of, prior_covariance, sample_
 from relgloss_view.fitting.instrument import instrument_of
 from relgloss_view.fitting.ladder import Candidate
 from relgloss_view.fitting.limits import OPTICAL_INDEX, at_limits
-from relgloss_view.fitting.model import State, lobe_order, predict
+from relgloss_view.fitting.model import State, brightness, lobe_order, predict
 from relgloss_view.fitting.results import CandidateEvidence, Verdict
 from relgloss_view.material.albedo import directional_albedo
 from relgloss_view.material.material import FitRecord, Material, Quality
@@ -75,7 +75,9 @@ def judge(fit: ChosenFit) -> Verdict:
         warnings[Quality.UNIDENTIFIABLE] = unseen
     width, index, no_lobe = None, None, None
     if best.rung.lobes > 0 and np.any(best.solution.state.ks > 0.0):
-        width, index = verdict.width_bounds(few, best), verdict.index_bounds(few, best)
+        width = verdict.width_bounds(few, best)
+        if best.rung.metals == 0:
+            index = verdict.index_bounds(few, best)
         if width.s_deg_lower is None:
             warnings[Quality.UNIDENTIFIABLE] = (
                 "the lobe is narrower than the grid sees: s is unidentifiable, at most "
@@ -271,7 +273,7 @@ def _evidence(fit: ChosenFit) -> list[CandidateEvidence]:
                 aicc=_round(spread + 2.0 * k * values / max(values - k - 1, 1)),
                 bic=_round(spread + k * np.log(values)),
                 s_deg=[_round(x) for x in np.degrees(np.exp(state.log_s))],
-                strength=[_round(x) for x in np.mean(state.ks, axis=1)],
+                strength=[_round(x) for x in brightness(state)],
                 refractive_index=[_round(x) for x in state.n],
                 sigma_deg=_round(np.degrees(np.sqrt(state.t))),
                 converged=c.solution.converged,

@@ -185,8 +185,8 @@ def gain(small: Candidate, large: Candidate) -> tuple[float, float]:
 
 
 def free_index(folds: Folds, candidate: Candidate) -> Candidate | None:
-    """The same rung with its refractive indices free; None where it has no lobe."""
-    if candidate.rung.lobes == 0:
+    """The same rung with its refractive indices free; None where it has no lobe, or a metal's."""
+    if candidate.rung.lobes == 0 or candidate.rung.metals:
         return None
     rung = replace(candidate.rung, free_index=True)
     start = candidate.solution.state

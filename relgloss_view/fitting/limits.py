@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from relgloss_view.fitting.model import INDEX_RANGE, LOG_S_RANGE, T_MAX, Rung, State
+from relgloss_view.fitting.model import INDEX_RANGE, LOG_S_RANGE, T_MAX, Rung, State, brightness
 from relgloss_view.fitting.unknowns import shared_unknowns
 
 #: Indices of dielectrics, from a fluoropolymer to a titania-filled lacquer (Shackelford 2015 lists
@@ -27,7 +27,7 @@ def at_limits(rung: Rung, state: State, *, names: tuple[str, ...] = ()) -> tuple
     found = []
     if rung.rough and state.t >= T_MAX * (1.0 - _NEAR):
         found.append(f"the roughness sigma at {np.degrees(np.sqrt(T_MAX)):.0f} deg")
-    strengths = np.mean(state.ks, axis=1) if rung.lobes else np.zeros(0)
+    strengths = brightness(state) if rung.lobes else np.zeros(0)
     for j, strength in enumerate(strengths.tolist()):
         if strength <= _FAINT * float(np.max(strengths)):
             continue

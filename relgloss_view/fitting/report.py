@@ -223,14 +223,14 @@ def _spectra(axis: Any, material: Material) -> None:
     style = "o-"
     axis.plot(x, material.diffuse.albedo, style, ms=3.0, lw=1.2, color=GOOD, label="albedo")
     for k, lobe in enumerate(material.specular):
-        strength = lobe.per_band(material.bands.count)
+        strength = lobe.parts(material.bands.count)[0].spectrum
         axis.plot(
             x,
             strength,
             lw=1.2,
             ls="--",
             color=_colours(3)[k],
-            label=f"lobe {k + 1}, s = {lobe.s_deg:.3g}°",
+            label=f"lobe {k + 1}, s = {lobe.s_deg:.3g}°" + (", metal: k F0" * lobe.is_metal),
         )
     axis.set_ylim(bottom=0.0)
     if rgb:
@@ -251,7 +251,7 @@ def _facts(axis: Any, material: Material) -> None:
     for k, lobe in enumerate(material.specular):
         error = width_error(material, k, "± ")
         strength = float(np.mean(lobe.strength))
-        index = f"n {lobe.refractive_index:.3g}"
+        index = f"n {lobe.refractive_index:.3g}" if not lobe.is_metal else "metal"
         lines.append(f"lobe {k + 1}: s {lobe.s_deg:.3g}° {error}, k {strength:.3g}, {index}")
     if not material.specular and "no_lobe" in fit.bounds:
         upper = fit.bounds["no_lobe"]["largest_strength_upper"]

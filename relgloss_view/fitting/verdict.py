@@ -10,10 +10,12 @@ import numpy as np
 from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.fitting.covariance import jackknife_covariance, names_of, sample_covariance
 from relgloss_view.fitting.ladder import Candidate, group_errors
+from relgloss_view.fitting.metal import metals_of
 from relgloss_view.fitting.model import (
     LOG_S_RANGE,
     State,
     States,
+    brightness,
     log_residual,
     predict,
 )
@@ -27,7 +29,7 @@ from relgloss_view.fitting.results import (
     StandardErrors,
     WidthBounds,
 )
-from relgloss_view.fitting.shapes import lobe_columns
+from relgloss_view.fitting.shapes import lobe_columns, metal_columns
 from relgloss_view.measure.table import Measurement
 
 NEAR_MIRROR_DEG = 5.0  #: half-vector within this of the normal
@@ -161,7 +163,7 @@ def width_bounds(observations: Observations, candidate: Candidate) -> WidthBound
 
 def main_lobe(state: State) -> int:
     """Number of the lobe with the greatest mean strength."""
-    return int(np.argmax(np.mean(state.ks, axis=1)))
+    return int(np.argmax(brightness(state)))
 
 
 def width_interval(observations: Observations, candidate: Candidate, lobe: int) -> Array:
@@ -220,7 +222,10 @@ def width_is_seen(observations: Observations, state: State, lobe: int) -> bool:
     g = observations.geometry
     s2 = float(np.exp(2.0 * state.log_s[lobe]))
     sd2 = g.along / (s2 + g.blur_along) + g.across / (s2 + g.blur_across)
-    column, _ = lobe_columns(g, float(state.log_s[lobe]), float(state.n[lobe]))
+    if lobe < metals_of(state):
+        column = metal_columns(g, float(state.log_s[lobe]))[0]
+    else:
+        column, _ = lobe_columns(g, float(state.log_s[lobe]), float(state.n[lobe]))
     share = np.multiply.outer(column, state.ks[lobe]) / np.maximum(predict(g, state), 1e-12)
     flank = (sd2 >= FLANK_SD[0] ** 2) & (sd2 <= FLANK_SD[1] ** 2) & (np.max(share, axis=1) > 0.1)
     weighted = np.any(observations.weight > 0.0, axis=1)

@@ -105,13 +105,14 @@ class Pose:
         specular = np.zeros_like(diffuse)
         sigma_n, bands = math.radians(sigma_n_deg), material.bands.count
         for lobe in material.specular:
-            if sigma_n > 0.0:
-                terms = mean_lobe(lobe.s, lobe.refractive_index, sigma_n, "paper")
-                facets = "mean-gaussian"
-            else:
-                terms, facets = plain_lobe(lobe.s, lobe.refractive_index), "gaussian"
-            reflected = approximations.torrance_sparrow(f, terms, "exact", "v-groove", facets)
-            specular += reflected * float(lobe.per_band(bands) @ weights)
+            for part in lobe.parts(bands):
+                if sigma_n > 0.0:
+                    terms = mean_lobe(lobe.s, part.fresnel, sigma_n, "paper")
+                    facets = "mean-gaussian"
+                else:
+                    terms, facets = plain_lobe(lobe.s, part.fresnel), "gaussian"
+                reflected = approximations.torrance_sparrow(f, terms, "exact", "v-groove", facets)
+                specular += reflected * float(part.spectrum @ weights)
         l_d, l_s = tone.split_lightness(self._arriving * diffuse, self._arriving * specular)
         return Extremes.over(l_d, l_s)
 

@@ -23,12 +23,17 @@ from relgloss_view.base.reading import printable, unreadable
 from relgloss_view.base.resources import asset
 from relgloss_view.material.lamp_file import EXPECTED as LAMP_FILE
 from relgloss_view.material.lamp_file import read_lamp
-from relgloss_view.measure.bands import Bands
+from relgloss_view.measure.bands import REC2020, SRGB, Bands
 
 #: Linear sRGB to XYZ, IEC 61966-2-1:1999 with its primaries and D65 (0.3127, 0.3290) carried to
 #: full precision, so that white is exactly Y = 1.
 SRGB_PRIMARIES_XY = ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06))
 D65_XY = (0.3127, 0.3290)
+#: Of each Bands.primaries; those of ITU-R BT.2020 have the same white.
+PRIMARIES_XY = {
+    SRGB: SRGB_PRIMARIES_XY,
+    REC2020: ((0.708, 0.292), (0.170, 0.797), (0.131, 0.046)),
+}
 SHIPPED_ILLUMINANTS = ("HP5", "D65", "D50", "A", "C")
 #: Endings that no named lamp has: such a name is a file, and colour-science need not be asked.
 LAMP_SUFFIXES = (".csv", ".txt", ".tsv", ".dat")
@@ -174,7 +179,7 @@ def xyz_weights(bands: Bands, lamp: Illuminant, *, convex: bool = False) -> Arra
     Reflectance between band centres is interpolated as by `interpolation_matrix`: cubic where the
     bands are evenly spaced, linear elsewhere. Beyond the outer bands it is constant, so their
     weights include the rest. convex: linear everywhere, so that no weight is below zero; see
-    `light_weights`. Linear sRGB reflectances are relative to D65; ratios of XYZ carry them to the
+    `light_weights`. Linear RGB reflectances are relative to D65; ratios of XYZ carry them to the
     lamp's white.
 
     >>> weights = xyz_weights(Bands((400.0, 500.0, 600.0, 700.0)), illuminant("D65"))
@@ -182,7 +187,7 @@ def xyz_weights(bands: Bands, lamp: Illuminant, *, convex: bool = False) -> Arra
     [0.95, 1.0, 1.089]
     """
     if bands.is_rgb:
-        matrix = rgb_to_xyz_matrix(SRGB_PRIMARIES_XY, D65_XY)
+        matrix = rgb_to_xyz_matrix(PRIMARIES_XY[bands.primaries], D65_XY)
         return np.asarray((matrix * (lamp.white_xyz() / white_from_xy(D65_XY))[:, None]).T)
     grid, weighted = lamp.weighted_observer
     made = linear_matrix if convex else interpolation_matrix

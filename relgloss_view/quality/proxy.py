@@ -153,14 +153,15 @@ class Proxy:
         diffuse *= (arriving * np.maximum(under.mu_i, 0.0))[:, None]
         specular = np.zeros_like(diffuse)
         for lobe in drawn_lobes(material, method):
-            terms = plain_lobe(lobe.s, lobe.refractive_index)
-            if variant.facets == "mean-gaussian":
-                sigma_n = float(np.radians(look.sigma_n_deg))
-                terms = mean_lobe(lobe.s, lobe.refractive_index, sigma_n, look.noise_law)
-            reflected = approximations.torrance_sparrow(
-                grain, terms, variant.fresnel, variant.shadowing, variant.facets
-            )
-            specular += reflected[:, None] * (lobe.per_band(material.bands.count) @ weights)
+            for part in lobe.parts(material.bands.count):
+                terms = plain_lobe(lobe.s, part.fresnel)
+                if variant.facets == "mean-gaussian":
+                    sigma_n = float(np.radians(look.sigma_n_deg))
+                    terms = mean_lobe(lobe.s, part.fresnel, sigma_n, look.noise_law)
+                reflected = approximations.torrance_sparrow(
+                    grain, terms, variant.fresnel, variant.shadowing, variant.facets
+                )
+                specular += reflected[:, None] * (part.spectrum @ weights)
         specular *= (arriving * np.maximum(grain.mu_i, 0.0))[:, None]
         return diffuse, specular
 

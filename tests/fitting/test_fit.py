@@ -155,11 +155,11 @@ def test_a_metal_frees_the_index() -> None:
     metal = np.pi * shape * (0.8 + 0.2 * (1.0 - f.cos_d) ** 5)
     value = fit_cases.truth((), albedo=(0.002,) * 4) + metal[:, None] * np.array([0.6, 0.7, 0.9, 1])
     measurement = fit_cases.measured(value)
-    material = fit_material(measurement)
+    material = fit_material(measurement, model="spectral-lobe")
     assert material.fit is not None
     assert not material.fit.bounds["refractive_index"]["held"]
     assert material.specular[0].refractive_index > 2.5
-    held = fit_material(measurement, free_index=False)
+    held = fit_material(measurement, model="spectral-lobe", free_index=False)
     assert held.specular[0].refractive_index == 1.5
     assert held.fit is not None
     ratio = held.fit.residuals["rms_log_error"] / material.fit.residuals["rms_log_error"]

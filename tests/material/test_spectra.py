@@ -11,7 +11,7 @@ import pytest
 from relgloss_view.base.errors import InputError
 from relgloss_view.material import spectra
 from relgloss_view.material.material import Diffuse, Lobe, Material
-from relgloss_view.measure.bands import RGB, Bands
+from relgloss_view.measure.bands import RGB, WIDE_RGB, Bands
 from relgloss_view.picture.scene.scene_file import load_scene
 
 colour = pytest.importorskip("colour")
@@ -355,3 +355,26 @@ def test_a_materials_spectra_share_their_weights():
         for values in (albedo, albedo**2, strength, material.second_albedo()):
             assert np.all(values @ weights >= 0.0)
     assert np.min(lone @ spectra.xyz_weights(bands, lamp)) < 0.0
+
+
+class TestWideRgb:
+    """Linear Rec. 2020, for colours outside sRGB."""
+
+    def test_published_matrices(self):
+        # ITU-R BT.2020-2 luminance, and BT.2087-0's matrix from BT.709, as printed.
+        weights = spectra.xyz_weights(WIDE_RGB, spectra.illuminant("D65"))
+        np.testing.assert_allclose(weights[:, 1], [0.2627, 0.6780, 0.0593], atol=5e-5)
+        between = spectra.xyz_weights(RGB, spectra.illuminant("D65")) @ np.linalg.inv(weights)
+        printed = [[0.6274, 0.3293, 0.0433], [0.0691, 0.9195, 0.0114], [0.0164, 0.0880, 0.8956]]
+        np.testing.assert_allclose(between.T, printed, atol=5e-5)
+
+    @pytest.mark.parametrize("lamp", ["D65", "HP5"])
+    def test_white_is_the_lamps(self, lamp):
+        white = np.ones(3) @ spectra.xyz_weights(WIDE_RGB, spectra.illuminant(lamp))
+        np.testing.assert_allclose(white, spectra.illuminant(lamp).white_xyz(), rtol=1e-12)
+        # Negative control: the same numbers in sRGB are another colour.
+        red = [1.0, 0.1, 0.1]
+        one, other = (
+            red @ spectra.xyz_weights(b, spectra.illuminant(lamp)) for b in (RGB, WIDE_RGB)
+        )
+        assert np.max(np.abs(one - other)) > 0.05

@@ -158,6 +158,7 @@ class TestShaders:
         """What is left in capitals beside a number counts or is on or off; it is no choice."""
         plain = {
             "LOBES",
+            "METALS",
             "BANDS",
             "SAMPLED",
             "NOISY_DIFFUSE",

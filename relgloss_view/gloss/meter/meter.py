@@ -173,13 +173,10 @@ def _flux(material: Material, meter: Meter, window: Window) -> float:
         weight @ material.second_albedo()
     )
     for lobe in material.visible_lobes():
-        share = lobe_flux(meter, window, lobe.s_deg, lobe.refractive_index)
-        total += share * _luminous_strength(material, lobe)
+        for part in lobe.parts(material.bands.count):
+            share = lobe_flux(meter, window, lobe.s_deg, part.fresnel)
+            total += share * float(weight @ part.spectrum)
     return float(total)
-
-
-def _luminous_strength(material: Material, lobe: Lobe) -> float:
-    return float(_luminous(material) @ lobe.per_band(material.bands.count))
 
 
 def _contrast(material: Material) -> float:
@@ -203,9 +200,14 @@ def _sharpness(material: Material) -> float | None:
 def main_lobe(material: Material) -> int | None:
     """Index of the lobe with the highest peak; None where nothing shines."""
 
+    weight = _luminous(material)
+
     def peak(lobe: Lobe) -> float:
-        normal = float(brdf.fresnel_dielectric(1.0, lobe.refractive_index))
-        return _luminous_strength(material, lobe) * normal / max(lobe.s_deg, S_DEG_DRAWN) ** 2
+        head_on = sum(
+            float(weight @ part.spectrum) * float(brdf.reflectance(1.0, part.fresnel))
+            for part in lobe.parts(material.bands.count)
+        )
+        return head_on / max(lobe.s_deg, S_DEG_DRAWN) ** 2
 
     peaks = [peak(lobe) for lobe in material.specular]
     return int(np.argmax(peaks)) if peaks and max(peaks) > 0.0 else None

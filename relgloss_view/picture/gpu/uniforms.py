@@ -103,14 +103,17 @@ def colour_uniforms(scene: Scene, method: Method) -> Uniforms:
     weights = material.xyz_weights(lamp)
     albedo = np.asarray(material.diffuse.albedo)
     second = brdf.second_albedo(drawn_diffuse(material, method), albedo, material.diffuse.sigma)
-    strength = np.zeros((2, material.bands.count))
+    strength, grazing = np.zeros((2, material.bands.count)), np.zeros(2)
     for k, lobe in enumerate(drawn_lobes(material, method)):
-        strength[k] = lobe.per_band(material.bands.count)
+        strength[k], *white = (part.spectrum for part in lobe.parts(material.bands.count))
+        grazing[k] = white[0][0] if white else 0.0
     return {
         "per_white": 1.0 / lamp.white_xyz(),
         "albedo_xyz": albedo @ weights,
         "second_albedo_xyz": second @ weights,
         "lobe_strength_xyz": strength @ weights,
+        "grazing_strength": grazing,  # of a metal's white part
+        "lamp_white": lamp.white_xyz(),
         "band_weights": weights,
         "band_reflectance": np.stack([albedo, second, *strength], axis=-1),
     }
