@@ -87,7 +87,9 @@ def test_a_lobe_narrower_than_the_grid_is_unidentifiable() -> None:
     assert bounds["s_deg_lower"] is None
     assert 0.3 < bounds["s_deg_upper"] < 1.5  # five degrees off the mirror it would show
     assert any("unidentifiable" in text for text in fit.grounds)
-    assert material.warnings == fit.warnings == fit.grounds
+    assert fit.warnings == fit.grounds
+    # The case's bands lie side by side, which a material warns of.
+    assert set(fit.warnings) <= set(material.warnings)
     assert material.specular[0].s_deg <= bounds["s_deg_upper"]
 
 

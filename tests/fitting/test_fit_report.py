@@ -97,7 +97,8 @@ def test_the_text_holds_the_evidence() -> None:
     text = describe_fit(material)
     for part in ("[synthetic]", "* lobe", "two-lobes", "sigma", "quality    good", "ridge lies"):
         assert part in text, text
-    assert all(len(line) < 130 for line in text.splitlines())
+    rows = [line for line in text.splitlines() if not line.startswith("  warning")]
+    assert all(len(line) < 130 for line in rows)
 
 
 def test_names_are_not_formulas_nor_commands(tmp_path) -> None:

