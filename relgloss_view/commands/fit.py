@@ -14,6 +14,7 @@ from relgloss_view.base.writing import check_writable
 
 QUANTITIES = ("radiance-factor", "brdf", "brdf-cos", "radiance-factor-percent")
 ANGLE_UNITS = ("degrees", "radians")
+MIRRORS = ("same-side", "opposite")
 
 
 def add(commands: Any) -> None:
@@ -61,6 +62,12 @@ def add(commands: Any) -> None:
         help="Tilt of the table at which the receiver sees the mirror direction",
     )
     parser.add_argument(
+        "--mirror",
+        choices=MIRRORS,
+        help="Side on which the receiver's angles put the mirror direction: opposite to the lamp "
+        "(default), or the same side (beta = +alpha, or equal azimuths)",
+    )
+    parser.add_argument(
         "--angle-unit",
         choices=ANGLE_UNITS,
         help="Unit of the table's angles, if it does not state it",
@@ -106,6 +113,7 @@ def run(args: argparse.Namespace) -> int:
         quantity=args.quantity,
         gamma_s_deg=args.gamma_s_deg,
         angle_unit=args.angle_unit,
+        mirror=args.mirror,
     )
     with Progress("fit") as progress:
         material = fit_material(

@@ -14,7 +14,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import WARNING_LENGTH, Column, table
 from relgloss_view.base.writing import check_writable
-from relgloss_view.commands.fit import ANGLE_UNITS, QUANTITIES
+from relgloss_view.commands.fit import ANGLE_UNITS, MIRRORS, QUANTITIES
 
 if TYPE_CHECKING:
     from relgloss_view.gloss.meter.meter import Reading
@@ -66,6 +66,12 @@ def add(commands: Any) -> None:
         metavar="DEG",
         type=float,
         help="Tilt of a table at which the receiver sees the mirror direction",
+    )
+    parser.add_argument(
+        "--mirror",
+        choices=MIRRORS,
+        help="Side on which the receiver's angles put the mirror direction: opposite to the lamp "
+        "(default), or the same side (beta = +alpha, or equal azimuths)",
     )
     parser.add_argument(
         "--angle-unit",
@@ -128,6 +134,7 @@ def run(args: argparse.Namespace) -> int:
 def _read(name: str, args: argparse.Namespace) -> SampleReadings:
     """The readings of a built-in sample, a material file or a measured table."""
     from relgloss_view.gloss.meter.table import table_readings
+    from relgloss_view.measure.findings import examine
     from relgloss_view.measure.readers import read_measurement
     from relgloss_view.picture.scene import file_kinds
     from relgloss_view.picture.scene.sample import SAMPLES
@@ -142,9 +149,12 @@ def _read(name: str, args: argparse.Namespace) -> SampleReadings:
         quantity=args.quantity,
         gamma_s_deg=args.gamma_s_deg,
         angle_unit=args.angle_unit,
+        mirror=args.mirror,
     )
-    readings = table_readings(measured)
-    return SampleReadings(measured.name, measured.source, TABLE, readings, measured.warnings)
+    examined = examine(measured)
+    readings = table_readings(examined.measurement)
+    warnings = (*examined.measurement.warnings, *examined.texts)
+    return SampleReadings(measured.name, measured.source, TABLE, readings, warnings)
 
 
 def _of_material(place: str, material: Material) -> SampleReadings:

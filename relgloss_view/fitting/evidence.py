@@ -35,6 +35,7 @@ class ChosenFit:
     choice: Choice
     state: State  #: of the best candidate, on all bands
     spread: Candidate  #: the best candidate where what its samples may leave open is otherwise
+    serious: tuple[str, ...] = ()  #: what the table shows by itself, for which no fit is good
 
 
 def judge(fit: ChosenFit) -> Verdict:
@@ -44,6 +45,8 @@ def judge(fit: ChosenFit) -> Verdict:
         fit.choice.measurement, fit.choice.full, predict(fit.choice.full.geometry, fit.state)
     )
     warnings: dict[Quality, str] = {}
+    if fit.serious:
+        warnings[Quality.POOR] = fit.serious[0]
     if residuals.poor:
         near = residuals.near_mirror.median_relative_error
         beside = f", {near:.0%} within {verdict.NEAR_MIRROR_DEG:g} deg of mirror" if near else ""
@@ -99,14 +102,17 @@ def record_fit(fit: ChosenFit, judged: Verdict, seed: int) -> FitRecord:
         "refractive_index": judged.index,
         "no_lobe": judged.no_lobe,
     }
-    grounds = judged.warnings.get(judged.quality)
+    grounds = (
+        *(() if judged.quality == Quality.GOOD else (judged.warnings[judged.quality],)),
+        *fit.serious,
+    )
     return FitRecord(
         candidates=tuple(asdict(evidence) for evidence in _evidence(fit)),
         chosen=fit.choice.best.name,
         residuals=asdict(judged.residuals),
         quality=judged.quality,
-        warnings=_warnings(fit, judged),
-        grounds=() if grounds is None else (grounds,),
+        warnings=tuple(dict.fromkeys(_warnings(fit, judged))),
+        grounds=tuple(dict.fromkeys(grounds)),
         seed=seed,
         standard_errors=_present(
             asdict(verdict.standard_errors(fit.spread, lobe_order(fit.state)))

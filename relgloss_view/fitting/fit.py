@@ -36,6 +36,7 @@ from relgloss_view.fitting.problem import Problem
 from relgloss_view.fitting.spread import spread as spread_of
 from relgloss_view.fitting.use import with_use
 from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material, Quality
+from relgloss_view.measure.findings import examine
 from relgloss_view.measure.table import Measurement
 
 MODELS = (*ladder.MODELS, *metal.NAMES)
@@ -92,6 +93,10 @@ def fit_material(
     began = time.perf_counter()
     if aperture_sd_deg is not None:
         measurement = replace(measurement, aperture_sd_deg=aperture_sd_deg)
+    examined = examine(measurement)
+    measurement = replace(
+        examined.measurement, warnings=(*examined.measurement.warnings, *examined.texts)
+    )
     uncertain = free_index and refractive_index is None
     options = Options(
         rungs=ladder.LADDER if model == "auto" else _forced(model),
@@ -107,7 +112,7 @@ def fit_material(
     spread = spread_of(choice, errors=free_errors, index=uncertain)
     measurement, full, best = choice.measurement, choice.full, choice.best
     ladder.report(progress, 0.95, "all bands")
-    fit = ChosenFit(choice, _all_bands(full, best), spread)
+    fit = ChosenFit(choice, _all_bands(full, best), spread, examined.serious)
     judged = judge(fit)
     state = fit.state
     width = judged.width

@@ -29,6 +29,7 @@ def read_measurement(
     quantity: str | None = None,
     gamma_s_deg: float | None = None,
     angle_unit: str | None = None,
+    mirror: str | None = None,
 ) -> Measurement:
     """Read an instrument's file: RGL .bsdf, MERL .binary, GCMS-style or generic CSV.
 
@@ -41,6 +42,9 @@ def read_measurement(
     gamma_s_deg: tilt at which a GCMS table sees the mirror direction, degrees, -90 to 90; replaces
     the declared one.
     angle_unit: 'degrees' or 'radians' of a text table's angles; replaces the declared one.
+    mirror: 'opposite' where the receiver is counted so that the mirror direction is at
+    beta = -alpha or at opposite azimuths; 'same-side' where it is at beta = +alpha or at equal
+    azimuths. Replaces what a text table declares; opposite is the default.
 
     Returns the Measurement in radiance factors, with its warnings. Raises InputError, one line
     that names file, place and remedy, for everything that is wrong with the file.
@@ -56,14 +60,18 @@ def read_measurement(
     """
     file = table_file(path)
     try:
-        measurement = _read(file, quantity, gamma_s_deg, angle_unit)
+        measurement = _read(file, quantity, gamma_s_deg, angle_unit, mirror)
     except OSError as error:
         raise unreadable(path, error, EXPECTED) from None
     return replace(measurement, file=str(file))
 
 
 def _read(
-    path: Path, quantity: str | None, gamma_s_deg: float | None, angle_unit: str | None
+    path: Path,
+    quantity: str | None,
+    gamma_s_deg: float | None,
+    angle_unit: str | None,
+    mirror: str | None,
 ) -> Measurement:
     with check_regular(path, EXPECTED).open("rb") as file:
         head = file.read(HEAD_BYTES)
@@ -75,8 +83,8 @@ def _read(
         measurement = merl.read(path)
     else:
         refuse_foreign(head, path)
-        return _read_text(path, head, quantity, gamma_s_deg, angle_unit)
-    return _with_unused_arguments(measurement, quantity, gamma_s_deg, angle_unit)
+        return _read_text(path, head, quantity, gamma_s_deg, angle_unit, mirror)
+    return _with_unused_arguments(measurement, quantity, gamma_s_deg, angle_unit, mirror)
 
 
 def _refuse_no_table(path: Path, head: bytes) -> None:
@@ -104,6 +112,7 @@ def _with_unused_arguments(
     quantity: str | None,
     gamma_s_deg: float | None,
     angle_unit: str | None,
+    mirror: str | None,
 ) -> Measurement:
     """The measurement, with a warning for each argument that its format does not use."""
     warnings = list(measurement.warnings)
@@ -113,6 +122,8 @@ def _with_unused_arguments(
         warnings.append("the format has no tilt of the sample; --gamma-s-deg is not used")
     if angle_unit is not None:
         warnings.append("the format fixes the unit of its angles; --angle-unit is not used")
+    if mirror is not None:
+        warnings.append("the format fixes its mirror direction; --mirror is not used")
     return replace(measurement, warnings=tuple(warnings))
 
 
@@ -122,10 +133,11 @@ def _read_text(
     quantity: str | None,
     gamma_s_deg: float | None,
     angle_unit: str | None,
+    mirror: str | None,
 ) -> Measurement:
     _refuse_no_table(path, head[:4096])
     table = csv_table.parse(path, (gcms.COLUMNS.keys(), generic.COLUMNS.keys()))
     names = {name.lower() for name in table.columns}
     if names & gcms.COLUMNS.keys():
-        return gcms.read(table, quantity, gamma_s_deg, angle_unit)
-    return generic.read(table, quantity, gamma_s_deg, angle_unit)
+        return gcms.read(table, quantity, gamma_s_deg, angle_unit, mirror)
+    return generic.read(table, quantity, gamma_s_deg, angle_unit, mirror)

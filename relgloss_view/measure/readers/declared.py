@@ -13,6 +13,9 @@ from relgloss_view.measure.readers.csv_table import TextTable
 from relgloss_view.measure.readers.headings import DEGREES, RADIANS, unit_of
 
 MAX_APERTURE_SD_DEG = 45.0
+#: Where the mirror direction lies: beta = -alpha or opposite azimuths, or on the lamp's side.
+OPPOSITE, SAME_SIDE = "opposite", "same-side"
+MIRRORS = (SAME_SIDE, OPPOSITE)
 MAX_TEXT = 2000  #: characters of a name or a source
 
 
@@ -67,6 +70,21 @@ def declared(
         saturation=saturation,
         warnings=tuple(warnings),
     )
+
+
+def same_side(table: TextTable, argument: str | None = None) -> bool:
+    """Whether the mirror direction is on the lamp's side, as the caller or the file declares.
+
+    Raises InputError for a word that is neither.
+    """
+    where, word = "--mirror", argument
+    if word is None:
+        line, word = table.comments.get("mirror", (0, OPPOSITE))
+        where = f"{table.path}: line {line}"
+    word = "-".join(word.lower().replace("_", " ").replace("-", " ").split())
+    if word not in MIRRORS:
+        raise InputError(f"{where}: {printable(word, 40)!r}; expected {' or '.join(MIRRORS)}")
+    return word == SAME_SIDE
 
 
 def check_angle(value: float, where: str, limit_deg: float = 90.0) -> float:

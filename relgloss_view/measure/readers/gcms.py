@@ -15,7 +15,7 @@ from relgloss_view.measure.quantity import canonical_quantity
 from relgloss_view.measure.readers.assemble import from_table
 from relgloss_view.measure.readers.columns import split_columns
 from relgloss_view.measure.readers.csv_table import TextTable
-from relgloss_view.measure.readers.declared import declared
+from relgloss_view.measure.readers.declared import declared, same_side
 from relgloss_view.measure.table import Measurement
 
 #: Column names and the largest magnitude of each angle, degrees.
@@ -27,14 +27,17 @@ def read(
     quantity: str | None = None,
     gamma_s_deg: float | None = None,
     angle_unit: str | None = None,
+    mirror: str | None = None,
 ) -> Measurement:
     """Read a parsed GCMS table. Raises InputError.
 
-    quantity, gamma_s_deg, angle_unit: replace what the file declares. The tilt gamma_s is checked
-    against the ridge in the data.
+    quantity, gamma_s_deg, angle_unit, mirror: replace what the file declares. The tilt gamma_s is
+    checked against the ridge in the data.
     """
     facts = declared(table, quantity, gamma_s_deg, angle_unit)
     angles, bands, readings = split_columns(table, COLUMNS, facts.angle_unit)
+    if same_side(table, mirror):
+        angles = angles * np.array([1.0, -1.0, 1.0])
     alpha, beta, gamma = angles.T
     directions = gcms_directions(alpha, beta, gamma, facts.gamma_s_deg)
     measurement = from_table(

@@ -1,0 +1,58 @@
+"""What a measured table shows by itself, before any model is fitted to it.
+
+Each check is a module. All look at the readings of one Measurement and return findings: one plain
+line each, with what is wrong, where, and how to mend it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from relgloss_view.measure.findings import (
+    colour,
+    lamp_peak,
+    lobe,
+    mirror_direction,
+    plateaus,
+    single_rows,
+    units,
+)
+from relgloss_view.measure.findings.finding import Examined, Finding
+from relgloss_view.measure.findings.rows import Rows
+from relgloss_view.measure.table import Measurement
+
+__all__ = ["Examined", "Finding", "examine"]
+
+
+def examine(measurement: Measurement) -> Examined:
+    """The measurement as it is to be fitted, with what its own numbers show.
+
+    Rows on a plateau of saturation are marked. A finding is serious where no fit of the table may
+    be called good. The thresholds hold for noise of a few percent; docs/findings.md.
+
+    >>> from relgloss_view import read_measurement
+    >>> examine(read_measurement("art-coated")).findings
+    ()
+    """
+    with np.errstate(all="ignore"):
+        rows = Rows.of(measurement)
+        measurement, findings = plateaus.saturation(measurement, rows)
+        findings += plateaus.floors(measurement, rows)
+        findings += units.check(measurement, rows)
+        if any(f.serious for f in findings):
+            return Examined(measurement, tuple(findings))
+        elsewhere = mirror_direction.check(measurement, rows)
+        findings += elsewhere
+        if elsewhere:
+            measurement = mirror_direction.without_other_remedy(measurement, elsewhere[0])
+            return Examined(measurement, tuple(findings))
+        rows = Rows.of(measurement)  # without those on a plateau
+        core = lobe.lobe_of(rows)
+        findings += lobe.coverage(measurement, rows, core)
+        findings += lobe.aperture(measurement, rows, core)
+        findings += lobe.anisotropy(measurement, rows, core)
+        towards_lamp = lamp_peak.check(rows)
+        findings += towards_lamp
+        findings += colour.check(measurement, rows)
+        findings += single_rows.check(rows, core, lamp_peak=bool(towards_lamp))
+    return Examined(measurement, tuple(findings))

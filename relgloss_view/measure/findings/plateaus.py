@@ -1,0 +1,140 @@
+"""Plateaus: many readings that stand at one value, the largest (saturation) or the smallest.
+
+A detector that ends at some level piles up at it what lies above. So the rows at the largest value
+are counted, of unlike geometries, and held against the number that the density of readings below
+lets expect there. That number is large where a table is rounded to few digits.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from relgloss_view.base.arrays import Array, Ints, Mask
+from relgloss_view.measure.findings.finding import FLOOR, PLATEAU, Finding
+from relgloss_view.measure.findings.rows import Rows
+from relgloss_view.measure.table import SATURATED, Measurement
+
+#: Readings within this of another are the same one, written with seven digits and converted.
+SAME = 2e-6
+#: Rows that stand at one value: so many and more, and this many times what is expected there.
+FEWEST, EXPECTED_TIMES = 3, 6.0
+#: Values below the largest by which the expected number is estimated.
+STEPS_BELOW = 20
+#: A plateau lies above the typical reading by this factor; at it the whole sample is flat.
+ABOVE_TYPICAL = 1.03
+#: Where the plateau is lower than this many bodies, what is left shows no highlight.
+HIGHLIGHT_LEFT = 3.0
+#: Floors are low, and hold more than this share of a band's rows.
+HIGHEST_FLOOR, FLOOR_SHARE = 0.15, 0.02
+
+
+def saturation(measurement: Measurement, rows: Rows) -> tuple[Measurement, list[Finding]]:
+    """The measurement with the rows on a plateau marked, and a finding that names it."""
+    if len(rows) < 2 * FEWEST:
+        return measurement, []
+    level, marked, bands = _top(measurement, rows)
+    if not np.any(marked):
+        return measurement, []
+    reasons = measurement.reasons.astype(object)
+    reasons[rows.index[marked]] = SATURATED
+    body = rows.body_level
+    left = rows.level[~marked & rows.kept]
+    hidden = float(np.max(left, initial=0.0)) < HIGHLIGHT_LEFT * body
+    count = int(np.sum(marked))
+    which = "" if len(bands) == measurement.bands.count else f" in {_some(bands)}"
+    text = (
+        f"{count} rows stand at the largest value {level:.6g}{which}: the detector saturates "
+        f"there, and they are left out; declare it with '# saturation: {level:.6g}'"
+    )
+    if hidden:
+        text += ". Hardly any of the highlight is left: measure it again with less light"
+    changed = replace(measurement, reasons=reasons.astype(np.str_))
+    return changed, [Finding(PLATEAU, text, hidden)]
+
+
+def floors(measurement: Measurement, rows: Rows) -> list[Finding]:
+    """A finding where readings were cut off from below."""
+    # Published tables hold zeros where a colour lies outside their channels.
+    values = rows.values[rows.kept]
+    if measurement.tabulated or len(values) < 4 * FEWEST:
+        return []
+    lowest = values.min(axis=0)
+    floor = float(lowest.min())
+    typical = float(np.median(values))
+    # An ideal matte sample is as low everywhere, but not equally low in several bands.
+    same = np.abs(lowest - floor) <= SAME * max(abs(floor), 1e-9)
+    at = np.abs(values - floor) <= SAME * max(abs(floor), 1e-9)
+    counts = at.sum(axis=0)
+    if floor > HIGHEST_FLOOR or np.max(counts) < max(FEWEST, FLOOR_SHARE * len(values)):
+        return []
+    several = np.sum(same & (counts >= FEWEST)) >= 2
+    unlike = several and bool(np.any(at[:, same].any(axis=1) & ~at[:, same].all(axis=1)))
+    if not (unlike or (floor == 0.0 and typical > 0.0)):
+        return []
+    bands = [measurement.bands.labels[k] for k in np.flatnonzero(counts >= FEWEST)]
+    share = float(at.any(axis=1).mean())
+    return [
+        Finding(
+            FLOOR,
+            f"{share:.0%} of the rows stand at the smallest value {floor:.4g} in {_some(bands)}: "
+            "readings were cut off there, and darker ones are not known; export the table without "
+            "a lower limit",
+            False,
+        )
+    ]
+
+
+def _top(measurement: Measurement, rows: Rows) -> tuple[float, Mask, list[str]]:
+    """Level of the plateau, the rows on it, and the bands that have it."""
+    unlike = _unlike(rows)
+    marked = np.zeros(len(rows), dtype=bool)
+    bands: list[str] = []
+    level = 0.0
+    for divisor in (np.ones(len(rows)), 1.0 / np.maximum(rows.to_receiver[:, 2], 1e-3)):
+        values = rows.values / divisor[:, None]
+        for band in range(values.shape[1]):
+            column = values[:, band]
+            top = float(column.max())
+            at = column >= top * (1.0 - SAME)
+            turned = np.ptp(divisor[at]) > 1e-3 or np.ptp(divisor) == 0.0
+            if np.sum(at) < FEWEST or not turned or not _piled(column, at, top, unlike):
+                continue
+            marked |= at
+            bands.append(measurement.bands.labels[band])
+            level = max(level, top)
+        if bands:
+            break
+    return level, marked, bands
+
+
+def _piled(column: Array, at: Mask, top: float, unlike: Ints) -> bool:
+    """Whether more rows of unlike geometries stand at the top than their density lets expect."""
+    count = len(np.unique(unlike[at]))
+    if count < FEWEST or top <= ABOVE_TYPICAL * float(np.median(column)):
+        return False
+    below = np.unique(unlike[~at & (column > 0.5 * top)])
+    distinct = np.unique(np.round(column[~at & (column > 0.5 * top)] / top, 6))
+    if len(distinct) == 0:
+        return True
+    # Rows a distinct value: one in a table with many digits, more in a rounded one.
+    near = distinct[-STEPS_BELOW:]
+    rounded = np.sum(~at & (column / top >= near[0] - 1e-6)) / len(near)
+    step = float(np.min(np.diff(np.append(near, 1.0)), initial=1.0))
+    expected = min(len(below) * step / 0.5, rounded) if len(below) else 0.0
+    return count >= FEWEST + EXPECTED_TIMES * expected * (rounded > 1.5)
+
+
+def _unlike(rows: Rows) -> Ints:
+    """(N,), equal numbers where an isotropic, reciprocal surface must read the same."""
+    pair = np.sort(np.stack([rows.to_lamp[:, 2], rows.to_receiver[:, 2]], axis=1), axis=1)
+    between = np.sum(rows.to_lamp * rows.to_receiver, axis=1)
+    key = np.round(np.column_stack([pair, between]), 4)
+    return np.asarray(np.unique(key, axis=0, return_inverse=True)[1].ravel())
+
+
+def _some(names: list[str]) -> str:
+    if len(names) <= 4:
+        return ", ".join(names)
+    return f"{', '.join(names[:3])} and {len(names) - 3} more bands"
