@@ -44,6 +44,7 @@ MOST_BEND, MOST_SKEW, POWERS, EXPONENTS = 4.0, 1.5, (-1.0, 0.7), (-0.6, 1.2)
 BEYOND = 1.0  #: steps that the ideal may lie beyond the grid
 STRAIGHT = 1e-4  #: a bend below has its series
 SHAPES = 6  #: bends, skews, power: the last parameters
+STEEP = 1.5  #: log of how much steeper
 STARTS = 3  #: settings from which the search begins
 
 
@@ -68,11 +69,14 @@ def closeness_at(grid: Grid, parameters: Array, points: Array) -> Array:
 def fit_unfolding(grid: Grid, counts: Array) -> Unfolding:
     """The fit of counts (settings, categories) of a grid.
 
-    The search begins at each of the settings that were judged closest; the best end counts.
+    The search begins at each of the settings that were judged closest, with usual and with steep
+    slopes: from usual ones it may lose a lone setting among many that are far. The best end counts.
     """
-    places = _closest(grid, counts)
+    places = np.repeat(_closest(grid, counts), 2, axis=0)
     loss = UnfoldingLoss(grid, np.broadcast_to(counts, (len(places), *counts.shape)))
-    ends, values = minima_within(loss, loss.start(places))
+    first = loss.start(places)
+    first[1::2, 2:4] += STEEP
+    ends, values = minima_within(loss, first)
     best = int(np.argmin(values))
     return Unfolding(grid, ends[best], float(values[best]))
 
