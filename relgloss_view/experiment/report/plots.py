@@ -30,7 +30,10 @@ def write_plots(
     names: Mapping[str, str],
     progress: ProgressReport = no_progress,
 ) -> dict[str, tuple[Plot, ...]]:
-    """Write overview.png, where there is a scaled sample, and each sample's plots; by label. `names` are those of the files."""
+    """Write each sample's plots, by label, and overview.png where there is a scaled sample.
+
+    `names` are those of the files.
+    """
     if analysis.samples:
         write_overview(folder / OVERVIEW, analysis)
     plots_by_label = {}

@@ -102,8 +102,9 @@ class _FromOne:
     """The distance of fixed points from one ideal place, and its derivatives.
 
     Parameters (..., n): ideal x and y in steps, log slope along x and y, shear, ...; the last are
-    bend of x and y, skew along x and y, log power, log of half the exponent. With x and y the bent differences from the
-    ideal: u = slope x, v = slope y + shear x, each times exp(skew) above 0 and exp(-skew) below;
+    bend of x and y, skew along x and y, log power, log of half the exponent. With x and y the bent
+    differences from the ideal: u = slope x, v = slope y + shear x, each times exp(skew) above 0 and
+    exp(-skew) below;
     distance = ((r + u^2)^(e / 2) + (r + v^2)^(e / 2))^(power / e), r = ROUND / 2, e the exponent;
     Euclidean with e = 2: (ROUND + u^2 + v^2)^(power / 2).
     """
@@ -166,8 +167,11 @@ class _FromOne:
             by_u * np.abs(self._u),
             by_v * np.abs(self._v),
             steep / self._exponent * self._log_sum,
-            steep * (0.5 * (self._part_u * self._log_u + part_v * self._log_v)
-                     - self._log_sum / self._exponent),
+            steep
+            * (
+                0.5 * (self._part_u * self._log_u + part_v * self._log_v)
+                - self._log_sum / self._exponent
+            ),
         ]
         return np.concatenate(
             [-by_place * self._ideal_turn[..., None], np.stack(rest, axis=-2)], axis=-2
@@ -211,8 +215,8 @@ class UnfoldingLoss:
     """Minus the log-likelihood of counts and minus the log of the priors, with its derivatives.
 
     Counts (..., settings, categories) are those of one fit or of many. Parameters (..., n) are
-    those of Distance, and between shear and the shapes the first bound and the logs of the widths of
-    the categories after it. With two `places` a setting is judged from the nearer one.
+    those of Distance, and between shear and the shapes the first bound and the logs of the widths
+    of the categories after it. With two `places` a setting is judged from the nearer one.
     """
 
     def __init__(self, grid: Grid, counts: Array, places: int = 1) -> None:
