@@ -30,7 +30,7 @@ from relgloss_view.experiment.session.pool import Answers
 FEWEST_TO_SPLIT = 6  #: observers
 LEAST_GROUP = 0.2  #: share of the observers: one or two strange ones are no group
 SAMPLES, TOGETHER = 2000, 200  #: of one population; that are made at once
-LEVEL = 0.01  #: of the test
+LEVEL = 0.02  #: of the test; groups that agree on a setting are passed over besides
 DRAWS = 100  #: of each group's observers
 
 
