@@ -69,9 +69,9 @@ def test_percentiles_are_students():
 
 
 def test_groups_who_judge_gloss_or_grain():
-    """In 6 of 6 studies at most one is missed; the split is the true one."""
-    found = [mixed_groups(FineGrid(GRID), answers_of("two-groups", k)[0], 0) for k in range(6)]
-    assert sum(f is not None for f in found) >= 5
+    """In 4 studies at most one is missed; the split is the true one."""
+    found = [mixed_groups(FineGrid(GRID), answers_of("two-groups", k)[0], 0) for k in range(4)]
+    assert sum(f is not None for f in found) >= 3
     for groups in found:
         if groups is not None:
             first, second = (set(c.observers) for c in groups.camps)
@@ -81,7 +81,7 @@ def test_groups_who_judge_gloss_or_grain():
 
 def test_one_population_is_no_group():
     """The control: personal truths and categories alone. False alarms have 1 % each."""
-    found = [mixed_groups(FineGrid(GRID), answers_of("unique", k)[0], 0) for k in range(6)]
+    found = [mixed_groups(FineGrid(GRID), answers_of("unique", k)[0], 0) for k in range(4)]
     assert sum(f is not None for f in found) <= 1
 
 
@@ -99,9 +99,9 @@ def test_the_p_of_one_normal_population_is_uniform():
 
 
 def test_two_places_are_found_and_one_is_not_doubled():
-    for kind, least, most in (("two-optima", 4, 6), ("unique", 0, 0), ("city-block", 0, 0)):
+    for kind, least, most in (("two-optima", 3, 4), ("unique", 0, 0), ("city-block", 0, 0)):
         number = 0
-        for k in range(6):
+        for k in range(4):
             counts = answers_of(kind, k)[0].counts()
             number += two_places(fit_unfolding(GRID, counts.sum(axis=0)), counts) is not None
         assert least <= number <= most, kind
