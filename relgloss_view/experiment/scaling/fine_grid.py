@@ -13,6 +13,7 @@ from relgloss_view.experiment.design.grid import Grid
 
 PER_STEP = 10  #: fine points a step of the grid
 Z_95 = 1.6449  #: one-sided 95 % point of the normal distribution
+NEAR = 0.6  #: of the way to a setting's neighbours: the right place of a setting that stands alone
 TAIL = 0.025  #: beyond either end of a 95 % interval
 RIDGE_STEPS = 2.5  #: from this length on, and ...
 RIDGE_RATIO = 3.0  #: ... this many times as long as wide, what is as good as the best is a ridge
@@ -65,16 +66,37 @@ class FineGrid:
         self.shape = (len(axes[0]), len(axes[1]))
         self.points: Array = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 2)
 
-    def optimum(self, smooth: Array, drawn: Array | None, observers: int) -> Optimum:
+    def near(self, setting: int) -> Mask:
+        """Which points lie no farther from a setting than NEAR of the way to its neighbours."""
+        places = coordinates(self.grid)
+        place = places[setting]
+        inside = np.ones(len(self.points), dtype=bool)
+        for axis in (0, 1):
+            of_axis = np.unique(places[:, axis])
+            away = np.abs(of_axis - place[axis])
+            below, above = away[of_axis < place[axis]], away[of_axis > place[axis]]
+            apart = self.points[:, axis] - place[axis]
+            half = 0.5 / PER_STEP  # the nearest fine points count where settings lie between them
+            inside &= apart >= -max(NEAR * np.min(below, initial=np.inf), half)
+            inside &= apart <= max(NEAR * np.min(above, initial=np.inf), half)
+        return inside
+
+    def optimum(
+        self, smooth: Array, drawn: Array | None, observers: int, within: Mask | None = None
+    ) -> Optimum:
         """The best of closeness (points,), with intervals from draws of it (B, points).
 
-        Draws are resamplings of so many observers; see `percentiles`.
+        Draws are resamplings of so many observers; see `percentiles`. Only the points `within` a
+        mask count.
         An interval is half a fine step wider on both sides: between fine points nothing is known.
         """
-        ((sigma, c),) = from_steps(self.grid, self.points[[np.argmax(smooth)]])
+        points = self.points if within is None else self.points[within]
+        if within is not None:
+            smooth, drawn = smooth[within], None if drawn is None else drawn[:, within]
+        ((sigma, c),) = from_steps(self.grid, points[[np.argmax(smooth)]])
         if drawn is None:
             return Optimum(float(sigma), float(c), None, None)
-        best = self.points[np.argmax(drawn, axis=1)]
+        best = points[np.argmax(drawn, axis=1)]
         half = 0.5 / PER_STEP
         low, high = np.quantile(best, percentiles(observers), axis=0)
         low, high = np.maximum(low - half, 0.0), np.minimum(high + half, self.points[-1])

@@ -90,7 +90,7 @@ def _starts(one: Unfolding, pooled: Array) -> Array:
 
 def _log_likelihoods(loss: UnfoldingLoss, parameters: Array, counts: Array) -> Array:
     """Of each observer's counts (O, settings, categories), (O,)."""
-    return np.sum(counts * np.log(loss.shares(parameters)), axis=(1, 2))
+    return np.asarray(np.sum(counts * np.log(loss.shares(parameters)), axis=(1, 2)))
 
 
 def _separate(one: Unfolding, end: Array) -> bool:

@@ -44,6 +44,7 @@ MOST_BEND, MOST_SKEW, POWERS, EXPONENTS = 4.0, 1.5, (-1.0, 0.7), (-0.6, 1.2)
 BEYOND = 1.0  #: steps that the ideal may lie beyond the grid
 STRAIGHT = 1e-4  #: a bend below has its series
 SHAPES = 6  #: bends, skews, power: the last parameters
+STEEP = 1.5  #: log of how much steeper
 STARTS = 3  #: settings from which the search begins
 
 
@@ -68,11 +69,14 @@ def closeness_at(grid: Grid, parameters: Array, points: Array) -> Array:
 def fit_unfolding(grid: Grid, counts: Array) -> Unfolding:
     """The fit of counts (settings, categories) of a grid.
 
-    The search begins at each of the settings that were judged closest; the best end counts.
+    The search begins at each of the settings that were judged closest, with usual and with steep
+    slopes: from usual ones it may lose a lone setting among many that are far. The best end counts.
     """
-    places = _closest(grid, counts)
+    places = np.repeat(_closest(grid, counts), 2, axis=0)
     loss = UnfoldingLoss(grid, np.broadcast_to(counts, (len(places), *counts.shape)))
-    ends, values = minima_within(loss, loss.start(places))
+    first = loss.start(places)
+    first[1::2, 2:4] += STEEP
+    ends, values = minima_within(loss, first)
     best = int(np.argmin(values))
     return Unfolding(grid, ends[best], float(values[best]))
 
@@ -98,8 +102,9 @@ class _FromOne:
     """The distance of fixed points from one ideal place, and its derivatives.
 
     Parameters (..., n): ideal x and y in steps, log slope along x and y, shear, ...; the last are
-    bend of x and y, skew along x and y, log power, log of half the exponent. With x and y the bent differences from the
-    ideal: u = slope x, v = slope y + shear x, each times exp(skew) above 0 and exp(-skew) below;
+    bend of x and y, skew along x and y, log power, log of half the exponent. With x and y the bent
+    differences from the ideal: u = slope x, v = slope y + shear x, each times exp(skew) above 0 and
+    exp(-skew) below;
     distance = ((r + u^2)^(e / 2) + (r + v^2)^(e / 2))^(power / e), r = ROUND / 2, e the exponent;
     Euclidean with e = 2: (ROUND + u^2 + v^2)^(power / 2).
     """
@@ -210,8 +215,8 @@ class UnfoldingLoss:
     """Minus the log-likelihood of counts and minus the log of the priors, with its derivatives.
 
     Counts (..., settings, categories) are those of one fit or of many. Parameters (..., n) are
-    those of Distance, and between shear and the shapes the first bound and the logs of the widths of
-    the categories after it. With two `places` a setting is judged from the nearer one.
+    those of Distance, and between shear and the shapes the first bound and the logs of the widths
+    of the categories after it. With two `places` a setting is judged from the nearer one.
     """
 
     def __init__(self, grid: Grid, counts: Array, places: int = 1) -> None:

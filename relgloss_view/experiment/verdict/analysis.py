@@ -94,7 +94,7 @@ def analyse(
 ) -> Analysis:
     """Analyse a pool; the same pool and options give the same analysis.
 
-    A sample about which all answers are the same, or none are there, is named in `untold`.
+    A sample about which all answers are the same, or none are there, is named in `unscaled`.
     """
     study = pool.study
     level = LEVEL / len(study.samples)

@@ -95,7 +95,11 @@ def verdict_on(
     if draws is not None and np.any(np.isfinite(draws)):
         wins = _wins(draws)
         as_good = _as_good(scale, draws, leading)
-    optimum = smooth.fine.optimum(smooth.closeness, smooth.draws, observers)
+    # Where one setting is better than all others, the smooth fit decides no more than where
+    # between it and its neighbours the optimum lies.
+    alone = wins is not None and int(np.sum(as_good)) == 1
+    within = smooth.fine.near(leading) if alone else None
+    optimum = smooth.fine.optimum(smooth.closeness, smooth.draws, observers, within)
     if status in (MIXED, TWO):
         optimum = dataclasses.replace(optimum, sigma_n_interval_deg=None, c_interval=None)
     return Verdict(
