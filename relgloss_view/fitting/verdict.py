@@ -41,7 +41,7 @@ FLANK_SD = (0.5, 3.0)  #: standard deviations from a lobe's peak between which i
 FEWEST_ON_FLANK = 3
 #: Widths below this (radians) reach the end of the search: the samples set no lower bound.
 NO_LOWER_BOUND = float(np.radians(0.06))
-UNSEEN_DEG = 2.5  #: of half-vectors; a finer gap hides no highlight of packaging but a mirror's
+UNSEEN_DEG = 1.0  #: of half-vectors; a finer gap hides a mirror's highlight alone
 #: Of a smooth dielectric's one: what a printed surface's highlight carries at least.
 INTERFACE_STRENGTH = 0.25
 NULL_WIDTHS_DEG = (0.1, 0.3, 1.0, 3.0, 10.0)
