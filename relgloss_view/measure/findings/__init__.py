@@ -43,7 +43,7 @@ def examine(measurement: Measurement) -> Examined:
         measurement, findings = plateaus.saturation(measurement, rows)
         findings = [*dead, *findings, *bands.out_of_place(measurement, rows)]
         findings += plateaus.floors(measurement, rows)
-        findings += units.check(measurement, rows)
+        findings += units.radians(measurement, rows)
         if any(f.serious and f.kind != BANDS for f in findings):
             return Examined(measurement, tuple(findings))
         elsewhere = mirror_direction.check(measurement, rows)
@@ -52,6 +52,9 @@ def examine(measurement: Measurement) -> Examined:
             measurement = mirror_direction.without_other_remedy(measurement, elsewhere[0])
             return Examined(measurement, tuple(findings))
         rows = Rows.of(measurement)  # without those on a plateau
+        findings += units.values(measurement, rows)
+        if any(f.serious and f.kind != BANDS for f in findings):
+            return Examined(measurement, tuple(findings))
         core = lobe.lobe_of(rows)
         findings += drift.check(measurement, rows)
         findings += lobe.coverage(measurement, rows, core)
@@ -59,6 +62,6 @@ def examine(measurement: Measurement) -> Examined:
         findings += lobe.anisotropy(measurement, rows, core)
         towards_lamp = lamp_peak.check(rows)
         findings += towards_lamp
-        findings += colour.check(measurement, rows)
+        findings += colour.check(measurement, rows, core)
         findings += single_rows.check(rows, core, lamp_peak=bool(towards_lamp))
     return Examined(measurement, tuple(findings))

@@ -1,9 +1,10 @@
 """Colour that turns with the angle: spectra that no body under a highlight of one colour sends.
 
-The light of a sample is a sum, with weights of at least zero, of the body's spectrum, the same
-squared (interreflection; Oren, Nayar 1995), white, and the highlight's spectrum, which turns white
-towards grazing incidence (Fresnel; form of Schlick 1994). What is left over is measured for each
-row; where many rows of one incidence leave much, their colour turns.
+Light of the body is a sum, with weights of at least zero, of the body's spectrum, the same squared
+(interreflection; Oren, Nayar 1995), white, and the highlight's spectrum. The highlight itself has
+one colour that turns white towards grazing incidence, by as much as an interface's does at most
+(Fresnel; form of Schlick 1994). What is left over is measured for each row; where many rows of one
+angle leave much, their colour turns.
 """
 
 from __future__ import annotations
@@ -15,19 +16,26 @@ import numpy as np
 from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.measure.bands import Bands
 from relgloss_view.measure.findings.finding import COLOUR, Finding
-from relgloss_view.measure.findings.rows import BODY_DEG, Rows
+from relgloss_view.measure.findings.lobe import Lobe
+from relgloss_view.measure.findings.rows import BODY_DEG, F0, Rows
 from relgloss_view.measure.table import Measurement
 
-#: What may be left over, relative to a row's mean: noise, dispersion of the index, lamp colour.
-LEFT_OVER = 0.06
+#: What may be left over, relative to a row's mean (noise, dispersion of the index, real films of a
+#: slight turn), and what is serious.
+LEFT_OVER, SERIOUS = 0.10, 0.15
 #: Width of the classes of incidence, degrees, and rows a class must have.
 CLASS_DEG, FEWEST = 10.0, 4
 #: A highlight exceeds the body this many times where its own colour is looked at.
-HIGHLIGHT = 2.0
+HIGHLIGHT = 5.0
+#: Share of the highest density of facets where rows show the core of the highlight alone.
+CORE = 0.1
+#: Whitening beyond that of an interface of 4 % at normal incidence that is no turn of the colour.
+SLACK = 0.05
+TAILS = 4.0  #: widths of the highlight within which rows do not show the body alone
 DARK = 1e-6
 
 
-def check(measurement: Measurement, rows: Rows) -> list[Finding]:
+def check(measurement: Measurement, rows: Rows, lobe: Lobe | None) -> list[Finding]:
     """A finding where the colour of the highlight or the body changes with the angle."""
     if measurement.bands.count < 3 or len(rows) < 4 * FEWEST:
         return []
@@ -40,16 +48,22 @@ def check(measurement: Measurement, rows: Rows) -> list[Finding]:
     body = _body(some, colour)
     if body is None:
         return []
-    spectra, highlight = _spectra(some, values, body)
-    left = _left_over(colour, spectra)
+    own, highlight, of_highlight = _highlight(some, values, body)
+    spectra = [body, body**2, np.ones_like(body), *([] if own is None else [own])]
+    left = _left_over(colour, np.array([s / max(float(s.mean()), DARK) for s in spectra]))
+    beyond = 0.0 if lobe is None else TAILS * lobe.width_deg
     worst, where, which = 0.0, 0.0, ""
-    for name, members in (("highlight", highlight), ("body", _away(some))):
+    parts = (
+        ("highlight", highlight, of_highlight),
+        ("body", _away(some) & (some.delta_deg > beyond), left),
+    )
+    for name, members, rest in parts:
         for low in np.arange(0.0, 90.0, CLASS_DEG):
             angle = some.incidence_deg if name == "highlight" else some.receiver_deg
             inside = members & (angle >= low) & (angle < low + CLASS_DEG)
             if np.sum(inside) < FEWEST:
                 continue
-            typical = float(np.median(left[inside]))
+            typical = float(np.median(rest[inside]))
             if typical > worst:
                 worst, where, which = typical, float(np.median(angle[inside])), name
     if worst < LEFT_OVER:
@@ -60,7 +74,7 @@ def check(measurement: Measurement, rows: Rows) -> list[Finding]:
             COLOUR,
             f"this sample changes colour near {where:.0f} deg {at}: {worst:.0%} of its {which}'s "
             "light there has a colour that no model here gives; pictures show it wrong",
-            True,
+            worst > SERIOUS,
         )
     ]
 
@@ -72,7 +86,7 @@ def _few(values: Array, bands: Bands) -> Array:
 
 
 def _away(rows: Rows) -> Mask:
-    return (rows.delta_deg > BODY_DEG) & (rows.level < HIGHLIGHT * rows.body_level)
+    return (rows.delta_deg > BODY_DEG) & (rows.level < 2.0 * rows.body_level)
 
 
 def _body(rows: Rows, colour: Array) -> Array | None:
@@ -85,18 +99,29 @@ def _body(rows: Rows, colour: Array) -> Array | None:
     return np.asarray(spectrum / max(float(spectrum.mean()), DARK))
 
 
-def _spectra(rows: Rows, values: Array, body: Array) -> tuple[Array, Mask]:
-    """Spectra (K, B) that may add up, and the rows that show the highlight's own colour."""
-    highlight = rows.level > (1.0 + HIGHLIGHT) * rows.body_level
-    white = np.ones_like(body)
-    spectra = [body, body**2, white]
-    if np.sum(highlight) >= FEWEST:
-        excess = values[highlight] - rows.body_level * body
-        least = np.sort(rows.incidence_deg[highlight])[FEWEST - 1]
-        upright = rows.incidence_deg[highlight] <= max(least, 25.0)
-        own = excess[upright] / np.maximum(excess[upright].mean(axis=1, keepdims=True), DARK)
-        spectra.append(np.maximum(np.median(own, axis=0), 0.0))
-    return np.array([s / max(float(s.mean()), DARK) for s in spectra]), highlight
+def _highlight(rows: Rows, values: Array, body: Array) -> tuple[Array | None, Mask, Array]:
+    """The highlight's own colour (B,) of mean 1, the rows that show it, and what they leave (N,).
+
+    The colour is that of the rows nearest to normal incidence; None where too few show it.
+    """
+    left = np.zeros(len(rows))
+    bright = rows.level > HIGHLIGHT * rows.body_level
+    bright &= rows.facets > CORE * float(np.max(rows.facets))
+    if np.sum(bright) < FEWEST:
+        return None, bright, left
+    excess = values - rows.body_level * body
+    colour = excess / np.maximum(excess.mean(axis=1, keepdims=True), DARK)
+    least = np.sort(rows.incidence_deg[bright])[FEWEST - 1]
+    upright = bright & (rows.incidence_deg <= max(least, 25.0))
+    own = np.maximum(np.median(colour[upright], axis=0), 0.0)
+    own = own / max(float(own.mean()), DARK)
+    grazing = (1.0 - np.clip(rows.cos_d, 0.0, 1.0)) ** 5
+    most = grazing / (F0 + grazing) + SLACK
+    to_white = 1.0 - own
+    share = (colour - own) @ to_white / max(float(to_white @ to_white), DARK)
+    share = np.clip(share, 0.0, most)
+    rest = colour - own - share[:, None] * to_white
+    return own, bright, np.asarray(np.where(bright, np.sqrt(np.mean(np.square(rest), axis=1)), 0.0))
 
 
 def _left_over(colour: Array, spectra: Array) -> Array:

@@ -21,11 +21,11 @@ CORE, LOBE = 0.3, 0.05
 #: Readings must exceed the body by this share for their excess to mean something.
 ABOVE_BODY = 0.15
 FEWEST = 6
-#: Core over blur. A Gaussian aperture alone makes a core of 1, and one below is impossible; the flat
-#: top of a disc makes it 1.5 and more. Up to the last, where the blur is no usual one (degrees),
-#: the width is the instrument's.
-IMPOSSIBLE, SURELY_INSTRUMENT, DISC, INSTRUMENT = 0.85, 1.1, 1.35, 1.8
-WIDE_BLUR_DEG = 0.45
+#: Core over blur. A Gaussian aperture alone makes a core of 1, and one below is impossible; a disc
+#: alone makes 1.5 to 1.9. Where the blur has so many degrees, cores up to the number beside it are
+#: in doubt: of usual instruments, of wide apertures, and of those that few instruments have.
+IMPOSSIBLE = 0.85
+IN_DOUBT = ((0.0, 1.35), (0.45, 2.0), (0.6, 3.2))
 #: Without a declared aperture, a core this narrow may be the instrument's, degrees.
 NARROW_DEG = 0.6
 #: Anisotropy: ratio of widths that is named, that is serious, and its certainty.
@@ -37,7 +37,7 @@ FREE_OF_BLUR, MOST_BLUR, BLURRED_RATIO = 0.25, 0.6, 1.8
 #: A lobe whose nearest row to the mirror direction lies this many widths away is misplaced.
 AWAY = 2.5
 #: With no row this near to a mirror direction a highlight may be missed, degrees.
-NEAREST_DEG = 2.5
+NEAREST_DEG = 1.5
 RULE = (
     "a disc's deviation is its diameter / 4, and a solid angle omega has the diameter "
     "2 acos(1 - omega / (2 pi))"
@@ -123,18 +123,16 @@ def aperture(measurement: Measurement, rows: Rows, lobe: Lobe | None) -> list[Fi
                 True,
             )
         ]
-    if width > (INSTRUMENT if blur > WIDE_BLUR_DEG else DISC) * blur:
+    if width > blur * max(most for least, most in IN_DOUBT if blur >= least):
         return []
-    doubt = "measure with smaller apertures"
-    if width < DISC * blur:
-        doubt += ", or divide by 4 if the full angle is declared"
     return [
         Finding(
             APERTURE,
-            f"the width of the highlight ({width:.2g} deg of the half-vector) is that of the "
-            f"declared apertures {declared}: the receiver is wider than the lobe, whose width and "
-            f"height are uncertain; {doubt} ({RULE})",
-            width < SURELY_INSTRUMENT * blur,
+            f"the declared apertures {declared} are wide beside the highlight ({width:.2g} deg of "
+            "the half-vector): the receiver is as wide as the lobe, whose width and height are "
+            "uncertain; measure with smaller apertures, or divide by 4 if the full angle is "
+            f"declared ({RULE})",
+            True,
         )
     ]
 
@@ -167,8 +165,9 @@ def coverage(measurement: Measurement, rows: Rows, lobe: Lobe | None) -> list[Fi
     return [
         Finding(
             COVERAGE,
-            f"{text}, and none shows a flank: a highlight may be missing; measure across the "
-            "mirror direction before gloss is read from this table",
+            f"{text}, and none shows a flank: a highlight may be missing, or the receiver is "
+            "counted to the other side (--mirror same-side); measure across the mirror direction "
+            "before gloss is read from this table",
             True,
         )
     ]
@@ -176,7 +175,7 @@ def coverage(measurement: Measurement, rows: Rows, lobe: Lobe | None) -> list[Fi
 
 def anisotropy(measurement: Measurement, rows: Rows, lobe: Lobe | None) -> list[Finding]:
     """A finding where the width depends on the azimuth of the half-vector in the sample's frame."""
-    if lobe is None or np.sum(lobe.rows) < 3 * FEWEST:
+    if measurement.tabulated or lobe is None or np.sum(lobe.rows) < 3 * FEWEST:
         return []
     if np.min(rows.delta_deg[rows.kept]) > lobe.width_deg:
         return []

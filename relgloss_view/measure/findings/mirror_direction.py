@@ -30,6 +30,9 @@ STEEPEST_COSINE = 0.34  #: closer to the horizon rough bodies brighten towards t
 CLEARLY, SURELY = 1.5, 0.7
 SHOWN, SURELY_SHOWN, NOT_SHOWN = 0.3, 0.45, 0.1
 FEWEST, FEWEST_NEAREST = 10, 5
+#: Near the mirror direction and far from it, degrees; how much brighter far rows must be.
+NEAR_DEG, FAR_DEG, BRIGHTER = 4.0, 12.0, 4.0
+FEWEST_TOPS = 2
 TURN_STEP_DEG = 15.0
 RIDGE = "the mirror ridge lies at gamma"
 SAME_SIDE = "--mirror same-side"
@@ -56,6 +59,8 @@ def check(measurement: Measurement, rows: Rows) -> list[Finding]:
         return [Finding(MIRROR, _words(measurement, some, best), True)]
     told = [w for w in measurement.warnings if w.startswith(RIDGE)]
     elsewhere = told[0] if told else _ridge(measurement, rows)
+    if elsewhere is None:
+        elsewhere = _bright_elsewhere(some)
     return [] if elsewhere is None else [Finding(MIRROR, elsewhere, True)]
 
 
@@ -71,6 +76,9 @@ def _best(measurement: Measurement, rows: Rows) -> _Geometry | None:
     best, least = None, np.inf
     for other in _others(measurement, rows):
         unlike, shows = _order(rows, other.to_lamp, other.to_receiver)
+        turned = other.name == "same side" and abs(other.amount_deg) in (0.0, 180.0)
+        if turned and _tops(rows, other.to_lamp, other.to_receiver) and unlike < declared:
+            return other
         gain = CLEARLY if shown > NOT_SHOWN or shows < SURELY_SHOWN else SURELY
         if shows < max(SHOWN, shown + SHOWN) or unlike * gain > declared:
             continue
@@ -93,6 +101,18 @@ def _order(rows: Rows, to_lamp: Array, to_receiver: Array) -> tuple[float, float
     nearest = max(FEWEST_NEAREST, len(rows) // 50)
     shown = float(np.median(density[order[:nearest]])) / max(float(np.sort(density)[-2]), 1e-12)
     return float(np.mean(np.square(np.diff(sorted_log)))), shown
+
+
+def _tops(rows: Rows, to_lamp: Array, to_receiver: Array) -> bool:
+    """Whether the brightest rows, far from the declared mirror direction, lie at another.
+
+    On a coarse grid few rows see a narrow highlight: these alone show where it is.
+    """
+    clear = rows.level > BRIGHTER * _body(rows)
+    top = np.argsort(np.where(clear, rows.facets, -np.inf))[-FEWEST_TOPS:]
+    if np.sum(clear) < FEWEST_TOPS or np.min(rows.delta_deg[top]) < FAR_DEG:
+        return False
+    return bool(np.max(tilt_of((to_lamp + to_receiver)[top])) < NEAR_DEG)
 
 
 def _body(rows: Rows) -> float:
@@ -163,6 +183,28 @@ def _words(measurement: Measurement, rows: Rows, best: _Geometry) -> str:
         f"the peak lies about {abs(offset):.0f} deg in azimuth from the mirror direction "
         f"(brightest row: lamp at {lamp_deg:.0f} deg, receiver at {receiver_deg:.0f} deg "
         f"from the normal): add {offset:+.0f} to every phi_r_deg, or check the azimuths"
+    )
+
+
+def _bright_elsewhere(rows: Rows) -> str | None:
+    """Bright rows far from the mirror direction, brighter than all that lie near it."""
+    if len(rows) < FEWEST:
+        return None
+    near, far = rows.delta_deg < NEAR_DEG, rows.delta_deg > FAR_DEG
+    # Rows towards the lamp may be bright by retroreflection, which is looked for by itself.
+    far &= rows.phase_deg > FAR_DEG
+    if np.sum(near) < FEWEST_NEAREST or np.sum(far) < FEWEST:
+        return None
+    top = int(np.argmax(np.where(far, rows.level, 0.0)))
+    second = float(np.sort(rows.level[far])[-2])
+    least = max(float(np.max(rows.level[near])), _body(rows))
+    if second < BRIGHTER * least:
+        return None
+    lamp_deg, receiver_deg = rows.lamp_deg[top], rows.receiver_deg[top]
+    return (
+        f"the brightest rows lie {rows.delta_deg[top]:.0f} deg from the mirror direction (lamp at "
+        f"{lamp_deg:.0f} deg, receiver at {receiver_deg:.0f} deg from the normal), and none near "
+        "it is bright: check the azimuths and the signs of the angles"
     )
 
 

@@ -1,8 +1,8 @@
 """Plateaus: many readings that stand at one value, the largest (saturation) or the smallest.
 
 A detector that ends at some level piles up at it what lies above. So the rows at the largest value
-are counted, of unlike geometries, and held against the number that the density of readings below
-lets expect there. That number is large where a table is rounded to few digits.
+are counted, of unlike geometries, and held against the numbers at the next values below. Those are
+large where a table is rounded to few digits.
 """
 
 from __future__ import annotations
@@ -18,10 +18,13 @@ from relgloss_view.measure.table import SATURATED, Measurement
 
 #: Readings within this of another are the same one, written with seven digits and converted.
 SAME = 2e-6
-#: Rows that stand at one value: so many and more, and this many times what is expected there.
-FEWEST, EXPECTED_TIMES = 3, 6.0
-#: Values below the largest by which the expected number is estimated.
-STEPS_BELOW = 20
+#: Rows that stand at one value: so many and more, and times as many as at each of the next values.
+FEWEST, TIMES_NEXT = 3, 3
+#: Where the next values differ by this share and more, the table is rounded: so many rows more.
+ROUNDED, ROUNDED_MORE, STEPS_BELOW = 1e-3, 2, 20
+#: A plateau with a little noise: rows within this share of the top, so many, of so many classes of
+#: incidence (5 degrees), and a fifth of them at most in the next two such steps.
+NEARLY, NEARLY_FEWEST, NEARLY_INCIDENCES = 4e-3, 6, 2
 #: A plateau lies above the typical reading by this factor; at it the whole sample is flat.
 ABOVE_TYPICAL = 1.03
 #: Where the plateau is lower than this many bodies, what is left shows no highlight.
@@ -45,8 +48,9 @@ def saturation(measurement: Measurement, rows: Rows) -> tuple[Measurement, list[
     count = int(np.sum(marked))
     which = "" if len(bands) == measurement.bands.count else f" in {_some(bands)}"
     text = (
-        f"{count} rows stand at the largest value {level:.6g}{which}: the detector saturates "
-        f"there, and they are left out; declare it with '# saturation: {level:.6g}'"
+        f"{count} rows stand at the largest value {level:.6g}{which} (as radiance factor): the "
+        "detector saturates there, and they are left out; declare its level with '# saturation: "
+        "LEVEL', in the unit of the file"
     )
     if hidden:
         text += ". Hardly any of the highlight is left: measure it again with less light"
@@ -100,7 +104,10 @@ def _top(measurement: Measurement, rows: Rows) -> tuple[float, Mask, list[str]]:
             at = column >= top * (1.0 - SAME)
             turned = np.ptp(divisor[at]) > 1e-3 or np.ptp(divisor) == 0.0
             if np.sum(at) < FEWEST or not turned or not _piled(column, at, top, unlike):
-                continue
+                at = column >= top * (1.0 - NEARLY)
+                if not _level_at_all_incidences(column, at, top, rows):
+                    continue
+                at = column >= top * (1.0 - 2.0 * NEARLY)
             marked |= at
             bands.append(measurement.bands.labels[band])
             level = max(level, top)
@@ -109,21 +116,30 @@ def _top(measurement: Measurement, rows: Rows) -> tuple[float, Mask, list[str]]:
     return level, marked, bands
 
 
+def _level_at_all_incidences(column: Array, at: Mask, top: float, rows: Rows) -> bool:
+    """Whether peaks of several incidences are equally high, which no sample's are (Fresnel)."""
+    if np.sum(at) < NEARLY_FEWEST or top < HIGHLIGHT_LEFT * float(np.median(column)):
+        return False
+    below = (column < top * (1.0 - 2.0 * NEARLY)) & (column > top * (1.0 - 4.0 * NEARLY))
+    if np.sum(below) > np.sum(at) // 5:
+        return False
+    return len(np.unique(np.round(rows.incidence_deg[at] / 5.0))) >= NEARLY_INCIDENCES
+
+
 def _piled(column: Array, at: Mask, top: float, unlike: Ints) -> bool:
     """Whether more rows of unlike geometries stand at the top than their density lets expect."""
     count = len(np.unique(unlike[at]))
     if count < FEWEST or top <= ABOVE_TYPICAL * float(np.median(column)):
         return False
-    below = np.unique(unlike[~at & (column > 0.5 * top)])
-    distinct = np.unique(np.round(column[~at & (column > 0.5 * top)] / top, 6))
+    distinct = np.unique(np.round(column[~at] / top, 6))[-STEPS_BELOW:]
     if len(distinct) == 0:
         return True
-    # Rows a distinct value: one in a table with many digits, more in a rounded one.
-    near = distinct[-STEPS_BELOW:]
-    rounded = np.sum(~at & (column / top >= near[0] - 1e-6)) / len(near)
-    step = float(np.min(np.diff(np.append(near, 1.0)), initial=1.0))
-    expected = min(len(below) * step / 0.5, rounded) if len(below) else 0.0
-    return count >= FEWEST + EXPECTED_TIMES * expected * (rounded > 1.5)
+    # Values that few digits leave coincide: as many at the next ones are no plateau.
+    step = float(np.min(np.diff(np.append(distinct, 1.0))))
+    next_most = max(
+        len(np.unique(unlike[np.abs(column / top - value) < 1e-6])) for value in distinct[-3:]
+    )
+    return count >= max(FEWEST + (ROUNDED_MORE if step > ROUNDED else 0), TIMES_NEXT * next_most)
 
 
 def _unlike(rows: Rows) -> Ints:

@@ -20,13 +20,23 @@ MOST_REST = 0.15  #: scatter about smooth functions of the angles beyond which n
 FEWEST = 12
 
 
-def check(measurement: Measurement, rows: Rows) -> list[Finding]:
-    """Findings about units and quantities, all serious."""
+def radians(measurement: Measurement, rows: Rows) -> list[Finding]:
+    """A serious finding where the angles must be radians."""
+    return _serious(_radians(measurement, rows)) if len(rows) else []
+
+
+def values(measurement: Measurement, rows: Rows) -> list[Finding]:
+    """Serious findings where the values can't be radiance factors.
+
+    The geometry is taken as right: rows away from the mirror direction show the body.
+    """
     if not len(rows):
         return []
-    texts = [_radians(measurement, rows), _level(measurement, rows)]
-    if not measurement.tabulated:
-        texts.append(_cosine(rows))
+    level = _level(measurement, rows)
+    return _serious(level, None if measurement.tabulated or level else _cosine(rows))
+
+
+def _serious(*texts: str | None) -> list[Finding]:
     return [Finding(UNITS, text, True) for text in texts if text]
 
 
@@ -106,14 +116,16 @@ def _cosine(rows: Rows) -> str | None:
 
 def last_slope(basis: Array, y: Array, rows: Rows) -> tuple[float, float, float]:
     """The last coefficient of a robust fit, its error with rows of a group as one, the spread."""
-    weight = np.ones(len(y))
-    solution = np.zeros(basis.shape[1])
+    weight: Array = np.ones(len(y))
+    solution: Array = np.zeros(basis.shape[1])
     residual = y
     for _ in range(4):
-        solution = np.linalg.lstsq(basis * weight[:, None], y * weight, rcond=1e-9)[0]
+        solution = np.asarray(
+            np.linalg.lstsq(basis * weight[:, None], y * weight, rcond=1e-9)[0], dtype=np.float64
+        )
         residual = y - basis @ solution
         spread = max(1.4826 * float(np.median(np.abs(residual))), 1e-4)
-        weight = 1.0 / np.sqrt(1.0 + np.square(residual / (2.0 * spread)))
+        weight = np.asarray(1.0 / np.sqrt(1.0 + np.square(residual / (2.0 * spread))))
     inverse = np.linalg.pinv((basis * weight[:, None]).T @ (basis * weight[:, None]), rcond=1e-9)
     influence = basis * np.square(weight)[:, None] * residual[:, None]
     names, number = np.unique(rows.group, return_inverse=True)
