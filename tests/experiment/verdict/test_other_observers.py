@@ -155,8 +155,11 @@ def test_intervals_hold_the_truth(kind):
         answers, truth = answers_of(kind, k)
         at = verdict_of(answers, draws=200).optimum
         if at.c_interval is not None:
-            (a, b), (c, d) = at.sigma_n_interval_deg, at.c_interval
-            held.append((a - 1e-9 <= truth.sigma_n_deg <= b + 1e-9, c <= truth.c_fraction <= d))
+            ends = (at.sigma_n_interval_deg, at.c_interval)
+            right = (truth.sigma_n_deg, truth.c_fraction)
+            held.append(
+                [low - 1e-9 <= x <= high + 1e-9 for (low, high), x in zip(ends, right, strict=True)]
+            )
     if kind == "two-groups":
         assert len(held) <= 20
     else:
