@@ -2,6 +2,7 @@
 # make test   the tests (make test-all: with the slow ones)
 # make lint   ruff, mypy, shader compilers
 # make coverage   branch coverage of `make test`, with a page in out/coverage
+# make observers  the table of docs/experiment.md on simulated observers, into out/ (hours; OBSERVERS="--studies 5")
 # make mutants    300 seeded faults in the heart: which of them does a test notice? (an hour)
 
 VENV ?= .venv
@@ -10,7 +11,7 @@ BIN := $(VENV)/bin
 # Worker processes of the tests; each has its own OpenGL context.
 WORKERS ?= 2
 
-.PHONY: demo test test-all coverage mutants lint format clean
+.PHONY: demo test test-all coverage observers mutants lint format clean
 
 demo: $(VENV)/.runtime
 	$(BIN)/python scripts/demo.py out
@@ -23,6 +24,12 @@ test-all: $(VENV)/.development
 
 coverage: $(VENV)/.development
 	$(BIN)/python -m pytest -n $(WORKERS) -m "not slow" --cov --cov-report=term --cov-report=html
+
+OBSERVERS ?= --studies 34
+observers: $(VENV)/.runtime
+	mkdir -p out
+	$(BIN)/relgloss experiment simulate paper --kind all --truth cells --json $(OBSERVERS) > out/observers.json
+	$(BIN)/python scripts/observer_table.py out/observers.json | tee out/observers.md
 
 # MUTANTS="--module tone --seed 2", for one part and other faults
 mutants: $(VENV)/.development

@@ -7,11 +7,13 @@ window library.
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.version import __version__
 
+TYPE_CHECKING = False  # importing typing takes longer than all else here
 if TYPE_CHECKING:
+    from typing import Any
+
     from relgloss_view.base.errors import GLUnavailableError as GLUnavailableError
     from relgloss_view.base.errors import InputError as InputError
     from relgloss_view.base.errors import RelglossError as RelglossError

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+# First, for a signal may come while the rest is imported.
+from relgloss_view.base.interruptions import SIGNALS, WORDS, Interrupted  # isort: skip
+
 import argparse
 import contextlib
 import importlib
-import io
 import os
 import sys
 from collections.abc import Sequence
 from typing import Any
 
+from relgloss_view.base import temporaries
 from relgloss_view.base.errors import GLUnavailableError, InputError, RelglossError
 from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import make_streams_safe
 from relgloss_view.base.version import __version__
 
 #: Each command, a module of its own, with its line in `relgloss --help`.
@@ -48,7 +52,25 @@ LESS_MEMORY = {
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command line; returns the exit status (0 done, 1 input, 2 usage, 3 no OpenGL)."""
-    words = list(sys.argv[1:] if argv is None else argv)
+    if argv is not None or not SIGNALS.caught:
+        streams = sys.stdout, sys.stderr
+        try:
+            return _status_of(list(sys.argv[1:] if argv is None else argv))
+        finally:
+            sys.stdout, sys.stderr = streams
+    SIGNALS.work(temporaries.remove_all)
+    try:
+        status = _status_of(sys.argv[1:])
+    except BaseException:
+        SIGNALS.end()
+        raise
+    if SIGNALS.interrupted:
+        SIGNALS.leave(status)
+    SIGNALS.end()
+    return status
+
+
+def _status_of(words: list[str]) -> int:
     try:
         _prepare_streams()
         try:
@@ -59,8 +81,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         return status
     except RelglossError as error:
         return _fault(str(error), error.exit_status)
+    except Interrupted as signal:
+        return _fault(WORDS, signal.exit_status)
     except KeyboardInterrupt:
-        return _fault("interrupted; no file is left half written", INTERRUPTED)
+        return _fault(WORDS, INTERRUPTED)
     except BrokenPipeError:
         _drop_output()  # the reader has closed the pipe; the files are written
         return 0
@@ -88,15 +112,13 @@ def _run(words: list[str]) -> int:
 
 
 def _prepare_streams() -> None:
-    """Let every name be printed, whatever the terminal's encoding; InputError without stdout."""
+    """Let every name be printed, and no terminal obey one; InputError without stdout."""
     if sys.stderr is None:
         sys.stderr = open(os.devnull, "w")  # noqa: SIM115 - as long as the program
     if sys.stdout is None:
         # The next file that is opened would become the standard output of every library.
         raise InputError("standard output is closed; send it to /dev/null")
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
+    make_streams_safe()
 
 
 def _fault(text: str, status: int) -> int:

@@ -57,6 +57,13 @@ float fresnel_dielectric(float cos_d, float n) {
     return 0.5 * low * low * (p * p + s * s) / (under * under);
 }
 
+// w = (1 - cos)^5 (Schlick 1994): the share of the way from normal incidence to grazing.
+float schlick_weight(float cos_d) {
+    float m = 1.0 - abs(cos_d);
+    float m2 = m * m;
+    return m2 * m2 * m;
+}
+
 // Gaussian in the facet's angle (Torrance, Sparrow 1967). sharpness = 1 / (2 s^2); `amplitude` makes
 // D cos(delta) integrate to one and comes from brdf.facet_amplitude.
 float facet_density(float delta2, float sharpness, float amplitude) {
@@ -84,6 +91,14 @@ float torrance_sparrow(Facing f, Lobe lobe) {
     float reflected = 0.25 * facets(FACETS, f, lobe) * fresnel(FRESNEL, f.cos_d, lobe.refractive_index)
                     * open;
     return above(f) ? reflected : 0.0;
+}
+
+// A metal's lobe in two parts (Schlick 1994): 1 - w (x), which carries the colour of F0, and w (y), white.
+vec2 metal_torrance_sparrow(Facing f, Lobe lobe) {
+    float open = SHADOWING == SHADOWING_V_GROOVE ? shadowing(f) : unshadowed(f);
+    float density = 0.25 * facets(FACETS, f, lobe) * open;
+    float weight = schlick_weight(f.cos_d);
+    return above(f) ? density * vec2(1.0 - weight, weight) : vec2(0.0);
 }
 
 // --- diffuse: shapes for the albedo (x) and for a second albedo (y) -------------------------------

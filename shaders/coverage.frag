@@ -3,7 +3,7 @@
 // The share of each pixel that the object covers, for smooth silhouettes; drawn in the tiles that the
 // silhouette passes through. All objects are convex, so a pixel whose corners, sides and middle meet the
 // object lies inside it; only a pixel of which some do and some don't casts the other rays.
-// Twin: relgloss_view/picture/model/silhouette.py. Constants: SHAPE, CAPS.
+// Twin: relgloss_view/picture/model/silhouette.py. Constants: SHAPE, CAPS, AFAR.
 
 #include "view.glsl"
 #include "shape.glsl"
@@ -14,7 +14,7 @@ uniform vec3 half_extent_m;
 layout(location = 0) out float coverage;
 
 bool met(ivec2 here, vec2 place) {
-    return meet(SHAPE, eye_m, ray_through(here, place), half_extent_m).found;
+    return meet(SHAPE, start_m(here, place), ray_through(here, place), half_extent_m).found;
 }
 
 void main() {

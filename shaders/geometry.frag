@@ -2,7 +2,7 @@
 
 // What pass 1 sees at the centre of each pixel, or at the first of its samples that meets the object:
 // normal before and after the tilt, point on the object. Drawn only when someone asks for it.
-// Constants: SHAPE, CAPS, NOISE, GRAIN.
+// Constants: SHAPE, CAPS, AFAR, NOISE, GRAIN.
 
 #include "view.glsl"
 #include "shape.glsl"
@@ -22,11 +22,11 @@ void main() {
     ivec2 here = pixel();
     vec2 place = vec2(0.5);
     vec3 ray = ray_through(here, place);
-    Hit hit = meet(SHAPE, eye_m, ray, half_extent_m);
+    Hit hit = meet(SHAPE, start_m(here, place), ray, half_extent_m);
     for (int k = 0; k < samples * samples && !hit.found; ++k) {
         place = (vec2(float(k % samples), float(k / samples)) + 0.5) / float(samples);
         ray = ray_through(here, place);
-        hit = meet(SHAPE, eye_m, ray, half_extent_m);
+        hit = meet(SHAPE, start_m(here, place), ray, half_extent_m);
     }
     vec3 tilted = grain_normal(hit, -normalize(ray), here, place);
     normal = hit.found ? vec4(hit.normal, 1.0) : vec4(0.0);

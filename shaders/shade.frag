@@ -10,7 +10,8 @@
 //   WRITES_SPLIT          (L_d*, L_s*, a*, b*); where the object is not seen, L_d* is OFF_OBJECT
 //   WRITES_XYZ_AND_SPLIT  both, where several samples share a pixel
 //
-// Constants: SHAPE, CAPS, LAMP, DIFFUSE, LOBES, FRESNEL, SHADOWING, FACETS, NOISE, NOISY_DIFFUSE, GRAIN,
+// Constants: SHAPE, CAPS, AFAR, LAMP, DIFFUSE, LOBES, METALS (see colours.glsl), FRESNEL, SHADOWING, FACETS,
+// NOISE, NOISY_DIFFUSE, GRAIN,
 // SAMPLED, CUBE_ROOT, BANDS, WRITES.
 
 #include "view.glsl"
@@ -32,9 +33,16 @@ uniform vec4 lobe_shape[2];  // sharpness, amplitude, refractive index, spread: 
 
 #include "grain.glsl"
 
+// The weights of the lobes: one a lobe; where one is a metal's, two a lobe, the white parts last.
+#if METALS == 0
+#define LOBE_WEIGHTS vec2
+#else
+#define LOBE_WEIGHTS vec4
+#endif
+
 #if WRITES == WRITES_WEIGHTS
 layout(location = 0) out vec2 diffuse;
-layout(location = 1) out vec2 specular;
+layout(location = 1) out LOBE_WEIGHTS specular;
 #else
 #include "colours.glsl"
 #if WRITES == WRITES_SPLIT
@@ -54,13 +62,13 @@ uniform vec3 per_white;  // one over the white of the scene's lamp, whose Y is o
 // The weights of the diffuse shapes and of the lobes, and the share of the pixel that shows the object.
 struct Light {
     vec2 diffuse;
-    vec2 specular;
+    LOBE_WEIGHTS specular;
     float share;
 };
 
 Light light_through(ivec2 here, vec2 place) {
     vec3 ray = ray_through(here, place);
-    Hit hit = meet(SHAPE, eye_m, ray, half_extent_m);
+    Hit hit = meet(SHAPE, start_m(here, place), ray, half_extent_m);
     float per_distance2;
     vec3 i = to_lamp(hit.point_m, per_distance2);
     vec3 o = -normalize(ray);
@@ -69,20 +77,28 @@ Light light_through(ivec2 here, vec2 place) {
     if (NOISE != NOISE_NONE && NOISY_DIFFUSE == 0) smooth_surface = facing(hit.normal, i, o);
     float arriving = irradiance * per_distance2;
     vec2 shapes = diffuse_shapes(DIFFUSE, smooth_surface, diffuse_terms);
-    vec2 reflected = vec2(0.0);  // by each lobe, at unit strength
+    LOBE_WEIGHTS reflected = LOBE_WEIGHTS(0.0);  // by each lobe, at unit strength
     for (int k = 0; k < LOBES; ++k) {
         vec4 shape = lobe_shape[k];
+#if METALS == 0
         reflected[k] = torrance_sparrow(grain, Lobe(shape.x, shape.y, shape.z, shape.w));
+#else
+        Lobe lobe = Lobe(shape.x, shape.y, shape.z, shape.w);
+        vec2 parts = ((METALS >> k) & 1) == 1 ? metal_torrance_sparrow(grain, lobe)
+                                              : vec2(torrance_sparrow(grain, lobe), 0.0);
+        reflected[k] = parts.x;
+        reflected[k + 2] = parts.y;
+#endif
     }
     vec2 diffuse_weights = arriving * max(smooth_surface.mu_i, 0.0) * shapes;
-    vec2 specular_weights = arriving * max(grain.mu_i, 0.0) * reflected;
-    return Light(hit.found ? diffuse_weights : vec2(0.0), hit.found ? specular_weights : vec2(0.0),
-                 hit.found ? 1.0 : 0.0);
+    LOBE_WEIGHTS specular_weights = arriving * max(grain.mu_i, 0.0) * reflected;
+    return Light(hit.found ? diffuse_weights : vec2(0.0),
+                 hit.found ? specular_weights : LOBE_WEIGHTS(0.0), hit.found ? 1.0 : 0.0);
 }
 
 void main() {
     ivec2 here = pixel();
-    Light light = Light(vec2(0.0), vec2(0.0), 0.0);
+    Light light = Light(vec2(0.0), LOBE_WEIGHTS(0.0), 0.0);
     if (SAMPLED == 0) {
         light = light_through(here, vec2(0.5));
     } else {

@@ -3,7 +3,7 @@
 // Pass 2, first half: the CIELAB of diffuse plus specular, its lightness split into L_d* and L_s*
 // (Ishii et al., eq. 1). It is drawn when pass 1 has changed; the second half, tone.frag, when c has.
 //   split = (L_d*, L_s*, a*, b*); off the object L_d* is OFF_OBJECT
-// Constants: WRITES (of pass 1: WRITES_WEIGHTS or WRITES_XYZ), LOBES, BANDS, CUBE_ROOT.
+// Constants: WRITES (of pass 1: WRITES_WEIGHTS or WRITES_XYZ), LOBES, METALS, BANDS, CUBE_ROOT.
 
 #include "texel.glsl"
 #include "tone.glsl"
@@ -16,6 +16,11 @@ layout(location = 0) out vec4 split;
 
 #if WRITES == WRITES_WEIGHTS
 #include "colours.glsl"
+#if METALS == 0
+#define LOBE_WEIGHTS specular.xy
+#else
+#define LOBE_WEIGHTS specular
+#endif
 #endif
 
 void main() {
@@ -24,7 +29,7 @@ void main() {
     vec4 specular = texel(specular_image, at);
 #if WRITES == WRITES_WEIGHTS
     bool seen = on_object(diffuse);
-    vec4 lab = split_lab(diffuse_xyz(diffuse.xy), specular_xyz(specular.xy), per_white);
+    vec4 lab = split_lab(diffuse_xyz(diffuse.xy), specular_xyz(LOBE_WEIGHTS), per_white);
 #else
     bool seen = diffuse.a > 0.0;
     vec4 lab = split_lab(diffuse.rgb, specular.rgb, per_white);

@@ -48,8 +48,7 @@ float largest_c(vec2 split) {
     return split.y > 1e-6 ? (100.0 - split.x) / split.y : 1e30;
 }
 
-// L_d*, or the first weight, of a pixel that shows nothing of the object: neither comes near it. (A broad
-// band's weights may make Y, and so L_d*, slightly negative.)
+// L_d*, or the first weight, of a pixel that shows nothing of the object: neither comes near it.
 const float OFF_OBJECT = -60000.0;  // a number of 16 bits can be as small
 
 bool on_object(vec4 split_or_weights) {

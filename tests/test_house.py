@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from relgloss_view.base.resources import data_root
+from relgloss_view.cli import COMMANDS
 from relgloss_view.picture.gpu.shader import ShaderError, ShaderSource
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -253,3 +254,32 @@ class TestWheel:
         )
         assert done.returncode == 0, done.stderr
         assert [p.name for p in empty.iterdir()] == ["cast.png"]
+
+
+def printed_commands(path):
+    """Texts of a module that put a value into a command line of this program, as in f-strings."""
+    command = re.compile(rf"relgloss (?:{'|'.join(COMMANDS)})\b[^`<]*\0")
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.JoinedStr):
+            parts = [p.value if isinstance(p, ast.Constant) else "\0" for p in node.values]
+            yield from command.findall("".join(parts))
+
+
+def test_commands_are_quoted_by_one_helper():
+    """A command that is printed to be pasted is made by `base.shell.command_line`."""
+    found = {str(path.relative_to(PACKAGE)): list(printed_commands(path)) for path in modules()}
+    assert not {path: texts for path, texts in found.items() if texts}
+    quoting = [path for path in modules() if "shlex" in set(imported(path))]
+    assert quoting == [PACKAGE / "base" / "shell.py"]
+
+
+def test_the_search_for_unquoted_commands_finds_one(tmp_path):
+    (tmp_path / "a.py").write_text('x = f"go on with `relgloss experiment run {path} --new`"\n')
+    assert len(list(printed_commands(tmp_path / "a.py"))) == 1
+
+
+def test_csv_is_written_in_one_place():
+    """Where no text becomes a formula of a spreadsheet."""
+    writing = re.compile(r"csv\.(?:writer|DictWriter)")
+    writers = [p for p in modules() if writing.search(p.read_text(encoding="utf-8"))]
+    assert writers == [PACKAGE / "base" / "csv_files.py"]

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from relgloss_view.base.visible import visible
+
 
 class RelglossError(Exception):
     """An error with a remedy: its message is one line that names the place, the fault, the remedy.
+
+    No character of it is one that a terminal would obey.
 
     The base of all errors that relgloss raises for a user.
 
@@ -15,7 +19,7 @@ class RelglossError(Exception):
     exit_status = 1
 
     def __init__(self, message: str) -> None:
-        super().__init__(" ".join(message.split()))
+        super().__init__(visible(" ".join(message.split())))
 
 
 class InputError(RelglossError):

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.visible import visible
 
 SHOWN = 60  #: characters of a wrong value that a message shows
 
@@ -76,12 +77,8 @@ def printable(text: object, limit: int = 200) -> str:
     'a name with \\\\x1b[31mcolour'
     """
     line = " ".join(str(text)[: 4 * limit].split())
-    line = "".join(c if c.isprintable() else _escape(c) for c in line)
+    line = visible(line)
     return line if len(line) <= limit else line[: limit - 3] + "..."
-
-
-def _escape(character: str) -> str:
-    return character.encode("unicode_escape").decode("ascii")
 
 
 def refuse(place: str, expected: str, found: object) -> NoReturn:

@@ -8,12 +8,15 @@ for it, and `relgloss --help` has to stay below 0.25 s.
 
 from __future__ import annotations
 
+import io
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from types import TracebackType
+from typing import Any, TextIO
 
 from relgloss_view.base.reading import printable
+from relgloss_view.base.visible import visible
 
 BAR_WIDTH = 24
 GAP = "  "  #: between two columns of a table
@@ -43,10 +46,10 @@ class Column:
 def table(columns: Sequence[Column], rows: Iterable[Sequence[str]], *, indent: str = "") -> str:
     """Rows of cells as lines of aligned columns under their headings.
 
-    Every row has a cell for each column; ValueError otherwise. Without any heading there is no
-    line of headings.
+    A cell is one line: its control characters are shown. Every row has a cell for each column;
+    ValueError otherwise. Without any heading there is no line of headings.
     """
-    cells = [tuple(row) for row in rows]
+    cells = [tuple(map(visible, row)) for row in rows]
     parts = [column.heading.split("\n") for column in columns]
     depth = max(len(part) for part in parts)
     headings = list(zip(*(part + [""] * (depth - len(part)) for part in parts), strict=True))
@@ -62,6 +65,40 @@ def table(columns: Sequence[Column], rows: Iterable[Sequence[str]], *, indent: s
     return "\n".join((indent + line).rstrip() for line in fitted)
 
 
+class SafeStream:
+    """A text stream that shows control characters of what is printed, and sends none.
+
+    Whatever a name in a file holds, it can't colour, clear or retitle the terminal. Everything that
+    the command prints goes through it: results, warnings, errors, usage.
+    """
+
+    def __init__(self, stream: TextIO) -> None:
+        self.stream = stream  #: takes text as it is; for the progress bar
+
+    def write(self, text: str) -> int:
+        """Print text; lines may end in it."""
+        self.stream.write(visible(text, keep="\n"))
+        return len(text)
+
+    def writelines(self, lines: Iterable[str]) -> None:
+        """Print texts."""
+        for line in lines:
+            self.write(line)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.stream, name)
+
+
+def make_streams_safe() -> None:
+    """Let standard output and standard error print any name and obey none."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # whatever the terminal's encoding
+        if not isinstance(stream, SafeStream):
+            setattr(sys, name, SafeStream(stream))
+
+
 def warn(text: str) -> None:
     """Print a warning on standard error, made fit to print."""
     print(f"warning: {printable(text, WARNING_LENGTH)}", file=sys.stderr)
@@ -71,18 +108,21 @@ class Progress:
     """A ProgressReport that draws a bar on standard error, and clears it when its block ends."""
 
     def __init__(self, label: str) -> None:
-        self.label = label
-        self._watched = sys.stderr.isatty()
+        self.label = visible(label)
+        self._stream = getattr(sys.stderr, "stream", sys.stderr)  # its own "\r" is meant
+        self._watched = self._stream.isatty()
         self._longest = 0
 
     def __call__(self, share: float, text: str = "") -> bool:
         """Show the state; True asks the caller to continue."""
         if self._watched:
             filled = round(BAR_WIDTH * min(max(share, 0.0), 1.0))
-            line = f"{self.label} [{'=' * filled}{' ' * (BAR_WIDTH - filled)}] {text}"[:100]
+            line = f"{self.label} [{'=' * filled}{' ' * (BAR_WIDTH - filled)}] {visible(text)}"[
+                :100
+            ]
             self._longest = max(self._longest, len(line))
-            sys.stderr.write("\r" + line.ljust(self._longest))
-            sys.stderr.flush()
+            self._stream.write("\r" + line.ljust(self._longest))
+            self._stream.flush()
         return True
 
     def __enter__(self) -> Progress:
@@ -95,5 +135,5 @@ class Progress:
         trace: TracebackType | None,
     ) -> None:
         if self._watched and self._longest:
-            sys.stderr.write("\r" + " " * self._longest + "\r")
-            sys.stderr.flush()
+            self._stream.write("\r" + " " * self._longest + "\r")
+            self._stream.flush()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import numbers
 import os
+import re
 import tomllib
 from collections.abc import Mapping
 from typing import Any
@@ -13,6 +14,9 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable, read_text, refuse
 from relgloss_view.base.writing import whole_file
 
+MOST_PARTS = 8  #: of a dotted key; no file of this program has more than 3
+_PART = r"""(?:[A-Za-z0-9_-]+|"[^"\n]*"|'[^'\n]*')[ \t]*"""
+_LONG_KEY = re.compile(rf"(?:^|[{{,\[])[ \t]*(?:{_PART}\.[ \t]*){{{MOST_PARTS}}}", re.MULTILINE)
 AUTO = "auto"  #: the text of an optional entry whose value is None
 
 
@@ -23,13 +27,24 @@ def read_toml(path: str | os.PathLike[str], most_bytes: int, expected: str) -> d
     """
     written = read_text(path, most_bytes, expected)
     try:
-        return tomllib.loads(written)
+        return parse_toml(written)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: not TOML: {printable(error)}") from error
     except RecursionError as error:
         raise InputError(f"{path}: lists or tables are nested too deeply") from error
     except ValueError as error:  # a whole number longer than Python reads
         raise InputError(f"{path}: a number has too many digits") from error
+
+
+def parse_toml(written: str) -> dict[str, Any]:
+    """The tables of a TOML text. Raises what tomllib raises.
+
+    RecursionError also for a key of very many parts, as in a.a.a = 1: the time that tomllib takes
+    for it grows with the square of their number, to 6 s for 20,000.
+    """
+    if _LONG_KEY.search(written):
+        raise RecursionError
+    return tomllib.loads(written)
 
 
 def write_toml(path: str | os.PathLike[str], tables: Mapping[str, Any]) -> None:

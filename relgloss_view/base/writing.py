@@ -1,4 +1,8 @@
-"""Writing files and folders so that they appear whole or not at all."""
+"""Writing files and folders so that they appear whole or not at all.
+
+What is not whole yet lies in a temporary folder beside its place (temporaries.py), so a program
+that was killed leaves nothing that the next one does not remove.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +10,11 @@ import contextlib
 import os
 import shutil
 import stat
-import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.temporaries import held_folder, scratch_folder
 
 
 @contextlib.contextmanager
@@ -56,15 +60,14 @@ def _put_in_place(
     path: str | os.PathLike[str], put: Callable[[Path, Path], None]
 ) -> Iterator[Path]:
     target = check_target(path)
-    temporary = _reserve(target)
     try:
-        yield temporary
-        put(temporary, target)
-    except OSError as error:
+        with held_folder(target.parent) as folder:
+            temporary = folder / target.name
+            _make_empty(temporary)
+            yield temporary
+            put(temporary, target)
+    except (OSError, UnicodeError) as error:
         raise _unwritable(path, error) from error
-    finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink(missing_ok=True)
 
 
 @contextlib.contextmanager
@@ -80,21 +83,16 @@ def whole_folder(path: str | os.PathLike[str], last: str) -> Iterator[Path]:
     exists = _mode(path, folder) is not None
     base = folder if exists else next(p for p in folder.parents if os.path.lexists(p))
     try:
-        temporary = Path(tempfile.mkdtemp(prefix=".relgloss-", dir=base))
-    except (OSError, ValueError) as error:
+        with held_folder(base) as temporary:
+            yield temporary
+            if exists:
+                _move_in(temporary, folder, last)
+            else:
+                folder.parent.mkdir(parents=True, exist_ok=True)
+                os.chmod(temporary, 0o777 & ~_umask())  # a temporary folder is private
+                os.rename(temporary, folder)
+    except (OSError, UnicodeError) as error:
         raise _unwritable(path, error) from error
-    try:
-        yield temporary
-        if exists:
-            _move_in(temporary, folder, last)
-        else:
-            folder.parent.mkdir(parents=True, exist_ok=True)
-            os.chmod(temporary, 0o777 & ~_umask())  # mkdtemp makes private folders
-            os.rename(temporary, folder)
-    except OSError as error:
-        raise _unwritable(path, error) from error
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
 
 
 def _move_in(temporary: Path, folder: Path, last: str) -> None:
@@ -108,7 +106,12 @@ def _move_in(temporary: Path, folder: Path, last: str) -> None:
 
 def check_writable(path: str | os.PathLike[str]) -> None:
     """Raise InputError where `path` can't be written; call it before long work."""
-    _reserve(check_target(path)).unlink(missing_ok=True)
+    target = check_target(path)
+    try:
+        with held_folder(target.parent) as folder:
+            _make_empty(folder / target.name)
+    except (OSError, ValueError) as error:
+        raise _unwritable(path, error) from error
 
 
 def check_target(path: str | os.PathLike[str]) -> Path:
@@ -126,6 +129,20 @@ def check_target(path: str | os.PathLike[str]) -> Path:
     if mode is not None and not stat.S_ISREG(mode):
         raise InputError(f"{path}: is not a regular file; choose another place")
     return target
+
+
+@contextlib.contextmanager
+def utf8_path(path: Path) -> Iterator[Path]:
+    """A path that libraries take which know UTF-8 alone; what they write there goes to `path`."""
+    try:
+        os.fspath(path).encode("utf-8")
+    except UnicodeEncodeError:
+        with scratch_folder() as folder:
+            written = folder / f"written{path.suffix if path.suffix.isascii() else ''}"
+            yield written
+            shutil.copyfile(written, path)
+        return
+    yield path
 
 
 def make_folder(path: str | os.PathLike[str]) -> Path:
@@ -155,16 +172,9 @@ def _mode(path: str | os.PathLike[str], target: Path) -> int | None:
         raise _unwritable(path, error) from error
 
 
-def _reserve(target: Path) -> Path:
-    try:
-        handle, name = tempfile.mkstemp(
-            prefix=f".{target.stem[:40]}.", suffix=target.suffix, dir=target.parent
-        )
-        os.close(handle)
-        os.chmod(name, 0o666 & ~_umask())  # mkstemp makes private files; results are ordinary ones
-    except (OSError, ValueError) as error:
-        raise _unwritable(target, error) from error
-    return Path(name)
+def _make_empty(file: Path) -> None:
+    """Make the file with the permissions of an ordinary result."""
+    os.close(os.open(file, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
 
 
 def _umask() -> int:

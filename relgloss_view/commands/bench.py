@@ -6,12 +6,12 @@ import argparse
 import contextlib
 import io
 import json
-import tempfile
 import time
 from pathlib import Path
 from typing import Any
 
 from relgloss_view.base.reading import printable
+from relgloss_view.base.temporaries import scratch_folder
 from relgloss_view.base.terminal import Progress
 from relgloss_view.base.writing import whole_folder
 from relgloss_view.commands import grid, stability_maps
@@ -104,7 +104,7 @@ def _time_grid(args: argparse.Namespace) -> float:
     size = "x".join(map(str, GRID_SIZE))
     parser = argparse.ArgumentParser()
     grid.add(parser.add_subparsers())
-    with tempfile.TemporaryDirectory(prefix="relgloss-") as folder:
+    with scratch_folder() as folder:
         words = ["grid", "--size", size, "--backend", args.backend, "-o", f"{folder}/stimuli"]
         parsed = parser.parse_args(words)
         parsed.argv = words

@@ -6,8 +6,9 @@ import argparse
 import json
 import math
 import platform
+import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -131,6 +132,26 @@ def _version(name: str) -> str | None:
 
 
 def _check(name: str) -> ContextCheck:
+    """Draw on a backend in a process of its own: a driver without its hardware ends the process."""
+    from relgloss_view.base.child import run_module
+
+    outcome = run_module(__name__, name)
+    if outcome.crash:
+        from relgloss_view.picture.gpu.probe import chosen_by_hand
+
+        named = chosen_by_hand()
+        remedy = f"; unset {', '.join(named)}" if named else ""
+        return ContextCheck(fault=f"{name}: the OpenGL driver {outcome.crash}{remedy}")
+    try:
+        content = json.loads(outcome.out.splitlines()[-1])
+        return ContextCheck(
+            content["description"], content["largest_error_lab"], str(content["fault"])
+        )
+    except (ValueError, LookupError, TypeError):
+        return ContextCheck(fault=f"{name}: no answer ({printable(outcome.err[-200:])})")
+
+
+def _check_here(name: str) -> ContextCheck:
     """Draw on a backend; whatever it raises becomes its fault, so that the report is complete."""
     try:
         return _draw_on(name)
@@ -194,3 +215,10 @@ def _print(findings: Findings) -> None:
         print(f"pictures are drawn with {findings.chosen}")
     else:
         print("no usable OpenGL; `relgloss snapshot --backend reference` still draws")
+
+
+if __name__ == "__main__":  # a child of `_check`
+    from relgloss_view.picture.gpu.probe import trust
+
+    trust(sys.argv[1])
+    print(json.dumps(asdict(_check_here(sys.argv[1]))), flush=True)

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import argparse
 import json
-import tempfile
-from pathlib import Path
 from typing import Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
+from relgloss_view.base.temporaries import scratch_folder
 from relgloss_view.base.terminal import Progress
 from relgloss_view.base.writing import whole_folder
 from relgloss_view.commands.output_folder import own_folder
@@ -78,8 +77,8 @@ def run(args: argparse.Namespace) -> int:
     folder = None
     if args.output is not None:
         folder = own_folder(args.output, {RESULTS: FORMAT}, "report", alone=True)
-    with tempfile.TemporaryDirectory(prefix="relgloss-") as lamps:
-        pool = read_pool(args.files, Path(lamps))
+    with scratch_folder() as lamps:
+        pool = read_pool(args.files, lamps)
         with Progress("analyse") as progress:
             analysis = analyse(pool, options, progress)
             if folder is not None:

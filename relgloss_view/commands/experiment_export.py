@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
-from relgloss_view.base.terminal import Progress
+from relgloss_view.base.temporaries import scratch_folder
+from relgloss_view.base.terminal import Progress, warn
 from relgloss_view.base.version import __version__
 from relgloss_view.base.writing import whole_file, whole_folder
 from relgloss_view.commands.output_folder import own_folder
@@ -50,6 +50,7 @@ def add(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Write what was asked for."""
     from relgloss_view.experiment.session.pool import read_pool
+    from relgloss_view.experiment.session.session_file import lost_log
 
     if args.output is None and args.stimuli is None:
         args.wrong_usage("give -o OUT.csv, --stimuli FOLDER, or both")
@@ -62,8 +63,11 @@ def run(args: argparse.Namespace) -> int:
     folder = None
     if args.stimuli is not None:
         folder = own_folder(args.stimuli, {MANIFEST: FORMAT}, "export", alone=True)
-    with tempfile.TemporaryDirectory(prefix="relgloss-") as lamps:
-        pool = read_pool(args.files, Path(lamps))
+    with scratch_folder() as lamps:
+        pool = read_pool(args.files, lamps)
+        for record in pool.records:
+            if record.log_missing:
+                warn(f"{printable(record.path)}: {lost_log(record.path)}")
         written: dict[str, Any] = {}
         if table is not None:
             written["answers"] = _write_answers(table, pool)
@@ -80,7 +84,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _write_answers(path: Path, pool: Pool) -> int:
-    from relgloss_view.experiment.report.tables import ANSWER_COLUMNS, answer_rows, write_csv
+    from relgloss_view.base.csv_files import write_csv
+    from relgloss_view.experiment.report.tables import ANSWER_COLUMNS, answer_rows
 
     rows = list(answer_rows(pool))
     with whole_file(path) as temporary:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import shlex
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
+from relgloss_view.base.shell import command_line, operand, option
 from relgloss_view.base.terminal import Progress, warn
 from relgloss_view.commands.scene_options import size_of_text
 
@@ -81,6 +81,7 @@ def add(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Open the window, and tell in the end how far the observer came."""
     from relgloss_view.commands.view import warn_if_clamped
+    from relgloss_view.experiment.session.session_file import lost_log
     from relgloss_view.experiment.session.store import Store
     from relgloss_view.viewer.shell.platform import open_platform
     from relgloss_view.viewer.shell.window import Window
@@ -93,6 +94,8 @@ def run(args: argparse.Namespace) -> int:
     path, study = _session(args.study, args.output)
     open_platform(headless=False)  # where no window can show, no file is made
     with Store(path, study) as store:
+        if store.log_missing:
+            warn(f"{printable(path)}: {lost_log(path)}")
         observer = _observer(store, args.observer, new=args.new)
         notice = continues(store, observer) or f"{printable(observer.name)} begins"
         print(notice, file=sys.stderr, flush=True)
@@ -171,6 +174,8 @@ def _tell(args: argparse.Namespace, path: Path, observer: str, answered: int, to
         return
     text = f"{printable(path)}: {printable(observer)} has judged {answered} of {total}"
     if answered < total:
-        name = shlex.quote(printable(observer))
-        text += f"; `relgloss experiment run {printable(path)} --observer {name}` resumes"
+        line = command_line(
+            ["relgloss", "experiment", "run", operand(path), *option("--observer", observer)]
+        )
+        text += f"; `{line}` resumes"
     print(text)

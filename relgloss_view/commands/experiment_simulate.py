@@ -6,11 +6,11 @@ import argparse
 import dataclasses
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.reading import printable
+from relgloss_view.base.reading import number, printable
 from relgloss_view.base.terminal import Progress
 from relgloss_view.commands.study_options import add_study_options, study_from
 from relgloss_view.quality.backends import BACKENDS
@@ -18,12 +18,14 @@ from relgloss_view.quality.backends import BACKENDS
 if TYPE_CHECKING:
     from relgloss_view.experiment.design.study import Study
     from relgloss_view.experiment.observers.population import Population
-    from relgloss_view.experiment.verdict.recovery import Recovery
+    from relgloss_view.experiment.verdict.recovery import Recovery, RecoveryShares
     from relgloss_view.picture.scene.setting import Setting
 
 OBSERVERS = 15  #: as in the paper
 MOST_OBSERVERS, MOST_STUDIES = 1000, 10_000
 PROOF_DRAWS = 200
+MOST_GRAIN_WEIGHT = 100.0
+ALL = "all"  #: kinds of observers
 NUMBER = re.compile(r"[0-9]+(\.[0-9]*)?|\.[0-9]+")
 TRUTH = re.compile(r"(.+)=([0-9.]+),([0-9.]+(?:/[0-9.]+)?)", re.DOTALL)
 
@@ -35,8 +37,8 @@ def add(commands: Any) -> None:
         help="simulated observers with a known truth answer a study",
         description="Lead simulated observers through a study by the code that leads people, "
         "without a window. They see the pictures as drawn, and each sample has a right setting. An "
-        "existing session file is continued. --studies N runs and analyses N studies and reports "
-        "how often they found the truth.",
+        "existing session file is continued. --studies N runs and analyses N studies of each kind "
+        "of observers and prints how often they found the truth.",
         epilog="example: relgloss experiment simulate paper -o trial.sqlite",
     )
     add_study_options(parser)
@@ -81,19 +83,36 @@ def add(commands: Any) -> None:
 
 
 def add_population_options(parser: argparse.ArgumentParser) -> None:
-    """Declare how simulated observers are made; every entry of Population is an option."""
+    """Declare how simulated observers are made; every entry of Population is an option.
+
+    The weight of grain is one too; it belongs to what they see (percept.py).
+    """
+    from relgloss_view.experiment.observers.kinds import KINDS
     from relgloss_view.experiment.observers.population import Population
 
     who = parser.add_argument_group("the observers")
+    who.add_argument(
+        "--kind",
+        metavar="KIND",
+        default=Population.kind,
+        choices=(*KINDS, ALL),
+        help="; ".join(f"{name}: {kind.meaning}" for name, kind in KINDS.items())
+        + f"; {ALL}: one kind after another, with --studies (default {Population.kind})",
+    )
+    who.add_argument(
+        "--grain-weight",
+        metavar="X",
+        type=float,
+        help="What a grain as high as its highlight adds to log gloss; below 0 it lowers it. "
+        "Nobody measured it: without this option both signs are taken, for observers in turn or, "
+        "with --studies, in studies of their own",
+    )
     for field in dataclasses.fields(Population):
+        if field.name == "kind":
+            continue
         option = f"--{field.name.replace('_', '-')}"
-        options = field.metadata.get("options")
-        if options is not None:
-            who.add_argument(option, choices=options, default=field.default,
-                             help=field.metadata["meaning"])  # fmt: skip
-        else:
-            meaning = f"{field.metadata['range'].meaning} (default {field.default:g})"
-            who.add_argument(option, metavar="X", type=float, default=field.default, help=meaning)
+        meaning = f"{field.metadata['range'].meaning} (default {field.default:g})"
+        who.add_argument(option, metavar="X", type=float, default=field.default, help=meaning)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -108,6 +127,16 @@ def _check(args: argparse.Namespace) -> None:
 
     if (args.output is None) == (args.studies is None):
         args.wrong_usage("give either -o FILE.sqlite or --studies N")
+    if args.kind == ALL and args.studies is None:
+        args.wrong_usage(f"--kind {ALL} needs --studies N: a session has one kind of observers")
+    if args.grain_weight is not None:
+        number(
+            args.grain_weight,
+            "--grain-weight",
+            f"{-MOST_GRAIN_WEIGHT:g} to {MOST_GRAIN_WEIGHT:g}",
+            -MOST_GRAIN_WEIGHT,
+            MOST_GRAIN_WEIGHT,
+        )
     limits = (
         ("--observers", args.observers, 1, MOST_OBSERVERS),
         ("--studies", args.studies, 1, MOST_STUDIES),
@@ -119,10 +148,21 @@ def _check(args: argparse.Namespace) -> None:
             raise InputError(f"{option} {value}: expected {low} to {high}")
 
 
-def _population(args: argparse.Namespace) -> Population:
+def _population(args: argparse.Namespace, kind: str) -> Population:
     from relgloss_view.experiment.observers.population import Population
 
-    return Population(**{f.name: getattr(args, f.name) for f in dataclasses.fields(Population)})
+    values = {f.name: getattr(args, f.name) for f in dataclasses.fields(Population)}
+    return Population(**{**values, "kind": kind})
+
+
+def _grain_weights(args: argparse.Namespace, population: Population) -> tuple[float, ...]:
+    """Those of the command line, or both signs; none where no picture is seen."""
+    from relgloss_view.experiment.observers.kinds import PICTURE
+    from relgloss_view.experiment.observers.percept import BOTH_SIGNS
+
+    if population.of_kind.depends_on != PICTURE:
+        return ()
+    return BOTH_SIGNS if args.grain_weight is None else (args.grain_weight,)
 
 
 def _truths(args: argparse.Namespace) -> tuple[str, dict[str, Setting]]:
@@ -147,14 +187,15 @@ def _truths(args: argparse.Namespace) -> tuple[str, dict[str, Setting]]:
 
 
 def _session(args: argparse.Namespace, study: Study) -> int:
-    from relgloss_view.experiment.observers.percept import see_study
+    from relgloss_view.experiment.observers.percept import see_study, unseen
     from relgloss_view.experiment.observers.simulation import StoredAnswer, run_observers
     from relgloss_view.experiment.observers.truth import truths_of
     from relgloss_view.experiment.report.results import setting_numbers
     from relgloss_view.experiment.session.store import Store
     from relgloss_view.quality.backends import open_renderer
 
-    population = _population(args)
+    population = _population(args, args.kind)
+    weights = _grain_weights(args, population)
     choice, stated = _truths(args)
     truths = truths_of(study, choice, stated, args.seed)
 
@@ -171,7 +212,10 @@ def _session(args: argparse.Namespace, study: Study) -> int:
         Store(args.output, study) as store,
         Progress("simulate") as progress,
     ):
-        percepts = see_study(renderer, study, truths, progress)
+        if weights:
+            percepts = see_study(renderer, study, truths, weights, progress)
+        else:
+            percepts = unseen(study, truths)
         silent = (lambda answer: None) if not args.echo else echo
         run_observers(store, percepts, population, args.observers, args.seed, silent, progress)
         answers, observers = len(store.answers()), len(store.observers())
@@ -179,6 +223,8 @@ def _session(args: argparse.Namespace, study: Study) -> int:
         "file": args.output,
         "observers": observers,
         "answers": answers,
+        "kind": args.kind,
+        "grain_weights": weights,
         "truths": {
             sample.label: setting_numbers(truth)
             for sample, truth in zip(study.samples, truths, strict=True)
@@ -192,55 +238,118 @@ def _session(args: argparse.Namespace, study: Study) -> int:
         )
         print(f"{printable(args.output)}: {answers} answers of {observers} simulated observers")
         print(f"right for them: {right}")
+        if len(weights) > 1:
+            signs = ", ".join(f"{w:+g}" for w in weights)
+            print(f"grain raises gloss for some of them and lowers it for others ({signs}): nobody "
+                  "measured it; --grain-weight sets one for all")  # fmt: skip
     return 0
 
 
+@dataclasses.dataclass(frozen=True)
+class _Table:
+    """What studies of one kind of observers found."""
+
+    kind: str
+    grain_weight: float | None  #: None where no picture is seen
+    recoveries: list[Recovery]
+
+    @property
+    def words(self) -> str:
+        """Which observers."""
+        if self.grain_weight is None:
+            return self.kind
+        return f"{self.kind}, grain weight {self.grain_weight:+g}"
+
+
 def _proof(args: argparse.Namespace, study: Study) -> int:
+    from relgloss_view.experiment.observers.kinds import KINDS
     from relgloss_view.experiment.report.results import recovery_numbers
     from relgloss_view.experiment.verdict.recovery import run_studies
     from relgloss_view.quality.backends import open_renderer
 
-    population = _population(args)
+    kinds = tuple(KINDS) if args.kind == ALL else (args.kind,)
+    populations = [_population(args, kind) for kind in kinds]
+    cases = [(p, w) for p in populations for w in _grain_weights(args, p) or (None,)]
     choice, stated = _truths(args)
+    tables = []
     with Progress("simulate") as progress, open_renderer(args.backend) as renderer:
-        recoveries = run_studies(
-            renderer, study, args.studies, args.observers, population, truth=choice, stated=stated,
-            draws=args.draws, seed=args.seed, progress=progress,
-        )  # fmt: skip
-    print(json.dumps(recovery_numbers(recoveries)) if args.json else _table(recoveries, args))
+        for done, (population, weight) in enumerate(cases):
+
+            def report(share: float, text: str, done: int = done) -> None:
+                progress((done + share) / len(cases), text)
+
+            recoveries = run_studies(
+                renderer, study, args.studies, args.observers, population, truth=choice,
+                stated=stated, grain_weights=() if weight is None else (weight,),
+                draws=args.draws, seed=args.seed, progress=report,
+            )  # fmt: skip
+            tables.append(_Table(population.kind, weight, recoveries))
+    if args.json:
+        # Studies of different tables are different studies.
+        together = recovery_numbers(
+            [
+                dataclasses.replace(r, study=k * args.studies + r.study)
+                for k, table in enumerate(tables)
+                for r in table.recoveries
+            ]
+        )
+        by_kind = [
+            {
+                "kind": table.kind,
+                "grain_weight": table.grain_weight,
+                "one_best": KINDS[table.kind].one_best,
+                **recovery_numbers(table.recoveries),
+            }
+            for table in tables
+        ]
+        print(json.dumps({**together, "tables": by_kind} if len(tables) > 1 else by_kind[0]))
+    else:
+        print(_words(tables, args))
     return 0
 
 
-def _table(recoveries: Sequence[Recovery], args: argparse.Namespace) -> str:
+def _words(tables: Sequence[_Table], args: argparse.Namespace) -> str:
+    """All tables: by sample for one kind of observers, one line each for several."""
     from relgloss_view.experiment.verdict.recovery import recovery_shares, shares_by_sample
 
-    everything = recovery_shares(recoveries)
-    heads = ("sample", "answers", "exact", "+-1", "median error", "sigma_N in", "c in", "declared")
-    lines = [
-        f"{args.studies} studies of {args.observers} observers, {args.kind}",
-        "",
-        f"{heads[0]:<20}" + "".join(f"{h:>14}" for h in heads[1:]),
-    ]
-    for name, shares in {**shares_by_sample(recoveries), "all": everything}.items():
-        declared = shares.status.get("best", 0) / shares.cases
-        cells = (
-            f"{shares.answers:.0f}",
-            f"{100 * shares.exact:.0f} %",
-            f"{100 * shares.near:.0f} %",
-            f"{shares.median_error_steps:.2f} steps",
-            _percent(shares.sigma_n_inside),
-            _percent(shares.c_inside),
-            f"{100 * declared:.0f} %",
-        )
-        lines.append(f"{printable(name, 20):<20}" + "".join(f"{cell:>14}" for cell in cells))
-    nothing = 100 * everything.nothing_declared
+    lines = []
+    if args.kind == ALL:
+        shares = {table.words: recovery_shares(table.recoveries) for table in tables}
+        lines += [f"{args.studies} studies of {args.observers} observers of each kind", ""]
+        lines += _rows("observers", shares)
+    else:
+        for table in tables:
+            by_sample = shares_by_sample(table.recoveries)
+            everything = recovery_shares(table.recoveries)
+            nothing = 100 * everything.nothing_declared
+            lines += [f"{args.studies} studies of {args.observers} observers, {table.words}", ""]
+            lines += _rows("sample", {**by_sample, "all": everything})
+            lines += [f"studies in which no sample has a declared best: {nothing:.0f} %", ""]
     lines += [
         "",
         "exact, +-1: the leading setting is the one nearest to the truth, or beside it",
+        "in set: what is right is among the settings not significantly worse than the best",
         "sigma_N in, c in: how often the 95 % interval of the optimum holds the truth",
-        f"studies in which no sample has a declared best: {nothing:.0f} %",
     ]
     return "\n".join(lines)
+
+
+def _rows(head: str, shares: Mapping[str, RecoveryShares]) -> list[str]:
+    heads = ("answers", "exact", "+-1", "in set", "median error", "sigma_N in", "c in", "declared")
+    lines = [f"{head:<28}" + "".join(f"{h:>13}" for h in heads)]
+    for name, row in shares.items():
+        cells = (
+            f"{row.answers:.0f}",
+            _percent(row.exact),
+            _percent(row.near),
+            _percent(row.in_set),
+            f"{row.median_error_steps:.2f} steps",
+            _percent(row.sigma_n_inside),
+            _percent(row.c_inside),
+            _percent(row.status.get("best", 0) / row.cases),
+        )
+        lines.append(f"{printable(name, 28):<28}" + "".join(f"{cell:>13}" for cell in cells))
+    return lines
 
 
 def _percent(share: float | None) -> str:

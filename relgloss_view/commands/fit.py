@@ -19,7 +19,7 @@ MIRRORS = ("same-side", "opposite")
 
 def add(commands: Any) -> None:
     """Declare the command."""
-    from relgloss_view.fitting.ladder import MODELS
+    from relgloss_view.fitting.fit import MODELS
     from relgloss_view.measure.readers.built_in import built_in_tables
 
     parser = commands.add_parser(

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import read_text
+from relgloss_view.base.temporaries import is_temporary
 
 MAX_BYTES = 64 * 1024 * 1024  #: of the JSON file that marks a folder as a command's own
 
@@ -30,11 +31,16 @@ def own_folder(name: str, ours: Mapping[str, str], what: str, *, alone: bool = F
                     f"{folder / file}: was not written by relgloss {what}; choose another folder"
                 )
             alone = False
-    if alone and folder.is_dir() and any(folder.iterdir()):
+    if alone and folder.is_dir() and not _empty(folder):
         raise InputError(
             f"{folder}: holds files that relgloss {what} did not write; choose another folder"
         )
     return folder
+
+
+def _empty(folder: Path) -> bool:
+    """Whether a folder holds nothing, or only what a run that was killed or is at work has left."""
+    return all(is_temporary(entry.name) for entry in folder.iterdir())
 
 
 def _format(file: Path) -> object:

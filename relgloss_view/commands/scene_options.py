@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import re
-import shlex
 from collections.abc import Sequence
 from typing import Any
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.shell import command_line
 from relgloss_view.base.toml import AUTO
 from relgloss_view.material.files import load_material
 from relgloss_view.picture.model.lamp_placement import lit_for_gloss
@@ -242,9 +242,8 @@ def _metavar(option: Option) -> str | None:
 
 
 def printable_command(words: Sequence[str]) -> str:
-    """The command line that goes into a picture; a name that is not UTF-8 is shown escaped."""
-    line = shlex.join(["relgloss", *words])
-    return line.encode("utf-8", "backslashreplace").decode("utf-8")
+    """The command line that goes into a picture; it can be pasted whatever the names in it."""
+    return command_line(["relgloss", *words])
 
 
 def size_of_text(text: str) -> tuple[int, int]:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 import re
-import tomllib
 from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.toml import parse_toml
 
 if TYPE_CHECKING:
     from relgloss_view.experiment.design.study import Study
@@ -44,6 +44,6 @@ def study_from(args: argparse.Namespace) -> Study:
 def _value(text: str) -> object:
     """A value as the study file has it: TOML, or a bare word."""
     try:
-        return tomllib.loads(f"value = {text}")["value"]
+        return parse_toml(f"value = {text}")["value"]
     except (ValueError, RecursionError):
         return text

@@ -12,20 +12,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.base.terminal import ProgressReport
-from relgloss_view.fitting import ladder
+from relgloss_view.fitting import ladder, metal
 from relgloss_view.fitting.descent import refine
 from relgloss_view.fitting.instrument import GAMMA_S, corrected
 from relgloss_view.fitting.ladder import Candidate, Folds
-from relgloss_view.fitting.limits import at_limits
+from relgloss_view.fitting.limits import OPTICAL_INDEX, at_limits
 from relgloss_view.fitting.model import Rung, State, log_residual, predict
 from relgloss_view.fitting.observations import TAU, Observations, compress, prepare
 from relgloss_view.fitting.problem import Problem
+from relgloss_view.fitting.verdict import main_lobe
 from relgloss_view.measure.table import Measurement
 
 #: Share of the chosen model's held-out error that errors of the instrument must gain.
-RELEVANT_SHARE_ERRORS = 0.10
+RELEVANT_SHARE_ERRORS = 0.04
+_PINNED = 1e-3
 _FIRST_GAMMA = 1.5  #: prior standard deviations
 _LEAST_NOISE = 0.005
 _ROUNDS = 3  #: of corrections: the errors are first-order about the geometry
@@ -42,6 +44,7 @@ class Options:
     seed: int
     start_s_deg: float | None
     progress: ProgressReport | None
+    metals: str = "auto"  #: tried where a colour shows, or 'none', or the name of the one rung
 
 
 @dataclass(frozen=True)
@@ -89,19 +92,34 @@ def _climbed(
     candidates, folds = ladder.climb(
         few, options.rungs, options.index, progress, options.start_s_deg
     )
-    chosen = ladder.choose(candidates)
-    best = candidates[chosen]
+    candidates = metal.with_metals(folds, candidates, options.metals)
+    best = candidates[ladder.choose(candidates)]
     if options.free_index:
-        freed = ladder.free_index(folds, best)
+        held = metal.dielectric_of(candidates, best)
+        freed = ladder.free_index(folds, held)
         if freed is not None:
-            candidates.insert(chosen + 1, freed)
-            gains = not ladder.enough(best, freed, ladder.RELEVANT_SHARE_INDEX)
-            if gains and not at_limits(freed.rung, freed.solution.state):
-                best = freed
+            candidates.insert(candidates.index(held) + 1, freed)
+            best = _with_index(candidates, best, freed)
     noise = _noise(few, best.solution.state)
     full, few = replace(full, noise=noise), replace(few, noise=noise)
     folds = replace(folds, observations=few)
     return Choice(measurement, full, few, tuple(candidates), folds, best, errors)
+
+
+def _with_index(candidates: list[Candidate], best: Candidate, freed: Candidate) -> Candidate:
+    """The better of the chosen candidate and of one whose refractive index is free."""
+    state = freed.solution.state
+    if at_limits(freed.rung, state):
+        return best
+    usual = OPTICAL_INDEX[0] <= float(state.n[main_lobe(state)]) <= OPTICAL_INDEX[1]
+    share = ladder.RELEVANT_SHARE_INDEX if usual else ladder.RELEVANT_SHARE_ODD_INDEX
+    if at_limits(best.rung, best.solution.state):
+        # A lobe at its widest stands in for an index that was held.
+        near = freed.cv_mean <= (1.0 + ladder.LIMIT_COST) * best.cv_mean + ladder.RELEVANT
+        return freed if near else best
+    mean, se = ladder.gain(best, freed)
+    certain = mean > (ladder.CERTAIN_INDEX if usual else 1.0) * se
+    return freed if certain and mean > share * best.cv_mean else best
 
 
 def _errors(choice: Choice, options: Options) -> Array:
@@ -109,12 +127,22 @@ def _errors(choice: Choice, options: Options) -> Array:
     measurement, few, folds = choice.measurement, choice.few, choice.folds
     neutral = [
         c for c in choice.candidates
-        if c.rung.lobes and not c.rung.spectral and not c.rung.free_index
+        if c.rung.lobes and not c.rung.own and not c.rung.free_index
     ]  # fmt: skip
     freed = [with_errors(folds, c) for c in neutral if np.any(c.solution.state.ks > 0.0)]
     if not freed:
         return np.zeros(0)
     found = min(freed, key=lambda c: c.cv_mean)
+    if ladder.gain(choice.best, found)[0] <= RELEVANT_SHARE_ERRORS * choice.best.cv_mean:
+        return np.zeros(0)
+    # The fewest errors that explain it: one that is in order would follow the model's own faults.
+    held = next(c for c in neutral if replace(c.rung, errors=found.rung.errors) == found.rung)
+    tilts = np.arange(len(few.prior_sd)) < len(few.prior_sd) - 1
+    for some in (tilts, ~tilts):
+        fewer = with_errors(folds, held, some)
+        if ladder.enough(fewer, found, RELEVANT_SHARE_ERRORS):
+            found = fewer
+            break
     if ladder.enough(choice.best, found, RELEVANT_SHARE_ERRORS):
         return np.zeros(0)
     errors = found.solution.state.errors
@@ -132,9 +160,15 @@ def _errors(choice: Choice, options: Options) -> Array:
     return np.asarray(errors)
 
 
-def with_errors(folds: Folds, candidate: Candidate) -> Candidate:
-    """The same rung, which has a lobe, with the errors of the instrument free, cross-validated."""
+def with_errors(folds: Folds, candidate: Candidate, free: Mask | None = None) -> Candidate:
+    """The same rung, which has a lobe, with the errors of the instrument free, cross-validated.
+
+    free: (K,), those that are; without it all.
+    """
     few = folds.observations
+    if free is not None:
+        few = replace(few, prior_sd=np.where(free, few.prior_sd, _PINNED * few.prior_sd))
+        folds = replace(folds, observations=few)
     count = len(few.prior_sd)
     rung = replace(candidate.rung, errors=count)
     starts = [np.zeros(count)]

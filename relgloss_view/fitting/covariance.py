@@ -12,11 +12,11 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.fitting.ladder import Candidate
+from relgloss_view.fitting.metal import mean_strengths
 from relgloss_view.fitting.model import States
 
 ALBEDO = "albedo_relative"
-#: Two-sided 95 % of a normal variable: what the printed errors promise.
-_NORMAL_95 = 1.959964
+_NORMAL_80 = 1.281552  #: two-sided 80 % of a normal variable
 
 
 def names_of(candidate: Candidate) -> tuple[str, ...]:
@@ -35,8 +35,9 @@ def numbers_of(candidate: Candidate, states: States) -> Array:
     columns = [np.mean(states.kd, axis=1) / fitted]
     if rung.rough:
         columns.append(np.degrees(np.sqrt(states.t)))
+    strengths = mean_strengths(states, candidate.solution.state)
     for j in range(rung.lobes):
-        columns += [np.degrees(np.exp(states.log_s[:, j])), np.mean(states.ks[:, j], axis=1)]
+        columns += [np.degrees(np.exp(states.log_s[:, j])), strengths[:, j]]
         columns += [states.n[:, j]]
     columns += list(states.errors.T)[: rung.errors]
     return np.stack(columns, axis=1)
@@ -72,12 +73,12 @@ def prior_covariance(candidate: Candidate) -> Array:
 def jackknife_covariance(values: Array) -> Array:
     """(M, M), from numbers (G, M) of which each row leaves one of G groups out.
 
-    Widened so that 1.96 standard errors hold the truth in 95 %, as Student's t of G - 1 degrees
-    of freedom wants it.
+    Widened as Student's t of G - 1 degrees of freedom wants it at 80 %, between the intervals of
+    68 % and of 95 % that readers make of a standard error.
     """
     from scipy.special import stdtrit  # slow to import, and the window has no use for it
 
     count = len(values)
     away = values - np.mean(values, axis=0)
-    wider = float(stdtrit(count - 1, 0.975)) / _NORMAL_95
+    wider = float(stdtrit(count - 1, 0.9)) / _NORMAL_80
     return np.asarray((count - 1) / count * wider**2 * (away.T @ away))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.fitting.metal import unknowns_of
 from relgloss_view.fitting.model import State, predict
 from relgloss_view.fitting.shapes import geometry
 from relgloss_view.material import brdf
@@ -15,12 +16,13 @@ from relgloss_view.measure.gonio import direction, spherical
 def state_of(material: Material) -> State:
     """The unknowns of a material whose diffuse part is Lambert or Oren-Nayar."""
     bands = material.bands.count
+    log_s, n, ks = unknowns_of(material.specular, bands)
     return State(
         material.diffuse.sigma**2 if material.diffuse.model == "oren-nayar" else 0.0,
-        np.log([lobe.s for lobe in material.specular]),
-        np.array([lobe.refractive_index for lobe in material.specular]),
+        log_s,
+        n,
         np.asarray(material.diffuse.albedo, dtype=np.float64),
-        np.array([lobe.per_band(bands) for lobe in material.specular]).reshape(-1, bands),
+        ks,
     )
 
 

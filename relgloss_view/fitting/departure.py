@@ -53,8 +53,9 @@ TO_SD = 1.4826  #: median absolute deviation to a Gaussian's sd
 PLACES = 40
 #: Slopes are held by this share of the weight, where samples at one angle alone can't give them.
 RIDGE = 1e-3
-#: Sd that planes of an instrument have in common, where a table has too few to see it.
-PRESUMED_SPREAD, FEWEST_PLANES = 0.02, 4
+#: Sd that the samples of a plane share, before a table is seen, and the planes that this is worth:
+#: a table of few planes hardly shows it.
+PRESUMED_SPREAD, WORTH, FEWEST_PLANES = 0.02, 2.0, 4
 
 
 @dataclass(frozen=True)
@@ -117,7 +118,7 @@ def departures(
     measured, fitted = value @ weights, seen @ weights
     typical = np.median(measured, axis=0)
     if np.any(typical <= 0.0):
-        return "its bands carry no colour that the eye sees"
+        return "no luminance and colour follow from its bands"
     floor = np.clip(FLOOR_OF_MEDIAN * typical, 0.0, FLOOR * np.sum(weights, axis=0))
     log_ratio = np.log(np.maximum(measured, 0.0) + floor) - np.log(np.maximum(fitted, 0.0) + floor)
     log_ratio[:, RED:] -= log_ratio[:, LUMINANCE : LUMINANCE + 1]
@@ -157,7 +158,10 @@ def _plane_spread(log_ratio: Array, group: Ints, theta_d: Array) -> float:
     level = np.array([np.median(log_ratio[group == k]) for k in planes])
     place = np.array([np.median(theta_d[group == k]) for k in planes])
     second = np.diff(level[np.argsort(place)], 2)
-    return float(TO_SD * np.median(np.abs(second)) / np.sqrt(6.0))
+    seen2 = (TO_SD * float(np.median(np.abs(second)))) ** 2 / 6.0
+    return float(
+        np.sqrt((len(second) * seen2 + WORTH * PRESUMED_SPREAD**2) / (len(second) + WORTH))
+    )
 
 
 def profile(samples: Departures, theta_deg: float, largest_deg: float) -> Profile | str:
@@ -204,14 +208,20 @@ def profile(samples: Departures, theta_deg: float, largest_deg: float) -> Profil
 
 
 def _window(offset: Array) -> float | None:
-    """Half width in theta_d that reaches planes on both sides; None where one side has none."""
-    near = float(np.min(np.abs(offset)))
-    below, above = offset[offset <= 0.0], offset[offset >= 0.0]
-    if len(below) and len(above):
-        reach = max(float(-np.max(below)), float(np.min(above)))
-        if reach <= FARTHEST_PLANE_DEG:
-            return 1.25 * max(reach, NEAREST_PLANES_DEG)
-    return NEAREST_PLANES_DEG if near <= OWN_PLANE_DEG else None
+    """Half width in theta_d, degrees, for planes at some offsets from it; None where it is outside.
+
+    It reaches a plane on both sides, beside one at theta_d itself: several planes let their noise
+    be averaged and a trend be followed.
+    """
+    own = bool(np.min(np.abs(offset)) <= OWN_PLANE_DEG)
+    sides = [
+        float(np.min(side))
+        for side in (-offset[offset < -SAME_ANGLE_DEG], offset[offset > SAME_ANGLE_DEG])
+        if len(side) and np.min(side) <= FARTHEST_PLANE_DEG
+    ]
+    if len(sides) < 2 and not own:
+        return None
+    return 1.25 * max(NEAREST_PLANES_DEG, *sides, 0.0)
 
 
 def _levels(delta: Array) -> tuple[Array, Ints]:

@@ -10,6 +10,7 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, table
 from relgloss_view.material.material import Material
 
+NOT_JUDGED = "not judged"
 CANDIDATES = (
     Column("  model", 27, left=True),
     Column("unknowns", 8),
@@ -52,7 +53,12 @@ def describe_fit(material: Material) -> str:
         lines.append(
             f"  lobe {k + 1}     s {lobe.s_deg:.3g} deg"
             + (f" ({error})" if error else "")
-            + f", strength {span}, n {lobe.refractive_index:.3g}"
+            + f", strength {span}, "
+            + (
+                f"n {lobe.refractive_index:.3g}"
+                if lobe.f0 is None
+                else f"metal, F0 {min(lobe.f0):.3g}-{max(lobe.f0):.3g}"
+            )
         )
     r = fit.residuals
     lines.append(
@@ -60,41 +66,58 @@ def describe_fit(material: Material) -> str:
         f"{r['samples']} samples"
         + "".join(f", {count} left out ({why})" for why, count in r["left_out"].items())
     )
-    lines += [f"  {line}" for line in use_lines(fit.judgement)]
+    lines += [f"  {label:<11}{words}" for label, words in use_lines(fit.judgement)]
     lines.append(f"  quality    {fit.quality} ({fit.seconds:.2f} s)")
     lines += [f"  warning    {printable(text, 300)}" for text in material.warnings]
     return "\n".join(lines)
 
 
-def use_lines(judgement: dict[str, Any]) -> list[str]:
-    """The judgement of a fit by gloss and picture, one line each; none where a file has none."""
-    lines = []
+def use_lines(judgement: dict[str, Any]) -> list[tuple[str, str]]:
+    """The judgement of a fit by gloss and picture, label and words; none where a file has none."""
     try:
-        gloss = [
-            f"{row['angle_deg']:g}: fit {row['fit']:.1f}, table {row['table']:.1f} +- "
-            f"{row['table_error']:.1f}"
-            for row in judgement.get("gloss", ())
-            if row["fit"] is not None
-        ]
-        lines += [f"gloss {text}" for text in gloss]
-        pictures = [
-            f"{row['highlight']:.1f} at lamp {row['lamp_azimuth_deg']:g}"
-            for row in judgement.get("pictures", ())
-            if row["highlight"] is not None
-        ]
-        if pictures:
-            lines.append(f"picture: dE2000 p95 of the highlight {', '.join(pictures)}")
+        lines = [*_gloss_lines(judgement), *_picture_lines(judgement)]
         tail = judgement.get("tail")
         if tail:
             near = tail["mirror_explained"]
-            beside = "" if near is None else f", {near:.1%} near the mirror direction"
-            lines.append(f"light explained {tail['explained']:.1%}{beside}; p99 {tail['p99']:.1%}")
-        missing = [row for part in ("gloss", "pictures") for row in judgement.get(part, ())]
-        if missing and not gloss and not pictures:
-            lines.append(f"gloss and picture not judged: {missing[0]['reason']}")
+            beside = "" if near is None else f", near the mirror {near:.1%}"
+            words = f"{tail['explained']:.1%} explained{beside}; error p99 {tail['p99']:.1%}"
+            lines.append(("light", words))
     except (KeyError, TypeError, ValueError, AttributeError):  # a file that someone else wrote
         return []
-    return [printable(line, 200) for line in lines]
+    return [(label, printable(words, 200)) for label, words in lines]
+
+
+def _gloss_lines(judgement: dict[str, Any]) -> list[tuple[str, str]]:
+    rows = judgement.get("gloss", ())
+    lines = [
+        (
+            f"gloss {row['angle_deg']:g}",
+            f"fit {row['fit']:.1f}, table {row['table']:.1f} +- {max(row['table_error'], 0.1):.1f}",
+        )
+        for row in rows
+        if row["fit"] is not None
+    ]
+    missing = [row for row in rows if row["fit"] is None]
+    if missing:
+        angles = ", ".join(f"{row['angle_deg']:g}" for row in missing)
+        lines.append(("gloss", f"{NOT_JUDGED} at {angles}: {missing[0]['reason']}"))
+    return lines
+
+
+def _picture_lines(judgement: dict[str, Any]) -> list[tuple[str, str]]:
+    rows = judgement.get("pictures", ())
+    compared = [
+        f"{row['whole_object'] if row['highlight'] is None else row['highlight']:.1f} at lamp "
+        f"{row['lamp_azimuth_deg']:g}"
+        for row in rows
+        if row["whole_object"] is not None
+    ]
+    lines = [("picture", f"dE2000 (p95) {', '.join(compared)}")] if compared else []
+    missing = [row for row in rows if row["whole_object"] is None]
+    if missing:
+        lamps = ", ".join(f"{row['lamp_azimuth_deg']:g}" for row in missing)
+        lines.append(("picture", f"{NOT_JUDGED} at lamp {lamps}: {missing[0]['reason']}"))
+    return lines
 
 
 def width_error(material: Material, lobe: int, sign: str) -> str:

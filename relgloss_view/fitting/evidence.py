@@ -14,7 +14,7 @@ from relgloss_view.fitting.covariance import names_of, prior_covariance, sample_
 from relgloss_view.fitting.instrument import instrument_of
 from relgloss_view.fitting.ladder import Candidate
 from relgloss_view.fitting.limits import OPTICAL_INDEX, at_limits
-from relgloss_view.fitting.model import State, lobe_order, predict
+from relgloss_view.fitting.model import State, brightness, lobe_order, predict
 from relgloss_view.fitting.results import CandidateEvidence, Verdict
 from relgloss_view.material.albedo import directional_albedo
 from relgloss_view.material.material import FitRecord, Material, Quality
@@ -25,6 +25,7 @@ ENERGY_INCIDENCES_DEG = np.arange(0.0, 81.0, 10.0)
 BEYOND_SD = 3.0
 LARGEST_VARIANCE = 1e9
 ENERGY_EXCESS = 1.02  #: noise of a white sample is not an excess
+ENERGY_IMPOSSIBLE = 1.2  #: fluorescence and an ill-calibrated white stay below
 
 
 @dataclass(frozen=True)
@@ -65,9 +66,21 @@ def judge(fit: ChosenFit) -> Verdict:
     beyond = _beyond(fit)
     if beyond:
         warnings.setdefault(Quality.POOR, beyond)
+    odd = _odd_index(fit)
+    if odd and not fit.choice.measurement.tabulated:
+        warnings.setdefault(
+            Quality.POOR,
+            f"poor: {odd}: check the quantity and the lamp's constancy, and read gloss from the "
+            "table itself",
+        )
+    unseen = verdict.unseen_highlight(fit.choice.full, fit.state)
+    if unseen:
+        warnings[Quality.UNIDENTIFIABLE] = unseen
     width, index, no_lobe = None, None, None
     if best.rung.lobes > 0 and np.any(best.solution.state.ks > 0.0):
-        width, index = verdict.width_bounds(few, best), verdict.index_bounds(few, best)
+        width = verdict.width_bounds(few, best)
+        if best.rung.metals == 0:
+            index = verdict.index_bounds(few, best)
         if width.s_deg_lower is None:
             warnings[Quality.UNIDENTIFIABLE] = (
                 "the lobe is narrower than the grid sees: s is unidentifiable, at most "
@@ -93,13 +106,12 @@ def record_fit(fit: ChosenFit, judged: Verdict, seed: int) -> FitRecord:
         *(() if judged.quality == Quality.GOOD else (judged.warnings[judged.quality],)),
         *fit.serious,
     )
-    of_table = fit.choice.measurement.warnings
     return FitRecord(
         candidates=tuple(asdict(evidence) for evidence in _evidence(fit)),
         chosen=fit.choice.best.name,
         residuals=asdict(judged.residuals),
         quality=judged.quality,
-        warnings=tuple(dict.fromkeys((*of_table, *judged.warnings.values(), *_odd_index(fit)))),
+        warnings=tuple(dict.fromkeys(_warnings(fit, judged))),
         grounds=tuple(dict.fromkeys(grounds)),
         seed=seed,
         standard_errors=_present(
@@ -178,17 +190,24 @@ def _beyond(fit: ChosenFit) -> str:
     )
 
 
-def _odd_index(fit: ChosenFit) -> tuple[str, ...]:
-    """A warning where a freed refractive index is that of no dielectric."""
+def _warnings(fit: ChosenFit, judged: Verdict) -> tuple[str, ...]:
+    odd = _odd_index(fit)
+    warnings = (*fit.choice.measurement.warnings, *judged.warnings.values())
+    # Tables that their makers resampled have no lamp that fades: there it is a description alone.
+    return (*warnings, odd) if odd and fit.choice.measurement.tabulated else warnings
+
+
+def _odd_index(fit: ChosenFit) -> str:
+    """What to know of the main lobe's freed index where it is that of no dielectric, else ''."""
     low, high = OPTICAL_INDEX
-    if not fit.choice.best.rung.free_index:
-        return ()
-    odd = [float(n) for n in fit.state.n if not low <= n <= high]
-    if not odd:
-        return ()
+    if not fit.choice.best.rung.free_index or not len(fit.state.n):
+        return ""
+    n = float(fit.state.n[verdict.main_lobe(fit.state)])
+    if low <= n <= high:
+        return ""
     return (
-        f"the refractive index {', '.join(f'{n:.3g}' for n in odd)} describes how the highlight "
-        f"grows with incidence; it is no optical constant (coatings have {low:g} to {high:g})",
+        f"the refractive index {n:.3g} only describes how the highlight changes with incidence; it "
+        f"is no optical constant (coatings have {low:g} to {high:g})"
     )
 
 
@@ -196,15 +215,17 @@ def _present(values: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in values.items() if value is not None}
 
 
-def with_energy_warning(material: Material) -> Material:
+def with_energy_warning(material: Material, steepest_deg: float = 80.0) -> Material:
     """The material, with a warning where it reflects more than it receives.
 
-    The samples end at some incidence; beyond it the model extrapolates, and strengths above one
-    then meet a Fresnel reflectance that goes to one.
+    Beyond steepest_deg, the last incidence of the samples, the model extrapolates, and strengths
+    above one then meet a Fresnel reflectance that goes to one. Before it no surface does so, and
+    the fit is poor.
     """
     diffuse, specular = directional_albedo(material, ENERGY_INCIDENCES_DEG)
     largest = np.max(diffuse + specular, axis=1)
-    if material.fit is None or not np.any(largest > ENERGY_EXCESS):
+    fit = material.fit
+    if fit is None or not np.any(largest > ENERGY_EXCESS):
         return material
     first = ENERGY_INCIDENCES_DEG[np.argmax(largest > ENERGY_EXCESS)]
     last = ENERGY_INCIDENCES_DEG[-1]
@@ -212,7 +233,22 @@ def with_energy_warning(material: Material) -> Material:
         f"the model reflects more light than it receives at {first:g} deg of incidence and more "
         f"({largest[-1]:.2g} times at {last:g} deg): pictures are too bright there"
     )
-    return replace(material, fit=replace(material.fit, warnings=(*material.fit.warnings, text)))
+    warned = replace(fit, warnings=(*fit.warnings, text))
+    seen = largest[steepest_deg >= ENERGY_INCIDENCES_DEG]
+    most = float(np.max(seen)) if len(seen) else 0.0
+    if most > ENERGY_IMPOSSIBLE:
+        text = (
+            f"poor: where it was measured the sample would reflect {most:.2g} times the light that "
+            "it receives: check the quantity (a BRDF is a radiance factor over pi) and the unit"
+        )
+        grounds = fit.grounds if fit.quality == Quality.POOR else ()
+        warned = replace(
+            warned,
+            warnings=(*warned.warnings, text),
+            grounds=(*grounds, text),
+            quality=Quality.POOR,
+        )
+    return replace(material, fit=warned)
 
 
 def _evidence(fit: ChosenFit) -> list[CandidateEvidence]:
@@ -243,7 +279,7 @@ def _evidence(fit: ChosenFit) -> list[CandidateEvidence]:
                 aicc=_round(spread + 2.0 * k * values / max(values - k - 1, 1)),
                 bic=_round(spread + k * np.log(values)),
                 s_deg=[_round(x) for x in np.degrees(np.exp(state.log_s))],
-                strength=[_round(x) for x in np.mean(state.ks, axis=1)],
+                strength=[_round(x) for x in brightness(state)],
                 refractive_index=[_round(x) for x in state.n],
                 sigma_deg=_round(np.degrees(np.sqrt(state.t))),
                 converged=c.solution.converged,

@@ -15,7 +15,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.terminal import ProgressReport
-from relgloss_view.fitting import ladder, verdict
+from relgloss_view.fitting import ladder, metal, verdict
 from relgloss_view.fitting.choice import Options, choose
 from relgloss_view.fitting.descent import refine
 from relgloss_view.fitting.evidence import ChosenFit, judge, record_fit, with_energy_warning
@@ -39,7 +39,7 @@ from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material, 
 from relgloss_view.measure.findings import examine
 from relgloss_view.measure.table import Measurement
 
-MODELS = ladder.MODELS
+MODELS = (*ladder.MODELS, *metal.NAMES)
 USUAL_INDEX = 1.5  #: of a coating or an ink, where the samples do not show another
 _FINAL_ROUNDS = 40
 _HIGHLIGHT_COST = 1.05
@@ -70,7 +70,7 @@ def fit_material(
     progress: called with a share from 0 to 1 and a text; returning False raises FitCancelled.
     start_s_deg: anchor of the scan of lobe widths, degrees, for tests of independence.
     free_errors: whether zeros of the instrument's angles and the spread of its apertures are fitted
-    too, with priors (fitting.instrument); else they are as the table declares them.
+    too, with priors (fitting.instrument); else, and for a metal, they are as the table declares.
 
     Returns a Material whose `fit` holds the evidence: candidates, residuals, standard errors,
     quality and warnings. Raises InputError for an unknown model, an index out of range or too few
@@ -106,6 +106,7 @@ def fit_material(
         seed=seed,
         start_s_deg=start_s_deg,
         progress=progress,
+        metals=model if model in ("auto", *metal.NAMES) else "none",
     )
     choice = choose(measurement, options)
     spread = spread_of(choice, errors=free_errors, index=uncertain)
@@ -114,11 +115,14 @@ def fit_material(
     fit = ChosenFit(choice, _all_bands(full, best), spread, examined.serious)
     judged = judge(fit)
     state = fit.state
-    if judged.quality == Quality.UNIDENTIFIABLE and judged.width is not None:
-        state = _plainest_width(full, best.rung, state, judged.width.s_deg_upper)
+    width = judged.width
+    if judged.quality == Quality.UNIDENTIFIABLE and width and width.s_deg_lower is None:
+        state = _plainest_width(full, best.rung, state, width.s_deg_upper)
     record = record_fit(fit, judged, seed)
     try:
-        material = with_energy_warning(_material(measurement, best.rung, state, record))
+        material = _material(measurement, best.rung, state, record)
+        steepest = float(np.degrees(np.arccos(np.min(measurement.to_lamp[measurement.kept, 2]))))
+        material = with_energy_warning(material, steepest)
     except InputError as error:
         raise InputError(
             f"{measurement.place}: the fit is no material: {error}; check the quantity and its unit"
@@ -137,6 +141,8 @@ def _timed(material: Material, began: float, progress: ProgressReport | None) ->
 def _forced(model: str) -> tuple[Rung, ...]:
     # Two lobes may be neutral or not: the samples decide.
     names = (model, "two-spectral-lobes") if model == "two-lobes" else (model,)
+    if model in metal.NAMES:  # it starts from the rung of that many coloured lobes
+        names = (next(coloured for rung, _, coloured in metal.METALS if rung.name == model),)
     return tuple(rung for rung in ladder.LADDER if rung.name in names)
 
 
@@ -187,12 +193,13 @@ def _plainest_width(full: Observations, rung: Rung, state: State, upper_deg: flo
     that the samples allow.
     """
     main = verdict.main_lobe(state)
+    row = rung.lobes + main if main < rung.metals else main
     problem = Problem(full, rung)
     options = []
     for log_s in np.linspace(LOG_S_RANGE[0], float(np.log(np.radians(upper_deg))), 13):
         moved = replace(state, log_s=np.where(np.arange(rung.lobes) == main, log_s, state.log_s))
         kd, ks = _linear_unknowns(problem, moved, rounds=6)
-        distance = abs(np.log(max(float(np.mean(ks[main])), 1e-12)))
+        distance = abs(np.log(max(float(np.mean(ks[row])), 1e-12)))
         options.append((distance, replace(moved, kd=kd, ks=ks)))
     return min(options, key=lambda option: option[0])[1]
 
@@ -202,6 +209,9 @@ def _material(measurement: Measurement, rung: Rung, state: State, record: FitRec
     flat = sigma < _FLAT_SIGMA
     lobes = []
     for j in lobe_order(state):
+        if j < rung.metals:
+            lobes.append(metal.lobe_of(state, j))
+            continue
         strength = state.ks[j]
         values = strength if rung.spectral else strength[:1]
         lobes.append(

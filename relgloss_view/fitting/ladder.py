@@ -46,10 +46,14 @@ FOLD_ROUNDS = 4
 #: reflectance adds the first to noise; the second is a share of the smaller model's error.
 RELEVANT = 0.0005
 RELEVANT_SHARE = 0.03
-#: The same share for a freed refractive index, larger because index and strength are correlated.
-RELEVANT_SHARE_INDEX = 0.10
+#: The same for a freed refractive index, and for one that no dielectric has, which stands in for
+#: what the model lacks; and how many standard errors the first must gain: coatings have indices of
+#: 1.4 to 1.6, so that 1.5 has no better claim than another.
+RELEVANT_SHARE_INDEX = 0.02
+RELEVANT_SHARE_ODD_INDEX = 0.10
+CERTAIN_INDEX = 0.5
 #: What a model may lose, of its held-out error, to have no unknown at a limit of its search.
-LIMIT_COST = 0.15
+LIMIT_COST = 0.3
 
 
 @dataclass(frozen=True)
@@ -185,8 +189,8 @@ def gain(small: Candidate, large: Candidate) -> tuple[float, float]:
 
 
 def free_index(folds: Folds, candidate: Candidate) -> Candidate | None:
-    """The same rung with its refractive indices free; None where it has no lobe."""
-    if candidate.rung.lobes == 0:
+    """The same rung with its refractive indices free; None where it has no lobe, or a metal's."""
+    if candidate.rung.lobes == 0 or candidate.rung.metals:
         return None
     rung = replace(candidate.rung, free_index=True)
     start = candidate.solution.state

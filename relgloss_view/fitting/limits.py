@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from relgloss_view.fitting.model import INDEX_RANGE, LOG_S_RANGE, T_MAX, Rung, State
+from relgloss_view.fitting.model import INDEX_RANGE, LOG_S_RANGE, T_MAX, Rung, State, brightness
 from relgloss_view.fitting.unknowns import shared_unknowns
 
 #: Indices of dielectrics, from a fluoropolymer to a titania-filled lacquer (Shackelford 2015 lists
@@ -13,6 +13,8 @@ OPTICAL_INDEX = (1.3, 1.8)
 #: A lobe this weak against the strongest one does not move a picture or a reading.
 _FAINT = 1e-4
 _NEAR = 1e-3
+#: Of a width, an index or an error, beside its limit: the samples hold it no better than this.
+_BESIDE = 0.05
 
 
 def at_limits(rung: Rung, state: State, *, names: tuple[str, ...] = ()) -> tuple[str, ...]:
@@ -25,11 +27,11 @@ def at_limits(rung: Rung, state: State, *, names: tuple[str, ...] = ()) -> tuple
     found = []
     if rung.rough and state.t >= T_MAX * (1.0 - _NEAR):
         found.append(f"the roughness sigma at {np.degrees(np.sqrt(T_MAX)):.0f} deg")
-    strengths = np.mean(state.ks, axis=1) if rung.lobes else np.zeros(0)
+    strengths = brightness(state) if rung.lobes else np.zeros(0)
     for j, strength in enumerate(strengths.tolist()):
         if strength <= _FAINT * float(np.max(strengths)):
             continue
-        if state.log_s[j] >= LOG_S_RANGE[1] - _NEAR:
+        if state.log_s[j] >= LOG_S_RANGE[1] - _BESIDE:
             found.append(f"the width of a lobe at {np.degrees(np.exp(LOG_S_RANGE[1])):.0f} deg")
         if rung.free_index:
             ends = [end for end in INDEX_RANGE if abs(state.n[j] - end) <= _NEAR * end]

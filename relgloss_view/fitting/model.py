@@ -9,7 +9,14 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.fitting.observations import TAU, Observations
-from relgloss_view.fitting.shapes import Geometry, diffuse_columns, displaced, lobe_columns
+from relgloss_view.fitting.shapes import (
+    Geometry,
+    diffuse_columns,
+    displaced,
+    lobe_columns,
+    metal_columns,
+)
+from relgloss_view.material.material import HEAD_ON
 
 SOFT_L1, REDESCENDING = 1.0, 0.25  #: shapes of the loss: of the search, of the last refinement
 LOG_S_RANGE = (float(np.log(np.radians(0.05))), float(np.log(np.radians(40.0))))
@@ -27,18 +34,33 @@ class Rung:
     lobes: int = 0
     spectral: bool = False  #: each band has its own lobe strengths
     free_index: bool = False
+    metals: int = 0  #: of the lobes, the first, which are a metal's
     errors: int = 0  #: freed errors of the instrument, all of them or none
+
+    @property
+    def strengths(self) -> int:
+        """Linear unknowns of the lobes in a band: a metal has a coloured and a white one."""
+        return self.lobes + self.metals
+
+    @property
+    def own(self) -> int:
+        """Those of them that are a band's own, the first; all bands share the others."""
+        return self.lobes if self.spectral else self.metals
 
     def parameters(self, bands: int) -> int:
         """Number of unknowns of the sample in `bands` bands."""
-        strengths = self.lobes * (bands if self.spectral else 1)
+        strengths = self.own * bands + (self.strengths - self.own)
         index = 1 if self.free_index and self.lobes else 0
         return bands + int(self.rough) + self.lobes + strengths + index
 
 
 @dataclass(frozen=True)
 class State:
-    """The unknowns. `kd` (B,), `ks` (J, B): a neutral lobe repeats its strength."""
+    """The unknowns. `kd` (B,), `ks` (J, B): a neutral lobe repeats its strength.
+
+    Where the first M lobes are a metal's, `ks` is (J + M, B): a metal's own row is its strength
+    times F0, and the last M rows are the strengths of the white parts.
+    """
 
     t: float  #: sigma^2
     log_s: Array  #: (J,), ln of radians
@@ -106,8 +128,16 @@ class Solution:
 
 def lobe_order(state: State) -> list[int]:
     """The lobes as a material lists them: those that have a strength, the strongest first."""
-    mean = np.mean(state.ks, axis=1) if len(state.ks) else np.zeros(0)
+    mean = brightness(state) if len(state.ks) else np.zeros(0)
     return [int(j) for j in np.argsort(-mean, kind="stable") if np.any(state.ks[j] > 0.0)]
+
+
+def brightness(state: State) -> Array:
+    """(J,), mean strength of each lobe; a metal's as that of a dielectric of index 1.5."""
+    lobes = len(state.log_s)
+    mean = np.mean(state.ks[:lobes], axis=1)
+    mean[: len(state.ks) - lobes] /= HEAD_ON
+    return np.asarray(mean)
 
 
 def predict(g: Geometry, state: State) -> Array:
@@ -116,7 +146,14 @@ def predict(g: Geometry, state: State) -> Array:
     if state.errors.size:
         g = displaced(g, state.errors)
     value = np.multiply.outer(first, state.kd) + np.multiply.outer(second, state.kd**2)
+    lobes = len(state.log_s)
+    metals = len(state.ks) - lobes
     for j, log_s in enumerate(state.log_s):
+        if j < metals:
+            facing, grazing = metal_columns(g, float(log_s))[:2]
+            value += np.multiply.outer(facing, state.ks[j])
+            value += np.multiply.outer(grazing, state.ks[lobes + j])
+            continue
         value += np.multiply.outer(lobe_columns(g, float(log_s), float(state.n[j]))[0], state.ks[j])
     return np.asarray(value)
 

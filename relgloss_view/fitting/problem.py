@@ -20,6 +20,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.fitting import linear
+from relgloss_view.fitting.mixed import nnls_mixed
 from relgloss_view.fitting.model import (
     SOFT_L1,
     Rung,
@@ -35,6 +36,7 @@ from relgloss_view.fitting.shapes import (
     error_slopes,
     facet_columns,
     index_slope,
+    metal_columns,
 )
 from relgloss_view.fitting.unknowns import shared_unknowns
 from relgloss_view.material import brdf
@@ -111,7 +113,7 @@ class Problem:
 
     def columns(self, t: Array, log_s: Array, n: Array, errors: Array | None = None) -> Array:
         """(P, C, N): columns of D1, D2 and the lobes, then their derivatives (see shapes)."""
-        lobes, count = self.rung.lobes, 2 + self.rung.lobes
+        lobes, count = self.rung.lobes, 2 + self.rung.strengths
         freed = lobes if self.rung.free_index else 0
         wrong = lobes * self.rung.errors
         columns = np.empty((len(t), 2 * count + freed + wrong, len(self.geometry.along)))
@@ -119,7 +121,11 @@ class Problem:
         columns[:, 0], columns[:, 1], columns[:, count], columns[:, count + 1] = diffuse_columns(
             self.geometry, t
         )
-        for j in range(lobes):
+        for j in range(self.rung.metals):
+            facing, grazing, slope = metal_columns(g, log_s[:, j])
+            for k, part in ((2 + j, facing), (2 + lobes + j, grazing)):
+                columns[:, k], columns[:, count + k] = part, part * slope
+        for j in range(self.rung.metals, lobes):
             facets, slope = facet_columns(g, log_s[:, j])
             if errors is None:
                 lobe = facets * self._fresnel(n[:, j])
@@ -189,7 +195,7 @@ class Problem:
 
     def inner(self, columns: Array, kd: Array, ks: Array, rounds: int) -> tuple[Array, Array]:
         """Reweighted NNLS from the linear unknowns (P, B) and (P, J, B)."""
-        values = columns[:, : 2 + self.rung.lobes]
+        values = columns[:, : 2 + self.rung.strengths]
         for _ in range(rounds):
             weight = self._inner_weight(self.model(columns, kd, ks))
             kd, ks = self._linear(values, weight, kd)
@@ -197,7 +203,7 @@ class Problem:
 
     def first_guess(self, columns: Array, rounds: int) -> tuple[Array, Array]:
         """The linear unknowns from scratch: relative weights first, then reweighting."""
-        values = columns[:, : 2 + self.rung.lobes]
+        values = columns[:, : 2 + self.rung.strengths]
         weight = self._weight * (self._per_seen * self._per_seen)
         kd, ks = self._linear(values, weight, np.zeros((len(columns), self.bands)))
         return self.inner(columns, kd, ks, rounds)
@@ -233,6 +239,17 @@ class Problem:
             x = linear.nnls_blocks(a.reshape(-1, 1 + lobes, 1 + lobes), r.reshape(-1, 1 + lobes))
             x = x.reshape(problems, bands, 1 + lobes)
             return x[:, :, 0], np.swapaxes(x[:, :, 1:], 1, 2)
+        if self.rung.own:
+            own = 1 + self.rung.own
+            x, y = nnls_mixed(
+                a[:, :, :own, :own],
+                a[:, :, :own, own:],
+                np.sum(a[:, :, own:, own:], axis=1),
+                r[:, :, :own],
+                np.sum(r[:, :, own:], axis=1),
+            )
+            shared = np.repeat(y[:, :, None], bands, axis=2)
+            return x[:, :, 0], np.concatenate([np.swapaxes(x[:, :, 1:], 1, 2), shared], axis=1)
         x0, y = linear.nnls_arrow(
             a[:, :, 0, 0],
             a[:, :, 0, 1:],
@@ -247,10 +264,10 @@ class Problem:
     def _jacobian_maps(self, states: States) -> tuple[Array, Array]:
         """How columns combine into derivatives: own (P, B, C, K) and shared (P, B, C, S)."""
         rung, lobes, unknowns = self.rung, self.rung.lobes, self.unknowns
-        slope = 2 + lobes
+        slope = 2 + rung.strengths
         freed = 2 * slope + (lobes if rung.free_index else 0)
         count = freed + lobes * rung.errors
-        own_lobes = lobes if rung.spectral else 0
+        own_lobes = rung.own
         own = np.zeros((len(states), self.bands, count, 1 + own_lobes))
         shared = np.zeros((len(states), self.bands, count, unknowns.count))
         own[:, :, 0, 0], own[:, :, 1, 0] = 1.0, 2.0 * states.kd
@@ -263,11 +280,14 @@ class Problem:
             shared[:, :, slope + 2 + j, unknowns.log_s.start + j] = states.ks[:, j]
             if rung.free_index:
                 shared[:, :, 2 * slope + j, unknowns.n.start + j] = states.ks[:, j]
-            if not rung.spectral:
-                shared[:, :, 2 + j, unknowns.ks.start + j] = 1.0
             for k in range(rung.errors):
                 place = freed + j * rung.errors + k
                 shared[:, :, place, unknowns.errors.start + k] = states.ks[:, j]
+        for j in range(rung.metals):
+            white = lobes + j
+            shared[:, :, slope + 2 + white, unknowns.log_s.start + j] = states.ks[:, white]
+        for j in range(own_lobes, rung.strengths):
+            shared[:, :, 2 + j, unknowns.ks.start + j - own_lobes] = 1.0
         return own, shared
 
     def equations(self, columns: Array, misfit: Misfit, states: States) -> Equations:

@@ -11,12 +11,13 @@ from relgloss_view.base.figures import ACCENT, INK, MUTED, drawing, new_figure, 
 from relgloss_view.base.reading import printable
 from relgloss_view.base.writing import whole_file
 from relgloss_view.fitting import curves, slices
-from relgloss_view.fitting.describe import width_error
+from relgloss_view.fitting.describe import NOT_JUDGED, use_lines, width_error
 from relgloss_view.fitting.observations import usable_rows
 from relgloss_view.material.material import Material, Quality
 from relgloss_view.measure.table import Measurement
 
 GOOD = "#2e7d4f"
+SMALLEST_SPAN = 1.5  #: of an axis of radiance factors, from its middle up
 SMALLEST_PERCENT = 1e-4  #: of the axis of errors
 BADGE = {Quality.GOOD: GOOD, Quality.POOR: ACCENT, Quality.UNIDENTIFIABLE: "#b26a00"}
 
@@ -92,6 +93,9 @@ def _logarithmic(axis: Any) -> None:
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     axis.set_yscale("log")
+    low, high = axis.get_ylim()
+    middle, span = np.sqrt(low * high), max(np.sqrt(high / low), SMALLEST_SPAN)
+    axis.set_ylim(middle / span, middle * span)  # rounding of a flat sample is no shape
     axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=9))
     axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.yaxis.set_minor_formatter(NullFormatter())
@@ -219,14 +223,14 @@ def _spectra(axis: Any, material: Material) -> None:
     style = "o-"
     axis.plot(x, material.diffuse.albedo, style, ms=3.0, lw=1.2, color=GOOD, label="albedo")
     for k, lobe in enumerate(material.specular):
-        strength = lobe.per_band(material.bands.count)
+        strength = lobe.parts(material.bands.count)[0].spectrum
         axis.plot(
             x,
             strength,
             lw=1.2,
             ls="--",
             color=_colours(3)[k],
-            label=f"lobe {k + 1}, s = {lobe.s_deg:.3g}°",
+            label=f"lobe {k + 1}, s = {lobe.s_deg:.3g}°" + (", metal: k F0" * lobe.is_metal),
         )
     axis.set_ylim(bottom=0.0)
     if rgb:
@@ -247,7 +251,7 @@ def _facts(axis: Any, material: Material) -> None:
     for k, lobe in enumerate(material.specular):
         error = width_error(material, k, "± ")
         strength = float(np.mean(lobe.strength))
-        index = f"n {lobe.refractive_index:.3g}"
+        index = f"n {lobe.refractive_index:.3g}" if not lobe.is_metal else "metal"
         lines.append(f"lobe {k + 1}: s {lobe.s_deg:.3g}° {error}, k {strength:.3g}, {index}")
     if not material.specular and "no_lobe" in fit.bounds:
         upper = fit.bounds["no_lobe"]["largest_strength_upper"]
@@ -261,5 +265,10 @@ def _facts(axis: Any, material: Material) -> None:
     lines.append(", ".join(parts))
     lines.append(f"{r['samples']} samples; aperture sd {r['aperture_sd_deg']} deg")
     lines += [f"{count} left out: {reason}" for reason, count in r["left_out"].items()]
+    lines += [
+        f"{label}: {words}"
+        for label, words in use_lines(fit.judgement)
+        if not words.startswith(NOT_JUDGED)
+    ]
     lines.append(se.get("method", ""))
     axis.text(0.0, 1.0, "\n".join(lines), va="top", fontsize=7.6, linespacing=1.5, color=INK)

@@ -166,6 +166,17 @@ def lobe_columns(g: Geometry, log_s: ArrayLike, n: ArrayLike) -> tuple[Array, Ar
     return lobe, lobe * slope
 
 
+def metal_columns(g: Geometry, log_s: ArrayLike) -> tuple[Array, Array, Array]:
+    """The two parts of a metal's lobe of unit strength, and d ln / d ln s of both: all (..., N).
+
+    The first is T (1 - w), which carries the colour F0, the second T w, which is white; T is the
+    lobe without reflectance, w the weight of Schlick 1994.
+    """
+    facets, slope = facet_columns(g, log_s)
+    weight = brdf.schlick_weight(g.facing.cos_d)
+    return facets * (1.0 - weight), facets * weight, slope
+
+
 def facet_columns(g: Geometry, log_s: ArrayLike) -> tuple[Array, Array]:
     """A lobe without its Fresnel reflectance, and d ln L / d ln s: both (..., N)."""
     s = np.exp(np.asarray(log_s, dtype=np.float64))

@@ -38,7 +38,8 @@ def spread(choice: Choice, *, errors: bool, index: bool) -> Candidate:
     observations, candidate = choice.few, choice.best
     if not candidate.rung.lobes:
         return replace(candidate, offset_states=_offset_states(observations, candidate))
-    count = len(observations.prior_sd) if errors else 0
+    metal = candidate.rung.metals > 0  # which has no index, and whose errors none has worked out
+    count = len(observations.prior_sd) if errors and not metal else 0
     held: tuple[Held, ...] = ()
     if count:
         rung = replace(candidate.rung, errors=count)
@@ -51,7 +52,7 @@ def spread(choice: Choice, *, errors: bool, index: bool) -> Candidate:
         else:
             states = tuple(replace(s, errors=np.zeros(count)) for s in candidate.fold_states)
             candidate = replace(with_none, fold_states=states)
-    if index and not candidate.rung.free_index:
+    if index and not metal and not candidate.rung.free_index:
         held = (*held, _held_index(observations, choice.best))
         if count:
             held = (*held[:-1], _padded(held[-1], count))

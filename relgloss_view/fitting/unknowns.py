@@ -29,6 +29,7 @@ class SharedUnknowns:
     log_s: slice
     n: slice
     ks: slice  #: empty where each band has its own strengths
+    own: int  #: strengths that are a band's own, before those
     errors: slice  #: of the instrument
     low: Array  #: (S,)
     high: Array  #: (S,)
@@ -45,7 +46,7 @@ class SharedUnknowns:
         values[:, self.t] = states.t[:, None][:, : self.t.stop]
         values[:, self.log_s] = states.log_s
         values[:, self.n] = states.n[:, : self.n.stop - self.n.start]
-        values[:, self.ks] = states.ks[:, : self.ks.stop - self.ks.start, 0]
+        values[:, self.ks] = states.ks[:, self.own : self.own + self.ks.stop - self.ks.start, 0]
         values[:, self.errors] = states.errors[:, : self.errors.stop - self.errors.start]
         return values
 
@@ -61,15 +62,20 @@ class SharedUnknowns:
             values[:, self.log_s],
             values[:, self.n] if self.n.stop > self.n.start else states.n,
             kd,
-            np.repeat(neutral[:, :, None], bands, axis=2) if neutral.shape[1] else own_ks,
+            self._strengths(np.repeat(neutral[:, :, None], bands, axis=2), own_ks),
             values[:, self.errors] if self.errors.stop > self.errors.start else states.errors,
         )
+
+    def _strengths(self, neutral: Array, own: Array) -> Array:
+        if not neutral.shape[1]:
+            return own
+        return np.concatenate([own, neutral], axis=1) if self.own else neutral
 
 
 @lru_cache(maxsize=64)
 def shared_unknowns(rung: Rung) -> SharedUnknowns:
     """Roughness, widths, freed indices, neutral strengths, errors, each as the rung has it."""
-    neutral = 0 if rung.spectral else rung.lobes
+    neutral = rung.strengths - rung.own
     free = (rung.lobes if rung.free_index else 0, neutral, max(rung.errors - 1, 0))
     counts = (int(rung.rough), rung.lobes, *free, min(rung.errors, 1))
     ends = np.cumsum(counts).tolist()
@@ -82,6 +88,6 @@ def shared_unknowns(rung: Rung) -> SharedUnknowns:
     steps = (np.inf, WIDTH_STEP, INDEX_STEP, np.inf, ANGLE_STEP, SPREAD_STEP)
     t, log_s, n, ks, angles, last = (slice(e - c, e) for c, e in zip(counts, ends, strict=True))
     return SharedUnknowns(
-        t=t, log_s=log_s, n=n, ks=ks, errors=slice(angles.start, last.stop),
+        t=t, log_s=log_s, n=n, ks=ks, own=rung.own, errors=slice(angles.start, last.stop),
         low=low, high=high, limit=np.repeat(steps, counts),
     )  # fmt: skip

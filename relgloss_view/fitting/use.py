@@ -56,6 +56,7 @@ def judge_by_use(
     words = plane_words(planes)
     reasons = [row.reason for row in gloss] + [row.reason for row in pictures]
     off = any(use.named and abs(use.offset) > POOR_PLANE for use in planes)
+    reasons = [row.reason for row in gloss] + [row.reason for row in pictures]
     poor = (
         *(_gloss_words(row) for row in gloss if poor_gloss(row)),
         *(_picture_words(row) for row in pictures if poor_picture(row)),

@@ -24,10 +24,11 @@ from relgloss_view.gloss.meter.meter import luminous_weights, specular_gloss
 from relgloss_view.material import brdf
 from relgloss_view.material.material import Material
 
-#: A fit's gloss may differ from its table's by this share and twice the table's standard error ...
-GLOSS_SHARE = 0.03
-#: ... which counts up to here: no noise excuses more.
-LARGEST_ERROR = 0.06
+#: A fit's gloss may differ from its table's by this share and so many of the table's standard
+#: errors.
+GLOSS_SHARE, GLOSS_ERRORS = 0.03, 1.25
+#: The standard error counts up to here: no noise excuses more.
+LARGEST_ERROR = 0.05
 #: A reading with a larger standard error, as a share, is none.
 UNREADABLE = 0.25
 #: Gloss below this many units is that of a matte sheet, where a meter's own unit counts.
@@ -75,7 +76,7 @@ def poor_gloss(use: GlossUse) -> bool:
     """Whether a fit's gloss is not the table's, by more than noise explains."""
     if use.fit is None or use.table is None or use.table_error is None:
         return False
-    allowed = GLOSS_SHARE + 2.0 * min(use.table_error / use.table, LARGEST_ERROR)
+    allowed = GLOSS_SHARE + GLOSS_ERRORS * min(use.table_error / use.table, LARGEST_ERROR)
     return abs(use.fit - use.table) > max(allowed * use.table, GLOSS_UNITS)
 
 

@@ -11,14 +11,15 @@ from __future__ import annotations
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
-from relgloss_view.fitting.departure import METER, TO_SD, Departures, near
+from relgloss_view.fitting.departure import METER, Departures, near
 from relgloss_view.fitting.results import PlaneUse, TailUse
 from relgloss_view.fitting.verdict import NEAR_MIRROR_DEG
 
-#: A plane is named where its offset from the median plane is this many times the planes' spread,
-#: and more where few planes give the spread (by 4 over their number) ...
-NAMED_SPREADS, FEW_PLANES = 5.0, 4.0
-#: ... and at least this share: less is in no picture.
+#: Student's t of a share of 0.01, two-sided, over as many planes as there are: a plane that is
+#: farther from the mean of the others, in their own sd, is named where it is off by ...
+FREEDOM = (2, 3, 4, 6, 8, 13, 30)
+STUDENT = (19.96, 10.21, 7.53, 5.71, 5.04, 4.44, 4.07)
+#: ... at least this share: less is in no picture.
 NAMED_SHARE = 0.05
 #: A table whose plane is off by this share is not described by any fit.
 POOR_PLANE = 0.12
@@ -51,30 +52,45 @@ def plane_uses(samples: Departures) -> tuple[PlaneUse, ...]:
             continue
         log_ratio = samples.log_ratio[own, METER]
         middle = float(np.median(log_ratio))
-        error = TO_SD * float(np.median(np.abs(log_ratio - middle))) / np.sqrt(np.sum(own))
         shines = own & mirror
         rows.append(
             (
                 float(np.min(samples.incidence[own])),
                 int(np.sum(own)),
                 middle,
-                error,
                 _light_error(samples, shines) if np.any(shines) else None,
             )
         )
     if not rows:
         return ()
-    offsets, errors = np.array([row[2] for row in rows]), np.array([row[3] for row in rows])
-    centre = float(np.median(offsets))
-    spread = TO_SD * float(np.median(np.abs(offsets - centre)))
-    spreads = NAMED_SPREADS * (1.0 + FEW_PLANES / len(rows))
-    allowed = np.maximum(spreads * np.hypot(spread, errors), NAMED_SHARE)
-    named = (np.abs(offsets - centre) > allowed) & (len(rows) >= FEWEST_PLANES)
+    named = _outliers(np.array([row[2] for row in rows]))
     uses = [
         PlaneUse(incidence, count, float(np.expm1(middle)), mirror_error, bool(name))
-        for (incidence, count, middle, _, mirror_error), name in zip(rows, named, strict=True)
+        for (incidence, count, middle, mirror_error), name in zip(rows, named, strict=True)
     ]
     return tuple(sorted(uses, key=lambda use: use.incidence_deg))
+
+
+def _outliers(offsets: Array) -> Mask:
+    """Which planes are off by more than the others let expect (Rosner 1983, generalised ESD).
+
+    The farthest from the mean is set aside, again and again, up to a quarter of the planes; each is
+    compared with those that are left, so that two do not hide one another.
+    """
+    named = np.zeros(len(offsets), dtype=bool)
+    left = np.ones(len(offsets), dtype=bool)
+    aside: list[int] = []
+    for _ in range(max(len(offsets) // 4, 1) if len(offsets) >= FEWEST_PLANES else 0):
+        distance = np.where(left, np.abs(offsets - np.mean(offsets[left])), -1.0)
+        farthest = int(np.argmax(distance))
+        left[farthest] = False
+        aside.append(farthest)
+        rest = offsets[left]
+        off = abs(float(offsets[farthest] - np.mean(rest)))
+        sd = float(np.std(rest, ddof=1)) * np.sqrt(1.0 + 1.0 / len(rest))
+        if off > max(sd * np.interp(len(rest) - 1, FREEDOM, STUDENT), NAMED_SHARE):
+            named[aside] = True
+    return named
 
 
 def _light_error(samples: Departures, rows: Mask) -> float:

@@ -10,10 +10,12 @@ import numpy as np
 from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.fitting.covariance import jackknife_covariance, names_of, sample_covariance
 from relgloss_view.fitting.ladder import Candidate, group_errors
+from relgloss_view.fitting.metal import metals_of
 from relgloss_view.fitting.model import (
     LOG_S_RANGE,
     State,
     States,
+    brightness,
     log_residual,
     predict,
 )
@@ -27,7 +29,7 @@ from relgloss_view.fitting.results import (
     StandardErrors,
     WidthBounds,
 )
-from relgloss_view.fitting.shapes import lobe_columns
+from relgloss_view.fitting.shapes import lobe_columns, metal_columns
 from relgloss_view.measure.table import Measurement
 
 NEAR_MIRROR_DEG = 5.0  #: half-vector within this of the normal
@@ -39,6 +41,9 @@ FLANK_SD = (0.5, 3.0)  #: standard deviations from a lobe's peak between which i
 FEWEST_ON_FLANK = 3
 #: Widths below this (radians) reach the end of the search: the samples set no lower bound.
 NO_LOWER_BOUND = float(np.radians(0.06))
+UNSEEN_DEG = 1.0  #: of half-vectors; a finer gap hides a mirror's highlight alone
+#: Of a smooth dielectric's one: what a printed surface's highlight carries at least.
+INTERFACE_STRENGTH = 0.25
 NULL_WIDTHS_DEG = (0.1, 0.3, 1.0, 3.0, 10.0)
 _LARGEST_STRENGTH = 1e4
 
@@ -158,7 +163,7 @@ def width_bounds(observations: Observations, candidate: Candidate) -> WidthBound
 
 def main_lobe(state: State) -> int:
     """Number of the lobe with the greatest mean strength."""
-    return int(np.argmax(np.mean(state.ks, axis=1)))
+    return int(np.argmax(brightness(state)))
 
 
 def width_interval(observations: Observations, candidate: Candidate, lobe: int) -> Array:
@@ -217,11 +222,34 @@ def width_is_seen(observations: Observations, state: State, lobe: int) -> bool:
     g = observations.geometry
     s2 = float(np.exp(2.0 * state.log_s[lobe]))
     sd2 = g.along / (s2 + g.blur_along) + g.across / (s2 + g.blur_across)
-    column, _ = lobe_columns(g, float(state.log_s[lobe]), float(state.n[lobe]))
+    if lobe < metals_of(state):
+        column = metal_columns(g, float(state.log_s[lobe]))[0]
+    else:
+        column, _ = lobe_columns(g, float(state.log_s[lobe]), float(state.n[lobe]))
     share = np.multiply.outer(column, state.ks[lobe]) / np.maximum(predict(g, state), 1e-12)
     flank = (sd2 >= FLANK_SD[0] ** 2) & (sd2 <= FLANK_SD[1] ** 2) & (np.max(share, axis=1) > 0.1)
     weighted = np.any(observations.weight > 0.0, axis=1)
     return int(np.sum(flank & weighted)) >= FEWEST_ON_FLANK
+
+
+def unseen_highlight(observations: Observations, state: State) -> str:
+    """A warning where samples near the mirror direction are missing that a highlight may hide in.
+
+    The flanks of a lobe show it (FLANK_SD) if it carries the light of an interface; a weak foot far
+    out may belong to a highlight that no sample shows.
+    """
+    seen = np.any(observations.weight > 0.0, axis=1)
+    nearest = float(np.sqrt(np.min(observations.geometry.facing.delta2[seen])))
+    if nearest <= np.radians(UNSEEN_DEG):
+        return ""
+    if len(state.ks) and np.any(state.ks > 0.0):
+        s = float(np.exp(np.max(state.log_s)))
+        if nearest <= FLANK_SD[1] * s and np.sum(np.mean(state.ks, axis=1)) >= INTERFACE_STRENGTH:
+            return ""
+    return (
+        f"unidentifiable: no sample lies within {np.degrees(nearest):.2g} deg of the mirror "
+        "direction, so a highlight narrower than that would not be seen: measure there"
+    )
 
 
 def no_lobe_bounds(observations: Observations, state: State, n: float) -> NoLobeBounds:

@@ -17,7 +17,7 @@ from relgloss_view.gloss.meter.meter import main_lobe
 from relgloss_view.material import approximations, brdf
 from relgloss_view.material.approximations import mean_lobe, plain_lobe
 from relgloss_view.material.material import Material
-from relgloss_view.material.spectra import illuminant, xyz_weights
+from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.frame import Extremes
 from relgloss_view.picture.model import shape, tone
 from relgloss_view.picture.model.highlight import SIZE, Highlight, best_mirror
@@ -97,7 +97,7 @@ class Pose:
         return known[sigma_n_deg]
 
     def _extremes(self, material: Material, sigma_n_deg: float) -> Extremes:
-        weights = xyz_weights(material.bands, illuminant(self.setup.lamp.illuminant))[:, 1]
+        weights = material.xyz_weights(illuminant(self.setup.lamp.illuminant))[:, 1]
         f, albedo = self.facing, np.asarray(material.diffuse.albedo)
         first, second = brdf.diffuse_shapes(material.diffuse.model, f, material.diffuse.sigma)
         diffuse = first * float(albedo @ weights)
@@ -105,13 +105,14 @@ class Pose:
         specular = np.zeros_like(diffuse)
         sigma_n, bands = math.radians(sigma_n_deg), material.bands.count
         for lobe in material.specular:
-            if sigma_n > 0.0:
-                terms = mean_lobe(lobe.s, lobe.refractive_index, sigma_n, "paper")
-                facets = "mean-gaussian"
-            else:
-                terms, facets = plain_lobe(lobe.s, lobe.refractive_index), "gaussian"
-            reflected = approximations.torrance_sparrow(f, terms, "exact", "v-groove", facets)
-            specular += reflected * float(lobe.per_band(bands) @ weights)
+            for part in lobe.parts(bands):
+                if sigma_n > 0.0:
+                    terms = mean_lobe(lobe.s, part.fresnel, sigma_n, "paper")
+                    facets = "mean-gaussian"
+                else:
+                    terms, facets = plain_lobe(lobe.s, part.fresnel), "gaussian"
+                reflected = approximations.torrance_sparrow(f, terms, "exact", "v-groove", facets)
+                specular += reflected * float(part.spectrum @ weights)
         l_d, l_s = tone.split_lightness(self._arriving * diffuse, self._arriving * specular)
         return Extremes.over(l_d, l_s)
 

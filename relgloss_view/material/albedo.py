@@ -57,10 +57,11 @@ def _albedo(material: Material, theta: float) -> tuple[Array, Array]:
         ih = h @ i
         o = 2.0 * ih[..., None] * h - i
         f = brdf.facing(normal, i, o)
-        value = brdf.torrance_sparrow(f, lobe.s, lobe.refractive_index) * np.maximum(f.mu_o, 0.0)
-        value = np.where(ih > 0.0, value * 4.0 * ih, 0.0)
-        total = np.sum(np.pi * reach * weight * np.sin(delta) * value.mean(axis=1))
-        specular = specular + total * lobe.per_band(material.bands.count)
+        for part in lobe.parts(material.bands.count):
+            value = brdf.torrance_sparrow(f, lobe.s, part.fresnel) * np.maximum(f.mu_o, 0.0)
+            value = np.where(ih > 0.0, value * 4.0 * ih, 0.0)
+            total = np.sum(np.pi * reach * weight * np.sin(delta) * value.mean(axis=1))
+            specular = specular + total * part.spectrum
     return diffuse, specular
 
 

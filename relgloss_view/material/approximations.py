@@ -11,7 +11,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.material import brdf
-from relgloss_view.material.brdf import Facing
+from relgloss_view.material.brdf import Facing, Fresnel, MetalPart
 
 FRESNEL = ("exact", "schlick", "constant")
 SHADOWING = ("v-groove", "none")
@@ -29,16 +29,16 @@ class Lobe(NamedTuple):
 
     sharpness: float
     amplitude: float
-    refractive_index: float
+    refractive_index: Fresnel  #: or the part of a metal
     spread: float = 0.0  #: of mean-gaussian: z = spread delta^2
 
 
-def plain_lobe(s: float, refractive_index: float) -> Lobe:
+def plain_lobe(s: float, refractive_index: Fresnel) -> Lobe:
     """A lobe of facet standard deviation s."""
     return Lobe(0.5 / s**2, brdf.facet_amplitude(s), refractive_index)
 
 
-def mean_lobe(s: float, refractive_index: float, sigma_n: float, law: str) -> Lobe:
+def mean_lobe(s: float, refractive_index: Fresnel, sigma_n: float, law: str) -> Lobe:
     """A lobe of facet sd s under normals tilted with sd sigma_n, its mean: noise.mean_lobe."""
     total = s * s + sigma_n * sigma_n
     if law == "tangent":
@@ -59,8 +59,13 @@ def fresnel_schlick(cos_d: Array, n: float) -> Array:
     return f0 + (1.0 - f0) * (1.0 - np.abs(cos_d)) ** 5
 
 
-def fresnel(model: str, cos_d: Array, n: float) -> Array:
-    """Reflectance of a dielectric by the named model; 'constant' is that of normal incidence."""
+def fresnel(model: str, cos_d: Array, n: Fresnel) -> Array:
+    """Reflectance of a dielectric by the named model; 'constant' is that of normal incidence.
+
+    A metal has its own form whatever the model.
+    """
+    if isinstance(n, MetalPart):
+        return brdf.reflectance(cos_d, n)
     if model == "exact":
         return brdf.fresnel_dielectric(cos_d, n)
     if model == "schlick":

@@ -8,6 +8,7 @@ results broadcast. Angles are radians. Every BRDF is in 1/sr. Each specular lobe
 
 from __future__ import annotations
 
+from enum import StrEnum
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -80,6 +81,40 @@ def fresnel_dielectric(cos_d: ArrayLike, n: ArrayLike) -> Array:
     return np.asarray(0.5 * ratio * ratio * (1.0 + polarised * polarised))
 
 
+class MetalPart(StrEnum):
+    """The two parts of a metal's reflectance F0 (1 - w) + w by the form of Schlick 1994."""
+
+    FACING = "facing"  #: 1 - w, which carries the colour F0
+    GRAZING = "grazing"  #: w = (1 - cos)^5, white
+
+
+#: What a facet reflects: by its refractive index, or one part of a metal.
+Fresnel = float | MetalPart
+
+
+def schlick_weight(cos_d: ArrayLike) -> Array:
+    """w = (1 - cos)^5 (Schlick 1994): the share of the way from normal incidence to grazing.
+
+    >>> schlick_weight([1.0, 0.5, 0.0]).tolist()
+    [0.0, 0.03125, 1.0]
+    """
+    return np.asarray((1.0 - np.abs(np.asarray(cos_d, dtype=np.float64))) ** 5)
+
+
+def reflectance(cos_d: ArrayLike, fresnel: Fresnel) -> Array:
+    """What a facet reflects of the light, 0 to 1, at the cosine of its angle to the light.
+
+    fresnel: the refractive index of a dielectric, or a part of a metal.
+
+    >>> reflectance([0.5], MetalPart.FACING).tolist()
+    [0.96875]
+    """
+    if isinstance(fresnel, MetalPart):
+        weight = schlick_weight(cos_d)
+        return weight if fresnel is MetalPart.GRAZING else 1.0 - weight
+    return fresnel_dielectric(cos_d, fresnel)
+
+
 @lru_cache(maxsize=1)
 def _facet_quadrature() -> tuple[Array, Array]:
     return np.polynomial.legendre.leggauss(96)
@@ -140,19 +175,27 @@ def shadowing(f: Facing) -> Array:
     return np.asarray(np.minimum(unshadowed, grooves))
 
 
-def torrance_sparrow(f: Facing, s: float, n: float) -> Array:
+def torrance_sparrow(f: Facing, s: float, n: Fresnel) -> Array:
     """Specular BRDF of unit strength, 1/sr: D G F / (4 cos_i cos_o), zero below either horizon.
 
-    s: per-axis standard deviation of the facets, radians. n: refractive index. Source: Torrance and
-    Sparrow 1967.
+    s: per-axis standard deviation of the facets, radians. n: refractive index, or the part of a
+    metal's reflectance that stands for F. Source: Torrance and Sparrow 1967.
 
     >>> up = np.array([0.0, 0.0, 1.0])
     >>> peak = torrance_sparrow(facing(up, up, up), 0.1, 1.5)
     >>> round(float(peak / (facet_amplitude(0.1) * 0.04 / 4)), 6)
     1.0
     """
-    value = 0.25 * facet_density(f.delta2, s) * fresnel_dielectric(f.cos_d, n) * shadowing(f)
+    value = 0.25 * facet_density(f.delta2, s) * reflectance(f.cos_d, n) * shadowing(f)
     return np.where(_above(f), value, 0.0)
+
+
+def metal_torrance_sparrow(f: Facing, s: float) -> tuple[Array, Array]:
+    """The two parts of a metal's lobe of unit strength, 1/sr: MetalPart.FACING, then GRAZING.
+
+    The BRDF of a metal is F0 times the first plus the second, in each band.
+    """
+    return torrance_sparrow(f, s, MetalPart.FACING), torrance_sparrow(f, s, MetalPart.GRAZING)
 
 
 def _above(f: Facing) -> Mask:

@@ -6,7 +6,6 @@ import contextlib
 import dataclasses
 import json
 import os
-import re
 from collections.abc import Callable, Iterator
 from typing import Any, NoReturn
 
@@ -14,12 +13,17 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable, read_text, refuse, text
 from relgloss_view.base.writing import whole_file
 from relgloss_view.material.material import MAX_LOBES, Diffuse, FitRecord, Lobe, Material, Quality
-from relgloss_view.measure.bands import RGB, Bands
+from relgloss_view.measure.bands import RGB, WIDE_RGB, Bands
 from relgloss_view.measure.table import source_is_synthetic
 
 FORMAT = "relgloss-material"
 VERSION = 1
-MAX_BYTES = 64 * 1024 * 1024
+MAX_BYTES = 8 * 1024 * 1024  #: the finest bands with a whole fit take less than one
+MOST_VALUES = 10_000  #: of a list of bands; at their finest there are 5,801
+MOST_ENTRIES = 1000  #: of a list of candidates or warnings
+RGB_BASES = {"rgb": RGB, "rec2020": WIDE_RGB}
+#: The kinds of lobes.
+DIELECTRIC, METAL = "torrance-sparrow", "metal"
 MAX_DIGITS = 1000  # of a whole number; Python itself refuses more than 4300
 
 
@@ -31,7 +35,7 @@ def material_to_dict(material: Material) -> dict[str, Any]:
         "version": VERSION,
         "name": material.name,
         "source": material.source,
-        "basis": "rgb" if bands.is_rgb else "spectral",
+        "basis": next((name for name, b in RGB_BASES.items() if b == bands), "spectral"),
     }
     if bands.wavelengths_nm is not None:
         content["wavelengths_nm"] = list(bands.wavelengths_nm)
@@ -42,9 +46,13 @@ def material_to_dict(material: Material) -> dict[str, Any]:
     }
     content["specular"] = [
         {
-            "model": "torrance-sparrow",
-            "strength": lobe.strength[0] if len(lobe.strength) == 1 else list(lobe.strength),
-            "refractive_index": lobe.refractive_index,
+            "model": DIELECTRIC if lobe.f0 is None else METAL,
+            "strength": _one_or_list(lobe.strength),
+            **(
+                {"refractive_index": lobe.refractive_index}
+                if lobe.f0 is None
+                else {"f0": _one_or_list(lobe.f0)}
+            ),
             "s_deg": lobe.s_deg,
         }
         for lobe in material.specular
@@ -61,6 +69,10 @@ def material_to_dict(material: Material) -> dict[str, Any]:
     return content
 
 
+def _one_or_list(values: tuple[float, ...]) -> float | list[float]:
+    return values[0] if len(values) == 1 else list(values)
+
+
 def save_material(material: Material, path: str | os.PathLike[str]) -> None:
     """Write a material as JSON, whole or not at all. Raises InputError where that fails.
 
@@ -71,12 +83,12 @@ def save_material(material: Material, path: str | os.PathLike[str]) -> None:
     """
     try:
         content = material_to_dict(material)
-        written = json.dumps(content, indent=1, allow_nan=False)
+        written = _written(content)
     except (ValueError, TypeError, RecursionError) as error:
         raise InputError(f"{path}: {material.name}: the fit can't be written ({error})") from error
     _refuse_surrogates(content, written, f"{path}: ")
     with whole_file(path) as temporary:
-        temporary.write_text(_one_line_arrays(written) + "\n", encoding="utf-8")
+        temporary.write_text(written + "\n", encoding="utf-8")
 
 
 def load_material(path: str | os.PathLike[str]) -> Material:
@@ -162,9 +174,10 @@ def material_from_dict(content: object) -> Material:
         refuse("format", f'"{FORMAT}"', top.get("format"))
     if top.get("version") != VERSION:
         refuse("version", f"{VERSION} (a newer file needs a newer relgloss)", top.get("version"))
-    if top.get("basis") not in ("spectral", "rgb"):
-        refuse("basis", '"spectral" or "rgb"', top.get("basis"))
-    bands = RGB if top["basis"] == "rgb" else Bands(_list(top, "wavelengths_nm"))
+    basis: Any = top.get("basis")
+    if basis not in ("spectral", *RGB_BASES):
+        refuse("basis", '"spectral", "rgb" or "rec2020"', basis)
+    bands = Bands(_list(top, "wavelengths_nm")) if basis == "spectral" else RGB_BASES[basis]
     part = _table(top.get("diffuse"), "diffuse")
     with _inside("diffuse"):
         model: Any = part.get("model")
@@ -184,16 +197,25 @@ def material_from_dict(content: object) -> Material:
 
 def _lobe(value: object, place: str, bands: Bands) -> Lobe:
     part = _table(value, place)
-    if part.get("model") != "torrance-sparrow":
-        refuse(f"{place}.model", '"torrance-sparrow"', part.get("model"))
-    strength = part.get("strength")
-    if isinstance(strength, list) and len(strength) != bands.count:
-        refuse(f"{place}.strength", f"one number, or {bands.count}, one a band", len(strength))
-    values = tuple(strength) if isinstance(strength, list) else (strength,)
+    if part.get("model") not in (DIELECTRIC, METAL):
+        refuse(f"{place}.model", f'"{DIELECTRIC}" or "{METAL}"', part.get("model"))
     s_deg: Any = part.get("s_deg")
+    if part["model"] == METAL:
+        strength: Any = part.get("strength", 1.0)
+        f0 = _per_band(part.get("f0"), f"{place}.f0", bands)
+        with _inside(place):
+            return Lobe((strength,), s_deg, f0=f0)
+    values = _per_band(part.get("strength"), f"{place}.strength", bands)
     index: Any = part.get("refractive_index")
     with _inside(place):
         return Lobe(values, s_deg, index)
+
+
+def _per_band(value: object, place: str, bands: Bands) -> tuple[Any, ...]:
+    """The values of a list of one a band, or a single one; the lobe checks each."""
+    if isinstance(value, list) and len(value) != bands.count:
+        refuse(place, f"one number, or {bands.count}, one a band", len(value))
+    return tuple(value) if isinstance(value, list) else (value,)
 
 
 def _fit(value: object) -> FitRecord | None:
@@ -203,6 +225,10 @@ def _fit(value: object) -> FitRecord | None:
     record: dict[str, Any] = {}
     for name, (kind, expected) in _FIT_FIELDS.items():
         if name in part:
+            if isinstance(part[name], list) and len(part[name]) > MOST_ENTRIES:
+                raise InputError(
+                    f"fit.{name}: expected at most {MOST_ENTRIES} entries, found {len(part[name])}"
+                )
             if not isinstance(part[name], kind) or isinstance(part[name], bool):
                 refuse(f"fit.{name}", expected, part[name])
             record[name] = tuple(part[name]) if kind is list else part[name]
@@ -229,6 +255,8 @@ def _list(part: dict[str, Any], name: str) -> tuple[Any, ...]:
     value = part.get(name)
     if not isinstance(value, list):
         refuse(name, "a list of numbers", value)
+    if len(value) > MOST_VALUES:  # before each is looked at, which takes a second for a million
+        raise InputError(f"{name}: expected at most {MOST_VALUES} numbers, found {len(value)}")
     return tuple(value)
 
 
@@ -272,9 +300,14 @@ def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return result
 
 
-def _one_line_arrays(text: str) -> str:
-    """Join the lines of arrays that hold only numbers, so that spectra stay readable."""
-    return _NUMBERS.sub(lambda match: f"[{' '.join(match[1].split())}]", text)
-
-
-_NUMBERS = re.compile(r"\[\s+([-+.\deE,\s]+?)\s+\]")
+def _written(value: object, indent: str = "") -> str:
+    """JSON with an indent of one; lists of numbers take one line, so that spectra stay readable."""
+    inner = indent + " "
+    if isinstance(value, dict) and value:
+        entries = (f"{json.dumps(str(k))}: {_written(v, inner)}" for k, v in value.items())
+        return f"{{\n{inner}" + f",\n{inner}".join(entries) + f"\n{indent}}}"
+    if isinstance(value, list | tuple) and not all(isinstance(v, int | float) for v in value):
+        return (
+            f"[\n{inner}" + f",\n{inner}".join(_written(v, inner) for v in value) + f"\n{indent}]"
+        )
+    return json.dumps(value, allow_nan=False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,8 @@ from relgloss_view.base.arrays import Array
 from relgloss_view.base.notebook import html_table, span
 from relgloss_view.base.reading import printable, refuse
 from relgloss_view.material import brdf
+from relgloss_view.material.band_coverage import coverage_warnings
+from relgloss_view.material.spectra import Illuminant, light_weights
 from relgloss_view.measure.bands import Bands
 
 DIFFUSE_MODELS = ("lambert", "oren-nayar", "eon")
@@ -25,6 +27,8 @@ S_DEG_MAX = 40.0
 #: A narrower lobe is drawn as wide as this: a point lamp in a mirror has no limit image.
 S_DEG_DRAWN = 0.05
 MAX_LOBES = 2
+#: What a dielectric of index 1.5 reflects at normal incidence.
+HEAD_ON = 0.04
 
 
 class Quality(StrEnum):
@@ -65,18 +69,30 @@ class Diffuse:
         return float(np.radians(self.sigma_deg))
 
 
+class LobePart(NamedTuple):
+    """A part of a lobe: one function of the directions times one spectrum."""
+
+    fresnel: brdf.Fresnel  #: what stands for F in brdf.torrance_sparrow
+    spectrum: Array  #: (B,), its factor in each band
+
+
 @dataclass(frozen=True)
 class Lobe:
-    """A specular lobe (Torrance and Sparrow 1967).
+    """A specular lobe (Torrance and Sparrow 1967) of a dielectric or of a metal.
 
-    strength: one value a band, or a single value for all, 0 to 1,000,000.
+    strength: one value a band, or a single value for all, 0 to 1,000,000; a metal has a single one.
+    It is the share of the surface whose facets reflect: 1 for a smooth interface everywhere.
     s_deg: per-axis standard deviation of the facet normals, degrees, above 0 and at most 40.
-    refractive_index: 1 to 10.
+    refractive_index: of a dielectric, 1 to 10; not used where the lobe is a metal's.
+    f0: reflectance of a metal's facets at normal incidence, one value a band, or a single value for
+    all, 0 to 1; None for a dielectric. F = (1 - w) F0 + w with w = (1 - cos)^5 (Schlick 1994): the
+    colour of F0 head on, white at grazing incidence.
     """
 
     strength: tuple[float, ...]
     s_deg: float  #: per-axis standard deviation of the facet normals
     refractive_index: float = 1.5
+    f0: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
         expected = f"a number from 0 to {STRENGTH_MAX:g}"
@@ -88,6 +104,21 @@ class Lobe:
         above_zero = math.nextafter(0.0, 1.0)
         s_deg = reading.number(self.s_deg, "s_deg", expected, above_zero, S_DEG_MAX)
         _settle(self, strength=strength, refractive_index=index, s_deg=s_deg)
+        if self.f0 is None:
+            return
+        if len(strength) != 1:
+            refuse("strength", "one number: a metal's colour is its f0", len(strength))
+        _settle(self, f0=reading.numbers_of(self.f0, "f0", "a reflectance, 0 to 1", 0.0, 1.0))
+
+    @property
+    def is_metal(self) -> bool:
+        """Whether the lobe is a metal's."""
+        return self.f0 is not None
+
+    @property
+    def reflects(self) -> bool:
+        """Whether the lobe reflects anything."""
+        return any(self.strength) and (self.is_metal or self.refractive_index > 1.0)
 
     @property
     def s(self) -> float:
@@ -107,6 +138,29 @@ class Lobe:
     def per_band(self, count: int) -> Array:
         """The strength in each of `count` bands."""
         return np.broadcast_to(np.asarray(self.strength, dtype=np.float64), (count,)).copy()
+
+    def parts(self, count: int) -> tuple[LobePart, ...]:
+        """What the lobe is the sum of in `count` bands: one part of a dielectric, two of a metal.
+
+        >>> [part.spectrum.tolist() for part in Lobe((0.5,), 5.0, f0=(0.9, 0.7, 0.4)).parts(3)]
+        [[0.45, 0.35, 0.2], [0.5, 0.5, 0.5]]
+        """
+        strength = self.per_band(count)
+        if self.f0 is None:
+            return (LobePart(self.refractive_index, strength),)
+        return (
+            LobePart(brdf.MetalPart.FACING, strength * np.asarray(self.f0)),
+            LobePart(brdf.MetalPart.GRAZING, strength),
+        )
+
+    @property
+    def height(self) -> tuple[float, ...]:
+        """By what lobes of one width are compared: the strength of the dielectric of index 1.5 that
+        is as bright head on. A dielectric counts by its strength, whatever its index.
+        """
+        if self.f0 is None:
+            return self.strength
+        return tuple(self.strength[0] * f0 / HEAD_ON for f0 in self.f0)
 
 
 @dataclass(frozen=True)
@@ -189,12 +243,12 @@ class Material:
             if len(lobe.strength) not in (1, count):
                 place, expected = f"specular[{k}].strength", f"one number, or {count}, one a band"
                 refuse(place, expected, len(lobe.strength))
+            if lobe.f0 is not None and len(lobe.f0) not in (1, count):
+                refuse(f"specular[{k}].f0", f"one number, or {count}, one a band", len(lobe.f0))
 
     def visible_lobes(self) -> tuple[Lobe, ...]:
         """The lobes that reflect anything."""
-        return tuple(
-            lobe for lobe in self.specular if any(lobe.strength) and lobe.refractive_index > 1.0
-        )
+        return tuple(lobe for lobe in self.specular if lobe.reflects)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -208,11 +262,23 @@ class Material:
                     f"specular[{k}].s_deg = {lobe.s_deg:g} is narrower than {S_DEG_DRAWN:g} "
                     f"degrees, where a point lamp has no limit image; drawn as {S_DEG_DRAWN:g}"
                 )
-        return tuple(texts)
+        return (*texts, *coverage_warnings(self.bands))
 
     def second_albedo(self) -> Array:
         """(B,), the albedo of the diffuse model's second shape (see brdf.second_albedo)."""
         return brdf.second_albedo(self.diffuse.model, self.diffuse.albedo, self.diffuse.sigma)
+
+    def xyz_weights(self, lamp: Illuminant) -> Array:
+        """Weights (B, 3) that fold this material's spectra into XYZ under a lamp, none below zero.
+
+        They are spectra.xyz_weights of its bands, but for spectra that those make negative; see
+        spectra.light_weights. The same weights serve every diffuse model and each lobe.
+        """
+        rho = np.asarray(self.diffuse.albedo)
+        multiple = brdf.second_albedo("eon", rho, self.diffuse.sigma)
+        count = self.bands.count
+        strengths = [p.spectrum for lobe in self.specular for p in lobe.parts(count)]
+        return light_weights([rho, rho * rho, multiple, *strengths], self.bands, lamp)
 
     def evaluate(self, i: Array, o: Array) -> tuple[Array, Array]:
         """Diffuse and specular BRDF in 1/sr, each (..., B).
@@ -229,8 +295,9 @@ class Material:
         diffuse = diffuse + second[..., None] * self.second_albedo()
         specular = np.zeros_like(diffuse)
         for lobe in self.specular:
-            shape = brdf.torrance_sparrow(f, lobe.s, lobe.refractive_index)
-            specular = specular + shape[..., None] * lobe.per_band(self.bands.count)
+            for part in lobe.parts(self.bands.count):
+                shape = brdf.torrance_sparrow(f, lobe.s, part.fresnel)
+                specular = specular + shape[..., None] * part.spectrum
         return diffuse, specular
 
     def __repr__(self) -> str:
@@ -257,7 +324,9 @@ class Material:
             rows += [
                 (f"lobe {k}: strength", span(lobe.strength)),
                 (f"lobe {k}: width s", f"{lobe.s_deg:.4g} deg"),
-                (f"lobe {k}: refractive index", f"{lobe.refractive_index:.4g}"),
+                (f"lobe {k}: refractive index", f"{lobe.refractive_index:.4g}")
+                if lobe.f0 is None
+                else (f"lobe {k}: metal, F0", span(lobe.f0)),
             ]
         return html_table(f"Material: {self.name}", rows, self.warnings)
 

@@ -9,24 +9,31 @@ from __future__ import annotations
 
 import csv
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from relgloss_view.base.arrays import Array
+from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable, unreadable
 from relgloss_view.base.resources import asset
 from relgloss_view.material.lamp_file import EXPECTED as LAMP_FILE
 from relgloss_view.material.lamp_file import read_lamp
-from relgloss_view.measure.bands import Bands
+from relgloss_view.measure.bands import REC2020, SRGB, Bands
 
 #: Linear sRGB to XYZ, IEC 61966-2-1:1999 with its primaries and D65 (0.3127, 0.3290) carried to
 #: full precision, so that white is exactly Y = 1.
 SRGB_PRIMARIES_XY = ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06))
 D65_XY = (0.3127, 0.3290)
+#: Of each Bands.primaries; those of ITU-R BT.2020 have the same white.
+PRIMARIES_XY = {
+    SRGB: SRGB_PRIMARIES_XY,
+    REC2020: ((0.708, 0.292), (0.170, 0.797), (0.131, 0.046)),
+}
 SHIPPED_ILLUMINANTS = ("HP5", "D65", "D50", "A", "C")
 #: Endings that no named lamp has: such a name is a file, and colour-science need not be asked.
 LAMP_SUFFIXES = (".csv", ".txt", ".tsv", ".dat")
@@ -74,10 +81,10 @@ class Illuminant:
     def weighted_observer(self) -> tuple[Array, Array]:
         """The lamp's grid and S(l) times the CIE 1931 observer times the step, Y summing to 1."""
         grid = np.asarray(self.wavelengths_nm)
-        observer = _observer()
-        inside = (grid >= observer[0, 0]) & (grid <= observer[-1, 0])
+        table = observer()
+        inside = (grid >= table[0, 0]) & (grid <= table[-1, 0])
         grid, power = grid[inside], np.asarray(self.power)[inside]
-        matching = np.stack([np.interp(grid, observer[:, 0], observer[:, k]) for k in (1, 2, 3)])
+        matching = np.stack([np.interp(grid, table[:, 0], table[:, k]) for k in (1, 2, 3)])
         product = matching * power * np.gradient(grid)
         return grid, np.asarray(product / np.sum(product[1]))
 
@@ -158,23 +165,107 @@ def _white(lamp: Illuminant, place: str) -> Illuminant:
     return lamp
 
 
+#: Steps of a regular table differ by at most this factor: instruments round their wavelengths.
+EVEN_STEPS = 1.25
+SHARE_MARGIN = (
+    1e-4  #: of a line's share in `light_weights`, so that rounding leaves nothing negative
+)
+
+
 @lru_cache(maxsize=64)
-def xyz_weights(bands: Bands, lamp: Illuminant) -> Array:
+def xyz_weights(bands: Bands, lamp: Illuminant, *, convex: bool = False) -> Array:
     """Weights W (B, 3): XYZ of reflectances R is R @ W, and R = 1 gives the lamp's white, Y = 1.
 
-    Reflectance between band centres is interpolated as in ASTM E2022: cubic Lagrange, quadratic in
-    the outer intervals. Beyond the outer bands it is constant, so their weights include the rest.
-    Linear sRGB reflectances are relative to D65; ratios of XYZ carry them to the lamp's white.
+    Reflectance between band centres is interpolated as by `interpolation_matrix`: cubic where the
+    bands are evenly spaced, linear elsewhere. Beyond the outer bands it is constant, so their
+    weights include the rest. convex: linear everywhere, so that no weight is below zero; see
+    `light_weights`. Linear RGB reflectances are relative to D65; ratios of XYZ carry them to the
+    lamp's white.
 
     >>> weights = xyz_weights(Bands((400.0, 500.0, 600.0, 700.0)), illuminant("D65"))
     >>> weights.sum(axis=0).round(3).tolist()  # the white of D65
     [0.95, 1.0, 1.089]
     """
     if bands.is_rgb:
-        matrix = rgb_to_xyz_matrix(SRGB_PRIMARIES_XY, D65_XY)
+        matrix = rgb_to_xyz_matrix(PRIMARIES_XY[bands.primaries], D65_XY)
         return np.asarray((matrix * (lamp.white_xyz() / white_from_xy(D65_XY))[:, None]).T)
-    grid, observer = lamp.weighted_observer
-    return np.asarray((observer @ lagrange_matrix(bands.centres_nm(), grid)).T)
+    grid, weighted = lamp.weighted_observer
+    made = linear_matrix if convex else interpolation_matrix
+    return np.asarray((weighted @ made(bands.centres_nm(), grid)).T)
+
+
+def light_weights(spectra: Sequence[ArrayLike], bands: Bands, lamp: Illuminant) -> Array:
+    """Weights W (B, 3) under which none of some spectra, (B,) each and 0 or more, is negative.
+
+    Those of `xyz_weights`, unless the cubic's overshoot beside a lone band makes X, Y or Z of a
+    spectrum negative. Then the bands are interpolated by a mean of cubic and line, with the
+    smallest share of the line that leaves nothing negative: observer and lamp are nowhere negative,
+    so neither is any sum of them with a line between bands. One share serves all spectra of a
+    material, since a picture mixes them.
+
+    >>> bands, lamp = Bands(tuple(np.arange(400.0, 701.0, 50.0))), illuminant("D65")
+    >>> lone = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+    >>> (lone @ xyz_weights(bands, lamp)).round(3).tolist()  # Z of a lone band at 550 nm
+    [0.217, 0.461, -0.009]
+    >>> (lone @ light_weights([lone], bands, lamp)).round(3).tolist()
+    [0.217, 0.45, 0.0]
+    """
+    cubic = xyz_weights(bands, lamp)
+    folded = np.array([np.asarray(values) @ cubic for values in spectra])
+    if np.all(folded >= 0.0):
+        return cubic
+    convex = xyz_weights(bands, lamp, convex=True)
+    lines = np.array([np.asarray(values) @ convex for values in spectra])
+    below = folded < 0.0
+    share = float(np.max(folded[below] / (folded[below] - lines[below])))
+    share = min(share * (1.0 + SHARE_MARGIN), 1.0)
+    mixed = (1.0 - share) * cubic + share * convex
+    if all(np.all(np.asarray(values) @ mixed >= 0.0) for values in spectra):
+        return mixed
+    return convex
+
+
+def interpolation_matrix(centres: Array, grid: Array) -> Array:
+    """Interpolation matrix (G, B) from band centres to a grid, without overshoot at uneven bands.
+
+    Where the bands that surround an interval are evenly spaced: cubic Lagrange, quadratic in the
+    outer intervals (ASTM E2022; CIE 15:2004 allows it beside Sprague's polynomial). CIE 15:2004
+    recommends a cubic spline for other bands, but a polynomial through bands 1 nm and 278 nm apart
+    swings far beyond its values. There the interpolation is linear: every value lies between
+    those of the two bands beside it.
+
+    >>> uneven = np.array([380.0, 500.0, 501.0, 502.0, 780.0])
+    >>> interpolation_matrix(uneven, np.array([440.0])).tolist()
+    [[0.5, 0.5, 0.0, 0.0, 0.0]]
+    """
+    matrix = lagrange_matrix(centres, grid)
+    interval = _intervals(centres, grid)
+    windows = [
+        np.diff(centres[max(k - 1, 0) : min(k + 3, len(centres))])
+        for k in range(max(len(centres) - 1, 1))
+    ]
+    even = np.array(
+        [len(steps) == 0 or np.max(steps) <= EVEN_STEPS * np.min(steps) for steps in windows]
+    )
+    uneven = ~even[interval]
+    matrix[uneven] = linear_matrix(centres, grid[uneven])
+    return matrix
+
+
+def linear_matrix(centres: Array, grid: Array) -> Array:
+    """Linear interpolation matrix (G, B) from band centres to a grid; no entry is below zero.
+
+    >>> linear_matrix(np.array([400.0, 500.0]), np.array([380.0, 425.0])).tolist()
+    [[1.0, 0.0], [0.75, 0.25]]
+    """
+    each = np.eye(len(centres))
+    return np.stack([np.interp(grid, centres, one) for one in each], axis=-1)
+
+
+def _intervals(centres: Array, grid: Array) -> Ints:
+    """The interval between band centres in which each place of a grid lies, (G,)."""
+    last = max(len(centres) - 2, 0)
+    return np.asarray(np.clip(np.searchsorted(centres, grid, side="right") - 1, 0, last))
 
 
 def lagrange_matrix(centres: Array, grid: Array) -> Array:
@@ -185,10 +276,8 @@ def lagrange_matrix(centres: Array, grid: Array) -> Array:
     """
     count = len(centres)
     matrix = np.zeros((len(grid), count))
-    interval = np.clip(np.searchsorted(centres, grid, side="right") - 1, 0, max(count - 2, 0))
-    for row, (x, k) in enumerate(
-        zip(np.clip(grid, centres[0], centres[-1]), interval, strict=True)
-    ):
+    inside = np.clip(grid, centres[0], centres[-1])
+    for row, (x, k) in enumerate(zip(inside, _intervals(centres, grid), strict=True)):
         nodes = np.arange(max(k - 1, 0), min(k + 3, count))
         for j in nodes:
             others = nodes[nodes != j]
@@ -198,7 +287,8 @@ def lagrange_matrix(centres: Array, grid: Array) -> Array:
 
 
 @lru_cache(maxsize=1)
-def _observer() -> Array:
+def observer() -> Array:
+    """The CIE 1931 standard observer, (N, 4): wavelength in nm and the three functions."""
     with asset("spectra", "cie1931_2deg.csv").open(encoding="utf-8") as file:
         rows = [line for line in csv.reader(file) if line and not line[0].startswith("#")]
     return np.array(rows[1:], dtype=np.float64)

@@ -13,14 +13,19 @@ from relgloss_view.base.reading import numbers_of, refuse
 #: No instrument reads reflectance outside; a header in micrometres or picometres falls outside too.
 WAVELENGTH_RANGE_NM = (100.0, 3000.0)
 FINEST_STEP_NM = 0.5
+SRGB, REC2020 = "srgb", "rec2020"
+#: Names of the primaries of linear RGB, for people.
+PRIMARIES = {SRGB: "linear sRGB", REC2020: "linear Rec. 2020"}
 
 
 @dataclass(frozen=True)
 class Bands:
-    """Spectral bands by their centres, or the three channels of linear sRGB.
+    """Spectral bands by their centres, or three channels of linear RGB.
 
     wavelengths_nm: two or more centres in increasing order, nanometres, 100 to 3000, at least 0.5
-    apart; None for linear sRGB reflectances. Raises InputError for anything else.
+    apart; None for linear RGB reflectances. Raises InputError for anything else.
+    primaries: of linear RGB: 'srgb', or the wider 'rec2020' (ITU-R BT.2020, the same white) for
+    colours that have a negative channel in sRGB.
 
     >>> Bands((400.0, 500.0, 600.0)).labels
     ('400 nm', '500 nm', '600 nm')
@@ -33,10 +38,15 @@ class Bands:
     """
 
     wavelengths_nm: tuple[float, ...] | None = None
+    primaries: str = SRGB
 
     def __post_init__(self) -> None:
+        if self.primaries not in PRIMARIES:
+            refuse("primaries", f"one of {', '.join(PRIMARIES)}", self.primaries)
         if self.wavelengths_nm is None:
             return
+        if self.primaries != SRGB:
+            refuse("primaries", "none beside wavelengths", self.primaries)
         place = "wavelengths_nm"
         low, high = WAVELENGTH_RANGE_NM
         expected = f"a wavelength in nm, {low:g} to {high:g}"
@@ -55,7 +65,7 @@ class Bands:
 
     @property
     def is_rgb(self) -> bool:
-        """Whether the channels are linear sRGB reflectances."""
+        """Whether the channels are linear RGB reflectances."""
         return self.wavelengths_nm is None
 
     @property
@@ -74,14 +84,15 @@ class Bands:
     def words(self) -> str:
         """The channels as people read them, such as '35 bands, 390 to 730 nm'."""
         if self.wavelengths_nm is None:
-            return "linear sRGB"
+            return PRIMARIES[self.primaries]
         return f"{self.count} bands, {self.labels[0][:-3]} to {self.labels[-1]}"
 
     def centres_nm(self) -> Array:
-        """The band centres, (B,), nanometres; raises ValueError for linear sRGB."""
+        """The band centres, (B,), nanometres; raises ValueError for linear RGB."""
         if self.wavelengths_nm is None:
-            raise ValueError("linear sRGB channels have no wavelengths")
+            raise ValueError(f"{self.words} channels have no wavelengths")
         return np.asarray(self.wavelengths_nm, dtype=np.float64)
 
 
 RGB = Bands()
+WIDE_RGB = Bands(primaries=REC2020)

@@ -66,3 +66,23 @@ def shown_light(frame: Frame, light: Floats) -> tuple[Array, Mask]:
     if frame.edges is None:
         return picture, on_object
     return smoothed(picture, on_object, frame.edges, background)
+
+
+def cut_out(frame: Frame, light: Floats) -> tuple[Array, Array]:
+    """The object of a picture without its surround, for compositing: RGB (H, W, 3), A (H, W).
+
+    light: linear, with the frame's samples, over the surround. A is the share of the pixel that the
+    object covers, by smooth silhouettes where the frame has them. RGB is premultiplied by A (Porter
+    and Duff 1984), so that RGB + (1 - A) times the surround's light is the picture as it shows.
+    """
+    background = tone.DisplayModel.of(frame.scene.display).background_light
+    on_object = frame.on_object
+    share = np.where(on_object, frame.coverage, 0.0).astype(np.float64)
+    over = np.asarray(light, dtype=np.float64) - (1.0 - share[..., None]) * background
+    picture = np.where(on_object[..., None], np.maximum(over, 0.0), 0.0)
+    if frame.edges is None:
+        return picture, share
+    picture, shows = smoothed(picture, on_object, frame.edges, 0.0)
+    column, row = frame.edges[:, 0].astype(np.int64), frame.edges[:, 1].astype(np.int64)
+    share[row, column] = np.where(shows[row, column], frame.edges[:, 2], 0.0)
+    return picture, share

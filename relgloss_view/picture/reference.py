@@ -7,7 +7,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.material import brdf
-from relgloss_view.material.spectra import illuminant, xyz_weights
+from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.frame import Extremes, Frame, Scaling, scene_warnings
 from relgloss_view.picture.model import shape, tone
 from relgloss_view.picture.model.drawn import as_drawn
@@ -78,7 +78,7 @@ class ReferenceRenderer:
         self, scene: Scene, look: Look, view: View, white: float, samples: int
     ) -> dict[str, Array]:
         material = scene.material
-        weights = xyz_weights(material.bands, illuminant(scene.lamp.illuminant))
+        weights = material.xyz_weights(illuminant(scene.lamp.illuminant))
         width, height = view.size
         stages = {name: np.zeros((height, width, 4)) for name in ("diffuse", "specular")}
         stages.update(

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from relgloss_view.base.arrays import Array
 from relgloss_view.material import brdf
 from relgloss_view.material.material import Lobe, Material
-from relgloss_view.material.spectra import illuminant, xyz_weights
+from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.model import shape as shapes
 from relgloss_view.picture.model.drawn import as_drawn, drawn_diffuse, drawn_lobes
@@ -179,7 +179,9 @@ def survey(scene: Scene, look: Look, method: Method) -> dict[str, Span]:
     incidence = _span(theta) if len(theta) else (0.0, 89.0)
     return {
         "s_deg": _span(widths if seen else [1.0]),
-        "refractive_index": _span([lobe.refractive_index for lobe in seen] or [1.5]),
+        "refractive_index": _span(
+            [lobe.refractive_index for lobe in seen if not lobe.is_metal] or [1.5]
+        ),
         "sigma_deg": (scene.material.diffuse.sigma_deg,) * 2,
         "sigma_n_deg": (look.sigma_n_deg,) * 2,
         "grain_ratio": _span([look.sigma_n_deg / width for width in widths]),
@@ -195,7 +197,9 @@ def survey(scene: Scene, look: Look, method: Method) -> dict[str, Span]:
 def _matters(axis: str, material: Material, look: Look, method: Method) -> bool:
     """Whether a choice changes anything that the scene has."""
     has_lobes = bool(drawn_lobes(material, method))
-    if axis in ("fresnel", "shadowing", "facets"):
+    if axis == "fresnel":  # a metal has its own
+        return any(not lobe.is_metal for lobe in drawn_lobes(material, method))
+    if axis in ("shadowing", "facets"):
         return has_lobes
     if axis == "diffuse":
         return drawn_diffuse(material, method) != drawn_diffuse(material, Method())
@@ -248,14 +252,15 @@ def _largest_y(
     if not lobes or not len(irradiance):
         return 0.0
     material = scene.material
-    weights = xyz_weights(material.bands, illuminant(scene.lamp.illuminant))[:, 1]
+    weights = material.xyz_weights(illuminant(scene.lamp.illuminant))[:, 1]
     total = np.zeros(len(irradiance))
     cosine = np.maximum(facing.cos_d, brdf.COSINE_EPSILON)
     for lobe in lobes:
-        seen = brdf.torrance_sparrow(facing, lobe.s, lobe.refractive_index) * irradiance
-        # At the mirror point both cosines are that of the half angle, and G is 1.
-        reflectance = brdf.fresnel_dielectric(cosine, lobe.refractive_index)
-        mirror = 0.25 * brdf.facet_amplitude(lobe.s) * reflectance / cosine**2
-        strength = float(lobe.per_band(material.bands.count) @ weights)
-        total += np.pi * strength * np.maximum(seen, mirror * np.max(irradiance))
+        for part in lobe.parts(material.bands.count):
+            seen = brdf.torrance_sparrow(facing, lobe.s, part.fresnel) * irradiance
+            # At the mirror point both cosines are that of the half angle, and G is 1.
+            reflectance = brdf.reflectance(cosine, part.fresnel)
+            mirror = 0.25 * brdf.facet_amplitude(lobe.s) * reflectance / cosine**2
+            strength = float(part.spectrum @ weights)
+            total += np.pi * strength * np.maximum(seen, mirror * np.max(irradiance))
     return float(np.max(total))

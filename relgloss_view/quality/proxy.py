@@ -16,7 +16,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.material import approximations, brdf
 from relgloss_view.material.approximations import mean_lobe, plain_lobe
-from relgloss_view.material.spectra import illuminant, xyz_weights
+from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.frame import Extremes, Scaling
 from relgloss_view.picture.gpu.variant import Variant
 from relgloss_view.picture.method import EXACT, Method
@@ -135,7 +135,7 @@ class Proxy:
         scene, look = self.scene, self.look
         variant = Variant.of(scene, look, 1, method)
         material, lamp = scene.material, illuminant(scene.lamp.illuminant)
-        weights = xyz_weights(material.bands, lamp)
+        weights = material.xyz_weights(lamp)
         smooth, arriving = self._facing(variant.lamp, tilted=False)
         white = float(np.max(np.maximum(smooth.mu_i, 0.0) * arriving * (smooth.mu_o > 0.0)))
         if scene.lamp.y_n == "front":
@@ -153,14 +153,15 @@ class Proxy:
         diffuse *= (arriving * np.maximum(under.mu_i, 0.0))[:, None]
         specular = np.zeros_like(diffuse)
         for lobe in drawn_lobes(material, method):
-            terms = plain_lobe(lobe.s, lobe.refractive_index)
-            if variant.facets == "mean-gaussian":
-                sigma_n = float(np.radians(look.sigma_n_deg))
-                terms = mean_lobe(lobe.s, lobe.refractive_index, sigma_n, look.noise_law)
-            reflected = approximations.torrance_sparrow(
-                grain, terms, variant.fresnel, variant.shadowing, variant.facets
-            )
-            specular += reflected[:, None] * (lobe.per_band(material.bands.count) @ weights)
+            for part in lobe.parts(material.bands.count):
+                terms = plain_lobe(lobe.s, part.fresnel)
+                if variant.facets == "mean-gaussian":
+                    sigma_n = float(np.radians(look.sigma_n_deg))
+                    terms = mean_lobe(lobe.s, part.fresnel, sigma_n, look.noise_law)
+                reflected = approximations.torrance_sparrow(
+                    grain, terms, variant.fresnel, variant.shadowing, variant.facets
+                )
+                specular += reflected[:, None] * (part.spectrum @ weights)
         specular *= (arriving * np.maximum(grain.mu_i, 0.0))[:, None]
         return diffuse, specular
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import os
 
 import pytest
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import number, printable, read_text
-from relgloss_view.material.files import load_material
+from relgloss_view.material.files import load_material, material_to_dict, save_material
 from relgloss_view.material.spectra import illuminant
+from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene_file import load_scene
 
 READERS = {"material": load_material, "scene": load_scene, "lamp": illuminant}
@@ -94,3 +96,48 @@ def test_numbers(value):
     with pytest.raises(InputError, match=r"^n: expected a number, found .{1,60}$"):
         number(value, "n", "a number", 0.0, 1e300)
     assert number(3, "n", "a number", 0.0, 4.0) == 3.0
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "[look]\n" + "a." * 20_000 + "a = 1",
+        "[" + "a." * 20_000 + "a]",
+        "x = {" + '"a" . ' * 20_000 + "a = 1}",
+        "x = [1, {" + "'a'." * 20_000 + "a = 1}]",
+    ],
+    ids=["key", "header", "inline", "in a list"],
+)
+def test_keys_of_very_many_parts_are_never_parsed(monkeypatch, tmp_path, text):
+    """tomllib's time for one grows with the square of its parts: 6 s for 20,000."""
+    path = tmp_path / "scene.toml"
+    path.write_text(text)
+    monkeypatch.setattr("tomllib.loads", lambda _: pytest.fail("parsed"))
+    assert "nested too deeply" in refused(load_scene, path)
+
+
+def test_keys_of_a_few_parts_are(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text("# a.b.c.d.e.f.g.h.i.j.k.l = 1\nlook.seed = 3\n")
+    assert load_scene(path)[1].seed == 3
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [("wavelengths_nm", [0.5] * 20_000), ("diffuse", {"model": "lambert", "albedo": [0] * 20_000})],
+)
+def test_lists_of_very_many_numbers_are_refused_before_each_is_looked_at(tmp_path, field, value):
+    content = material_to_dict(load_sample("uncoated")) | {field: value}
+    path = tmp_path / "m.json"
+    path.write_text(json.dumps(content))
+    assert "at most 10000 numbers, found 20000" in refused(load_material, path)
+
+
+@pytest.mark.parametrize("name", ["lot [ 12 ]", "[  1,\t2 ]", "[\n]"])
+def test_a_name_with_brackets_is_saved_as_it_is(tmp_path, name):
+    content = material_to_dict(load_sample("uncoated")) | {"name": name}
+    (tmp_path / "m.json").write_text(json.dumps(content))
+    material = load_material(tmp_path / "m.json")
+    save_material(material, tmp_path / "again.json")
+    assert load_material(tmp_path / "again.json") == material
+    assert material.name == name

@@ -7,7 +7,15 @@ import sys
 
 import pytest
 
-from relgloss_view.base.terminal import Column, Progress, no_progress, table, warn
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.terminal import (
+    Column,
+    Progress,
+    make_streams_safe,
+    no_progress,
+    table,
+    warn,
+)
 
 COLUMNS = (Column("sample", left=True), Column("gloss\n60 deg", 8), Column("note", left=True))
 
@@ -70,3 +78,39 @@ def test_a_warning_is_one_line(capsys):
     assert error.startswith("warning: two lines \\x1b[31mxx")
     assert error.count("\n") == 1
     assert len(error) < 320
+
+
+EVIL = "\x1b[31mred\x07 \x9b5m \r\u202egnp \x00\x7f\ud800"
+
+
+def test_no_terminal_obeys_what_is_printed(monkeypatch):
+    out = io.StringIO()
+    monkeypatch.setattr(sys, "stdout", out)
+    make_streams_safe()
+    make_streams_safe()  # twice is once
+    print(EVIL, "Büttenpapier 紙\u00a0x")
+    sys.stdout.writelines([EVIL, "\n"])
+    first, second, rest = out.getvalue().split("\n")
+    assert rest == ""
+    assert "Büttenpapier 紙" in first
+    for line in (first.replace("\u00a0", ""), second):
+        assert line.isprintable()
+        assert line.startswith("\\x1b[31mred\\x07 \\x9b5m \\r\\u202egnp \\x00\\x7f\\ud800")
+
+
+def test_a_table_and_the_bar_obey_nothing(monkeypatch):
+    text = table([Column("a")], [(EVIL + "\nforged line",)])
+    assert len(text.split("\n")) == 2
+    assert text.split("\n")[1].isprintable()
+    watched = Watched()
+    monkeypatch.setattr(sys, "stderr", watched)
+    make_streams_safe()
+    with Progress(EVIL) as progress:
+        progress(0.5, EVIL)
+    assert set(watched.getvalue()) & set("\x1b\x07\x9b\x00\n") == set()
+    assert watched.getvalue().endswith("\r")
+
+
+@pytest.mark.parametrize("text", [EVIL, "two\nlines", "a\x85b\u2028c"])
+def test_an_error_is_one_line_that_no_terminal_obeys(text):
+    assert str(InputError(f"{text}: no rows")).isprintable()

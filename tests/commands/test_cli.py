@@ -85,7 +85,8 @@ class TestSnapshot:
         with OpenEXR.File(str(path), separate_channels=True) as file:
             header = dict(file.header())  # the file empties its own when it closes
             layers = {name: channel.pixels for name, channel in file.channels().items()}
-        names = ["R", "G", "B", "A", "Ld.Y", "Ls.Y", "Lab.L", "Lab.A", "Lab.B"]
+        names = ["R", "G", "B", "A", "samples.Y", "Ld.Y", "Ls.Y"]
+        names += ["Lab.L", "Lab.a_star", "Lab.b_star"]
         for layer in ("diffuse", "specular", "N", "Np", "P"):
             names += [f"{layer}.{axis}" for axis in "XYZ"]
         assert set(layers) == set(names)
@@ -96,7 +97,7 @@ class TestSnapshot:
         np.testing.assert_allclose(header["eye_m"], [0, 0, 0.6], atol=1e-6)
         np.testing.assert_allclose(np.linalg.norm(header["lamp_m"]), 1.0, rtol=1e-6)
         assert {"seed", "clip_count", "relgloss_version"} <= set(header)
-        on = layers["A"] > 0
+        on = layers["samples.Y"] > 0
         lit = layers["Ld.Y"] + 0.3 * layers["Ls.Y"]
         np.testing.assert_allclose(layers["Lab.L"][on], lit[on], atol=2e-3)
         # Row 0 is the top: the upper rows see points with positive y.

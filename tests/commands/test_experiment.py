@@ -17,6 +17,8 @@ from PIL import Image
 
 from relgloss_view import cli
 from relgloss_view.experiment.design.study_file import load_study
+from relgloss_view.experiment.observers.kinds import KINDS
+from relgloss_view.experiment.observers.percept import BOTH_SIGNS
 from relgloss_view.experiment.session.records import read_record
 from relgloss_view.picture.scene.scene_file import load_scene
 
@@ -122,15 +124,59 @@ class TestSimulate:
 
     def test_many_studies(self, folder, capsys):
         words = ("experiment", "simulate", "paper", *SMALL, "--studies", 2, "--observers", 5)
+        words = (*words, "--grain-weight", -1)
         found = json.loads(run(capsys, *words, "--draws", 10, "--json"))
         assert found["all"]["cases"] == 6
         assert set(found["samples"]) == {"art-coated", "matte-coated", "uncoated"}
         assert "2 studies of 5 observers" in run(capsys, *words, "--draws", 10)
         assert os.listdir(folder) == []
 
+    def test_both_signs_of_grain_where_none_is_stated(self, folder, capsys):
+        words = ("experiment", "simulate", "paper", *SMALL, *GRID, "--truth", "cells")
+        many = ("--studies", 1, "--observers", 5, "--draws", 5)
+        found = json.loads(run(capsys, *words, *many, "--json"))
+        assert [t["grain_weight"] for t in found["tables"]] == list(BOTH_SIGNS)
+        assert [t["all"]["cases"] for t in found["tables"]] == [3, 3]
+        assert found["all"]["cases"] == 6
+        assert {s["study"] for s in found["studies"]} == {0, 1}
+        told = run(capsys, *words, *many)
+        assert "unique, grain weight -4" in told
+        assert "unique, grain weight +4" in told
+        one = json.loads(run(capsys, *words, *many, "--grain-weight", "-0.5", "--json"))
+        assert (one["kind"], one["grain_weight"]) == ("unique", -0.5)
+        assert "tables" not in one
+
+    def test_a_session_holds_the_sign_of_each_observer(self, folder, capsys):
+        words = ("experiment", "simulate", "paper", *TINY, "--observers", 4, "-o")
+        assert "lowers it for others (-4, +4)" in run(capsys, *words, "both.sqlite")
+        stated = run(capsys, *words, "one.sqlite", "--grain-weight", "1.5")
+        assert "lowers" not in stated
+        blind = json.loads(run(capsys, *words, "blind.sqlite", "--kind", "city-block", "--json"))
+        assert (blind["kind"], blind["grain_weights"]) == ("city-block", [])
+        for name, weights in (
+            ("both", [-4, -4, 4, 4]), ("one", [1.5] * 4), ("blind", [None] * 4)
+        ):  # fmt: skip
+            record = read_record(folder / f"{name}.sqlite", folder)
+            assert [record.details[n]["grain_weight"] for n in range(4)] == weights
+
+    def test_all_kinds_in_one_table(self, folder, capsys):
+        words = ("experiment", "simulate", "paper", *SMALL, *GRID, "--truth", "cells")
+        words = (*words, "--kind", "all", "--studies", 1, "--observers", 5, "--draws", 5)
+        found = json.loads(run(capsys, *words, "--json"))
+        kinds = [(t["kind"], t["grain_weight"]) for t in found["tables"]]
+        assert {kind for kind, _ in kinds} == set(KINDS)
+        assert len(set(kinds)) == len(kinds) == 2 * len(KINDS) - 3  # three see no picture
+        told = run(capsys, *words)
+        assert all(kind in told for kind in KINDS)
+        assert cli.main(["experiment", "simulate", "paper", "--kind", "all", "-o", "s.sqlite"]) == 2
+        assert "--kind all needs --studies" in capsys.readouterr().err
+        assert os.listdir(folder) == []
+
     @pytest.mark.parametrize(
         ("words", "told"),
         [
+            (("--grain-weight", "nan"), "--grain-weight: expected -100 to 100"),
+            (("--grain-weight", "1e6"), "--grain-weight: expected -100 to 100"),
             (("--observers", "0"), "--observers 0: expected 1 to 1000"),
             (("--seed", "-1"), "--seed -1: expected 0 to"),
             (("--truth", "uncoated"), "expected SAMPLE=SIGMA_N,C"),

@@ -134,6 +134,7 @@ class TestOpenGL:
             cli.main(["snapshot", "-o", str(tmp_path / "a.png")])
 
     def test_doctor_survives_what_a_backend_raises(self, capsys, monkeypatch):
+        from relgloss_view.commands import doctor
         from relgloss_view.quality import backends
 
         real = backends.open_renderer
@@ -144,6 +145,7 @@ class TestOpenGL:
             return real(name, *rest)
 
         monkeypatch.setattr(backends, "open_renderer", fail)
+        monkeypatch.setattr(doctor, "_check", doctor._check_here)
         status, out, _ = run(capsys, "doctor", "--json")
         found = json.loads(out)["opengl"]
         assert status == 0
@@ -153,6 +155,86 @@ class TestOpenGL:
             "fault": "osmesa: SystemError: driver\nfell over",
         }
         assert "osmesa: osmesa: SystemError: driver fell over" in run(capsys, "doctor")[1]
+
+
+class TestDrivers:
+    """A driver whose hardware is missing ends the process that tries it."""
+
+    @pytest.fixture
+    def crashing(self, monkeypatch):
+        """Both contexts end the process that makes them."""
+        from relgloss_view.base import child
+
+        real = child.run_module
+        outcomes = {"osmesa": child.Outcome(-11, "", ""), "egl": child.Outcome(-6, "", "")}
+
+        def run_module(module, *words):
+            return outcomes.get(words[-1]) or real(module, *words)
+
+        monkeypatch.setattr(child, "run_module", run_module)
+        return outcomes
+
+    def test_doctor_reports_each_context(self, capsys, crashing):
+        del crashing["egl"]
+        status, out, _ = run(capsys, "doctor")
+        assert status == 0
+        assert "osmesa: the OpenGL driver crashed with signal 11 (SIGSEGV)" in out
+        assert "pictures are drawn with egl" in out
+
+    def test_a_picture_is_one_line_with_the_variable(self, capsys, monkeypatch, tmp_path, crashing):
+        from relgloss_view.picture.gpu import probe
+
+        monkeypatch.setattr(probe, "_crashes", {})
+        monkeypatch.setenv("GALLIUM_DRIVER", "d3d12")
+        status, _, err = run(capsys, "snapshot", "--size", "16x16", "-o", tmp_path / "a.png")
+        assert status == 3
+        assert "crashed with signal 6 (SIGABRT); unset GALLIUM_DRIVER=d3d12" in one_line(err)
+        assert list(tmp_path.iterdir()) == []
+
+    def test_nothing_is_tried_where_no_driver_is_named(self, monkeypatch, crashing):
+        from relgloss_view.picture.gpu import probe
+
+        for name in probe.chosen_by_hand():
+            monkeypatch.delenv(name.partition("=")[0])
+        monkeypatch.setattr(probe, "_crashes", {})
+        probe.check("egl")
+        monkeypatch.setenv("GALLIUM_DRIVER", "softpipe")
+        monkeypatch.setenv("LP_NUM_THREADS", "0")
+        probe.check("egl")
+        assert probe._crashes == {}
+
+    def test_a_child_that_ends_by_itself_and_one_that_does_not(self, monkeypatch):
+        from relgloss_view.base import child
+
+        assert child.run_module("relgloss_view.cli", "--version").crash == ""
+        assert child.Outcome(-11, "", "").crash == "crashed with signal 11 (SIGSEGV)"
+        monkeypatch.setattr(child, "LONGEST_S", 0.001)
+        assert "no answer" in child.run_module("relgloss_view.cli", "--version").crash
+
+
+class TestTerminal:
+    ESCAPES = "\x1b]0;evil\x07\x1b[31m\u202egnp"
+
+    @pytest.mark.parametrize(
+        "words",
+        [
+            ["snapshot", ESCAPES],
+            ["snapshot", "--sample", ESCAPES, "-o", "a.png"],
+            ["snapshot", f"--{ESCAPES}", "-o", "a.png"],
+            ["snapshot", "-o", f"{ESCAPES[5:]}.png", "--size", "16x16"],
+            ["snapshot", "-o", f"gone/{ESCAPES}.png", "--size", "16x16"],
+            ["snapshot", "--set", f"look.{ESCAPES}=1", "-o", "a.png"],
+            ["gloss", f"{ESCAPES}.json"],
+            ["plan", "--material", f"{ESCAPES}.json"],
+            ["experiment", "export", f"{ESCAPES}.sqlite", "-o", "a.csv"],
+            [ESCAPES],
+        ],
+    )
+    def test_no_word_of_a_command_line_reaches_it_raw(self, capsys, monkeypatch, tmp_path, words):
+        monkeypatch.chdir(tmp_path)
+        _, out, err = run(capsys, *words)
+        assert out + err
+        assert not set(out + err) & set("\x1b\x07\u202e")
 
 
 class TestFit:
@@ -213,3 +295,12 @@ class TestSnapshot:
         status, _, err = run(capsys, *words)
         assert status == 1
         assert len(one_line(err)) < 1100
+
+
+@pytest.mark.parametrize("name", ["bytes\udcff.exr", "bytes\udcff/a.exr", "bytes\udcff.png"])
+def test_names_that_are_not_utf_8(capsys, monkeypatch, tmp_path, name):
+    monkeypatch.chdir(tmp_path)
+    os.mkdir("bytes\udcff")
+    assert run(capsys, "snapshot", "--size", "16x16", "-o", name)[0] == 0
+    assert os.path.getsize(name) > 100
+    assert sum(len(files) for _, _, files in os.walk(tmp_path)) == 1

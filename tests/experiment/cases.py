@@ -41,7 +41,7 @@ def percepts(made, truths):
         return np.log(setting.c_fraction), 0.09 * np.tanh(setting.sigma_n_deg / 2.5)
 
     stimuli = np.array([[seen(s) for s in made.grid.settings] for _ in made.samples])
-    return Percepts(stimuli, tuple(truths), np.array([seen(t) for t in truths]))
+    return Percepts(stimuli, tuple(truths), np.array([seen(t) for t in truths]), (0.0,))
 
 
 class Clock:

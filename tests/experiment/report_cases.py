@@ -37,9 +37,8 @@ def percepts_of(study, truths):
     """Gloss and grain follow the grid's steps; enough for observers to have something to judge."""
     seen = coordinates(study.grid)[:, ::-1] * PERCEPT_A_STEP
     targets = [to_steps(study.grid, t.sigma_n_deg, t.c_fraction)[::-1] for t in truths]
-    return Percepts(
-        np.stack([seen] * len(study.samples)), tuple(truths), np.array(targets) * PERCEPT_A_STEP
-    )
+    stimuli = np.stack([seen] * len(study.samples))
+    return Percepts(stimuli, tuple(truths), np.array(targets) * PERCEPT_A_STEP, (0.0,))
 
 
 def pool_of(study, truths=None, count=6, name="study", **population):

@@ -87,7 +87,9 @@ def test_a_lobe_narrower_than_the_grid_is_unidentifiable() -> None:
     assert bounds["s_deg_lower"] is None
     assert 0.3 < bounds["s_deg_upper"] < 1.5  # five degrees off the mirror it would show
     assert any("unidentifiable" in text for text in fit.grounds)
-    assert material.warnings == fit.warnings == fit.grounds
+    assert fit.warnings == fit.grounds
+    # The case's bands lie side by side, which a material warns of.
+    assert set(fit.warnings) <= set(material.warnings)
     assert material.specular[0].s_deg <= bounds["s_deg_upper"]
 
 
@@ -155,11 +157,11 @@ def test_a_metal_frees_the_index() -> None:
     metal = np.pi * shape * (0.8 + 0.2 * (1.0 - f.cos_d) ** 5)
     value = fit_cases.truth((), albedo=(0.002,) * 4) + metal[:, None] * np.array([0.6, 0.7, 0.9, 1])
     measurement = fit_cases.measured(value)
-    material = fit_material(measurement)
+    material = fit_material(measurement, model="spectral-lobe")
     assert material.fit is not None
     assert not material.fit.bounds["refractive_index"]["held"]
     assert material.specular[0].refractive_index > 2.5
-    held = fit_material(measurement, free_index=False)
+    held = fit_material(measurement, model="spectral-lobe", free_index=False)
     assert held.specular[0].refractive_index == 1.5
     assert held.fit is not None
     ratio = held.fit.residuals["rms_log_error"] / material.fit.residuals["rms_log_error"]
@@ -295,7 +297,7 @@ def test_a_dead_band_does_not_spoil_the_others() -> None:
 def test_the_jackknife_of_a_mean_is_its_standard_error() -> None:
     """Where leaving out moves an unknown as it moves a mean, the jackknife is sd/sqrt(n).
 
-    It is widened by Student's t against the normal, so that 1.96 of it hold 95 %.
+    It is widened by Student's t against the normal, at 80 %.
     """
     groups = np.array([1.0, 2.0, 4.0, 7.0, 3.0])
     without = (np.sum(groups) - groups) / (len(groups) - 1)
@@ -308,7 +310,7 @@ def test_the_jackknife_of_a_mean_is_its_standard_error() -> None:
     )
     error = standard_errors(candidate).albedo_relative
     expected = np.std(groups, ddof=1) / np.sqrt(len(groups)) / np.mean(groups)
-    expected *= 2.7764 / 1.9600  # t of 4 degrees of freedom at 97.5 %, from a table
+    expected *= 1.5332 / 1.2816  # t of 4 degrees of freedom at 90 %, from a table
     assert error == pytest.approx(expected, rel=1e-3)  # kept to four digits
 
 

@@ -118,7 +118,7 @@ def test_standard_errors_are_the_jackknife_of_each_unknown() -> None:
     errors = verdict.standard_errors(candidate_of(folds[0], rung, folds))
 
     def of_mean(x: np.ndarray) -> object:
-        wider = 2.5706 / 1.9600  # Student's t of 5 degrees of freedom at 97.5 %, from a table
+        wider = 1.4759 / 1.2816  # Student's t of 5 degrees of freedom at 90 %, from a table
         return pytest.approx(wider * np.std(x, ddof=1) / np.sqrt(len(x)), rel=1e-3)
 
     assert errors.sigma_deg == of_mean(sigma_deg)

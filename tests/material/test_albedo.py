@@ -58,11 +58,16 @@ def test_a_fit_that_makes_light_says_so():
     from relgloss_view.fitting.evidence import with_energy_warning
     from relgloss_view.material.material import FitRecord
 
-    def told(strength):
+    def judged(strength, steepest_deg):
         diffuse, lobes = Diffuse("lambert", (0.5,) * 3), (Lobe((strength,), 3.0),)
         material = Material("", "", RGB, diffuse, lobes, FitRecord())
-        return with_energy_warning(material).warnings
+        return with_energy_warning(material, steepest_deg)
 
-    assert not told(1.0)
-    (warning,) = told(3.0)
+    assert not judged(1.0, 80.0).warnings
+    beyond = judged(3.0, 60.0)
+    (warning,) = beyond.warnings
     assert "more light than it receives at 80 deg" in warning or "at 70 deg" in warning
+    assert beyond.fit.quality == "good"
+    measured = judged(3.0, 80.0)  # where samples are, no surface does so
+    assert measured.fit.quality == "poor"
+    assert "check the quantity" in measured.fit.grounds[0]

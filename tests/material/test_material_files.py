@@ -12,9 +12,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.material.files import load_material, material_to_dict, save_material
+from relgloss_view.material.files import (
+    load_material,
+    material_from_dict,
+    material_to_dict,
+    save_material,
+)
 from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material, Quality
-from relgloss_view.measure.bands import RGB
+from relgloss_view.measure.bands import RGB, WIDE_RGB, Bands
 
 
 def test_round_trip(tmp_path):
@@ -104,7 +109,7 @@ def test_what_explains_the_quality_is_read_from_the_warnings(tmp_path, quality, 
     written = material_to_dict(material)["fit"]
     assert written["quality"] == quality
     assert json.loads(json.dumps(written))["warnings"] == warnings
-    assert "grounds" not in written
+    assert tuple(written["grounds"]) == material.fit.grounds
 
 
 def changed(path, value):
@@ -275,3 +280,19 @@ def test_any_value_anywhere_is_read_or_refused(tmp_path, path, value):
         assert "\n" not in str(error)
     else:
         assert material.bands.count == len(material.diffuse.albedo)
+
+
+def test_a_colour_outside_srgb_keeps_its_basis(tmp_path):
+    wide = Material("sunflower", "by hand", WIDE_RGB, Diffuse("lambert", (0.65, 0.42, 0.02)))
+    path = tmp_path / "sunflower.json"
+    save_material(wide, path)
+    assert load_material(path) == wide
+    content = json.loads(path.read_text())
+    assert content["basis"] == "rec2020"
+    content["basis"] = "cmyk"
+    with pytest.raises(InputError, match='basis: expected "spectral", "rgb" or "rec2020"'):
+        material_from_dict(content)
+    with pytest.raises(InputError, match="primaries: expected one of srgb, rec2020"):
+        Bands(primaries="adobe")
+    with pytest.raises(InputError, match="none beside wavelengths"):
+        Bands((400.0, 500.0), primaries="rec2020")

@@ -10,7 +10,8 @@ import pytest
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.material import spectra
-from relgloss_view.measure.bands import RGB, Bands
+from relgloss_view.material.material import Diffuse, Lobe, Material
+from relgloss_view.measure.bands import RGB, WIDE_RGB, Bands
 from relgloss_view.picture.scene.scene_file import load_scene
 
 colour = pytest.importorskip("colour")
@@ -261,3 +262,119 @@ def test_two_bands_and_one_band_are_interpolated_as_far_as_they_go():
     line = spectra.lagrange_matrix(np.array([400.0, 500.0]), grid)
     np.testing.assert_allclose(line @ [0.2, 0.7], [0.2, 0.2, 0.35, 0.7, 0.7])
     np.testing.assert_array_equal(spectra.lagrange_matrix(np.array([400.0]), grid), 1.0)
+
+
+UNEVEN = (
+    (380.0, 500.0, 501.0, 502.0, 780.0),
+    (400.0, 401.0, 700.0),
+    (300.0, 440.0, 441.5, 555.0, 556.0, 610.0, 900.0),
+    (610.0, 610.5, 700.0),
+)
+
+
+def non_negative_spectra(count, seed):
+    """Spectra of lone bands, steps and noise, (N, count), 0 to 4."""
+    rng = np.random.default_rng(seed)
+    return np.concatenate(
+        [np.eye(count), np.tril(np.ones((count, count))), rng.uniform(0.0, 4.0, (20, count))]
+    )
+
+
+@pytest.mark.parametrize("centres", UNEVEN)
+@pytest.mark.parametrize("lamp_name", ["HP5", "D65", "A"])
+def test_uneven_bands_do_not_overshoot(centres, lamp_name):
+    """Every colour lies among those of its bands: none negative, none above the brightest band."""
+    lamp = spectra.illuminant(lamp_name)
+    weights = spectra.xyz_weights(Bands(centres), lamp)
+    assert np.min(weights) >= 0.0
+    np.testing.assert_allclose(weights.sum(axis=0), lamp.white_xyz(), atol=1e-12)
+    values = non_negative_spectra(len(centres), 1)
+    xyz = values @ weights
+    assert np.all(xyz <= np.max(values, axis=1)[:, None] * lamp.white_xyz() * (1.0 + 1e-12))
+
+
+def test_a_polynomial_through_uneven_bands_is_no_light():
+    """Control: the cubic through the same bands gives a Y far below zero."""
+    lamp = spectra.illuminant("D65")
+    grid, weighted = lamp.weighted_observer
+    cubic = weighted @ spectra.lagrange_matrix(np.array(UNEVEN[0]), grid)
+    assert np.min(cubic[1]) < -10.0
+
+
+@pytest.mark.parametrize("step", [5.0, 10.0, 20.0, 50.0])
+def test_even_bands_are_interpolated_as_before(step):
+    """Bit for bit, with the rounding of instruments' wavelengths too: cubic Lagrange."""
+    grid = np.arange(360.0, 831.0)
+    centres = np.arange(400.0, 701.0, step)
+    for places in (centres, np.round(centres / 3.0, 1) * 3.0):
+        expected = spectra.lagrange_matrix(places, grid)
+        np.testing.assert_array_equal(spectra.interpolation_matrix(places, grid), expected)
+
+
+def test_a_missing_band_is_bridged_by_a_line():
+    centres = np.delete(np.arange(400.0, 701.0, 10.0), 12)  # 520 nm
+    grid = np.arange(400.0, 701.0)
+    matrix = spectra.interpolation_matrix(centres, grid)
+    line = np.interp(grid, centres, np.sin(centres / 30.0))
+    cubic = spectra.lagrange_matrix(centres, grid) @ np.sin(centres / 30.0)
+    drawn = matrix @ np.sin(centres / 30.0)
+    beside = (grid >= 500.0) & (grid <= 540.0)
+    np.testing.assert_allclose(drawn[beside], line[beside], rtol=1e-12)
+    away = (grid < 500.0) | (grid > 540.0)
+    np.testing.assert_array_equal(drawn[away], cubic[away])
+
+
+@pytest.mark.parametrize("step", [5.0, 10.0, 20.0, 50.0, 100.0])
+@pytest.mark.parametrize("lamp_name", ["HP5", "D65", "FL11"])
+def test_no_spectrum_folds_to_negative_light(step, lamp_name):
+    bands, lamp = Bands(tuple(np.arange(400.0, 701.0, step))), spectra.illuminant(lamp_name)
+    plain = spectra.xyz_weights(bands, lamp)
+    values = non_negative_spectra(bands.count, 2)
+    for one in values:
+        weights = spectra.light_weights([one], bands, lamp)
+        assert np.all(one @ weights >= 0.0)
+        np.testing.assert_allclose(weights.sum(axis=0), lamp.white_xyz(), atol=1e-12)
+        if np.all(one @ plain >= 0.0):
+            assert weights is plain  # usual spectra keep their bits
+    assert np.min(values @ plain) < 0.0 or step < 10.0  # control: there is something to mend
+
+
+def test_a_materials_spectra_share_their_weights():
+    """A lone band in the albedo bends the lobe's spectrum too, and neither is negative."""
+    bands, lamp = Bands(tuple(np.arange(400.0, 701.0, 50.0))), spectra.illuminant("D65")
+    lone = np.eye(7)[3]
+    for albedo, strength in ((lone, np.ones(7)), (np.ones(7), lone)):
+        material = Material(
+            "lone",
+            "synthetic",
+            bands,
+            Diffuse("eon", tuple(albedo), 20.0),
+            (Lobe(tuple(strength), 5.0),),
+        )
+        weights = material.xyz_weights(lamp)
+        for values in (albedo, albedo**2, strength, material.second_albedo()):
+            assert np.all(values @ weights >= 0.0)
+    assert np.min(lone @ spectra.xyz_weights(bands, lamp)) < 0.0
+
+
+class TestWideRgb:
+    """Linear Rec. 2020, for colours outside sRGB."""
+
+    def test_published_matrices(self):
+        # ITU-R BT.2020-2 luminance, and BT.2087-0's matrix from BT.709, as printed.
+        weights = spectra.xyz_weights(WIDE_RGB, spectra.illuminant("D65"))
+        np.testing.assert_allclose(weights[:, 1], [0.2627, 0.6780, 0.0593], atol=5e-5)
+        between = spectra.xyz_weights(RGB, spectra.illuminant("D65")) @ np.linalg.inv(weights)
+        printed = [[0.6274, 0.3293, 0.0433], [0.0691, 0.9195, 0.0114], [0.0164, 0.0880, 0.8956]]
+        np.testing.assert_allclose(between.T, printed, atol=5e-5)
+
+    @pytest.mark.parametrize("lamp", ["D65", "HP5"])
+    def test_white_is_the_lamps(self, lamp):
+        white = np.ones(3) @ spectra.xyz_weights(WIDE_RGB, spectra.illuminant(lamp))
+        np.testing.assert_allclose(white, spectra.illuminant(lamp).white_xyz(), rtol=1e-12)
+        # Negative control: the same numbers in sRGB are another colour.
+        red = [1.0, 0.1, 0.1]
+        one, other = (
+            red @ spectra.xyz_weights(b, spectra.illuminant(lamp)) for b in (RGB, WIDE_RGB)
+        )
+        assert np.max(np.abs(one - other)) > 0.05

@@ -7,8 +7,9 @@ import pytest
 from files import rgl_fields, tensor_file
 from rgl_data import NAMES, rgl_file
 
+from relgloss_view.material.spectra import illuminant, xyz_weights
 from relgloss_view.measure import table
-from relgloss_view.measure.bands import RGB
+from relgloss_view.measure.bands import RGB, WIDE_RGB
 from relgloss_view.measure.gonio import spherical, tabulated_grid
 from relgloss_view.measure.readers import read_measurement, rgl
 
@@ -143,7 +144,8 @@ def test_measurement_on_the_grid(name):
     m = read_measurement(path)
     assert len(m.reasons) == len(tabulated_grid())
     assert m.kept.mean() > 0.95
-    assert m.bands == RGB
+    outside = name in ("cg_sunflower", "vch_golden_yellow")
+    assert m.bands == (WIDE_RGB if outside else RGB)
     assert m.name
     assert path.name in m.source
     assert (m.radiance_factor[m.kept] >= 0).all()
@@ -152,12 +154,28 @@ def test_measurement_on_the_grid(name):
     # The mirror geometry is where the scan says: at 60/60 the half-vector is the normal.
     k = np.flatnonzero((tabulated_grid() == [60, 60, 180]).all(axis=1))[0]
     np.testing.assert_allclose((m.to_lamp + m.to_receiver)[k, :2], 0, atol=1e-15)
-    assert m.radiance_factor[k, 1] == pytest.approx(
-        float(SPOTS[60, 60][NAMES.index(name)]), rel=1e-3
-    )
-    assert any("outside sRGB" in w for w in m.warnings) == (
-        name in ("cg_sunflower", "vch_golden_yellow")
-    )
+    green = (m.radiance_factor[k] @ xyz(m.bands) @ np.linalg.inv(xyz(RGB)))[1]
+    assert green == pytest.approx(float(SPOTS[60, 60][NAMES.index(name)]), rel=1e-3)
+    assert any("outside sRGB" in w for w in m.warnings) == outside
+
+
+def xyz(bands):
+    return xyz_weights(bands, illuminant("D65"))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_colour_is_cut(name):
+    """XYZ of the samples is that of the file, negative channels of sRGB included."""
+    path = rgl_file(name)
+    m = read_measurement(path)
+    stored = np.pi * rgl.load(path).evaluate(m.to_lamp, m.to_receiver)
+    kept, expected = m.kept, stored @ xyz(RGB)
+    found = m.radiance_factor[kept] @ xyz(m.bands)
+    np.testing.assert_allclose(found, expected[kept], rtol=2e-4, atol=1e-9)
+    # Negative control: cut to zero, the saturated colours are others.
+    cut = np.maximum(stored, 0.0) @ xyz(RGB)
+    moved = np.max(np.abs(cut - expected)[kept] / expected[kept])
+    assert (moved > 0.05) == bool(np.any(stored[kept] < 0.0))
 
 
 def test_unseen_and_negative_samples_are_masked(tmp_path):

@@ -156,7 +156,18 @@ class TestShaders:
 
     def test_nothing_but_switches_is_compared_with_a_number(self):
         """What is left in capitals beside a number counts or is on or off; it is no choice."""
-        plain = {"LOBES", "BANDS", "SAMPLED", "NOISY_DIFFUSE", "CAPS", "FIRST", "STRIDE", "BLOCK"}
+        plain = {
+            "LOBES",
+            "METALS",
+            "BANDS",
+            "SAMPLED",
+            "NOISY_DIFFUSE",
+            "CAPS",
+            "AFAR",
+            "FIRST",
+            "STRIDE",
+            "BLOCK",
+        }
         for file, text in GLSL.items():
             compared = set(re.findall(r"\b([A-Z][A-Z_]+)\s*(?:[=!]=|[<>])\s*\d", text))
             assert compared <= plain, file

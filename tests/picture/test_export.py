@@ -14,6 +14,7 @@ from PIL import Image
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.operators.registry import make_operator
+from relgloss_view.picture.displayed import cut_out
 from relgloss_view.picture.model.tone import DisplayModel, encode
 from relgloss_view.picture.output.contact_sheet import contact_sheet, thumbnail
 from relgloss_view.picture.output.export import save_frame
@@ -23,7 +24,7 @@ from relgloss_view.picture.output.parameters import parameters
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display
+from relgloss_view.picture.scene.setup import Display, Shape
 
 OpenEXR = pytest.importorskip("OpenEXR")
 
@@ -43,12 +44,25 @@ def read(path):
         return header, {name: channel.pixels for name, channel in file.channels().items()}
 
 
+def over(channels, background):
+    """The picture (H, W, 3) laid over a gray, as compositors do (Porter and Duff 1984)."""
+    rgb = np.stack([channels[name] for name in "RGB"], axis=-1).astype(np.float64)
+    return rgb + (1.0 - channels["A"][..., None].astype(np.float64)) * background
+
+
+def digital_over_surround(channels, display):
+    model = DisplayModel.of(display)
+    return np.floor(255 * encode(over(channels, model.background_light), model) + 0.5)
+
+
 def test_exr_holds_the_frame(frame, tmp_path):
     save_frame(frame, tmp_path / "a.exr", "a command")
     header, channels = read(tmp_path / "a.exr")
-    expected = {"A": frame.coverage, "Ld.Y": frame.split[0], "Ls.Y": frame.split[1]}
+    rgb, alpha = cut_out(frame, frame.light)
+    expected = {"A": alpha, "Ld.Y": frame.split[0], "Ls.Y": frame.split[1]}
+    expected["samples.Y"] = frame.coverage
     for k, name in enumerate("RGB"):
-        expected[name] = frame.light[..., k]
+        expected[name] = rgb[..., k]
     for layer, attribute, names in LAYERS:
         for k, name in enumerate(names):
             expected[f"{layer}.{name}"] = getattr(frame, attribute)[..., k]
@@ -59,13 +73,51 @@ def test_exr_holds_the_frame(frame, tmp_path):
     assert not np.array_equal(channels["diffuse.Y"], channels["specular.Y"])
     assert not np.array_equal(channels["N.X"], channels["Np.X"])
     assert len(np.unique(channels["A"])) > 3
-    # R, G, B are light: encoding them gives the digital picture.
-    light = np.stack([channels[n] for n in "RGB"], axis=-1).astype(np.float64)
-    digital = np.floor(255 * encode(light, DisplayModel.of(Display())) + 0.5)
-    assert_same_pixels(digital, frame.display, within=1)
+    # R, G, B are light: over the surround and encoded they give the digital picture.
+    assert_same_pixels(digital_over_surround(channels, Display()), frame.display, within=1)
     assert header["command"] == "a command"
     assert json.loads(header["parameters"])["look"]["seed"] == header["seed"] == 7
     assert header["clip_count"] == np.sum(frame.clipped)
+
+
+@pytest.mark.parametrize("edges", ["sampled", "smooth"])
+@pytest.mark.parametrize("samples", [1, 3])
+@pytest.mark.parametrize("background_lstar", [0.0, 50.0, 100.0])
+def test_exr_composites(renderer, tmp_path, edges, samples, background_lstar):
+    """Over its own surround the cut-out object is the picture; over any other it adds no light."""
+    display = Display(edges=edges, background_lstar=background_lstar)
+    scene = Scene(materials.paper("art"), shape=Shape("sphere"), display=display)
+    frame = renderer.render(scene, Look(c=0.4, samples=samples), SIZE)
+    save_frame(frame, tmp_path / "a.exr")
+    channels = read(tmp_path / "a.exr")[1]
+    assert_same_pixels(digital_over_surround(channels, display), frame.display, within=1)
+    rgb = np.stack([channels[name] for name in "RGB"], axis=-1)
+    assert not np.any(rgb[channels["A"] == 0.0])
+    assert np.all(rgb <= channels["A"][..., None] * (1.0 + 1e-6))  # premultiplied: no glow
+    assert np.max(over(channels, 1.0)) <= 1.0 + 1e-6
+    partly = (channels["A"] > 0.0) & (channels["A"] < 1.0)
+    assert np.any(partly) == (edges == "smooth" or samples > 1)
+    # The layers hold where samples meet the object, and nowhere else.
+    met = channels["samples.Y"] > 0.0
+    np.testing.assert_array_equal(met, channels["N.Z"] > 0.0)
+    assert not np.any(channels["Lab.L"][~met])
+
+
+def test_light_that_holds_the_surround_glows(renderer):
+    """Control: what earlier files held fails the check above where A is 0, and over white."""
+    frame = renderer.render(Scene(materials.paper("art")), Look(c=0.4), SIZE)
+    off = frame.coverage == 0.0
+    assert np.all(frame.light[off] > 0.1)
+    channels = {name: frame.light[..., k] for k, name in enumerate("RGB")} | {"A": frame.coverage}
+    assert np.max(over(channels, 1.0)) > 1.1
+
+
+def test_no_layer_has_an_alpha_of_its_own(frame, tmp_path):
+    """Viewers take `NAME.A` for the alpha of the layer NAME."""
+    save_frame(frame, tmp_path / "a.exr")
+    names = set(read(tmp_path / "a.exr")[1])
+    assert [name for name in names if name.upper().split(".")[-1] == "A"] == ["A"]
+    assert {"Lab.L", "Lab.a_star", "Lab.b_star"} <= names
 
 
 def test_exr_without_a_highlight(renderer, tmp_path):

@@ -274,7 +274,9 @@ class TestReadout:
         total = [layers[f"diffuse.{k}"][at] + layers[f"specular.{k}"][at] for k in "XYZ"]
         np.testing.assert_allclose(got.xyz, total, rtol=1e-6)
         assert (got.l_d, got.l_s) == pytest.approx((layers["Ld.Y"][at], layers["Ls.Y"][at]))
-        np.testing.assert_allclose(got.lab, [layers[f"Lab.{k}"][at] for k in "LAB"])
+        np.testing.assert_allclose(
+            got.lab, [layers[f"Lab.{k}"][at] for k in ("L", "a_star", "b_star")]
+        )
         assert got.lab[0] == pytest.approx(got.l_d + frame.c * got.l_s, abs=2e-3)
         assert got.display_rgb == tuple(int(v) for v in frame.display[at])
         n, p, lamp, eye = (

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import struct
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from PIL import ImageCms
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.design.study_file import load_study
@@ -212,3 +214,43 @@ class TestProfile:
             with pytest.raises(InputError, match=words) as caught:
                 read_profile(file)
             assert "ICC profile" in str(caught.value)
+
+
+class TestProfilesOfAnyText:
+    """Text that is not what a profile declares: others write such files."""
+
+    @pytest.fixture
+    def data(self):
+        return bytearray(ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes())
+
+    def test_a_colour_space_that_is_no_text(self, data, tmp_path):
+        data[16] = 0x9A
+        (tmp_path / "a.icc").write_bytes(data)
+        with pytest.raises(InputError, match=r"a\.icc: a profile of .*expected RGB") as caught:
+            read_profile(tmp_path / "a.icc")
+        assert str(caught.value).isprintable()
+
+    @pytest.mark.parametrize("byte", [0x9A, 0xE9, 0xFF, 0x00, 0x1B])
+    def test_a_description_in_other_than_ascii(self, data, tmp_path, byte):
+        """As version 2 profiles have it: one byte a character, of whatever code page."""
+        at = struct.unpack(">I", data[data.index(b"desc") + 4 :][:4])[0]
+        words = bytes([byte]) * 5 + b"\0"
+        data[at : at + 12 + len(words)] = b"desc\0\0\0\0" + struct.pack(">I", len(words)) + words
+        (tmp_path / "a.icc").write_bytes(data)
+        assert read_profile(tmp_path / "a.icc").description.isprintable()
+
+    def test_any_bytes_are_read_or_refused(self, data, tmp_path):
+        random = np.random.default_rng(5)
+        outcomes = set()
+        for _ in range(300):
+            changed = bytearray(data)
+            for at in random.integers(0, 0x160, 6):
+                changed[at] = random.integers(256)
+            (tmp_path / "a.icc").write_bytes(changed)
+            try:
+                assert read_profile(tmp_path / "a.icc").description.isprintable()
+                outcomes.add("read")
+            except InputError as error:
+                assert str(error).isprintable()
+                outcomes.add("refused")
+        assert outcomes == {"read", "refused"}

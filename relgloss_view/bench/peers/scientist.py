@@ -96,8 +96,11 @@ def _brdf(scene: Scene, n: Array, i: Array, o: Array) -> tuple[Array, Array]:
         q = np.sqrt(lobe.refractive_index**2 - 1.0 + cos_d**2)
         ratio = (cos_d * (q + cos_d) - 1.0) / (cos_d * (q - cos_d) + 1.0)
         fresnel = 0.5 * ((q - cos_d) / (q + cos_d)) ** 2 * (1.0 + ratio**2)
-        shape = d * fresnel * g / (4.0 * cos_i * cos_o)
-        f_s = f_s + shape[:, None] * lobe.per_band(bands)
+        colour = lobe.per_band(bands) * fresnel[:, None]
+        if lobe.f0 is not None:  # Schlick 1994
+            white = ((1.0 - cos_d) ** 5)[:, None]
+            colour = lobe.per_band(bands) * ((1.0 - white) * np.asarray(lobe.f0) + white)
+        f_s = f_s + (d * g / (4.0 * cos_i * cos_o))[:, None] * colour
     seen = ((_dot(n, i) > 0.0) & (_dot(n, o) > 0.0))[:, None]
     return np.where(seen, f_d, 0.0), np.where(seen, f_s, 0.0)
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from relgloss_view.base.csv_files import write_csv
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, table
 
@@ -36,10 +36,8 @@ def write_results(found: Found, folder: Path) -> None:
     """results.json, everything; results.csv, one line a row and scene."""
     text = json.dumps(found, indent=1) + "\n"
     (folder / RESULTS).write_text(text, encoding="utf-8")
-    with (folder / TABLE).open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(_flat(result) for result in found["results"])
+    rows = (_flat(result) for result in found["results"])
+    write_csv(folder / TABLE, COLUMNS, ([row.get(name, "") for name in COLUMNS] for row in rows))
 
 
 def _flat(result: Found) -> Found:

@@ -5,16 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.experiment.design.trial_order import Trial
 from relgloss_view.experiment.observers.percept import Percepts
 from relgloss_view.experiment.observers.population import Population, SimulatedObserver
+from relgloss_view.experiment.observers.truth import right_settings
 from relgloss_view.experiment.session.flow import Flow, Phase
 from relgloss_view.experiment.session.records import SIMULATED, Observer
 from relgloss_view.experiment.session.store import Store
 
 DEVICE = "none: simulated"
+#: How observers were made whose files do not state it.
+UNSTATED = {"group": 0, "to_middle": 0.0, "sigma_n_jnd": 0.5, "c_jnd": 0.1, "grain_weight": -1.0}
 
 
 @dataclass(frozen=True)
@@ -68,8 +73,14 @@ def run_observers(
             sample.label: [truth.sigma_n_deg, truth.c_fraction]
             for sample, truth in zip(store.study.samples, percepts.truths, strict=True)
         }
-        details = {**simulated.details(), "truths": truths}
-        if number < len(observers) and store.details(observers[number]) != details:
+        weight = percepts.grain_weight_of(number)
+        details = {
+            **simulated.details(),
+            "truths": truths,
+            "grain_weight": None if np.isnan(weight) else weight,
+        }
+        begun = {**UNSTATED, **store.details(observers[number])} if number < len(observers) else {}
+        if begun and begun != details:
             raise InputError(
                 f"{store.path}: {observers[number].name} began with other truths, seed or options; "
                 "continue with those, or give another file"
@@ -89,19 +100,25 @@ def _run(
     """One observer, from consent to the end."""
     clock = VirtualClock()
     flow = Flow(store, observer, store.begin_run(observer, DEVICE, {}), clock)
-    questions = store.study.questions
+    study = store.study
+    questions, settings = study.questions, study.grid.settings
+    stimuli, targets = percepts.seen_by(simulated.number)
+    count = simulated.population.of_kind.right_settings
+    right = [right_settings(study.grid, truth, count) for truth in percepts.truths]
     while flow.phase is not Phase.FINISHED:
         if flow.phase is Phase.TRIAL:
             trial, question = flow.trial, flow.question
             assert trial is not None
             flow.shown()
             clock.now_s += simulated.response_s(trial.position)
+            mismatch = simulated.mismatch(
+                stimuli[trial.sample, trial.setting],
+                targets[trial.sample],
+                settings[trial.setting],
+                right[trial.sample],
+            )
             category = simulated.judge(
-                trial.position,
-                questions.index(question),
-                question,
-                percepts.stimuli[trial.sample, trial.setting],
-                percepts.targets[trial.sample],
+                trial.position, questions.index(question), question, mismatch
             )
             stored = flow.answer(category)
             assert stored

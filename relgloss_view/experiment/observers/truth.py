@@ -8,7 +8,8 @@ import numpy as np
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
-from relgloss_view.experiment.design.coordinates import from_steps, to_steps
+from relgloss_view.experiment.design.coordinates import from_steps, grid_steps, to_steps
+from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.design.study import Study
 from relgloss_view.picture.scene.sample import SAMPLES
 from relgloss_view.picture.scene.setting import Setting
@@ -52,6 +53,23 @@ def truths_of(
         truths.append(stated.get(sample.label, chosen))
         _check_inside(study, sample.label, truths[-1])
     return tuple(truths)
+
+
+def right_settings(grid: Grid, truth: Setting, count: int) -> tuple[Setting, ...]:
+    """A truth and, of two that are equally right, the other one.
+
+    That lies half of the grid away along both axes, towards the farther end, so that it is in the
+    grid and never beside the first.
+    """
+    if count == 1:
+        return (truth,)
+    axes = (grid.sigma_n_deg, grid.c_fraction)
+    far = []
+    for values, at in zip(axes, grid_steps(grid, truth.sigma_n_deg, truth.c_fraction), strict=True):
+        half = (len(values) - 1) / 2.0
+        step = at + half if at < half else at - half
+        far.append(float(np.interp(step, np.arange(len(values)), values)))
+    return truth, Setting(*far)
 
 
 def _check_inside(study: Study, label: str, setting: Setting) -> None:

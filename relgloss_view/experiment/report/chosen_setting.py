@@ -12,7 +12,15 @@ from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.scaling.fine_grid import Shape
 from relgloss_view.experiment.verdict.adaptive import AdaptiveVerdict
 from relgloss_view.experiment.verdict.analysis import JOINT, SampleResult
-from relgloss_view.experiment.verdict.full_grid import CHANCE, Verdict, edges_of
+from relgloss_view.experiment.verdict.full_grid import (
+    ALIKE,
+    CHANCE,
+    MIXED,
+    TWO,
+    Verdict,
+    edges_of,
+)
+from relgloss_view.experiment.verdict.groups import MixedGroups
 from relgloss_view.picture.scene.setting import Setting
 
 Interval = tuple[float, float]
@@ -34,6 +42,9 @@ class ChosenSetting:
     edges: tuple[str, ...]
     p_chance: float  #: adaptive: the probability that all answers are by chance
     adaptive: bool
+    groups: MixedGroups | None = None  #: of observers who disagree
+    places: tuple[int, int] | None = None  #: settings nearest to two right places
+    alike: float = 0.0  #: the share of the most frequent answer
 
     @property
     def leads(self) -> float | None:
@@ -42,8 +53,12 @@ class ChosenSetting:
 
     @property
     def may_be_named(self) -> bool:
-        """Whether a setting may be pointed at; not where the answers may be by chance."""
-        return self.status != CHANCE
+        """Whether a setting may be pointed at.
+
+        Not where the answers may be by chance or nearly all are the same, where groups of
+        observers disagree, and where two places are right.
+        """
+        return self.status not in (CHANCE, ALIKE, MIXED, TWO)
 
 
 def chosen_setting(result: SampleResult, grid: Grid) -> ChosenSetting:
@@ -70,6 +85,9 @@ def setting_chosen_by(result: SampleResult, grid: Grid, question: str) -> Chosen
         edges=verdict.edges,
         p_chance=result.p[question],
         adaptive=False,
+        groups=verdict.groups,
+        places=verdict.places,
+        alike=verdict.alike,
     )
 
 

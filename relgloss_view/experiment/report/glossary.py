@@ -43,9 +43,22 @@ def terms(analysis: Analysis) -> list[tuple[str, str]]:
             "The share of those resamplings in which a setting has the largest closeness.",
         ),
         (
-            "not significantly worse",
+            "not told apart, not significantly worse",
             "Settings that are not worse than the leading one at 95 %, over all comparisons "
-            "together.",
+            "together. The right one is nearly always among them; the leading one need not be it.",
+        ),
+        (
+            "observers disagree",
+            "The answers separate the observers into two groups, and the groups agree on no one "
+            "setting. A scale over all observers then shows what neither group sees.",
+        ),
+        (
+            "two places",
+            "Two places of the grid are judged close, with worse settings between them.",
+        ),
+        (
+            "answers alike",
+            "Nearly all answers are the same, so that too few differ to be told from chance.",
         ),
         (
             "between grid points",

@@ -10,6 +10,7 @@ import numpy as np
 
 from relgloss_view.base import pages
 from relgloss_view.base.reading import printable
+from relgloss_view.base.shell import command_line, operand
 from relgloss_view.base.version import __version__
 from relgloss_view.base.words import sentence_case
 from relgloss_view.experiment.report import sentences
@@ -64,7 +65,7 @@ def report_page(
         f'<p class="muted">{escape(people(pool))}; {answers} answers.</p>',
         "" if simulated is None else f'<p class="notice">{escape(simulated)}</p>',
         _verdicts(analysis),
-        f'<div class="plots">{_image(folder, OVERVIEW, "all samples: what was chosen")}</div>',
+        _overview(folder, analysis),
         *(
             _sample(folder, result, analysis, plots[result.label], scenes.get(result.label))
             for result in analysis.samples
@@ -80,6 +81,13 @@ def report_page(
     return pages.page(f"{title}: results", parts, STYLE)
 
 
+def _overview(folder: Path, analysis: Analysis) -> str:
+    """The plot of all samples, where answers about any could be scaled."""
+    if not analysis.samples:
+        return ""
+    return f'<div class="plots">{_image(folder, OVERVIEW, "all samples: what was chosen")}</div>'
+
+
 def _verdicts(analysis: Analysis) -> str:
     """What was found, a row a sample: the reason why anybody opens the page."""
     grid = analysis.pool.study.grid
@@ -91,23 +99,25 @@ def _verdicts(analysis: Analysis) -> str:
             (
                 sentences.label_of(result),
                 sentences.SHORT[choice.status],
+                sentences.not_told_apart(choice, grid),
                 choice.setting.words if named else "-",
                 "-" if choice.leads is None or not named else sentences.percent(choice.leads),
                 sentences.between(choice) if named else "-",
                 sentences.small(choice.p_chance),
             )
         )
-    rows += [(label, why, *"----") for label, why in sentences.unscaled(analysis).items()]
+    rows += [(label, why, *"-----") for label, why in sentences.unscaled(analysis).items()]
     adaptive = any(r.adaptive is not None for r in analysis.samples)
     heads = (
         "sample",
         "verdict",
+        "not told apart from the best",
         "leading setting",
         "nearest in the posterior" if adaptive else "leads in resamplings",
         "between grid points (95 %)",
         "probability of chance" if adaptive else "p of chance",
     )
-    return table(heads, rows, texts=(1, 2, 4))
+    return table(heads, rows, texts=(1, 2, 3, 5))
 
 
 def _sample(
@@ -122,8 +132,8 @@ def _sample(
     listed = "".join(f"<li>{escape(note)}</li>" for note in notes)
     opened = "No scene is written: nothing is declared best."
     if scene is not None:
-        name = escape(scene)
-        opened = f"The leading setting as a scene: <code>relgloss view {name}</code>"
+        line = escape(command_line(["relgloss", "view", operand(scene)]))
+        opened = f"The leading setting as a scene: <code>{line}</code>"
     return "\n".join(
         [
             f"<h2>{escape(sentences.label_of(result))}</h2>",

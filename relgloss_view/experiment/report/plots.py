@@ -30,8 +30,12 @@ def write_plots(
     names: Mapping[str, str],
     progress: ProgressReport = no_progress,
 ) -> dict[str, tuple[Plot, ...]]:
-    """Write overview.png and each sample's plots; by label. `names` are those of the files."""
-    write_overview(folder / OVERVIEW, analysis)
+    """Write each sample's plots, by label, and overview.png where there is a scaled sample.
+
+    `names` are those of the files.
+    """
+    if analysis.samples:
+        write_overview(folder / OVERVIEW, analysis)
     plots_by_label = {}
     for number, result in enumerate(analysis.samples):
         label = label_of(result)

@@ -171,7 +171,20 @@ def _choice(choice: ChosenSetting, grid: Grid) -> dict[str, Any]:
         "as_good": [setting_numbers(grid.settings[k]) for k in np.flatnonzero(choice.as_good)],
         "shape": None if choice.shape is None else dataclasses.asdict(choice.shape),
         "edges": choice.edges,
+        "groups": _groups(choice),
+        "places": None
+        if choice.places is None
+        else [setting_numbers(grid.settings[k]) for k in choice.places],
+        "most_frequent_answer_share": choice.alike,
     }
+
+
+def _groups(choice: ChosenSetting) -> dict[str, Any] | None:
+    """Two groups that disagree; observers by their place in "observers"."""
+    if choice.groups is None:
+        return None
+    camps = [dataclasses.asdict(camp) for camp in choice.groups.camps]
+    return {"p": choice.groups.p, "groups": camps}
 
 
 def _ends(ends: Interval | None) -> list[float] | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from relgloss_view.base.reading import printable
+from relgloss_view.experiment.design.coordinates import coordinates, to_steps
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.design.study import GRAIN, RATIO
 from relgloss_view.experiment.report.answerers import path_words, people, silent, truths
@@ -14,16 +15,22 @@ from relgloss_view.experiment.report.chosen_setting import (
     chosen_setting,
     setting_chosen_by,
 )
+from relgloss_view.experiment.scaling.fine_grid import POINT_LIKE
 from relgloss_view.experiment.session.pool import Pool
+from relgloss_view.experiment.session.session_file import lost_log
 from relgloss_view.experiment.verdict.analysis import JOINT, Analysis, SampleResult
 from relgloss_view.experiment.verdict.full_grid import (
+    ALIKE,
     BEST,
     BROAD,
     CHANCE,
     FEW,
     FEWEST_OBSERVERS,
+    MIXED,
     RIDGE,
+    TWO,
 )
+from relgloss_view.experiment.verdict.groups import Camp
 from relgloss_view.experiment.verdict.screening import ObserverResult
 from relgloss_view.picture.scene.setting import Setting, share_words
 
@@ -33,6 +40,9 @@ SHORT = {
     BROAD: "many are as good",
     CHANCE: "may be chance",
     FEW: "too few observers",
+    MIXED: "observers disagree",
+    TWO: "two places",
+    ALIKE: "answers alike",
 }
 BY = {RATIO: "by the ratio of gloss", GRAIN: "by the grain", JOINT: "by both together"}
 MOST_NAMED = 7  #: settings, or sigma_N, that a sentence lists
@@ -76,7 +86,7 @@ def files(pool: Pool) -> list[str]:
         line = f"{path_words(record)}: {len(record.answers)} answers"
         line += f", {record.undone} taken back" if record.undone else ""
         if record.log_missing:
-            line += f"; {path_words(record)}-wal is not beside it: the last answers may be in it"
+            line += f"; {lost_log(record.path)}"
         lines.append(line)
     return lines
 
@@ -114,6 +124,25 @@ def _sentence(choice: ChosenSetting, result: SampleResult, grid: Grid) -> str:
             "no setting is declared best: the answers may be by chance "
             f"({name} {choice.p_chance:.2g})"
         )
+    if choice.status == ALIKE:
+        return (
+            f"no setting is declared best: {percent(choice.alike)} of the answers are the same, "
+            "too few differ to show where the best setting lies"
+        )
+    if choice.status == MIXED:
+        assert choice.groups is not None
+        camps = " and ".join(_camp(camp, grid) for camp in choice.groups.camps)
+        return (
+            "no setting is declared best: two groups of observers disagree "
+            f"(p of one group {small(choice.groups.p)}): {camps}"
+        )
+    if choice.status == TWO:
+        assert choice.places is not None
+        first, second = (grid.settings[k].words for k in choice.places)
+        return (
+            "no setting is declared best: two places apart from each other are judged close, "
+            f"near {first} and near {second}"
+        )
     if choice.status == FEW:
         return f"leading {leading}; {_few(result)}{_between(choice)}"
     if choice.status == RIDGE:
@@ -127,7 +156,27 @@ def _sentence(choice: ChosenSetting, result: SampleResult, grid: Grid) -> str:
             f"no setting is clearly best: {percent(share)} of the grid is as good as the leading "
             f"{leading}{_leads(choice)}"
         )
+    if np.sum(choice.as_good) > 1:
+        return (
+            f"best among settings not told apart: {_as_good(choice, grid)}; leading {leading}"
+            f"{_leads(choice)}{_between(choice)}"
+        )
     return f"best {leading}{_leads(choice)}{_between(choice)}"
+
+
+def _camp(camp: Camp, grid: Grid) -> str:
+    """A group of observers, and what it finds close."""
+    x, y = to_steps(grid, camp.sigma_n_deg, camp.c_fraction)
+    nearest = int(np.argmin(np.sum((coordinates(grid) - (x, y)) ** 2, axis=1)))
+    words = grid.settings[nearest].words
+    if camp.kind != POINT_LIKE:
+        return f"{len(camp.observers)} find many settings as close as {words}"
+    return f"{len(camp.observers)} find {words} closest"
+
+
+def not_told_apart(choice: ChosenSetting, grid: Grid) -> str:
+    """The settings that answers do not tell from the best: what is honest to report first."""
+    return _as_good(choice, grid) if choice.may_be_named else "-"
 
 
 def _few(result: SampleResult) -> str:
@@ -170,9 +219,10 @@ def percent(share: float) -> str:
     return f"{100.0 * share:.0f} %"
 
 
-def _others(choice: ChosenSetting, grid: Grid) -> str:
-    """The settings other than the leading one that are as good."""
-    names = [grid.settings[k].words for k in np.flatnonzero(choice.as_good) if k != choice.leading]
+def _as_good(choice: ChosenSetting, grid: Grid) -> str:
+    """The settings that are as good as the leading one, itself first."""
+    others = [k for k in np.flatnonzero(choice.as_good).tolist() if k != choice.leading]
+    names = [grid.settings[k].words for k in (choice.leading, *others)]
     more = len(names) - MOST_NAMED
     return "; ".join(names[:MOST_NAMED]) + (f"; and {more} more" if more > 0 else "")
 
@@ -200,10 +250,19 @@ def notes(result: SampleResult, analysis: Analysis) -> list[str]:
     study = analysis.pool.study
     choice = chosen_setting(result, study.grid)
     if not choice.may_be_named:
-        return [*_by_question(result, study.grid), *_truth(result, analysis)]
+        lines = []
+        if choice.status == MIXED and choice.groups is not None:
+            members = analysis.pool.members
+            for number, camp in enumerate(choice.groups.camps, 1):
+                names = ", ".join(printable(members[k].name, 40) for k in camp.observers)
+                lines.append(f"group {number}: {names}")
+            lines.append("one scale for both groups does not hold: analyse the groups apart")
+        elif choice.status == TWO:
+            lines.append("the optimum of one place for all answers would lie between the two")
+        elif choice.status == ALIKE:
+            lines.append("settings nearer to the right one, in a finer grid, may separate")
+        return [*lines, *_by_question(result, study.grid), *_truth(result, analysis)]
     lines = []
-    if choice.status == BEST and np.sum(choice.as_good) > 1:
-        lines.append(f"not significantly worse: {_others(choice, study.grid)}")
     if choice.status == RIDGE and len(result.scales) == 1:
         lines.append("the ratio alone can't decide: ask for grain too (procedure.ask_grain)")
     elif choice.status in (RIDGE, BROAD):

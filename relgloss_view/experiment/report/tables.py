@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from relgloss_view.base.csv_files import write_csv
 from relgloss_view.experiment.report.answerers import answerers, path_words
 from relgloss_view.experiment.report.chosen_setting import scale_table, setting_chosen_by
 from relgloss_view.experiment.report.results import counts_of
@@ -89,11 +89,3 @@ def _scale_rows(analysis: Analysis) -> Iterable[CsvRow]:
 
 def _number(value: float) -> object:
     return float(f"{value:.10g}") if np.isfinite(value) else ""
-
-
-def write_csv(path: Path, heads: CsvRow, rows: Iterable[CsvRow]) -> None:
-    """Write a table with its heads; fields are quoted where they need it."""
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(heads)
-        writer.writerows(rows)

@@ -21,6 +21,7 @@ from relgloss_view.experiment.scaling.successive_categories import (
     Zero,
     successive_categories,
 )
+from relgloss_view.experiment.scaling.two_places import TwoPlaces, two_places
 from relgloss_view.experiment.scaling.unfolding import (
     closeness_at,
     fit_unfolding,
@@ -43,6 +44,7 @@ class ScaleValues:
     bounds_interval: Array | None  #: (2, K-1)
     draws: Array | None  #: (B, J), of the probit scale; the mean is 0 in each
     smooth: Smooth  #: the smooth fit
+    places: TwoPlaces | None  #: where the answers have two right places
 
     @property
     def scale(self) -> Array:
@@ -89,6 +91,7 @@ def scale_values(
     answered = pooled.sum(axis=1) > 0.0
     unfolding = fit_unfolding(fine.grid, pooled)
     closeness = unfolding.closeness(fine.points)
+    places = two_places(unfolding, counts)
     if weights is None:
         smooth = Smooth(fine, closeness, None)
         return ScaleValues(
@@ -100,6 +103,7 @@ def scale_values(
             bounds_interval=None,
             draws=None,
             smooth=smooth,
+            places=places,
         )
     scales = np.full((len(weights), len(pooled)), np.nan)
     bounds = np.full((len(weights), pooled.shape[1] - 1), np.nan)
@@ -128,6 +132,7 @@ def scale_values(
         bounds_interval=_interval(bounds),
         draws=scales,
         smooth=Smooth(fine, closeness, surfaces),
+        places=places,
     )
 
 

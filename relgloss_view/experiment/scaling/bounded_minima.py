@@ -2,7 +2,8 @@
 
 A quasi-Newton search for each, all of them in step: the curvature begins as the expected one
 (Fisher's scoring) and is then updated by the slopes along each step (Broyden, Fletcher, Goldfarb
-and Shanno 1970), damped as Powell does (1978).
+and Shanno 1970), damped as Powell does (1978). Every few steps it is the expected one again: where
+a loss has kinks in its slopes, updates grow without end.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ MOST_STEPS = 100
 MOST_HALVINGS = 30
 DECREASE = 1e-4  #: of what a step promises, at least (Armijo 1966)
 ROUNDING = 1e-12  #: of the loss: smaller differences are rounding
+SCORED_EVERY = 8  #: steps
+SOLVABLE = 1e-10  #: added to the diagonal of a curvature, of it
 SWEEPS = 3  #: over the parameters of a step that has reached a limit
 #: Of the curvature that the search expects along a step: one that is less is raised to it.
 LEAST_UPDATE = 0.2
@@ -46,11 +49,9 @@ def minima_within(losses: Losses, first: Array) -> tuple[Array, Array]:
     low, high = np.array(losses.limits).T
     p = np.clip(first, low, high)
     values, slope, curvature = losses.scoring(p)
-    curvatures, directions = np.linalg.eigh(curvature)
-    scaled = directions * np.maximum(curvatures, LEAST_CURVATURE)[:, None, :]
-    curvature = scaled @ directions.swapaxes(1, 2)
+    curvature = _floored(curvature)
     searched = np.arange(len(p))  # the searches that have not ended
-    for _ in range(MOST_STEPS):
+    for number in range(1, MOST_STEPS + 1):
         here, value = p[searched], values[searched]
         step = steps_within(slope, curvature, low - here, high - here)
         promise = -np.sum(slope * step, axis=1)
@@ -68,9 +69,19 @@ def minima_within(losses: Losses, first: Array) -> tuple[Array, Array]:
         if not np.any(more):
             break
         step, change = ahead - here, slope_ahead - slope
-        curvature = _updated(curvature[more], step[more], change[more])
         searched, losses, slope = searched[more], losses.of(more), slope_ahead[more]
+        if number % SCORED_EVERY:
+            curvature = _updated(curvature[more], step[more], change[more])
+        else:
+            curvature = _floored(losses.scoring(p[searched])[2])
     return p, values
+
+
+def _floored(curvature: Array) -> Array:
+    """Curvatures (B, n, n) with no direction in which they are less than the least one."""
+    curvatures, directions = np.linalg.eigh(curvature)
+    scaled = directions * np.maximum(curvatures, LEAST_CURVATURE)[:, None, :]
+    return np.asarray(scaled @ directions.swapaxes(1, 2))
 
 
 def steps_within(slope: Array, curvature: Array, low: Array, high: Array) -> Array:
@@ -85,7 +96,7 @@ def steps_within(slope: Array, curvature: Array, low: Array, high: Array) -> Arr
     k = np.arange(slope.shape[1])
     for _ in k:
         free = np.where(held[:, :, None] | held[:, None, :], 0.0, curvature)
-        free[:, k, k] += held
+        free[:, k, k] += held + SOLVABLE * np.abs(free[:, k, k])
         right = -slope - (curvature @ np.where(held, step, 0.0)[..., None])[..., 0]
         solved = np.linalg.solve(free, np.where(held, 0.0, right)[..., None])[..., 0]
         step = np.where(held, step, solved)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,10 +13,27 @@ from relgloss_view.experiment.design.grid import Grid
 
 PER_STEP = 10  #: fine points a step of the grid
 Z_95 = 1.6449  #: one-sided 95 % point of the normal distribution
+NEAR = 0.6  #: of the way to a setting's neighbours: the right place of a setting that stands alone
+TAIL = 0.025  #: beyond either end of a 95 % interval
 RIDGE_STEPS = 2.5  #: from this length on, and ...
 RIDGE_RATIO = 3.0  #: ... this many times as long as wide, what is as good as the best is a ridge
 BROAD_SHARE = 0.4  #: of the grid as good as the best: the answers do not tell
 POINT_LIKE, RIDGE_LIKE, BROAD_LIKE = "point", "ridge", "broad"
+
+
+def percentiles(observers: int) -> tuple[float, float]:
+    """The shares of draws between which a 95 % interval from so few observers lies.
+
+    Resampling n observers is like a normal interval with the variance's divisor n in place of
+    n - 1 and without Student's t. The expanded percentile interval (Hesterberg 2015) makes up for
+    both: its tail is Phi(-sqrt(n / (n - 1)) t), t that of a tail of 2.5 % with n - 1 degrees of
+    freedom. 2 observers at least.
+    """
+    from scipy.special import ndtr, stdtrit
+
+    n = max(observers, 2)
+    tail = float(ndtr(math.sqrt(n / (n - 1.0)) * stdtrit(n - 1.0, TAIL)))
+    return tail, 1.0 - tail
 
 
 @dataclass(frozen=True)
@@ -48,17 +66,39 @@ class FineGrid:
         self.shape = (len(axes[0]), len(axes[1]))
         self.points: Array = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 2)
 
-    def optimum(self, smooth: Array, drawn: Array | None) -> Optimum:
+    def near(self, setting: int) -> Mask:
+        """Which points lie no farther from a setting than NEAR of the way to its neighbours."""
+        places = coordinates(self.grid)
+        place = places[setting]
+        inside = np.ones(len(self.points), dtype=bool)
+        for axis in (0, 1):
+            of_axis = np.unique(places[:, axis])
+            away = np.abs(of_axis - place[axis])
+            below, above = away[of_axis < place[axis]], away[of_axis > place[axis]]
+            apart = self.points[:, axis] - place[axis]
+            half = 0.5 / PER_STEP  # the nearest fine points count where settings lie between them
+            inside &= apart >= -max(NEAR * np.min(below, initial=np.inf), half)
+            inside &= apart <= max(NEAR * np.min(above, initial=np.inf), half)
+        return inside
+
+    def optimum(
+        self, smooth: Array, drawn: Array | None, observers: int, within: Mask | None = None
+    ) -> Optimum:
         """The best of closeness (points,), with intervals from draws of it (B, points).
 
+        Draws are resamplings of so many observers; see `percentiles`. Only the points `within` a
+        mask count.
         An interval is half a fine step wider on both sides: between fine points nothing is known.
         """
-        ((sigma, c),) = from_steps(self.grid, self.points[[np.argmax(smooth)]])
+        points = self.points if within is None else self.points[within]
+        if within is not None:
+            smooth, drawn = smooth[within], None if drawn is None else drawn[:, within]
+        ((sigma, c),) = from_steps(self.grid, points[[np.argmax(smooth)]])
         if drawn is None:
             return Optimum(float(sigma), float(c), None, None)
-        best = self.points[np.argmax(drawn, axis=1)]
+        best = points[np.argmax(drawn, axis=1)]
         half = 0.5 / PER_STEP
-        low, high = np.quantile(best, (0.025, 0.975), axis=0)
+        low, high = np.quantile(best, percentiles(observers), axis=0)
         low, high = np.maximum(low - half, 0.0), np.minimum(high + half, self.points[-1])
         lows, highs = from_steps(self.grid, np.stack([low, high]))
         return Optimum(
@@ -70,9 +110,14 @@ class FineGrid:
 
     def shape_of_best(self, smooth: Array, drawn: Array) -> Shape:
         """What the points form whose closeness is within 95 % of the best's, one by one."""
+        return self.region_of_best(smooth, drawn)[0]
+
+    def region_of_best(self, smooth: Array, drawn: Array) -> tuple[Shape, Mask]:
+        """That, and which points they are, (points,)."""
         best = int(np.argmax(smooth))
         sd = np.std(drawn[:, best, None] - drawn, axis=0)
-        return shape_of(self.points, smooth[best] - smooth <= Z_95 * sd)
+        as_good = smooth[best] - smooth <= Z_95 * sd
+        return shape_of(self.points, as_good), as_good
 
 
 @dataclass(frozen=True)

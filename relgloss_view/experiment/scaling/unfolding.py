@@ -1,9 +1,19 @@
 """The smooth fit of a sample's answers: one right place in the grid, and how fast it falls off.
 
-Unfolding (Coombs 1964): every observer judges how far a setting lies from an ideal one. The
-distance is Euclidean in the plane of sigma_N and log c, stretched, sheared and bent by what the
-answers tell; categories are cut from it by the ordinal probit model (Aitchison and Silvey 1957).
-The ideal place lies between grid points; what is always "far" takes no part in finding it.
+Unfolding (Coombs 1964): every observer judges how far a setting lies from an ideal one. The plane
+of sigma_N and log c is stretched, sheared and bent by what the answers show. The distance in it is
+signed: either side of the ideal has a slope of its own along both axes, as too glossy may be worse
+than too dull (two slopes about a reference point: Kahneman and Tversky 1979). Its power, below one,
+lets far settings differ less than near ones (Stevens 1957: a power law of magnitudes). Categories
+are cut from it by the ordinal probit model (Aitchison and Silvey 1957). Both differences add up by
+Minkowski's exponent: 2 is Euclid's, 1 the city block (Attneave 1950), a large one the larger alone.
+
+Priors draw the additional shapes towards the symmetric, straight, Euclidean one. All shapes are
+fitted anew to each resampling of the observers, so that intervals contain the choice between them.
+
+The ideal place lies between grid points; what is always "far" takes no part in finding it. It may
+lie a step beyond the grid, so that one on the edge can be missed to either side; what is reported
+is the nearest place of the grid.
 """
 
 from __future__ import annotations
@@ -23,10 +33,18 @@ from relgloss_view.experiment.session.posterior import LAPSE
 #: of the noise, so that the tip of the mean judgment is round.
 ROUND = 0.25
 #: Priors, weak against one observer's answers: logs of the slopes along both axes, shear, the first
-#: bound, logs of the widths of categories, bends. Means and standard deviations.
+#: bound, logs of the widths of categories. Means and standard deviations.
 SLOPES, SLOPE_SD, SHEAR_SD = (-0.3, 0.0), 1.5, 1.5
-FIRST_BOUND, FIRST_BOUND_SD, WIDTH_SD, BEND_SD = 1.0, 3.0, 1.5, 0.4
-MOST_BEND = 0.9  #: an axis stays ascending up to one
+FIRST_BOUND, FIRST_BOUND_SD, WIDTH_SD = 1.0, 3.0, 1.5
+#: Of the shapes, about 0. A bend is the log of the ratio of an axis's scales at both ends of the
+#: grid: 1.8 makes a linear axis of a logarithmic one over a ratio of six. A skew is half the log
+#: of the ratio of slopes above and below the ideal: 0.55 triples it. The power's log.
+BEND_SD, SKEW_SD, POWER_SD, EXPONENT_SD = 1.0, 0.5, 0.3, 0.4
+MOST_BEND, MOST_SKEW, POWERS, EXPONENTS = 4.0, 1.5, (-1.0, 0.7), (-0.6, 1.2)
+BEYOND = 1.0  #: steps that the ideal may lie beyond the grid
+STRAIGHT = 1e-4  #: a bend below has its series
+SHAPES = 6  #: bends, skews, power: the last parameters
+STEEP = 1.5  #: log of how much steeper
 STARTS = 3  #: settings from which the search begins
 
 
@@ -51,11 +69,14 @@ def closeness_at(grid: Grid, parameters: Array, points: Array) -> Array:
 def fit_unfolding(grid: Grid, counts: Array) -> Unfolding:
     """The fit of counts (settings, categories) of a grid.
 
-    The search begins at each of the settings that were judged closest; the best end counts.
+    The search begins at each of the settings that were judged closest, with usual and with steep
+    slopes: from usual ones it may lose a lone setting among many that are far. The best end counts.
     """
-    places = _closest(grid, counts)
+    places = np.repeat(_closest(grid, counts), 2, axis=0)
     loss = UnfoldingLoss(grid, np.broadcast_to(counts, (len(places), *counts.shape)))
-    ends, values = minima_within(loss, loss.start(places))
+    first = loss.start(places)
+    first[1::2, 2:4] += STEEP
+    ends, values = minima_within(loss, first)
     best = int(np.argmin(values))
     return Unfolding(grid, ends[best], float(values[best]))
 
@@ -77,69 +98,150 @@ def _closest(grid: Grid, counts: Array) -> Array:
     return coordinates(grid)[order[: min(STARTS, int(np.sum(number > 0.0)))]]
 
 
-class Distance:
-    """The distance of fixed points from the ideal place, and its derivatives.
+class _FromOne:
+    """The distance of fixed points from one ideal place, and its derivatives.
 
-    Parameters (..., n): ideal x and y in steps, log slope along x and y, shear, ..., bend of x and
-    y (last).
+    Parameters (..., n): ideal x and y in steps, log slope along x and y, shear, ...; the last are
+    bend of x and y, skew along x and y, log power, log of half the exponent. With x and y the bent
+    differences from the ideal: u = slope x, v = slope y + shear x, each times exp(skew) above 0 and
+    exp(-skew) below;
+    distance = ((r + u^2)^(e / 2) + (r + v^2)^(e / 2))^(power / e), r = ROUND / 2, e the exponent;
+    Euclidean with e = 2: (ROUND + u^2 + v^2)^(power / 2).
     """
 
     def __init__(self, points: Array, ends: Array) -> None:
         self._ends = np.where(ends > 0.0, ends, 1.0)
-        self._share = np.ascontiguousarray((points / self._ends).T)  # (2, points)
-        self._arch = self._share * (1.0 - self._share)
+        self._from_middle = np.ascontiguousarray((points / self._ends).T - 0.5)  # (2, points)
 
     def at(self, p: Array) -> Array:
         """(..., points)."""
-        ideal, bend = p[..., :2] / self._ends, p[..., -2:]
+        ideal = p[..., :2] / self._ends - 0.5
+        bend, skew = p[..., -6:-4], p[..., -4:-2, None]
+        self._power, self._exponent = np.exp(p[..., -2, None]), 2.0 * np.exp(p[..., -1, None])
         self._slopes, self._shear = np.exp(p[..., 2:4, None]), p[..., 4, None]
-        self._ideal_arch = ideal * (1.0 - ideal)
-        self._ideal_turn = 1.0 + bend * (1.0 - 2.0 * ideal)
-        apart = self._share + bend[..., None] * self._arch
-        apart -= (ideal + bend * self._ideal_arch)[..., None]
-        apart *= self._ends[:, None]
-        self._x, self._y = apart[..., 0, :], apart[..., 1, :]
-        self._u = self._slopes[..., 0, :] * self._x + self._shear * self._y
-        self._v = self._slopes[..., 1, :] * self._y
-        self._d = np.asarray(np.sqrt(ROUND + self._u * self._u + self._v * self._v))
+        self._apart(ideal, bend)
+        self._own = self._slopes[..., 1, :] * self._y  # of y alone
+        u, v = self._slopes[..., 0, :] * self._x, self._own + self._shear * self._x
+        self._side_u = np.exp(np.where(u > 0.0, skew[..., 0, :], -skew[..., 0, :]))
+        self._side_v = np.exp(np.where(v > 0.0, skew[..., 1, :], -skew[..., 1, :]))
+        self._u, self._v = u * self._side_u, v * self._side_v
+        # By logarithms: with any exponent no power of a large number overflows.
+        self._log_u = np.log(0.5 * ROUND + self._u * self._u)
+        self._log_v = np.log(0.5 * ROUND + self._v * self._v)
+        apart = np.exp(0.5 * self._exponent * (self._log_v - self._log_u))
+        self._part_u = 1.0 / (1.0 + apart)  # of the sum of both powers
+        self._log_sum = 0.5 * self._exponent * self._log_u - np.log(self._part_u)
+        self._d = np.asarray(np.exp(self._power / self._exponent * self._log_sum))
         return self._d
 
+    def _apart(self, ideal: Array, bend: Array) -> None:
+        """Differences from the ideal on axes whose scale grows as exp(bend share)."""
+        bent = np.where(np.abs(bend) < STRAIGHT, STRAIGHT, bend)
+        at_ideal = np.exp(bent * ideal)
+        at_points = np.exp(bent[..., None] * self._from_middle)
+        apart = (at_points - at_ideal[..., None]) * (self._ends / bent)[..., None]
+        self._ideal_turn = at_ideal
+        grown = at_points * self._from_middle - (at_ideal * ideal)[..., None]
+        self._by_bend = (grown * self._ends[:, None] - apart) / bent[..., None]
+        self._x, self._y = apart[..., 0, :], apart[..., 1, :]
+
     def derivatives(self) -> Array:
-        """Where `at` was asked last: by ideal, log slopes, shear and bends, (..., 7, points)."""
-        by_u, by_v = self._u / self._d, self._v / self._d
-        by_x = self._slopes[..., 0, :] * by_u
-        by_y = self._shear * by_u + self._slopes[..., 1, :] * by_v
+        """Where `at` was asked last, (..., 11, points).
+
+        By ideal, log slopes, shear, bends, skews, log power and log exponent.
+        """
+        part_v = 1.0 - self._part_u
+        steep = self._power * self._d
+        by_u = steep * self._part_u * self._u / (0.5 * ROUND + self._u * self._u)
+        by_v = steep * part_v * self._v / (0.5 * ROUND + self._v * self._v)
+        of_v = by_v * self._side_v  # by v before its side is counted
+        by_x = self._slopes[..., 0, :] * by_u * self._side_u + self._shear * of_v
+        by_y = self._slopes[..., 1, :] * of_v
         by_place = np.stack([by_x, by_y], axis=-2)
-        by_scale = np.stack([by_x * self._x, by_v * self._v, by_u * self._y], axis=-2)
-        arch = (self._arch - self._ideal_arch[..., None]) * self._ends[:, None]
+        rest = [
+            by_u * self._u,
+            of_v * self._own,
+            of_v * self._x,
+            by_x * self._by_bend[..., 0, :],
+            by_y * self._by_bend[..., 1, :],
+            by_u * np.abs(self._u),
+            by_v * np.abs(self._v),
+            steep / self._exponent * self._log_sum,
+            steep
+            * (
+                0.5 * (self._part_u * self._log_u + part_v * self._log_v)
+                - self._log_sum / self._exponent
+            ),
+        ]
         return np.concatenate(
-            [-by_place * self._ideal_turn[..., None], by_scale, by_place * arch], axis=-2
+            [-by_place * self._ideal_turn[..., None], np.stack(rest, axis=-2)], axis=-2
         )
+
+
+class Distance:
+    """The distance of fixed points from the ideal place, or from the nearer of two.
+
+    Parameters (..., n) as in _FromOne; of two places, the second one follows at the end.
+    """
+
+    def __init__(self, points: Array, ends: Array, places: int = 1) -> None:
+        self._each = [_FromOne(points, ends) for _ in range(places)]
+
+    def at(self, p: Array) -> Array:
+        """(..., points)."""
+        if len(self._each) == 1:
+            return self._each[0].at(p)
+        first, second = p[..., :-2], np.concatenate([p[..., -2:], p[..., 2:-2]], axis=-1)
+        distances = [one.at(q) for one, q in zip(self._each, (first, second), strict=True)]
+        self._nearer = distances[0] <= distances[1]
+        return np.minimum(*distances)
+
+    def derivatives(self) -> Array:
+        """Where `at` was asked last: (..., 11, points), of two places (..., 13, points).
+
+        By ideal, log slopes, shear, bends, skews, log power, log exponent, and second ideal.
+        """
+        first = self._each[0].derivatives()
+        if len(self._each) == 1:
+            return first
+        nearer = self._nearer[..., None, :]
+        second = self._each[1].derivatives()
+        shared = np.where(nearer, first[..., 2:, :], second[..., 2:, :])
+        own = np.where(nearer, first[..., :2, :], 0.0)
+        return np.concatenate([own, shared, np.where(nearer, 0.0, second[..., :2, :])], axis=-2)
 
 
 class UnfoldingLoss:
     """Minus the log-likelihood of counts and minus the log of the priors, with its derivatives.
 
     Counts (..., settings, categories) are those of one fit or of many. Parameters (..., n) are
-    those of Distance, and between shear and bends the first bound and the logs of the widths of
-    the categories after it.
+    those of Distance, and between shear and the shapes the first bound and the logs of the widths
+    of the categories after it. With two `places` a setting is judged from the nearer one.
     """
 
-    def __init__(self, grid: Grid, counts: Array) -> None:
-        places = coordinates(grid)
+    def __init__(self, grid: Grid, counts: Array, places: int = 1) -> None:
+        settings = coordinates(grid)
+        more = 2 * (places - 1)
+        self._shapes = SHAPES + more
         judged = np.any(counts > 0.0, axis=(*range(counts.ndim - 2), -1))
         self._counts = np.ascontiguousarray(counts[..., judged, :].swapaxes(-1, -2))
-        self._distance = Distance(places[judged], places[-1])
+        self._distance = Distance(settings[judged], settings[-1], places)
+        self._judged = judged
         widths = counts.shape[-1] - 2
+        ideal = [(-BEYOND, float(end) + BEYOND) if end else (0.0, 0.0) for end in settings[-1]]
         self.limits = [
-            *((0.0, float(end)) for end in places[-1]),
+            *ideal,
             (-4.0, 4.0), (-4.0, 4.0), (-8.0, 8.0), (-5.0, 10.0),
             *[(-4.0, 3.0)] * widths,
-            *[(-MOST_BEND, MOST_BEND)] * 2,
+            *[(-MOST_BEND, MOST_BEND)] * 2, *[(-MOST_SKEW, MOST_SKEW)] * 2, POWERS, EXPONENTS,
+            *ideal[:more],
         ]  # fmt: skip
-        self._mean = np.array([0.0, 0.0, *SLOPES, 0.0, FIRST_BOUND, *[0.0] * widths, 0.0, 0.0])
-        sd = [SLOPE_SD, SLOPE_SD, SHEAR_SD, FIRST_BOUND_SD, *[WIDTH_SD] * widths, BEND_SD, BEND_SD]
-        self._precision = np.array([0.0, 0.0, *(s**-2 for s in sd)])
+        of_shapes = [BEND_SD, BEND_SD, SKEW_SD, SKEW_SD, POWER_SD, EXPONENT_SD]
+        self._mean = np.array(
+            [0.0, 0.0, *SLOPES, 0.0, FIRST_BOUND, *[0.0] * (widths + self._shapes)]
+        )
+        sd = [SLOPE_SD, SLOPE_SD, SHEAR_SD, FIRST_BOUND_SD, *[WIDTH_SD] * widths, *of_shapes]
+        self._precision = np.array([0.0, 0.0, *(s**-2 for s in sd), *[0.0] * more])
 
     def start(self, place: Array) -> Array:
         """Parameters at the priors' means with the ideal at places (..., 2)."""
@@ -157,6 +259,12 @@ class UnfoldingLoss:
         """Values (...,) and gradients (..., n)."""
         share, density, by_bound = self._shares(p)
         return self._slope(p, share, density, by_bound, self._distance.derivatives())
+
+    def shares(self, p: Array) -> Array:
+        """Probabilities of categories, (settings, categories) of one fit; 1 where nobody judged."""
+        every = np.ones((len(self._judged), self._counts.shape[-2]))
+        every[self._judged] = self._shares(p)[0].T
+        return every
 
     def scoring(self, p: Array) -> tuple[Array, Array, Array]:
         """Values, gradients, and the expected second derivatives (..., n, n) (Fisher 1925)."""
@@ -181,7 +289,8 @@ class UnfoldingLoss:
         bounds = np.concatenate([by_bound.swapaxes(-1, -2) @ of_bounds @ by_bound, across], axis=-1)
         information = np.concatenate([bounds, places], axis=-2)
         size = information.shape[-1]
-        order = np.r_[size - 7 : size - 2, : size - 7, size - 2 : size]
+        shapes = size - self._shapes
+        order = np.r_[shapes - 5 : shapes, : shapes - 5, shapes:size]
         information = information[..., order[:, None], order]
         return value, gradient, information + np.diag(self._precision)
 
@@ -193,7 +302,7 @@ class UnfoldingLoss:
         """
         from scipy.special import ndtr
 
-        widths = np.exp(p[..., 6:-2])
+        widths = np.exp(p[..., 6 : -self._shapes])
         number = widths.shape[-1] + 1
         by_bound = np.ones((*p.shape[:-1], number, number))
         by_bound[..., 1:] = np.tri(number, number - 1, -1) * widths[..., None, :]

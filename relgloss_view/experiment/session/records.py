@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
+import contextlib
 import json
+import os
 import sqlite3
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,6 +19,12 @@ from relgloss_view.experiment.design.trial_order import Trial
 from relgloss_view.experiment.session import session_file
 
 PERSON, SIMULATED = "person", "simulated"
+#: What reading a value raises that is not what it should be.
+BY_DAMAGE = (
+    ValueError, TypeError, LookupError, AttributeError, ArithmeticError, RecursionError,
+)  # fmt: skip
+LOG_MISSING = "log missing"  #: the event by which a file remembers it
+LARGEST = 2**53  #: of numbers without another limit; a float holds each below exactly
 
 
 @dataclass(frozen=True)
@@ -79,113 +87,74 @@ class Record:
     undone: int  #: answers that were taken back
     runs: tuple[Run, ...]
     pictures: tuple[Picture, ...]  #: what was shown
-    log_missing: bool  #: after a kill the last answers are in a log, which is not beside the file
+    #: After a kill the last answers are in a log, which was or is not beside the file.
+    log_missing: bool
 
 
 def read_record(path: Path, lamp_folder: Path) -> Record:
     """All of a session file; a lamp's table is put into `lamp_folder`. Raises InputError."""
     log_missing = session_file.log_missing(path)
-    with session_file.open_to_read(path) as connection:
-        study, digest = read_study(connection, lamp_folder, path)
-        try:
-            record = _record(path, connection, study, digest, log_missing)
-            _check(record)
-        except (ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
-            raise InputError(
-                f"{printable(path)}: a row in it is damaged ({printable(error, 80)}); take a copy "
-                "of the file that is whole"
-            ) from error
-    return record
+    with session_file.open_to_read(path) as connection, damaged_rows(path):
+        study, digest, version = read_study(connection, lamp_folder, path)
+        observers = read_observers(connection)
+        (lost,) = connection.execute(
+            "SELECT count(*) FROM event WHERE kind = ?", (LOG_MISSING,)
+        ).fetchone()
+        (undone,) = connection.execute(
+            "SELECT count(*) FROM answer WHERE undone_utc IS NOT NULL"
+        ).fetchone()
+        return Record(
+            path=path,
+            study=study,
+            digest=digest,
+            version=version,
+            observers=tuple(observers),
+            details=tuple(read_details(connection, o.number) for o in observers),
+            answers=tuple(read_answers(connection, study)),
+            undone=int(undone),
+            runs=tuple(_read_runs(connection)),
+            pictures=tuple(_read_pictures(connection)),
+            log_missing=log_missing or lost > 0,
+        )
 
 
-def _record(
-    path: Path, connection: sqlite3.Connection, study: Study, digest: str, log_missing: bool
-) -> Record:
-    (version,) = connection.execute("SELECT version FROM study").fetchone()
-    details = connection.execute("SELECT details FROM observer ORDER BY number").fetchall()
-    (undone,) = connection.execute(
-        "SELECT count(*) FROM answer WHERE undone_utc IS NOT NULL"
-    ).fetchone()
-    runs = connection.execute(
-        "SELECT id, observer, begun_utc, ended_utc, version, device, screen FROM run ORDER BY id"
-    ).fetchall()
-    pictures = connection.execute(
-        "SELECT sample, setting, sha256, device FROM picture ORDER BY sample, setting, rowid"
-    ).fetchall()
-    return Record(
-        path=path,
-        study=study,
-        digest=digest,
-        version=version,
-        observers=tuple(read_observers(connection)),
-        details=tuple(json.loads(text) for (text,) in details),
-        answers=tuple(read_answers(connection)),
-        undone=int(undone),
-        runs=tuple(_run(*row) for row in runs),
-        pictures=tuple(Picture(*row) for row in pictures),
-        log_missing=log_missing,
-    )
-
-
-def _run(*columns: Any) -> Run:
-    """A row of the table, in the order of Run's fields; `screen` is JSON."""
-    run = Run(*columns)
-    return dataclasses.replace(run, screen=json.loads(columns[-1]))
-
-
-def _check(record: Record) -> None:
-    """ValueError where a row says what no program has written."""
-    study = record.study
-    numbers = {observer.number for observer in record.observers}
-    for observer in record.observers:
-        _expect(isinstance(observer.name, str) and isinstance(observer.begun_utc, str), "observer")
-        _expect(observer.kind in (PERSON, SIMULATED), "observer.kind")
-    _expect(all(isinstance(details, dict) for details in record.details), "observer.details")
-    for run in record.runs:
-        _expect(isinstance(run.screen, dict), "run.screen")
-        texts = (run.begun_utc, run.version, run.device)
-        _expect(all(isinstance(text, str) for text in texts), "run")
-    _expect(isinstance(record.version, str), "study.version")
-    for answer in record.answers:
-        trial = answer.trial
-        _expect(answer.observer in numbers, "answer.observer")
-        _expect(trial.sample in range(len(study.samples)), "trial.sample")
-        _expect(trial.setting in range(len(study.grid)), "trial.setting")
-        _expect(answer.question in QUESTIONS, "answer.question")
-        _expect(answer.category in range(len(study.categories)), "answer.category")
-        _expect(answer.response_s >= 0.0, "answer.response_ms")
-
-
-def _expect(holds: bool, what: str) -> None:
-    if not holds:
-        raise ValueError(what)
-
-
-def read_study(connection: sqlite3.Connection, lamp_folder: Path, path: Path) -> tuple[Study, str]:
-    """The study of a session file and its digest; InputError where it is damaged."""
-    with session_file.input_errors(path):
-        content, digest, _ = connection.execute("SELECT * FROM study").fetchone() or ("", "", "")
+@contextlib.contextmanager
+def damaged_rows(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Turn whatever a damaged row leads to into one line; for code that only reads rows."""
     try:
-        return study_from_dict(json.loads(content), lamp_folder), digest
+        with session_file.input_errors(path):
+            yield
+    except BY_DAMAGE as error:
+        raise InputError(
+            f"{printable(path)}: a row in it is damaged ({printable(error, 80)}); take a copy of "
+            "the file that is whole"
+        ) from error
+
+
+def read_study(
+    connection: sqlite3.Connection, lamp_folder: Path, path: Path
+) -> tuple[Study, str, str]:
+    """The study of a session file, its digest, and the version of relgloss that made the file.
+
+    InputError where it is damaged.
+    """
+    damaged = InputError(f"{printable(path)}: the study in it is damaged")
+    with session_file.input_errors(path):
+        row = connection.execute("SELECT content, digest, version FROM study").fetchone()
+    if row is None or not all(isinstance(column, str) for column in row[:2]):
+        raise damaged
+    content, digest, version = row
+    with damaged_rows(path):
+        version = _text(version, "study.version")
+    try:
+        return study_from_dict(json.loads(content), lamp_folder), digest, version
     except InputError as error:
         raise InputError(f"{printable(path)}: the study in it: {error}") from error
-    except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
-        raise InputError(f"{printable(path)}: the study in it is damaged") from error
+    except BY_DAMAGE as error:
+        raise damaged from error
 
 
-def read_answers(connection: sqlite3.Connection, observer: int | None = None) -> list[Answer]:
-    """Standing answers of a session file, by observer and position; of one observer or of all."""
-    chosen, values = ("", ()) if observer is None else ("AND a.observer = ? ", (observer,))
-    rows = connection.execute(
-        "SELECT a.observer, t.position, t.sample, t.setting, t.repeat, a.question, a.category, "
-        "a.response_ms FROM answer a JOIN trial t USING (observer, position) "
-        f"WHERE a.undone_utc IS NULL {chosen}ORDER BY a.observer, t.position, a.id",
-        values,
-    )
-    return [
-        Answer(observer, Trial(position, sample, setting, repeat), question, category, ms / 1000.0)
-        for observer, position, sample, setting, repeat, question, category, ms in rows
-    ]
+# What follows raises whatever a damaged row leads to: call it within `damaged_rows`.
 
 
 def read_observers(connection: sqlite3.Connection) -> list[Observer]:
@@ -195,6 +164,118 @@ def read_observers(connection: sqlite3.Connection) -> list[Observer]:
         "ORDER BY number"
     )
     return [
-        Observer(number, name, kind, consented is not None, ended is not None, begun)
+        Observer(
+            _whole(number, "observer.number"),
+            _text(name, "observer.name"),
+            _one_of((PERSON, SIMULATED), kind, "observer.kind"),
+            consented is not None,
+            ended is not None,
+            _text(begun, "observer.begun_utc"),
+        )
         for number, name, kind, consented, ended, begun in rows
     ]
+
+
+def read_details(connection: sqlite3.Connection, observer: int) -> dict[str, Any]:
+    """How an observer was made; empty for people."""
+    ((text,),) = connection.execute("SELECT details FROM observer WHERE number = ?", (observer,))
+    return _object(text, "observer.details")
+
+
+def read_trials(connection: sqlite3.Connection, study: Study, observer: int) -> list[Trial]:
+    """What an observer sees and has seen, in order."""
+    rows = connection.execute(
+        "SELECT position, sample, setting, repeat FROM trial WHERE observer = ? ORDER BY position",
+        (observer,),
+    )
+    return [_trial(study, *row) for row in rows]
+
+
+def read_answers(
+    connection: sqlite3.Connection, study: Study, observer: int | None = None
+) -> list[Answer]:
+    """Standing answers of a session file, by observer and position; of one observer or of all."""
+    chosen, values = ("", ()) if observer is None else ("AND a.observer = ? ", (observer,))
+    rows = connection.execute(
+        "SELECT a.observer, t.position, t.sample, t.setting, t.repeat, a.question, a.category, "
+        "a.response_ms FROM answer a JOIN trial t USING (observer, position) "
+        f"WHERE a.undone_utc IS NULL {chosen}ORDER BY a.observer, t.position, a.id",
+        values,
+    )
+    return [
+        Answer(
+            _whole(observer, "answer.observer"),
+            _trial(study, *trial),
+            _one_of(QUESTIONS, question, "answer.question"),
+            _whole(category, "answer.category", len(study.categories)),
+            _whole(response_ms, "answer.response_ms") / 1000.0,
+        )
+        for observer, *trial, question, category, response_ms in rows
+    ]
+
+
+def _read_runs(connection: sqlite3.Connection) -> Iterator[Run]:
+    rows = connection.execute(
+        "SELECT id, observer, begun_utc, ended_utc, version, device, screen FROM run ORDER BY id"
+    )
+    for number, observer, begun, ended, version, device, screen in rows:
+        yield Run(
+            _whole(number, "run.id"),
+            _whole(observer, "run.observer"),
+            _text(begun, "run.begun_utc"),
+            None if ended is None else _text(ended, "run.ended_utc"),
+            _text(version, "run.version"),
+            _text(device, "run.device"),
+            _object(screen, "run.screen"),
+        )
+
+
+def _read_pictures(connection: sqlite3.Connection) -> Iterator[Picture]:
+    rows = connection.execute(
+        "SELECT sample, setting, sha256, device FROM picture ORDER BY sample, setting, rowid"
+    )
+    for sample, setting, sha256, device in rows:
+        yield Picture(
+            None if sample is None else _whole(sample, "picture.sample"),
+            None if setting is None else _whole(setting, "picture.setting"),
+            _text(sha256, "picture.sha256"),
+            _text(device, "picture.device"),
+        )
+
+
+def _trial(study: Study, position: Any, sample: Any, setting: Any, repeat: Any) -> Trial:
+    return Trial(
+        _whole(position, "trial.position"),
+        _whole(sample, "trial.sample", len(study.samples)),
+        _whole(setting, "trial.setting", len(study.grid)),
+        _whole(repeat, "trial.repeat"),
+    )
+
+
+def _whole(value: object, what: str, count: int | None = None) -> int:
+    """A whole number from 0, below `count`; ValueError for what no program has written."""
+    if not (isinstance(value, int) and 0 <= value < (LARGEST if count is None else count)):
+        raise ValueError(what)
+    return value
+
+
+def _text(value: object, what: str) -> str:
+    if not isinstance(value, str):
+        raise ValueError(what)
+    return value
+
+
+def _one_of(choices: Iterable[str], value: object, what: str) -> str:
+    if value not in tuple(choices):
+        raise ValueError(what)
+    return str(value)
+
+
+def _object(written: object, what: str) -> dict[str, Any]:
+    try:
+        content = json.loads(_text(written, what))
+    except (ValueError, RecursionError):
+        raise ValueError(what) from None
+    if not isinstance(content, dict):
+        raise ValueError(what)
+    return content

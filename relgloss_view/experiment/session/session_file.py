@@ -11,17 +11,18 @@ import contextlib
 import os
 import shutil
 import sqlite3
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import check_regular, printable
+from relgloss_view.base.temporaries import scratch_folder
 from relgloss_view.base.writing import fresh_file
 
 APPLICATION_ID = 0x52476C45  #: "RGlE"
 VERSION = 1
 EXPECTED = "a session file that `relgloss experiment` wrote"
+DAMAGED = "the file is damaged; take a copy of it that is whole"
 TABLES = """
 CREATE TABLE study (content TEXT NOT NULL, digest TEXT NOT NULL, version TEXT NOT NULL);
 CREATE TABLE observer (
@@ -115,7 +116,7 @@ def open_to_read(path: str | os.PathLike[str]) -> Iterator[sqlite3.Connection]:
             if _is_lock(error):
                 raise
             # After a kill the log must be read too, and SQLite does that only where it may write.
-            folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+            folder = stack.enter_context(scratch_folder())
             for name in (file.name, f"{file.name}-wal"):
                 if file.with_name(name).exists():
                     shutil.copyfile(file.with_name(name), folder / name)
@@ -147,6 +148,14 @@ def log_missing(path: str | os.PathLike[str]) -> bool:
     return writing_ahead and not os.path.exists(f"{os.fspath(path)}-wal")
 
 
+def lost_log(path: str | os.PathLike[str]) -> str:
+    """What to do about a file without its log."""
+    return (
+        f"{printable(Path(path).name)}-wal is not beside it, and the last answers may be in that: "
+        "copy both files, or run the study on once where both lie"
+    )
+
+
 @contextlib.contextmanager
 def input_errors(path: str | os.PathLike[str]) -> Iterator[None]:
     """Turn SQLite's errors into one line that says what is wrong with which file."""
@@ -154,6 +163,8 @@ def input_errors(path: str | os.PathLike[str]) -> Iterator[None]:
         yield
     except sqlite3.Error as error:
         raise InputError(f"{printable(path)}: {_reason(error)}") from error
+    except UnicodeDecodeError as error:  # of a damaged table's name, in SQLite's own message
+        raise InputError(f"{printable(path)}: {DAMAGED}") from error
 
 
 def _reason(error: sqlite3.Error) -> str:
@@ -167,7 +178,9 @@ def _reason(error: sqlite3.Error) -> str:
     if code & 0xFF == sqlite3.SQLITE_NOTADB:
         return f"not a session file; give {EXPECTED}"
     if code & 0xFF == sqlite3.SQLITE_CORRUPT:
-        return "the file is damaged; take a copy of it that is whole"
+        return DAMAGED
+    if code == sqlite3.SQLITE_ERROR or "decode" in str(error):  # tables or texts are not ours
+        return DAMAGED
     return f"can't be read or written ({printable(error)}); check the disk, or choose another place"
 
 
@@ -186,6 +199,9 @@ def _check_format(connection: sqlite3.Connection, path: str | os.PathLike[str]) 
             f"{printable(path)}: of version {version}, expected {VERSION}; a newer file needs a "
             "newer relgloss"
         )
+    # A damaged index would leave answers out without a word.
+    if connection.execute("PRAGMA integrity_check(1)").fetchone() != ("ok",):
+        raise InputError(f"{printable(path)}: {DAMAGED}")
 
 
 def _uri(path: str | os.PathLike[str], mode: str) -> str:

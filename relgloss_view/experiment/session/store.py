@@ -10,7 +10,6 @@ import contextlib
 import json
 import os
 import sqlite3
-import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -18,18 +17,24 @@ from typing import Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
+from relgloss_view.base.shell import command_line, operand
+from relgloss_view.base.temporaries import scratch_folder
 from relgloss_view.base.version import __version__
 from relgloss_view.experiment.design.study import Study
 from relgloss_view.experiment.design.study_file import study_digest, study_to_dict
 from relgloss_view.experiment.design.trial_order import Trial
 from relgloss_view.experiment.session import session_file
 from relgloss_view.experiment.session.records import (
+    LOG_MISSING,
     PERSON,
     Answer,
     Observer,
+    damaged_rows,
     read_answers,
+    read_details,
     read_observers,
     read_study,
+    read_trials,
 )
 
 LONGEST_NAME = 40
@@ -48,15 +53,18 @@ class Store:
         if content is not None and not os.path.lexists(path):
             written = json.dumps(content, allow_nan=False)
             session_file.create_file(path, written, study_digest(content), __version__)
+        #: A program was killed, and its log, where the last answers may be, is not beside the file.
+        self.log_missing = session_file.log_missing(path)
         self._connection: sqlite3.Connection | None = session_file.open_to_write(path)
-        self._lamps = tempfile.TemporaryDirectory(prefix="relgloss-")
+        self._lamps = contextlib.ExitStack()
         try:
-            held, digest = read_study(self._connection, Path(self._lamps.name), self.path)
+            lamps = self._lamps.enter_context(scratch_folder())
+            held, digest, _ = read_study(self._connection, lamps, self.path)
             if content is not None and study_digest(content) != digest:
+                line = command_line(["relgloss", "experiment", "run", operand(path)])
                 raise InputError(
                     f"{printable(path)}: holds answers to another study, or to this one before it "
-                    "was edited; give another file with -o, or continue with "
-                    f"`relgloss experiment run {printable(path)}`"
+                    f"was edited; give another file with -o, or continue with `{line}`"
                 )
         except BaseException:
             self.close()
@@ -76,14 +84,14 @@ class Store:
             try:
                 session_file.close(connection, self.path)
             finally:
-                self._lamps.cleanup()
+                self._lamps.close()
 
     # --- observers and runs -------------------------------------------------------------------
 
     def observers(self) -> list[Observer]:
         """All so far, by number."""
         assert self._connection is not None
-        with session_file.input_errors(self.path):
+        with damaged_rows(self.path):
             return read_observers(self._connection)
 
     def observer(
@@ -117,9 +125,9 @@ class Store:
 
     def details(self, observer: Observer) -> dict[str, Any]:
         """How an observer was made; empty for people."""
-        ((text,),) = self._rows("SELECT details FROM observer WHERE number = ?", observer.number)
-        content: dict[str, Any] = json.loads(text)
-        return content
+        assert self._connection is not None
+        with damaged_rows(self.path):
+            return read_details(self._connection, observer.number)
 
     def new_observer(
         self, kind: str = PERSON, details: Mapping[str, Any] | None = None
@@ -128,7 +136,8 @@ class Store:
         return self._make_observer(_free_name({o.name for o in self.observers()}), kind, details)
 
     def _make_observer(self, name: str, kind: str, details: Mapping[str, Any] | None) -> Observer:
-        made = Observer(len(self.observers()), name, kind, False, False, _now())
+        number = 1 + max((o.number for o in self.observers()), default=-1)
+        made = Observer(number, name, kind, False, False, _now())
         with self._writing() as connection:
             connection.execute(
                 "INSERT INTO observer VALUES (?, ?, ?, ?, NULL, NULL, ?)",
@@ -158,7 +167,13 @@ class Store:
                 (observer.number, _now(), __version__, device, json.dumps(dict(screen)), profile),
             )
             assert row.lastrowid is not None
-            return row.lastrowid
+            number = row.lastrowid
+            if self.log_missing:  # the file itself forgets it when it is closed
+                connection.execute(
+                    "INSERT INTO event VALUES (NULL, ?, ?, ?, '')", (number, _now(), LOG_MISSING)
+                )
+        self._into_the_file()
+        return number
 
     def end_run(self, run: int) -> None:
         """Keep that the program ended by itself, and was not killed."""
@@ -176,14 +191,9 @@ class Store:
 
     def trials(self, observer: Observer) -> list[Trial]:
         """What the observer sees and has seen, in order."""
-        return [
-            Trial(*row)
-            for row in self._rows(
-                "SELECT position, sample, setting, repeat FROM trial WHERE observer = ? "
-                "ORDER BY position",
-                observer.number,
-            )
-        ]
+        assert self._connection is not None
+        with damaged_rows(self.path):
+            return read_trials(self._connection, self.study, observer.number)
 
     def plan(self, observer: Observer, trials: Sequence[Trial]) -> None:
         """Keep trials that are to come; all of them or none."""
@@ -204,6 +214,8 @@ class Store:
                 (observer.number, trial.position, question, category,
                  round(1000.0 * response_s), run, _now()),
             )  # fmt: skip
+        if observer.kind == PERSON:
+            self._into_the_file()
 
     def undo(self, observer: Observer, run: int, *, drop_unanswered: bool = False) -> Trial | None:
         """Take the observer's last standing answer back; its trial, None where there is none.
@@ -230,13 +242,16 @@ class Store:
                     "(SELECT 1 FROM answer WHERE observer = ?1 AND position = trial.position)",
                     (observer.number, position),
                 )
-        return next(t for t in self.trials(observer) if t.position == position)
+        with damaged_rows(self.path):
+            (trial,) = (t for t in self.trials(observer) if t.position == position)
+        return trial
 
     def answers(self, observer: Observer | None = None) -> list[Answer]:
         """Standing answers, by observer and position; of one observer or of all."""
         assert self._connection is not None
-        with session_file.input_errors(self.path):
-            return read_answers(self._connection, None if observer is None else observer.number)
+        with damaged_rows(self.path):
+            number = None if observer is None else observer.number
+            return read_answers(self._connection, self.study, number)
 
     def keep_picture(
         self, run: int, sample: int | None, setting: int | None, sha256: str, device: str,
@@ -252,6 +267,16 @@ class Store:
                 (sample, setting, sha256, device, json.dumps(dict(parameters)), run),
             )
 
+    def _into_the_file(self) -> None:
+        """Move what is in the log into the file itself, so that a copy of it alone has it too.
+
+        Three times as slow as the answer itself (docs/experiment.md), so simulations do without.
+        """
+        assert self._connection is not None
+        # What is committed is in the log, whether or not this is possible now.
+        with contextlib.suppress(sqlite3.Error):
+            self._connection.execute("PRAGMA wal_checkpoint(PASSIVE)").fetchone()
+
     def _mark(self, observer: Observer, column: str) -> None:
         with self._writing() as connection:
             connection.execute(
@@ -261,7 +286,7 @@ class Store:
 
     def _rows(self, query: str, *values: object) -> list[Any]:
         assert self._connection is not None
-        with session_file.input_errors(self.path):
+        with damaged_rows(self.path):
             return self._connection.execute(query, values).fetchall()
 
     @contextlib.contextmanager

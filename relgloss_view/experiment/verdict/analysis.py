@@ -27,6 +27,7 @@ from relgloss_view.experiment.verdict.agreement import (
     no_difference_p,
 )
 from relgloss_view.experiment.verdict.full_grid import LEVEL, Verdict, verdict_on
+from relgloss_view.experiment.verdict.groups import mixed_groups
 from relgloss_view.experiment.verdict.screening import ObserverResult, observer_results
 
 DRAWS = 1000
@@ -93,7 +94,7 @@ def analyse(
 ) -> Analysis:
     """Analyse a pool; the same pool and options give the same analysis.
 
-    A sample about which all answers are the same, or none are there, is named in `untold`.
+    A sample about which all answers are the same, or none are there, is named in `unscaled`.
     """
     study = pool.study
     level = LEVEL / len(study.samples)
@@ -168,12 +169,17 @@ def _sample(
         for q, a in by_question.items()
     }
     observers = {q: len(np.unique(a.observer)) for q, a in by_question.items()}
+    groups = {}
+    if weights is not None and adaptive is None:
+        groups = {q: mixed_groups(fine, a, options.seed) for q, a in by_question.items()}
+    alike = {q: np.max(np.bincount(a.category)) / len(a.category) for q, a in by_question.items()}
     verdicts = {
         s.question: verdict_on(
-            study.grid, s.scale, s.draws, s.smooth, p[s.question], level, observers[s.question]
+            study.grid, s.scale, s.draws, s.smooth, p[s.question], level, observers[s.question],
+            groups=groups.get(s.question), places=s.places, alike=float(alike[s.question]),
         )
         for s in scales
-    }
+    }  # fmt: skip
     if len(scales) == 2:
         first, second = scales
         total = first.scale + second.scale
@@ -184,7 +190,11 @@ def _sample(
             # A point needs both: where either may be chance, so may the whole.
             p[JOINT] = max(p.values())
             smooth, least = first.smooth.plus(second.smooth), min(observers.values())
-            verdicts[JOINT] = verdict_on(study.grid, total, both, smooth, p[JOINT], level, least)
+            verdicts[JOINT] = verdict_on(
+                study.grid, total, both, smooth, p[JOINT], level, least,
+                groups=next((g for g in groups.values() if g is not None), None),
+                alike=float(min(alike.values())),
+            )  # fmt: skip
     ratings = ratio.ratings()
     return SampleResult(
         label=label,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,8 @@ from relgloss_view.experiment.scaling.fine_grid import (
     Shape,
     Smooth,
 )
+from relgloss_view.experiment.scaling.two_places import TwoPlaces
+from relgloss_view.experiment.verdict.groups import MixedGroups
 
 FEWEST_OBSERVERS = 5  #: below, a bootstrap over them is too narrow to call anything best
 TIE = 1e-9  #: values closer than this are equal
@@ -26,6 +29,10 @@ RIDGE = "ridge"  #: a curve of settings that are as good as each other
 BROAD = "broad"  #: too many settings are as good
 CHANCE = "chance"  #: the answers can't be told from answers by chance
 FEW = "few"  #: fewer than FEWEST_OBSERVERS
+MIXED = "mixed"  #: two groups of observers agree on no one setting
+TWO = "two"  #: two places apart from each other are right
+ALIKE = "alike"  #: nearly all answers are the same: too few differ to show where the best is
+ALIKE_SHARE = 0.9  #: of the answers in one category
 
 
 @dataclass(frozen=True)
@@ -40,6 +47,9 @@ class Verdict:
     shape: Shape | None  #: of what is as good as that
     edges: tuple[str, ...]  #: of the grid on which the leading setting lies
     smooth: Array  #: (fine sigma_N, fine c), closeness of the smooth fit
+    groups: MixedGroups | None = None  #: of observers who disagree
+    places: tuple[int, int] | None = None  #: settings nearest to two right places
+    alike: float = 0.0  #: the share of the answers that is in one category
 
 
 def verdict_on(
@@ -50,12 +60,19 @@ def verdict_on(
     p_chance: float,
     level: float,
     observers: int,
+    *,
+    groups: MixedGroups | None = None,
+    places: TwoPlaces | None = None,
+    alike: float = 0.0,
 ) -> Verdict:
     """The verdict on scale values (J,), NaN without answers, their draws (B, J) and the smooth fit.
 
     Draws are NaN where those who were drawn tell nothing of a setting. p_chance: of the answers if
     settings did not differ; above `level` nothing is called best. Fewer than FEWEST_OBSERVERS can't
-    show how surely, so that too few comes before chance.
+    show how surely, so that too few comes before chance. `alike` is the share of the most frequent
+    answer: where it is nearly all, other answers are too few to be told from chance, and that is no
+    sign of answers at random. With mixed `groups` or two `places` no setting is the best one; the
+    optimum, which is that of one place for all, has no interval then.
     """
     leading = _leading(grid, scale, smooth)
     shape = None
@@ -65,7 +82,11 @@ def verdict_on(
     if shape is None or observers < FEWEST_OBSERVERS:
         status = FEW
     elif p_chance > level:
-        status = CHANCE
+        status = ALIKE if alike >= ALIKE_SHARE else CHANCE
+    elif groups is not None:
+        status = MIXED
+    elif places is not None:
+        status = TWO
     elif shape.kind != POINT_LIKE:
         status = RIDGE if shape.kind == RIDGE_LIKE else BROAD
     wins = None
@@ -74,16 +95,35 @@ def verdict_on(
     if draws is not None and np.any(np.isfinite(draws)):
         wins = _wins(draws)
         as_good = _as_good(scale, draws, leading)
+    # Where one setting is better than all others, the smooth fit decides no more than where
+    # between it and its neighbours the optimum lies.
+    alone = wins is not None and int(np.sum(as_good)) == 1
+    within = smooth.fine.near(leading) if alone else None
+    optimum = smooth.fine.optimum(smooth.closeness, smooth.draws, observers, within)
+    if status in (MIXED, TWO):
+        optimum = dataclasses.replace(optimum, sigma_n_interval_deg=None, c_interval=None)
     return Verdict(
         status=status,
         leading=leading,
         wins=wins,
         as_good=as_good,
-        optimum=smooth.fine.optimum(smooth.closeness, smooth.draws),
+        optimum=optimum,
         shape=shape,
         edges=edges_of(grid, leading),
         smooth=smooth.closeness.reshape(smooth.fine.shape),
+        groups=groups,
+        places=None if places is None else _nearest_two(grid, places),
+        alike=alike,
     )
+
+
+def _nearest_two(grid: Grid, places: TwoPlaces) -> tuple[int, int]:
+    settings = coordinates(grid)
+    first, second = (
+        int(np.argmin(np.sum((settings - place) ** 2, axis=1)))
+        for place in (places.first, places.second)
+    )
+    return min(first, second), max(first, second)
 
 
 def _leading(grid: Grid, scale: Array, smooth: Smooth) -> int:

@@ -6,22 +6,23 @@ Every study goes the whole way: observers answer through the store, the file is 
 from __future__ import annotations
 
 import dataclasses
-import tempfile
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
+from relgloss_view.base.arrays import Array, Mask
+from relgloss_view.base.temporaries import scratch_folder
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.experiment.design.coordinates import grid_steps
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.design.study import Study
-from relgloss_view.experiment.observers.percept import Percepts, see_study, see_truths
+from relgloss_view.experiment.observers.kinds import PICTURE
+from relgloss_view.experiment.observers.percept import Percepts, see_study, see_truths, unseen
 from relgloss_view.experiment.observers.population import Population
 from relgloss_view.experiment.observers.simulation import run_observers
-from relgloss_view.experiment.observers.truth import truths_of
+from relgloss_view.experiment.observers.truth import right_settings, truths_of
 from relgloss_view.experiment.scaling.fine_grid import Optimum
 from relgloss_view.experiment.session.pool import read_pool
 from relgloss_view.experiment.session.posterior import Estimate
@@ -47,6 +48,7 @@ class Recovery:
     answers: int
     exact: bool  #: the leading cell is the truth's
     near: bool  #: or one beside it, corners too
+    in_set: bool  #: whether all that is right is among the settings not worse than the leading one
     error_steps: float  #: of the optimum between grid points
     sigma_n_inside: bool | None  #: whether the 95 % interval holds the truth; None without one
     c_inside: bool | None
@@ -61,22 +63,31 @@ def run_studies(
     *,
     truth: str,
     stated: Mapping[str, Setting],
+    grain_weights: Sequence[float],
     draws: int,
     seed: int = 0,
     progress: ProgressReport = no_progress,
 ) -> list[Recovery]:
     """Run so many studies, each with its own observers, order and truth.
 
-    `stated` holds truths by label that are the same in all of them.
+    `stated` holds truths by label that are the same in all of them; grain_weights is that of
+    Percepts. Nothing is drawn for observers who see no picture.
     """
     first = truths_of(study, truth, stated, seed)
-    percepts = see_study(renderer, study, first, lambda share, text: progress(0.0, text))
+    pictures = population.of_kind.depends_on == PICTURE
+    if pictures:
+        percepts = see_study(
+            renderer, study, first, grain_weights, lambda share, text: progress(0.0, text)
+        )
     recoveries: list[Recovery] = []
     for number in range(studies):
         progress(number / studies, f"study {number + 1} of {studies}")
         truths = truths_of(study, truth, stated, seed + number)
-        targets = see_truths(renderer, study, truths)
-        seen = dataclasses.replace(percepts, truths=truths, targets=targets)
+        if pictures:
+            targets = see_truths(renderer, study, truths)
+            seen = dataclasses.replace(percepts, truths=truths, targets=targets)
+        else:
+            seen = unseen(study, truths)
         own = study.with_procedure(seed=(study.procedure.seed + number) % 2**31)
         recoveries += _one(own, seen, observers, population, draws, seed + number, number)
     return recoveries
@@ -91,27 +102,36 @@ def _one(
     seed: int,
     number: int,
 ) -> list[Recovery]:
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
+    with scratch_folder() as folder:
         file = folder / "study.sqlite"
         with Store(file, study) as store:
             run_observers(store, percepts, population, observers, seed)
         results = analyse(read_pool([file], folder), Options(draws, seed)).samples
-    truths = {s.label: t for s, t in zip(study.samples, percepts.truths, strict=True)}
+    count = population.of_kind.right_settings
+    truths = {
+        s.label: right_settings(study.grid, t, count)
+        for s, t in zip(study.samples, percepts.truths, strict=True)
+    }
     return [_found(study.grid, number, result, truths[result.label]) for result in results]
 
 
-def _found(grid: Grid, number: int, result: SampleResult, truth: Setting) -> Recovery:
+def _found(grid: Grid, number: int, result: SampleResult, right: Sequence[Setting]) -> Recovery:
+    """Against the nearest to the leading setting of those that are right."""
     if result.adaptive is not None:
         verdict = result.adaptive
-        status, leading = verdict.status, grid.settings[verdict.leading]
+        status, leading, as_good = verdict.status, grid.settings[verdict.leading], verdict.as_good
         optimum: Estimate | Optimum = verdict.estimate
     else:
         full = result.verdict
-        status, leading = full.status, grid.settings[full.leading]
+        status, leading, as_good = full.status, grid.settings[full.leading], full.as_good
         optimum = full.optimum
     at = Setting(optimum.sigma_n_deg, optimum.c_fraction)
-    apart = np.abs(np.subtract(_steps(grid, leading), _steps(grid, truth)))
+    cells = np.array([_steps(grid, setting) for setting in grid.settings])
+    apart_all = [np.abs(np.subtract(cells, _steps(grid, truth))) for truth in right]
+    in_set = all(bool(np.any(as_good & _is_nearest(apart))) for apart in apart_all)
+    place = _steps(grid, leading)
+    truth = min(right, key=lambda t: float(np.hypot(*np.subtract(place, _steps(grid, t)))))
+    apart = np.abs(np.subtract(place, _steps(grid, truth)))
     error = float(np.hypot(*np.subtract(_steps(grid, at), _steps(grid, truth))))
     return Recovery(
         study=number,
@@ -122,10 +142,16 @@ def _found(grid: Grid, number: int, result: SampleResult, truth: Setting) -> Rec
         answers=result.answers,
         exact=bool(np.all(apart <= EXACT_STEPS + 1e-9)),
         near=bool(np.all(apart <= NEIGHBOUR_STEPS + 1e-9)),
+        in_set=in_set,
         error_steps=error,
         sigma_n_inside=_inside(truth.sigma_n_deg, optimum.sigma_n_interval_deg),
         c_inside=_inside(truth.c_fraction, optimum.c_interval),
     )
+
+
+def _is_nearest(apart: Array) -> Mask:
+    """(J,): settings whose cell holds a truth that is (J, 2) steps away."""
+    return np.asarray(np.all(apart <= EXACT_STEPS + 1e-9, axis=1))
 
 
 def _steps(grid: Grid, setting: Setting) -> tuple[float, float]:
@@ -144,6 +170,7 @@ class RecoveryShares:
     answers: float  #: about each sample, mean
     exact: float  #: share of cases, as all that follows but the error
     near: float
+    in_set: float
     median_error_steps: float
     sigma_n_inside: float | None  #: None where no case has an interval
     c_inside: float | None
@@ -164,6 +191,7 @@ def recovery_shares(recoveries: Sequence[Recovery]) -> RecoveryShares:
         answers=float(np.mean([r.answers for r in recoveries])),
         exact=float(np.mean([r.exact for r in recoveries])),
         near=float(np.mean([r.near for r in recoveries])),
+        in_set=float(np.mean([r.in_set for r in recoveries])),
         median_error_steps=float(np.median([r.error_steps for r in recoveries])),
         sigma_n_inside=float(np.mean(sigma)) if sigma else None,
         c_inside=float(np.mean(c)) if c else None,

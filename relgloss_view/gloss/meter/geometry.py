@@ -130,8 +130,10 @@ DISTINCTNESS = Meter(
 
 
 @lru_cache(maxsize=4096)
-def lobe_flux(meter: Meter, window: Window, s_deg: float, index: float) -> float:
-    """Share that a Torrance-Sparrow lobe of unit strength sends into a window."""
+def lobe_flux(meter: Meter, window: Window, s_deg: float, index: brdf.Fresnel) -> float:
+    """Share that a Torrance-Sparrow lobe, or a part of a metal's, of unit strength sends into a
+    window.
+    """
     s = float(np.radians(max(s_deg, MIRROR_DEG)))
     amplitude = brdf.facet_amplitude(s)
     return facet_flux(meter, window, lambda d2: brdf.facet_density(d2, s, amplitude), index, s)
@@ -141,7 +143,7 @@ def facet_flux(
     meter: Meter,
     window: Window,
     density: Density,
-    index: float,
+    index: brdf.Fresnel,
     s: float | None = None,
     nodes: int = WINDOW_NODES,
 ) -> float:
@@ -152,7 +154,7 @@ def facet_flux(
     the window.
     """
     f, weight = _directions(meter, window, s, nodes)
-    value = 0.25 * density(f.delta2) * brdf.fresnel_dielectric(f.cos_d, index)
+    value = 0.25 * density(f.delta2) * brdf.reflectance(f.cos_d, index)
     return float(np.sum(weight * value * brdf.shadowing(f) * f.mu_o))
 
 

@@ -144,6 +144,11 @@ def luminous_weights(bands: Bands) -> Array:
     return np.asarray(spectra.xyz_weights(bands, spectra.illuminant(ILLUMINANT))[:, 1])
 
 
+def _luminous(material: Material) -> Array:
+    """Those weights for a material's own spectra, none of which comes out negative."""
+    return material.xyz_weights(spectra.illuminant(ILLUMINANT))[:, 1]
+
+
 def from_fluxes(meter: Meter, fluxes: list[float]) -> float | None:
     """A meter's reading from the shares in its windows; None for the ratio of nothing.
 
@@ -162,19 +167,16 @@ def _metered(material: Material, meter: Meter) -> float | None:
 
 def _flux(material: Material, meter: Meter, window: Window) -> float:
     """Luminous share of the light that a material sends into a window."""
-    weight, body = luminous_weights(material.bands), material.diffuse
+    weight, body = _luminous(material), material.diffuse
     first, second = diffuse_flux(meter, window, body.model, body.sigma)
     total = first * (weight @ np.asarray(body.albedo)) + second * (
         weight @ material.second_albedo()
     )
     for lobe in material.visible_lobes():
-        share = lobe_flux(meter, window, lobe.s_deg, lobe.refractive_index)
-        total += share * _luminous_strength(material, lobe)
+        for part in lobe.parts(material.bands.count):
+            share = lobe_flux(meter, window, lobe.s_deg, part.fresnel)
+            total += share * float(weight @ part.spectrum)
     return float(total)
-
-
-def _luminous_strength(material: Material, lobe: Lobe) -> float:
-    return float(luminous_weights(material.bands) @ lobe.per_band(material.bands.count))
 
 
 def _contrast(material: Material) -> float:
@@ -182,7 +184,7 @@ def _contrast(material: Material) -> float:
 
     rho_d and rho_s are the luminous diffuse and specular albedo at normal incidence.
     """
-    weight = luminous_weights(material.bands)
+    weight = _luminous(material)
     diffuse, specular = (float(weight @ part[0]) for part in directional_albedo(material, 0.0))
     return float(np.cbrt(specular + 0.5 * diffuse) - np.cbrt(0.5 * diffuse))
 
@@ -198,9 +200,14 @@ def _sharpness(material: Material) -> float | None:
 def main_lobe(material: Material) -> int | None:
     """Index of the lobe with the highest peak; None where nothing shines."""
 
+    weight = _luminous(material)
+
     def peak(lobe: Lobe) -> float:
-        normal = float(brdf.fresnel_dielectric(1.0, lobe.refractive_index))
-        return _luminous_strength(material, lobe) * normal / max(lobe.s_deg, S_DEG_DRAWN) ** 2
+        head_on = sum(
+            float(weight @ part.spectrum) * float(brdf.reflectance(1.0, part.fresnel))
+            for part in lobe.parts(material.bands.count)
+        )
+        return head_on / max(lobe.s_deg, S_DEG_DRAWN) ** 2
 
     peaks = [peak(lobe) for lobe in material.specular]
     return int(np.argmax(peaks)) if peaks and max(peaks) > 0.0 else None

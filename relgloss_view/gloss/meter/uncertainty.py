@@ -190,6 +190,8 @@ def _lobe_steps(
     mean = math.fsum(lobe.strength) / len(lobe.strength)
     if mean > 0.0:  # the error is that of the mean over the bands
         yield from _step(f"strength.{k + 1}", scaled, 1.0, strength / mean, 0.0, 2.0)
+    if lobe.is_metal:  # the strength scales the reflectance of all bands
+        return
     yield from _step(
         f"refractive_index.{k + 1}",
         lambda x: changed(dataclasses.replace(lobe, refractive_index=x)),

@@ -9,7 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from relgloss_view.measure.findings import (
+    bands,
     colour,
+    drift,
     lamp_peak,
     lobe,
     mirror_direction,
@@ -17,7 +19,7 @@ from relgloss_view.measure.findings import (
     single_rows,
     units,
 )
-from relgloss_view.measure.findings.finding import Examined, Finding
+from relgloss_view.measure.findings.finding import BANDS, Examined, Finding
 from relgloss_view.measure.findings.rows import Rows
 from relgloss_view.measure.table import Measurement
 
@@ -36,10 +38,13 @@ def examine(measurement: Measurement) -> Examined:
     """
     with np.errstate(all="ignore"):
         rows = Rows.of(measurement)
+        measurement, dead = bands.without_dead(measurement, rows)
+        rows = Rows.of(measurement) if dead else rows
         measurement, findings = plateaus.saturation(measurement, rows)
+        findings = [*dead, *findings, *bands.out_of_place(measurement, rows)]
         findings += plateaus.floors(measurement, rows)
         findings += units.radians(measurement, rows)
-        if any(f.serious for f in findings):
+        if any(f.serious and f.kind != BANDS for f in findings):
             return Examined(measurement, tuple(findings))
         elsewhere = mirror_direction.check(measurement, rows)
         findings += elsewhere
@@ -48,9 +53,10 @@ def examine(measurement: Measurement) -> Examined:
             return Examined(measurement, tuple(findings))
         rows = Rows.of(measurement)  # without those on a plateau
         findings += units.values(measurement, rows)
-        if any(f.serious for f in findings):
+        if any(f.serious and f.kind != BANDS for f in findings):
             return Examined(measurement, tuple(findings))
         core = lobe.lobe_of(rows)
+        findings += drift.check(measurement, rows)
         findings += lobe.coverage(measurement, rows, core)
         findings += lobe.aperture(measurement, rows, core)
         findings += lobe.anisotropy(measurement, rows, core)

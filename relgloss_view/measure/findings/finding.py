@@ -17,6 +17,8 @@ ANISOTROPY = "anisotropy"
 COLOUR = "colour"
 ROWS = "rows"
 COVERAGE = "coverage"
+BANDS = "bands"
+DRIFT = "drift"
 
 
 @dataclass(frozen=True)

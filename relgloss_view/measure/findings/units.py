@@ -93,7 +93,7 @@ def _cosine(rows: Rows) -> str | None:
         [np.ones(len(some)), total, total**2, between, between**2, some.delta_deg / 50.0,
          (log_o - log_i) ** 2, log_o - log_i]
     )  # fmt: skip
-    power, error, rest = _last_slope(basis, np.log(some.level), some)
+    power, error, rest = last_slope(basis, np.log(some.level), some)
     if rest > MOST_REST:
         return None
     power *= 2.0
@@ -114,7 +114,7 @@ def _cosine(rows: Rows) -> str | None:
     )
 
 
-def _last_slope(basis: Array, y: Array, rows: Rows) -> tuple[float, float, float]:
+def last_slope(basis: Array, y: Array, rows: Rows) -> tuple[float, float, float]:
     """The last coefficient of a robust fit, its error with rows of a group as one, the spread."""
     weight: Array = np.ones(len(y))
     solution: Array = np.zeros(basis.shape[1])

@@ -17,7 +17,7 @@ from relgloss_view.base.arrays import AnyArray, Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.measure import screening as screen
 from relgloss_view.measure import table
-from relgloss_view.measure.bands import RGB
+from relgloss_view.measure.bands import RGB, WIDE_RGB
 from relgloss_view.measure.readers import tensor_file
 from relgloss_view.measure.readers.assemble import (
     evaluate_above,
@@ -29,13 +29,17 @@ from relgloss_view.measure.table import Measurement, source_is_synthetic
 
 #: Rec. 709 luminance of linear sRGB.
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+#: Linear sRGB to linear Rec. 2020 (ITU-R BT.2087-0), for column vectors.
+REC2020_FROM_SRGB = np.array(
+    [[0.6274, 0.3293, 0.0433], [0.0691, 0.9195, 0.0114], [0.0164, 0.0880, 0.8956]]
+)
 
 
 def read(path: Path) -> Measurement:
     """Read an isotropic rgb .bsdf at gonio.tabulated_grid(). Raises InputError.
 
     A saturated colour has a negative channel in linear sRGB; that is its gamut, not a fault of the
-    instrument. The channel is set to zero, with a warning, and the sample is kept.
+    instrument. Such a material is kept in linear Rec. 2020, with a note among the warnings.
     """
     brdf = load(path)
     to_lamp, to_receiver, group = tabulated_directions()
@@ -47,20 +51,27 @@ def read(path: Path) -> Measurement:
     readings = np.where(unseen, np.nan, luminance)[:, None]
     reasons = screen.reasons(to_lamp, to_receiver, readings)
 
-    outside = ((factor < 0.0) & (reasons == table.KEPT)[:, None]).sum(axis=0)
-    warnings = [
-        f"channel {label} is negative in {count} samples: the colour lies outside sRGB; "
-        "it is taken as 0 there"
-        for label, count in zip(RGB.labels, outside, strict=True)
-        if count
-    ]
+    bands, warnings = RGB, []
+    outside = _negative(factor, reasons)
+    if np.any(outside):
+        bands, factor = WIDE_RGB, factor @ REC2020_FROM_SRGB.T
+        warnings.append(
+            f"the colour lies outside sRGB in {np.max(outside)} samples (channel "
+            f"{RGB.labels[int(np.argmax(outside))]} is negative): kept in {bands.words}"
+        )
+        warnings += [
+            f"channel {label} is negative in {count} samples in {bands.words} too; it is taken as "
+            "0 there"
+            for label, count in zip(bands.labels, _negative(factor, reasons), strict=True)
+            if count
+        ]
     return require_samples(
         Measurement(
             name=brdf.description or path.stem,
             source=f"{path.name}, RGL material database format (Dupuy and Jakob 2018)",
             to_lamp=to_lamp,
             to_receiver=to_receiver,
-            bands=RGB,
+            bands=bands,
             radiance_factor=np.where(unseen[:, None], np.nan, np.maximum(factor, 0.0)),
             reasons=reasons,
             group=group,
@@ -70,6 +81,11 @@ def read(path: Path) -> Measurement:
         ),
         path,
     )
+
+
+def _negative(factor: Array, reasons: AnyArray) -> Array:
+    """How many kept samples are negative, in each channel."""
+    return np.asarray(((factor < 0.0) & (reasons == table.KEPT)[:, None]).sum(axis=0))
 
 
 def load(path: Path) -> RglBrdf:

@@ -9,6 +9,7 @@ import ctypes
 import importlib.util
 import os
 import sys
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.errors import GLUnavailableError, RelglossError
+from relgloss_view.picture.gpu import probe
 from relgloss_view.picture.model.view import Box
 
 BACKENDS = ("egl", "osmesa")
@@ -33,6 +35,7 @@ REMEDY = (
 def open_context(backend: str = "auto") -> moderngl.Context:
     """A headless context; `backend` is 'auto', 'egl' or 'osmesa'.
 
+    A driver that the environment names is tried in a process of its own first; see probe.py.
     Raises GLUnavailableError, one line with the remedy, where none can be made.
     """
     if backend == "auto":
@@ -42,6 +45,7 @@ def open_context(backend: str = "auto") -> moderngl.Context:
     faults: list[str] = []
     for make in makers:
         try:
+            probe.check(make.__name__.strip("_"))
             return _checked(make())
         except GLUnavailableError as error:
             faults.append(str(error))
@@ -290,7 +294,9 @@ def _osmesa() -> moderngl.Context:
         (glfw.OPENGL_FORWARD_COMPAT, glfw.FALSE),
     ):
         glfw.window_hint(hint, value)
-    window = glfw.create_window(16, 16, "relgloss", None, None)
+    with warnings.catch_warnings():  # GLFW's words come with the fault below
+        warnings.simplefilter("ignore")
+        window = glfw.create_window(16, 16, "relgloss", None, None)
     if not window:
         raise GLUnavailableError("osmesa: the library libOSMesa is missing or has no OpenGL 3.3")
     glfw.make_context_current(window)

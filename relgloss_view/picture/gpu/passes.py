@@ -32,7 +32,6 @@ from relgloss_view.picture.gpu.targets import (
     LIGHT,
     SPLIT,
     TONE,
-    WRITTEN,
     XYZ,
     Targets,
 )
@@ -135,11 +134,11 @@ class Passes:
         """Draw diffuse and specular as XYZ, where pass 1 wrote something else."""
         self.bring_up_to_date(request)
         shading = self._shading(request)
-        if set(XYZ) <= set(WRITTEN[shading.variant.writes]):
+        if set(XYZ) <= set(shading.variant.targets):
             return
         if self.held.renew("xyz"):
             with self.all_or_nothing():
-                self._shade(request, shading, "xyz")
+                self._shade(request, shading, shading.variant.writing("xyz"))
 
     def bring_light(self, request: Request) -> None:
         """Draw the float numbers of the display too."""
@@ -155,7 +154,7 @@ class Passes:
         scene, look, size = request.scene, request.look, request.size
         variant = Variant.of(scene, look, chosen=request.method)
         uniforms: dict[str, Any] = {
-            **view_uniforms(scene, View.of(scene, size)),
+            **view_uniforms(scene, View.of(scene, size), afar=variant.afar),
             **grain_uniforms(scene, look, size),
             "samples": sample_count(scene, look, size),
         }
@@ -251,9 +250,9 @@ class Passes:
         if variant.reads_field:
             self._draw_field(request, shading)
         if self.held.renew("shade", variant, request.size, shading.uniforms):
-            self._shade(request, shading, variant.writes)
+            self._shade(request, shading, variant)
         if not variant.splits and self.held.renew("split"):
-            diffuse, specular = map(self.texture, WRITTEN[variant.writes])
+            diffuse, specular = map(self.texture, variant.targets)
             images = {"diffuse_image": diffuse, "specular_image": specular}
             uniforms = {**self._inputs(shading), **images, **per_size(request.size)}
             self.draw("split", "split.frag", variant.split_defines(), uniforms, SPLIT, bounds)
@@ -263,10 +262,10 @@ class Passes:
             self.targets.check_fits(self._extremes)
         return shading.white
 
-    def _shade(self, request: Request, shading: Shading, writes: str) -> None:
-        defines = shading.variant.writing(writes).defines()
+    def _shade(self, request: Request, shading: Shading, variant: Variant) -> None:
         bounds = View.of(request.scene, request.size).bounds
-        self.draw("shade", "shade.frag", defines, self._inputs(shading), WRITTEN[writes], bounds)
+        inputs, targets = self._inputs(shading), variant.targets
+        self.draw("shade", "shade.frag", variant.defines(), inputs, targets, bounds)
 
     def _draw_field(self, request: Request, shading: Shading) -> None:
         """The tilts of grain that has one size at the eye: neither scene nor sigma_N moves them."""
@@ -380,8 +379,8 @@ class Passes:
     def _silhouette_of(self, request: Request) -> Silhouette:
         """The pixels at the silhouette; they are found again where the view has changed."""
         view = View.of(request.scene, request.size)
-        uniforms = view_uniforms(request.scene, view)
         variant = Variant.of(request.scene, request.look, chosen=request.method)
+        uniforms = view_uniforms(request.scene, view, afar=variant.afar)
         defines = variant.shape_defines()
         seen_from = {name: value for name, value in uniforms.items() if name != "lamp_m"}
         if self.held.renew("coverage", tuple(defines.items()), seen_from):

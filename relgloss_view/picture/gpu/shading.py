@@ -34,11 +34,12 @@ def shading_of(
 ) -> Shading:
     """The shading of a picture; `white_of` measures the perfect diffuser in the object's place."""
     scene, look, size, method = request.scene, request.look, request.size, request.method
+    samples = sample_count(scene, look, size)
+    variant = Variant.of(scene, look, samples, method)
     seen_from: dict[str, Any] = {
-        **view_uniforms(scene, view),
-        "samples": sample_count(scene, look, size),
+        **view_uniforms(scene, view, afar=variant.afar),
+        "samples": samples,
     }
-    variant = Variant.of(scene, look, seen_from["samples"], method)
     white = white_of(variant, seen_from)
     uniforms: dict[str, Any] = {
         **seen_from,

@@ -13,10 +13,19 @@ from relgloss_view.picture.model.tone import OFF_OBJECT
 from relgloss_view.picture.model.view import Size
 
 WEIGHTS = ("diffuse_weights", "specular_weights")
+#: Where a lobe is a metal's, which has two weights.
+METAL_WEIGHTS = ("diffuse_weights", "metal_weights")
 XYZ = ("diffuse", "specular")
 SPLIT = ("split",)
 #: The targets of pass 1, by what it writes: constants.WRITES.
 WRITTEN = {"weights": WEIGHTS, "xyz": XYZ, "split": SPLIT, "xyz and split": (*XYZ, *SPLIT)}
+
+
+def written(writes: str, metals: int) -> tuple[str, ...]:
+    """The targets of pass 1, by what it writes and whether a lobe is a metal's."""
+    return METAL_WEIGHTS if writes == "weights" and metals else WRITTEN[writes]
+
+
 TONE = ("display",)
 LIGHT = ("light", "lab")
 GEOMETRY = ("normal", "tilted_normal", "point_m")
@@ -32,6 +41,7 @@ CLEARED = {
     "specular": (0.0, 0.0, 0.0, 0.0),
     "diffuse_weights": (OFF_OBJECT, 0.0, 0.0, 0.0),
     "specular_weights": (0.0, 0.0, 0.0, 0.0),
+    "metal_weights": (0.0, 0.0, 0.0, 0.0),
     "split": (OFF_OBJECT, 0.0, 0.0, 0.0),
     "coverage": (0.0, 0.0, 0.0, 0.0),
 }

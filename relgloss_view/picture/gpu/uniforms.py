@@ -8,7 +8,7 @@ import numpy as np
 
 from relgloss_view.material import brdf
 from relgloss_view.material.approximations import mean_lobe, plain_lobe
-from relgloss_view.material.spectra import illuminant, xyz_weights
+from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.gpu.programs import Uniforms
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.model.drawn import drawn_diffuse, drawn_facets, drawn_lobes
@@ -21,13 +21,17 @@ from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 
 
-def view_uniforms(scene: Scene, view: View) -> Uniforms:
-    """Eye, lamp and object."""
+def view_uniforms(scene: Scene, view: View, *, afar: bool) -> Uniforms:
+    """Eye, lamp and object; from afar the eye and its frame are as view.glsl's AFAR has them."""
+    eye_m, step = view.eye_m, 1.0
+    if afar:
+        step = -float(view.eye_m @ view.forward / (view.forward @ view.forward))
+        eye_m = view.eye_m + step * view.forward
     return {
-        "eye_m": view.eye_m,
-        "view_right": view.right,
-        "view_up": view.up,
-        "view_forward": view.forward,
+        "eye_m": eye_m,
+        "view_right": step * view.right,
+        "view_up": step * view.up,
+        "view_forward": step * view.forward,
         "pixel_step": view.pixel_step,
         "view_shift": view.shift,
         "size_px": view.size,
@@ -96,17 +100,20 @@ def material_uniforms(scene: Scene, look: Look, method: Method) -> Uniforms:
 def colour_uniforms(scene: Scene, method: Method) -> Uniforms:
     """The material's spectra, folded into XYZ under the scene's lamp and band by band."""
     material, lamp = scene.material, illuminant(scene.lamp.illuminant)
-    weights = xyz_weights(material.bands, lamp)
+    weights = material.xyz_weights(lamp)
     albedo = np.asarray(material.diffuse.albedo)
     second = brdf.second_albedo(drawn_diffuse(material, method), albedo, material.diffuse.sigma)
-    strength = np.zeros((2, material.bands.count))
+    strength, grazing = np.zeros((2, material.bands.count)), np.zeros(2)
     for k, lobe in enumerate(drawn_lobes(material, method)):
-        strength[k] = lobe.per_band(material.bands.count)
+        strength[k], *white = (part.spectrum for part in lobe.parts(material.bands.count))
+        grazing[k] = white[0][0] if white else 0.0
     return {
         "per_white": 1.0 / lamp.white_xyz(),
         "albedo_xyz": albedo @ weights,
         "second_albedo_xyz": second @ weights,
         "lobe_strength_xyz": strength @ weights,
+        "grazing_strength": grazing,  # of a metal's white part
+        "lamp_white": lamp.white_xyz(),
         "band_weights": weights,
         "band_reflectance": np.stack([albedo, second, *strength], axis=-1),
     }

@@ -10,7 +10,9 @@ import numpy as np
 
 from relgloss_view.picture import method
 from relgloss_view.picture.gpu.constants import code
+from relgloss_view.picture.gpu.targets import written
 from relgloss_view.picture.model.drawn import drawn_diffuse, drawn_facets, drawn_lobes
+from relgloss_view.picture.model.view import from_afar
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Display
@@ -23,7 +25,9 @@ class Variant:
     shape: str
     diffuse: str
     lobes: int
+    metals: int = 0  #: bits of the lobes that are a metal's, the first lobe's the lowest
     caps: bool = True  #: of a cylinder, which the eye may see
+    afar: bool = False  #: rays begin beside the object: see view.from_afar
     noise: str = "none"
     noisy_diffuse: bool = True
     grain: str = "screen"
@@ -44,15 +48,18 @@ class Variant:
 
         Exactly, unless the chosen method says otherwise.
         """
-        lobes = len(drawn_lobes(scene.material, chosen))
+        drawn = drawn_lobes(scene.material, chosen)
+        lobes = len(drawn)
         grainy = look.sigma_n_deg > 0.0 and chosen.noise not in ("mean", "none")
         needed = cls(
             shape=scene.shape.kind,
             diffuse=drawn_diffuse(scene.material, chosen),
             lobes=lobes,
+            metals=sum(1 << k for k, lobe in enumerate(drawn) if lobe.is_metal),
             caps=_sees_a_cap(scene),
+            afar=from_afar(scene.shape, scene.eye),
             sampled=samples > 1,
-            fresnel=chosen.fresnel if lobes else "exact",
+            fresnel=chosen.fresnel if not all(lobe.is_metal for lobe in drawn) else "exact",
             shadowing=chosen.shadowing if lobes else "v-groove",
             facets=drawn_facets(look, chosen) if lobes else "gaussian",
             lamp=chosen.lamp,
@@ -78,6 +85,11 @@ class Variant:
         """Whether pass 1 splits L* itself."""
         return "split" in self.writes
 
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """The targets of pass 1."""
+        return written(self.writes, self.metals)
+
     def writing(self, writes: str) -> Variant:
         """The same, with other numbers in its targets."""
         return dataclasses.replace(self, writes=writes)
@@ -88,6 +100,7 @@ class Variant:
             **self.shape_defines(),
             "DIFFUSE": code("DIFFUSE", self.diffuse),
             "LOBES": self.lobes,
+            "METALS": self.metals,
             "NOISE": code("NOISE", self.noise),
             "NOISY_DIFFUSE": int(self.noisy_diffuse),
             "GRAIN": code("GRAIN", self.grain),
@@ -103,11 +116,16 @@ class Variant:
 
     def shape_defines(self) -> dict[str, int]:
         """The constants of what meets the object."""
-        return {"SHAPE": code("SHAPE", self.shape), "CAPS": int(self.caps)}
+        return {
+            "SHAPE": code("SHAPE", self.shape),
+            "CAPS": int(self.caps),
+            "AFAR": int(self.afar),
+        }
 
     def split_defines(self) -> dict[str, int]:
         """The constants of the pass that splits what pass 1 wrote."""
-        return {name: self.defines()[name] for name in ("WRITES", "LOBES", "BANDS", "CUBE_ROOT")}
+        names = ("WRITES", "LOBES", "METALS", "BANDS", "CUBE_ROOT")
+        return {name: self.defines()[name] for name in names}
 
     def white_defines(self) -> dict[str, int]:
         """The constants of the pass that draws the perfect diffuser, for Y_n."""
@@ -123,7 +141,7 @@ class Variant:
 
     def geometry_defines(self) -> dict[str, int]:
         """The constants of the pass that draws normals and points."""
-        return {name: self.defines()[name] for name in ("SHAPE", "CAPS", "NOISE", "GRAIN")}
+        return {name: self.defines()[name] for name in ("SHAPE", "CAPS", "AFAR", "NOISE", "GRAIN")}
 
 
 def _written(chosen: method.Method, samples: int) -> str:

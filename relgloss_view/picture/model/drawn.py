@@ -30,7 +30,7 @@ def drawn_diffuse(material: Material, chosen: method.Method) -> str:
 def drawn_lobes(material: Material, chosen: method.Method) -> tuple[Lobe, ...]:
     """The lobes that are drawn: those that reflect anything, the strongest of them."""
     lobes = material.visible_lobes()
-    strongest = sorted(range(len(lobes)), key=lambda k: -max(lobes[k].strength))[: chosen.lobes]
+    strongest = sorted(range(len(lobes)), key=lambda k: -max(lobes[k].height))[: chosen.lobes]
     return tuple(lobe for k, lobe in enumerate(lobes) if k in strongest)
 
 

@@ -109,7 +109,7 @@ def peak_share(material: Material, sigma_n_deg: float, tilt_deg: float) -> float
     peak = shown = 0.0
     for lobe in material.visible_lobes():
         variance = lobe.s**2 + np.radians(sigma_n_deg) ** 2
-        height = float(np.mean(lobe.strength)) / variance
+        height = float(np.mean(lobe.height)) / variance
         peak += height
         shown += height * float(np.exp(-0.5 * np.radians(tilt_deg) ** 2 / variance))
     return float(shown / peak) if peak > 0.0 else 0.0

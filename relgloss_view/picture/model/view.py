@@ -10,13 +10,16 @@ import numpy as np
 from relgloss_view.base.arrays import Array, Floats
 from relgloss_view.base.errors import InputError
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Eye, Shape
+from relgloss_view.picture.scene.setup import CURVED, Eye, Shape
 
 Size = tuple[int, int]  #: width, height in pixels
 #: left, bottom, right, top in pixels, counted from the bottom left as OpenGL does
 Box = tuple[int, int, int, int]
 
 WIDE = (2.0, 2.0)  #: tangents of a wide angle, where the eye is among the object's points
+NARROW = 0.02  #: tangent of a picture's height (1.1 degrees) below which from_afar
+EDGE_ON = 1e-6  #: cosine
+AFAR_RADII = 1000.0  #: distance in radii of a curved object above which from_afar
 FILL = 0.8  #: share of the picture's height or width that a framed object takes
 BOUNDS_MARGIN_PX = 2.0
 ROUNDING = 1e-6  #: of the shader's rays, tangents
@@ -96,6 +99,29 @@ def view_of(shape: Shape, eye: Eye, size: Size) -> View:
         size=size,
         bounds=_bounds(shape, place, (right, up, forward), extent, step, shift, size),
     )
+
+
+@lru_cache(maxsize=64)
+def from_afar(shape: Shape, eye: Eye) -> bool:
+    """Whether float32 rays from the eye would blur the object by a visible share of a pixel.
+
+    A ray from an eye at a distance d misses its point by about 6e-8 d. That is much for a picture
+    that spans a small angle, and for the normals of a thin curved object. There the shaders begin
+    their rays beside the object (view.glsl); elsewhere they begin at the eye, as they always did,
+    so that the pixels of usual scenes stay the same to the last bit.
+
+    >>> from_afar(Shape(), Eye()), from_afar(Shape(), Eye(distance_m=100.0))
+    (False, True)
+    """
+    place = eye.position_m
+    # A plane that is seen edge-on has no point where a ray passes its centre.
+    edge_on = shape.kind == "plane" and abs(place[2]) < EDGE_ON * eye.distance_m
+    if edge_on or shape.contains(place):
+        return False
+    if shape.kind in CURVED and eye.distance_m > AFAR_RADII * float(shape.half_extent_m()[0]):
+        return True
+    view = view_of(shape, eye, (1, 1))
+    return view.pixel_step < NARROW
 
 
 def _bounds(

@@ -1,4 +1,9 @@
-"""OpenEXR: a frame with every stage as layers, for programs that compute with it."""
+"""OpenEXR: a frame with every stage as layers, for programs that compute with it.
+
+R, G, B and A are the object without its surround, premultiplied, as the format's documentation
+asks (OpenEXR, "Technical Introduction": premultiplied is the rule), so that the picture can be laid
+over another one.
+"""
 
 from __future__ import annotations
 
@@ -13,19 +18,21 @@ from numpy.typing import NDArray
 from relgloss_view.base.arrays import AnyArray
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.version import __version__
-from relgloss_view.base.writing import whole_file
-from relgloss_view.picture.displayed import Displayed
+from relgloss_view.base.writing import utf8_path, whole_file
+from relgloss_view.picture.displayed import Displayed, cut_out
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.output.parameters import parameters
 
-#: Layer name, attribute of Frame, channel names.
+XYZ = ("X", "Y", "Z")
+#: Layer name, attribute of Frame, channel names. No layer has a channel "A": viewers take it for
+#: that layer's alpha.
 LAYERS = (
-    ("diffuse", "diffuse", "XYZ"),
-    ("specular", "specular", "XYZ"),
-    ("N", "normal", "XYZ"),
-    ("Np", "tilted_normal", "XYZ"),
-    ("P", "point_m", "XYZ"),
-    ("Lab", "lab", "LAB"),
+    ("diffuse", "diffuse", XYZ),
+    ("specular", "specular", XYZ),
+    ("N", "normal", XYZ),
+    ("Np", "tilted_normal", XYZ),
+    ("P", "point_m", XYZ),
+    ("Lab", "lab", ("L", "a_star", "b_star")),
 )
 
 
@@ -44,10 +51,11 @@ def save_exr(
     def put(name: str, values: AnyArray) -> None:
         channels[name] = np.ascontiguousarray(values, dtype=np.float32)
 
-    light = (frame if displayed is None else displayed).light
+    rgb, alpha = cut_out(frame, (frame if displayed is None else displayed).light)
     for k, name in enumerate("RGB"):
-        put(name, light[..., k])
-    put("A", frame.coverage)
+        put(name, rgb[..., k])
+    put("A", alpha)
+    put("samples.Y", frame.coverage)
     for layer, attribute, names in LAYERS:
         values = getattr(frame, attribute)
         for k, name in enumerate(names):
@@ -78,7 +86,8 @@ def save_exr(
     }
     with whole_file(path) as temporary, OpenEXR.File(header, channels) as picture:
         try:
-            picture.write(str(temporary))
+            with utf8_path(temporary) as written:
+                picture.write(str(written))
         except RuntimeError as error:  # what OpenEXR raises where the disk is full
             raise InputError(f"{path}: can't be written ({error}); choose another place") from error
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 import re
-import tomllib
 from pathlib import Path
 
 from relgloss_view.base.decoding import first_byte_of_no_text
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.foreign import HEAD_BYTES, refuse_foreign
 from relgloss_view.base.reading import check_regular, printable, unreadable
+from relgloss_view.base.toml import parse_toml
 from relgloss_view.material.files import FORMAT
 from relgloss_view.material.files import MAX_BYTES as MAX_MATERIAL_BYTES
 from relgloss_view.measure.readers import read_measurement
@@ -82,7 +82,7 @@ def _is_scene(file: Path) -> bool:
         return False
     try:
         text = data.decode("utf-8-sig")
-        content = tomllib.loads(text)
+        content = parse_toml(text)
     except UnicodeDecodeError:
         return False
     except (ValueError, RecursionError):

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from relgloss_view.base import shell
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.parameters import Range
 from relgloss_view.base.reading import printable
@@ -184,8 +185,7 @@ def sample_words(sample: Sample) -> list[str]:
     if sample.name is not None:
         return ["--sample", sample.name]
     file = pasted_name(str(Path(str(sample.file)).absolute()))
-    # A value that begins as an option does is joined to its option.
-    return [f"--material={file}"] if file.startswith("-") else ["--material", file]
+    return shell.option("--material", file)
 
 
 def read_value(text: str) -> object:

@@ -6,11 +6,11 @@ import contextlib
 import itertools
 import os
 import re
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.temporaries import held_folder
 from relgloss_view.base.writing import make_folder
 from relgloss_view.material.files import load_material, save_material
 from relgloss_view.material.material import Material
@@ -47,19 +47,12 @@ def keep_beside(material: Material, scene: Path) -> tuple[Path, bool]:
 def _saved(material: Material, folder: Path, names: Iterator[str]) -> Path:
     """Save a material under the first of the names that is free."""
     try:
-        handle, reserved = tempfile.mkstemp(prefix=".fitted.", suffix=".json", dir=folder)
-        os.close(handle)
+        with held_folder(folder) as held:
+            temporary = held / "fitted.json"
+            save_material(material, temporary)
+            return _move(temporary, folder, names)
     except OSError as error:
         raise _unwritable(folder, error) from error
-    temporary = Path(reserved)
-    try:
-        save_material(material, temporary)
-        return _move(temporary, folder, names)
-    except OSError as error:
-        raise _unwritable(folder, error) from error
-    finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink(missing_ok=True)
 
 
 def safe_name(name: str) -> str:

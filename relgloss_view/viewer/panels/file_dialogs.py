@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 import shutil
 import sys
-from pathlib import Path
 from typing import Any
 
 from relgloss_view.viewer.files.folders import with_suffix
@@ -111,11 +110,12 @@ def _is_utf8(path: str) -> bool:
 
 
 def _first_folder() -> str:
-    """The working directory, or the home folder if that is gone."""
+    """The working directory, the home folder if that is gone, or the root without either."""
     try:
         return os.getcwd()
     except OSError:
-        return str(Path.home())
+        home = os.path.expanduser("~")
+        return home if os.path.isabs(home) else os.path.abspath(os.sep)
 
 
 def _native(question: Question, folder: str) -> Any:

@@ -182,10 +182,13 @@ def _lobe(material: Material, errors: dict[str, Any], k: int) -> str:
     lobe = material.specular[k]
     error = "at the limit" if lobe.at_the_limit else _error(errors, "s_deg", k)
     strength = sum(lobe.strength) / len(lobe.strength)
-    return (
+    words = (
         f"width (s) {lobe.s_deg:.3g} deg {error}, strength {strength:.3g} "
-        f"{_error(errors, 'strength', k)}, refractive index (n) {lobe.refractive_index:.3g}"
+        f"{_error(errors, 'strength', k)}, "
     )
+    if lobe.f0 is not None:
+        return f"metal, {words}reflectance head on (F0) {min(lobe.f0):.3g} to {max(lobe.f0):.3g}"
+    return f"{words}refractive index (n) {lobe.refractive_index:.3g}"
 
 
 def _diffuse(material: Material, errors: dict[str, Any]) -> str:

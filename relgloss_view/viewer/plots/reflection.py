@@ -93,7 +93,7 @@ def brdf_slice(material: Material, lamp: str, incidence_deg: float) -> Slice:
     def make() -> Slice:
         receiver = receiver_angles(material, incidence_deg)
         i = np.broadcast_to(direction(-incidence_deg), (len(receiver), 3))
-        weights = _luminance(material.bands, light)
+        weights = material.xyz_weights(light)[:, 1]
         diffuse, specular = material.evaluate(i, direction(receiver))
         return Slice(incidence_deg, receiver, diffuse @ weights, specular @ weights)
 
@@ -134,7 +134,7 @@ def albedo_curve(material: Material, lamp: str, *, wait: bool = True) -> Albedo 
         parts = _albedos.get(
             material, (), lambda: directional_albedo(material, ALBEDO_INCIDENCES_DEG)
         )
-    weights = _luminance(material.bands, light)
+    weights = material.xyz_weights(light)[:, 1]
     return Albedo(ALBEDO_INCIDENCES_DEG, parts[0] @ weights, parts[1] @ weights)
 
 

@@ -17,11 +17,13 @@ import glfw
 import numpy as np
 
 from relgloss_view.base.errors import GLUnavailableError
+from relgloss_view.picture.gpu import probe
 from relgloss_view.picture.gpu.context import REMEDY as NO_GL_REMEDY
 
 SMALLEST_PX, LARGEST_PX = 1, 8192
 MOST_PIXELS = 16 * 1024 * 1024  #: two pictures and a window of so many take about 1 GB
 
+CLOSING = ("SIGTERM", "SIGHUP")  #: by which a system or a closed terminal ends programs
 REMEDY = (
     "start it on a desktop or over `ssh -X`, or draw without a display: "
     "`relgloss view --screenshot OUT.png`, `relgloss snapshot -o OUT.png`"
@@ -34,11 +36,15 @@ def terminating(close: Callable[[], None]) -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGTERM, lambda *_: close())
+    numbers = [getattr(signal, name) for name in CLOSING if hasattr(signal, name)]
+    # One that is ignored, as under nohup, stays so.
+    numbers = [number for number in numbers if signal.getsignal(number) != signal.SIG_IGN]
+    before = {number: signal.signal(number, lambda *_: close()) for number in numbers}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 @contextlib.contextmanager
@@ -81,6 +87,7 @@ def open_platform(headless: bool) -> None:
     """Start GLFW on a display, or on its null platform, with the hints of the next window."""
     if not headless:
         check_display()
+    probe.check("egl")
     faults: list[str] = []
     on_error: Any = lambda code, text: faults.append(_text(text))  # noqa: E731
     glfw.set_error_callback(on_error)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-import shlex
 
+from relgloss_view.base.shell import command_line, option
 from relgloss_view.operators.registry import DEFAULT_OPERATOR
 from relgloss_view.picture.scene.options import pasted_name, sample_words, scene_words
 from relgloss_view.viewer.state.state import State
@@ -26,5 +26,5 @@ def snapshot_command(
     words += ["--operator", operator] if operator != DEFAULT_OPERATOR else []
     words += ["--size", f"{size[0]}x{size[1]}"]
     name = pasted_name(os.fspath(output))
-    words += [f"--output={name}"] if name.startswith("-") else ["-o", name]
-    return shlex.join(words)
+    words += option("--output", name) if name.startswith("-") else ["-o", name]
+    return command_line(words)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import os
 import sys
@@ -17,6 +18,7 @@ from relgloss_view.viewer.shell.platform import monitor_of, pixel_pitch_m
 from relgloss_view.viewer.shell.window import Window
 
 MOST_BYTES = 16 * 1024 * 1024
+COLOUR_SPACE = slice(16, 20)  #: bytes of the header (ICC.1:2022, 7.2.6)
 EXPECTED = "the display's ICC profile (.icc or .icm)"
 PLATFORMS = {
     "PLATFORM_WIN32": "Windows",
@@ -42,15 +44,32 @@ def read_profile(path: str | os.PathLike[str]) -> Profile:
     data = read_bytes(path, MOST_BYTES, EXPECTED)
     try:
         profile = ImageCms.ImageCmsProfile(io.BytesIO(data))
-        space = profile.profile.xcolor_space.strip()
-        description = ImageCms.getProfileDescription(profile)
     except (OSError, ImageCms.PyCMSError) as error:
         raise InputError(f"{printable(path)}: not an ICC profile; give {EXPECTED}") from error
+    # The signature is read from the file: Pillow decodes it as ASCII, and fails where it is not.
+    space = data[COLOUR_SPACE].decode("latin-1").strip()
     if space != "RGB":
         raise InputError(
             f"{printable(path)}: a profile of {printable(space, 20)}, expected RGB; give {EXPECTED}"
         )
-    return Profile(printable(description), data)
+    return Profile(printable(_description(profile)), data)
+
+
+def _description(profile: Any) -> str:
+    """What a profile calls itself; empty where that can't be read, for the profile still serves."""
+    from PIL import ImageCms
+
+    for read in (
+        ImageCms.getProfileDescription,
+        ImageCms.getProfileModel,
+        ImageCms.getProfileManufacturer,
+    ):
+        # Text that is not what it declares: Pillow raises whatever its decoding raises.
+        with contextlib.suppress(ValueError, TypeError, OSError, ImageCms.PyCMSError):
+            text = str(read(profile)).strip()
+            if text:
+                return text
+    return ""
 
 
 def full_screen(params: hello_imgui.RunnerParams) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from cases import Clock, answer, index_of, percepts, standing, started, study
@@ -10,9 +12,9 @@ from scipy.special import ndtr
 from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.design.stimuli import digest_of, draw_reference, draw_stimulus
+from relgloss_view.experiment.observers.kinds import Mismatch
 from relgloss_view.experiment.observers.percept import percept_of, see_study
 from relgloss_view.experiment.observers.population import (
-    KINDS,
     Population,
     SimulatedObserver,
     usual_bounds,
@@ -32,7 +34,7 @@ class TestPercepts:
     @pytest.fixture
     def seen(self, renderer):
         made = study(THREE)
-        return made, see_study(renderer, made, truths_of(made, PUBLISHED, {}, 0))
+        return made, see_study(renderer, made, truths_of(made, PUBLISHED, {}, 0), (-1.0,))
 
     def test_gloss_follows_c_and_grain_follows_sigma_n(self, seen):
         made, found = seen
@@ -58,7 +60,7 @@ class TestPercepts:
 
     def test_no_highlight_is_finite(self, renderer):
         frame = renderer.render(study().scene(0), Look(c=0.0), (64, 64))
-        assert np.isfinite(percept_of(frame).log_gloss)
+        assert np.isfinite(percept_of(frame).log_gloss(-4.0))
 
 
 class TestStimuli:
@@ -127,36 +129,35 @@ class TestTruths:
 
 
 class TestModel:
-    TARGET = np.array([1.0, 0.05])
+    """The observers of the analysis's own model; the other kinds are in test_kinds.py."""
 
-    def shares(self, population, seen, count=4000):
+    def shares(self, population, mismatch, count=4000):
         observer = SimulatedObserver(population, 1, 0, tuple(usual_bounds(5)), (0.0, 0.0))
-        answers = [observer.judge(k, 0, "ratio", seen, self.TARGET) for k in range(count)]
+        answers = [observer.judge(k, 0, "ratio", mismatch) for k in range(count)]
         return np.bincount(answers, minlength=5) / count
 
-    @pytest.mark.parametrize("gloss", [0.0, 0.15, 0.45])
+    @pytest.mark.parametrize("gloss", [0.0, 1.0, 3.0])
     @pytest.mark.parametrize("lapse", [0.0, 0.3])
     def test_categories_are_cut_from_a_normal_distribution(self, gloss, lapse):
         """Against the closed form, within 4 standard errors of a share."""
-        population = Population(lapse=lapse)
-        distance = np.hypot(gloss / population.gloss_jnd, 0.02 / population.grain_jnd)
-        edges = ndtr(np.array([-np.inf, *usual_bounds(5), np.inf]) - distance)
+        edges = ndtr(np.array([-np.inf, *usual_bounds(5), np.inf]) - np.hypot(gloss, 1.0))
         expected = (1.0 - lapse) * np.diff(edges) + lapse / 5
-        found = self.shares(population, self.TARGET + np.array([gloss, 0.02]))
+        found = self.shares(Population(lapse=lapse), Mismatch(gloss, 1.0))
         assert np.all(np.abs(found - expected) <= 4.0 * np.sqrt(expected / 4000) + 1e-3)
 
     def test_kinds(self):
-        grainy = self.TARGET + np.array([0.0, 0.1])
-        unique, ratio, random = (self.shares(Population(kind=k), grainy) for k in KINDS)
+        kinds = ("unique", "ratio", "random")
+        unique, ratio, random = (self.shares(Population(kind=k), Mismatch(0.0, 5.0)) for k in kinds)
         assert unique[4] > 0.4  # far, for its grain
         assert ratio[0] > 0.7  # close: only gloss counts
         assert np.all(np.abs(random - 0.2) < 4.0 * np.sqrt(0.2 * 0.8 / 4000))
 
     def test_the_second_question_is_of_grain_alone(self):
         observer = SimulatedObserver.of(Population(bias=0.0), 0, 0, 5)
-        glossier = self.TARGET + np.array([1.0, 0.0])
-        assert observer.distance("grain", glossier, self.TARGET) == pytest.approx(0.0)
-        assert observer.distance("ratio", glossier, self.TARGET) == pytest.approx(1.0 / 0.15)
+        target, at = np.array([1.0, 0.05]), Setting(1.0, 0.5)
+        mismatch = observer.mismatch(target + np.array([1.0, 0.0]), target, at, (at,))
+        assert observer.distance("grain", mismatch) == pytest.approx(0.0)
+        assert observer.distance("ratio", mismatch) == pytest.approx(1.0 / 0.15)
 
     def test_observers_differ_and_repeat(self):
         one, same, other = (SimulatedObserver.of(Population(), 0, n, 5) for n in (0, 0, 1))
@@ -211,6 +212,24 @@ class TestRun:
                     run_observers(store, seen, population, 2, seed)
             run_observers(store, seen, Population(), 2, 7)
             assert len(store.answers()) == 8
+
+    def test_an_older_file_goes_on(self, tmp_path):
+        """Its observers do not state what all had before there were kinds."""
+        made = study(grid=SMALL)
+        seen = dataclasses.replace(percepts(made, [Setting(1.0, 0.7)]), grain_weights=(-1.0,))
+        details = {
+            **SimulatedObserver.of(Population(), 7, 0, 5).details(),
+            "truths": {"matte-coated": [1.0, 0.7]},
+        }
+        for name in ("group", "to_middle", "sigma_n_jnd", "c_jnd"):
+            del details[name]
+        with Store(tmp_path / "a.sqlite", made) as store:
+            store.observer(kind="simulated", details=details)
+            other = dataclasses.replace(seen, grain_weights=(-4.0,))
+            with pytest.raises(InputError, match="O01 began with other truths"):
+                run_observers(store, other, Population(), 1, 7)
+            run_observers(store, seen, Population(), 1, 7)
+            assert len(store.answers()) == 4
 
     def test_not_into_the_answers_of_people(self, tmp_path):
         made = study(grid=SMALL)

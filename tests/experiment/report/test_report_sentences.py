@@ -30,7 +30,15 @@ from relgloss_view.experiment.report.results import FORMAT, as_numbers
 from relgloss_view.experiment.report.tables import ANSWER_COLUMNS, SCALE_COLUMNS, write_tables
 from relgloss_view.experiment.session.records import PERSON, Observer
 from relgloss_view.experiment.verdict.analysis import JOINT, Options, analyse
-from relgloss_view.experiment.verdict.full_grid import BROAD, CHANCE, RIDGE
+from relgloss_view.experiment.verdict.full_grid import (
+    ALIKE,
+    BROAD,
+    CHANCE,
+    MIXED,
+    RIDGE,
+    TWO,
+)
+from relgloss_view.experiment.verdict.groups import Camp, MixedGroups
 from relgloss_view.picture.scene.setting import Setting
 
 
@@ -88,13 +96,30 @@ class TestSentences:
 
     def test_others_that_are_as_good(self):
         analysis = judged_as(usual(), "best", as_good=np.ones(9, dtype=bool))
-        (note,) = [
-            n
-            for n in sentences.notes(analysis.samples[0], analysis)
-            if "not significantly worse" in n
-        ]
-        assert "and 1 more" in note
-        assert "1 deg, 2/6" not in note
+        told = sentences.sentence(analysis.samples[0], analysis)
+        assert told.startswith("best among settings not told apart: 1 deg, 2/6 c_max; ")
+        assert "and 2 more; leading 1 deg, 2/6 c_max" in told
+        one = judged_as(usual(), "best", as_good=np.eye(9, dtype=bool)[4])
+        assert "told apart" not in sentences.sentence(one.samples[0], one)
+
+    def test_groups_that_disagree_are_listed_and_no_setting(self):
+        camps = (Camp((0, 2, 4), 1.0, 2 / 6, "ridge"), Camp((1, 3, 5), 2.0, 1 / 6, "point"))
+        analysis = judged_as(usual(), MIXED, groups=MixedGroups(0.0002, camps))
+        told = sentences.sentence(analysis.samples[0], analysis)
+        assert told == (
+            "no setting is declared best: two groups of observers disagree (p of one group "
+            "< 0.001): 3 find many settings as close as 1 deg, 2/6 c_max and 3 find 2 deg, 1/6 "
+            "c_max closest"
+        )
+        assert "group 2: O02, O04, O06" in sentences.notes(analysis.samples[0], analysis)
+        assert not chosen_setting(analysis.samples[0], analysis.pool.study.grid).may_be_named
+
+    def test_two_places_and_alike_answers(self):
+        analysis = judged_as(usual(), TWO, places=(1, 7))
+        told = sentences.sentence(analysis.samples[0], analysis)
+        assert told.endswith("near 0 deg, 2/6 c_max and near 2 deg, 2/6 c_max")
+        analysis = judged_as(usual(), ALIKE, alike=0.97)
+        assert "97 % of the answers are the same" in sentences.summary(analysis)
 
     def test_one_observer(self):
         told = sentences.summary(alone())

@@ -21,7 +21,7 @@ from relgloss_view.experiment.scaling.unfolding import (
 GRID = Grid()
 BOUNDS = np.array([0.9, 1.8, 2.8, 3.9])
 #: Parameters of a fit, none of them at a limit.
-INSIDE = np.array([2.2, 3.1, 0.1, 0.2, 0.3, 0.9, 0.1, 0.2, -0.1, 0.2, -0.3])
+INSIDE = np.array([2.2, 3.1, 0.1, 0.2, 0.3, 0.9, 0.1, 0.2, -0.1, 0.4, -0.5, 0.3, -0.2, -0.2, 0.2])
 
 
 def exact_counts(grid, ideal, slopes, shear=0.0, number=1e4, bounds=BOUNDS):
@@ -38,7 +38,8 @@ def exact_counts(grid, ideal, slopes, shear=0.0, number=1e4, bounds=BOUNDS):
 
 
 def ideal_of(fit):
-    return fit.parameters[:2]
+    """Where the fit is closest: an ideal beyond the grid counts on its edge."""
+    return np.clip(fit.parameters[:2], 0.0, coordinates(fit.grid)[-1])
 
 
 class TestFit:
@@ -85,7 +86,7 @@ class TestFit:
     def test_many_fits_are_those_of_one(self):
         random = np.random.default_rng(0)
         counts = random.integers(0, 5, (3, 42, 5)).astype(float)
-        at = INSIDE + 0.1 * random.standard_normal((3, 11))
+        at = INSIDE + 0.1 * random.standard_normal((3, len(INSIDE)))
         together = UnfoldingLoss(GRID, counts).scoring(at)
         for k in range(3):
             alone = UnfoldingLoss(GRID, counts[k]).scoring(at[k])
@@ -170,6 +171,7 @@ class TestHardCounts:
 
     def test_unused_categories_and_settings_that_nobody_saw(self):
         counts = exact_counts(GRID, (2.0, 3.0), (0.8, 1.0))
+        counts[:, 0] += counts[:, 1]  # nobody used the second category
         counts[:, 1] = 0.0
         counts[::3] = 0.0
         fit = fit_unfolding(GRID, counts)

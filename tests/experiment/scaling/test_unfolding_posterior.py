@@ -8,6 +8,7 @@ from scipy import stats
 
 from relgloss_view.experiment.design.coordinates import coordinates
 from relgloss_view.experiment.design.grid import Grid
+from relgloss_view.experiment.scaling.fine_grid import FineGrid
 from relgloss_view.experiment.scaling.unfolding import ROUND, UnfoldingLoss, fit_unfolding
 from relgloss_view.experiment.session.posterior import LAPSE
 
@@ -16,17 +17,26 @@ PLACES = coordinates(GRID)
 ENDS = PLACES[-1]
 
 
-def probabilities(p):
-    """(settings, categories) of the model of docs/experiment.md, written out."""
-    ideal, slopes, shear, bends = p[:2], np.exp(p[2:4]), p[4], p[-2:]
+def distances(p):
+    """(settings,) the distances of the model, written out."""
+    ideal, slopes, shear, bends = p[:2], np.exp(p[2:4]), p[4], p[-6:-4]
+    skews, power, exponent = p[-4:-2], np.exp(p[-2]), 2.0 * np.exp(p[-1])
 
     def bent(point):
-        share = point / ENDS
-        return ENDS * (share + bends * share * (1.0 - share))
+        return ENDS * np.exp(bends * (point / ENDS - 0.5)) / bends
 
     dx, dy = (bent(PLACES) - bent(ideal)).T
-    distance = np.sqrt(ROUND + (slopes[0] * dx + shear * dy) ** 2 + (slopes[1] * dy) ** 2)
-    bounds = p[5] + np.concatenate([[0.0], np.cumsum(np.exp(p[6:-2]))])
+    parts = []
+    for side, skew in zip((slopes[0] * dx, slopes[1] * dy + shear * dx), skews, strict=True):
+        side = side * np.exp(np.where(side > 0.0, skew, -skew))
+        parts.append((ROUND / 2.0 + side**2) ** (exponent / 2.0))
+    return sum(parts) ** (power / exponent)
+
+
+def probabilities(p):
+    """(settings, categories) of the model of docs/experiment.md, written out."""
+    distance = distances(p)
+    bounds = p[5] + np.concatenate([[0.0], np.cumsum(np.exp(p[6:-6]))])
     below = stats.norm.cdf(bounds[None, :], loc=distance[:, None])
     share = np.diff(np.pad(below, ((0, 0), (1, 1)), constant_values=(0, 1)), axis=1)
     return (1.0 - LAPSE) * share + LAPSE / share.shape[1]
@@ -35,7 +45,7 @@ def probabilities(p):
 def some_parameters(count, seed=1):
     random = np.random.default_rng(seed)
     return [
-        np.array([2.2, 3.1, *random.normal(0, 0.4, 3), 0.9, *random.normal(0, 0.3, 5)])
+        np.array([2.2, 3.1, *random.normal(0, 0.4, 3), 0.9, *random.normal(0, 0.3, 9)])
         for _ in range(count)
     ]
 
@@ -46,8 +56,8 @@ def test_loss_is_the_posterior_s():
 
     def expected(p):
         prior = stats.norm.logpdf(
-            p[2:], [-0.3, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-            [1.5, 1.5, 1.5, 3.0, 1.5, 1.5, 1.5, 0.4, 0.4],
+            p[2:], [-0.3, 0.0, 0.0, 1.0, *[0.0] * 9],
+            [1.5, 1.5, 1.5, 3.0, 1.5, 1.5, 1.5, 1.0, 1.0, 0.5, 0.5, 0.3, 0.4],
         )  # fmt: skip
         return -np.sum(counts * np.log(probabilities(p))) - np.sum(prior)
 
@@ -69,7 +79,7 @@ def test_information_is_that_of_multinomial_answers():
     )
     weight = counts.sum(axis=1, keepdims=True) / probabilities(p)
     expected = np.einsum("ask,sk,bsk->ab", jacobian, weight, jacobian)
-    sd = np.array([np.inf, np.inf, 1.5, 1.5, 1.5, 3.0, 1.5, 1.5, 1.5, 0.4, 0.4])
+    sd = np.array([np.inf, np.inf, 1.5, 1.5, 1.5, 3.0, 1.5, 1.5, 1.5, 1.0, 1.0, 0.5, 0.5, 0.3, 0.4])
     expected += np.diag(sd**-2.0)
     information = UnfoldingLoss(GRID, counts).scoring(p)[2]
     size = np.sqrt(np.diag(expected))
@@ -91,15 +101,12 @@ def test_an_ideal_beyond_the_grid_is_on_its_edge(ideal):
     assert fit.loss == pytest.approx(float(loss(fit.parameters)[0]), abs=1e-6)
     beyond = int(np.argmax(np.abs(np.array(ideal) - ENDS / 2)))
     edge = ENDS[beyond] if ideal[beyond] > 0.0 else 0.0
-    assert fit.parameters[beyond] == pytest.approx(edge, abs=1e-6)
+    points = FineGrid(GRID).points
+    best = points[np.argmax(fit.closeness(points))]
+    assert best[beyond] == pytest.approx(edge, abs=1e-6)
 
 
 def test_closeness_is_minus_the_distance():
     counts = np.random.default_rng(0).integers(0, 5, (42, 5)).astype(float)
     fit = fit_unfolding(GRID, counts)
-    p = fit.parameters
-    share, ideal = PLACES / ENDS, p[:2] / ENDS
-    apart = ENDS * (share - ideal + p[-2:] * (share * (1 - share) - ideal * (1 - ideal)))
-    u = np.exp(p[2]) * apart[:, 0] + p[4] * apart[:, 1]
-    expected = -np.sqrt(ROUND + u**2 + (np.exp(p[3]) * apart[:, 1]) ** 2)
-    np.testing.assert_allclose(fit.closeness(PLACES), expected, rtol=1e-12)
+    np.testing.assert_allclose(fit.closeness(PLACES), -distances(fit.parameters), rtol=1e-9)

@@ -5,10 +5,12 @@ from __future__ import annotations
 import contextlib
 import os
 import resource
+import shutil
 import signal
 import sqlite3
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -16,7 +18,10 @@ from cases import answer, answer_all, replaced, standing, started, study
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.design.grid import Grid
+from relgloss_view.experiment.design.trial_order import planned_trials
 from relgloss_view.experiment.session import session_file
+from relgloss_view.experiment.session.flow import Flow
+from relgloss_view.experiment.session.pool import read_pool
 from relgloss_view.experiment.session.records import SIMULATED, read_record
 from relgloss_view.experiment.session.store import Store
 
@@ -329,3 +334,78 @@ def test_limits_are_this_process_alone():
     """The control of the tests above: nothing of them is left."""
     assert resource.getrlimit(resource.RLIMIT_FSIZE)[1] == resource.RLIM_INFINITY
     assert os.geteuid() == os.getuid()
+
+
+class TestCopiedWithoutItsLog:
+    """A file that was copied alone after a kill, or while a program wrote into it."""
+
+    def test_it_has_what_people_have_answered(self, tmp_path):
+        with Store(tmp_path / "a.sqlite", study()) as store:
+            observer = store.observer("ada")
+            trials = planned_trials(store.study, observer.number)
+            store.plan(observer, trials)
+            run = store.begin_run(observer, "device", {})
+            for trial in trials[:3]:
+                store.answer(observer, trial, "ratio", 1, 0.5, run)
+                shutil.copy(tmp_path / "a.sqlite", tmp_path / "alone.sqlite")
+                record = read_record(tmp_path / "alone.sqlite", tmp_path)
+                assert record.log_missing
+                assert record.answers[-1].trial == trial
+        assert not read_record(tmp_path / "a.sqlite", tmp_path).log_missing
+
+    def test_before_any_answer_it_is_not_silent(self, tmp_path):
+        with Store(tmp_path / "a.sqlite", study()):
+            shutil.copy(tmp_path / "a.sqlite", tmp_path / "alone.sqlite")
+        with pytest.raises(InputError, match=r"alone\.sqlite-wal is not beside it"):
+            read_pool([tmp_path / "alone.sqlite"], tmp_path)
+        with pytest.raises(InputError, match="nobody has answered yet"):
+            read_pool([tmp_path / "a.sqlite"], tmp_path)
+
+    def test_going_on_with_it_keeps_that_in_mind(self, tmp_path):
+        with Store(tmp_path / "a.sqlite", study()):
+            shutil.copy(tmp_path / "a.sqlite", tmp_path / "alone.sqlite")
+        for _ in range(2):
+            with Store(tmp_path / "alone.sqlite") as store:
+                store.begin_run(store.observer("ada"), "device", {})
+            assert read_record(tmp_path / "alone.sqlite", tmp_path).log_missing
+
+
+@pytest.mark.parametrize(
+    ("change", "what"),
+    [
+        ("UPDATE observer SET details = '?'", "observer.details"),
+        ("UPDATE observer SET details = cast(x'ff22' AS TEXT)", "damaged"),
+        ("UPDATE trial SET sample = 1e300", "trial.sample"),
+        ("UPDATE trial SET setting = 'left'", "trial.setting"),
+        ("UPDATE answer SET category = 77", "answer.category"),
+        ("UPDATE answer SET question = x'80'", "answer.question"),
+        ("UPDATE answer SET response_ms = 9e18", "answer.response_ms"),
+        ("UPDATE observer SET kind = cast(x'ff' AS TEXT)", "damaged"),
+        ("UPDATE observer SET name = x'00'", "observer.name"),
+        ("UPDATE study SET content = 3", "the study in it is damaged"),
+        ("UPDATE study SET content = '{\"a\":' || '[' || '}'", "the study in it is damaged"),
+        ("ALTER TABLE study DROP COLUMN version", "damaged"),
+    ],
+)
+def test_damage_is_one_line_for_whoever_goes_on(file, change, what):
+    """Not only an analysis reads a file: so does the window that continues it."""
+    with Store(file, study()) as store:
+        answer(started(store), 0)
+    with contextlib.closing(sqlite3.connect(file)) as connection:
+        connection.execute("PRAGMA ignore_check_constraints = ON")
+        connection.execute(change)
+        connection.commit()
+
+    def go_on():
+        with Store(file) as store:
+            for observer in store.observers():
+                store.details(observer)
+                Flow(store, observer, 1, time.monotonic).progress()
+
+    for opener in (go_on, lambda: read_record(file, file.parent)):
+        with pytest.raises(InputError) as caught:
+            opener()
+        assert str(caught.value).isprintable()
+        assert "damaged" in str(caught.value)
+        if opener is not go_on:
+            assert what in str(caught.value) or "the file is damaged" in str(caught.value)

@@ -24,7 +24,7 @@ SIZE_PX = 192  #: a highlight of enough grains to see
 def shares(renderer, made, studies, kind="unique", truth="cells", draws=30, observers=15, seed=0):
     found = run_studies(
         renderer, made, studies, observers, Population(kind=kind), truth=truth, stated={},
-        draws=draws, seed=seed,
+        grain_weights=(-1.0,), draws=draws, seed=seed,
     )  # fmt: skip
     return recovery_shares(found)
 
@@ -111,7 +111,7 @@ def test_summary_counts(renderer):
     """By hand, on three findings of two studies."""
     found = run_studies(
         renderer, study(("matte-coated", "uncoated")), 1, 3, Population(), truth="published",
-        stated={}, draws=5,
+        stated={}, grain_weights=(-1.0,), draws=5,
     )  # fmt: skip
     change = dataclasses.replace
     made = [

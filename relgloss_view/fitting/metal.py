@@ -1,0 +1,132 @@
+"""Rungs with a metal's lobe, tried where the samples show that a lobe has a colour.
+
+A dielectric's lobe has one colour at every angle. That of a foil or a metallic ink turns white at
+grazing incidence: m_b = a_b T (1 - w) + k T w with a_b = k F0_b (Schlick 1994), the columns of
+shapes.metal_columns.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from relgloss_view.base.arrays import Array
+from relgloss_view.fitting.descent import refine
+from relgloss_view.fitting.ladder import RELEVANT_SHARE, Candidate, Folds, enough, evaluate
+from relgloss_view.fitting.model import Rung, State, States
+from relgloss_view.fitting.problem import Problem
+from relgloss_view.material.material import Lobe
+
+#: Each with the rungs between which its colour shows: of neutral lobes, of coloured ones.
+METALS = (
+    (Rung("metal", lobes=1, metals=1), "lobe", "spectral-lobe"),
+    (Rung("metal-and-lobe", lobes=2, metals=1), "two-lobes", "two-spectral-lobes"),
+)
+NAMES = tuple(rung.name for rung, *_ in METALS)
+#: F0 above this in some band is no metal's: the lobe would darken towards grazing incidence.
+LARGEST_F0 = 1.1
+_GUESS_ROUNDS = 4
+
+
+def with_metals(folds: Folds, candidates: list[Candidate], tried: str) -> list[Candidate]:
+    """The candidates of the ladder, and those with a metal that a coloured lobe calls for.
+
+    tried: 'auto', 'none', or the one of NAMES that is fitted alone.
+
+    A rung is tried where its coloured rung predicts left-out samples better than the neutral one;
+    all others cost nothing. It comes before the coloured one of two lobes, which is larger.
+    """
+    if tried == "none":
+        return candidates
+    if tried in NAMES:
+        return [_forced(folds, candidates, tried)]
+    by_name = {candidate.name: candidate for candidate in candidates}
+    made = []
+    for rung, neutral, coloured in METALS:
+        start = by_name.get(coloured)
+        if start is None or (
+            neutral in by_name and enough(by_name[neutral], start, RELEVANT_SHARE)
+        ):
+            continue
+        candidate = fitted(folds, rung, start)
+        if largest_f0(candidate.solution.state) <= LARGEST_F0:
+            made.append(candidate)
+    last = next((k for k, c in enumerate(candidates) if c.rung.spectral and c.rung.lobes > 1), None)
+    place = len(candidates) if last is None else last
+    return [*candidates[:place], *made, *candidates[place:]]
+
+
+def _forced(folds: Folds, candidates: list[Candidate], name: str) -> Candidate:
+    """One rung with a metal, whatever its F0."""
+    rung, _, coloured = METALS[NAMES.index(name)]
+    start = next(candidate for candidate in candidates if candidate.name == coloured)
+    return fitted(folds, rung, start)
+
+
+def dielectric_of(candidates: list[Candidate], best: Candidate) -> Candidate:
+    """The candidate whose index is freed: of a metal, which has none, the coloured rung it is from.
+
+    An index of 3 and more is another way to say metal, with a colour that does not turn white.
+    """
+    if best.rung.metals == 0:
+        return best
+    coloured = METALS[NAMES.index(best.name)][2]
+    return next((candidate for candidate in candidates if candidate.name == coloured), best)
+
+
+def fitted(folds: Folds, rung: Rung, coloured: Candidate) -> Candidate:
+    """A rung with a metal, from the widths of a coloured candidate in either order."""
+    problem = Problem(folds.observations, rung)
+    start = coloured.solution.state
+    order = np.arange(rung.lobes)
+    log_s = np.array([np.roll(start.log_s, k) for k in order])
+    n = np.array([np.roll(start.n, k) for k in order])
+    t = np.full(len(order), start.t)
+    kd, ks = problem.first_guess(problem.columns(t, log_s, n), _GUESS_ROUNDS)
+    states = States(t, log_s, n, kd, ks, np.zeros((len(order), 0)))
+    solutions = refine(problem, [states[k] for k in range(len(states))])
+    return evaluate(folds, rung, min(solutions, key=lambda s: s.loss))
+
+
+def largest_f0(state: State) -> float:
+    """The largest F0 of a state's metals; infinite where there is colour and nothing white."""
+    white = state.ks[len(state.log_s) :, 0]
+    colour = np.max(state.ks[: len(white)], axis=1)
+    return float(np.max(np.divide(colour, white, out=np.full_like(white, np.inf), where=white > 0)))
+
+
+def metals_of(state: State) -> int:
+    """How many lobes of a state, the first, are a metal's."""
+    return len(state.ks) - len(state.log_s)
+
+
+def lobe_of(state: State, j: int) -> Lobe:
+    """A metal's lobe of a state as it goes into a material."""
+    colour, white = state.ks[j], float(state.ks[len(state.log_s) + j, 0])
+    strength = max(white, float(np.max(colour)))
+    s_deg = float(np.degrees(np.exp(state.log_s[j])))
+    return Lobe((strength,), s_deg, f0=tuple(float(a) / strength for a in colour))
+
+
+def mean_strengths(states: States, fitted: State) -> Array:
+    """(P, J), mean strength of each lobe, which errors are taken of.
+
+    A metal's is what a material has as its strength, that of the white part, at the fitted state;
+    what varies from state to state is how bright it is head on.
+    """
+    mean = np.mean(states.ks, axis=2)
+    for j in range(metals_of(fitted)):
+        white = lobe_of(fitted, j).strength[0] if np.any(fitted.ks[j] > 0.0) else 0.0
+        mean[:, j] *= white / max(float(np.mean(fitted.ks[j])), 1e-12)
+    return np.asarray(mean[:, : len(fitted.log_s)])
+
+
+def unknowns_of(lobes: tuple[Lobe, ...], bands: int) -> tuple[Array, Array, Array]:
+    """ln s (J,), indices (J,) and ks (J + M, B) of a material's lobes, metals first."""
+    ordered = sorted(lobes, key=lambda lobe: not lobe.is_metal)
+    parts = [lobe.parts(bands) for lobe in ordered]
+    rows = [part[0].spectrum for part in parts] + [part[1].spectrum for part in parts if part[1:]]
+    return (
+        np.log([lobe.s for lobe in ordered]),
+        np.array([lobe.refractive_index for lobe in ordered]),
+        np.array(rows).reshape(-1, bands),
+    )

@@ -1,0 +1,50 @@
+"""A lamp that fades from the first row to the last."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from relgloss_view.measure.findings.finding import DRIFT, Finding
+from relgloss_view.measure.findings.rows import BODY_DEG, Rows
+from relgloss_view.measure.findings.units import FEWEST, MOST_REST, last_slope
+from relgloss_view.measure.table import Measurement
+
+#: Of the readings, from the first row to the last: what is named, what is serious, and certainty.
+NAMED, SERIOUS, ERRORS = 0.06, 0.08, 6.0
+
+
+def check(measurement: Measurement, rows: Rows) -> list[Finding]:
+    """A finding where the body, at equal directions, changes with the order of the rows.
+
+    A body is reciprocal (Helmholtz), so the logarithm of its level is a symmetric function of both
+    cosines and of the angle between the directions. What goes with the row's number beside it is
+    the instrument's.
+    """
+    if measurement.tabulated:
+        return []
+    away = rows.kept & (rows.delta_deg > BODY_DEG) & (rows.level < 2.0 * rows.body_level)
+    away &= rows.phase_deg > 12.0
+    if np.sum(away) < 4 * FEWEST:
+        return []
+    some = rows.subset(away)
+    log_i, log_o = (np.log(np.clip(d[:, 2], 0.05, 1.0)) for d in (some.to_lamp, some.to_receiver))
+    between = np.sum(some.to_lamp * some.to_receiver, axis=1)
+    total = log_i + log_o
+    order = some.index / max(len(measurement.reasons) - 1, 1) - 0.5
+    basis = np.column_stack(
+        [np.ones(len(some)), total, total**2, between, between**2, some.delta_deg / 50.0,
+         (log_o - log_i) ** 2, order]
+    )  # fmt: skip
+    change, error, rest = last_slope(basis, np.log(some.level), some)
+    if rest > MOST_REST or abs(change) < NAMED or abs(change) < ERRORS * error:
+        return []
+    word = "fall" if change < 0.0 else "rise"
+    return [
+        Finding(
+            DRIFT,
+            f"the readings {word} by {abs(np.expm1(change)):.0%} from the first row to the last at "
+            "equal directions, and the sample is not the same with lamp and receiver exchanged: "
+            "the lamp drifts; measure a standard between the planes and divide by it",
+            abs(change) > SERIOUS,
+        )
+    ]
