@@ -274,6 +274,23 @@ class TestUnits:
         assert ("--quantity brdf-cos" in text) == (power > 0)
 
 
+class TestDrift:
+    def test_a_lamp_that_fades_is_named(self):
+        def fading(values):
+            return values * np.linspace(1.0, 0.7, len(values))[:, None]
+
+        assert "lamp drifts" in the_text(with_values(sample(gcms), fading), "drift", serious=True)
+
+    def test_noise_of_the_planes_is_no_drift(self):
+        angles = in_plane()
+        i, o = directions(angles)
+        named = [
+            "drift" in kinds(measured(angles, noisy(factors(i, o), angles[:, 0], seed)))
+            for seed in range(60)
+        ]
+        assert sum(named) == 0
+
+
 class TestLobe:
     def test_a_full_angle_as_deviation(self):
         narrow = sample(rings, s_deg=1.0, aperture=(0.3, 0.3))

@@ -11,6 +11,9 @@ from relgloss_view.measure.table import Measurement
 
 #: Of the readings, from the first row to the last: what is named, what is serious, and certainty.
 NAMED, SERIOUS, ERRORS = 0.06, 0.08, 6.0
+#: Instruments set each plane of incidence anew, with this much noise common to its rows: few planes
+#: are in a row by chance. A drift exceeds what that makes, a slope over G planes, by this factor.
+PLANE_NOISE, BEYOND_PLANES = 0.02, 3.5
 
 
 def check(measurement: Measurement, rows: Rows) -> list[Finding]:
@@ -36,7 +39,12 @@ def check(measurement: Measurement, rows: Rows) -> list[Finding]:
          (log_o - log_i) ** 2, order]
     )  # fmt: skip
     change, error, rest = last_slope(basis, np.log(some.level), some)
-    if rest > MOST_REST or abs(change) < NAMED or abs(change) < ERRORS * error:
+    planes = len(np.unique(some.group))
+    by_chance = PLANE_NOISE * np.sqrt(
+        12.0 / planes
+    )  # of equal steps: the variance of order is 1/12
+    least = max(NAMED, ERRORS * error, BEYOND_PLANES * by_chance)
+    if rest > MOST_REST or abs(change) < least:
         return []
     word = "fall" if change < 0.0 else "rise"
     return [
