@@ -31,7 +31,7 @@ NARROW_DEG = 0.6
 #: Anisotropy: ratio of widths that is named, that is serious, and its certainty.
 RATIO, SERIOUS_RATIO, ERRORS, GAIN = 1.25, 1.5, 6.0, 1.6
 #: Beyond these body, shadowing and grazing incidence draw the shape as much as the facets do.
-WIDEST_DEG, STEEPEST_DEG, WIDEST_NARROW_DEG = 30.0, 66.0, 14.0
+WIDEST_DEG, STEEPEST_DEG, WIDEST_NARROW_DEG = 30.0, 66.0, 10.0
 #: Shares of the narrow width's square that may be the apertures', and the ratio beyond the first.
 FREE_OF_BLUR, MOST_BLUR, BLURRED_RATIO = 0.25, 0.6, 1.8
 #: A lobe whose nearest row to the mirror direction lies this many widths away is misplaced.
