@@ -8,7 +8,7 @@ import numpy as np
 
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, table
-from relgloss_view.material.material import Material
+from relgloss_view.material.material import FitRecord, Material
 
 NOT_JUDGED = "not judged"
 CANDIDATES = (
@@ -66,10 +66,38 @@ def describe_fit(material: Material) -> str:
         f"{r['samples']} samples"
         + "".join(f", {count} left out ({why})" for why, count in r["left_out"].items())
     )
+    lines += [f"  {label:<11}{words}" for label, words in _derived_lines(fit)]
     lines += [f"  {label:<11}{words}" for label, words in use_lines(fit.judgement)]
     lines.append(f"  quality    {fit.quality} ({fit.seconds:.2f} s)")
     lines += [f"  warning    {printable(text, 300)}" for text in material.warnings]
     return "\n".join(lines)
+
+
+def _derived_lines(fit: FitRecord) -> list[tuple[str, str]]:
+    """The peak and c_max with their errors, and the errors of the instrument that were found."""
+    lines = []
+    try:
+        words = {
+            name: _with_error(fit.derived[name])
+            for name in ("peak", "c_max")
+            if name in fit.derived
+        }
+        if "peak" in words:
+            lines.append(("peak", f"radiance factor {words['peak']} at the mirror of 45 deg"))
+        if "c_max" in words:
+            lines.append(("c_max", f"{words['c_max']} (default cylinder and lamp)"))
+        for name, error in fit.instrument.items():
+            if error["value"]:
+                unit = " deg" if error["unit"] == "deg" else ""
+                lines.append(("instrument", f"{name} off by {_with_error(error)}{unit}"))
+    except (KeyError, TypeError, ValueError, AttributeError):  # a file that someone else wrote
+        return []
+    return [(label, printable(words, 200)) for label, words in lines]
+
+
+def _with_error(entry: dict[str, Any]) -> str:
+    error = entry.get("standard_error")
+    return f"{entry['value']:.3g}" + (f" +- {error:.2g}" if error else "")
 
 
 def use_lines(judgement: dict[str, Any]) -> list[tuple[str, str]]:

@@ -17,6 +17,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.fitting import ladder, metal, verdict
 from relgloss_view.fitting.choice import Choice, Options, choose
+from relgloss_view.fitting.derived import with_derived
 from relgloss_view.fitting.descent import refine
 from relgloss_view.fitting.evidence import ChosenFit, judge, record_fit, with_energy_warning
 from relgloss_view.fitting.ladder import Candidate
@@ -143,7 +144,7 @@ def _judged(choice: Choice, options: Options, serious: tuple[str, ...]) -> Mater
             f"{measurement.place}: the fit is no material: {error}; check the quantity and its unit"
         ) from error
     ladder.report(options.progress, 0.97, "gloss and picture")
-    return with_use(material, measurement)
+    return with_use(with_derived(material), measurement)
 
 
 def _timed(material: Material, began: float, progress: ProgressReport | None) -> Material:

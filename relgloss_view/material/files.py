@@ -131,6 +131,7 @@ _FIT_FIELDS: dict[str, tuple[Any, str]] = {
     "standard_errors": (dict, "an object"),
     "bounds": (dict, "an object"),
     "judgement": (dict, "an object"),
+    "derived": (dict, "an object"),
     "convention": (str, "a text"),
     "grounds": (list, "a list of texts"),
     "covariance": (dict, "an object"),

@@ -178,6 +178,8 @@ class FitRecord:
     bounds: dict[str, Any] = field(default_factory=dict)
     #: Gloss, pictures and planes of the fit against those of its table; empty in older files.
     judgement: dict[str, Any] = field(default_factory=dict)
+    #: `peak` and `c_max` (fitting.derived): `value`, `standard_error`
+    derived: dict[str, Any] = field(default_factory=dict)
     convention: str = "f_s = k F D G / (4 cos_i cos_o), D normalised to unit projected area"
     #: Those of the warnings that explain the quality.
     grounds: tuple[str, ...] = field(default=(), compare=False)

@@ -110,7 +110,10 @@ def _tops(rows: Rows, to_lamp: Array, to_receiver: Array) -> bool:
     """
     clear = rows.level > BRIGHTER * _body(rows)
     top = np.argsort(np.where(clear, rows.facets, -np.inf))[-FEWEST_TOPS:]
-    if not FEWEST_TOPS <= np.sum(clear) < MOST_TOPS * len(rows) or np.min(rows.delta_deg[top]) < FAR_DEG:
+    if (
+        not FEWEST_TOPS <= np.sum(clear) < MOST_TOPS * len(rows)
+        or np.min(rows.delta_deg[top]) < FAR_DEG
+    ):
         return False
     return bool(np.max(tilt_of((to_lamp + to_receiver)[top])) < NEAR_DEG)
 
