@@ -16,7 +16,7 @@ from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.fitting import ladder, metal
 from relgloss_view.fitting.descent import refine
-from relgloss_view.fitting.instrument import GAMMA_S, corrected
+from relgloss_view.fitting.instrument import ACROSS_ALL, corrected
 from relgloss_view.fitting.ladder import Candidate, Folds
 from relgloss_view.fitting.limits import OPTICAL_INDEX, at_limits
 from relgloss_view.fitting.model import Rung, State, log_residual, predict
@@ -27,8 +27,10 @@ from relgloss_view.measure.table import Measurement
 
 #: Share of the chosen model's held-out error that errors of the instrument must gain.
 RELEVANT_SHARE_ERRORS = 0.04
+#: ... and what freeing the apertures beside tilts must gain: their blur looks like a lobe's tails.
+RELEVANT_SHARE_APERTURE = 0.25
 _PINNED = 1e-3
-_FIRST_GAMMA = 1.5  #: prior standard deviations
+_FIRST_TILT = 1.5  #: prior standard deviations
 _LEAST_NOISE = 0.005
 _ROUNDS = 3  #: of corrections: the errors are first-order about the geometry
 
@@ -58,6 +60,7 @@ class Choice:
     folds: Folds
     best: Candidate
     errors: Array  #: (K,), of the instrument, which the measurement is corrected for; empty: none
+    other: Candidate | None = None  #: the same with its refractive index free, which gained less
 
 
 def choose(measurement: Measurement, options: Options) -> Choice:
@@ -93,33 +96,42 @@ def _climbed(
         few, options.rungs, options.index, progress, options.start_s_deg
     )
     candidates = metal.with_metals(folds, candidates, options.metals)
-    best = candidates[ladder.choose(candidates)]
+    best, other = candidates[ladder.choose(candidates)], None
     if options.free_index:
         held = metal.dielectric_of(candidates, best)
         freed = ladder.free_index(folds, held)
         if freed is not None:
             candidates.insert(candidates.index(held) + 1, freed)
-            best = _with_index(candidates, best, freed)
+            best, other = _with_index(best, freed)
     noise = _noise(few, best.solution.state)
     full, few = replace(full, noise=noise), replace(few, noise=noise)
     folds = replace(folds, observations=few)
-    return Choice(measurement, full, few, tuple(candidates), folds, best, errors)
+    return Choice(measurement, full, few, tuple(candidates), folds, best, errors, other)
 
 
-def _with_index(candidates: list[Candidate], best: Candidate, freed: Candidate) -> Candidate:
-    """The better of the chosen candidate and of one whose refractive index is free."""
+def _with_index(best: Candidate, freed: Candidate) -> tuple[Candidate, Candidate | None]:
+    """The better of the chosen candidate and of one whose index is free, and a likely other.
+
+    An index that no dielectric has stands in for what the model lacks, so it must gain more; that
+    of a second lobe may not have one at all.
+    """
     state = freed.solution.state
     if at_limits(freed.rung, state):
-        return best
-    usual = OPTICAL_INDEX[0] <= float(state.n[main_lobe(state)]) <= OPTICAL_INDEX[1]
-    share = ladder.RELEVANT_SHARE_INDEX if usual else ladder.RELEVANT_SHARE_ODD_INDEX
+        return best, None
+    usual = (state.n >= OPTICAL_INDEX[0]) & (state.n <= OPTICAL_INDEX[1])
+    main = main_lobe(state)
+    if not np.all(usual[np.arange(len(usual)) != main]):
+        return best, None
+    share = ladder.RELEVANT_SHARE_INDEX if usual[main] else ladder.RELEVANT_SHARE_ODD_INDEX
     if at_limits(best.rung, best.solution.state):
         # A lobe at its widest stands in for an index that was held.
         near = freed.cv_mean <= (1.0 + ladder.LIMIT_COST) * best.cv_mean + ladder.RELEVANT
-        return freed if near else best
+        return (freed if near else best), None
     mean, se = ladder.gain(best, freed)
-    certain = mean > (ladder.CERTAIN_INDEX if usual else 1.0) * se
-    return freed if certain and mean > share * best.cv_mean else best
+    certain = mean > (ladder.CERTAIN_INDEX if usual[main] else 1.0) * se
+    if certain and mean > share * best.cv_mean:
+        return freed, None
+    return best, (freed if usual[main] else None)
 
 
 def _errors(choice: Choice, options: Options) -> Array:
@@ -140,7 +152,7 @@ def _errors(choice: Choice, options: Options) -> Array:
     tilts = np.arange(len(few.prior_sd)) < len(few.prior_sd) - 1
     for some in (tilts, ~tilts):
         fewer = with_errors(folds, held, some)
-        if ladder.enough(fewer, found, RELEVANT_SHARE_ERRORS):
+        if ladder.enough(fewer, found, RELEVANT_SHARE_APERTURE):
             found = fewer
             break
     if ladder.enough(choice.best, found, RELEVANT_SHARE_ERRORS):
@@ -172,10 +184,9 @@ def with_errors(folds: Folds, candidate: Candidate, free: Mask | None = None) ->
     count = len(few.prior_sd)
     rung = replace(candidate.rung, errors=count)
     starts = [np.zeros(count)]
-    if GAMMA_S in few.error_names:
+    for k in [k for k, name in enumerate(few.error_names) if name in ACROSS_ALL]:
         # A tilt across all planes lowers the peak by its square: it is found from either side.
-        k = few.error_names.index(GAMMA_S)
-        far = np.where(np.arange(count) == k, _FIRST_GAMMA * few.prior_sd, 0.0)
+        far = np.where(np.arange(count) == k, _FIRST_TILT * few.prior_sd, 0.0)
         starts += [far, -far]
     state = candidate.solution.state
     solutions = refine(Problem(few, rung), [replace(state, errors=errors) for errors in starts])

@@ -16,7 +16,7 @@ from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.fitting import ladder, metal, verdict
-from relgloss_view.fitting.choice import Options, choose
+from relgloss_view.fitting.choice import Choice, Options, choose
 from relgloss_view.fitting.descent import refine
 from relgloss_view.fitting.evidence import ChosenFit, judge, record_fit, with_energy_warning
 from relgloss_view.fitting.ladder import Candidate
@@ -109,16 +109,31 @@ def fit_material(
         metals=model if model in ("auto", *metal.NAMES) else "none",
     )
     choice = choose(measurement, options)
-    spread = spread_of(choice, errors=free_errors, index=uncertain)
-    measurement, full, best = choice.measurement, choice.full, choice.best
     ladder.report(progress, 0.95, "all bands")
-    fit = ChosenFit(choice, _all_bands(full, best), spread, examined.serious)
+    material = _judged(choice, options, examined.serious)
+    if (
+        choice.other is not None
+        and material.fit is not None
+        and material.fit.quality != Quality.GOOD
+    ):
+        # The samples hardly tell the index by what is held out, but gloss and picture may.
+        other = _judged(replace(choice, best=choice.other), options, examined.serious)
+        if other.fit is not None and other.fit.quality == Quality.GOOD:
+            material = other
+    return _timed(material, began, progress)
+
+
+def _judged(choice: Choice, options: Options, serious: tuple[str, ...]) -> Material:
+    """The material of a choice with all that is known of how good it is."""
+    spread = spread_of(choice, errors=options.free_errors, index=options.free_index)
+    measurement, full, best = choice.measurement, choice.full, choice.best
+    fit = ChosenFit(choice, _all_bands(full, best), spread, serious)
     judged = judge(fit)
     state = fit.state
     width = judged.width
     if judged.quality == Quality.UNIDENTIFIABLE and width and width.s_deg_lower is None:
         state = _plainest_width(full, best.rung, state, width.s_deg_upper)
-    record = record_fit(fit, judged, seed)
+    record = record_fit(fit, judged, options.seed)
     try:
         material = _material(measurement, best.rung, state, record)
         steepest = float(np.degrees(np.arccos(np.min(measurement.to_lamp[measurement.kept, 2]))))
@@ -127,8 +142,8 @@ def fit_material(
         raise InputError(
             f"{measurement.place}: the fit is no material: {error}; check the quantity and its unit"
         ) from error
-    ladder.report(progress, 0.97, "gloss and picture")
-    return _timed(with_use(material, measurement), began, progress)
+    ladder.report(options.progress, 0.97, "gloss and picture")
+    return with_use(material, measurement)
 
 
 def _timed(material: Material, began: float, progress: ProgressReport | None) -> Material:

@@ -27,6 +27,8 @@ TILT_SD_DEG = 0.2
 #: declared full width taken for a standard deviation, or an edge that is not seen, are within it.
 LOG_APERTURE_SD = 0.25
 APERTURE, GAMMA_S = "ln aperture", "gamma_s"
+ACROSS = "the sample's tilt across the plane"
+ACROSS_ALL = (GAMMA_S, ACROSS)  #: tilts that every plane of a table has alike
 #: Beyond these an error is no longer one of an instrument that was set up.
 LARGEST_ANGLE = float(np.radians(3.0))
 LARGEST_LOG_APERTURE = 1.5
@@ -66,9 +68,10 @@ def instrument_of(measurement: Measurement) -> Instrument | None:
     """The errors that the instrument of a measurement may have; None for tabulated reflectances.
 
     A table with gamma has the zeros of both arms together and gamma_s; one whose directions all lie
-    in a plane the zeros of both arms; any other the two tilts of the sample. The zeros are one
-    unknown, how far the bisector of the arms is off: what they do against one another changes the
-    angle between them alone, which a refractive index or a shadowing would be taken for.
+    in a plane the zeros of both arms and the sample's tilt across it; any other the two tilts of
+    the sample. The zeros are one unknown, how far the bisector of the arms is off: what they do
+    against one another changes the angle between them alone, which a refractive index or a
+    shadowing would be taken for.
     """
     if measurement.tabulated:
         return None
@@ -85,7 +88,11 @@ def instrument_of(measurement: Measurement) -> Instrument | None:
             (GAMMA_S, GAMMA_S_SD_DEG, -across),
         ]
     elif (normal := _plane(lamp, receiver)) is not None:
-        turns = [("the mean zero of lamp and receiver", MEAN_ZERO_SD_DEG, normal)]
+        in_plane = np.cross(normal, np.array([0.0, 0.0, 1.0]))
+        turns = [
+            ("the mean zero of lamp and receiver", MEAN_ZERO_SD_DEG, normal),
+            (ACROSS, TILT_SD_DEG, in_plane),
+        ]
     else:
         turns = [
             ("the sample's tilt about y", TILT_SD_DEG, np.array([0.0, 1.0, 0.0])),

@@ -26,7 +26,7 @@ from relgloss_view.material.material import Material
 
 #: A fit's gloss may differ from its table's by this share and so many of the table's standard
 #: errors.
-GLOSS_SHARE, GLOSS_ERRORS = 0.03, 1.25
+GLOSS_SHARE, GLOSS_ERRORS = 0.035, 2.0
 #: The standard error counts up to here: no noise excuses more.
 LARGEST_ERROR = 0.05
 #: A reading with a larger standard error, as a share, is none.

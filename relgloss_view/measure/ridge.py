@@ -18,6 +18,8 @@ CLEAR_ERRORS = 6.0
 SURELY_SPECULAR = np.log(2.0)
 #: With this few planes noise cannot be estimated, and only a ridge beyond doubt counts.
 FEW_PLANES = 3
+#: How a warning begins where nothing shows the tilt that a default assumes.
+UNKNOWN_TILT = "gamma_s is not declared and the table cannot show it"
 
 
 def check(
@@ -36,7 +38,7 @@ def check(
         if declared:
             return None
         return (
-            f"gamma_s is not declared and the table cannot show it: {gamma_s_deg:g} deg is "
+            f"{UNKNOWN_TILT}: {gamma_s_deg:g} deg is "
             "assumed; add '# gamma_s_deg: ...' or give --gamma-s-deg"
         )
     ridge_deg = _ridge(planes, tilts, profile, gamma_s_deg)

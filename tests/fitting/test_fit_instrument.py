@@ -43,9 +43,9 @@ def test_errors_of_the_angles_are_those_of_the_scales() -> None:
             np.testing.assert_allclose(got, true, atol=2e-6)
 
 
-def test_a_plane_has_one_zero_and_a_half_space_two_tilts() -> None:
+def test_a_plane_has_a_zero_and_a_tilt_and_a_half_space_two_tilts() -> None:
     plane = table(GRID[GRID[:, 2] == gonio.GAMMA_S_DEG])
-    assert len(instrument_of(replace(plane, gamma_s_deg=None)).names) == 2
+    assert len(instrument_of(replace(plane, gamma_s_deg=None)).names) == 3
     assert "tilt" in instrument_of(replace(table(), gamma_s_deg=None)).names[0]
     assert instrument_of(replace(table(), tabulated=True)) is None
 

@@ -19,8 +19,9 @@ from relgloss_view.measure.findings import (
     single_rows,
     units,
 )
-from relgloss_view.measure.findings.finding import BANDS, Examined, Finding
+from relgloss_view.measure.findings.finding import BANDS, MIRROR, Examined, Finding
 from relgloss_view.measure.findings.rows import Rows
+from relgloss_view.measure.ridge import UNKNOWN_TILT
 from relgloss_view.measure.table import Measurement
 
 __all__ = ["Examined", "Finding", "examine"]
@@ -43,8 +44,10 @@ def examine(measurement: Measurement) -> Examined:
         measurement, findings = plateaus.saturation(measurement, rows)
         findings = [*dead, *findings, *bands.out_of_place(measurement, rows)]
         findings += plateaus.floors(measurement, rows)
+        unknown = [text for text in measurement.warnings if text.startswith(UNKNOWN_TILT)]
+        findings += [Finding(MIRROR, text, True) for text in unknown]
         findings += units.radians(measurement, rows)
-        if any(f.serious and f.kind != BANDS for f in findings):
+        if any(f.serious and f.kind not in (BANDS, MIRROR) for f in findings):
             return Examined(measurement, tuple(findings))
         elsewhere = mirror_direction.check(measurement, rows)
         findings += elsewhere

@@ -10,7 +10,7 @@ from relgloss_view.measure.findings.units import FEWEST, MOST_REST, last_slope
 from relgloss_view.measure.table import Measurement
 
 #: Of the readings, from the first row to the last: what is named, what is serious, and certainty.
-NAMED, SERIOUS, ERRORS = 0.06, 0.08, 6.0
+NAMED, SERIOUS, ERRORS = 0.08, 0.10, 6.0
 #: Instruments set each plane of incidence anew, with this much noise common to its rows: few planes
 #: are in a row by chance. A drift exceeds what that makes, a slope over G planes, by this factor.
 PLANE_NOISE, BEYOND_PLANES = 0.02, 3.5
