@@ -38,10 +38,7 @@ FREE_OF_BLUR, MOST_BLUR, BLURRED_RATIO = 0.25, 0.6, 1.8
 AWAY = 2.5
 #: With no row this near to a mirror direction a highlight may be missed, degrees.
 NEAREST_DEG = 1.5
-RULE = (
-    "a disc's deviation is its diameter / 4, and a solid angle omega has the diameter "
-    "2 acos(1 - omega / (2 pi))"
-)
+RULE = "disc: diameter / 4; solid angle omega: diameter = 2 acos(1 - omega / 2 pi)"
 
 
 @dataclass(frozen=True)
@@ -119,7 +116,7 @@ def aperture(measurement: Measurement, rows: Rows, lobe: Lobe | None) -> list[Fi
                 APERTURE,
                 f"the declared apertures {declared} blur every highlight to {blur:.2g} deg of the "
                 f"half-vector, but one of {width:.2g} deg is seen: was the full angle declared? "
-                f"Divide it by 4; {RULE}",
+                f"Divide it by 4 ({RULE})",
                 True,
             )
         ]
@@ -129,9 +126,8 @@ def aperture(measurement: Measurement, rows: Rows, lobe: Lobe | None) -> list[Fi
         Finding(
             APERTURE,
             f"the declared apertures {declared} are wide beside the highlight ({width:.2g} deg of "
-            "the half-vector): the receiver is as wide as the lobe, whose width and height are "
-            "uncertain; measure with smaller apertures, or divide by 4 if the full angle is "
-            f"declared ({RULE})",
+            "the half-vector), whose width and height are uncertain: measure with a smaller "
+            f"receiver; if the full angle is declared, divide it by 4 ({RULE})",
             True,
         )
     ]
