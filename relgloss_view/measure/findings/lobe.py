@@ -32,6 +32,7 @@ NARROW_DEG = 0.6
 RATIO, SERIOUS_RATIO, ERRORS, GAIN = 1.25, 1.5, 6.0, 1.6
 #: Beyond these body, shadowing and grazing incidence draw the shape as much as the facets do.
 WIDEST_DEG, STEEPEST_DEG, WIDEST_NARROW_DEG = 30.0, 66.0, 14.0
+BROAD_DEG, BROAD_RATIO = 9.0, 2.2  #: and from this narrow width on they need this ratio
 #: Shares of the narrow width's square that may be the apertures', and the ratio beyond the first.
 FREE_OF_BLUR, MOST_BLUR, BLURRED_RATIO = 0.25, 0.6, 1.8
 #: A lobe whose nearest row to the mirror direction lies this many widths away is misplaced.
@@ -206,6 +207,8 @@ def anisotropy(measurement: Measurement, rows: Rows, lobe: Lobe | None) -> list[
     if blur > MOST_BLUR * narrow**2 or narrow > WIDEST_NARROW_DEG:
         return []
     least = RATIO if blur < FREE_OF_BLUR * narrow**2 else BLURRED_RATIO
+    if narrow > BROAD_DEG:
+        least = BROAD_RATIO
     ratio = float(np.sqrt((wide**2 - blur) / (narrow**2 - blur)))
     if ratio < least or errors < ERRORS or gain < GAIN:
         return []
