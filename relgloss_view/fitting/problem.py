@@ -279,7 +279,7 @@ class Problem:
         for j in range(lobes):
             shared[:, :, slope + 2 + j, unknowns.log_s.start + j] = states.ks[:, j]
             if rung.free_index:
-                shared[:, :, 2 * slope + j, unknowns.n.start + j] = states.ks[:, j]
+                shared[:, :, 2 * slope + j, unknowns.n.start] = states.ks[:, j]
             for k in range(rung.errors):
                 place = freed + j * rung.errors + k
                 shared[:, :, place, unknowns.errors.start + k] = states.ks[:, j]

@@ -60,7 +60,9 @@ class SharedUnknowns:
         return States(
             values[:, 0] if self.t.stop else states.t,
             values[:, self.log_s],
-            values[:, self.n] if self.n.stop > self.n.start else states.n,
+            np.repeat(values[:, self.n], states.n.shape[1], axis=1)
+            if self.n.stop > self.n.start
+            else states.n,
             kd,
             self._strengths(np.repeat(neutral[:, :, None], bands, axis=2), own_ks),
             values[:, self.errors] if self.errors.stop > self.errors.start else states.errors,
@@ -76,7 +78,8 @@ class SharedUnknowns:
 def shared_unknowns(rung: Rung) -> SharedUnknowns:
     """Roughness, widths, freed indices, neutral strengths, errors, each as the rung has it."""
     neutral = rung.strengths - rung.own
-    free = (rung.lobes if rung.free_index else 0, neutral, max(rung.errors - 1, 0))
+    index = int(rung.free_index and rung.lobes > 0)  # all lobes are of one surface
+    free = (index, neutral, max(rung.errors - 1, 0))
     counts = (int(rung.rough), rung.lobes, *free, min(rung.errors, 1))
     ends = np.cumsum(counts).tolist()
     angle, spread = LARGEST_ANGLE, LARGEST_LOG_APERTURE

@@ -137,8 +137,11 @@ def test_a_poor_fit_may_be_unidentifiable_too() -> None:
     fit = fit_material(measurement, model="lobe").fit
     assert fit is not None
     assert fit.quality is Quality.POOR
-    assert [text[:8] for text in fit.warnings] == ["no model", "the lobe", "near the"]
-    assert fit.grounds == (fit.warnings[0], fit.warnings[2])
+    # The table's own findings come first: stripes look like a lamp that drifts.
+    texts = [text for text in fit.warnings if not text.startswith("the readings")]
+    assert [text[:8] for text in texts] == ["no model", "the lobe", "near the"]
+    assert {texts[0], texts[2]} <= set(fit.grounds)
+    assert texts[1] not in fit.grounds
     assert fit.bounds["main_lobe"]["s_deg_lower"] is None
 
 

@@ -29,7 +29,7 @@ def states_of(rung: Rung) -> States:
     return States(
         rng.uniform(0.1, 0.3, PROBLEMS),
         np.log(np.radians(rng.uniform(2.0, 8.0, (PROBLEMS, lobes)))),
-        rng.uniform(1.6, 1.9, (PROBLEMS, lobes)),
+        np.repeat(rng.uniform(1.6, 1.9, (PROBLEMS, 1)), lobes, axis=1),
         rng.uniform(2.0, 3.0, (PROBLEMS, BANDS)),
         ks,
         rng.uniform(-0.01, 0.01, (PROBLEMS, rung.errors)),

@@ -122,7 +122,7 @@ def test_the_gradient_is_that_of_the_loss(rung: model.Rung) -> None:
     if not rung.spectral:
         strengths[:] = strengths[:, :1]
     state = model.State(
-        0.03, np.log(np.radians([4.0, 11.0][: rung.lobes])), np.array([1.5, 1.8][: rung.lobes]),
+        0.03, np.log(np.radians([4.0, 11.0][: rung.lobes])), np.full(rung.lobes, 1.6),
         np.array(fit_cases.ALBEDO), strengths,
     )  # fmt: skip
     problem = Problem(data, rung)
@@ -390,7 +390,7 @@ def test_shared_unknowns_keep_their_places(rung: model.Rung) -> None:
     places = shared_unknowns(rung)
     values = places.values(states)
     # The bands have own strengths where the rung is spectral; the rest is shared.
-    assert places.count == rung.parameters(0) + (rung.lobes - 1 if rung.free_index else 0)
+    assert places.count == rung.parameters(0)
     for k in range(2):
         again = places.replaced(states, values, states.kd, states.ks)[k]
         for name in ("t", "log_s", "n", "kd", "ks"):

@@ -39,6 +39,8 @@ def examine(measurement: Measurement) -> Examined:
     """
     with np.errstate(all="ignore"):
         rows = Rows.of(measurement)
+        if not len(rows):
+            return Examined(measurement)
         measurement, dead = bands.without_dead(measurement, rows)
         rows = Rows.of(measurement) if dead else rows
         measurement, findings = plateaus.saturation(measurement, rows)
@@ -59,7 +61,7 @@ def examine(measurement: Measurement) -> Examined:
         if any(f.serious and f.kind != BANDS for f in findings):
             return Examined(measurement, tuple(findings))
         core = lobe.lobe_of(rows)
-        findings += drift.check(measurement, rows)
+        findings += drift.check(measurement, rows, core)
         findings += lobe.coverage(measurement, rows, core)
         findings += lobe.aperture(measurement, rows, core)
         findings += lobe.anisotropy(measurement, rows, core)

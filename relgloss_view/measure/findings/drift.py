@@ -6,25 +6,28 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.measure.findings.finding import DRIFT, Finding
+from relgloss_view.measure.findings.lobe import Lobe
 from relgloss_view.measure.findings.rows import BODY_DEG, Rows
 from relgloss_view.measure.findings.units import FEWEST, MOST_REST, last_slope
 from relgloss_view.measure.table import Measurement
 
 #: Of the readings, from the first row to the last: what is named, what is serious, and certainty.
 NAMED, SERIOUS, ERRORS = 0.08, 0.10, 6.0
+#: A wider highlight reaches into what is taken for the body.
+WIDEST_DEG = 7.0
 #: Instruments set each plane of incidence anew, with this much noise common to its rows: few planes
 #: are in a row by chance. A drift exceeds the slope's deviation from that by this factor.
 PLANE_NOISE, BEYOND_PLANES = 0.02, 3.5
 
 
-def check(measurement: Measurement, rows: Rows) -> list[Finding]:
+def check(measurement: Measurement, rows: Rows, core: Lobe | None) -> list[Finding]:
     """A finding where the body, at equal directions, changes with the order of the rows.
 
     A body is reciprocal (Helmholtz), so the logarithm of its level is a symmetric function of both
     cosines and of the angle between the directions. What goes with the row's number beside it is
     the instrument's.
     """
-    if measurement.tabulated:
+    if measurement.tabulated or (core is not None and core.width_deg > WIDEST_DEG):
         return []
     away = rows.kept & (rows.delta_deg > BODY_DEG) & (rows.level < 2.0 * rows.body_level)
     away &= rows.phase_deg > 12.0

@@ -30,7 +30,7 @@ SHOWN, SURELY_SHOWN, NOT_SHOWN = 0.3, 0.45, 0.1
 FEWEST, FEWEST_NEAREST = 10, 5
 #: Near the mirror direction and far from it, degrees; how much brighter far rows must be.
 NEAR_DEG, FAR_DEG, BRIGHTER = 4.0, 12.0, 4.0
-FEWEST_TOPS = 2
+FEWEST_TOPS, MOST_TOPS = 2, 0.15  #: rows, and share of all: more are those of a wide lobe
 TURN_STEP_DEG = 15.0
 RIDGE = "the mirror ridge lies at gamma"
 SAME_SIDE = "--mirror same-side"
@@ -120,7 +120,8 @@ def _tops(rows: Rows, to_lamp: Array, to_receiver: Array) -> bool:
     """
     clear = rows.level > BRIGHTER * rows.low_level
     top = np.argsort(np.where(clear, rows.facets, -np.inf))[-FEWEST_TOPS:]
-    if np.sum(clear) < FEWEST_TOPS or np.min(rows.delta_deg[top]) < FAR_DEG:
+    few = FEWEST_TOPS <= np.sum(clear) < MOST_TOPS * len(rows)
+    if not few or np.min(rows.delta_deg[top]) < FAR_DEG:
         return False
     return bool(np.max(tilt_of((to_lamp + to_receiver)[top])) < NEAR_DEG)
 
