@@ -11,6 +11,7 @@ import pytest
 from sampled import BODY, directions, factors, gcms, in_plane, measured, noisy, rings, sample
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.terminal import WARNING_LENGTH
 from relgloss_view.bench.verdicts import judging
 from relgloss_view.bench.verdicts.faults import BY_NAME
 from relgloss_view.bench.verdicts.reflection import Body, Surface, metal_index
@@ -35,6 +36,7 @@ def the_text(measurement, kind, serious=None):
     if serious is not None:
         assert texts[0].serious is serious
     assert "\n" not in texts[0].text
+    assert len(texts[0].text) <= WARNING_LENGTH  # what the terminal prints of it
     return texts[0].text
 
 
@@ -296,7 +298,7 @@ class TestLobe:
         narrow = sample(rings, s_deg=1.0, aperture=(0.3, 0.3))
         assert kinds(narrow) == set()
         text = the_text(replace(narrow, aperture_sd_deg=(2.0, 2.0)), "aperture", serious=True)
-        assert "Divide it by 4; a disc's deviation is its diameter / 4" in text
+        assert "Divide it by 4 (disc: diameter / 4;" in text
 
     def test_the_rule_from_a_solid_angle(self):
         """A cone of half angle r has 2 pi (1 - cos r) steradians; its disc deviates by r / 2."""

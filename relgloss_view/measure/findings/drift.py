@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.measure.findings.finding import DRIFT, Finding
 from relgloss_view.measure.findings.lobe import Lobe
 from relgloss_view.measure.findings.rows import BODY_DEG, Rows
@@ -15,7 +16,7 @@ NAMED, SERIOUS, ERRORS = 0.08, 0.10, 6.0
 #: A wider highlight reaches into what is taken for the body.
 WIDEST_DEG = 7.0
 #: Instruments set each plane of incidence anew, with this much noise common to its rows: few planes
-#: are in a row by chance. A drift exceeds what that makes, a slope over G planes, by this factor.
+#: are in a row by chance. A drift exceeds the slope's deviation from that by this factor.
 PLANE_NOISE, BEYOND_PLANES = 0.02, 3.5
 
 
@@ -42,10 +43,7 @@ def check(measurement: Measurement, rows: Rows, core: Lobe | None) -> list[Findi
          (log_o - log_i) ** 2, order]
     )  # fmt: skip
     change, error, rest = last_slope(basis, np.log(some.level), some)
-    planes = len(np.unique(some.group))
-    by_chance = PLANE_NOISE * np.sqrt(
-        12.0 / planes
-    )  # of equal steps: the variance of order is 1/12
+    by_chance = PLANE_NOISE * _leverage(basis, some.group)
     least = max(NAMED, ERRORS * error, BEYOND_PLANES * by_chance)
     if rest > MOST_REST or abs(change) < least:
         return []
@@ -59,3 +57,12 @@ def check(measurement: Measurement, rows: Rows, core: Lobe | None) -> list[Findi
             abs(change) > SERIOUS,
         )
     ]
+
+
+def _leverage(basis: Array, group: Ints) -> float:
+    """Deviation of the last coefficient where each group is off by an error of deviation one."""
+    others, last = basis[:, :-1], basis[:, -1]
+    own = last - others @ np.linalg.lstsq(others, last, rcond=1e-9)[0]
+    number = np.unique(group, return_inverse=True)[1]
+    sums = np.bincount(number, own)
+    return float(np.sqrt(np.sum(np.square(sums))) / max(float(own @ own), 1e-12))

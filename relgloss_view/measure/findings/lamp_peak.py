@@ -50,7 +50,7 @@ def check(rows: Rows) -> list[Finding]:
         Finding(
             LAMP_PEAK,
             f"the sample sends light back to the lamp: within about {width:g} deg of the lamp's "
-            f"direction{between_arms} readings rise by {height:.0%} of the body. No model here has "
+            f"direction{between_arms} readings rise by {height:.2g} times the body. No model has "
             "retroreflection: pictures with the lamp behind the viewer are too dark",
             False,
         )

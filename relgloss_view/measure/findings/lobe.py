@@ -31,17 +31,15 @@ NARROW_DEG = 0.6
 #: Anisotropy: ratio of widths that is named, that is serious, and its certainty.
 RATIO, SERIOUS_RATIO, ERRORS, GAIN = 1.25, 1.5, 6.0, 1.6
 #: Beyond these body, shadowing and grazing incidence draw the shape as much as the facets do.
-WIDEST_DEG, STEEPEST_DEG, WIDEST_NARROW_DEG = 30.0, 66.0, 10.0
+WIDEST_DEG, STEEPEST_DEG, WIDEST_NARROW_DEG = 30.0, 66.0, 14.0
+BROAD_DEG, BROAD_RATIO = 9.0, 2.2  #: and from this narrow width on they need this ratio
 #: Shares of the narrow width's square that may be the apertures', and the ratio beyond the first.
 FREE_OF_BLUR, MOST_BLUR, BLURRED_RATIO = 0.25, 0.6, 1.8
 #: A lobe whose nearest row to the mirror direction lies this many widths away is misplaced.
 AWAY = 2.5
 #: With no row this near to a mirror direction a highlight may be missed, degrees.
 NEAREST_DEG = 1.5
-RULE = (
-    "a disc's deviation is its diameter / 4, and a solid angle omega has the diameter "
-    "2 acos(1 - omega / (2 pi))"
-)
+RULE = "disc: diameter / 4; solid angle omega: diameter = 2 acos(1 - omega / 2 pi)"
 
 
 @dataclass(frozen=True)
@@ -119,7 +117,7 @@ def aperture(measurement: Measurement, rows: Rows, lobe: Lobe | None) -> list[Fi
                 APERTURE,
                 f"the declared apertures {declared} blur every highlight to {blur:.2g} deg of the "
                 f"half-vector, but one of {width:.2g} deg is seen: was the full angle declared? "
-                f"Divide it by 4; {RULE}",
+                f"Divide it by 4 ({RULE})",
                 True,
             )
         ]
@@ -129,9 +127,8 @@ def aperture(measurement: Measurement, rows: Rows, lobe: Lobe | None) -> list[Fi
         Finding(
             APERTURE,
             f"the declared apertures {declared} are wide beside the highlight ({width:.2g} deg of "
-            "the half-vector): the receiver is as wide as the lobe, whose width and height are "
-            "uncertain; measure with smaller apertures, or divide by 4 if the full angle is "
-            f"declared ({RULE})",
+            "the half-vector), whose width and height are uncertain: measure with a smaller "
+            f"receiver; if the full angle is declared, divide it by 4 ({RULE})",
             True,
         )
     ]
@@ -210,6 +207,8 @@ def anisotropy(measurement: Measurement, rows: Rows, lobe: Lobe | None) -> list[
     if blur > MOST_BLUR * narrow**2 or narrow > WIDEST_NARROW_DEG:
         return []
     least = RATIO if blur < FREE_OF_BLUR * narrow**2 else BLURRED_RATIO
+    if narrow > BROAD_DEG:
+        least = BROAD_RATIO
     ratio = float(np.sqrt((wide**2 - blur) / (narrow**2 - blur)))
     if ratio < least or errors < ERRORS or gain < GAIN:
         return []

@@ -17,12 +17,10 @@ from relgloss_view.base.arrays import Array
 from relgloss_view.measure import ridge
 from relgloss_view.measure.findings.finding import MIRROR, Finding
 from relgloss_view.measure.findings.rows import Rows, facet_density, tilt_of
-from relgloss_view.measure.gonio import direction
 from relgloss_view.measure.table import Measurement
 
 #: The peak must exceed the body by this factor, or the order of the rows is that of noise.
 PEAK = 2.2
-BODY_SHARE = 0.2  #: of the rows, whose level is the body's
 STEEPEST_COSINE = 0.34  #: closer to the horizon rough bodies brighten towards the lamp
 #: Another geometry is named where neighbours are this many times less unlike than as declared, and
 #: where the rows nearest to its mirror direction show this share of the highest density, and more
@@ -51,7 +49,7 @@ class _Geometry:
 def check(measurement: Measurement, rows: Rows) -> list[Finding]:
     """A serious finding where the peak lies elsewhere than the declared geometry puts it."""
     some = rows.subset(np.minimum(rows.to_lamp[:, 2], rows.to_receiver[:, 2]) > STEEPEST_COSINE)
-    if len(some) >= FEWEST and float(np.max(some.level)) > PEAK * _body(some):
+    if len(some) >= FEWEST and float(np.max(some.level)) > PEAK * some.low_level:
         best = _best(measurement, some)
     else:
         best = None
@@ -72,35 +70,47 @@ def without_other_remedy(measurement: Measurement, named: Finding) -> Measuremen
 
 def _best(measurement: Measurement, rows: Rows) -> _Geometry | None:
     """The other geometry in which the rows lie clearly better than as declared, or None."""
-    declared, shown = _order(rows, rows.to_lamp, rows.to_receiver)
+    declared = _unlikeness(rows, rows.to_lamp, rows.to_receiver)
+    shown = _shown(rows, rows.to_lamp, rows.to_receiver)
     best, least = None, np.inf
     for other in _others(measurement, rows):
-        unlike, shows = _order(rows, other.to_lamp, other.to_receiver)
+        geometry = other.to_lamp, other.to_receiver
         turned = other.name == "same side" and abs(other.amount_deg) in (0.0, 180.0)
-        if turned and _tops(rows, other.to_lamp, other.to_receiver) and unlike < declared:
+        tops = turned and _tops(rows, *geometry)
+        shows = _shown(rows, *geometry)
+        if not tops and shows < max(SHOWN, shown + SHOWN):
+            continue
+        unlike = _unlikeness(rows, *geometry)
+        if tops and unlike < declared:
             return other
         gain = CLEARLY if shown > NOT_SHOWN or shows < SURELY_SHOWN else SURELY
-        if shows < max(SHOWN, shown + SHOWN) or unlike * gain > declared:
-            continue
-        if unlike < least:
+        if shows >= max(SHOWN, shown + SHOWN) and unlike * gain <= declared and unlike < least:
             best, least = other, unlike
     return best
 
 
-def _order(rows: Rows, to_lamp: Array, to_receiver: Array) -> tuple[float, float]:
-    """How the rows lie in the order of the half-vector's angle.
-
-    The mean square difference of neighbours, and the density of facets in the rows nearest to the
-    mirror direction as a share of the highest anywhere.
-    """
-    body = _body(rows)
-    density = facet_density(rows.level - body, to_lamp, to_receiver)
+def _unlikeness(rows: Rows, to_lamp: Array, to_receiver: Array) -> float:
+    """Mean square difference of neighbours in the order of the half-vector's angle."""
+    body = rows.low_level
+    density = facet_density(np.maximum(rows.level - body, 0.0), to_lamp, to_receiver)
     floor = float(facet_density(np.array([0.3 * body]), *_upright())[0])
-    order = np.argsort(tilt_of(to_lamp + to_receiver), kind="stable")
-    sorted_log = np.log(np.maximum(density[order], 0.0) + floor)
+    order = np.argsort(_angle(to_lamp, to_receiver), kind="stable")
+    return float(np.mean(np.square(np.diff(np.log(density[order] + floor)))))
+
+
+def _shown(rows: Rows, to_lamp: Array, to_receiver: Array) -> float:
+    """Density of facets in the rows nearest to the mirror direction, as a share of the highest."""
+    density = facet_density(rows.level - rows.low_level, to_lamp, to_receiver)
     nearest = max(FEWEST_NEAREST, len(rows) // 50)
-    shown = float(np.median(density[order[:nearest]])) / max(float(np.sort(density)[-2]), 1e-12)
-    return float(np.mean(np.square(np.diff(sorted_log)))), shown
+    rows_near = np.argsort(_angle(to_lamp, to_receiver), kind="stable")[:nearest]
+    highest = float(np.partition(density, -2)[-2])
+    return float(np.median(density[rows_near])) / max(highest, 1e-12)
+
+
+def _angle(to_lamp: Array, to_receiver: Array) -> Array:
+    """(N,), increasing with the angle between half-vector and normal: its tangent squared."""
+    total = to_lamp + to_receiver
+    return np.asarray((total[:, 0] ** 2 + total[:, 1] ** 2) / np.maximum(total[:, 2], 1e-9) ** 2)
 
 
 def _tops(rows: Rows, to_lamp: Array, to_receiver: Array) -> bool:
@@ -108,19 +118,12 @@ def _tops(rows: Rows, to_lamp: Array, to_receiver: Array) -> bool:
 
     On a coarse grid few rows see a narrow highlight: these alone show where it is.
     """
-    clear = rows.level > BRIGHTER * _body(rows)
+    clear = rows.level > BRIGHTER * rows.low_level
     top = np.argsort(np.where(clear, rows.facets, -np.inf))[-FEWEST_TOPS:]
-    if (
-        not FEWEST_TOPS <= np.sum(clear) < MOST_TOPS * len(rows)
-        or np.min(rows.delta_deg[top]) < FAR_DEG
-    ):
+    few = FEWEST_TOPS <= np.sum(clear) < MOST_TOPS * len(rows)
+    if not few or np.min(rows.delta_deg[top]) < FAR_DEG:
         return False
     return bool(np.max(tilt_of((to_lamp + to_receiver)[top])) < NEAR_DEG)
-
-
-def _body(rows: Rows) -> float:
-    """Level of the body, whatever the geometry is."""
-    return float(np.quantile(rows.level, BODY_SHARE))
 
 
 def _upright() -> tuple[Array, Array]:
@@ -140,16 +143,23 @@ def _others(measurement: Measurement, rows: Rows) -> list[_Geometry]:
             for t in turns
         ]
     others = [_Geometry("same side", lamp, receiver * np.array([-1.0, 1.0, 1.0]))]
-    tilt = np.degrees(np.arctan2(-lamp[:, 1], lamp[:, 2]))
-    alpha = np.degrees(np.arcsin(np.clip(lamp[:, 0], -1.0, 1.0)))
-    beta = np.degrees(np.arcsin(np.clip(receiver[:, 0], -1.0, 1.0)))
-    tilts = np.unique(np.round(tilt, 3))
+    tilts = np.unique(np.round(np.degrees(np.arctan2(-lamp[:, 1], lamp[:, 2])), 3))
     shifts = tilts[np.abs(tilts) > 0.5] if len(tilts) > 1 else ()
-    return others + [
-        _Geometry(name, direction(alpha, tilt - s), direction(sign * beta, tilt - s), float(s))
-        for s in shifts
-        for name, sign in (("tilted", 1.0), ("same side", -1.0))
-    ]
+    for shift in shifts:
+        back = _about_x(-shift)
+        tilted = lamp @ back, receiver @ back
+        flipped = tilted[1] * np.array([-1.0, 1.0, 1.0])
+        others += [
+            _Geometry("tilted", *tilted, float(shift)),
+            _Geometry("same side", tilted[0], flipped, float(shift)),
+        ]
+    return others
+
+
+def _about_x(degrees: float) -> Array:
+    """Matrix by which rows of vectors are multiplied to tilt them (measure.gonio)."""
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
 
 
 def _turned(v: Array, degrees: float) -> Array:
@@ -200,7 +210,7 @@ def _bright_elsewhere(rows: Rows) -> str | None:
         return None
     top = int(np.argmax(np.where(far, rows.level, 0.0)))
     second = float(np.sort(rows.level[far])[-2])
-    least = max(float(np.max(rows.level[near])), _body(rows))
+    least = max(float(np.max(rows.level[near])), rows.low_level)
     if second < BRIGHTER * least:
         return None
     lamp_deg, receiver_deg = rows.lamp_deg[top], rows.receiver_deg[top]

@@ -120,6 +120,11 @@ class Rows:
         return float(np.median(levels))
 
     @cached_property
+    def low_level(self) -> float:
+        """Level of the body whatever the geometry is: a fifth of the rows lie below."""
+        return float(np.partition(self.level, len(self) // 5)[len(self) // 5])
+
+    @cached_property
     def facets(self) -> Array:
         """(N,), readings above the body in units of what a level facet sends there.
 
@@ -136,7 +141,8 @@ def tilt_of(half: Array) -> Array:
 
 def facet_density(excess: Array, to_lamp: Array, to_receiver: Array) -> Array:
     """(N,), light above the body divided by F / (4 cos_i cos_o) of a dielectric."""
-    cos_d = 0.5 * np.linalg.norm(to_lamp + to_receiver, axis=1)
-    reflectance = F0 + (1.0 - F0) * (1.0 - np.minimum(cos_d, 1.0)) ** 5
+    between = np.einsum("ij,ij->i", to_lamp, to_receiver)
+    cos_d = np.sqrt(np.clip(0.5 * (1.0 + between), 0.0, 1.0))
+    reflectance = F0 + (1.0 - F0) * (1.0 - cos_d) ** 5
     cosines = np.maximum(to_lamp[:, 2] * to_receiver[:, 2], 1e-3)
     return np.asarray(excess * 4.0 * cosines / (np.pi * reflectance))
