@@ -27,8 +27,9 @@ from relgloss_view.measure.table import Measurement
 
 #: Share of the chosen model's held-out error that errors of the instrument must gain.
 RELEVANT_SHARE_ERRORS = 0.04
-#: ... and what freeing the apertures beside tilts must gain: their blur looks like a lobe's tails.
-RELEVANT_SHARE_APERTURE = 0.25
+#: ... and what freeing more of them must gain against one alone, or against all but the apertures:
+#: one that is in order would follow what the model lacks, as the apertures' blur a lobe's tails.
+RELEVANT_SHARE_MORE = 0.25
 _PINNED = 1e-3
 _FIRST_TILT = 1.5  #: prior standard deviations
 _LEAST_NOISE = 0.005
@@ -147,13 +148,14 @@ def _errors(choice: Choice, options: Options) -> Array:
     found = min(freed, key=lambda c: c.cv_mean)
     if ladder.gain(choice.best, found)[0] <= RELEVANT_SHARE_ERRORS * choice.best.cv_mean:
         return np.zeros(0)
-    # The fewest errors that explain it: one that is in order would follow the model's own faults.
+    # The fewest errors that explain it.
     held = next(c for c in neutral if replace(c.rung, errors=found.rung.errors) == found.rung)
-    tilts = np.arange(len(few.prior_sd)) < len(few.prior_sd) - 1
-    for some in (tilts, ~tilts):
+    count = len(few.prior_sd)
+    free = np.full(count, True)
+    for some in (*np.eye(count, dtype=bool), np.arange(count) < count - 1):
         fewer = with_errors(folds, held, some)
-        if ladder.enough(fewer, found, RELEVANT_SHARE_APERTURE):
-            found = fewer
+        if ladder.enough(fewer, found, RELEVANT_SHARE_MORE):
+            found, free = fewer, some
             break
     if ladder.enough(choice.best, found, RELEVANT_SHARE_ERRORS):
         return np.zeros(0)
@@ -163,6 +165,7 @@ def _errors(choice: Choice, options: Options) -> Array:
         moved = replace(
             compress(prepare(corrected(measurement, errors), options.seed)),
             noise=few.noise,
+            prior_sd=_held(few.prior_sd, free),
             prior_centre=-errors,
         )
         start = replace(found.solution.state, errors=np.zeros(len(errors)))
@@ -179,7 +182,7 @@ def with_errors(folds: Folds, candidate: Candidate, free: Mask | None = None) ->
     """
     few = folds.observations
     if free is not None:
-        few = replace(few, prior_sd=np.where(free, few.prior_sd, _PINNED * few.prior_sd))
+        few = replace(few, prior_sd=_held(few.prior_sd, free))
         folds = replace(folds, observations=few)
     count = len(few.prior_sd)
     rung = replace(candidate.rung, errors=count)
@@ -191,6 +194,11 @@ def with_errors(folds: Folds, candidate: Candidate, free: Mask | None = None) ->
     state = candidate.solution.state
     solutions = refine(Problem(few, rung), [replace(state, errors=errors) for errors in starts])
     return ladder.evaluate(folds, rung, min(solutions, key=lambda s: s.loss))
+
+
+def _held(prior_sd: Array, free: Mask) -> Array:
+    """The priors where all but the marked errors are held."""
+    return np.where(free, prior_sd, _PINNED * prior_sd)
 
 
 def _noise(few: Observations, state: State) -> float:
