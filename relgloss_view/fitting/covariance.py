@@ -46,12 +46,12 @@ def numbers_of(candidate: Candidate, states: States) -> Array:
 def sample_covariance(candidate: Candidate) -> Array:
     """(M, M), of the numbers of a candidate whose folds have been fitted: what noise does.
 
-    That of the samples and their planes, and that of the readings' common zero level, which leaving
-    planes out cannot show.
+    That of the samples and their planes, and that of what all of them share, which leaving planes
+    out cannot show: the readings' zero level, and the dispersion of a fitted index.
     """
     result = jackknife_covariance(numbers_of(candidate, States.of(candidate.fold_states)))
-    if candidate.offset_states:
-        ends = numbers_of(candidate, States.of(candidate.offset_states))
+    for pair in candidate.shared_states:
+        ends = numbers_of(candidate, States.of(pair))
         half = 0.5 * (ends[1] - ends[0])
         result = result + np.outer(half, half)
     return result

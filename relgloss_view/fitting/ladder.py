@@ -85,8 +85,9 @@ class Candidate:
     cv_mean: float
     cv_se: float
     held: tuple[Held, ...] = ()  #: one for each thing that the samples may leave open
-    #: Where all readings are one standard deviation of the zero level lower, and higher
-    offset_states: tuple[State, ...] = ()
+    #: Pairs of states on both sides: what one standard deviation of something moves that all
+    #: samples share, such as the zero level of the readings
+    shared_states: tuple[tuple[State, State], ...] = ()
 
     @property
     def name(self) -> str:

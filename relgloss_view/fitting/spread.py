@@ -26,6 +26,7 @@ INDEX_SD = 0.05
 #: Of the zero level of a table's readings, in radiance factor: dark current and stray light of a
 #: goniophotometer leave some tenths of a percent of the perfect diffuser.
 OFFSET_SD = 0.003
+DISPERSION_SD = 0.012  #: of an index that is fitted as one to all bands
 _DARKEST = 1e-6
 
 
@@ -37,7 +38,7 @@ def spread(choice: Choice, *, errors: bool, index: bool) -> Candidate:
     """
     observations, candidate = choice.few, choice.best
     if not candidate.rung.lobes:
-        return replace(candidate, offset_states=_offset_states(observations, candidate))
+        return replace(candidate, shared_states=_shared_states(observations, candidate))
     metal = candidate.rung.metals > 0  # which has no index, and whose errors none has worked out
     count = len(observations.prior_sd) if errors and not metal else 0
     held: tuple[Held, ...] = ()
@@ -56,10 +57,13 @@ def spread(choice: Choice, *, errors: bool, index: bool) -> Candidate:
         held = (*held, _held_index(observations, choice.best))
         if count:
             held = (*held[:-1], _padded(held[-1], count))
-    offsets = _offset_states(observations, choice.best)
+    shared = _shared_states(observations, choice.best)
     if count:
-        offsets = tuple(replace(s, errors=np.zeros(count)) for s in offsets)
-    return replace(candidate, held=held, offset_states=offsets)
+        at_zero = np.zeros(count)
+        shared = tuple(
+            (replace(low, errors=at_zero), replace(high, errors=at_zero)) for low, high in shared
+        )
+    return replace(candidate, held=held, shared_states=shared)
 
 
 def _padded(held: Held, count: int) -> Held:
@@ -105,12 +109,29 @@ def _likelihoods(
     return np.asarray(np.exp(-np.maximum(rise, 0.0)))
 
 
-def _offset_states(observations: Observations, candidate: Candidate) -> tuple[State, ...]:
-    """The unknowns where the zero level of all readings is off by its standard deviation."""
-    states = []
+def _shared_states(
+    observations: Observations, candidate: Candidate
+) -> tuple[tuple[State, State], ...]:
+    """What moves all samples together, by a standard deviation to either side.
+
+    The zero level of the readings; and, where one index is fitted to all bands, its dispersion: a
+    coating's index falls by some 0.02 over the visible (Cauchy's coefficients of polymers; Kasarova
+    et al. 2007).
+    """
+    start, ends = candidate.solution.state, []
     for side in (-1.0, 1.0):
         seen = observations.value > 0.0
         moved = np.maximum(observations.value + side * OFFSET_SD, _DARKEST)
         problem = Problem(replace(observations, value=np.where(seen, moved, 0.0)), candidate.rung)
-        states.append(refine(problem, [candidate.solution.state], FOLD_ROUNDS)[0].state)
-    return tuple(states)
+        ends.append(refine(problem, [start], FOLD_ROUNDS)[0].state)
+    pairs = [(ends[0], ends[1])]
+    if candidate.rung.free_index:
+        problem = Problem(observations, replace(candidate.rung, free_index=False))
+        low, high = (
+            refine(problem, [replace(start, n=start.n + side * DISPERSION_SD)], FOLD_ROUNDS)[
+                0
+            ].state
+            for side in (-1.0, 1.0)
+        )
+        pairs.append((low, high))
+    return tuple(pairs)

@@ -105,9 +105,9 @@ def standard_errors(candidate: Candidate, order: Sequence[int] | None = None) ->
     mean = np.maximum(np.mean(states.kd, axis=0), 1e-9)
     bands = np.diag(jackknife_covariance(states.kd / mean)).copy()
     method = f"jackknife over {len(states)} groups"
-    if candidate.offset_states:
-        low, high = (state.kd for state in candidate.offset_states)
-        bands += (0.5 * (high - low) / mean) ** 2
+    for low, high in candidate.shared_states:
+        bands += (0.5 * (high.kd - low.kd) / mean) ** 2
+    if candidate.shared_states:
         method += ", zero level of the readings"
 
     def each(name: str) -> list[float]:
