@@ -6,6 +6,7 @@ matplotlib is imported only where a figure is made, because it is slow to import
 from __future__ import annotations
 
 import contextlib
+import logging
 import os
 import warnings
 from collections.abc import Iterator, Mapping
@@ -45,6 +46,8 @@ def drawing(overrides: Mapping[str, Any] | None = None) -> Iterator[None]:
 
     settings: Any = {**STYLE, **(overrides or {})}  # matplotlib types each name by itself
     settings["font.family"] = [*settings["font.family"], *_other_families()]
+    # Fonts for other scripts come in one weight, and matplotlib reports every other asked of them.
+    logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)
     with rc_context(settings), warnings.catch_warnings():
         # A name in a script that no font here has shows boxes; that is no fault.
         warnings.filterwarnings("ignore", message="Glyph", category=UserWarning)

@@ -32,6 +32,7 @@ RELEVANT_SHARE_ERRORS = 0.04
 RELEVANT_SHARE_MORE = 0.25
 _PINNED = 1e-3
 _FIRST_TILT = 1.5  #: prior standard deviations
+_FIRST_SPREAD = 1.2  #: of the logarithm: a full width that was declared as a deviation, reversed
 _LEAST_NOISE = 0.005
 _ROUNDS = 3  #: of corrections: the errors are first-order about the geometry
 
@@ -62,6 +63,20 @@ class Choice:
     best: Candidate
     errors: Array  #: (K,), of the instrument, which the measurement is corrected for; empty: none
     other: Candidate | None = None  #: the same with its refractive index free, which gained less
+    rival: Rival | None = None  #: another explanation, where the samples hardly tell the two apart
+
+
+@dataclass(frozen=True)
+class Rival:
+    """Errors of the instrument where an index was chosen, or the other way about.
+
+    Both change how a narrow highlight grows with incidence.
+    """
+
+    candidate: Candidate
+    errors: Array  #: (K,), of the instrument
+    index: float  #: refractive index of the explanation that has one
+    likelihood: float  #: against the chosen one, by what is held out; at most 1
 
 
 def choose(measurement: Measurement, options: Options) -> Choice:
@@ -71,12 +86,30 @@ def choose(measurement: Measurement, options: Options) -> Choice:
     if not options.free_errors or not len(full.prior_sd):
         return choice
     ladder.report(options.progress, 0.6, "errors of the instrument")
-    errors = _errors(choice, options)
+    errors, found = _errors(choice, options)
     if not errors.size:
-        return choice
+        return choice if found is None else replace(choice, rival=_rival(choice.best, found, found))
     moved = corrected(measurement, errors)
     full = replace(prepare(moved, options.seed), noise=choice.few.noise, prior_centre=-errors)
-    return _climbed(moved, full, errors, options, (0.6, 0.9))
+    climbed = _climbed(moved, full, errors, options, (0.6, 0.9))
+    if found is None or not choice.best.rung.free_index:
+        return climbed
+    return replace(climbed, rival=_rival(found, choice.best, found))
+
+
+def _rival(chosen: Candidate, other: Candidate, with_errors: Candidate) -> Rival | None:
+    """The other explanation, if one of the two is a fitted index; None else."""
+    index = next((c for c in (chosen, other) if c.rung.free_index), None)
+    if index is None or chosen.rung.lobes != other.rung.lobes:
+        return None
+    mean, se = ladder.gain(other, chosen)
+    worse = max(mean, 0.0) / max(se, 1e-12)
+    return Rival(
+        other,
+        with_errors.solution.state.errors,
+        float(index.solution.state.n[main_lobe(index.solution.state)]),
+        float(np.exp(-0.5 * worse**2)),
+    )
 
 
 def _climbed(
@@ -135,8 +168,11 @@ def _with_index(best: Candidate, freed: Candidate) -> tuple[Candidate, Candidate
     return best, (freed if usual[main] else None)
 
 
-def _errors(choice: Choice, options: Options) -> Array:
-    """The errors of the instrument (K,) that predict better than the chosen model, or none."""
+def _errors(choice: Choice, options: Options) -> tuple[Array, Candidate | None]:
+    """The errors of the instrument (K,) that predict better than the chosen model, or none.
+
+    And the candidate that has them, where they explain something though the chosen does it as well.
+    """
     measurement, few, folds = choice.measurement, choice.few, choice.folds
     neutral = [
         c for c in choice.candidates
@@ -144,10 +180,11 @@ def _errors(choice: Choice, options: Options) -> Array:
     ]  # fmt: skip
     freed = [with_errors(folds, c) for c in neutral if np.any(c.solution.state.ks > 0.0)]
     if not freed:
-        return np.zeros(0)
+        return np.zeros(0), None
     found = min(freed, key=lambda c: c.cv_mean)
-    if ladder.gain(choice.best, found)[0] <= RELEVANT_SHARE_ERRORS * choice.best.cv_mean:
-        return np.zeros(0)
+    plain = min(neutral, key=lambda c: c.cv_mean)
+    if ladder.enough(plain, found, RELEVANT_SHARE_ERRORS):
+        return np.zeros(0), None
     # The fewest errors that explain it.
     held = next(c for c in neutral if replace(c.rung, errors=found.rung.errors) == found.rung)
     count = len(few.prior_sd)
@@ -158,8 +195,8 @@ def _errors(choice: Choice, options: Options) -> Array:
             found, free = fewer, some
             break
     if ladder.enough(choice.best, found, RELEVANT_SHARE_ERRORS):
-        return np.zeros(0)
-    errors = found.solution.state.errors
+        return np.zeros(0), found
+    chosen, errors = found, found.solution.state.errors
     # Exact directions instead of the first order about those of the table.
     for _ in range(_ROUNDS - 1):
         moved = replace(
@@ -172,7 +209,7 @@ def _errors(choice: Choice, options: Options) -> Array:
         more = refine(Problem(moved, found.rung), [start])[0].state
         found = replace(found, solution=replace(found.solution, state=more))
         errors = errors + more.errors
-    return np.asarray(errors)
+    return np.asarray(errors), chosen
 
 
 def with_errors(folds: Folds, candidate: Candidate, free: Mask | None = None) -> Candidate:
@@ -191,6 +228,8 @@ def with_errors(folds: Folds, candidate: Candidate, free: Mask | None = None) ->
         # A tilt across all planes lowers the peak by its square: it is found from either side.
         far = np.where(np.arange(count) == k, _FIRST_TILT * few.prior_sd, 0.0)
         starts += [far, -far]
+    # Apertures far too narrow to matter show no slope towards those that would.
+    starts.append(np.where(np.arange(count) == count - 1, _FIRST_SPREAD, 0.0))
     state = candidate.solution.state
     solutions = refine(Problem(few, rung), [replace(state, errors=errors) for errors in starts])
     return ladder.evaluate(folds, rung, min(solutions, key=lambda s: s.loss))

@@ -13,7 +13,7 @@ from relgloss_view.fitting.choice import Choice
 from relgloss_view.fitting.covariance import names_of, prior_covariance, sample_covariance
 from relgloss_view.fitting.instrument import instrument_of
 from relgloss_view.fitting.ladder import Candidate
-from relgloss_view.fitting.limits import OPTICAL_INDEX, at_limits
+from relgloss_view.fitting.limits import OPTICAL_INDEX, USUAL_INDEX, at_limits
 from relgloss_view.fitting.model import State, brightness, lobe_order, predict
 from relgloss_view.fitting.results import CandidateEvidence, Verdict
 from relgloss_view.material.albedo import directional_albedo
@@ -24,6 +24,9 @@ ENERGY_INCIDENCES_DEG = np.arange(0.0, 81.0, 10.0)
 #: Prior standard deviations beyond which an error is none of an instrument in order.
 BEYOND_SD = 3.0
 LARGEST_VARIANCE = 1e9
+#: How likely another explanation is that counts, and what of the peak it may leave open: what is
+#: named, and what makes the fit unidentifiable.
+LIKELY, PEAK_NAMED, PEAK_OPEN = 0.3, 0.10, 0.25
 ENERGY_EXCESS = 1.02  #: noise of a white sample is not an excess
 ENERGY_IMPOSSIBLE = 1.2  #: fluorescence and an ill-calibrated white stay below
 
@@ -36,6 +39,7 @@ class ChosenFit:
     state: State  #: of the best candidate, on all bands
     spread: Candidate  #: the best candidate where what its samples may leave open is otherwise
     serious: tuple[str, ...] = ()  #: what the table shows by itself, for which no fit is good
+    misread: bool = False  #: whether the table shows its mirror direction elsewhere
 
 
 def judge(fit: ChosenFit) -> Verdict:
@@ -61,7 +65,7 @@ def judge(fit: ChosenFit) -> Verdict:
         warnings.setdefault(
             Quality.POOR,
             f"poor: the fit stopped at a limit of its search ({', '.join(dict.fromkeys(limits))}): "
-            "the samples want what the model cannot be; its numbers are no measurement",
+            "no value within the allowed range fits. Do not use its numbers",
         )
     beyond = _beyond(fit)
     if beyond:
@@ -74,8 +78,14 @@ def judge(fit: ChosenFit) -> Verdict:
             "table itself",
         )
     unseen = verdict.unseen_highlight(fit.choice.full, fit.state)
-    if unseen:
+    if unseen and not fit.misread:
         warnings[Quality.UNIDENTIFIABLE] = unseen
+    unusual = _unusual_index(fit)
+    if unusual and not odd:
+        warnings.setdefault(Quality.UNIDENTIFIABLE, unusual)
+    ambiguity = _ambiguity(fit)
+    if ambiguity is not None and ambiguity[0]:
+        warnings.setdefault(Quality.UNIDENTIFIABLE, ambiguity[1])
     width, index, no_lobe = None, None, None
     if best.rung.lobes > 0 and np.any(best.solution.state.ks > 0.0):
         width = verdict.width_bounds(few, best)
@@ -191,10 +201,62 @@ def _beyond(fit: ChosenFit) -> str:
 
 
 def _warnings(fit: ChosenFit, judged: Verdict) -> tuple[str, ...]:
-    odd = _odd_index(fit)
+    odd, ambiguity = _odd_index(fit), _ambiguity(fit)
     warnings = (*fit.choice.measurement.warnings, *judged.warnings.values())
+    if ambiguity is not None and not ambiguity[0]:
+        warnings = (*warnings, ambiguity[1])
     # Tables that their makers resampled have no lamp that fades: there it is a description alone.
     return (*warnings, odd) if odd and fit.choice.measurement.tabulated else warnings
+
+
+def _ambiguity(fit: ChosenFit) -> tuple[bool, str] | None:
+    """Whether an index and errors of the instrument explain the table alike, and how far apart.
+
+    The first is whether the peak is open by more than PEAK_OPEN; None where nothing is to be said.
+    """
+    rival, best = fit.choice.rival, fit.choice.best
+    if rival is None or rival.likelihood < LIKELY or rival.candidate.rung.lobes != best.rung.lobes:
+        return None
+    ratio = _peak(rival.candidate.solution.state) / _peak(best.solution.state)
+    open_by = max(ratio, 1.0 / ratio) - 1.0
+    if open_by < PEAK_NAMED:
+        return None
+    sd = fit.choice.few.prior_sd
+    worst = int(np.argmax(np.abs(rival.errors) / sd))
+    error = float(rival.errors[worst])
+    if worst == len(sd) - 1:
+        words = f"apertures {np.exp(error):.2g} times as wide as declared"
+    else:
+        words = f"{fit.choice.few.error_names[worst]} off by {np.degrees(error):.2g} deg"
+    text = (
+        f"the samples cannot tell a refractive index of {rival.index:.3g} from {words}, and the "
+        f"highlight's peak differs by {open_by:.0%} between the two: declare what the apertures "
+        "are (aperture_sd_deg), or hold the index (--refractive-index)"
+    )
+    return open_by > PEAK_OPEN, f"unidentifiable: {text}" if open_by > PEAK_OPEN else text
+
+
+def _peak(state: State) -> float:
+    """Height of the main lobe at normal incidence, in relative units."""
+    main = verdict.main_lobe(state)
+    n, s2 = float(state.n[main]), float(np.exp(2.0 * state.log_s[main]))
+    return max(float(np.mean(state.ks[main])), 1e-12) * ((n - 1.0) / (n + 1.0)) ** 2 / s2
+
+
+def _unusual_index(fit: ChosenFit) -> str:
+    """A warning where an instrument's table asks for an index that few coatings have, else ''."""
+    low, high = USUAL_INDEX
+    choice = fit.choice
+    if not choice.best.rung.free_index or choice.measurement.tabulated or not len(fit.state.n):
+        return ""
+    n = float(fit.state.n[verdict.main_lobe(fit.state)])
+    if low <= n <= high:
+        return ""
+    return (
+        f"unidentifiable: the fitted refractive index {n:.3g} is rare among coatings; apertures "
+        "wider than declared, a lamp that drifts or a cosine left in look the same: check "
+        "aperture_sd_deg, or hold the index that you know (--refractive-index)"
+    )
 
 
 def _odd_index(fit: ChosenFit) -> str:

@@ -37,7 +37,8 @@ from relgloss_view.fitting.problem import Problem
 from relgloss_view.fitting.spread import spread as spread_of
 from relgloss_view.fitting.use import with_use
 from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material, Quality
-from relgloss_view.measure.findings import examine
+from relgloss_view.measure.findings import Examined, examine
+from relgloss_view.measure.findings.finding import MIRROR
 from relgloss_view.measure.table import Measurement
 
 MODELS = (*ladder.MODELS, *metal.NAMES)
@@ -111,24 +112,25 @@ def fit_material(
     )
     choice = choose(measurement, options)
     ladder.report(progress, 0.95, "all bands")
-    material = _judged(choice, options, examined.serious)
+    material = _judged(choice, options, examined)
     if (
         choice.other is not None
         and material.fit is not None
         and material.fit.quality != Quality.GOOD
     ):
         # The samples hardly tell the index by what is held out, but gloss and picture may.
-        other = _judged(replace(choice, best=choice.other), options, examined.serious)
+        other = _judged(replace(choice, best=choice.other), options, examined)
         if other.fit is not None and other.fit.quality == Quality.GOOD:
             material = other
     return _timed(material, began, progress)
 
 
-def _judged(choice: Choice, options: Options, serious: tuple[str, ...]) -> Material:
+def _judged(choice: Choice, options: Options, examined: Examined) -> Material:
     """The material of a choice with all that is known of how good it is."""
     spread = spread_of(choice, errors=options.free_errors, index=options.free_index)
     measurement, full, best = choice.measurement, choice.full, choice.best
-    fit = ChosenFit(choice, _all_bands(full, best), spread, serious)
+    misread = any(f.serious and f.kind == MIRROR for f in examined.findings)
+    fit = ChosenFit(choice, _all_bands(full, best), spread, examined.serious, misread)
     judged = judge(fit)
     state = fit.state
     width = judged.width
@@ -144,7 +146,9 @@ def _judged(choice: Choice, options: Options, serious: tuple[str, ...]) -> Mater
             f"{measurement.place}: the fit is no material: {error}; check the quantity and its unit"
         ) from error
     ladder.report(options.progress, 0.97, "gloss and picture")
-    return with_use(with_derived(material), measurement)
+    material = with_derived(material)
+    # A table that is read wrongly has no gloss of its own that a fit could be compared with.
+    return material if misread else with_use(material, measurement)
 
 
 def _timed(material: Material, began: float, progress: ProgressReport | None) -> Material:

@@ -20,6 +20,8 @@ from relgloss_view.material.material import HEAD_ON
 
 SOFT_L1, REDESCENDING = 1.0, 0.25  #: shapes of the loss: of the search, of the last refinement
 LOG_S_RANGE = (float(np.log(np.radians(0.05))), float(np.log(np.radians(40.0))))
+#: A lobe of a smaller share of the strongest one's strength is noise that a descent has fitted.
+FAINT = 1e-3
 T_MAX = 0.49  #: sigma = 0.7 rad, the end of Oren and Nayar's own range
 #: A freed index below 1.3 would reflect 60 times more at grazing than head on.
 INDEX_RANGE = (1.3, 10.0)
@@ -127,9 +129,10 @@ class Solution:
 
 
 def lobe_order(state: State) -> list[int]:
-    """The lobes as a material lists them: those that have a strength, the strongest first."""
+    """The lobes as a material lists them, the strongest first; none that is FAINT beside it."""
     mean = brightness(state) if len(state.ks) else np.zeros(0)
-    return [int(j) for j in np.argsort(-mean, kind="stable") if np.any(state.ks[j] > 0.0)]
+    least = FAINT * float(np.max(mean, initial=0.0))
+    return [int(j) for j in np.argsort(-mean, kind="stable") if mean[j] > least]
 
 
 def brightness(state: State) -> Array:

@@ -57,6 +57,10 @@ def spread(choice: Choice, *, errors: bool, index: bool) -> Candidate:
         held = (*held, _held_index(observations, choice.best))
         if count:
             held = (*held[:-1], _padded(held[-1], count))
+    rival = choice.rival
+    if rival is not None and rival.candidate.rung.lobes == candidate.rung.lobes and not metal:
+        state = replace(rival.candidate.solution.state, errors=np.zeros(count))
+        held = (*held, Held((state,), (rival.likelihood,)))
     shared = _shared_states(observations, choice.best)
     if count:
         at_zero = np.zeros(count)

@@ -68,6 +68,8 @@ def _use(material: Material, samples: Departures | str, azimuth: float) -> Pictu
         arriving[:, None] * (part @ weights) for part in material.evaluate_facing(f)
     )
     seen = delta <= departure.reach_deg
+    if not np.any(seen):
+        return dataclasses.replace(empty, reason="the table shows no half-vector but the normal")
     pictures = _Pictures(diffuse[seen], specular[seen], delta[seen], departure, lamp.white_xyz())
     return pictures.compared(azimuth)
 

@@ -162,3 +162,57 @@ def test_an_error_of_two_degrees_is_no_instrument_in_order() -> None:
     material = fit_material(seen(3.0, alpha=2.0))
     assert material.fit.quality == "poor"
     assert any("mean zero of" in warning for warning in material.fit.warnings)
+
+
+def test_a_narrow_lobe_on_a_coarse_hemisphere_does_not_pass_for_another_index() -> None:
+    """Apertures of 1 degree declared as 0.3: the fit bends the index towards 1.8, and says so."""
+    theta, azimuth = np.arange(0.0, 71.0, 5.0), np.arange(0.0, 181.0, 15.0)
+    i, r, p = (x.ravel() for x in np.meshgrid(theta, theta, azimuth, indexing="ij"))
+    lamp, receiver = gonio.spherical(i, 180.0), gonio.spherical(r, 180.0 - p)
+
+    def measured_with(aperture: float):
+        g = shapes.geometry(lamp, receiver, (aperture, aperture))
+        lobe = shapes.lobe_columns(g, np.log(np.radians(1.0)), 1.5)[0]
+        value = 0.3 + lobe[:, None] * np.ones(4)
+        noise = 1.0 + 0.01 * np.random.default_rng(2).standard_normal(value.shape)
+        full = table()
+        return replace(
+            full, to_lamp=lamp, to_receiver=receiver, radiance_factor=value * noise,
+            reasons=np.full(len(i), ""), group=i.astype(np.int64), gamma_s_deg=None,
+        )  # fmt: skip
+
+    wide = fit_material(measured_with(1.0))
+    assert wide.fit.quality != "good"
+    assert any("apertures" in text for text in wide.fit.grounds), wide.fit.grounds
+    right = fit_material(measured_with(0.3))  # control: its own apertures
+    assert right.fit.quality == "good", right.fit.grounds
+
+
+def test_a_known_index_is_held() -> None:
+    material = fit_material(seen(), refractive_index=1.6)
+    assert material.specular[0].refractive_index == 1.6
+    names = material.fit.covariance["names"]
+    at = names.index("refractive_index.1")
+    assert material.fit.covariance["priors"][at][at] == 0.0
+    assumed = fit_material(seen()).fit.covariance["priors"]
+    assert assumed[at][at] > 0.0  # control: an index that nobody gave is uncertain
+
+
+def test_peak_and_c_max_are_closed_forms_with_the_errors_of_the_fit() -> None:
+    material = fit_material(seen())
+    derived, lobe = material.fit.derived, material.specular[0]
+    f = brdf.facing(
+        fit_cases.NORMAL[None], gonio.direction(-45.0)[None], gonio.direction(45.0)[None]
+    )
+    # At the mirror direction: A F / (4 cos^2), beside a body of a few percent of it.
+    amplitude = brdf.facet_amplitude(lobe.s)
+    highlight = amplitude * brdf.fresnel_dielectric(f.cos_d, lobe.refractive_index)[0]
+    expected = np.pi * lobe.strength[0] * highlight / (4.0 * np.cos(np.radians(45.0)) ** 2)
+    assert derived["peak"]["value"] == pytest.approx(expected, rel=0.02)
+    assert 0.0 < derived["peak"]["standard_error"] < 0.3 * expected
+    c_max = derived["c_max"]
+    assert 0.0 < c_max["standard_error"] < 0.05 * c_max["value"]
+    blurred = fit_material(replace(seen(), aperture_sd_deg=(0.0, 0.0)), free_errors=False)
+    # Control: read as if its apertures did not blur it, a table has a lower peak, a higher c_max.
+    assert blurred.fit.derived["peak"]["value"] < 0.97 * derived["peak"]["value"]
+    assert blurred.fit.derived["c_max"]["value"] > c_max["value"]
