@@ -269,20 +269,6 @@ EQUIVALENTS = (
         "the one node of a source of no extent is multiplied by that extent, zero",
     ),
     Equivalent(
-        "relgloss_view/material/spectra.py",
-        "interval = np.clip(np.searchsorted(centres, grid",
-        "count - 2",
-        "(count + 2)",
-        "the last interval then begins at the last centre, where every polynomial has its value",
-    ),
-    Equivalent(
-        "relgloss_view/material/spectra.py",
-        "MAX_LAMP_BYTES = 16 * 1024 * 1024",
-        "1024",
-        "",
-        "a limit against huge files; nothing depends on its last digits",
-    ),
-    Equivalent(
         "relgloss_view/material/brdf.py",
         "return np.polynomial.legendre.leggauss(96)",
         "96",

@@ -44,7 +44,7 @@ def judge_by_use(
     >>> paper = read_measurement(asset("papers", "art-coated.csv"))
     >>> judged = judge_by_use(paper, load_sample("art-coated"))
     >>> [(row.angle_deg, round(row.fit), round(row.table)) for row in judged.gloss if row.fit]
-    [(20, 11), (60, 30)]
+    [(20, 4, 4), (60, 30, 30)]
     >>> judged.poor
     ()
     """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import shlex
 import subprocess
@@ -28,9 +29,18 @@ def any_state(tmp_path_factory):
     return states.states(states.write_materials(folder / "m"), states.write_lamps(folder))
 
 
+def words_of(command):
+    """The words that a shell makes of a command; $'...' of control characters is bash's."""
+    code = f"{shlex.quote(sys.executable)} -c 'import sys; print(ascii(sys.argv[1:]))'"
+    done = subprocess.run(
+        ["bash", "-c", f"{code} {command}"], capture_output=True, text=True, check=True
+    )
+    return ast.literal_eval(done.stdout)
+
+
 def drawn_by(command):
     """What the command draws, and where it would write that."""
-    words = shlex.split(command)
+    words = words_of(command)
     assert words[0] == "relgloss"
     args = _parser(words[1:]).parse_args(words[1:])
     return scene_from(args), args.output
@@ -48,7 +58,7 @@ def test_the_command_draws_the_same(any_state, data, size, side, output):
     command = snapshot_command(state, side, size, output)
     expected = (state.scene(side), state.side(side).look, size)
     assert drawn_by(command) == (expected, output)
-    words = shlex.split(command)[1:]
+    words = words_of(command)[1:]
     assert _parser(words).parse_args(words).operator == state.presentation.operator(side)
 
 
@@ -91,10 +101,8 @@ def test_a_shell_reads_it_as_the_parser_does(tmp_path):
         state = State.initial().with_sample("test", sample)
         command = snapshot_command(state, "test", (8, 8), "-a b.png")
         assert drawn_by(command)[0][0].material == sample.material
-        code = f"{shlex.quote(sys.executable)} -c 'import sys; print(ascii(sys.argv[1:]))'"
-        line = command.replace("relgloss", code, 1)
-        done = subprocess.run(["sh", "-c", line], capture_output=True, text=True, check=True)
-        assert done.stdout.strip() == ascii(shlex.split(command)[1:])
+        if command.isprintable() and "$'" not in command:
+            assert words_of(command) == shlex.split(command)
 
 
 class TestRefused:

@@ -261,7 +261,10 @@ class TestNoRoom:
         assert len(read_record(file, file.parent).answers) == count + 1
 
     def test_file_that_may_not_grow(self, file):
-        """A limit of the system: the log can't be written, and what is told was stored before."""
+        """A limit of the system: the log can't be written, and what is told was stored before.
+
+        The file itself is longer, so that the log is never moved into it, and grows.
+        """
         code = (
             f"import sys; sys.path.insert(0, {str(Path(__file__).parent.parent)!r})\n"
             "import resource, signal\n"
@@ -271,7 +274,7 @@ class TestNoRoom:
             "store = Store(sys.argv[1], study())\n"
             "flow = started(store)\n"
             "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
-            "resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, resource.RLIM_INFINITY))\n"
+            "resource.setrlimit(resource.RLIMIT_FSIZE, (30_000, resource.RLIM_INFINITY))\n"
             "try:\n"
             "    for n in range(42): answer(flow); print(n, flush=True)\n"
             "except InputError as error: print(error)\n"
