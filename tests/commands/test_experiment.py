@@ -159,6 +159,7 @@ class TestSimulate:
             record = read_record(folder / f"{name}.sqlite", folder)
             assert [record.details[n]["grain_weight"] for n in range(4)] == weights
 
+    @pytest.mark.slow
     def test_all_kinds_in_one_table(self, folder, capsys):
         words = ("experiment", "simulate", "paper", *SMALL, *GRID, "--truth", "cells")
         words = (*words, "--kind", "all", "--studies", 1, "--observers", 5, "--draws", 5)
