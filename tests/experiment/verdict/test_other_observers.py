@@ -62,7 +62,7 @@ def verdict_of(answers, draws=60, **more):
 
 
 def test_percentiles_are_students():
-    """Expanded percentiles (Hesterberg 2015), worked out by hand from his formula: n = 5, n = 15."""
+    """Expanded percentiles (Hesterberg 2015), worked out from his formula for n = 5 and 15."""
     assert percentiles(5)[0] == pytest.approx(0.00096, abs=2e-5)
     assert percentiles(15)[0] == pytest.approx(0.01321, abs=2e-5)
     assert percentiles(10**6)[0] == pytest.approx(0.025, abs=1e-5)
