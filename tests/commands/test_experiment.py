@@ -122,6 +122,7 @@ class TestSimulate:
         assert cli.main([str(w) for w in words]) == 3
         assert os.listdir(folder) == []
 
+    @pytest.mark.slow
     def test_many_studies(self, folder, capsys):
         words = ("experiment", "simulate", "paper", *SMALL, "--studies", 2, "--observers", 5)
         words = (*words, "--grain-weight", -1)

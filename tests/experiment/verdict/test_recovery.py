@@ -46,6 +46,7 @@ def test_at_random_nothing_is_declared_best(renderer):
     assert told.exact <= 0.3  # the control of the test above
 
 
+@pytest.mark.slow
 def test_ratio_alone_is_reported_as_a_ridge(renderer):
     """One number over two parameters has a curve of minima (the paper's criterion)."""
     told = shares(renderer, study(ONE, size_px=SIZE_PX), 6, kind="ratio", draws=60)
@@ -54,6 +55,7 @@ def test_ratio_alone_is_reported_as_a_ridge(renderer):
     assert unique.status == {"best": 6}
 
 
+@pytest.mark.slow
 def test_two_questions_find_what_one_can_not(renderer):
     """Observers who judge gloss and grain apart: the joint verdict is a point again."""
     made = study(ONE, size_px=SIZE_PX, ask_grain=True)
@@ -62,6 +64,7 @@ def test_two_questions_find_what_one_can_not(renderer):
     assert told.near == 1.0
 
 
+@pytest.mark.slow
 def test_adaptive_needs_a_tenth_of_the_answers(renderer):
     made = dataclasses.replace(
         study(ONE, size_px=SIZE_PX, design="adaptive"), adaptive=Adaptive(trials=4)
