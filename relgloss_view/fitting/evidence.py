@@ -24,6 +24,7 @@ ENERGY_INCIDENCES_DEG = np.arange(0.0, 81.0, 10.0)
 #: Prior standard deviations beyond which an error is none of an instrument in order.
 BEYOND_SD = 3.0
 LARGEST_VARIANCE = 1e9
+APERTURE_MATTERS_DEG = 5.0  #: no aperture in use blurs a wider lobe by much
 #: How likely another explanation is that counts, and what of the peak it may leave open: what is
 #: named, and what makes the fit unidentifiable.
 LIKELY, PEAK_NAMED, PEAK_OPEN = 0.3, 0.10, 0.25
@@ -249,8 +250,9 @@ def _unusual_index(fit: ChosenFit) -> str:
     choice = fit.choice
     if not choice.best.rung.free_index or choice.measurement.tabulated or not len(fit.state.n):
         return ""
-    n = float(fit.state.n[verdict.main_lobe(fit.state)])
-    if low <= n <= high:
+    main = verdict.main_lobe(fit.state)
+    n, s = float(fit.state.n[main]), float(np.exp(fit.state.log_s[main]))
+    if low <= n <= high or s > np.radians(APERTURE_MATTERS_DEG):
         return ""
     return (
         f"unidentifiable: the fitted refractive index {n:.3g} is rare among coatings; apertures "
