@@ -49,13 +49,11 @@ def judge(fit: ChosenFit) -> Verdict:
     residuals = verdict.residuals(
         fit.choice.measurement, fit.choice.full, predict(fit.choice.full.geometry, fit.state)
     )
-    warnings: dict[Quality, str] = {}
-    if fit.serious:
-        warnings[Quality.POOR] = fit.serious[0]
+    poor = [*fit.serious]
     if residuals.poor:
         near = residuals.near_mirror.median_relative_error
         beside = f", {near:.0%} within {verdict.NEAR_MIRROR_DEG:g} deg of mirror" if near else ""
-        warnings[Quality.POOR] = (
+        poor.append(
             f"no model describes this sample: median relative error "
             f"{residuals.median_relative_error:.0%}{beside}"
         )
@@ -63,37 +61,30 @@ def judge(fit: ChosenFit) -> Verdict:
         fit.spread.rung, fit.spread.solution.state, names=few.error_names
     )
     if limits:
-        warnings.setdefault(
-            Quality.POOR,
+        poor.append(
             f"poor: the fit stopped at a limit of its search ({', '.join(dict.fromkeys(limits))}): "
-            "no value within the allowed range fits. Do not use its numbers",
+            "no value within the allowed range fits. Do not use its numbers"
         )
-    beyond = _beyond(fit)
-    if beyond:
-        warnings.setdefault(Quality.POOR, beyond)
     odd = _odd_index(fit)
     if odd and not fit.choice.measurement.tabulated:
-        warnings.setdefault(
-            Quality.POOR,
+        poor.append(
             f"poor: {odd}: check the quantity and the lamp's constancy, and read gloss from the "
-            "table itself",
+            "table itself"
         )
-    unseen = verdict.unseen_highlight(fit.choice.full, fit.state)
-    if unseen and not fit.misread:
-        warnings[Quality.UNIDENTIFIABLE] = unseen
-    unusual = _unusual_index(fit)
-    if unusual and not odd:
-        warnings.setdefault(Quality.UNIDENTIFIABLE, unusual)
+    poor.append(_beyond(fit))
     ambiguity = _ambiguity(fit)
-    if ambiguity is not None and ambiguity[0]:
-        warnings.setdefault(Quality.UNIDENTIFIABLE, ambiguity[1])
+    unidentifiable = [
+        "" if fit.misread else verdict.unseen_highlight(fit.choice.full, fit.state),
+        "" if odd else _unusual_index(fit),
+        ambiguity[1] if ambiguity is not None and ambiguity[0] else "",
+    ]
     width, index, no_lobe = None, None, None
     if best.rung.lobes > 0 and np.any(best.solution.state.ks > 0.0):
         width = verdict.width_bounds(few, best)
         if best.rung.metals == 0:
             index = verdict.index_bounds(few, best)
         if width.s_deg_lower is None:
-            warnings[Quality.UNIDENTIFIABLE] = (
+            unidentifiable.append(
                 "the lobe is narrower than the grid sees: s is unidentifiable, at most "
                 f"{width.s_deg_upper:.2g} deg; a finer scan across the mirror direction would "
                 "show it"
@@ -102,7 +93,13 @@ def judge(fit: ChosenFit) -> Verdict:
         largest = fit.choice.candidates[-1]
         n = float(largest.solution.state.n[0]) if largest.rung.lobes else 1.5
         no_lobe = verdict.no_lobe_bounds(few, best.solution.state, n)
-    quality = next(iter(warnings), Quality.GOOD)
+    warnings = tuple(
+        (quality, text)
+        for quality, texts in ((Quality.POOR, poor), (Quality.UNIDENTIFIABLE, unidentifiable))
+        for text in texts
+        if text
+    )
+    quality = warnings[0][0] if warnings else Quality.GOOD
     return Verdict(residuals, quality, warnings, width, index, no_lobe)
 
 
@@ -113,17 +110,14 @@ def record_fit(fit: ChosenFit, judged: Verdict, seed: int) -> FitRecord:
         "refractive_index": judged.index,
         "no_lobe": judged.no_lobe,
     }
-    grounds = (
-        *(() if judged.quality == Quality.GOOD else (judged.warnings[judged.quality],)),
-        *fit.serious,
-    )
+    grounds = tuple(text for quality, text in judged.warnings if quality == judged.quality)
     return FitRecord(
         candidates=tuple(asdict(evidence) for evidence in _evidence(fit)),
         chosen=fit.choice.best.name,
         residuals=asdict(judged.residuals),
         quality=judged.quality,
         warnings=tuple(dict.fromkeys(_warnings(fit, judged))),
-        grounds=tuple(dict.fromkeys(grounds)),
+        grounds=grounds,
         seed=seed,
         standard_errors=_present(
             asdict(verdict.standard_errors(fit.spread, lobe_order(fit.state)))
@@ -203,7 +197,7 @@ def _beyond(fit: ChosenFit) -> str:
 
 def _warnings(fit: ChosenFit, judged: Verdict) -> tuple[str, ...]:
     odd, ambiguity = _odd_index(fit), _ambiguity(fit)
-    warnings = (*fit.choice.measurement.warnings, *judged.warnings.values())
+    warnings = (*fit.choice.measurement.warnings, *(text for _, text in judged.warnings))
     if ambiguity is not None and not ambiguity[0]:
         warnings = (*warnings, ambiguity[1])
     # Tables that their makers resampled have no lamp that fades: there it is a description alone.

@@ -16,6 +16,8 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.material import brdf
+from relgloss_view.material.material import Material
+from relgloss_view.measure.findings import examine
 from relgloss_view.measure.table import Measurement
 
 #: Prior standard deviations, degrees: of the mean zero of the two arms, of the tilt that sees the
@@ -133,6 +135,27 @@ def corrected(measurement: Measurement, errors: Array) -> Measurement:
         to_receiver=receiver,
         aperture_sd_deg=(scale * first, scale * second),
     )
+
+
+def as_fitted(measurement: Measurement, material: Material) -> Measurement:
+    """The measurement as the fit of `material` to it saw it.
+
+    Without the rows and bands that the table's own findings leave out, its directions and apertures
+    corrected for the errors of the instrument that the fit found. Unchanged without a fit.
+    """
+    fit = material.fit
+    if fit is None:
+        return measurement
+    measurement = examine(measurement).measurement
+    instrument = instrument_of(measurement)
+    if instrument is not None and all(name in fit.instrument for name in instrument.names):
+        found = [float(fit.instrument[name]["value"]) for name in instrument.names]
+        errors = np.append(np.radians(found[:-1]), found[-1])
+        measurement = corrected(measurement, errors)
+    spread = fit.residuals.get("aperture_sd_deg")  # that of the fit, whoever declared it
+    if spread is None:
+        return measurement
+    return replace(measurement, aperture_sd_deg=(float(spread[0]), float(spread[1])))
 
 
 def _unit(directions: Array) -> Array:

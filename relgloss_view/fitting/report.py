@@ -12,6 +12,7 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.writing import whole_file
 from relgloss_view.fitting import curves, slices
 from relgloss_view.fitting.describe import NOT_JUDGED, use_lines, width_error
+from relgloss_view.fitting.instrument import as_fitted
 from relgloss_view.fitting.observations import usable_rows
 from relgloss_view.material.material import Material, Quality
 from relgloss_view.measure.table import Measurement
@@ -43,6 +44,7 @@ def write_fit_report(material: Material, measurement: Measurement, path: str | P
             hspace=0.42,
             height_ratios=(1.15, 1.0, 0.95),
         )
+        measurement = as_fitted(measurement, material)
         measured = slices.prepare(material, measurement, usable_rows(measurement))
         _heading(figure, material)
         _plane(figure.add_subplot(grid[0, :4]), material, measured)

@@ -96,7 +96,7 @@ class Verdict:
 
     residuals: Residuals
     quality: Quality
-    warnings: dict[Quality, str]  #: a poor fit may be unidentifiable too
+    warnings: tuple[tuple[Quality, str], ...]  #: each with the quality that it makes
     width: WidthBounds | None  #: of the main lobe, where there is one
     index: IndexBounds | None
     no_lobe: NoLobeBounds | None  #: where there is no lobe

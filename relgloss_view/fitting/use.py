@@ -54,7 +54,6 @@ def judge_by_use(
         return UseJudgement(gloss, pictures, None, (), samples, (), ())
     tail, planes = tail_use(samples), plane_uses(samples)
     words = plane_words(planes)
-    reasons = [row.reason for row in gloss] + [row.reason for row in pictures]
     off = any(use.named and abs(use.offset) > POOR_PLANE for use in planes)
     reasons = [row.reason for row in gloss] + [row.reason for row in pictures]
     poor = (

@@ -145,6 +145,21 @@ def test_a_poor_fit_may_be_unidentifiable_too() -> None:
     assert fit.bounds["main_lobe"]["s_deg_lower"] is None
 
 
+def test_a_limit_is_named_beside_whatever_else_is_wrong() -> None:
+    """A lobe wider than the search goes, under stripes that no model describes: both are said."""
+    i, o = fit_cases.directions()
+    stripes = 1.0 + 0.9 * np.sin(25.0 * i[:, 0]) * np.cos(18.0 * o[:, 0]) * np.cos(9.0 * i[:, 1])
+    value = fit_cases.truth(((60.0, 2.0),), albedo=(0.01,) * 4)
+    striped = fit_material(fit_cases.measured(value * stripes[:, None] ** 2), model="lobe")
+    grounds = striped.fit.grounds
+    assert any("no model describes" in text for text in grounds), grounds
+    assert any("limit of its search" in text for text in grounds), grounds
+    assert set(grounds) <= set(striped.fit.warnings)
+    inside = fit_cases.truth(((5.0, 1.0),), albedo=(0.05,) * 4)  # control: stripes alone
+    other = fit_material(fit_cases.measured(inside * stripes[:, None] ** 2), model="lobe")
+    assert not any("width of a lobe" in text for text in other.fit.grounds), other.fit.grounds
+
+
 def test_index_hides_behind_strength_and_is_held() -> None:
     material = fitted(LOBE)
     assert material.fit is not None

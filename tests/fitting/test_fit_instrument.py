@@ -8,8 +8,9 @@ import fit_cases
 import numpy as np
 import pytest
 
-from relgloss_view.fitting import fit_material, instrument, shapes
-from relgloss_view.fitting.instrument import instrument_of
+from relgloss_view.fitting import fit_material, instrument, shapes, slices
+from relgloss_view.fitting.instrument import as_fitted, instrument_of
+from relgloss_view.fitting.observations import usable_rows
 from relgloss_view.material import brdf
 from relgloss_view.measure import gonio
 
@@ -216,3 +217,17 @@ def test_peak_and_c_max_are_closed_forms_with_the_errors_of_the_fit() -> None:
     # Control: read as if its apertures did not blur it, a table has a lower peak, a higher c_max.
     assert blurred.fit.derived["peak"]["value"] < 0.97 * derived["peak"]["value"]
     assert blurred.fit.derived["c_max"]["value"] > c_max["value"]
+
+
+def test_the_report_sees_the_table_as_the_fit_saw_it() -> None:
+    """A lobe of 0.7 degrees, a scale that is 0.3 off: residuals near the mirror are of noise."""
+    measured = seen(alpha=0.3)
+    material = fit_material(measured)
+
+    def error_near(of):
+        page = slices.prepare(material, of, usable_rows(of))
+        half, percent = page.residuals()
+        return float(np.median(np.abs(percent[half < 1.5])))
+
+    assert error_near(as_fitted(measured, material)) < 2.0  # of 1 % noise
+    assert error_near(measured) > 5.0  # control: the scale as declared

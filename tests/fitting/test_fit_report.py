@@ -40,6 +40,16 @@ def test_a_page_is_written(lobes: tuple[tuple[float, object], ...], rgb: bool, t
     assert 0.01 < np.mean(pixels < 128) < 0.3  # drawn on, not drowned
 
 
+def test_a_page_of_a_table_whose_dead_band_was_left_out(tmp_path) -> None:
+    value = fit_cases.truth(((2.5, 0.9),), albedo=(0.3,) * 12, grid=GRID)
+    value[:, 5] = 1e-4
+    measurement = fit_cases.measured(value, noise=0.01, grid=GRID)
+    material = fit_material(measurement, model="lobe")
+    assert material.bands.count == 11  # control: the fit and the table differ in their bands
+    write_fit_report(material, measurement, tmp_path / "page.png")
+    assert (tmp_path / "page.png").stat().st_size > 10_000
+
+
 def directions(kind: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """theta_i, theta_r and azimuth (180 on the mirror side), degrees, of tables with gaps."""
     receivers = np.arange(0.0, 80.0, 5.0)
