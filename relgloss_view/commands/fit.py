@@ -11,10 +11,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Progress
 from relgloss_view.base.writing import check_writable
-
-QUANTITIES = ("radiance-factor", "brdf", "brdf-cos", "radiance-factor-percent")
-ANGLE_UNITS = ("degrees", "radians")
-MIRRORS = ("same-side", "opposite")
+from relgloss_view.commands.table_options import add_table_options, table_options
 
 
 def add(commands: Any) -> None:
@@ -50,28 +47,7 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--seed", metavar="N", type=int, default=0, help="Seed of the cross-validation (default 0)"
     )
-    parser.add_argument(
-        "--quantity",
-        choices=QUANTITIES,
-        help="Quantity that the table holds, if it does not state it",
-    )
-    parser.add_argument(
-        "--gamma-s-deg",
-        metavar="DEG",
-        type=float,
-        help="Tilt of the table at which the receiver sees the mirror direction",
-    )
-    parser.add_argument(
-        "--mirror",
-        choices=MIRRORS,
-        help="Side on which the receiver's angles put the mirror direction: opposite to the lamp "
-        "(default), or the same side (beta = +alpha, or equal azimuths)",
-    )
-    parser.add_argument(
-        "--angle-unit",
-        choices=ANGLE_UNITS,
-        help="Unit of the table's angles, if it does not state it",
-    )
+    add_table_options(parser)
     parser.add_argument(
         "--refractive-index",
         metavar="N",
@@ -108,13 +84,7 @@ def run(args: argparse.Namespace) -> int:
     if args.seed < 0:
         raise InputError(f"--seed {args.seed}: expected a whole number of at least 0")
     _check_places(args)
-    measurement = read_measurement(
-        args.table,
-        quantity=args.quantity,
-        gamma_s_deg=args.gamma_s_deg,
-        angle_unit=args.angle_unit,
-        mirror=args.mirror,
-    )
+    measurement = read_measurement(args.table, **table_options(args))
     with Progress("fit") as progress:
         material = fit_material(
             measurement,

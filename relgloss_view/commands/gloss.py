@@ -14,7 +14,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import WARNING_LENGTH, Column, table
 from relgloss_view.base.writing import check_writable
-from relgloss_view.commands.fit import ANGLE_UNITS, MIRRORS, QUANTITIES
+from relgloss_view.commands.table_options import add_table_options, table_options
 
 if TYPE_CHECKING:
     from relgloss_view.gloss.meter.meter import Reading
@@ -56,28 +56,7 @@ def add(commands: Any) -> None:
         metavar="MATERIAL.json",
         help="Write the hypothetical material of --reading into this file",
     )
-    parser.add_argument(
-        "--quantity",
-        choices=QUANTITIES,
-        help="Quantity that a table holds, if it does not state it",
-    )
-    parser.add_argument(
-        "--gamma-s-deg",
-        metavar="DEG",
-        type=float,
-        help="Tilt of a table at which the receiver sees the mirror direction",
-    )
-    parser.add_argument(
-        "--mirror",
-        choices=MIRRORS,
-        help="Side on which the receiver's angles put the mirror direction: opposite to the lamp "
-        "(default), or the same side (beta = +alpha, or equal azimuths)",
-    )
-    parser.add_argument(
-        "--angle-unit",
-        choices=ANGLE_UNITS,
-        help="Unit of a table's angles, if it does not state it",
-    )
+    add_table_options(parser)
     parser.add_argument("--json", action="store_true", help="Print the readings as JSON")
     parser.set_defaults(run=run, wrong_usage=parser.error)
 
@@ -144,13 +123,7 @@ def _read(name: str, args: argparse.Namespace) -> SampleReadings:
         raise InputError(f"{name}: this is a scene; give a material, a table or a built-in paper")
     if kind == file_kinds.MATERIAL:
         return _of_material(name, _material(name))
-    measured = read_measurement(
-        name,
-        quantity=args.quantity,
-        gamma_s_deg=args.gamma_s_deg,
-        angle_unit=args.angle_unit,
-        mirror=args.mirror,
-    )
+    measured = read_measurement(name, **table_options(args))
     examined = examine(measured)
     readings = table_readings(examined.measurement)
     warnings = (*examined.measurement.warnings, *examined.texts)

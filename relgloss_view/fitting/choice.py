@@ -16,7 +16,7 @@ from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.fitting import ladder, metal
 from relgloss_view.fitting.descent import refine
-from relgloss_view.fitting.instrument import ACROSS_ALL, corrected
+from relgloss_view.fitting.instrument import ACROSS_ALL, PINNED, corrected
 from relgloss_view.fitting.ladder import Candidate, Folds
 from relgloss_view.fitting.limits import OPTICAL_INDEX, at_limits
 from relgloss_view.fitting.model import Rung, State, log_residual, predict
@@ -30,7 +30,6 @@ RELEVANT_SHARE_ERRORS = 0.04
 #: ... and what freeing more of them must gain against one alone, or against all but the apertures:
 #: one that is in order would follow what the model lacks, as the apertures' blur a lobe's tails.
 RELEVANT_SHARE_MORE = 0.25
-_PINNED = 1e-3
 _FIRST_TILT = 1.5  #: prior standard deviations
 _FIRST_SPREAD = 1.2  #: of the logarithm: a full width that was declared as a deviation, reversed
 _LEAST_NOISE = 0.005
@@ -237,7 +236,7 @@ def with_errors(folds: Folds, candidate: Candidate, free: Mask | None = None) ->
 
 def _held(prior_sd: Array, free: Mask) -> Array:
     """The priors where all but the marked errors are held."""
-    return np.where(free, prior_sd, _PINNED * prior_sd)
+    return np.where(free, prior_sd, PINNED * prior_sd)
 
 
 def _noise(few: Observations, state: State) -> float:

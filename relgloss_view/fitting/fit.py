@@ -42,7 +42,7 @@ from relgloss_view.measure.findings.finding import MIRROR
 from relgloss_view.measure.table import Measurement
 
 MODELS = (*ladder.MODELS, *metal.NAMES)
-USUAL_INDEX = 1.5  #: of a coating or an ink, where the samples do not show another
+ASSUMED_INDEX = 1.5  #: of a coating or an ink, where the samples do not show another
 _FINAL_ROUNDS = 40
 _HIGHLIGHT_COST = 1.05
 _FLAT_SIGMA = 0.005  #: rad; Oren-Nayar below this differs from Lambert by less than 0.02 %
@@ -87,7 +87,7 @@ def fit_material(
     """
     if model not in MODELS:
         raise InputError(f"model is {model!r}; expected one of {', '.join(MODELS)}")
-    index = USUAL_INDEX if refractive_index is None else refractive_index
+    index = ASSUMED_INDEX if refractive_index is None else refractive_index
     if not 1.0 < index <= INDEX_RANGE[1]:
         raise InputError(
             f"refractive index is {index:g}; expected above 1, at most {INDEX_RANGE[1]:g}"

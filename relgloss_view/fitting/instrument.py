@@ -34,6 +34,8 @@ ACROSS_ALL = (GAMMA_S, ACROSS)  #: tilts that every plane of a table has alike
 #: Beyond these an error is no longer one of an instrument that was set up.
 LARGEST_ANGLE = float(np.radians(3.0))
 LARGEST_LOG_APERTURE = 1.5
+#: Of its prior's standard deviation: how near an error is kept to a value where it is held.
+PINNED = 1e-3
 _PLANAR = 1e-4
 _STEP = 1e-4
 

@@ -20,6 +20,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.fitting import linear
+from relgloss_view.fitting.instrument import PINNED
 from relgloss_view.fitting.mixed import nnls_mixed
 from relgloss_view.fitting.model import (
     SOFT_L1,
@@ -58,10 +59,6 @@ class Misfit(NamedTuple):
     above: Array  #: (P, B, N), model plus floor
     residual: Array  #: (P, B, N), logarithm of model over measured
     loss: Array  #: (P,)
-
-
-#: Of its prior's standard deviation: how near an error is held to a value.
-_PINNED = 1e-3
 
 
 @dataclass(frozen=True)
@@ -187,7 +184,7 @@ class Problem:
     def pinned(self, errors: Array) -> Problem:
         """P problems that hold all errors of the instrument at values (P, K)."""
         pinned = copy.copy(self)
-        sd = np.repeat(self.prior.sd * _PINNED, len(errors), axis=0)
+        sd = np.repeat(self.prior.sd * PINNED, len(errors), axis=0)
         pinned._prior = replace(self.prior, centre=errors, sd=sd)
         return pinned
 

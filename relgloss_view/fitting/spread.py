@@ -1,12 +1,14 @@
 """A chosen model where what the samples may not show is otherwise: how far its numbers go.
 
-The errors of the instrument are freed, under their priors. Then each of them, and the refractive
-index where it is held, is put at several values and the rest is fitted again; how likely a value
-still is weighs it. The zero level of the readings is moved by what it is known to.
+Each error of the instrument, and the refractive index where it is held, is put at several values
+and the rest is fitted again; how likely a value still is weighs it. Another explanation of the
+table that is as likely is one such value. What moves all readings together is moved by what it is
+known to.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -41,38 +43,32 @@ def spread(choice: Choice, *, errors: bool, index: bool) -> Candidate:
         return replace(candidate, shared_states=_shared_states(observations, candidate))
     metal = candidate.rung.metals > 0  # which has no index, and whose errors none has worked out
     count = len(observations.prior_sd) if errors and not metal else 0
-    held: tuple[Held, ...] = ()
-    if count:
-        rung = replace(candidate.rung, errors=count)
-        at_rest = replace(candidate.solution.state, errors=np.zeros(count))
-        resting = replace(candidate.solution, state=at_rest)
-        with_none = replace(candidate, rung=rung, solution=resting)
-        held = _held_errors(observations, with_none)
-        if choice.errors.size:
-            candidate = evaluate(choice.folds, rung, resting)
-        else:
-            states = tuple(replace(s, errors=np.zeros(count)) for s in candidate.fold_states)
-            candidate = replace(with_none, fold_states=states)
+
+    def at_rest(states: Iterable[State]) -> tuple[State, ...]:
+        """The states with all errors of the instrument zero."""
+        return tuple(replace(state, errors=np.zeros(count)) for state in states)
+
+    rung = replace(candidate.rung, errors=count)
+    (state,) = at_rest([candidate.solution.state])
+    resting = replace(candidate, rung=rung, solution=replace(candidate.solution, state=state))
+    held = _held_errors(observations, resting) if count else ()
     if index and not metal and not candidate.rung.free_index:
-        held = (*held, _held_index(observations, choice.best))
-        if count:
-            held = (*held[:-1], _padded(held[-1], count))
+        others = _held_index(observations, candidate)
+        held = (*held, replace(others, states=at_rest(others.states)))
     rival = choice.rival
     if rival is not None and rival.candidate.rung.lobes == candidate.rung.lobes and not metal:
-        state = replace(rival.candidate.solution.state, errors=np.zeros(count))
-        held = (*held, Held((state,), (rival.likelihood,)))
-    shared = _shared_states(observations, choice.best)
-    if count:
-        at_zero = np.zeros(count)
-        shared = tuple(
-            (replace(low, errors=at_zero), replace(high, errors=at_zero)) for low, high in shared
-        )
-    return replace(candidate, held=held, shared_states=shared)
-
-
-def _padded(held: Held, count: int) -> Held:
-    states = tuple(replace(s, errors=np.zeros(count)) for s in held.states)
-    return replace(held, states=states)
+        held = (*held, Held(at_rest([rival.candidate.solution.state]), (rival.likelihood,)))
+    if count and choice.errors.size:
+        folds = evaluate(choice.folds, rung, resting.solution).fold_states
+    else:
+        folds = at_rest(candidate.fold_states)
+    pairs = [at_rest(pair) for pair in _shared_states(observations, candidate)]
+    return replace(
+        resting,
+        fold_states=folds,
+        held=held,
+        shared_states=tuple((low, high) for low, high in pairs),
+    )
 
 
 def _held_errors(observations: Observations, candidate: Candidate) -> tuple[Held, ...]:
@@ -131,11 +127,9 @@ def _shared_states(
     pairs = [(ends[0], ends[1])]
     if candidate.rung.free_index:
         problem = Problem(observations, replace(candidate.rung, free_index=False))
-        low, high = (
-            refine(problem, [replace(start, n=start.n + side * DISPERSION_SD)], FOLD_ROUNDS)[
-                0
-            ].state
-            for side in (-1.0, 1.0)
-        )
-        pairs.append((low, high))
+        ends = [
+            refine(problem, [replace(start, n=start.n + n)], FOLD_ROUNDS)[0].state
+            for n in (-DISPERSION_SD, DISPERSION_SD)
+        ]
+        pairs.append((ends[0], ends[1]))
     return tuple(pairs)

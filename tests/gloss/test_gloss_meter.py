@@ -354,6 +354,20 @@ class TestUncertainty:
         # The sd of 200 draws is known to 1 / sqrt(400) = 5 %; four of that.
         assert error == pytest.approx(np.std(values), rel=0.2)
 
+    def test_a_reading_beyond_the_table_is_noted(self):
+        row = {"angle_deg": 75, "fit": None, "reason": "the nearest is at 70"}
+        seen = {"angle_deg": 60, "fit": 30.0, "reason": ""}
+        material = fitted(ERRORS)
+        for rows in ([row, seen], [seen, row, "x"]):
+            fit = dataclasses.replace(material.fit, judgement={"gloss": rows})
+            readings = by_key(gloss_readings(dataclasses.replace(material, fit=fit)))
+            assert readings["gloss-75"].note == "not checked: the nearest is at 70"
+            assert readings["gloss-60"].note == ""
+        for nonsense in ("x", None, [None], [{"angle_deg": 75, "fit": None, "reason": 3}]):
+            fit = dataclasses.replace(material.fit, judgement={"gloss": nonsense})
+            readings = gloss_readings(dataclasses.replace(material, fit=fit))
+            assert not any(reading.note for reading in readings)
+
     def test_correlated_errors_are_not_independent(self):
         """The same draws, of a width and a strength of which each rises with the other."""
         rng = np.random.default_rng(3)

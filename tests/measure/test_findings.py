@@ -15,11 +15,10 @@ from relgloss_view.base.terminal import WARNING_LENGTH
 from relgloss_view.bench.verdicts import judging
 from relgloss_view.bench.verdicts.faults import BY_NAME
 from relgloss_view.bench.verdicts.reflection import Body, Surface, metal_index
-from relgloss_view.commands.fit import MIRRORS
 from relgloss_view.measure import table
 from relgloss_view.measure.bands import Bands
 from relgloss_view.measure.findings import examine
-from relgloss_view.measure.readers import declared, read_measurement
+from relgloss_view.measure.readers import read_measurement
 from relgloss_view.measure.readers.gcms import write_gcms_csv
 
 GRIDS = [in_plane, gcms, rings]
@@ -159,9 +158,6 @@ class TestMirrorOption:
         with pytest.raises(InputError, match=r"line \d+: 'left'; expected same-side or opposite"):
             read_measurement(tmp_path / "t.csv")
 
-    def test_the_command_offers_what_the_readers_take(self):
-        assert MIRRORS == declared.MIRRORS
-
 
 class TestPlateaus:
     def test_rows_on_a_plateau_are_named_and_left_out(self):
@@ -291,6 +287,55 @@ class TestDrift:
             for seed in range(60)
         ]
         assert sum(named) == 0
+
+
+class TestBands:
+    NM = tuple(range(400, 730, 10))
+
+    def table(self, change=lambda values: values):
+        wavelengths = np.array(self.NM, dtype=float)
+        ink = 0.05 + 0.6 * np.exp(-(((wavelengths - 530.0) / 60.0) ** 2))
+        angles = gcms()
+        i, o = directions(angles)
+        lobe = factors(i, o)
+        values = ink + (lobe - lobe.min(axis=1, keepdims=True))[:, :1] + 0.0 * lobe[:, :1]
+        values = noisy(np.broadcast_to(values, (len(angles), len(ink))).copy(), angles[:, 0])
+        return measured(angles, change(values), bands=self.NM)
+
+    def test_a_dead_band_is_left_out_and_named(self):
+        def dead(values):
+            values[:, self.NM.index(540)] = 1e-4
+            return values
+
+        found = examine(self.table(dead))
+        assert found.measurement.bands.count == len(self.NM) - 1
+        assert 540.0 not in found.measurement.bands.wavelengths_nm
+        (finding,) = [f for f in found.findings if f.kind == "bands"]
+        assert "540 nm" in finding.text
+        assert not finding.serious  # its neighbours are 20 nm apart
+        sound = examine(self.table())  # control
+        assert sound.measurement.bands.count == len(self.NM)
+        assert not [f for f in sound.findings if f.kind == "bands"]
+
+    def test_a_dead_band_that_leaves_colour_open_is_serious(self):
+        def dead(values):
+            values[:, :4] = 1e-4  # 400 to 430 nm
+            return values
+
+        found = examine(self.table(dead))
+        assert any(f.kind == "bands" and f.serious for f in found.findings)
+
+    def test_swapped_bands_are_named(self):
+        def swapped(values):
+            pair = [self.NM.index(440), self.NM.index(540)]
+            values[:, pair] = values[:, pair[::-1]]
+            return values
+
+        found = examine(self.table(swapped))
+        (finding,) = [f for f in found.findings if f.kind == "bands"]
+        assert finding.serious
+        assert "440 nm" in finding.text
+        assert "540 nm" in finding.text
 
 
 class TestLobe:

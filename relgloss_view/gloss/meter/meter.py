@@ -36,6 +36,7 @@ FERWERDA = "Pellacini, Ferwerda, Greenberg 2000"
 #: Decimals that an instrument shows: a tenth of a gloss unit, which is finer than meters repeat
 #: (ISO 2813, ASTM D523); of numbers without a unit, as Pellacini et al. 2000 print them.
 DECIMALS, BARE_DECIMALS = 1, 3
+LONGEST_REASON = 200  #: characters of a file's text
 #: Widths at which a reading is looked at before its root is refined.
 WIDTHS_TRIED = 33
 
@@ -113,7 +114,8 @@ def gloss_readings(material: Material) -> tuple[Reading, ...]:
         if meter is DISTINCTNESS:
             return reading
         body = dataclasses.replace(material, specular=())
-        return dataclasses.replace(reading, diffuse=_metered(body, meter))
+        note = _unchecked(material, meter)
+        return dataclasses.replace(reading, diffuse=_metered(body, meter), note=note)
 
     no_lobe = "there is no specular lobe"
     return (
@@ -121,6 +123,16 @@ def gloss_readings(material: Material) -> tuple[Reading, ...]:
         read("contrast-gloss", "contrast gloss c", FERWERDA, _contrast, ""),
         read("distinctness", "distinctness d", FERWERDA, _sharpness, no_lobe),
     )
+
+
+def _unchecked(material: Material, meter: Meter) -> str:
+    """Why a fit's reading could not be held against its table; '' where it was, or has no table."""
+    rows = material.fit.judgement.get("gloss") if material.fit else None
+    for row in rows if isinstance(rows, list | tuple) else ():
+        known = isinstance(row, dict) and row.get("angle_deg") == meter.angle_deg
+        if known and row.get("fit") is None and isinstance(row.get("reason"), str):
+            return f"not checked: {printable(row['reason'], LONGEST_REASON)}"
+    return ""
 
 
 def specular_gloss(material: Material, angle_deg: float) -> float:
