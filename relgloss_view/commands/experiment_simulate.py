@@ -189,7 +189,7 @@ def _truths(args: argparse.Namespace) -> tuple[str, dict[str, Setting]]:
 def _session(args: argparse.Namespace, study: Study) -> int:
     from relgloss_view.experiment.observers.percept import see_study, unseen
     from relgloss_view.experiment.observers.simulation import StoredAnswer, run_observers
-    from relgloss_view.experiment.observers.truth import truths_of
+    from relgloss_view.experiment.observers.truth import right_settings, truths_of
     from relgloss_view.experiment.report.results import setting_numbers
     from relgloss_view.experiment.session.store import Store
     from relgloss_view.quality.backends import open_renderer
@@ -233,8 +233,11 @@ def _session(args: argparse.Namespace, study: Study) -> int:
     if args.json:
         print(json.dumps(result))
     else:
+        count = population.of_kind.right_settings
         right = "; ".join(
-            f"{printable(s.label)} {t.words}" for s, t in zip(study.samples, truths, strict=True)
+            f"{printable(sample.label)} "
+            + " and ".join(one.words for one in right_settings(study.grid, truth, count))
+            for sample, truth in zip(study.samples, truths, strict=True)
         )
         print(f"{printable(args.output)}: {answers} answers of {observers} simulated observers")
         print(f"right for them: {right}")

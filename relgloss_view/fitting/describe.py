@@ -66,14 +66,14 @@ def describe_fit(material: Material) -> str:
         f"{r['samples']} samples"
         + "".join(f", {count} left out ({why})" for why, count in r["left_out"].items())
     )
-    lines += [f"  {label:<11}{words}" for label, words in _derived_lines(fit)]
+    lines += [f"  {label:<11}{words}" for label, words in derived_lines(fit)]
     lines += [f"  {label:<11}{words}" for label, words in use_lines(fit.judgement)]
     lines.append(f"  quality    {fit.quality} ({fit.seconds:.2f} s)")
     lines += [f"  warning    {printable(text, 300)}" for text in material.warnings]
     return "\n".join(lines)
 
 
-def _derived_lines(fit: FitRecord) -> list[tuple[str, str]]:
+def derived_lines(fit: FitRecord) -> list[tuple[str, str]]:
     """The peak and c_max with their errors, and the errors of the instrument that were found."""
     lines = []
     try:

@@ -132,6 +132,18 @@ class TestSimulate:
         assert "2 studies of 5 observers" in run(capsys, *words, "--draws", 10)
         assert os.listdir(folder) == []
 
+    def test_both_settings_of_two_that_are_right_are_named(self, folder, capsys):
+        words = ("experiment", "simulate", "paper", *SMALL, "--kind", "two-optima")
+        told = run(capsys, *words, "--observers", 4, "-o", "s.sqlite")
+        (line,) = [line for line in told.splitlines() if line.startswith("right for them")]
+        assert line.count(" and ") == line.count(";") + 1  # two for each sample
+        found = run(capsys, "experiment", "analyse", "s.sqlite", "--draws", 20)
+        assert "and as right" in found
+        run(capsys, *words[:-1], "unique", "--observers", 4, "-o", "one.sqlite")  # control
+        alone = run(capsys, "experiment", "analyse", "one.sqlite", "--draws", 20)
+        assert "right for the simulated observers" in alone
+        assert "and as right" not in alone
+
     def test_both_signs_of_grain_where_none_is_stated(self, folder, capsys):
         words = ("experiment", "simulate", "paper", *SMALL, *GRID, "--truth", "cells")
         many = ("--studies", 1, "--observers", 5, "--draws", 5)

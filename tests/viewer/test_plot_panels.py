@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 
 import numpy as np
@@ -214,3 +215,16 @@ def test_facts_are_the_files():
     assert texts["Samples"].startswith(f"{fit['residuals']['samples']} used, 66 left out")
     assert fit["standard_errors"]["method"] in texts["Errors"]
     assert texts["Quality"].startswith("good")
+    assert not {"Gloss 60", "Peak"} & set(texts)  # a kept file of an older fit has neither
+    judged = dataclasses.replace(
+        material.fit,
+        derived={"peak": {"value": 1.46, "standard_error": 0.005}},
+        judgement={
+            "gloss": [{"angle_deg": 60, "fit": 9.51, "table": 9.46, "table_error": 0.1}],
+            "pictures": [],
+            "tail": None,
+        },
+    )
+    texts = {fact.title: fact.text for fact in facts(material, judged)}
+    assert texts["Gloss 60"] == "fit 9.5, table 9.5 +- 0.1"
+    assert "1.46 +- 0.005" in texts["Peak"]

@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterator
 
 from relgloss_view.base.reading import printable
+from relgloss_view.experiment.observers.kinds import KINDS
+from relgloss_view.experiment.observers.truth import right_settings
 from relgloss_view.experiment.session.pool import Member, Pool
 from relgloss_view.experiment.session.records import PERSON, SIMULATED, Observer, Record
 from relgloss_view.picture.scene.setting import Setting
@@ -52,6 +54,14 @@ def truths(pool: Pool) -> dict[str, Setting]:
             same = settings.setdefault(sample.label, setting) == setting
             settings[sample.label] = setting if same else None
     return {label: setting for label, setting in settings.items() if setting is not None}
+
+
+def also_right(pool: Pool, truth: Setting) -> tuple[Setting, ...]:
+    """The settings that are as right as a truth, for the kind that all simulated observers are."""
+    kinds = {details.get("kind") for details in made(pool)}
+    kind = kinds.pop() if len(kinds) == 1 else None
+    count = KINDS[kind].right_settings if isinstance(kind, str) and kind in KINDS else 1
+    return right_settings(pool.study.grid, truth, count)[1:]
 
 
 def _setting(pair: object) -> Setting | None:

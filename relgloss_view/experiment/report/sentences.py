@@ -8,7 +8,7 @@ from relgloss_view.base.reading import printable
 from relgloss_view.experiment.design.coordinates import coordinates, to_steps
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.design.study import GRAIN, RATIO
-from relgloss_view.experiment.report.answerers import path_words, people, silent, truths
+from relgloss_view.experiment.report.answerers import also_right, path_words, people, silent, truths
 from relgloss_view.experiment.report.chosen_setting import (
     ChosenSetting,
     Interval,
@@ -304,7 +304,11 @@ def _by_question(result: SampleResult, grid: Grid) -> list[str]:
 
 def _truth(result: SampleResult, analysis: Analysis) -> list[str]:
     truth = truths(analysis.pool).get(result.label)
-    return [] if truth is None else [f"right for the simulated observers: {setting_words(truth)}"]
+    if truth is None:
+        return []
+    right = (truth, *also_right(analysis.pool, truth))
+    words = ", and as right ".join(setting_words(setting) for setting in right)
+    return [f"right for the simulated observers: {words}"]
 
 
 def setting_words(setting: Setting) -> str:

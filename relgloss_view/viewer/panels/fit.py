@@ -8,6 +8,7 @@ from typing import Any
 from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.base.reading import printable
+from relgloss_view.base.words import sentence_case
 from relgloss_view.material.material import FitRecord, Material, Quality
 from relgloss_view.viewer.panels import plot_widgets
 from relgloss_view.viewer.panels.list_rows import fitting
@@ -21,7 +22,7 @@ COUNTS_EM = 26.0  #: a still narrower one the numbers of parameters, too
 QUALITY = {
     Quality.GOOD: "the model describes this sample",
     Quality.POOR: "the model does not describe this sample well",
-    Quality.UNIDENTIFIABLE: "the measurement does not determine the lobe's width",
+    Quality.UNIDENTIFIABLE: "the measurement leaves open what its gloss depends on",
 }
 COLUMNS = (
     ("Model", "One of the models that were fitted, the simplest first."),
@@ -170,12 +171,23 @@ def facts(material: Material, fit: FitRecord) -> list[Fact]:
             f"elsewhere {_share(far)}",
         ),
         Fact("Samples", samples),
+        *_use(fit),
         *(Fact("Bounds", text) for text in _bounds(fit)),
     ]
     method = errors.get("method")
     if method:
         listed.append(Fact("Errors", f"± one standard error, {printable(str(method), 80)}"))
     return listed
+
+
+def _use(fit: FitRecord) -> list[Fact]:
+    """What the fit gives for use, and its table beside it; nothing where a file has neither."""
+    if not fit.judgement and not fit.derived:
+        return []
+    from relgloss_view.fitting.describe import derived_lines, use_lines
+
+    lines = [*derived_lines(fit), *use_lines(fit.judgement)]
+    return [Fact(sentence_case(label), words) for label, words in lines]
 
 
 def _lobe(material: Material, errors: dict[str, Any], k: int) -> str:
