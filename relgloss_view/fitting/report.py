@@ -14,12 +14,14 @@ from relgloss_view.fitting import curves, slices
 from relgloss_view.fitting.describe import NOT_JUDGED, use_lines, width_error
 from relgloss_view.fitting.instrument import as_fitted
 from relgloss_view.fitting.observations import usable_rows
-from relgloss_view.material.material import Material, Quality
+from relgloss_view.material.material import FitRecord, Material, Quality
 from relgloss_view.measure.table import Measurement
 
 GOOD = "#2e7d4f"
 SMALLEST_SPAN = 1.5  #: of an axis of radiance factors, from its middle up
 SMALLEST_PERCENT = 1e-4  #: of the axis of errors
+PAGE_INCHES, LINE_INCHES = 9.0, 0.144  #: height of a page with two warnings, and of each further
+MOST_WARNINGS = 8
 BADGE = {Quality.GOOD: GOOD, Quality.POOR: ACCENT, Quality.UNIDENTIFIABLE: "#b26a00"}
 
 
@@ -32,21 +34,23 @@ def write_fit_report(material: Material, measurement: Measurement, path: str | P
     if fit is None:
         raise ValueError(f"{material.name} was not fitted")
     with drawing():
-        figure = new_figure(13.2, 9.0, dpi=120)
+        lines = _warning_lines(material, fit)
+        height = PAGE_INCHES + LINE_INCHES * max(len(lines) - 2, 0)
+        figure = new_figure(13.2, height, dpi=120)
         grid = figure.add_gridspec(
             3,
             6,
             left=0.055,
             right=0.98,
-            top=0.86,
-            bottom=0.06,
+            top=1.0 - (1.26 + height - PAGE_INCHES) / height,
+            bottom=0.54 / height,
             wspace=0.85,
             hspace=0.42,
             height_ratios=(1.15, 1.0, 0.95),
         )
         measurement = as_fitted(measurement, material)
         measured = slices.prepare(material, measurement, usable_rows(measurement))
-        _heading(figure, material)
+        _heading(figure, material, lines, height)
         _plane(figure.add_subplot(grid[0, :4]), material, measured)
         _spectra(figure.add_subplot(grid[0, 4:]), material)
         _ridge(figure.add_subplot(grid[1, :2]), material, measured)
@@ -58,13 +62,27 @@ def write_fit_report(material: Material, measurement: Measurement, path: str | P
             save_figure(figure, temporary)
 
 
-def _heading(figure: Any, material: Material) -> None:
+def _warning_lines(material: Material, fit: FitRecord) -> list[str]:
+    """The warnings of a page, those that explain the quality first."""
+    texts = sorted(material.warnings, key=lambda text: text not in fit.grounds)
+    if len(texts) > MOST_WARNINGS:
+        rest = len(texts) - MOST_WARNINGS + 1
+        texts = [*texts[: MOST_WARNINGS - 1], f"and {rest} more, listed in the material file"]
+    return [f"! {printable(text, 210)}" for text in texts]
+
+
+def _heading(figure: Any, material: Material, lines: list[str], height: float) -> None:
+    """Name, source, badges and warnings at the top of a page of that height, inches."""
     fit = material.fit
     assert fit is not None
+
+    def below(inches: float) -> float:
+        return 1.0 - inches / height
+
     # Names hold dollar signs too: nothing from outside is mathematics.
     name, source = printable(material.name, 60), printable(material.source, 150)
-    figure.text(0.055, 0.955, name, fontsize=16, weight="bold", color=INK, parse_math=False)
-    figure.text(0.055, 0.93, source, fontsize=8, color=MUTED, parse_math=False)
+    figure.text(0.055, below(0.405), name, fontsize=16, weight="bold", color=INK, parse_math=False)
+    figure.text(0.055, below(0.63), source, fontsize=8, color=MUTED, parse_math=False)
     badges = [(fit.quality.upper(), BADGE[fit.quality])]
     if material.synthetic:
         badges.append(("SYNTHETIC, NOT MEASURED", "#5b4b9a"))
@@ -72,7 +90,7 @@ def _heading(figure: Any, material: Material) -> None:
     for text, colour in badges:
         drawn = figure.text(
             x,
-            0.957,
+            below(0.387),
             text,
             ha="right",
             fontsize=9,
@@ -81,13 +99,9 @@ def _heading(figure: Any, material: Material) -> None:
             bbox={"boxstyle": "round,pad=0.4", "facecolor": colour, "edgecolor": "none"},
         )
         x -= 0.0075 * len(str(drawn.get_text())) + 0.02
-    # What explains the quality comes first; there is room for two lines.
-    texts = sorted(material.warnings, key=lambda text: text not in fit.grounds)
-    if len(texts) > 2:
-        texts = [texts[0], f"and {len(texts) - 1} more, listed in the material file"]
-    for k, text in enumerate(texts):
-        line = f"! {printable(text, 170)}"
-        figure.text(0.055, 0.908 - 0.016 * k, line, fontsize=8, color=ACCENT, parse_math=False)
+    for k, line in enumerate(lines):
+        y = below(0.828 + LINE_INCHES * k)
+        figure.text(0.055, y, line, fontsize=8, color=ACCENT, parse_math=False)
 
 
 def _logarithmic(axis: Any) -> None:
@@ -254,7 +268,7 @@ def _facts(axis: Any, material: Material) -> None:
         error = width_error(material, k, "± ")
         strength = float(np.mean(lobe.strength))
         index = f"n {lobe.refractive_index:.3g}" if not lobe.is_metal else "metal"
-        lines.append(f"lobe {k + 1}: s {lobe.s_deg:.3g}° {error}, k {strength:.3g}, {index}")
+        lines.append(f"lobe {k + 1}: s {lobe.s_deg:.3g}° {error}, strength {strength:.3g}, {index}")
     if not material.specular and "no_lobe" in fit.bounds:
         upper = fit.bounds["no_lobe"]["largest_strength_upper"]
         lines.append("no lobe" + (f"; strength at most {upper:.2g}" if upper else ""))
@@ -272,5 +286,6 @@ def _facts(axis: Any, material: Material) -> None:
         for label, words in use_lines(fit.judgement)
         if not words.startswith(NOT_JUDGED)
     ]
-    lines.append(se.get("method", ""))
+    if "method" in se:
+        lines.append(f"±: {se['method']}")
     axis.text(0.0, 1.0, "\n".join(lines), va="top", fontsize=7.6, linespacing=1.5, color=INK)
