@@ -4,14 +4,18 @@
 # make coverage   branch coverage of `make test`, with a page in out/coverage
 # make observers  the table of docs/experiment.md on simulated observers, into out/ (hours; OBSERVERS="--studies 5")
 # make mutants    300 seeded faults in the heart: which of them does a test notice? (an hour)
+# make lock   renews requirements/ (LOCK=--upgrade: in the newest versions)
+# make dependencies   licences and known advisories of everything that is installed
 
 VENV ?= .venv
 PYTHON ?= python3
 BIN := $(VENV)/bin
+# What pip installs is what the tests ran with, file by file. No source archives: the tools that build them have no hash.
+LOCKED ?= --require-hashes --only-binary :all:
 # Worker processes of the tests; each has its own OpenGL context.
 WORKERS ?= 2
 
-.PHONY: demo test test-all coverage observers mutants lint format clean
+.PHONY: demo test test-all coverage observers mutants lint format lock dependencies clean
 
 demo: $(VENV)/.runtime
 	$(BIN)/python scripts/demo.py out
@@ -44,16 +48,24 @@ format: $(VENV)/.development
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
+lock: $(VENV)/.development
+	PATH="$(abspath $(BIN)):$$PATH" $(BIN)/python scripts/lock.py $(LOCK)
+
+# DEPENDENCIES="--advisories FOLDER --index", for more sources of advisories
+dependencies: $(VENV)/.development
+	$(BIN)/python scripts/dependencies.py $(DEPENDENCIES)
+
 # The runtime environment is enough to draw; the development one adds what tests and lint need.
-$(VENV)/.runtime: pyproject.toml constraints.txt
+$(VENV)/.runtime: pyproject.toml requirements/runtime.txt
 	PYTHON="$(PYTHON)" scripts/system-packages demo
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install -q -c constraints.txt -e .
+	$(BIN)/python -m pip install -q $(LOCKED) -r requirements/runtime.txt
+	$(BIN)/python -m pip install -q --no-deps --no-build-isolation -e .
 	touch $@
 
-$(VENV)/.development: $(VENV)/.runtime
+$(VENV)/.development: $(VENV)/.runtime requirements/development.txt
 	PYTHON="$(PYTHON)" scripts/system-packages test
-	$(BIN)/python -m pip install -q -c constraints.txt -e ".[dev]"
+	$(BIN)/python -m pip install -q $(LOCKED) -r requirements/development.txt
 	touch $@
 
 clean:
