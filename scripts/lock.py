@@ -21,7 +21,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDER = ROOT / "requirements"
-HEADER = "# Made by `make lock` from pyproject.toml; `make` installs it, and pip checks the hashes.\n"
+HEADER = (
+    "# Made by `make lock` from pyproject.toml; `make` installs it, and pip checks the hashes.\n"
+)
 OPTIONS = (
     "--quiet",
     "--no-config",

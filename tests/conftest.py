@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 
 import hypothesis
@@ -9,6 +10,7 @@ import moderngl
 import numpy as np
 import pytest
 
+from relgloss_view.base import decoration
 from relgloss_view.picture.gpu.context import make_current, open_context
 from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.reference import ReferenceRenderer
@@ -17,6 +19,17 @@ from relgloss_view.quality.planner import MethodChooser
 # How long an example takes says something of the machine, and nothing of the program.
 hypothesis.settings.register_profile("relgloss", deadline=None)
 hypothesis.settings.load_profile("relgloss")
+
+
+# A decoration that fails is a warning for a user, and a failure for a test, in processes that the
+# tests start too.
+os.environ[decoration.VARIABLE] = decoration.RAISE
+
+
+@pytest.fixture
+def forgiving(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Decorations fail as they do for a user."""
+    monkeypatch.delenv(decoration.VARIABLE)
 
 
 @pytest.fixture(autouse=True)

@@ -1,6 +1,7 @@
 """Figures: one style for every plot, drawn without a window system, saved as the same bytes.
 
-matplotlib is imported only where a figure is made, because it is slow to import.
+matplotlib is imported only where a figure is made, because it is slow to import. A user's own
+settings of it (matplotlibrc) have no influence here.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ WHITE = "white"
 STYLE: dict[str, Any] = {
     "font.size": 8.0,
     "font.family": ["DejaVu Sans"],  # `drawing` adds fonts for letters that it lacks
+    "text.parse_math": False,  # names from outside hold dollar signs; they are no formulas
     "axes.edgecolor": MUTED,
     "axes.labelcolor": INK,
     "axes.linewidth": 0.6,
@@ -42,16 +44,31 @@ STYLE: dict[str, Any] = {
 @contextlib.contextmanager
 def drawing(overrides: Mapping[str, Any] | None = None) -> Iterator[None]:
     """Apply STYLE within the block; `overrides` are further settings by matplotlib's names."""
-    from matplotlib import rc_context
+    _load_matplotlib()
+    from matplotlib import rc_context, rcdefaults, rcParams
 
     settings: Any = {**STYLE, **(overrides or {})}  # matplotlib types each name by itself
     settings["font.family"] = [*settings["font.family"], *_other_families()]
-    # Fonts for other scripts come in one weight, and matplotlib reports every other asked of them.
-    logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)
-    with rc_context(settings), warnings.catch_warnings():
+    with rc_context(), warnings.catch_warnings():
+        rcdefaults()
+        rcParams.update(settings)
         # A name in a script that no font here has shows boxes; that is no fault.
         warnings.filterwarnings("ignore", message="Glyph", category=UserWarning)
         yield
+
+
+def _load_matplotlib() -> None:
+    """Import it quietly, and whatever MPLBACKEND names: no backend with a window is used."""
+    # Before the import, for matplotlib reports at length where its own folder can't be written.
+    # Fonts for other scripts come in one weight, and it reports every other that is asked of them.
+    for name in ("matplotlib", "matplotlib.font_manager"):
+        logging.getLogger(name).setLevel(logging.ERROR)
+    backend = os.environ.pop("MPLBACKEND", None)
+    try:
+        import matplotlib  # noqa: F401
+    finally:
+        if backend is not None:
+            os.environ["MPLBACKEND"] = backend
 
 
 def _other_families() -> list[str]:

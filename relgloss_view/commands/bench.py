@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+from relgloss_view.base.decoration import decoration
 from relgloss_view.base.reading import printable
 from relgloss_view.base.temporaries import scratch_folder
 from relgloss_view.base.terminal import Progress
@@ -81,13 +82,17 @@ def run(args: argparse.Namespace) -> int:
         finally:
             ctx.release()
         report.write_results(results, temporary)
-        chart.write_chart(results, temporary)
+        charts = [temporary / name for name in chart.CHARTS]
+        kept = f"{report.RESULTS} has all numbers"
+        with decoration(chart.CHARTS[0], kept, files=charts) as drawn:
+            chart.write_chart(results, temporary)
     if args.json:
         print(json.dumps(results))
         return 0
     for line in report.lines(results):
         print(line)
-    print(f"{printable(folder)}: {', '.join(chart.CHARTS)}, {report.TABLE}, {report.RESULTS}")
+    written = [*(chart.CHARTS if drawn.done else ()), report.TABLE, report.RESULTS]
+    print(f"{printable(folder)}: {', '.join(written)}")
     return 0
 
 

@@ -8,6 +8,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from relgloss_view.base.decoration import decoration
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, Progress, table, warn
@@ -128,11 +129,15 @@ def run(args: argparse.Namespace) -> int:
     words = ""
     if reference is not None:
         words = _matched_words(reference, matched, len(samples), comparison.factor)
-    for output in outputs:
-        _write(comparison, output, command, words)
+    written = []
+    for name, output in zip(args.output, outputs, strict=True):
+        with decoration(f"{name}: the comparison", "its numbers are printed"):
+            _write(comparison, output, command, words)
+            written.append(name)
+    status = 0 if len(written) == len(outputs) else 1  # decorations, and what -o asks for
     if args.json:
-        print(json.dumps({"outputs": args.output, "size": list(size), **as_numbers(comparison)}))
-        return 0
+        print(json.dumps({"outputs": written, "size": list(size), **as_numbers(comparison)}))
+        return status
     if comparison.refused:
         warn(
             f"{', '.join(comparison.refused)}: no highlight is seen in this view, so it is not "
@@ -144,9 +149,9 @@ def run(args: argparse.Namespace) -> int:
     if words:
         print()
         print(words)
-    for output in outputs:
-        print(f"{printable(output)}: written")
-    return 0
+    for name in written:
+        print(f"{printable(name)}: written")
+    return status
 
 
 def _matched_words(reference: Reference, matched: Sequence[str], count: int, factor: float) -> str:

@@ -59,6 +59,7 @@ def add(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Read, analyse, write what was asked for, print."""
     from relgloss_view.experiment.report.folder import (
+        PAGE,
         RESULTS,
         earlier_files,
         remove_stale,
@@ -89,5 +90,6 @@ def run(args: argparse.Namespace) -> int:
                 remove_stale(folder, earlier, written)
     print(json.dumps(as_numbers(analysis)) if args.json else summary(analysis))
     if folder is not None and not args.json:
-        print(f"{printable(folder)}: report.html, and the files that belong to it")
+        first = PAGE if PAGE in written else RESULTS
+        print(f"{printable(folder)}: {first}, and the files that belong to it")
     return 0

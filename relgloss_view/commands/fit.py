@@ -7,6 +7,7 @@ import json
 import os
 from typing import Any
 
+from relgloss_view.base.decoration import decoration
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Progress
@@ -94,10 +95,10 @@ def run(args: argparse.Namespace) -> int:
             seed=args.seed,
             progress=progress,
         )
-    # The material first: no fault of a plot may cost it.
     save_material(material, args.output)
     if args.report:
-        write_fit_report(material, measurement, args.report)
+        with decoration(f"{args.report}: the report", f"{args.output} is written"):
+            write_fit_report(material, measurement, args.report)
     if args.json:
         print(json.dumps({"output": args.output, **material_to_dict(material)}))
         return 0

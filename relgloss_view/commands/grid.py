@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.arrays import Bytes
+from relgloss_view.base.decoration import decoration
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Progress
 from relgloss_view.base.version import __version__
@@ -84,9 +85,9 @@ def run(args: argparse.Namespace) -> int:
         Writers() as writers,
     ):
         by = renderer, writers, operator
-        manifest = _draw(args, temporary, by, scene, look, size, reference, progress)
+        manifest, sheet = _draw(args, temporary, by, scene, look, size, reference, progress)
     count = len(manifest["stimuli"])
-    summary = f"{printable(folder)}: {count} stimuli, {SHEET} and {MANIFEST}"
+    summary = f"{printable(folder)}: {count} stimuli{f', {SHEET}' * sheet} and {MANIFEST}"
     print(json.dumps(manifest) if args.json else summary)
     return 0
 
@@ -100,8 +101,11 @@ def _draw(
     size: tuple[int, int],
     reference: Reference | None,
     progress: Progress,
-) -> dict[str, Any]:
-    """Draw pictures, contact sheet and manifest into a folder; returns the manifest."""
+) -> tuple[dict[str, Any], bool]:
+    """Draw pictures, contact sheet and manifest into a folder.
+
+    Returns the manifest, and whether there is a contact sheet.
+    """
     from relgloss_view.experiment.design.grid import C_SIXTHS, SIGMA_N_DEG
     from relgloss_view.gloss.match import matched_point
     from relgloss_view.picture.output.contact_sheet import contact_sheet, thumbnail
@@ -141,22 +145,17 @@ def _draw(
             scale = f", {sixths}/6{absolute}" if sixths else ""
             captions[-1].append(f"{sigma_n_deg:.1f} deg{scale}")
         _mark_matched(captions[-1], stimuli[-len(scales) :])
-    title = printable(scene.material.name, 60)
-    if operator.uses_c:
-        title += f": sigma_N down, c / c_max across{_c_max(stimuli)}"
-    else:
-        rows, captions = [[row[0] for row in rows]], [[texts[0] for texts in captions]]
-        title += f", {operator.name}: sigma_N across"
-    note = "synthetic sample" if scene.material.synthetic else ""
-    if reference is not None and any(s["of_match"] for s in stimuli):
-        note += ". " if note else ""
-        note += f"> <: nearest to the gloss that is matched to {reference.sample.label}"
-    save_rgb(
-        contact_sheet(rows, captions, title, note),
-        folder / SHEET,
-        {"Software": f"relgloss {__version__}", "Title": title},
-        display=scene.display,
-    )
+    kept = f"all pictures and {MANIFEST} are written"
+    with decoration(SHEET, kept, files=[folder / SHEET]) as sheet:
+        title, note = _sheet_words(scene, operator, stimuli, reference)
+        if not operator.uses_c:  # one row
+            rows, captions = [[row[0] for row in rows]], [[texts[0] for texts in captions]]
+        save_rgb(
+            contact_sheet(rows, captions, title, note),
+            folder / SHEET,
+            {"Software": f"relgloss {__version__}", "Title": title},
+            display=scene.display,
+        )
     same = {k: v for k, v in numbers.items() if k not in (*stimuli[0], "warnings", "version")}
     manifest = {
         "format": FORMAT,
@@ -168,7 +167,23 @@ def _draw(
     }
     text = json.dumps(manifest, indent=1) + "\n"
     (folder / MANIFEST).write_text(text, encoding="utf-8")
-    return manifest
+    return manifest, sheet.done
+
+
+def _sheet_words(
+    scene: Scene, operator: Operator, stimuli: list[dict[str, Any]], reference: Reference | None
+) -> tuple[str, str]:
+    """The title and the note of a contact sheet."""
+    title = printable(scene.material.name, 60)
+    if operator.uses_c:
+        title += f": sigma_N down, c / c_max across{_c_max(stimuli)}"
+    else:
+        title += f", {operator.name}: sigma_N across"
+    note = "synthetic sample" if scene.material.synthetic else ""
+    if reference is not None and any(s["of_match"] for s in stimuli):
+        note += ". " if note else ""
+        note += f"> <: nearest to the gloss that is matched to {reference.sample.label}"
+    return title, note
 
 
 def _mark_matched(captions: list[str], stimuli: list[dict[str, Any]]) -> None:

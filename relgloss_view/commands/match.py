@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from relgloss_view.base.decoration import decoration
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, Progress, ProgressReport, table, warn
@@ -115,17 +116,21 @@ def run(args: argparse.Namespace) -> int:
         curves.append(match_curve(reference, sample, grain_deg=grain, compare_setting=compared))
     if args.write is not None:  # before all else that is written: there may be no proposal
         _write_scene(args.write, scene, (first, samples[0]), reference, curves[0])
-    if args.output is not None:
-        write_match_plot(reference, curves, args.output)
     with Progress("match") as progress, open_renderer(args.backend) as renderer:
         checked = _checked(renderer, reference, curves, progress)
-    written = [name for name in (args.output, args.write) if name is not None]
+    written = [] if args.write is None else [args.write]
+    status = 0
+    if args.output is not None:
+        with decoration(f"{args.output}: the plot", "the curves are printed") as drawn:
+            write_match_plot(reference, curves, args.output)
+            written.insert(0, args.output)
+        status = 0 if drawn.done else 1  # the plot is a decoration, and what -o asks for
     if args.json:
         numbers: dict[str, Any] = {"outputs": written, "size": list(size), "note": CAVEAT}
         numbers |= as_numbers(reference, curves)
         numbers["poses"] = [_pose_numbers(pose) for pose in checked]
         print(json.dumps(numbers))
-        return 0
+        return status
     for sample in (first.sample_look, *(m.sample for m in curves)):
         for text in sample.material.warnings:
             warn(f"{sample.label}: {text}")
@@ -141,7 +146,7 @@ def run(args: argparse.Namespace) -> int:
     print(CAVEAT)
     for name in written:
         print(f"{printable(name)}: written")
-    return 0
+    return status
 
 
 def _checked(

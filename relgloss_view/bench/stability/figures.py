@@ -7,42 +7,56 @@ from typing import Any
 
 import numpy as np
 
+from relgloss_view.base.decoration import decoration
 from relgloss_view.base.figures import INK, MUTED, drawing, new_figure, save_figure
 from relgloss_view.bench.stability.maps import Axis, Map
 from relgloss_view.picture.gpu.targets import LARGEST_HALF
 
 FAILED = "#d0006f"
-#: A map fills its axes: it has a frame on all sides and no grid.
-FRAMED = {"axes.grid": False, "axes.spines.top": True, "axes.spines.right": True}
+#: A map fills its axes: it has a frame on all sides and no grid. Its logarithmic axes write powers.
+FRAMED = {
+    "axes.grid": False,
+    "axes.spines.top": True,
+    "axes.spines.right": True,
+    "text.parse_math": True,
+}
 PAGES = {
     "lobe": "Lobe: largest error over all normals, as a share of the lobe's peak",
     "diffuse": "Diffuse part: largest error for the full model of Oren and Nayar",
     "grain": "Grain and lamp: largest error, as a share of the peak",
     "tone": "Tone stage: L*, a*, b* against float64; c_max; how bright a highlight is",
 }
+KEPT = "stability.json has all numbers"
 LOWEST, HIGHEST = -7, 0  #: decades of error
 PANEL_INCHES = (3.7, 3.0)
 
 
 def write_figures(maps: list[Map], folder: Path) -> list[str]:
-    """One figure a page as PNG and SVG; returns the names of the files."""
-    names = []
+    """One figure a page as PNG and SVG; returns the names of the files that could be drawn."""
+    names: list[str] = []
     for page, title in PAGES.items():
         panels = [m for m in maps if m.subject.page == page]
-        columns = 2 if len(panels) == 4 else 3
-        rows = -(-len(panels) // columns)
-        size = (PANEL_INCHES[0] * columns + 1.0, PANEL_INCHES[1] * rows + 0.9)
-        with drawing(FRAMED):
-            figure = new_figure(*size, dpi=110, layout="constrained")
-            figure.suptitle(title, x=0.01, ha="left", fontsize=11, weight="bold", color=INK)
-            axes = figure.subplots(rows, columns, squeeze=False)
-            for panel, ax in zip(panels, axes.flat, strict=False):
-                _draw(ax, panel)
-            _explain(figure, axes)
-            for ending in ("png", "svg"):
-                save_figure(figure, folder / f"stability-{page}.{ending}", ending)
-                names.append(f"stability-{page}.{ending}")
+        files = {ending: f"stability-{page}.{ending}" for ending in ("png", "svg")}
+        places = [folder / name for name in files.values()]
+        with decoration(files["png"], KEPT, files=places) as drawn, drawing(FRAMED):
+            figure = _page(title, panels)
+            for ending, name in files.items():
+                save_figure(figure, folder / name, ending)
+        names += files.values() if drawn.done else []
     return names
+
+
+def _page(title: str, panels: list[Map]) -> Any:
+    columns = 2 if len(panels) == 4 else 3
+    rows = -(-len(panels) // columns)
+    size = (PANEL_INCHES[0] * columns + 1.0, PANEL_INCHES[1] * rows + 0.9)
+    figure = new_figure(*size, dpi=110, layout="constrained")
+    figure.suptitle(title, x=0.01, ha="left", fontsize=11, weight="bold", color=INK)
+    axes = figure.subplots(rows, columns, squeeze=False)
+    for panel, ax in zip(panels, axes.flat, strict=False):
+        _draw(ax, panel)
+    _explain(figure, axes)
+    return figure
 
 
 def _draw(ax: Any, m: Map) -> None:

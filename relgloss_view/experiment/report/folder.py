@@ -7,6 +7,7 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
+from relgloss_view.base.decoration import decoration
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import read_text
 from relgloss_view.base.terminal import ProgressReport, no_progress
@@ -44,8 +45,9 @@ def write_report(
         folder, analysis, names, lambda share, text: progress(PLOTS_SHARE * share, text)
     )
     progress(PLOTS_SHARE, PAGE)
-    page = report_page(folder, analysis, plots, scenes, command)
-    (folder / PAGE).write_text(page, encoding="utf-8", newline="\n")
+    with decoration(PAGE, "all numbers and tables are written", files=[folder / PAGE]):
+        page = report_page(folder, analysis, plots, scenes, command)
+        (folder / PAGE).write_text(page, encoding="utf-8", newline="\n")
     written = sorted({path.name for path in folder.iterdir()} | {RESULTS})
     content = as_numbers(analysis)
     for sample in content["samples"]:

@@ -65,7 +65,7 @@ def report_page(
         f'<p class="muted">{escape(people(pool))}; {answers} answers.</p>',
         "" if simulated is None else f'<p class="notice">{escape(simulated)}</p>',
         _verdicts(analysis),
-        _overview(folder, analysis),
+        _overview(folder),
         *(
             _sample(folder, result, analysis, plots[result.label], scenes.get(result.label))
             for result in analysis.samples
@@ -81,9 +81,9 @@ def report_page(
     return pages.page(f"{title}: results", parts, STYLE)
 
 
-def _overview(folder: Path, analysis: Analysis) -> str:
-    """The plot of all samples, where answers about any could be scaled."""
-    if not analysis.samples:
+def _overview(folder: Path) -> str:
+    """The plot of all samples, where answers about any could be scaled and it could be drawn."""
+    if not (folder / OVERVIEW).exists():
         return ""
     return f'<div class="plots">{_image(folder, OVERVIEW, "all samples: what was chosen")}</div>'
 
