@@ -22,7 +22,7 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import warn
 
 VARIABLE, RAISE = "RELGLOSS_FAULTS", "raise"
-WHAT_LENGTH, REASON_LENGTH = 70, 110  #: characters of a warning; `warn` prints 300 of them
+NAMES_LENGTH, REASON_LENGTH = 300, 120  #: characters of a warning: paths are worth reading whole
 OWN_FAULT = f"a fault of relgloss: report this line ({VARIABLE}={RAISE} shows where it lies)"
 
 
@@ -57,8 +57,8 @@ def decoration(
         for file in files:
             with contextlib.suppress(OSError):
                 os.unlink(file)
-        line = fault_line(error)
-        warn(f"{printable(what, WHAT_LENGTH)} was not drawn; {printable(kept, 60)}. {line}")
+        what, kept = printable(what, NAMES_LENGTH), printable(kept, NAMES_LENGTH)
+        warn(f"{what} was not drawn; {kept}. {fault_line(error)}", 4 * NAMES_LENGTH)
 
 
 def fault_line(error: Exception) -> str:

@@ -99,9 +99,9 @@ def make_streams_safe() -> None:
             setattr(sys, name, SafeStream(stream))
 
 
-def warn(text: str) -> None:
-    """Print a warning on standard error, made fit to print."""
-    print(f"warning: {printable(text, WARNING_LENGTH)}", file=sys.stderr)
+def warn(text: str, limit: int = WARNING_LENGTH) -> None:
+    """Print a warning on standard error, made fit to print in at most so many characters."""
+    print(f"warning: {printable(text, limit)}", file=sys.stderr)
 
 
 class Progress:

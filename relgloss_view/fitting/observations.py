@@ -195,9 +195,21 @@ def compress(observations: Observations, most: int = SEARCH_BANDS) -> Observatio
     position = np.concatenate([[0.0], np.cumsum(change / max(np.sum(change), 1e-9))])
     position = 0.5 * position + 0.5 * np.arange(len(bands)) / (len(bands) - 1)
     run = np.minimum((position * most).astype(int), most - 1)
-    columns = [bands[run == k] for k in range(most) if np.any(run == k)]
+    used = observations.weight > 0.0
+    columns = [_without_gaps(used, bands[run == k]) for k in range(most) if np.any(run == k)]
     value = np.stack([np.mean(observations.value[:, c], axis=1) for c in columns], axis=1)
     floor = np.stack([np.mean(observations.floor[:, c], axis=1) for c in columns], axis=1)
-    whole = np.stack([np.all(observations.weight[:, c] > 0.0, axis=1) for c in columns], axis=1)
+    whole = np.stack([np.all(used[:, c], axis=1) for c in columns], axis=1)
     weight = np.stack([np.sum(observations.weight[:, c], axis=1) for c in columns], axis=1)
     return replace(observations, value=value, floor=floor, weight=np.where(whole, weight, 0.0))
+
+
+def _without_gaps(used: Mask, run: Ints) -> Ints:
+    """A run of bands; the one with the most samples where scattered gaps leave few rows whole.
+
+    used: (N, B), where there is a value.
+    """
+    counts = np.sum(used[:, run], axis=0)
+    if 2 * np.sum(np.all(used[:, run], axis=1)) >= np.max(counts):
+        return run
+    return run[[np.argmax(counts)]]

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from relgloss_view.base.decoration import fault_line
 from relgloss_view.base.errors import FitCancelled, InputError, RelglossError
 from relgloss_view.measure.table import Measurement
 from relgloss_view.picture.scene.file_kinds import MATERIAL, SCENE, likely_kind
@@ -135,10 +136,11 @@ class OpenJob:
         self._report(1.0, "saving")
         try:
             file = keep_material(material, data_folder() / "materials")
-        except InputError as error:
+        except Exception as error:
             # The fit is worth showing all the same.
             sample = Sample(material, table=self.path)
-            warning = f"the fitted material is not kept: {error}"
+            reason = str(error) if isinstance(error, InputError) else fault_line(error)
+            warning = f"the fitted material is not kept: {reason}"
             return Opened(self.path, sample=sample, measurement=measurement, warning=warning)
         # Read again, it is equal to what a session or a scene gives back.
         sample = Sample.from_file(str(file), self.path)

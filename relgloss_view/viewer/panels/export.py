@@ -6,6 +6,7 @@ import os
 
 from imgui_bundle import imgui
 
+from relgloss_view.base.decoration import fault_line
 from relgloss_view.base.errors import InputError, RelglossError
 from relgloss_view.base.reading import printable
 from relgloss_view.picture.model.view import MAX_SIDE_PX, Size, check_size
@@ -217,8 +218,11 @@ class Export:
             if reason:
                 raise InputError(f"nothing was written: still {reason}; try again")
             text = write(self.model, request)
-        except (RelglossError, MemoryError) as error:
-            fault = str(error) or "not enough memory; choose a smaller size"
+        except Exception as error:
+            if isinstance(error, RelglossError | MemoryError):
+                fault = str(error) or "not enough memory; choose a smaller size"
+            else:
+                fault = f"the export failed: {fault_line(error)}"
             self._note(fault, fault=True)
             self.model.report(fault, fault=True)
             return

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from relgloss_view.base.arrays import Bytes
+from relgloss_view.base.decoration import fault_line
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.base.reading import printable
 from relgloss_view.measure.table import Measurement
@@ -163,10 +164,13 @@ class Model:
             self.report(text, fault=fault)
 
     def attempt(self, action: Callable[[], object]) -> bool:
-        """Do something that may fail for a reason the user can mend; reports a failure."""
+        """Do something that may fail; reports a failure, a mistake of the program too."""
         try:
             action()
         except RelglossError as error:
             self.report(str(error), fault=True)
+            return False
+        except Exception as error:  # the work in the window is worth more than an end by traceback
+            self.report(fault_line(error), fault=True)
             return False
         return True
