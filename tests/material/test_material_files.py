@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import json
+import re
+import sys
 from dataclasses import replace
 
 import materials
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.resources import asset
+from relgloss_view.material import files
 from relgloss_view.material.files import (
     load_material,
     material_from_dict,
@@ -253,6 +257,66 @@ def test_infinity_in_the_evidence_is_refused(tmp_path):
     file.write_text(json.dumps(content).replace('"seconds": 0', '"seconds": 1e999'))
     with pytest.raises(InputError, match=r"m\.json: fit: expected finite numbers"):
         load_material(file)
+
+
+#: Any text that a file can hold, and texts that look like JSON.
+TEXTS = st.text(st.characters(exclude_categories=["Cs"]), max_size=40) | st.text(
+    '[]{},:"\\ \n\t12.eE+-', max_size=40
+)
+
+
+@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(name=TEXTS, source=TEXTS, warning=TEXTS)
+@example("lot [ 12 ]", "[" + 4000 * " ", "[ 1,\n 2 ]")
+def test_any_text_is_written_as_it_is(tmp_path, name, source, warning):
+    record = FitRecord(candidates=({"name": name, name: [1.5, 2]},), warnings=(warning,))
+    material = replace(materials.paper("art"), name=name, source=source, fit=record)
+    save_material(material, tmp_path / "m.json")
+    assert load_material(tmp_path / "m.json") == material
+    # Python's own writer knows nothing of lines: the content is that of the object.
+    content = json.loads((tmp_path / "m.json").read_text(encoding="utf-8"))
+    assert content == json.loads(json.dumps(material_to_dict(material)))
+
+
+def test_lists_of_numbers_take_one_line_and_the_sample_papers_keep_their_bytes():
+    for name in ("cast-coated", "art-coated", "matte-coated", "uncoated"):
+        text = asset("materials", f"{name}.json").read_text(encoding="utf-8")
+        assert files._written(json.loads(text)) + "\n" == text
+    assert '"albedo": [0.0' in text
+    assert '"s_deg": []' in text
+
+
+def calls_of(action):
+    """How many functions of Python and of C an action calls, and which of them are of `re`."""
+    calls = []
+
+    def note(frame, event, argument):
+        if event in ("call", "c_call"):
+            called = argument if event == "c_call" else frame.f_code
+            calls.append(isinstance(getattr(called, "__self__", None), re.Pattern))
+
+    sys.setprofile(note)
+    try:
+        action()
+    finally:
+        sys.setprofile(None)
+    return len(calls), sum(calls)
+
+
+def test_the_work_does_not_depend_on_what_a_text_says():
+    """A text is one call of json's encoder, however long and whatever its brackets.
+
+    No search goes over what was written: that took 39 s for a bracket and 4,000 spaces.
+    """
+
+    def work(name):
+        content = material_to_dict(replace(materials.paper("art"), name=name))
+        return calls_of(lambda: files._written(content))
+
+    assert work("[" + 64_000 * " ") == work("[" + 4000 * " ") == work("a")
+    assert work("a")[1] == 0
+    text = "[" + 100 * " "
+    assert calls_of(lambda: re.compile(r"\[\s+").sub("[", text))[1] > 0  # control
 
 
 JSON = st.recursive(
