@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 # First, for a signal may come while the rest is imported.
-from relgloss_view.base.interruptions import PROGRAM, SIGNALS, WORDS, checkpoint  # isort: skip
+from relgloss_view.base.interruptions import PROGRAM, SIGNALS, WORDS  # isort: skip
 
 import argparse
 import contextlib
@@ -59,7 +59,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         finally:
             sys.stdout, sys.stderr = streams
     SIGNALS.before_leaving(temporaries.remove_all)
-    SIGNALS.work()
     try:
         status = _status_of(sys.argv[1:])
     except BaseException:
@@ -120,8 +119,8 @@ def _run(words: list[str]) -> int:
     words = words[1:] if words[:1] == ["--"] else words
     words = words or [DEFAULT_COMMAND]
     args = _parser(words).parse_args(words)
-    checkpoint()
     args.argv = words
+    SIGNALS.work()
     return int(args.run(args))
 
 
