@@ -6,6 +6,9 @@ window library.
 
 from __future__ import annotations
 
+# First, for a signal may come while the rest is imported.
+from relgloss_view.base import interruptions as _interruptions  # noqa: F401 - isort: skip
+
 import importlib
 
 from relgloss_view.base.version import __version__

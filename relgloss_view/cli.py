@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 # First, for a signal may come while the rest is imported.
-from relgloss_view.base.interruptions import SIGNALS, WORDS, Interrupted  # isort: skip
+from relgloss_view.base.interruptions import PROGRAM, SIGNALS, WORDS  # isort: skip
 
 import argparse
 import contextlib
@@ -58,49 +58,61 @@ def main(argv: Sequence[str] | None = None) -> int:
             return _status_of(list(sys.argv[1:] if argv is None else argv))
         finally:
             sys.stdout, sys.stderr = streams
-    SIGNALS.work(temporaries.remove_all)
+    SIGNALS.before_leaving(temporaries.remove_all)
     try:
         status = _status_of(sys.argv[1:])
     except BaseException:
+        if SIGNALS.raised:  # whatever an interrupted piece of work has led to
+            SIGNALS.leave(_fault(WORDS, SIGNALS.exit_status))
         SIGNALS.end()
         raise
-    if SIGNALS.interrupted:
+    if SIGNALS.noted:
         SIGNALS.leave(status)
     SIGNALS.end()
     return status
 
 
 def _status_of(words: list[str]) -> int:
+    """The exit status of a command line, with one line printed for what went wrong."""
     try:
         _prepare_streams()
         try:
             status = _run(words)
         except SystemExit as end:  # usage or --help, which argparse has printed
             status = end.code if isinstance(end.code, int) else 0
-        sys.stdout.flush()
-        return status
-    except RelglossError as error:
-        return _fault(str(error), error.exit_status)
-    except Interrupted as signal:
-        return _fault(WORDS, signal.exit_status)
+        if SIGNALS.raised:  # something has swallowed the exception
+            return _interrupted()
+        return _printed(status)
     except KeyboardInterrupt:
-        return _fault(WORDS, INTERRUPTED)
-    except BrokenPipeError:
-        _drop_output()  # the reader has closed the pipe; the files are written
-        return 0
-    except MemoryError:
-        remedy = LESS_MEMORY.get(words[0] if words else "", "close other programs")
-        return _fault(f"out of memory; {remedy}", 1)
-    except OSError as error:
-        # Commands name the files that they can't read or write, so this is a stream.
-        _drop_output()
-        reason = f"standard output: {error.strerror}" if error.strerror else str(error)
-        return _fault(f"{reason}; choose another place", 1)
+        return _interrupted()
     except Exception as error:
-        if not _is_opengl(error):
+        if SIGNALS.noted:  # the signal has met a child process or a library first
+            return _interrupted()
+        fault = _words_of(error, words[0] if words else DEFAULT_COMMAND)
+        if fault is None:
             raise
+        return _fault(*fault)
+
+
+def _interrupted() -> int:
+    return _fault(WORDS, SIGNALS.exit_status if SIGNALS.noted else INTERRUPTED)
+
+
+def _words_of(error: Exception, command: str) -> tuple[str, int] | None:
+    """A fault as one line, and the exit status; None for a mistake of the program."""
+    if isinstance(error, RelglossError):
+        return str(error), error.exit_status
+    if isinstance(error, MemoryError):
+        return f"out of memory; {LESS_MEMORY.get(command, 'close other programs')}", 1
+    if isinstance(error, OSError):  # of a file that the command has not named, never of a stream
+        name = error.filename if error.filename is not None else "a file or a program"
+        named = os.fsdecode(name) if isinstance(name, (str, bytes)) else str(name)
+        reason = error.strerror or str(error) or type(error).__name__
+        return f"{named}: {reason}; check that it is there, can be used and has room", 1
+    if _is_opengl(error):
         text = f"OpenGL failed: {error}; see `relgloss doctor`, or draw with --backend reference"
-        return _fault(text, GLUnavailableError.exit_status)
+        return text, GLUnavailableError.exit_status
+    return None
 
 
 def _run(words: list[str]) -> int:
@@ -108,6 +120,7 @@ def _run(words: list[str]) -> int:
     words = words or [DEFAULT_COMMAND]
     args = _parser(words).parse_args(words)
     args.argv = words
+    SIGNALS.work()
     return int(args.run(args))
 
 
@@ -121,16 +134,23 @@ def _prepare_streams() -> None:
     make_streams_safe()
 
 
+def _printed(status: int) -> int:
+    """The status of a command whose results are printed, as far as standard output takes them.
+
+    A reader that has closed the pipe has seen enough. The files are written in either case.
+    """
+    sys.stdout.flush()
+    error = getattr(sys.stdout, "fault", None)
+    if status != 0 or error is None or isinstance(error, ConnectionError):
+        return status
+    text = f"standard output: {error.strerror or error}; not all results are printed"
+    return _fault(f"{text}; send them to another place", 1)
+
+
 def _fault(text: str, status: int) -> int:
     with contextlib.suppress(OSError):
-        print(f"relgloss: {printable(text, LONGEST_FAULT)}", file=sys.stderr)
+        print(f"{PROGRAM}: {printable(text, LONGEST_FAULT)}", file=sys.stderr)
     return status
-
-
-def _drop_output() -> None:
-    """Send what is still buffered to the null device, so that the exit does not fail on it."""
-    with contextlib.suppress(OSError, ValueError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _is_opengl(error: Exception) -> bool:

@@ -10,10 +10,11 @@ import contextlib
 import logging
 import os
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from relgloss_view.base.fonts import font_files
+from relgloss_view.base.interruptions import checkpoint
 
 INK, MUTED, FAINT, ACCENT = "#1b1f24", "#66707a", "#d9dee3", "#b3261e"
 WHITE = "white"
@@ -92,6 +93,7 @@ def new_figure(
 
     `paper` is its background colour; `layout` is matplotlib's own, such as "constrained".
     """
+    checkpoint()
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -106,4 +108,16 @@ def save_figure(figure: Any, path: str | os.PathLike[str], kind: str = "png") ->
     The writer's version and the date are left out. The caller puts the file in place.
     """
     metadata = {"png": {"Software": None}, "svg": {"Date": None}}[kind]
+    for axes in figure.axes:
+        axes.draw = _with_checkpoint(axes.draw)
     figure.savefig(path, format=kind, metadata=metadata)
+
+
+def _with_checkpoint(draw: Callable[..., None]) -> Callable[..., None]:
+    """The drawing of axes, which matplotlib does in Python: an exception passes through."""
+
+    def checked(*args: Any, **options: Any) -> None:
+        checkpoint()
+        draw(*args, **options)
+
+    return checked

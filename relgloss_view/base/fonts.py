@@ -11,7 +11,6 @@ import contextlib
 import functools
 import importlib.util
 import os
-import subprocess
 import sys
 import unicodedata
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,6 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from relgloss_view.base import child
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import check_regular, printable
 
@@ -226,12 +226,14 @@ def _by_fontconfig(language: str) -> FontFile | None:
     """The font that fontconfig chooses for a language; None where none has its letters."""
     ask = ("fc-match", "-f", "%{file}\n%{index}\n%{lang}", f"sans:lang={language}")
     try:
-        done = subprocess.run(ask, capture_output=True, timeout=LONGEST_ASK_S, check=True)
-        path, index, languages = done.stdout.decode().split("\n")
+        answer = child.run(ask, LONGEST_ASK_S)
+        if answer.status != 0:
+            return None
+        path, index, languages = answer.out.split("\n")
         if language not in languages.lower().split("|") or not Path(path).is_file():
             return None
         return FontFile(path, int(index) & 0xFFFF)  # above it is the instance of a variable font
-    except (OSError, subprocess.SubprocessError, ValueError):
+    except (OSError, ValueError):
         return None
 
 

@@ -1,8 +1,11 @@
-"""Ctrl-C, and the signals by which a system ends programs: clean up, then leave with 128 + number.
+"""Ctrl-C, and the signals by which a system ends programs: noted at once, obeyed at safe places.
 
-The first signal is raised as an exception, so that every with-block removes what it has made. The
-program then leaves at once: what Python does at a normal end would meet an OpenGL driver in the
-middle of its work, and can end in a segmentation fault.
+The handlers only note a signal. `checkpoint` raises it where an exception does no harm: between
+pictures, files, iterations, frames of the window, steps of a wait. So none is raised inside
+OpenGL, an import, a callback of a library or the commit of a result. Until the command begins its
+work nothing has been made, and the handlers leave at once.
+
+A program that imports the package keeps its own handlers, and `checkpoint` does nothing there.
 """
 
 from __future__ import annotations
@@ -10,6 +13,7 @@ from __future__ import annotations
 # Nothing that takes time to import comes before the handlers are in place: hence _signal, which
 # `signal` only dresses up, and no contextlib.
 import _signal as signal  # type: ignore[import-not-found]
+import _thread
 import os
 import sys
 import time
@@ -17,20 +21,15 @@ import time
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from types import FrameType
+    from types import FrameType, TracebackType
 
 PROGRAM = "relgloss"
 MODULE = "relgloss_view.cli"
 WORDS = "interrupted; no file is left half written"
 #: By which programs are ended, where the system has them: Ctrl-C, `kill`, a closed terminal.
 NAMES = ("SIGINT", "SIGTERM", "SIGHUP")
-AGAIN_S = 1.0  #: a signal sooner after the first is the same wish, and does not stop the clean-up
-RETRY_S = 0.005
-#: While these are at work an exception has to wait: C code below them calls Python and does not
-#: expect one (moderngl ends in a segmentation fault), or swallows it. tempfile leaves the file by
-#: which it tries a folder.
-DELICATE_MODULES = ("moderngl", "_moderngl", "glcontext", "importlib", "tempfile")
-DELICATE_FUNCTIONS = ("__del__",)
+AGAIN_S = 3.0  #: a signal sooner after the first is the same wish; a later one leaves at once
+STEP_S = 0.05  #: of waits, between two checkpoints
 
 
 class Interrupted(KeyboardInterrupt):
@@ -45,20 +44,29 @@ class Signals:
     """What the program does on a signal, in its three parts: early, at work, at its end."""
 
     def __init__(self) -> None:
-        self._first_s: float | None = None
-        self._waiting: int | None = None  #: a signal that could not be raised yet
+        self.number: int | None = None  #: the first signal that was noted
+        self.raised = False  #: whether `checkpoint` has raised it
+        self._noted_s = 0.0
+        self._held = 0  #: blocks in which no checkpoint raises
+        self._commits = 0  #: those among them that a second signal must not leave
         self._caught: list[int] = []
-        self._clean_up: Callable[[], object] = lambda: None
+        self._clean_ups: list[Callable[[], object]] = []
+        self._main = _thread.get_ident()
 
     @property
-    def interrupted(self) -> bool:
-        """Whether one has come while the program was at work."""
-        return self._first_s is not None
+    def noted(self) -> bool:
+        """Whether a signal has come while the program was at work."""
+        return self.number is not None
 
     @property
     def caught(self) -> bool:
         """Whether these handlers are in place."""
         return bool(self._caught)
+
+    @property
+    def exit_status(self) -> int:
+        """The status of a program that ends by the noted signal."""
+        return 128 + (self.number or 0)
 
     def catch(self) -> None:
         """Until `work`: leave at once, as nothing has been made yet.
@@ -74,27 +82,51 @@ class Signals:
                 signal.signal(number, self._leave_early)
                 self._caught.append(number)
 
-    def work(self, clean_up: Callable[[], object]) -> None:
-        """From now on: raise Interrupted.
-
-        clean_up: removes what no with-block has removed, before a leave.
-        """
-        self._clean_up = clean_up
+    def work(self) -> None:
+        """From now on a signal is noted."""
         for number in self._caught:
-            signal.signal(number, self._on_signal)
-        if self._caught and hasattr(signal, "setitimer"):
-            signal.signal(signal.SIGALRM, self._on_retry)
+            signal.signal(number, self._note)
+
+    def before_leaving(self, clean_up: Callable[[], object]) -> None:
+        """Have `clean_up` called before a leave: it removes what no with-block has removed."""
+        if clean_up not in self._clean_ups:
+            self._clean_ups.append(clean_up)
+
+    def checkpoint(self) -> None:
+        """Raise Interrupted if a signal was noted: once, so that it disturbs no clean-up.
+
+        In other threads than the main one, and while held, nothing happens.
+        """
+        if (
+            self.number is not None
+            and not self.raised
+            and not self._held
+            and _thread.get_ident() == self._main
+        ):
+            self.raised = True
+            raise Interrupted(self.number)
+
+    def hold(self, commits: int) -> None:
+        """From now on no checkpoint raises, until `release` is called with the same number."""
+        self._held += 1
+        self._commits += commits
+
+    def release(self, commits: int) -> None:
+        """The end of what `hold` began."""
+        self._commits -= commits
+        self._held -= 1
 
     def end(self) -> None:
         """The work is done: a signal that comes now changes nothing any more."""
-        if self._caught and hasattr(signal, "setitimer"):
-            signal.setitimer(signal.ITIMER_REAL, 0.0)
-        self._waiting = None
         for number in self._caught:
             signal.signal(number, signal.SIG_IGN)
 
     def leave(self, status: int) -> None:
-        """Clean up, and leave without what Python does at a normal end."""
+        """Clean up, and leave without what Python does at a normal end.
+
+        That would meet threads and an OpenGL driver in the middle of their work, and can end in a
+        segmentation fault.
+        """
         self.end()
         self._clean_up()
         for stream in (sys.stdout, sys.stderr):
@@ -104,50 +136,101 @@ class Signals:
                 pass
         os._exit(status)
 
+    def _clean_up(self) -> None:
+        for clean_up in self._clean_ups:
+            try:
+                clean_up()
+            except Exception:  # the others have to be called all the same
+                continue
+
     def _leave_early(self, number: int, frame: FrameType | None) -> None:
         self.end()
-        try:  # noqa: SIM105
-            os.write(2, f"{PROGRAM}: {WORDS}\n".encode())
-        except OSError:
-            pass
+        _print_plainly()
         os._exit(128 + number)
 
-    def _on_signal(self, number: int, frame: FrameType | None) -> None:
+    def _note(self, number: int, frame: FrameType | None) -> None:
         now_s = time.monotonic()
-        if self._first_s is None or now_s > self._first_s + AGAIN_S:
-            self._first_s = now_s
-            self._raise(number, frame)
+        if self.number is None:
+            self.number, self._noted_s = number, now_s
+        elif now_s > self._noted_s + AGAIN_S and not self._commits:
+            # No checkpoint has come for long, and nothing is being committed.
+            self.end()
+            self._clean_up()
+            _print_plainly()
+            os._exit(self.exit_status)
 
-    def _on_retry(self, _: int, frame: FrameType | None) -> None:
-        if self._waiting is not None:
-            self._raise(self._waiting, frame)
 
-    def _raise(self, number: int, frame: FrameType | None) -> None:
-        if hasattr(signal, "setitimer") and _is_delicate(frame):
-            self._waiting = number
-            signal.setitimer(signal.ITIMER_REAL, RETRY_S)
+class _Uninterrupted:
+    """The block of `uninterrupted`."""
+
+    def __init__(self, commits: int) -> None:
+        self._commits = commits
+
+    def __enter__(self) -> None:
+        SIGNALS.hold(self._commits)
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        SIGNALS.release(self._commits)
+
+
+def checkpoint() -> None:
+    """A safe place to be interrupted at: raises Interrupted if a signal has been noted.
+
+    Call it between steps of at most about a second, before a commit and never inside one, and
+    never in a callback of a library that does not expect exceptions.
+    """
+    if SIGNALS.number is not None:
+        SIGNALS.checkpoint()
+
+
+def uninterrupted(*, may_leave: bool = False) -> _Uninterrupted:
+    """A with-block in which no checkpoint raises, such as a commit.
+
+    may_leave: whether a second signal, some seconds after the first, still leaves at once.
+    """
+    return _Uninterrupted(0 if may_leave else 1)
+
+
+def pause(seconds: float) -> None:
+    """Sleep, with checkpoints."""
+    end_s = time.monotonic() + seconds
+    while True:
+        checkpoint()
+        left_s = end_s - time.monotonic()
+        if left_s <= 0.0:
             return
-        self._waiting = None
-        raise Interrupted(number)
-
-
-def _is_delicate(frame: FrameType | None) -> bool:
-    """Whether an exception in this frame could meet C code that does not expect it."""
-    while frame is not None:
-        module = str(frame.f_globals.get("__name__", "")).partition(".")[0]
-        if module in DELICATE_MODULES or frame.f_code.co_name in DELICATE_FUNCTIONS:
-            return True
-        frame = frame.f_back
-    return False
+        time.sleep(min(left_s, STEP_S))
 
 
 def is_program() -> bool:
     """Whether this process is the command, and not a program or a test that uses the package."""
-    called = os.path.splitext(os.path.basename(sys.argv[0]))[0] if sys.argv else ""
-    words = sys.orig_argv
-    return called == PROGRAM or any(
-        words[k : k + 2] == ["-m", MODULE] for k in range(len(words) - 1)
-    )
+    called = os.path.basename(sys.argv[0]).lower() if getattr(sys, "argv", None) else ""
+    return called in (PROGRAM, f"{PROGRAM}.exe") or _module_of(sys.orig_argv) == MODULE
+
+
+def _module_of(words: list[str]) -> str:
+    """The module that a command line of Python runs with -m; empty where it runs something else."""
+    k = 1
+    while k < len(words) and words[k].startswith("-"):
+        if words[k] == "-m":
+            return words[k + 1] if k + 1 < len(words) else ""
+        if words[k] in ("-c", "-"):
+            return ""
+        k += 2 if words[k] in ("-W", "-X", "--check-hash-based-pycs") else 1
+    return ""
+
+
+def _print_plainly() -> None:
+    """Print the line of an interruption without the streams, which may be in use."""
+    try:  # noqa: SIM105
+        os.write(2, f"{PROGRAM}: {WORDS}\n".encode())
+    except OSError:
+        pass
 
 
 SIGNALS = Signals()

@@ -8,13 +8,16 @@ for it, and `relgloss --help` has to stay below 0.25 s.
 
 from __future__ import annotations
 
+import contextlib
 import io
+import os
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Any, TextIO
 
+from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.reading import printable
 from relgloss_view.base.visible import visible
 
@@ -66,24 +69,53 @@ def table(columns: Sequence[Column], rows: Iterable[Sequence[str]], *, indent: s
 
 
 class SafeStream:
-    """A text stream that shows control characters of what is printed, and sends none.
+    """A text stream that shows control characters of what is printed, and never fails.
 
     Whatever a name in a file holds, it can't colour, clear or retitle the terminal. Everything that
-    the command prints goes through it: results, warnings, errors, usage.
+    the command prints goes through it: results, warnings, errors, usage. From the first error of
+    the stream on nothing more is printed, while the work goes on: `fault` keeps the error.
     """
 
     def __init__(self, stream: TextIO) -> None:
-        self.stream = stream  #: takes text as it is; for the progress bar
+        self.stream = stream
+        self.fault: OSError | None = None  #: ConnectionError where the reader has closed the pipe
 
     def write(self, text: str) -> int:
         """Print text; lines may end in it."""
-        self.stream.write(visible(text, keep="\n"))
+        self.write_raw(visible(text, keep="\n"))
         return len(text)
+
+    def write_raw(self, text: str) -> None:
+        """Send text as it is; for the progress bar."""
+        self._attempt(lambda: self.stream.write(text))
 
     def writelines(self, lines: Iterable[str]) -> None:
         """Print texts."""
         for line in lines:
             self.write(line)
+
+    def flush(self) -> None:
+        """Send what is still in memory."""
+        self._attempt(self.stream.flush)
+
+    def _attempt(self, action: Callable[[], object]) -> None:
+        if self.fault is not None:
+            return
+        try:
+            action()
+        except OSError as error:
+            self.fault = error
+            self._drop()
+
+    def _drop(self) -> None:
+        """Send what is still in memory to the null device, or Python's end would fail on it."""
+        with contextlib.suppress(OSError, ValueError):
+            null = os.open(os.devnull, os.O_WRONLY)
+            try:
+                os.dup2(null, self.stream.fileno())
+                self.stream.flush()
+            finally:
+                os.close(null)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.stream, name)
@@ -105,24 +137,28 @@ def warn(text: str, limit: int = WARNING_LENGTH) -> None:
 
 
 class Progress:
-    """A ProgressReport that draws a bar on standard error, and clears it when its block ends."""
+    """A ProgressReport that draws a bar on standard error, and clears it when its block ends.
+
+    The text it is given may come from outside. Each report is a checkpoint.
+    """
 
     def __init__(self, label: str) -> None:
         self.label = visible(label)
-        self._stream = getattr(sys.stderr, "stream", sys.stderr)  # its own "\r" is meant
+        stream = sys.stderr
+        self._stream = stream if isinstance(stream, SafeStream) else SafeStream(stream)
         self._watched = self._stream.isatty()
         self._longest = 0
 
     def __call__(self, share: float, text: str = "") -> bool:
         """Show the state; True asks the caller to continue."""
+        checkpoint()
         if self._watched:
             filled = round(BAR_WIDTH * min(max(share, 0.0), 1.0))
             line = f"{self.label} [{'=' * filled}{' ' * (BAR_WIDTH - filled)}] {visible(text)}"[
                 :100
             ]
             self._longest = max(self._longest, len(line))
-            self._stream.write("\r" + line.ljust(self._longest))
-            self._stream.flush()
+            self._send("\r" + line.ljust(self._longest))
         return True
 
     def __enter__(self) -> Progress:
@@ -135,5 +171,8 @@ class Progress:
         trace: TracebackType | None,
     ) -> None:
         if self._watched and self._longest:
-            self._stream.write("\r" + " " * self._longest + "\r")
-            self._stream.flush()
+            self._send("\r" + " " * self._longest + "\r")
+
+    def _send(self, text: str) -> None:
+        self._stream.write_raw(text)  # its own "\r" is meant
+        self._stream.flush()

@@ -7,6 +7,7 @@ import json
 from typing import Any
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.reading import printable
 from relgloss_view.base.temporaries import scratch_folder
 from relgloss_view.base.terminal import Progress
@@ -70,6 +71,7 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.experiment.session.pool import read_pool
     from relgloss_view.experiment.verdict.analysis import MOST_DRAWS, Options, analyse
 
+    checkpoint()  # the imports have taken a while
     if not 2 <= args.draws <= MOST_DRAWS:
         raise InputError(f"--draws {args.draws}: expected 2 to {MOST_DRAWS}")
     if not 0 <= args.seed < 2**31:

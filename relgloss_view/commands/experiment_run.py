@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.reading import printable
 from relgloss_view.base.shell import command_line, operand, option
 from relgloss_view.base.terminal import Progress, warn
@@ -112,6 +113,7 @@ def run(args: argparse.Namespace) -> int:
     if program.failed:
         raise InputError(program.failed)
     _tell(args, path, observer.name, *program.progress)
+    checkpoint()
     return 0
 
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.errors import InputError, RelglossError
+from relgloss_view.base.interruptions import checkpoint, pause
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Progress, warn
 from relgloss_view.base.writing import check_writable
@@ -94,6 +94,7 @@ def _screenshot(args: argparse.Namespace) -> int:
     )
     warn_if_clamped(args, window.size)
     pixels = window.run(args.frames)
+    checkpoint()
     from relgloss_view.picture.output.png import save_rgb
 
     save_rgb(pixels, args.screenshot, {})
@@ -132,6 +133,7 @@ def _interactive(args: argparse.Namespace) -> int:
     window = Window(app, size, font_scale=scale)
     warn_if_clamped(args, window.size)
     window.run()
+    checkpoint()
     return 0
 
 
@@ -158,7 +160,7 @@ def _opened(files: list[str]) -> list[Opened]:
             with Progress(f"open {Path(file).name}") as progress:
                 while not job.done:
                     progress(*job.progress)
-                    time.sleep(STEP_S)
+                    pause(STEP_S)
         finally:
             job.close()
         if job.fault is not None:

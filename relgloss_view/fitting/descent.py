@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.fitting.model import Solution, State, States
 from relgloss_view.fitting.problem import Equations, Misfit, Problem
 from relgloss_view.fitting.unknowns import SharedUnknowns
@@ -27,6 +28,7 @@ def refine(
     steps, trials = np.zeros(len(states), dtype=int), np.zeros(len(states), dtype=int)
     solutions: dict[int, Solution] = {}
     while len(place):
+        checkpoint()
         equations = problem.equations(columns, misfit, states)
         trial = gauss_newton_step(problem.unknowns, states, equations, damping)
         trial_columns = problem.columns_of(trial)

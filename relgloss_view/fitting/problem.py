@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
+from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.fitting import linear
 from relgloss_view.fitting.instrument import PINNED
 from relgloss_view.fitting.mixed import nnls_mixed
@@ -194,6 +195,7 @@ class Problem:
         """Reweighted NNLS from the linear unknowns (P, B) and (P, J, B)."""
         values = columns[:, : 2 + self.rung.strengths]
         for _ in range(rounds):
+            checkpoint()
             weight = self._inner_weight(self.model(columns, kd, ks))
             kd, ks = self._linear(values, weight, kd)
         return kd, ks

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from relgloss_view.base.arrays import Bytes
+from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.gloss.pose import pose_of
 from relgloss_view.gloss.samples import DEFAULT_GLOSS, SampleLook, computed_gloss
@@ -129,6 +130,7 @@ def compare(
         of_pair = factor if sample.label in matched else 1.0
         frame = renderer.render(of_sample, sample.look, size, factor=of_pair)
         rows_kept, columns_kept = _bounds(frame)
+        checkpoint()
         drawn.append(DrawnSample(sample, computed_gloss(sample.material), frame.c, frame.c_max))
         by_operator = []
         for n, operator in enumerate(operators):

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
+from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.gloss import eye
 from relgloss_view.operators.clip import Clip
 from relgloss_view.operators.operator import Displayed, SceneLight
@@ -87,6 +88,7 @@ class Measures:
 
 def measure(frame: Frame, picture: Displayed) -> Measures:
     """All measures of what an operator made of a frame."""
+    checkpoint()
     regions = Regions.of(frame)
     lightness = picture.lab[..., 0]
     on_object = frame.on_object

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.material import brdf
 from relgloss_view.material.spectra import illuminant
@@ -64,6 +65,7 @@ class ReferenceRenderer:
         """Largest of what the perfect diffuser shows in a pixel, and whether any shows it."""
         largest, seen = 0.0, False
         for rows in _row_chunks(view, bands=8):
+            checkpoint()
             total, covered = np.zeros(1), np.zeros(1)
             for place in _places(samples):
                 hit, _, i, _, distance2 = _meet(scene, view, rows, place)
@@ -89,6 +91,7 @@ class ReferenceRenderer:
             self._progress(rows.start / height, f"row {rows.start} of {height}")
             covered = np.zeros(stages["diffuse"][rows].shape[:2])
             for place in places:
+                checkpoint()
                 hit, o, i, n, distance2 = _meet(scene, view, rows, place, look)
                 grain = brdf.facing(n, i, o)
                 smooth = grain if look.noisy_lobes == "both" else brdf.facing(hit.normal, i, o)

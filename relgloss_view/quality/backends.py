@@ -9,6 +9,7 @@ import contextlib
 from collections.abc import Iterator
 from typing import Protocol
 
+from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.scene.look import Look
@@ -57,6 +58,7 @@ def open_renderer(
     from relgloss_view.picture.gpu.renderer import Renderer
     from relgloss_view.quality.planner import MethodChooser
 
+    checkpoint()
     ctx = open_context(backend)
     try:
         renderer = Renderer(ctx, choose=MethodChooser().method)

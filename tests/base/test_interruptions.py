@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -80,14 +81,77 @@ def test_using_the_package_catches_nothing():
     subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT, capture_output=True)
 
 
-def test_an_exception_waits_for_c_code_that_expects_none():
-    """moderngl calls Python from C, and ends in a segmentation fault where that raises."""
+@pytest.fixture
+def signals(monkeypatch):
+    """The program's handlers, without the signals' own."""
+    one = interruptions.Signals()
+    monkeypatch.setattr(interruptions, "SIGNALS", one)
+    return one
 
-    def frame_of(module):
-        space = {"__name__": module, "sys": sys}
-        exec("def inside(): return sys._getframe()", space)
-        return space["inside"]()
 
-    for module in ("_moderngl", "moderngl", "importlib._bootstrap", "tempfile"):
-        assert interruptions._is_delicate(frame_of(module))
-    assert not interruptions._is_delicate(frame_of("relgloss_view.picture.gpu.passes"))
+def test_a_checkpoint_raises_once_and_only_what_was_noted(signals):
+    interruptions.checkpoint()
+    signals._note(signal.SIGTERM, None)
+    with pytest.raises(interruptions.Interrupted) as raised:
+        interruptions.checkpoint()
+    assert raised.value.exit_status == 143
+    interruptions.checkpoint()  # a clean-up passes here
+    assert signals.noted
+
+
+def test_no_checkpoint_raises_in_a_commit_or_in_another_thread(signals):
+    signals._note(signal.SIGINT, None)
+    with interruptions.uninterrupted(), interruptions.uninterrupted(may_leave=True):
+        interruptions.checkpoint()
+    faults = []
+
+    def work():
+        try:
+            interruptions.checkpoint()
+        except BaseException as error:
+            faults.append(error)
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert faults == []
+    with pytest.raises(interruptions.Interrupted):
+        interruptions.pause(10.0)
+
+
+CODE = """
+import os, signal, sys, time
+sys.argv = ["relgloss"]
+from relgloss_view.base import interruptions
+interruptions.SIGNALS.before_leaving(lambda: print("cleaned", flush=True))
+interruptions.SIGNALS.work()
+interruptions.AGAIN_S = 0.0
+with interruptions.uninterrupted(may_leave=sys.stdin.readline() == "frames\\n"):
+    for _ in range(2):
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(0.01)
+print("committed", flush=True)
+"""
+
+
+@pytest.mark.parametrize(("kind", "out"), [("frames", "cleaned\n"), ("commit", "committed\n")])
+def test_a_later_second_signal_leaves_but_not_in_a_commit(kind, out):
+    done = subprocess.run(
+        [sys.executable, "-c", CODE], input=f"{kind}\n", cwd=ROOT, capture_output=True, text=True
+    )
+    assert done.stdout == out, done.stderr
+    assert done.returncode == (143 if kind == "frames" else 0)
+
+
+@pytest.mark.parametrize(
+    ("words", "module"),
+    [
+        ("python -m relgloss_view.cli fit", "relgloss_view.cli"),
+        ("python -X importtime -W ignore -I -m relgloss_view.cli", "relgloss_view.cli"),
+        ("python tool.py -m relgloss_view.cli", ""),
+        ("python -c pass -m relgloss_view.cli", ""),
+        ("python -m", ""),
+    ],
+)
+def test_which_command_lines_are_the_program(words, module):
+    assert interruptions._module_of(words.split()) == module

@@ -330,7 +330,9 @@ class TestFitProcess:
         thread = threading.Thread(target=run)
         thread.start()
         assert began.wait(LIMIT_S)
-        os.kill(process._process.pid, signal.SIGKILL)  # as a system does that is out of memory
+        os.kill(
+            process._child.process.pid, signal.SIGKILL
+        )  # as a system does that is out of memory
         thread.join(LIMIT_S)
         assert "before it was done" in caught[0]
         process.stop()  # what has ended may be stopped
@@ -340,7 +342,7 @@ class TestFitProcess:
         code = (
             "import sys, threading; from relgloss_view.viewer.files.open_job import OpenJob\n"
             "began = threading.Event(); job = OpenJob(sys.argv[1], began.set); began.wait(60)\n"
-            "print(job._fit._process.pid, flush=True); threading.Event().wait()"
+            "print(job._fit._child.process.pid, flush=True); threading.Event().wait()"
         )
         window = subprocess.Popen([sys.executable, "-c", code, TABLE], stdout=subprocess.PIPE)
         child = int(window.stdout.readline())

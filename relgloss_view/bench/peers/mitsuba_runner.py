@@ -12,10 +12,13 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 from pathlib import Path
 from typing import Any
 
+from relgloss_view.base.child import Child
 from relgloss_view.base.errors import RelglossError
+from relgloss_view.base.interruptions import STEP_S, checkpoint
 from relgloss_view.base.reading import printable
 from relgloss_view.bench.speed.scenes import ChartScene
 from relgloss_view.picture.model.view import Size
@@ -45,7 +48,7 @@ class MitsubaPeer:
         if llvm is not None:
             environment[LLVM_VARIABLE] = llvm
         self._complaints = tempfile.TemporaryFile()  # noqa: SIM115 - as long as the program
-        self._process = subprocess.Popen(
+        self._child = Child(
             program(variant),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
@@ -53,6 +56,7 @@ class MitsubaPeer:
             text=True,
             env=environment,
         )
+        self._process = self._child.process
         self._answers: queue.Queue[str] = queue.Queue()
         threading.Thread(target=self._listen, daemon=True).start()
         try:
@@ -71,15 +75,8 @@ class MitsubaPeer:
 
     def release(self) -> None:
         """End the program."""
-        self._process.kill()
-        self._process.wait()
+        self._child.close()
         self._complaints.close()
-        for pipe in (self._process.stdin, self._process.stdout):
-            if pipe is not None:
-                try:
-                    pipe.close()
-                except OSError:  # it holds what the dead program did not read
-                    continue
 
     def _last_words(self) -> str:
         self._complaints.seek(0)
@@ -96,12 +93,21 @@ class MitsubaPeer:
             pass
         self._answers.put("")
 
+    def _next_answer(self, end_s: float) -> str:
+        while True:
+            checkpoint()
+            try:
+                return self._answers.get(timeout=STEP_S)
+            except queue.Empty:
+                if time.monotonic() > end_s:
+                    raise
+
     def _ask(self, line: str, seconds: float) -> dict[str, Any]:
         assert self._process.stdin is not None
         try:
             self._process.stdin.write(line + "\n")
             self._process.stdin.flush()
-            answer = self._answers.get(timeout=seconds)
+            answer = self._next_answer(time.monotonic() + seconds)
         except queue.Empty:
             raise RelglossError(f"no answer within {seconds:g} s") from None
         except OSError:

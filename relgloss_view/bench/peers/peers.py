@@ -11,6 +11,7 @@ from typing import Any
 import moderngl
 
 from relgloss_view.base.errors import RelglossError
+from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.bench.peers import mitsuba_runner, scientist
 from relgloss_view.bench.speed import tasks
@@ -102,9 +103,11 @@ def time_scientist(ctx: moderngl.Context, paper: str, repeats: int) -> Found:
     """42 stimuli by the plain pipeline, from a few; and all 42 of ours, drawn and read back."""
     chart_scene = next(c for c in chart_scenes(STIMULI_SIZE) if c.paper == paper)
     stimuli = [(s.sigma_n_deg, s.c_fraction) for s in Grid().settings]
+    checkpoint()
     scientist.draw(chart_scene.scene, (64, 64), 1.0, 1.0, 0)  # imports
     seconds = []
     for seed in range(repeats):
+        checkpoint()
         sigma_n_deg, c_fraction = stimuli[(7 * seed + 20) % len(stimuli)]
         start = time.perf_counter()
         scientist.draw(chart_scene.scene, STIMULI_SIZE, sigma_n_deg, c_fraction, seed)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from relgloss_view.base.errors import RelglossError
+from relgloss_view.base.interruptions import checkpoint
 
 PER_VISIT = 2  #: frames that are timed in a row, after one that is not
 
@@ -92,6 +93,7 @@ def _visit(task: Task, found: Times, per_visit: int) -> None:
     try:
         task.warm()
         for turn in range(per_visit):
+            checkpoint()
             start = time.perf_counter()
             own = task.frame(turn)
             wall = 1e3 * (time.perf_counter() - start)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.experiment.design.trial_order import Trial
 from relgloss_view.experiment.observers.percept import Percepts
@@ -106,6 +107,7 @@ def _run(
     count = simulated.population.of_kind.right_settings
     right = [right_settings(study.grid, truth, count) for truth in percepts.truths]
     while flow.phase is not Phase.FINISHED:
+        checkpoint()
         if flow.phase is Phase.TRIAL:
             trial, question = flow.trial, flow.question
             assert trial is not None

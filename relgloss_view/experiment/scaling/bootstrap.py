@@ -13,6 +13,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.experiment.scaling.fine_grid import FineGrid, Smooth
 from relgloss_view.experiment.scaling.ordinal import OrdinalScale, ordinal_scale
 from relgloss_view.experiment.scaling.ordinal_draws import ordinal_draws
@@ -110,6 +111,7 @@ def scale_values(
     surfaces = np.zeros((len(weights), len(fine.points)))
     together = max(1, CELLS // (counts.size if observer_effects else pooled.size))
     for k in range(0, len(weights), together):
+        checkpoint()
         progress(k / len(weights))
         rows = slice(k, k + together)
         weighted = weights[rows, :, None, None] * counts

@@ -13,6 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
+from relgloss_view.base.interruptions import checkpoint
 
 PRECISION = 1e-6  #: of the loss, where a search ends: a standard error changes it by a half
 MOST_STEPS = 100
@@ -52,6 +53,7 @@ def minima_within(losses: Losses, first: Array) -> tuple[Array, Array]:
     curvature = _floored(curvature)
     searched = np.arange(len(p))  # the searches that have not ended
     for number in range(1, MOST_STEPS + 1):
+        checkpoint()
         here, value = p[searched], values[searched]
         step = steps_within(slope, curvature, low - here, high - here)
         promise = -np.sum(slope * step, axis=1)

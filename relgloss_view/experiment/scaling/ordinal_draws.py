@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relgloss_view.base.arrays import Array, Mask
+from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.experiment.scaling.ordinal import (
     LEAST_GAP,
     RIDGE,
@@ -182,6 +183,7 @@ def _minimum(losses: _Losses, x: Array) -> Array:
     open_ = np.arange(len(x))  # the searches that have not ended
     value, slope, step = losses.newton(x)
     for _ in range(MOST_STEPS):
+        checkpoint()
         share = _share_in_order(x[open_, : losses.limits], step[:, : losses.limits])
         promise = np.sum(slope * step, axis=1)
         room = ROUNDING * np.abs(value)

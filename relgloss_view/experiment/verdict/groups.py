@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.experiment.design.coordinates import from_steps
 from relgloss_view.experiment.scaling.fine_grid import POINT_LIKE, FineGrid
 from relgloss_view.experiment.scaling.unfolding import (
@@ -107,6 +108,7 @@ def _of_answers(number: int, settings: int) -> Array:
     random = np.random.default_rng([number, settings])
     ratios = []
     for _ in range(SAMPLES // TOGETHER):
+        checkpoint()
         tables = random.standard_normal((TOGETHER, number, settings))
         ratios.append(_best_split(_scores(tables))[0])
     return np.concatenate(ratios)

@@ -8,6 +8,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
+from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.picture.gpu.shader import HANDED_ON, ShaderError, ShaderSource
 
 Uniforms = Mapping[str, Any]  #: numbers, sequences, arrays, or textures for samplers
@@ -55,6 +56,7 @@ class Programs:
 
         A uniform of the stage that is not given is an error.
         """
+        checkpoint()  # between passes
         array = self.get(stage, defines)
         unit = 0
         for full_name in array.program:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import deque
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from pathlib import Path
 from types import TracebackType
 
+from relgloss_view.base.interruptions import STEP_S, checkpoint
 from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.output.export import save_frame
@@ -33,7 +34,7 @@ class Writers:
         # Fetched here: only this thread may use OpenGL.
         _ = parameters(frame, displayed), frame.display
         while len(self._open) >= WAITING:
-            self._open.popleft().result()
+            self._finish_first()
         self._open.append(self._pool.submit(save_frame, frame, path, command, displayed=displayed))
 
     def __enter__(self) -> Writers:
@@ -45,6 +46,16 @@ class Writers:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._pool.shutdown(wait=True, cancel_futures=kind is not None)
-        while kind is None and self._open:
-            self._open.popleft().result()
+        try:
+            while kind is None and self._open:
+                self._finish_first()
+        finally:
+            # What is being written has to end before its folder can be removed.
+            self._pool.shutdown(wait=True, cancel_futures=True)
+
+    def _finish_first(self) -> None:
+        """Wait for the oldest file, with checkpoints; raises its error."""
+        first = self._open.popleft()
+        while not wait([first], STEP_S).done:
+            checkpoint()
+        first.result()

@@ -6,7 +6,7 @@ up to 5 ms to get it back from drawing: a fit that takes 1.3 s alone took 20 s w
 drawn one after the other (measured on two cores).
 
 The process is this Python with this program's module path. It answers on a pipe, with pickles that
-nobody else can write. If the window is killed, the next answer has no reader and ends the process.
+nobody else can write. If the window is killed, the process ends too.
 """
 
 from __future__ import annotations
@@ -15,13 +15,14 @@ import contextlib
 import json
 import os
 import pickle
-import signal
 import subprocess
 import sys
 import traceback
 from typing import Any, BinaryIO
 
+from relgloss_view.base.child import Child
 from relgloss_view.base.errors import InputError, RelglossError
+from relgloss_view.base.followed import follow
 from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.material.material import Material
 from relgloss_view.measure.table import Measurement
@@ -41,27 +42,23 @@ class FitProcess:
         self._path = path
         words = [sys.executable, "-P", "-c", _CODE, json.dumps(sys.path), path]
         try:
-            self._process = subprocess.Popen(
-                words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE
-            )
+            self._child = Child(words, followed=True, stdout=subprocess.PIPE)
         except (OSError, ValueError) as error:
             raise InputError(f"{path}: no process can be made to fit it ({error})") from error
 
     def run(self, progress: ProgressReport) -> tuple[Material, Measurement]:
         """Wait for the outcome; InputError for what is wrong with the file or ends the process."""
-        pipe = self._process.stdout
+        pipe = self._child.process.stdout
         assert pipe is not None
         try:
-            with pipe:
-                return self._outcome(pipe, progress)
+            return self._outcome(pipe, progress)
         finally:
-            self.stop()
-            self._process.wait()
+            self._child.close()
 
     def stop(self) -> None:
         """End the process now. It leaves nothing behind, for it writes no file."""
         with contextlib.suppress(OSError):
-            self._process.kill()
+            self._child.kill()
 
     def _outcome(
         self, pipe: BinaryIO | Any, progress: ProgressReport
@@ -85,7 +82,7 @@ class FitProcess:
 
 def answer(path: str) -> None:
     """What the process does: read, fit, and write the answers to standard output."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the window answers Ctrl-C in a terminal
+    follow()
     with contextlib.suppress(AttributeError, OSError):
         os.nice(NICENESS)
     # What a library prints must not come between the answers.

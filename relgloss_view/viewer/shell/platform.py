@@ -17,6 +17,7 @@ import glfw
 import numpy as np
 
 from relgloss_view.base.errors import GLUnavailableError
+from relgloss_view.base.interruptions import SIGNALS
 from relgloss_view.picture.gpu import probe
 from relgloss_view.picture.gpu.context import REMEDY as NO_GL_REMEDY
 
@@ -32,8 +33,11 @@ REMEDY = (
 
 @contextlib.contextmanager
 def terminating(close: Callable[[], None]) -> Iterator[None]:
-    """Let the request to terminate close the window as its user would, so that all is kept."""
-    if threading.current_thread() is not threading.main_thread():
+    """Let the request to terminate close the window as its user would, so that all is kept.
+
+    The command itself has handlers, and the window asks them.
+    """
+    if SIGNALS.caught or threading.current_thread() is not threading.main_thread():
         yield
         return
     numbers = [getattr(signal, name) for name in CLOSING if hasattr(signal, name)]

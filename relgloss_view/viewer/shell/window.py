@@ -14,6 +14,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from relgloss_view.base.arrays import Bytes
+from relgloss_view.base.interruptions import SIGNALS, uninterrupted
 
 # imgui_bundle first: it brings the GLFW that the glfw module then finds, so that both use one.
 from imgui_bundle import hello_imgui, imgui, immapp  # isort: skip
@@ -111,8 +112,13 @@ class Window:
     def run(self, frames: int | None = None) -> Bytes:
         """Draw so many frames, or until the window is closed; returns the last one, (H, W, 3).
 
+        A signal closes the window between two frames; the caller's next checkpoint raises it.
         Raises GLUnavailableError where no window can be opened.
         """
+        with uninterrupted(may_leave=True):
+            return self._run(frames)
+
+    def _run(self, frames: int | None) -> Bytes:
         open_platform(self.headless)
         params = self._params()
         try:
@@ -179,7 +185,7 @@ class Window:
         return pixel_pitch_m(self.handle)
 
     def _loop(self, params: hello_imgui.RunnerParams, frames: int | None) -> None:
-        while not params.app_shall_exit and self._error is None:
+        while not (params.app_shall_exit or self._error is not None or SIGNALS.noted):
             if frames is not None and self._drawn >= frames:
                 break
             if frames is None and not self._wait():
