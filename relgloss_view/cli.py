@@ -104,6 +104,8 @@ def _words_of(error: Exception, command: str) -> tuple[str, int] | None:
         return str(error), error.exit_status
     if isinstance(error, MemoryError):
         return f"out of memory; {LESS_MEMORY.get(command, 'close other programs')}", 1
+    if isinstance(error, OSError) and temporaries.is_no_folder(error):
+        return str(temporaries.no_temporary_folder()), 1
     if isinstance(error, OSError):  # of a file that the command has not named, never of a stream
         name = error.filename if error.filename is not None else "a file or a program"
         named = os.fsdecode(name) if isinstance(name, (str, bytes)) else str(name)
@@ -118,6 +120,7 @@ def _words_of(error: Exception, command: str) -> tuple[str, int] | None:
 def _run(words: list[str]) -> int:
     words = words[1:] if words[:1] == ["--"] else words
     words = words or [DEFAULT_COMMAND]
+    temporaries.prepare(words[1:])
     args = _parser(words).parse_args(words)
     args.argv = words
     SIGNALS.work()

@@ -106,7 +106,9 @@ CASES = {
         ("report",),
         ("in.sqlite",),
     ),
-    "export": Case(("experiment", "export", "in.sqlite", "-o", "a.csv"), ("a.csv",), ("in.sqlite",)),
+    "export": Case(
+        ("experiment", "export", "in.sqlite", "-o", "a.csv"), ("a.csv",), ("in.sqlite",)
+    ),
     "bench": Case(("bench", "--quick", "--size", "160x120", "-o", "bench"), ("bench",)),
     "doctor": Case(("doctor",)),
     "view screenshot": Case(

@@ -13,7 +13,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, Progress, table, warn
 from relgloss_view.base.words import sentence_case
-from relgloss_view.base.writing import check_writable, whole_file
+from relgloss_view.base.writing import check_writable, together, whole_file
 from relgloss_view.commands.matched import add_reference_option, reference_look
 from relgloss_view.commands.scene_options import (
     SAMPLE_METAVAR,
@@ -129,12 +129,11 @@ def run(args: argparse.Namespace) -> int:
     words = ""
     if reference is not None:
         words = _matched_words(reference, matched, len(samples), comparison.factor)
-    written = []
-    for name, output in zip(args.output, outputs, strict=True):
-        with decoration(f"{name}: the comparison", "its numbers are printed"):
+    with decoration("the comparison", "its numbers are printed") as drawn, together():
+        for output in outputs:
             _write(comparison, output, command, words)
-            written.append(name)
-    status = 0 if len(written) == len(outputs) else 1  # decorations, and what -o asks for
+    written = args.output if drawn.done else []
+    status = 0 if drawn.done else 1  # decorations, and what -o asks for
     if args.json:
         print(json.dumps({"outputs": written, "size": list(size), **as_numbers(comparison)}))
         return status

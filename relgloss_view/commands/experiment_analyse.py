@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from pathlib import Path
 from typing import Any
 
 from relgloss_view.base.errors import InputError
@@ -63,7 +64,6 @@ def run(args: argparse.Namespace) -> int:
         PAGE,
         RESULTS,
         earlier_files,
-        remove_stale,
         write_report,
     )
     from relgloss_view.experiment.report.results import FORMAT, as_numbers
@@ -77,7 +77,8 @@ def run(args: argparse.Namespace) -> int:
     if not 0 <= args.seed < 2**31:
         raise InputError(f"--seed {args.seed}: expected 0 to {2**31 - 1}")
     options = Options(args.draws, args.seed, args.observer_effects, args.zero)
-    folder = None
+    folder: Path | None = None
+    written: tuple[str, ...] = ()
     if args.output is not None:
         folder = own_folder(args.output, {RESULTS: FORMAT}, "report", alone=True)
     with scratch_folder() as lamps:
@@ -86,10 +87,8 @@ def run(args: argparse.Namespace) -> int:
             analysis = analyse(pool, options, progress)
             if folder is not None:
                 command = printable_command(args.argv)
-                earlier = earlier_files(folder)
-                with whole_folder(folder, last=RESULTS) as temporary:
+                with whole_folder(folder, RESULTS, earlier_files) as temporary:
                     written = write_report(temporary, analysis, command=command, progress=progress)
-                remove_stale(folder, earlier, written)
     print(json.dumps(as_numbers(analysis)) if args.json else summary(analysis))
     if folder is not None and not args.json:
         first = PAGE if PAGE in written else RESULTS

@@ -13,7 +13,7 @@ from relgloss_view.base.decoration import decoration
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, Progress, ProgressReport, table, warn
-from relgloss_view.base.writing import check_writable
+from relgloss_view.base.writing import check_writable, together
 from relgloss_view.commands.scene_options import SAMPLE_METAVAR, add_scene_options, scene_from
 from relgloss_view.picture.scene.look import viewed_look
 from relgloss_view.picture.scene.setting import Setting, share_words
@@ -114,17 +114,18 @@ def run(args: argparse.Namespace) -> int:
         grain = sample.look.sigma_n_deg if args.grain is None else args.grain
         compared = bool(argument.origin)
         curves.append(match_curve(reference, sample, grain_deg=grain, compare_setting=compared))
-    if args.write is not None:  # before all else that is written: there may be no proposal
-        _write_scene(args.write, scene, (first, samples[0]), reference, curves[0])
-    with Progress("match") as progress, open_renderer(args.backend) as renderer:
-        checked = _checked(renderer, reference, curves, progress)
     written = [] if args.write is None else [args.write]
     status = 0
-    if args.output is not None:
-        with decoration(f"{args.output}: the plot", "the curves are printed") as drawn:
-            write_match_plot(reference, curves, args.output)
-            written.insert(0, args.output)
-        status = 0 if drawn.done else 1  # the plot is a decoration, and what -o asks for
+    with together():
+        if args.write is not None:  # before all else that is written: there may be no proposal
+            _write_scene(args.write, scene, (first, samples[0]), reference, curves[0])
+        with Progress("match") as progress, open_renderer(args.backend) as renderer:
+            checked = _checked(renderer, reference, curves, progress)
+        if args.output is not None:
+            with decoration(f"{args.output}: the plot", "the curves are printed") as drawn:
+                write_match_plot(reference, curves, args.output)
+                written.insert(0, args.output)
+            status = 0 if drawn.done else 1  # the plot is a decoration, and what -o asks for
     if args.json:
         numbers: dict[str, Any] = {"outputs": written, "size": list(size), "note": CAVEAT}
         numbers |= as_numbers(reference, curves)

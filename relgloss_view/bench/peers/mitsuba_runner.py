@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib.util
 import json
 import math
@@ -10,7 +11,6 @@ import queue
 import re
 import subprocess
 import sys
-import tempfile
 import threading
 import time
 from pathlib import Path
@@ -20,6 +20,7 @@ from relgloss_view.base.child import Child
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.base.interruptions import STEP_S, checkpoint
 from relgloss_view.base.reading import printable
+from relgloss_view.base.temporaries import scratch_file
 from relgloss_view.bench.speed.scenes import ChartScene
 from relgloss_view.picture.model.view import Size
 
@@ -47,7 +48,8 @@ class MitsubaPeer:
         environment = dict(os.environ)
         if llvm is not None:
             environment[LLVM_VARIABLE] = llvm
-        self._complaints = tempfile.TemporaryFile()  # noqa: SIM115 - as long as the program
+        self._stack = contextlib.ExitStack()
+        self._complaints = self._stack.enter_context(scratch_file())
         self._child = Child(
             program(variant),
             stdin=subprocess.PIPE,
@@ -76,7 +78,7 @@ class MitsubaPeer:
     def release(self) -> None:
         """End the program."""
         self._child.close()
-        self._complaints.close()
+        self._stack.close()
 
     def _last_words(self) -> str:
         self._complaints.seek(0)
