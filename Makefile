@@ -3,6 +3,7 @@
 # make lint   ruff, mypy, shader compilers
 # make coverage   branch coverage of `make test`, with a page in out/coverage
 # make observers  the table of docs/experiment.md on simulated observers, into out/ (hours; OBSERVERS="--studies 5")
+# make interruptions   1,000 signals at random moments of every command (an hour; INTERRUPTIONS="--count 100")
 # make mutants    300 seeded faults in the heart: which of them does a test notice? (an hour)
 # make lock   renews requirements/ (LOCK=--upgrade: in the newest versions)
 # make dependencies   licences and known advisories of everything that is installed
@@ -20,7 +21,7 @@ endif
 # Worker processes of the tests; each has its own OpenGL context.
 WORKERS ?= 2
 
-.PHONY: demo test test-all coverage observers mutants lint format lock dependencies clean
+.PHONY: demo test test-all coverage observers interruptions mutants lint format lock dependencies clean
 
 demo: $(VENV)/.runtime
 	$(BIN)/python scripts/demo.py out
@@ -39,6 +40,10 @@ observers: $(VENV)/.runtime
 	mkdir -p out
 	$(BIN)/relgloss experiment simulate paper --kind all --truth cells --json $(OBSERVERS) > out/observers.json
 	$(BIN)/python scripts/observer_table.py out/observers.json | tee out/observers.md
+
+INTERRUPTIONS ?= --count 1000
+interruptions: $(VENV)/.development
+	$(BIN)/python scripts/interrupt.py --workers $(WORKERS) $(INTERRUPTIONS)
 
 # MUTANTS="--module tone --seed 2", for one part and other faults
 mutants: $(VENV)/.development

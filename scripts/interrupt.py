@@ -107,7 +107,9 @@ CASES = {
         ("in.sqlite",),
     ),
     "export": Case(
-        ("experiment", "export", "in.sqlite", "-o", "a.csv"), ("a.csv",), ("in.sqlite",)
+        ("experiment", "export", "in.sqlite", "-o", "a.csv"),
+        ("a.csv",),
+        ("in.sqlite",),
     ),
     "bench": Case(("bench", "--quick", "--size", "160x120", "-o", "bench"), ("bench",)),
     "doctor": Case(("doctor",)),
@@ -356,7 +358,7 @@ def whole(path: Path) -> bool:
                 return bool(file.channels())
         elif path.suffix == ".sqlite":
             with contextlib.closing(sqlite3.connect(path)) as opened:
-                return opened.execute("pragma integrity_check").fetchone() == ("ok",)
+                return bool(opened.execute("pragma integrity_check").fetchone() == ("ok",))
         return bool(content)
     except (OSError, ValueError, RuntimeError, sqlite3.Error):
         return False
@@ -391,7 +393,7 @@ def summary(trials: Sequence[Trial], usual_s: dict[str, float]) -> str:
                 str(len(faults) - crashes - traces),
                 f"{waits[len(waits) // 2]:.2f}",
                 f"{waits[-1]:.2f}",
-            )  # fmt: skip
+            )
         )
     return table(columns, rows)
 

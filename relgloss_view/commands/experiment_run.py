@@ -91,6 +91,7 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.viewer.trials.device import full_screen, read_profile
     from relgloss_view.viewer.trials.experimenter_line import continues
 
+    checkpoint()  # the imports have taken a while
     profile = None if args.display_profile is None else read_profile(args.display_profile)
     path, study = _session(args.study, args.output)
     open_platform(headless=False)  # where no window can show, no file is made

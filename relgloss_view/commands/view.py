@@ -112,6 +112,7 @@ def _interactive(args: argparse.Namespace) -> int:
     from relgloss_view.viewer.state.session import Autosave, Restored, restore, session_file
     from relgloss_view.viewer.state.state import State
 
+    checkpoint()  # the imports have taken a while
     check_display()
     opened = _opened(args.files)
     layout_path, session_path, faults = None, None, []

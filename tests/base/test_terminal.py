@@ -11,6 +11,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.terminal import (
     Column,
     Progress,
+    SafeStream,
     make_streams_safe,
     no_progress,
     table,
@@ -114,3 +115,40 @@ def test_a_table_and_the_bar_obey_nothing(monkeypatch):
 @pytest.mark.parametrize("text", [EVIL, "two\nlines", "a\x85b\u2028c"])
 def test_an_error_is_one_line_that_no_terminal_obeys(text):
     assert str(InputError(f"{text}: no rows")).isprintable()
+
+
+class Failing(io.StringIO):
+    """A stream that fails from its second text on."""
+
+    def __init__(self, error):
+        super().__init__()
+        self.error = error
+        self.asked = 0
+
+    def write(self, text):
+        self.asked += 1
+        if self.asked > 1:
+            raise self.error
+        return super().write(text)
+
+    def isatty(self):
+        return True
+
+
+@pytest.mark.parametrize("error", [BrokenPipeError(), OSError(28, "No space left on device")])
+def test_a_stream_that_fails_ends_printing_and_nothing_else(error):
+    stream = SafeStream(Failing(error))
+    for text in ("a", "b", "c"):
+        assert stream.write(text) == 1
+    stream.flush()
+    assert stream.fault is error
+    assert stream.stream.getvalue() == "a"
+    assert stream.stream.asked == 2
+
+
+def test_the_bar_outlives_its_terminal(monkeypatch):
+    """A terminal that is closed gives an input/output error to whoever prints."""
+    monkeypatch.setattr(sys, "stderr", Failing(OSError(5, "Input/output error")))
+    with Progress("fit") as progress:
+        assert progress(0.1, "a")
+        assert progress(0.2, "b")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import importlib
 import json
 import os
@@ -14,6 +15,7 @@ import pytest
 
 from relgloss_view import cli
 from relgloss_view.base.resources import asset
+from relgloss_view.experiment.session.records import read_record
 from relgloss_view.material.files import material_to_dict, save_material
 from relgloss_view.material.material import Material
 
@@ -55,6 +57,51 @@ class TestStreams:
         status, _, err = shell(f"relgloss {words} {redirection}", tmp_path)
         assert status == 1
         assert "standard output" in one_line(err)
+
+    @pytest.mark.parametrize(
+        ("words", "status"), [("--help", 1), ("--version", 1), ("gloss uncoated", 1), ("gloss", 2)]
+    )
+    def test_full_disk_behind_standard_output(self, tmp_path, words, status):
+        got, _, err = shell(f"relgloss {words} >/dev/full", tmp_path)
+        assert got == status
+        assert ("standard output: No space left on device" in err) == (status == 1)
+        assert "Exception ignored" not in err
+
+    def test_standard_error_never_changes_the_result(self, tmp_path):
+        assert shell("relgloss --version 2>/dev/full", tmp_path)[0] == 0
+        assert shell("relgloss gloss 2>/dev/full", tmp_path)[0] == 2
+        assert shell("relgloss gloss gone.json 2>/dev/full", tmp_path)[0] == 1
+
+    def test_broken_pipe_ends_printing_and_no_work(self, tmp_path):
+        words = (
+            "experiment simulate paper --set screen.width_px=64 --set screen.height_px=64 "
+            "--set grid.sigma_n_deg=[0,2] --set grid.c_fraction=[0.5,1] --truth cells "
+            "--observers 6 --echo -o s.sqlite"
+        )
+        line = f"({{ relgloss {words}; echo status $? >&2; }}) | head -n 1"
+        _, out, err = shell(line, tmp_path)
+        assert err == "status 0\n"
+        assert out.count(b"\n") == 1
+        assert len(read_record(tmp_path / "s.sqlite", tmp_path).answers) == 6 * 3 * 4
+
+    @pytest.mark.parametrize(
+        ("error", "says"),
+        [
+            (OSError(errno.ENOSPC, "No space left on device"), "No space left on device"),
+            (PermissionError(errno.EACCES, "Permission denied", "a\x1b.tmp"), "a\\x1b.tmp: Perm"),
+            (BrokenPipeError(errno.EPIPE, "Broken pipe"), "Broken pipe"),
+            (TimeoutError(), "TimeoutError"),
+        ],
+    )
+    def test_other_faults_are_not_those_of_a_stream(self, capsys, monkeypatch, error, says):
+        def fail(args):
+            raise error
+
+        monkeypatch.setattr("relgloss_view.commands.doctor.run", fail)
+        status, _, err = run(capsys, "doctor")
+        assert status == 1
+        assert says in one_line(err)
+        assert "standard output" not in err
 
     def test_closed_standard_error_is_no_fault(self, tmp_path):
         status, out, _ = shell("relgloss snapshot --size 16x16 -o a.png 2>&-", tmp_path)

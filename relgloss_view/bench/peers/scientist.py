@@ -11,6 +11,7 @@ import warnings
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
+from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.scene import Scene
 
@@ -31,6 +32,7 @@ def draw(scene: Scene, size: Size, sigma_n_deg: float, c_fraction: float, seed: 
     noisy = _tilt(normals, np.radians(sigma_n_deg), np.random.default_rng(seed))
     diffuse, specular = _brdf(scene, noisy, to_lamp, to_eye)
     light = np.pi * np.maximum(_dot(noisy, to_lamp), 0.0) * irradiance / white
+    checkpoint()
     picture = np.zeros((height, width, 3))
     picture[found] = _shown(scene, diffuse * light[:, None], specular * light[:, None], c_fraction)
     return picture
@@ -112,6 +114,7 @@ def _shown(scene: Scene, diffuse: Array, specular: Array, c_fraction: float) -> 
         import colour
 
         centres = scene.material.bands.centres_nm()
+        checkpoint()  # the import has taken a while
         shape = colour.SpectralShape(centres[0], centres[-1], centres[1] - centres[0])
         cmfs = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"].copy().align(shape)
         lamp = colour.SDS_ILLUMINANTS[scene.lamp.illuminant].copy().align(shape)

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from relgloss_view.base.arrays import Bytes
-from relgloss_view.base.interruptions import SIGNALS, uninterrupted
+from relgloss_view.base.interruptions import SIGNALS, checkpoint, uninterrupted
 
 # imgui_bundle first: it brings the GLFW that the glfw module then finds, so that both use one.
 from imgui_bundle import hello_imgui, imgui, immapp  # isort: skip
@@ -115,6 +115,7 @@ class Window:
         A signal closes the window between two frames; the caller's next checkpoint raises it.
         Raises GLUnavailableError where no window can be opened.
         """
+        checkpoint()
         with uninterrupted(may_leave=True):
             return self._run(frames)
 
