@@ -57,6 +57,7 @@ class Store:
         assert opened.tally is not None
         self._tally = self._next = opened.tally  #: what is written, and what the next write has
         self._file = os.path.realpath(path)
+        self._in_batch = False
         self.losses = opened.losses  #: what the file is known to lack of what was answered
         self._lamps = contextlib.ExitStack()
         try:
@@ -203,7 +204,10 @@ class Store:
         self, observer: Observer, trial: Trial, question: str, category: int, response_s: float,
         run: int,
     ) -> None:  # fmt: skip
-        """Keep an answer. When this returns it is on the disk, whatever happens next."""
+        """Keep an answer. When this returns it is on the disk, whatever happens next.
+
+        Within a `batch` it is there when that ends.
+        """
         place = (observer.number, trial.position)
         values = (question, category, round(1000.0 * response_s), run, _now())
         with self._writing() as connection:
@@ -212,7 +216,6 @@ class Store:
             )
             stimulus = (trial.sample, trial.setting, trial.repeat)
             self._next = self._next.answered((row.lastrowid, *place, *stimulus, *values))
-        tally.remember(self._file, self._tally)
 
     def undo(self, observer: Observer, run: int, *, drop_unanswered: bool = False) -> Trial | None:
         """Take the observer's last standing answer back; its trial, None where there is none.
@@ -240,7 +243,6 @@ class Store:
                     "(SELECT 1 FROM answer WHERE observer = ?1 AND position = trial.position)",
                     (observer.number, position),
                 )
-        tally.remember(self._file, self._tally)
         with damaged_rows(self.path):
             (trial,) = (t for t in self.trials(observer) if t.position == position)
         return trial
@@ -279,21 +281,39 @@ class Store:
             return self._connection.execute(query, values).fetchall()
 
     @contextlib.contextmanager
+    def batch(self) -> Iterator[None]:
+        """One transaction for all that the block writes: on the disk when it ends, or none of it.
+
+        For simulated observers: a transaction waits for the disk, however much is in it.
+        """
+        with self._writing():
+            self._in_batch = True
+            try:
+                yield
+            finally:
+                self._in_batch = False
+
+    @contextlib.contextmanager
     def _writing(self) -> Iterator[sqlite3.Connection]:
         """A transaction: on the disk when the block ends, undone where it can't be."""
         assert self._connection is not None
         with session_file.input_errors(self.path):
+            if self._in_batch:
+                yield self._connection
+                return
             self._connection.execute("BEGIN IMMEDIATE")
             try:
                 self._next = self._tally.written()
                 yield self._connection
                 tally.write_tally(self._connection, self._next)
                 self._connection.execute("COMMIT")
-                self._tally = self._next
             except BaseException:
                 with contextlib.suppress(sqlite3.Error):
                     self._connection.execute("ROLLBACK")
                 raise
+            before, self._tally = self._tally, self._next
+        if (before.answers, before.undone) != (self._tally.answers, self._tally.undone):
+            tally.remember(self._file, self._tally)
 
 
 def _free_name(taken: set[str]) -> str:

@@ -148,9 +148,10 @@ def hot_journal(file):
         connection.execute("PRAGMA cache_size = 1")
         connection.execute("PRAGMA cache_spill = 1")  # so that the file is written before the end
         connection.execute("BEGIN")
-        connection.execute("UPDATE answer SET category = 4, question = 'ratio'")
-        connection.execute("UPDATE tally SET answers = answers + 1")
-        connection.execute("UPDATE observer SET name = 'other'")
+        connection.execute("UPDATE answer SET category = 4")
+        with contextlib.suppress(sqlite3.Error):  # the former version has none
+            connection.execute("UPDATE tally SET answers = answers + 1")
+        connection.execute("UPDATE observer SET begun_utc = 'other'")
         connection.execute("UPDATE study SET version = 'other'")
         connection.execute("UPDATE run SET version = 'other'")
         journal = Path(f"{file}-journal").read_bytes()

@@ -299,19 +299,20 @@ class TestJournal:
                 opener()
 
 
+@pytest.fixture(scope="module")
+def killed(tmp_path_factory):
+    """As it was left by a kill, with 40 answers or more, all of them in the log alone."""
+    file = tmp_path_factory.mktemp("former") / "s.sqlite"
+    words = [sys.executable, answering.__file__, str(file), "former"]
+    with subprocess.Popen(words, stdout=subprocess.PIPE) as process:
+        for _ in range(40):
+            process.stdout.readline()
+        process.kill()
+    return file
+
+
 class TestFormerVersion:
     """Files that were written into a log, closed or left by a kill."""
-
-    @pytest.fixture(scope="class")
-    def killed(self, tmp_path_factory):
-        """As it was left by a kill, with 40 answers or more, all of them in the log alone."""
-        file = tmp_path_factory.mktemp("former") / "s.sqlite"
-        words = [sys.executable, answering.__file__, str(file), "former"]
-        with subprocess.Popen(words, stdout=subprocess.PIPE) as process:
-            for _ in range(40):
-                process.stdout.readline()
-            process.kill()
-        return file
 
     def copied(self, killed, tmp_path, change=lambda log: log):
         for part in killed.parent.iterdir():
