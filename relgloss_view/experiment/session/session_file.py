@@ -124,6 +124,23 @@ def choose_journal(
     connection.execute("PRAGMA fullfsync = ON")  # macOS: fsync alone leaves it to the disk
 
 
+def whereabouts(file: str) -> tuple[tuple[int, int] | None, ...]:
+    """Which files lie at the names of an open session and of its journal; None where none does.
+
+    A program that goes on writing into a file that was replaced stores answers nowhere, and one
+    whose journal was removed leaves half a write if it is killed.
+    """
+    there: list[tuple[int, int] | None] = []
+    for name in (file, f"{file}{JOURNAL}"):
+        try:
+            status = os.lstat(name)
+        except OSError:
+            there.append(None)
+        else:
+            there.append((status.st_dev, status.st_ino))
+    return tuple(there)
+
+
 def close(connection: sqlite3.Connection, path: str | os.PathLike[str]) -> None:
     """Close it so that one plain file is left: the journal, which is void, is removed."""
     # A disk that failed may refuse that; a void journal beside the file does no harm.

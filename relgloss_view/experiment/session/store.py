@@ -58,6 +58,7 @@ class Store:
         self._tally = self._next = opened.tally  #: what is written, and what the next write has
         self._file = os.path.realpath(path)
         self._in_batch = False
+        self._whereabouts: tuple[object, ...] | None = None  #: from the first write on
         self.losses = opened.losses  #: what the file is known to lack of what was answered
         self._lamps = contextlib.ExitStack()
         try:
@@ -301,6 +302,7 @@ class Store:
             if self._in_batch:
                 yield self._connection
                 return
+            self._check_whereabouts()
             self._connection.execute("BEGIN IMMEDIATE")
             try:
                 self._next = self._tally.written()
@@ -312,8 +314,20 @@ class Store:
                     self._connection.execute("ROLLBACK")
                 raise
             before, self._tally = self._tally, self._next
+            if self._whereabouts is None:
+                self._whereabouts = session_file.whereabouts(self._file)
         if (before.answers, before.undone) != (self._tally.answers, self._tally.undone):
             tally.remember(self._file, self._tally)
+
+
+    def _check_whereabouts(self) -> None:
+        """Raise InputError where the file or its journal is not what this program has open."""
+        known = self._whereabouts
+        if known is not None and session_file.whereabouts(self._file) != known:
+            raise InputError(
+                f"{printable(self.path)}: the file, or {printable(self.path.name)}-journal, was "
+                "moved, replaced or removed while it is in use; put it back, or end here"
+            )
 
 
 def _free_name(taken: set[str]) -> str:

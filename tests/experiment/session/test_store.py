@@ -109,6 +109,29 @@ class TestOneProgramAlone:
             pass
 
 
+class TestTakenAway:
+    """What lies at the file's name is not what the program writes into."""
+
+    @pytest.mark.parametrize("suffix", ["", "-journal"])
+    def test_no_answer_goes_nowhere(self, file, suffix):
+        with Store(file, study(grid=SMALL)) as store:
+            flow = started(store)
+            answer(flow)
+            os.rename(f"{file}{suffix}", f"{file}.away")
+            trial = flow.trial
+            for replacement in (False, True):
+                if replacement:
+                    shutil.copyfile(f"{file}.away", f"{file}{suffix}")
+                flow.shown()
+                flow._clock.now_s += 1.0
+                with pytest.raises(InputError, match="moved, replaced or removed"):
+                    flow.answer(1)
+                assert flow.trial == trial
+            os.replace(f"{file}.away", f"{file}{suffix}")
+            answer(flow)  # it is put back
+        assert len(read_record(file, file.parent).answers) == 2
+
+
 class TestObservers:
     def test_pseudonyms(self, file):
         with Store(file, study(grid=SMALL)) as store:
