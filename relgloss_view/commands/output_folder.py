@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping
 from pathlib import Path
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.reading import read_text
+from relgloss_view.base.json_files import read_json
 from relgloss_view.base.temporaries import is_temporary
 
-MAX_BYTES = 64 * 1024 * 1024  #: of the JSON file that marks a folder as a command's own
+#: Of the JSON file that marks a folder as a command's own.
+MAX_BYTES, MOST_VALUES = 64 * 1024 * 1024, 5_000_000
 
 
 def own_folder(name: str, ours: Mapping[str, str], what: str, *, alone: bool = False) -> Path:
@@ -45,6 +45,6 @@ def _empty(folder: Path) -> bool:
 
 def _format(file: Path) -> object:
     try:
-        return json.loads(read_text(file, MAX_BYTES, "a manifest"))["format"]
-    except (InputError, ValueError, LookupError, TypeError, RecursionError):
+        return read_json(file, MAX_BYTES, "a manifest", most_values=MOST_VALUES)["format"]
+    except (InputError, LookupError, TypeError):
         return None
