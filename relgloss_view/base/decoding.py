@@ -10,7 +10,7 @@ from relgloss_view.base.errors import InputError
 #: A UTF-16 text of Latin letters and digits has a zero in nearly every second byte, and there only.
 _MOST_ZEROS, _FEWEST_ZEROS = 0.7, 0.02
 #: A text in a code page of Europe has fewer letters beyond ASCII than this share of its bytes.
-_MOST_BEYOND_ASCII = 0.3
+MOST_BEYOND_ASCII = 0.3
 _LOOKED_AT = 4096  #: bytes; even, so that pairs stay pairs
 _MARKS = (
     (codecs.BOM_UTF32_LE, "utf-32"),  # before UTF-16's, which is how it begins
@@ -103,7 +103,7 @@ def first_byte_of_no_text(beginning: bytes) -> int | None:
 
 
 def _mostly_ascii(data: bytes) -> bool:
-    return len(data.translate(None, bytes(range(128)))) <= _MOST_BEYOND_ASCII * len(data) + 2
+    return len(data.translate(None, bytes(range(128)))) <= MOST_BEYOND_ASCII * len(data) + 2
 
 
 def _wide(data: bytes, encoding: str, place: str) -> str:

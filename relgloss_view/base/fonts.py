@@ -7,18 +7,16 @@ Hebrew), the files that RELGLOSS_FONTS names, and the system's fonts for Chinese
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import importlib.util
 import os
 import sys
 import unicodedata
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from relgloss_view.base import child
+from relgloss_view.base import child, font_tables
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import check_regular, printable
 
@@ -239,27 +237,9 @@ def _by_fontconfig(language: str) -> FontFile | None:
 
 @functools.cache
 def _characters(file: FontFile) -> frozenset[int]:
-    with _opened(file) as font:
-        return frozenset(font["cmap"].getBestCmap() or ())
+    return font_tables.characters(file.path, file.index, EXPECTED)
 
 
 @functools.cache
 def _height_em(file: FontFile) -> float:
-    with _opened(file) as font:
-        line = font["hhea"]
-        return float((line.ascent - line.descent) / font["head"].unitsPerEm)
-
-
-@contextlib.contextmanager
-def _opened(file: FontFile) -> Iterator[Any]:
-    """The tables of a font. Raises InputError where it is none."""
-    from fontTools.ttLib import TTFont
-
-    try:
-        with open(file.path, "rb") as data:
-            yield TTFont(data, fontNumber=file.index, lazy=True)
-    except Exception as error:  # the reader of fonts raises whatever a broken table leads to
-        kind = type(error).__name__
-        raise InputError(
-            f"{printable(file.path)}: not a font that can be read ({kind}); give {EXPECTED}"
-        ) from None
+    return font_tables.height_em(file.path, file.index, EXPECTED)

@@ -2,25 +2,51 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import numbers
 import os
 import stat
+from collections.abc import Iterator
 from pathlib import Path
-from typing import NoReturn
+from typing import BinaryIO, NoReturn
 
-from relgloss_view.base.errors import InputError
+from relgloss_view.base.errors import InputError, RelglossError
 from relgloss_view.base.visible import visible
 
 SHOWN = 60  #: characters of a wrong value that a message shows
+READ_AT_ONCE = 1 << 20  #: bytes of a file that is larger than it claims
+#: A terminal is not taken over either; other systems than Unix have neither flag.
+_WITHOUT_WAITING = (
+    getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
+)
+
+
+def open_regular(path: str | os.PathLike[str], expected: str) -> BinaryIO:
+    """A regular file, opened to be read; InputError that names the kind of anything else.
+
+    expected: the wanted kind of file for the message, as in "a scene file (TOML)". Devices never
+    end and pipes may never begin. What is opened is checked, so that no exchange of names between
+    check and opening lets one in; a pipe that gets there is opened without waiting for its writer.
+    """
+    check_regular(path, expected)
+    try:
+        handle = os.open(path, os.O_RDONLY | _WITHOUT_WAITING)
+    except (OSError, ValueError) as error:
+        raise unreadable(path, error, expected) from None
+    try:
+        _check_kind(path, os.fstat(handle).st_mode, expected)
+        return os.fdopen(handle, "rb")
+    except BaseException:
+        os.close(handle)
+        raise
 
 
 def check_regular(path: str | os.PathLike[str], expected: str) -> Path:
-    """The path, if it is a regular file; InputError that names the kind of anything else.
+    """The path, if a regular file has that name; InputError as open_regular.
 
-    expected: the wanted kind of file for the message, as in "a scene file (TOML)". Devices never
-    end and pipes may never begin, so neither is opened.
+    For libraries that open a file by its name. Whoever reads it here calls open_regular.
     """
     try:
         if not os.fspath(path):
@@ -28,10 +54,14 @@ def check_regular(path: str | os.PathLike[str], expected: str) -> Path:
         mode = os.stat(path).st_mode
     except (OSError, ValueError) as error:
         raise unreadable(path, error, expected) from None
+    _check_kind(path, mode, expected)
+    return Path(path)
+
+
+def _check_kind(path: str | os.PathLike[str], mode: int, expected: str) -> None:
     if not stat.S_ISREG(mode):
         kind = "a folder" if stat.S_ISDIR(mode) else "not a regular file"
         raise InputError(f"{path}: this is {kind}; give {expected}")
-    return Path(path)
 
 
 def read_text(path: str | os.PathLike[str], most_bytes: int, expected: str) -> str:
@@ -51,15 +81,65 @@ def read_text(path: str | os.PathLike[str], most_bytes: int, expected: str) -> s
 
 def read_bytes(path: str | os.PathLike[str], most_bytes: int, expected: str) -> bytes:
     """The bytes of a regular file of at most `most_bytes`; InputError as read_text."""
-    file = check_regular(path, expected)
+    with open_regular(path, expected) as file:
+        return read_opened(file, path, most_bytes, expected)
+
+
+def read_opened(
+    file: BinaryIO, path: str | os.PathLike[str], most_bytes: int, expected: str
+) -> bytes:
+    """The bytes of an opened file from its present place on, at most `most_bytes`.
+
+    path: for messages. Memory is taken for what the file holds, and not for what it may hold.
+    Raises InputError.
+    """
     try:
-        with file.open("rb") as opened:
-            data = opened.read(most_bytes + 1)
+        size = os.fstat(file.fileno()).st_size
+        data = file.read(min(size, most_bytes) + 1)
+        # Files of the system, and those that grow, hold more than they claim.
+        while size < len(data) <= most_bytes:
+            more = file.read(min(most_bytes + 1 - len(data), READ_AT_ONCE))
+            if not more:
+                break
+            data += more
     except OSError as error:
-        raise unreadable(file, error, expected) from None
+        raise unreadable(path, error, expected) from None
     if len(data) > most_bytes:
-        raise InputError(f"{file}: larger than {most_bytes} bytes; give {expected}")
+        raise InputError(f"{path}: larger than {most_bytes} bytes; give {expected}")
     return data
+
+
+def read_beginning(path: str | os.PathLike[str], count: int, expected: str) -> bytes:
+    """At most `count` bytes from the beginning of a regular file; InputError as open_regular."""
+    with open_regular(path, expected) as file:
+        try:
+            return file.read(count)
+        except OSError as error:
+            raise unreadable(path, error, expected) from None
+
+
+@contextlib.contextmanager
+def decoding(path: str | os.PathLike[str], expected: str) -> Iterator[None]:
+    """Turn whatever a decoder raises on the content of a file into one InputError line.
+
+    Libraries that decode files raise what their code happens to raise on damaged ones: KeyError,
+    AttributeError, OverflowError, MemoryError. The faults that have a reason of their own are
+    found before; this is the net below them. Errors of the system become `unreadable`, and
+    InputError and errors beyond Exception pass.
+    """
+    try:
+        yield
+    except RelglossError:
+        raise
+    except OSError as error:
+        raise unreadable(path, error, expected) from error
+    except MemoryError as error:
+        raise InputError(f"{path}: not enough memory to read it; give {expected}") from error
+    except RecursionError as error:
+        raise InputError(f"{path}: its parts are nested too deeply; give {expected}") from error
+    except Exception as error:
+        kind = type(error).__name__
+        raise InputError(f"{path}: can't be decoded ({kind}); give {expected}") from error
 
 
 def unreadable(

@@ -5,18 +5,15 @@ from __future__ import annotations
 import dataclasses
 import numbers
 import os
-import re
 import tomllib
 from collections.abc import Mapping
 from typing import Any
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.reading import printable, read_text, refuse
+from relgloss_view.base.nesting import check_toml
+from relgloss_view.base.reading import decoding, printable, read_text, refuse
 from relgloss_view.base.writing import whole_file
 
-MOST_PARTS = 8  #: of a dotted key; no file of this program has more than 3
-_PART = r"""(?:[A-Za-z0-9_-]+|"[^"\n]*"|'[^'\n]*')[ \t]*"""
-_LONG_KEY = re.compile(rf"(?:^|[{{,\[])[ \t]*(?:{_PART}\.[ \t]*){{{MOST_PARTS}}}", re.MULTILINE)
 AUTO = "auto"  #: the text of an optional entry whose value is None
 
 
@@ -26,25 +23,28 @@ def read_toml(path: str | os.PathLike[str], most_bytes: int, expected: str) -> d
     expected: the wanted kind of file for the message. Raises InputError.
     """
     written = read_text(path, most_bytes, expected)
-    try:
-        return parse_toml(written)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: not TOML: {printable(error)}") from error
-    except RecursionError as error:
-        raise InputError(f"{path}: lists or tables are nested too deeply") from error
-    except ValueError as error:  # a whole number longer than Python reads
-        raise InputError(f"{path}: a number has too many digits") from error
+    with decoding(path, expected):
+        try:
+            return parse_toml(written)
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from error
 
 
 def parse_toml(written: str) -> dict[str, Any]:
-    """The tables of a TOML text. Raises what tomllib raises.
+    """The tables of a TOML text. Raises InputError, without a file's name.
 
-    RecursionError also for a key of very many parts, as in a.a.a = 1: the time that tomllib takes
-    for it grows with the square of their number, to 6 s for 20,000.
+    What the text asks for is counted first (nesting.py), and texts that would take more time and
+    memory than any file of this program are refused.
     """
-    if _LONG_KEY.search(written):
-        raise RecursionError
-    return tomllib.loads(written)
+    check_toml(written)
+    try:
+        return tomllib.loads(written)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"not TOML: {printable(error)}") from error
+    except RecursionError as error:
+        raise InputError("lists or tables are nested too deeply") from error
+    except ValueError as error:  # a date that no calendar has
+        raise InputError(f"not TOML: {printable(error)}") from error
 
 
 def write_toml(path: str | os.PathLike[str], tables: Mapping[str, Any]) -> None:

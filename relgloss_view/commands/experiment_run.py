@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.interruptions import checkpoint
-from relgloss_view.base.reading import printable
+from relgloss_view.base.reading import printable, read_beginning
 from relgloss_view.base.shell import command_line, operand, option
 from relgloss_view.base.terminal import Progress, warn
 from relgloss_view.commands.scene_options import size_of_text
@@ -161,12 +161,8 @@ def _session(argument: str, output: str | None) -> tuple[Path, Study | None]:
 
 def _is_sqlite(argument: str) -> bool:
     try:
-        path = Path(argument)
-        if not path.is_file():
-            return False
-        with path.open("rb") as file:
-            return file.read(len(SQLITE)) == SQLITE
-    except (OSError, ValueError):  # told by whoever reads it as a study
+        return read_beginning(argument, len(SQLITE), "a session") == SQLITE
+    except InputError:  # reported by whoever reads it as a study
         return False
 
 

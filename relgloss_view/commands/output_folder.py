@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 from collections.abc import Mapping
 from pathlib import Path
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.reading import read_text
+from relgloss_view.base.json_files import read_json
 from relgloss_view.base.temporaries import is_temporary, sweep
 
 EXPECTED = "a manifest"
-MAX_BYTES = 64 * 1024 * 1024  #: of the JSON file that marks a folder as a command's own
+#: Of the JSON file that marks a folder as a command's own.
+MAX_BYTES, MOST_VALUES = 64 * 1024 * 1024, 5_000_000
 
 
 def own_folder(name: str, ours: Mapping[str, str], what: str, *, alone: bool = False) -> Path:
@@ -47,9 +47,9 @@ def own_folder(name: str, ours: Mapping[str, str], what: str, *, alone: bool = F
 def stimuli_files(folder: Path, manifest: str) -> list[str]:
     """Names of the pictures that a manifest in a folder lists, as a former run wrote them."""
     try:
-        content = json.loads(read_text(folder / manifest, MAX_BYTES, EXPECTED))
+        content = read_json(folder / manifest, MAX_BYTES, EXPECTED, most_values=MOST_VALUES)
         return [str(entry["file"]) for entry in content["stimuli"]]
-    except (InputError, ValueError, LookupError, TypeError, RecursionError):
+    except (InputError, LookupError, TypeError):
         return []
 
 
@@ -60,6 +60,6 @@ def _empty(folder: Path) -> bool:
 
 def _format(file: Path) -> object:
     try:
-        return json.loads(read_text(file, MAX_BYTES, EXPECTED))["format"]
-    except (InputError, ValueError, LookupError, TypeError, RecursionError):
+        return read_json(file, MAX_BYTES, EXPECTED, most_values=MOST_VALUES)["format"]
+    except (InputError, LookupError, TypeError):
         return None

@@ -45,5 +45,5 @@ def _value(text: str) -> object:
     """A value as the study file has it: TOML, or a bare word."""
     try:
         return parse_toml(f"value = {text}")["value"]
-    except (ValueError, RecursionError):
+    except InputError:
         return text

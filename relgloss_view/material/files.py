@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, NoReturn
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.nesting import check_json
 from relgloss_view.base.reading import printable, read_text, refuse, text
 from relgloss_view.base.writing import whole_file
 from relgloss_view.material.material import MAX_LOBES, Diffuse, FitRecord, Lobe, Material, Quality
@@ -103,6 +104,7 @@ def load_material(path: str | os.PathLike[str]) -> Material:
     read = read_text(path, MAX_BYTES, "a material file (JSON)")
     remedy = "a material is written by `relgloss fit`"
     try:
+        check_json(read)
         content = json.loads(
             read, parse_constant=_no_constant, parse_int=_integer, object_pairs_hook=_unique
         )

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,7 +14,8 @@ from relgloss_view.base.arrays import Array
 from relgloss_view.base.decoding import decoded
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.foreign import HEAD_BYTES, refuse_foreign
-from relgloss_view.base.reading import printable, read_bytes
+from relgloss_view.base.reading import decoding, printable, read_beginning, read_bytes
+from relgloss_view.base.text_lines import TextLines
 
 MAX_BYTES = 16 * 1024 * 1024
 EXPECTED = "a lamp file of wavelength (nm) and power"
@@ -26,6 +29,8 @@ OBSERVER_NM = (360.0, 830.0)  #: outside, nothing is seen (CIE 1931)
 MOST_STEP_NM = 10.0
 MOST_TITLES = 200  #: lines of words above the numbers
 LONGEST_LINE = 4000  #: characters
+MOST_ROWS = 100_000  #: wavelengths; from 200 to 1200 nm in steps of 0.01
+MOST_LINES = 1_000_000
 
 _NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eEdD][+-]?\d+)?", re.ASCII)
 _NOTHING = frozenset(
@@ -56,11 +61,33 @@ def read_lamp(path: Path) -> LampTable:
     their neighbours; noise below zero is read as zero. Raises InputError that names line or
     wavelength, and the remedy.
     """
-    data = read_bytes(path, MAX_BYTES, EXPECTED)
-    refuse_foreign(data[:HEAD_BYTES], path)
-    content = decoded(data, str(path))
-    notes = [content.note] if content.note else []
-    rows = _rows(path, content.text)
+    refuse_foreign(read_beginning(path, HEAD_BYTES, EXPECTED), path)
+    with decoding(path, EXPECTED):
+        return _lamp(path)
+
+
+def lamp_bytes(path: str | os.PathLike[str]) -> bytes:
+    """A lamp's file as it is, to be kept beside what was drawn with it. Raises InputError."""
+    return read_bytes(path, MAX_BYTES, EXPECTED)
+
+
+def lamp_text(path: str | os.PathLike[str]) -> str:
+    """The text of a lamp's file, its lines ended by \\n, to be kept with a study.
+
+    Raises InputError.
+    """
+    data = lamp_bytes(path)
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = decoded(data, os.fspath(path)).text
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _lamp(path: Path) -> LampTable:
+    with TextLines(path, EXPECTED, most_bytes=MAX_BYTES, most_lines=MOST_LINES) as text:
+        rows = _rows(path, text.lines())
+        notes = [text.note] if text.note else []
     if len(rows) < 3:
         raise _too_little(path)
     nm, power = _in_order(path, rows, notes)
@@ -71,11 +98,10 @@ def read_lamp(path: Path) -> LampTable:
     return LampTable(tuple(map(float, nm)), tuple(map(float, power)), tuple(notes))
 
 
-def _rows(path: Path, text: str) -> list[_Row]:
+def _rows(path: Path, lines: Iterable[str]) -> list[_Row]:
     rows: list[_Row] = []
     titles = 0
     ended: tuple[int, str] | None = None
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     for number, line in enumerate(lines, 1):
         fields = _fields(line) if len(line) <= LONGEST_LINE else [line[:40]]
         if not any(fields) or fields[0].startswith("#"):
@@ -91,6 +117,11 @@ def _rows(path: Path, text: str) -> list[_Row]:
             continue
         if ended is not None:
             raise _wrong(path, *ended)
+        if len(rows) == MOST_ROWS:
+            raise InputError(
+                f"{path}: more than {MOST_ROWS} wavelengths; a lamp needs no finer steps than "
+                "0.01 nm, so thin it out"
+            )
         rows.append(row)
     if ended is not None and _NUMBER.fullmatch(_fields(ended[1])[0]):
         raise _wrong(path, *ended)

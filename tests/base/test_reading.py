@@ -57,7 +57,7 @@ def test_no_more_than_the_limit_is_read(tmp_path):
         ("a = " + "[" * 400 + "]" * 400, ""),
         ("[look]\nseed = " + "9" * 5000, "too many digits"),
         ("[look]\nseed = 0x" + "f" * 5000, "scene.toml"),
-        ("[lamp]\nazimuth_deg = 0x" + "f" * 5000, "too large"),
+        ("[lamp]\nazimuth_deg = 0x" + "f" * 900, "too large"),
         ("[lamp]\nazimuth_deg = 1979-05-27", "azimuth_deg"),
         ('[sample]\nmaterial = "\\u0000"', "null"),
         ('[lamp]\nilluminant = "\\u0000.csv"', "null"),
@@ -113,7 +113,7 @@ def test_keys_of_very_many_parts_are_never_parsed(monkeypatch, tmp_path, text):
     path = tmp_path / "scene.toml"
     path.write_text(text)
     monkeypatch.setattr("tomllib.loads", lambda _: pytest.fail("parsed"))
-    assert "nested too deeply" in refused(load_scene, path)
+    assert "a key of more than 8 parts" in refused(load_scene, path)
 
 
 def test_keys_of_a_few_parts_are(tmp_path):

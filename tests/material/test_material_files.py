@@ -225,7 +225,7 @@ def test_a_byte_order_mark_is_no_fault(tmp_path):
     ("text", "says"),
     [
         ("[" * 100_000, "nested too deeply"),
-        ('{"format": ' + "[" * 700 + "]" * 700 + "}", "format"),
+        ('{"format": ' + "[" * 700 + "]" * 700 + "}", "nested too deeply"),
         ('{"seed": ' + "9" * 5000 + "}", "a number of 5000 digits"),
         ('{"name": "\\ud800"}', "lone surrogate"),
         ('{"format": "relgloss-material", "version": 1, "fit": 1e999}', "basis"),

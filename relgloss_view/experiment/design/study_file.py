@@ -21,6 +21,7 @@ from relgloss_view.base.toml import build_part, entries, read_toml
 from relgloss_view.experiment.design.grid import Grid, share_of
 from relgloss_view.experiment.design.study import Adaptive, Procedure, Screen, Study, StudySample
 from relgloss_view.material.files import material_from_dict, material_to_dict
+from relgloss_view.material.lamp_file import lamp_text
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, SAMPLES, Sample
@@ -176,7 +177,7 @@ def study_to_dict(study: Study) -> dict[str, Any]:
         **{name: entries(getattr(study, name)) for name in PARTS},
         **{name: entries(part) for name, part in study.setup.parts().items()},
         "look": entries(study.look),
-        "lamp_table": None if is_lamp_name(lamp) else Path(lamp).read_text(encoding="utf-8-sig"),
+        "lamp_table": None if is_lamp_name(lamp) else lamp_text(lamp),
     }  # fmt: skip
 
 

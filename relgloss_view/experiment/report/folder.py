@@ -7,7 +7,7 @@ from pathlib import Path
 
 from relgloss_view.base.decoration import decoration
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.reading import read_text
+from relgloss_view.base.json_files import read_json
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.experiment.report.file_names import file_names
 from relgloss_view.experiment.report.page import report_page
@@ -18,7 +18,7 @@ from relgloss_view.experiment.report.tables import write_tables
 from relgloss_view.experiment.verdict.analysis import Analysis
 
 PAGE, RESULTS = "report.html", "results.json"  #: results.json says whose a folder is
-MAX_BYTES = 64 * 1024 * 1024
+MAX_BYTES, MOST_VALUES = 64 * 1024 * 1024, 5_000_000  #: of results.json
 PLOTS_SHARE = 0.95  #: of the time
 
 
@@ -64,8 +64,9 @@ def earlier_files(folder: Path) -> tuple[str, ...]:
     that declares none.
     """
     try:
-        written = json.loads(read_text(folder / RESULTS, MAX_BYTES, "results"))["written"]
-    except (InputError, ValueError, LookupError, TypeError, RecursionError):
+        content = read_json(folder / RESULTS, MAX_BYTES, "results", most_values=MOST_VALUES)
+        written = content["written"]
+    except (InputError, LookupError, TypeError):
         return ()
     names = written if isinstance(written, list) else []
     return tuple(n for n in names if isinstance(n, str) and _is_plain(folder, n))

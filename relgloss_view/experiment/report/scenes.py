@@ -10,6 +10,7 @@ from relgloss_view.experiment.report.chosen_setting import chosen_setting
 from relgloss_view.experiment.verdict.analysis import Analysis
 from relgloss_view.gloss.match import absolute_c
 from relgloss_view.material.files import save_material
+from relgloss_view.material.lamp_file import lamp_bytes
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.match import MOST_C, Match
@@ -83,5 +84,5 @@ def _lamp_in(folder: Path, lamp: Lamp) -> Lamp:
     """The lamp as scenes in the folder name it."""
     if is_lamp_name(lamp.illuminant):
         return lamp
-    (folder / LAMP).write_bytes(Path(lamp.illuminant).read_bytes())
+    (folder / LAMP).write_bytes(lamp_bytes(lamp.illuminant))
     return dataclasses.replace(lamp, illuminant=str(folder / LAMP))

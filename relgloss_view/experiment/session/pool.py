@@ -17,6 +17,7 @@ from relgloss_view.base.reading import printable
 from relgloss_view.experiment.design.study import Procedure, Study
 from relgloss_view.experiment.session.losses import warnings
 from relgloss_view.experiment.session.records import SIMULATED, Answer, Record, read_record
+from relgloss_view.material.lamp_file import lamp_text
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.setup import Lamp
 
@@ -163,4 +164,4 @@ def _judged_parts(study: Study) -> dict[str, Any]:
 def _lamp(lamp: Lamp) -> str:
     """What tells one lamp from another: its name, or what its table says, wherever that lies."""
     name = lamp.illuminant
-    return name if is_lamp_name(name) else Path(name).read_text(encoding="utf-8-sig")
+    return name if is_lamp_name(name) else lamp_text(name)

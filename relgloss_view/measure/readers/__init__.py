@@ -8,7 +8,7 @@ from pathlib import Path
 from relgloss_view.base.decoding import wide_encoding
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.foreign import HEAD_BYTES, refuse_foreign
-from relgloss_view.base.reading import check_regular, unreadable
+from relgloss_view.base.reading import decoding, read_beginning
 from relgloss_view.measure.quantity import BRDF, canonical_quantity
 from relgloss_view.measure.readers import csv_table, gcms, generic, merl, rgl, tensor_file
 from relgloss_view.measure.readers.built_in import table_file
@@ -59,10 +59,8 @@ def read_measurement(
     relgloss_view.base.errors.InputError: no-such.csv: can't be read (No such file or directory)...
     """
     file = table_file(path)
-    try:
+    with decoding(path, EXPECTED):
         measurement = _read(file, quantity, gamma_s_deg, angle_unit, mirror)
-    except OSError as error:
-        raise unreadable(path, error, EXPECTED) from None
     return replace(measurement, file=str(file))
 
 
@@ -73,8 +71,7 @@ def _read(
     angle_unit: str | None,
     mirror: str | None,
 ) -> Measurement:
-    with check_regular(path, EXPECTED).open("rb") as file:
-        head = file.read(HEAD_BYTES)
+    head = read_beginning(path, HEAD_BYTES, EXPECTED)
 
     # A file cut off inside the magic number is a damaged .bsdf too.
     if head and tensor_file.MAGIC.startswith(head[: len(tensor_file.MAGIC)]):

@@ -8,16 +8,16 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Ints
-from relgloss_view.base.decoding import decoded
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
+from relgloss_view.base.text_lines import TextLines
 from relgloss_view.measure.readers.cells import is_number
 from relgloss_view.measure.readers.headings import RADIANS, AngleHeading, angle_heading, is_band
 from relgloss_view.measure.readers.rows import Header, RowReader, Rows, has_decimal_commas, split
@@ -27,10 +27,15 @@ MAX_BYTES = 1_000_000_000
 MAX_ROWS = 5_000_000
 MAX_LINES = 6_000_000  #: with comments and blank lines
 MAX_COLUMNS = 10_000
+MAX_VALUES = 100_000_000  #: rows times columns: 0.8 GB, and a measurement takes that a few times
 #: No reading comes near: a mirror-like lobe of 0.1 degrees at grazing incidence reaches 1e5.
 MAX_MAGNITUDE = 1e12
 MOST_TITLES = 200  #: lines above the header
 MOST_LOOKED_AT = 500  #: columns of a line that may be the header
+MOST_HEADINGS = 50_000  #: of all such lines together
+MOST_COMMENTS = 10_000  #: keys of comments that are kept
+VALUES_AT_ONCE = 1 << 20
+EXPECTED = "a measured table"
 
 #: What a table declares: `# key: value` or, above the header, `key,value`.
 DECLARATIONS = (
@@ -71,19 +76,25 @@ def parse(path: Path, layouts: Sequence[Collection[str]] = ()) -> TextTable:
     layouts: the angle columns of each kind of table that is looked for. The header is the first
     line that holds all of one, in any spelling; else the one that holds most; else the first line.
     Raises InputError that names file, line, column and remedy.
+
+    The file is read line by line, so that memory is taken for its numbers and not for its text.
     """
-    text, note = _text(path)
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    if '"' in text:
-        lines = [_unquoted(line) if '"' in line else line for line in lines]
-    start, delimiter = _find_header(path, lines, layouts)
-    comments, titles = _above(path, lines, start)
-    header, units, renamed = _header(path, start + 1, lines[start], delimiter)
-    if layouts:
-        _check_columns(path, header, layouts)
-    _check_declared_once(path, lines, start, comments)
-    comma = has_decimal_commas(lines, start + 1, delimiter)
-    rows = RowReader(path, header, comma, MAX_ROWS).read(lines)
+    with TextLines(path, EXPECTED, most_bytes=MAX_BYTES, most_lines=MAX_LINES) as text:
+        if text.empty:
+            raise InputError(f"{path}: the file is empty; a table needs a header line and rows")
+        start, delimiter = _find_header(path, _lines(text), layouts)
+        lines = _lines(text)
+        comments, titles = _above(path, itertools.islice(lines, start))
+        header, units, renamed = _header(path, start + 1, next(lines), delimiter)
+        if layouts:
+            _check_columns(path, header, layouts)
+        comma = delimiter != "," or text.has_quotes
+        if comma:
+            comma = has_decimal_commas(itertools.islice(_lines(text), start + 1, None), delimiter)
+            lines = itertools.islice(_lines(text), start + 1, None)
+        below = _declared_once(path, lines, start + 2, comments)
+        rows = RowReader(path, header, comma, MAX_ROWS, MAX_VALUES).read(below)
+        note = text.note
     columns, values, numbers, unnamed = _named_columns(path, header, rows)
     _check_rows(path, columns, numbers, values, rows)
     radians = {header.columns[k] for k in rows.radians} | units
@@ -94,22 +105,11 @@ def parse(path: Path, layouts: Sequence[Collection[str]] = ()) -> TextTable:
     )  # fmt: skip
 
 
-def _text(path: Path) -> tuple[str, str | None]:
-    """The whole file as text, after its size has been checked, and a note on its encoding."""
-    size = path.stat().st_size
-    if size > MAX_BYTES:
-        raise InputError(
-            f"{path}: {size} bytes, but a text table may have at most {MAX_BYTES}; "
-            "split it or thin it out"
-        )
-    data = path.read_bytes()
-    if not data.strip():
-        raise InputError(f"{path}: the file is empty; a table needs a header line and rows")
-    content = decoded(data, str(path))
-    text = content.text
-    if max(text.count("\n"), text.count("\r")) > MAX_LINES:
-        raise InputError(f"{path}: more than {MAX_LINES} lines; split the table or thin it out")
-    return text, content.note
+def _lines(text: TextLines) -> Iterator[str]:
+    """The lines of a file; those that a spreadsheet wrote as one quoted cell without its quotes."""
+    if not text.has_quotes:
+        return text.lines()
+    return (_unquoted(line) if '"' in line else line for line in text.lines())
 
 
 def _unquoted(line: str) -> str:
@@ -123,26 +123,29 @@ def _unquoted(line: str) -> str:
 
 
 def _find_header(
-    path: Path, lines: list[str], layouts: Sequence[Collection[str]]
+    path: Path, lines: Iterable[str], layouts: Sequence[Collection[str]]
 ) -> tuple[int, str | None]:
     """The index of the header line and its delimiter."""
     first: int | None = None
+    first_delimiter = ","
     best: tuple[int, int, str | None] = (0, -1, None)
-    looked_at = 0
+    looked_at = headings = 0
     for index, line in enumerate(lines):
         stripped = line.strip()
         if not stripped.strip(_PADDING) or stripped.startswith("#"):
             continue
         if index < 2 and _SEPARATOR_LINE.fullmatch(stripped):
             continue
-        first = index if first is None else first
+        if first is None:
+            first, first_delimiter = index, max(",;\t", key=line.count)
         looked_at += 1
-        if looked_at > MOST_TITLES:
+        if looked_at > MOST_TITLES or headings > MOST_HEADINGS:
             break
         for delimiter in _DELIMITERS:
             if delimiter is not None and delimiter not in line:
                 continue
-            fields = split(line, delimiter)[:MOST_LOOKED_AT]
+            fields = split(line, delimiter, MOST_LOOKED_AT)
+            headings += len(fields)
             names = {a.name for a in map(angle_heading, fields) if a is not None}
             for layout in layouts:
                 if len(names & set(layout)) == len(layout):
@@ -153,16 +156,14 @@ def _find_header(
         raise InputError(f"{path}: only comments; a table needs a header line and rows")
     if best[0] > 1 or best[1] == first:
         return best[1], best[2]
-    return first, max(",;\t", key=lines[first].count)
+    return first, first_delimiter
 
 
-def _above(
-    path: Path, lines: list[str], start: int
-) -> tuple[dict[str, tuple[int, str]], list[int]]:
+def _above(path: Path, lines: Iterable[str]) -> tuple[dict[str, tuple[int, str]], list[int]]:
     """The declarations above the header, and the lines there that are neither they nor empty."""
     comments: dict[str, tuple[int, str]] = {}
     titles = []
-    for index, line in enumerate(lines[:start]):
+    for index, line in enumerate(lines):
         text = line.strip().strip(_PADDING)
         if not text or (index < 2 and _SEPARATOR_LINE.fullmatch(text)):
             continue
@@ -189,6 +190,8 @@ def _title(text: str) -> tuple[str, str]:
 def _declare(
     path: Path, comments: dict[str, tuple[int, str]], key: str, line: int, value: str
 ) -> None:
+    if key not in comments and key not in DECLARATIONS and len(comments) >= MOST_COMMENTS:
+        return
     earlier = comments.setdefault(key, (line, value))
     if key in _ONCE and earlier[1].lower().split() != value.lower().split():
         raise InputError(
@@ -197,18 +200,22 @@ def _declare(
         )
 
 
-def _check_declared_once(
-    path: Path, lines: list[str], start: int, comments: dict[str, tuple[int, str]]
-) -> None:
-    """InputError where a comment among the rows contradicts one above, as in joined files."""
+def _declared_once(
+    path: Path, lines: Iterable[str], first: int, comments: dict[str, tuple[int, str]]
+) -> Iterator[tuple[int, str]]:
+    """The numbers, from `first`, and texts of lines that are no comments.
+
+    InputError where a comment among them contradicts one above, as in joined files.
+    """
     seen = dict(comments)
-    for index in range(start + 1, len(lines)):
-        line = lines[index]
-        if line.lstrip().startswith("#"):
+    for number, line in enumerate(lines, first):
+        if "#" in line and line.lstrip().startswith("#"):
             key, colon, value = line.strip().lstrip("#").partition(":")
             key = key.strip().lower()
             if colon and key in _ONCE and key in seen:
-                _declare(path, seen, key, index + 1, value.strip().strip(_PADDING))
+                _declare(path, seen, key, number, value.strip().strip(_PADDING))
+            continue
+        yield number, line
 
 
 def _header(
@@ -305,9 +312,13 @@ def _check_rows(
     """InputError where there is no row, or a number beyond any reading."""
     if not len(values):
         raise InputError(f"{path}: no row follows the header; add rows of numbers below it")
-    huge = np.argwhere(np.abs(values) > MAX_MAGNITUDE)
-    if len(huge):
-        row, column = huge[0]
+    at_once = max(VALUES_AT_ONCE // values.shape[1], 1)
+    for top in range(0, len(values), at_once):
+        huge = np.abs(values[top : top + at_once]) > MAX_MAGNITUDE
+        if not huge.any():
+            continue
+        row, column = np.unravel_index(int(np.argmax(huge)), huge.shape)
+        row += top
         raise InputError(
             f"{path}: line {rows.lines[row]}, column {numbers[column]} ({columns[column]}): "
             f"{values[row, column]:g} is beyond any reading; correct it or leave the field empty"
@@ -325,21 +336,20 @@ def _passed_over(titles: list[int], rows: Rows, unnamed: list[int]) -> list[str]
         parts.append(f"{_numbered('line', rows.empty)} without values")
     if rows.repeated:
         parts.append(f"the header again in {_numbered('line', rows.repeated)}")
-    if rows.summaries:
-        word = printable(rows.summaries[0][1], 30)
-        parts.append(f"{_numbered('line', [n for n, _ in rows.summaries])} ({word!r})")
-    if rows.below:
-        word = printable(rows.below[0][1], 30)
-        where = f"{_numbered('line', [n for n, _ in rows.below])} below the data"
+    if rows.summaries.lines:
+        word = printable(rows.summaries.text, 30)
+        parts.append(f"{_numbered('line', rows.summaries.lines)} ({word!r})")
+    if rows.below.lines:
+        word = printable(rows.below.text, 30)
+        where = f"{_numbered('line', rows.below.lines)} below the data"
         parts.append(f"{where} ({word!r})" if word else where)
     if unnamed:
         parts.append(f"{_numbered('column', unnamed)} without a name")
     notes = [f"passed over: {'; '.join(parts)}"] if parts else []
-    if rows.signs:
-        line, text = rows.signs[0]
-        count = len(rows.signs)
-        more = f" and {count - 1} more like it" if count > 1 else ""
-        notes.append(f"read {printable(text, 20)!r} in line {line}{more} as empty")
+    if rows.signs.count:
+        more = f" and {rows.signs.count - 1} more like it" if rows.signs.count > 1 else ""
+        text = printable(rows.signs.text, 20)
+        notes.append(f"read {text!r} in line {rows.signs.lines[0]}{more} as empty")
     return notes
 
 

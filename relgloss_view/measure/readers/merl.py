@@ -6,6 +6,7 @@ degrees of theta_d and phi_d (Rusinkiewicz 1998). A negative bin was not measure
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -15,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import open_regular, read_opened
 from relgloss_view.measure import screening as screen
 from relgloss_view.measure.bands import RGB
 from relgloss_view.measure.readers.assemble import (
@@ -27,6 +29,7 @@ from relgloss_view.measure.table import Measurement, source_is_synthetic
 SHAPE = (90, 90, 180)  #: theta_h, theta_d, phi_d
 HEADER = np.array(SHAPE, dtype="<i4").tobytes()
 SIZE = len(HEADER) + 3 * int(np.prod(SHAPE)) * 8
+EXPECTED = "a MERL .binary"
 #: The factors of the authors' own reader, to 1/sr.
 SCALE = np.array([1.0, 1.15, 1.66]) / 1500.0
 
@@ -55,14 +58,17 @@ def read(path: Path) -> Measurement:
 
 
 def load(path: Path) -> MerlBrdf:
-    """Map a .binary file into memory. Raises InputError where it is damaged."""
-    size = path.stat().st_size
-    if size != SIZE:
+    """Read a .binary file. Raises InputError where it is damaged."""
+    with open_regular(path, EXPECTED) as file:
+        size = os.fstat(file.fileno()).st_size
+        # Read, not mapped: a mapped file that someone cuts off ends the program.
+        data = read_opened(file, path, SIZE, EXPECTED) if size == SIZE else b""
+    if len(data) != SIZE:
         raise InputError(
             f"{path}: {size} bytes, a MERL file of 90 x 90 x 180 bins has {SIZE}; "
             "the file is damaged, download it again"
         )
-    bins = np.memmap(path, dtype="<f8", mode="r", offset=len(HEADER), shape=(3, *SHAPE))
+    bins = np.frombuffer(data, "<f8", offset=len(HEADER)).reshape(3, *SHAPE)
     for channel, values in zip(RGB.labels, bins, strict=True):
         if not np.isfinite(values).all():
             place = ", ".join(str(k) for k in np.argwhere(~np.isfinite(values))[0])

@@ -27,6 +27,8 @@ from relgloss_view.measure.readers.assemble import (
 from relgloss_view.measure.readers.unit_square import Warp, bilinear, find_slices
 from relgloss_view.measure.table import Measurement, source_is_synthetic
 
+#: Fields that are read; files hold spectra and what the acquisition needs beside them.
+FIELDS = ("description", "phi_i", "theta_i", "ndf", "sigma", "vndf", "rgb", "jacobian")
 #: Rec. 709 luminance of linear sRGB.
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 #: Linear sRGB to linear Rec. 2020 (ITU-R BT.2087-0), for column vectors.
@@ -90,8 +92,8 @@ def _negative(factor: Array, reasons: AnyArray) -> Array:
 
 def load(path: Path) -> RglBrdf:
     """Load a .bsdf file. Raises InputError where it is damaged, anisotropic or without rgb."""
-    fields = tensor_file.read(path)
-    if "rgb" not in fields and {"spectra", "wavelengths"} & fields.keys():
+    fields, names = tensor_file.read(path, FIELDS)
+    if "rgb" not in fields and {"spectra", "wavelengths"} & names:
         raise InputError(
             f"{path}: the file holds spectra only; download the variant whose name ends in _rgb"
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import re
 from array import array
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -18,6 +18,8 @@ from relgloss_view.measure.readers import cells
 from relgloss_view.measure.readers.headings import RADIANS, unit_of
 
 MOST_ODD_LINES = 500  #: in a row, before the first of them is reported
+LONGEST_NOTED = 100  #: characters of a text that is kept for a note
+MOST_NOTED = 1_000_000  #: lines of one kind whose numbers are kept
 _SUMMARY = re.compile(
     r"\W*(mean|average|avg|std|stdev|sd|sigma|variance|min|minimum|max|maximum|median|sum|total|"
     r"count|mittelwert|standardabweichung|moyenne|media)\b.*",
@@ -45,39 +47,55 @@ class Header:
 
 
 @dataclass
+class Noted:
+    """Lines of one kind that were passed over, with the text of the first."""
+
+    text: str = ""
+    lines: array[int] = field(default_factory=lambda: array("q"))  #: from 1, at most MOST_NOTED
+    count: int = 0
+
+    def add(self, line: int, text: str) -> None:
+        """Count a line, or one more place in it."""
+        if not self.count:
+            self.text = text
+        self.count += 1
+        if len(self.lines) < MOST_NOTED:
+            self.lines.append(line)
+
+
+@dataclass
 class Rows:
     """What was read below the header, and what was not."""
 
     values: Array  #: (N, width), NaN where a field says nothing
     lines: Ints  #: (N,), from 1
-    empty: list[int] = field(default_factory=list)  #: lines of separators alone
-    repeated: list[int] = field(default_factory=list)  #: the header again
+    empty: array[int] = field(default_factory=lambda: array("q"))  #: lines of separators alone
+    repeated: array[int] = field(default_factory=lambda: array("q"))  #: the header again
     units: int | None = None  #: the line of units below the header
     radians: frozenset[int] = frozenset()  #: columns that this line declares
-    summaries: list[tuple[int, str]] = field(default_factory=list)  #: line and text
-    below: list[tuple[int, str]] = field(default_factory=list)  #: after the last row
-    signs: list[tuple[int, str]] = field(
-        default_factory=list
-    )  #: line and text of 'n/a' and the like
+    summaries: Noted = field(default_factory=Noted)  #: averages and the like
+    below: Noted = field(default_factory=Noted)  #: after the last row
+    signs: Noted = field(default_factory=Noted)  #: 'n/a' and the like, for empty
     remarks: set[int] = field(default_factory=set)  #: columns without a name that hold text
 
 
-def split(line: str, delimiter: str | None) -> list[str]:
-    """The fields of a line; quotes around a field protect the delimiters inside it."""
-    if delimiter is None:
-        return line.split()
-    if '"' in line:
+def split(line: str, delimiter: str | None, most: int = -1) -> list[str]:
+    """The fields of a line; quotes around a field protect the delimiters inside it.
+
+    most: fields that are wanted from the beginning; -1 for all.
+    """
+    if delimiter is not None and '"' in line:
         try:
-            return next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
+            fields = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
+            return fields if most < 0 else fields[:most]
         except (csv.Error, StopIteration):
             pass
-    return line.split(delimiter)
+    fields = line.split(delimiter, most)
+    return fields if most < 0 else fields[:most]
 
 
-def has_decimal_commas(lines: Sequence[str], start: int, delimiter: str | None) -> bool:
-    """Whether the numbers from a line on have decimal commas and none has a point."""
-    if delimiter == "," and not any('"' in line for line in lines):
-        return False
+def has_decimal_commas(lines: Iterable[str], delimiter: str | None) -> bool:
+    """Whether numbers of the lines have decimal commas and none has a point."""
 
     def holds(line: str, mark: str, number: re.Pattern[str]) -> bool:
         if mark not in line or not _DATA.match(line):
@@ -85,31 +103,36 @@ def has_decimal_commas(lines: Sequence[str], start: int, delimiter: str | None) 
         fields = split(line, delimiter)
         return len(fields) > 2 and any(number.fullmatch(f.strip()) for f in fields)
 
-    if not any(holds(line, ",", _WITH_COMMA) for line in lines[start:]):
-        return False
-    return not any(holds(line, ".", _WITH_POINT) for line in lines[start:])
+    commas = False
+    for line in lines:
+        if holds(line, ".", _WITH_POINT):
+            return False
+        commas = commas or holds(line, ",", _WITH_COMMA)
+    return commas
 
 
 class RowReader:
     """Reads the rows below one header.
 
-    path: for messages. most_rows: InputError beyond it.
+    path: for messages. most_rows, most_values: InputError beyond them.
     """
 
-    def __init__(self, path: Path, header: Header, decimal_comma: bool, most_rows: int) -> None:
+    def __init__(
+        self, path: Path, header: Header, decimal_comma: bool, most_rows: int, most_values: int
+    ) -> None:
         self._path, self._header, self._comma = path, header, decimal_comma
-        self._most = most_rows
+        self._most, self._most_values = most_rows, most_values
         self._flat, self._numbers = array("d"), array("q")
         self._rows = Rows(np.empty((0, header.width)), np.empty(0, np.int64))
-        self._odd: list[tuple[int, list[str], InputError]] = []
+        #: Line, fault, and the text of a remark where the line is one and no row with a fault.
+        self._odd: list[tuple[int, InputError, str | None]] = []
 
-    def read(self, lines: Sequence[str]) -> Rows:
-        """All rows of `lines`, which are those of the whole file. Raises InputError."""
+    def read(self, lines: Iterable[tuple[int, str]]) -> Rows:
+        """All rows of numbered lines, those below the header. Raises InputError."""
         delimiter, width = self._header.delimiter, self._header.width
         plain_commas = self._comma and delimiter != ","
-        for index in range(self._header.line, len(lines)):
-            line = lines[index]
-            if not line or line.isspace() or line.lstrip().startswith("#"):
+        for number, line in lines:
+            if not line or line.isspace():
                 continue
             # float() also takes 1_000, nan, infinity and digits of other scripts: such lines, and
             # those with empty or odd fields, are parsed field by field.
@@ -122,9 +145,9 @@ class RowReader:
                     except ValueError:
                         pass
                     else:
-                        self._take(index + 1, numbers)
+                        self._take(number, numbers)
                         continue
-            self._careful(index + 1, split(line, delimiter))
+            self._careful(number, split(line, delimiter))
         self._end()
         rows = self._rows
         rows.values = np.frombuffer(self._flat, dtype=np.float64).reshape(-1, width)
@@ -134,10 +157,14 @@ class RowReader:
     def _take(self, line: int, numbers: list[float]) -> None:
         """Append a row; what lies before it must be something that a table may hold."""
         if self._odd:
-            for _, _, error in self._odd:
-                raise error
+            raise self._odd[0][1]
         self._flat.extend(numbers)
         self._numbers.append(line)
+        if len(self._flat) > self._most_values:
+            raise InputError(
+                f"{self._path}: more than {self._most_values} values; split the table or thin it "
+                "out"
+            )
         if len(self._numbers) > self._most:
             raise InputError(
                 f"{self._path}: more than {self._most} rows; split the table or thin it out"
@@ -160,14 +187,14 @@ class RowReader:
             )
             return
         if _SUMMARY.fullmatch(fields[0]) and not self._whole(fields):
-            rows.summaries.append((line, fields[0]))
+            rows.summaries.add(line, fields[0][:LONGEST_NOTED])
             return
         try:
             numbers = self._numbers_of(line, fields)
         except InputError as error:
-            self._odd.append((line, fields, error))
+            self._odd.append((line, error, self._remark(fields)))
             if len(self._odd) > MOST_ODD_LINES:
-                raise self._odd[0][2] from None
+                raise self._odd[0][1] from None
         else:
             self._take(line, numbers)
 
@@ -194,7 +221,8 @@ class RowReader:
             raise InputError(f"{where}: {self._wrong_count(fields)}")
         if len(named) < header.width:
             raise InputError(f"{where}: {self._wrong_count(fields)}")
-        numbers, signs = [], []
+        numbers: list[float] = []
+        signs: list[str] = []
         for k, text in enumerate(named):
             try:
                 value = cells.number(text, self._comma)
@@ -208,7 +236,7 @@ class RowReader:
                         f"number; {error}"
                     ) from None
             if value is None and text:
-                signs.append((line, text))
+                signs.append(text)
             numbers.append(float("nan") if value is None else value)
         for k, text in enumerate(rest, start=header.width):
             if cells.is_number(text):
@@ -223,7 +251,8 @@ class RowReader:
                 f"{self._place(line, header.keys[0])}: the angle is empty; complete it or remove "
                 "the row"
             )
-        self._rows.signs += signs
+        for text in signs:
+            self._rows.signs.add(line, text[:LONGEST_NOTED])
         return numbers
 
     def _place(self, line: int, column: int) -> str:
@@ -249,11 +278,17 @@ class RowReader:
 
     def _end(self) -> None:
         """Pass over what lies below the last row, if it is no row with a fault."""
-        for line, fields, error in self._odd:
-            if not self._numbers or not self._is_footer(fields):
+        for line, error, remark in self._odd:
+            if not self._numbers or remark is None:
                 raise error
-            words = (f for f in fields if f and not cells.is_number(f))
-            self._rows.below.append((line, next(words, "")))
+            self._rows.below.add(line, remark)
+
+    def _remark(self, fields: list[str]) -> str | None:
+        """The first words of a line below the data; None where it is a row with a fault."""
+        if not self._is_footer(fields):
+            return None
+        words = (f for f in fields if f and not cells.is_number(f))
+        return next(words, "")[:LONGEST_NOTED]
 
     def _is_footer(self, fields: list[str]) -> bool:
         """Whether a line is a remark or a row of averages, and no row with a fault in it.

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
 import struct
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -11,11 +13,13 @@ import numpy as np
 
 from relgloss_view.base.arrays import AnyArray
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import open_regular
 
 MAGIC = b"tensor_file\x00"
 #: The largest files of the database (anisotropic, spectral) stay below this.
 MAX_BYTES = 1_000_000_000
 MAX_FIELDS = 1000
+EXPECTED = "an RGL .bsdf"
 MAX_DIMENSIONS = 16
 
 _TYPES = {
@@ -24,16 +28,18 @@ _TYPES = {
 }  # fmt: skip
 
 
-def read(path: Path) -> dict[str, AnyArray]:
-    """Read all arrays by name (Dupuy and Jakob 2018, their file format).
+def read(path: Path, wanted: Collection[str]) -> tuple[dict[str, AnyArray], frozenset[str]]:
+    """The wanted arrays by name, and the names of all (Dupuy and Jakob 2018, their file format).
 
     Every field is checked against the size of the file before memory is allocated for it. Raises
     InputError.
     """
-    size = path.stat().st_size
-    if size > MAX_BYTES:
-        raise InputError(f"{path}: {size} bytes, at most {MAX_BYTES} are read from a .bsdf file")
-    with path.open("rb") as file:
+    with open_regular(path, EXPECTED) as file:
+        size = os.fstat(file.fileno()).st_size
+        if size > MAX_BYTES:
+            raise InputError(
+                f"{path}: {size} bytes, at most {MAX_BYTES} are read from a .bsdf file"
+            )
         reader = _Reader(path, file, size)
         reader.take(len(MAGIC) + 2, "the file header")
         (count,) = reader.unpack("<I", "the number of fields")
@@ -44,7 +50,11 @@ def read(path: Path) -> dict[str, AnyArray]:
         claimed = sum(math.prod(shape) * dtype.itemsize for _, dtype, _, shape in layout)
         if claimed > size:
             reader.fail(f"the fields claim {claimed} bytes, the file has {size}")
-        return {field[0]: reader.array(*field) for field in layout}
+        names = frozenset(name for name, *_ in layout)
+        if len(names) < count:
+            reader.fail("two fields have the same name")
+        arrays = {field[0]: reader.array(*field) for field in layout if field[0] in wanted}
+        return arrays, names
 
 
 class _Reader:

@@ -9,7 +9,7 @@ from pathlib import Path
 from relgloss_view.base.decoding import first_byte_of_no_text
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.foreign import HEAD_BYTES, refuse_foreign
-from relgloss_view.base.reading import check_regular, printable, unreadable
+from relgloss_view.base.reading import printable, read_beginning
 from relgloss_view.base.toml import parse_toml
 from relgloss_view.material.files import FORMAT
 from relgloss_view.material.files import MAX_BYTES as MAX_MATERIAL_BYTES
@@ -42,8 +42,8 @@ def likely_kind(path: str | os.PathLike[str]) -> str:
 
     Whatever is neither scene nor material counts as a measurement; its reader reports the faults.
     """
-    file = check_regular(path, EXPECTED)
-    head = _beginning(file, HEAD_BYTES)
+    head = read_beginning(path, HEAD_BYTES, EXPECTED)
+    file = Path(path)
     if not head:
         raise InputError(f"{file}: the file is empty; give {EXPECTED}")
     if b"\x00" in head:  # a binary format, or UTF-16: the reader decides
@@ -61,7 +61,7 @@ def likely_kind(path: str | os.PathLike[str]) -> str:
 
 def _check_material(file: Path) -> None:
     """InputError where a JSON file is too large for a material or lacks its format entry."""
-    data = _beginning(file, MAX_MATERIAL_BYTES + 1)
+    data = read_beginning(file, MAX_MATERIAL_BYTES + 1, EXPECTED)
     if len(data) <= MAX_MATERIAL_BYTES and FORMAT.encode() in data:
         return
     raise InputError(
@@ -72,7 +72,7 @@ def _check_material(file: Path) -> None:
 
 def _is_scene(file: Path) -> bool:
     """Whether a text file is a scene; InputError for TOML that has nothing of one."""
-    data = _beginning(file, MAX_SCENE_BYTES + 1)
+    data = read_beginning(file, MAX_SCENE_BYTES + 1, EXPECTED)
     if len(data) > MAX_SCENE_BYTES:
         at = first_byte_of_no_text(data)
         if at is not None:
@@ -85,7 +85,7 @@ def _is_scene(file: Path) -> bool:
         content = parse_toml(text)
     except UnicodeDecodeError:
         return False
-    except (ValueError, RecursionError):
+    except InputError:
         return _SCENE_LINE.search(text) is not None
     if not content:
         raise InputError(f"{file}: nothing but space and comments; give {EXPECTED}")
@@ -100,7 +100,8 @@ def _is_scene(file: Path) -> bool:
 def _check_table(file: Path) -> None:
     """InputError where none of the first lines that are no comments can be a table's header."""
     looked_at = 0
-    for line in _beginning(file, MAX_SCENE_BYTES).lstrip(b"\xef\xbb\xbf").splitlines():
+    head = read_beginning(file, MAX_SCENE_BYTES, EXPECTED)
+    for line in head.lstrip(b"\xef\xbb\xbf").splitlines():
         if not line.strip() or line.lstrip(b'" \t').startswith(b"#"):
             continue
         if max(line.count(delimiter) for delimiter in b",;\t") >= FEWEST_DELIMITERS:
@@ -114,11 +115,3 @@ def _check_table(file: Path) -> None:
             break
     if looked_at:
         raise InputError(f"{file}: a text, but neither scene nor table; give {EXPECTED}")
-
-
-def _beginning(file: Path, count: int) -> bytes:
-    try:
-        with file.open("rb") as opened:
-            return opened.read(count)
-    except OSError as error:
-        raise unreadable(file, error, EXPECTED) from None

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.reading import printable, unreadable
+from relgloss_view.base.reading import open_regular, printable, unreadable
 from relgloss_view.base.writing import check_target
 
 LONGEST_NAME, LONGEST_MESSAGE = 50, 300  #: characters
@@ -90,10 +90,9 @@ def check_file(path: str) -> None:
     try:
         if os.path.isdir(path):
             raise InputError(f"{path}: this is a folder; choose a file in it")
-        with open(path, "rb"):
-            pass
     except (OSError, ValueError) as error:
         raise unreadable(path, error, "a file") from None
+    open_regular(path, "a file").close()
 
 
 def check_place(path: str) -> bool:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.reading import check_regular, unreadable
+from relgloss_view.base.reading import read_beginning
 from relgloss_view.base.writing import make_folder
 from relgloss_view.viewer.state.places import state_folder
 from relgloss_view.viewer.state.state import State
@@ -110,11 +110,8 @@ def restore(path: str | os.PathLike[str]) -> Restored:
     if not os.path.lexists(path):
         return Restored()
     try:
-        with check_regular(path, "a session").open("rb") as file:
-            if not file.read(MOST_BLANK_BYTES).strip(b"\0 \r\n"):
-                return Restored()  # what some file systems leave when the power goes
-    except OSError as error:
-        return Restored(None, (str(unreadable(path, error, "a session")),))
+        if not read_beginning(path, MOST_BLANK_BYTES, "a session").strip(b"\0 \r\n"):
+            return Restored()  # what some file systems leave when the power goes
     except InputError as error:
         return Restored(None, (str(error),))
     stood_in: list[str] = []

@@ -13,7 +13,7 @@ from imgui_bundle import hello_imgui  # first: it brings the GLFW that glfw find
 import glfw
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.reading import printable, read_bytes
+from relgloss_view.base.reading import decoding, printable, read_bytes
 from relgloss_view.viewer.shell.platform import monitor_of, pixel_pitch_m
 from relgloss_view.viewer.shell.window import Window
 
@@ -42,10 +42,11 @@ def read_profile(path: str | os.PathLike[str]) -> Profile:
     from PIL import ImageCms
 
     data = read_bytes(path, MOST_BYTES, EXPECTED)
-    try:
-        profile = ImageCms.ImageCmsProfile(io.BytesIO(data))
-    except (OSError, ImageCms.PyCMSError) as error:
-        raise InputError(f"{printable(path)}: not an ICC profile; give {EXPECTED}") from error
+    with decoding(printable(path), EXPECTED):
+        try:
+            profile = ImageCms.ImageCmsProfile(io.BytesIO(data))
+        except (OSError, ImageCms.PyCMSError) as error:
+            raise InputError(f"{printable(path)}: not an ICC profile; give {EXPECTED}") from error
     # The signature is read from the file: Pillow decodes it as ASCII, and fails where it is not.
     space = data[COLOUR_SPACE].decode("latin-1").strip()
     if space != "RGB":
@@ -65,7 +66,7 @@ def _description(profile: Any) -> str:
         ImageCms.getProfileManufacturer,
     ):
         # Text that is not what it declares: Pillow raises whatever its decoding raises.
-        with contextlib.suppress(ValueError, TypeError, OSError, ImageCms.PyCMSError):
+        with contextlib.suppress(Exception):
             text = str(read(profile)).strip()
             if text:
                 return text

@@ -1,0 +1,375 @@
+"""Every reader of files from outside, with small valid files that it reads: for mutated_inputs.py.
+
+The files are made here, by the program's own writers where it has them. Files of the folder
+../shared/data join them where that folder is present and they are small enough.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import struct
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.resources import asset
+
+SHARED = Path(__file__).resolve().parents[2] / "shared" / "data"
+LARGEST_REAL = 100_000  #: bytes of a real file that is mutated; larger ones take long to read
+
+
+@dataclass(frozen=True)
+class Reader:
+    """A reader and its valid files."""
+
+    name: str
+    suffix: str
+    read: Callable[[Path], object]  #: what it returns is checked by `sound`
+    seeds: Callable[[], list[bytes]]
+    share: float = 1.0  #: of the inputs, relative to other readers
+    may_ignore: bool = False  #: a reader that takes a damaged file for an absent one
+
+
+def readers() -> dict[str, Reader]:
+    """All readers by name."""
+    listed = (
+        Reader("measurement", ".csv", _measurement, _tables, 4.0),
+        Reader("bsdf", ".bsdf", _measurement, _bsdf, 1.0),
+        Reader("merl", ".binary", _measurement, _merl, 0.2),
+        Reader("lamp", ".csv", _lamp, _lamps, 2.0),
+        Reader("material", ".json", _material, _materials, 3.0),
+        Reader("scene", ".toml", _scene, _scenes, 3.0),
+        Reader("study", ".toml", _study, _studies, 2.0),
+        Reader("presets", ".toml", _presets, _preset_files),
+        Reader("layout", ".toml", _layout, _layouts, may_ignore=True),
+        Reader("window", ".toml", _window, _scenes, may_ignore=True),
+        Reader("kind", "", _kind, _any, 2.0),
+        Reader("results", ".json", _results, _result_files, may_ignore=True),
+        Reader("icc", ".icc", _icc, _profiles, 2.0),
+        Reader("font", ".ttf", _font, _fonts),
+        Reader("table", ".csv", _own_table, _own_tables, 0.5),
+        Reader("session", ".sqlite", _session, _sessions, 2.0),
+    )
+    return {reader.name: reader for reader in listed}
+
+
+def sound(result: object) -> str | None:
+    """What is wrong with what a reader returned, or None: numbers that are not finite."""
+    from relgloss_view.material.material import Material
+    from relgloss_view.measure.table import Measurement
+
+    if isinstance(result, Measurement):
+        kept = result.radiance_factor[result.kept]
+        if not (np.isfinite(kept).all() and (kept >= 0.0).all() and len(kept)):
+            return "a kept reading is negative or not finite"
+        directions = np.linalg.norm(result.to_lamp, axis=1)
+        if not np.allclose(directions, 1.0):
+            return "a direction is no unit vector"
+    if isinstance(result, Material):
+        numbers = [*result.diffuse.albedo, *(s for lobe in result.specular for s in lobe.strength)]
+        if not np.isfinite(numbers).all():
+            return "a number of the material is not finite"
+    return None
+
+
+# What reads
+
+
+def _measurement(path: Path) -> object:
+    from relgloss_view.measure.readers import read_measurement
+
+    return read_measurement(path, quantity="brdf-cos")
+
+
+def _lamp(path: Path) -> object:
+    from relgloss_view.material.spectra import illuminant
+
+    return illuminant(str(path))
+
+
+def _material(path: Path) -> object:
+    from relgloss_view.material.files import load_material
+
+    return load_material(path)
+
+
+def _scene(path: Path) -> object:
+    from relgloss_view.viewer.state.state_file import load_state
+
+    return load_state(path)
+
+
+def _study(path: Path) -> object:
+    from relgloss_view.experiment.design.study_file import load_study, study_to_dict
+
+    return study_to_dict(load_study(path))
+
+
+def _presets(path: Path) -> object:
+    from relgloss_view.viewer.state import presets
+
+    return presets.load(path)
+
+
+def _layout(path: Path) -> object:
+    from relgloss_view.viewer.state.layout_file import load_layout
+
+    return load_layout(path)
+
+
+def _window(path: Path) -> object:
+    from relgloss_view.viewer.state.session import restore
+
+    restored = restore(path)
+    for aside in path.parent.glob(f"{path.stem}-damaged*"):
+        aside.unlink()
+    return restored
+
+
+def _kind(path: Path) -> object:
+    from relgloss_view.picture.scene.file_kinds import likely_kind
+
+    return likely_kind(path)
+
+
+def _results(path: Path) -> object:
+    from relgloss_view.commands.output_folder import own_folder
+    from relgloss_view.experiment.report import folder
+
+    target = path.parent / folder.RESULTS
+    target.write_bytes(path.read_bytes())
+    folder.earlier_files(path.parent)
+    try:
+        own_folder(str(path.parent), {folder.RESULTS: "relgloss-experiment"}, "experiment")
+    finally:
+        target.unlink()
+    return None
+
+
+def _icc(path: Path) -> object:
+    from relgloss_view.viewer.trials.device import read_profile
+
+    return read_profile(path)
+
+
+def _font(path: Path) -> object:
+    from relgloss_view.base.fonts import FontFile, _characters, _height_em
+
+    file = FontFile(str(path))
+    return _characters.__wrapped__(file), _height_em.__wrapped__(file)
+
+
+def _own_table(path: Path) -> object:
+    from relgloss_view.base.csv_files import read_csv
+
+    return read_csv(path)
+
+
+def _session(path: Path) -> object:
+    from relgloss_view.experiment.session.pool import read_pool
+
+    try:
+        return read_pool([path], path.parent)
+    finally:
+        for beside in path.parent.glob(f"{path.name}-*"):
+            beside.unlink()
+        for lamp in path.parent.glob("lamp-*.csv"):
+            lamp.unlink()
+
+
+# Valid files
+
+
+def _real(*patterns: str) -> list[bytes]:
+    files = (file for pattern in patterns for file in sorted(SHARED.glob(pattern)))
+    return [file.read_bytes() for file in files if file.stat().st_size <= LARGEST_REAL]
+
+
+def _tables() -> list[bytes]:
+    angles = [(a, b, g) for a in (-60, -30, -10) for b in (0, 20, 50) for g in (0, 5, 15, 30)]
+    head = "# name: made\n# source: made\n# quantity: radiance-factor\n# gamma_s_deg: 15\n"
+    gcms = head + "alpha_deg,beta_deg,gamma_deg,400,500,600,700\n"
+    gcms += "".join(f"{a},{b},{g},0.1,0.25,{0.3 + 0.01 * g:g},0.4\n" for a, b, g in angles)
+    generic = "theta_i_deg\tphi_i_deg\ttheta_r_deg\tphi_r_deg\tR\tG\tB\n" + "".join(
+        f"{i}\t0\t{r}\t{p}\t0.2\t0.3\t{0.1 + r / 500:g}\n"
+        for i in (0, 20, 45, 70)
+        for r in (5, 25, 45, 65)
+        for p in (0, 90, 180)
+    )
+    spaces = "Measured by hand\n\n" + generic.replace("\t", "   ")
+    commas = generic.replace("\t", ";").replace(".", ",")
+    quoted = "sep=,\n" + generic.replace("\t", '","').replace("\n", '"\n"')[:-1]
+    beginning = b"\n".join(asset("papers", "uncoated.csv").read_bytes().splitlines()[:60])
+    texts = [text.encode() for text in (gcms, generic, spaces, commas, quoted)]
+    wide = [generic.encode("utf-16"), gcms.encode("utf-16-le"), ("°µ\n" + gcms).encode("cp1252")]
+    return [*texts, *wide, beginning, *_real("gonio/*.csv", "mlcm/*.csv", "formats/*.bsdf")]
+
+
+def bsdf_of(fields: dict[str, np.ndarray[Any, Any]]) -> bytes:
+    """A file in the container of the RGL database."""
+    codes = {"uint8": 1, "float32": 10, "float64": 11}
+    directory, offset = 18 + sum(13 + len(n) + 8 * v.ndim for n, v in fields.items()), 0
+    head, body = b"tensor_file\0" + bytes((1, 0)) + struct.pack("<I", len(fields)), b""
+    for name, values in fields.items():
+        head += struct.pack("<H", len(name)) + name.encode()
+        head += struct.pack("<HBQ", values.ndim, codes[str(values.dtype)], directory + offset)
+        head += struct.pack(f"<{values.ndim}Q", *values.shape)
+        body += values.tobytes()
+        offset = len(body)
+    return head + body
+
+
+def _bsdf() -> list[bytes]:
+    rng = np.random.default_rng(0)
+
+    def positive(*shape: int) -> np.ndarray[Any, Any]:
+        return rng.uniform(0.1, 1.0, shape).astype(np.float32)
+
+    fields: dict[str, np.ndarray[Any, Any]] = {
+        "description": np.frombuffer(b"made", np.uint8),
+        "phi_i": np.zeros(1, np.float32),
+        "theta_i": np.linspace(0.0, 1.5, 4, dtype=np.float32),
+        "ndf": positive(2, 8),
+        "sigma": positive(2, 8),
+        "vndf": positive(1, 4, 6, 6),
+        "rgb": positive(1, 4, 3, 6, 6),
+        "luminance": positive(1, 4, 6, 6),
+        "jacobian": np.ones(1, np.uint8),
+    }
+    return [bsdf_of(fields)]
+
+
+def _merl() -> list[bytes]:
+    return [np.array((90, 90, 180), "<i4").tobytes() + bytes(8 * 1000)]
+
+
+def _lamps() -> list[bytes]:
+    spectra = [asset("spectra", f"{name}.csv").read_bytes() for name in ("A", "D65")]
+    lines = [line for line in spectra[0].decode().splitlines() if line[:1].isdigit()]
+    commas = "".join(line.replace(",", ";").replace(".", ",") + "\n" for line in lines)
+    spaces = "Instrument X\nWavelength Power\n" + "\n".join(lines).replace(",", "  ")
+    return [*spectra, commas.encode(), spaces.encode("utf-16"), ("µW\n" + spaces).encode("cp1252")]
+
+
+def _materials() -> list[bytes]:
+    made = [asset("materials", f"{name}.json").read_bytes() for name in ("uncoated", "art-coated")]
+    rgb = {
+        "format": "relgloss-material", "version": 1, "name": "blue", "source": "made",
+        "basis": "rgb", "diffuse": {"model": "oren-nayar", "albedo": [0.1, 0.2, 0.5],
+        "sigma_deg": 10.0}, "specular": [{"model": "torrance-sparrow", "strength": 0.5,
+        "refractive_index": 1.5, "s_deg": 4.0}, {"model": "metal", "f0": [0.5, 0.4, 0.3],
+        "s_deg": 9.0}],
+    }  # fmt: skip
+    return [*made, json.dumps(rgb).encode()]
+
+
+def _scenes() -> list[bytes]:
+    scene = (
+        '# a scene\n[sample]\nname = "uncoated"\n[look]\nsigma_n_deg = 2.0\nc_fraction = 0.5\n'
+        'quality = "auto"\nseed = 3\n[lamp]\nilluminant = "D50"\n[display]\ntransfer = "srgb"\n'
+        'white_xy = [0.3127, 0.329]\n[reference]\nname = "cast-coated"\n[reference.look]\n'
+        "sigma_n_deg = 0.0\n[presentation]\n"
+    )
+    small = "[look]\nsigma_n_deg = 1.5\n[shape]\n[eye]\n"
+    from relgloss_view.viewer.state.state import State
+    from relgloss_view.viewer.state.state_file import save_state
+
+    written = _written(lambda path: save_state(path, State.initial()))
+    return [scene.encode(), small.encode(), written]
+
+
+def _written(write: Callable[[Path], object], name: str = "seed") -> bytes:
+    import tempfile
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / name
+        write(path)
+        return path.read_bytes()
+
+
+def _studies() -> list[bytes]:
+    return [asset("studies", "paper.toml").read_bytes(), *_scenes()[1:2]]
+
+
+def _preset_files() -> list[bytes]:
+    from relgloss_view.viewer.state import presets
+
+    return [_written(lambda path: presets.save(path, presets.built_in()))]
+
+
+def _layouts() -> list[bytes]:
+    from relgloss_view.viewer.state.layout_file import WindowLayout, save_layout
+
+    layout = WindowLayout(closed=("Fit", "Help"), docking="[Window][Look]\nPos=1,2\n")
+    return [_written(lambda path: save_layout(path, layout))]
+
+
+def _result_files() -> list[bytes]:
+    content = {"format": "relgloss-experiment", "version": 1, "written": ["results.json", "a.csv"]}
+    return [json.dumps({**content, "samples": [{"label": "x", "scale": [0.5, 1]}] * 3}).encode()]
+
+
+def _profiles() -> list[bytes]:
+    from PIL import ImageCms
+
+    from relgloss_view.picture.output.icc import matrix_profile, srgb_profile
+    from relgloss_view.picture.scene.setup import Display
+
+    gamma = matrix_profile(Display(transfer="gain-offset-gamma"))
+    lab = ImageCms.ImageCmsProfile(ImageCms.createProfile("LAB")).tobytes()
+    return [srgb_profile(), gamma, lab]
+
+
+def _fonts() -> list[bytes]:
+    from relgloss_view.base.fonts import dejavu
+
+    path = dejavu()
+    return [] if path is None else [subset_font(path)]
+
+
+def subset_font(path: Path) -> bytes:
+    """A font of a few letters, so that mutations meet its tables."""
+    import io
+
+    from fontTools import subset
+    from fontTools.ttLib import TTFont
+
+    font = TTFont(path)
+    chosen = subset.Subsetter()
+    chosen.populate(text="relgloss äΩж")
+    chosen.subset(font)
+    data = io.BytesIO()
+    font.save(data)
+    return data.getvalue()
+
+
+def _own_tables() -> list[bytes]:
+    from relgloss_view.base.csv_files import write_csv
+
+    rows = [("=1+1", 0.5, "a,b"), ("'x\n", -1, "ü"), ("", None, '"')]
+    return [_written(lambda path: write_csv(path, ("label", "value", "text"), rows))]
+
+
+@functools.cache
+def _sessions() -> list[bytes]:
+    from relgloss_view.cli import main
+
+    def make(path: Path) -> None:
+        words = ["experiment", "simulate", "paper", "-o", str(path), "--observers", "2"]
+        import contextlib
+        import io
+
+        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+            if main(words) != 0:
+                raise InputError("the seed of a session could not be made")
+
+    return [_written(make, "seed.sqlite")]
+
+
+def _any() -> list[bytes]:
+    return [*_tables(), *_bsdf(), *_materials(), *_scenes(), *_lamps()[:1], *_profiles()[:1]]
