@@ -53,7 +53,7 @@ class ReferenceRenderer:
             look=look,
             size=size,
             scaling=scaling,
-            fetch=stages.__getitem__,
+            fetch=lambda stage, rows=None: stages[stage][rows] if rows else stages[stage],
             device="float64 numpy",
             warnings=scene_warnings(scene, look, size, seen=seen, lit=white > 0.0),
             object_pixels=int(np.sum(drawn)),
