@@ -72,6 +72,20 @@ class Extremes:
             int(np.sum(~np.isfinite(l_d + l_s))),
         )
 
+    def joined(self, other: Extremes) -> Extremes:
+        """The extremes over these pixels and others; of equally bright ones, these count."""
+        brightest = self
+        if other.brightest_l_d + other.brightest_l_s > self.brightest_l_d + self.brightest_l_s:
+            brightest = other
+        return Extremes(
+            min(self.smallest_ratio, other.smallest_ratio),
+            max(self.l_d_max, other.l_d_max),
+            max(self.l_s_max, other.l_s_max),
+            brightest.brightest_l_d,
+            brightest.brightest_l_s,
+            self.not_finite + other.not_finite,
+        )
+
 
 #: Highlights drawn this much too strong are called so; a few percent of their L_s* are not seen.
 EXAGGERATED = 1.05

@@ -52,6 +52,7 @@ from relgloss_view.picture.model.silhouette import edge_tiles
 from relgloss_view.picture.model.view import Box, View
 from relgloss_view.picture.scene.scene import Scene
 
+
 class Passes:
     """The passes of pictures on one OpenGL context, their targets, and the ones that still hold.
 

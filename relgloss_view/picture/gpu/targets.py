@@ -153,9 +153,9 @@ class Targets:
             data = texture.read(alignment=1)
         else:
             box = (0, texture.height - last, texture.width, last - first)
-            source = self.framebuffer((name,))
-            options = {"components": texture.components, "dtype": texture.dtype}
-            data = source.read(viewport=box, alignment=1, **options)
+            data = self.framebuffer((name,)).read(
+                box, components=texture.components, alignment=1, dtype=texture.dtype
+            )
         if self.ctx.error != "GL_NO_ERROR":
             raise RelglossError(f"{name}: the device failed while the picture was read back")
         kind = {"f1": np.uint8, "f2": np.float16}.get(texture.dtype, np.float32)

@@ -20,7 +20,6 @@ from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 
-
 WHOLE: Uniforms = {"lowest_row": 0}  #: of rows.glsl, where a target holds the whole picture
 
 

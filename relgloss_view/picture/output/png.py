@@ -90,7 +90,9 @@ def digital(frame: Frame, displayed: Displayed | None, bits: int) -> Digital:
     model = tone.DisplayModel.of(frame.scene.display)
     values = np.empty((frame.size[1], frame.size[0], 3), dtype=np.uint16)
     for part in parts_of(frame):
-        light, _ = shown_light(part, part.light if displayed is None else displayed.light[part.rows])
+        light, _ = shown_light(
+            part, part.light if displayed is None else displayed.light[part.rows]
+        )
         rows = slice(part.first, part.first + part.own.stop - part.own.start)
         values[rows] = _quantised(tone.encode(light[part.own], model), bits)
     return values
