@@ -34,10 +34,10 @@ def draw_overlay(
     request = renderer.request(scene, look, size, method)
     passes = renderer.passes
     drawn = passes.bring_up_to_date(request)
-    passes.bring_xyz(request)
+    passes.bring(request, *XYZ)
     names: tuple[str, ...] = (*XYZ, *SPLIT, *TONE)
     if overlay == "normals":
-        passes.bring_geometry(request)
+        passes.bring(request, *GEOMETRY)
         names = (*names, *GEOMETRY)
     if passes.held.renew("overlay", overlay):
         defines = tone_defines(scene.display, "overlay.frag")
@@ -61,7 +61,7 @@ def draw_difference(
     if requests[0].size != requests[1].size:
         raise RelglossError("a difference needs two pictures of one size")
     for renderer, request in zip((first, second), requests, strict=True):
-        renderer.passes.bring_light(request)
+        renderer.passes.bring(request, *LIGHT)
     display = DisplayModel.of(requests[1].scene.display)
     # Pictures of the first renderer count by how often it has drawn them.
     if second.passes.held.renew("overlay", "difference", id(first), first.draws["light"], top):

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -19,12 +19,14 @@ from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.frame import Extremes, Scaling
 from relgloss_view.picture.gpu.context import make_current
+from relgloss_view.picture.gpu.drawing import PASSES, Drawing, Drawn
 from relgloss_view.picture.gpu.edges import TILE_VERTICES, Silhouette
 from relgloss_view.picture.gpu.held import Held, key_of
 from relgloss_view.picture.gpu.programs import Programs, Uniforms
 from relgloss_view.picture.gpu.reduction import Reduction
 from relgloss_view.picture.gpu.request import Request
 from relgloss_view.picture.gpu.shading import Shading, shading_of
+from relgloss_view.picture.gpu.strip import Strip
 from relgloss_view.picture.gpu.targets import (
     CLEARED,
     COVERAGE,
@@ -37,6 +39,7 @@ from relgloss_view.picture.gpu.targets import (
     Targets,
 )
 from relgloss_view.picture.gpu.uniforms import (
+    WHOLE,
     display_uniforms,
     field_size,
     grain_uniforms,
@@ -49,29 +52,6 @@ from relgloss_view.picture.model.pixel_sampling import sample_count
 from relgloss_view.picture.model.silhouette import edge_tiles
 from relgloss_view.picture.model.view import Box, View
 from relgloss_view.picture.scene.scene import Scene
-
-PASSES = (
-    "white",
-    "grain",
-    "shade",
-    "split",
-    "coverage",
-    "tone",
-    "edges",
-    "light",
-    "geometry",
-    "counts",
-    "overlay",
-)
-
-
-class Drawn(NamedTuple):
-    """What the drawing of a picture found out."""
-
-    scaling: Scaling
-    white: float  #: Y_n before the lamp's power
-    object_pixels: int  #: how many show any of the object
-    l_s_max: float  #: largest L_s* of a pixel
 
 
 class Passes:
@@ -88,6 +68,7 @@ class Passes:
         self.targets = Targets(ctx)
         self.reduction = Reduction(ctx, programs)
         self.silhouette = Silhouette(ctx)
+        self.strip = Strip(ctx, programs)
         self.held = Held()
         self.present: Request | None = None  #: what the targets show
         self._drawn: Drawn | None = None  #: with it
@@ -112,58 +93,74 @@ class Passes:
         self._lamp = lamp  # kept, so that no other lamp can have its identity
         return drawn
 
-    def fetch(self, request: Request, stage: str) -> AnyArray:
-        """One stage of a picture as an array; draws again what has been drawn over since."""
+    def fetch(self, request: Request, stage: str, rows: slice | None = None) -> AnyArray:
+        """One stage of a picture as an array; draws again what has been drawn over since.
+
+        rows: from the top, all by default. Of what is drawn on request, only these are drawn.
+        """
         checkpoint()
         make_current(self.ctx)
         if stage == "counts":
             return np.array(self.counts(request))
+        drawn = self.bring_up_to_date(request)
         if stage == "edges":
-            self.bring_up_to_date(request)
             with self.all_or_nothing():
                 return self._silhouette_of(request).pixels
-        if stage in XYZ:
-            self.bring_xyz(request)
-        elif stage in LIGHT:
-            self.bring_light(request)
-        elif stage in GEOMETRY:
-            self.bring_geometry(request)
-        else:
-            self.bring_up_to_date(request)
-        return self.targets.read(stage)
+        drawing = self._on_request(request, drawn.scaling, stage)
+        if drawing is None or rows is None or rows.stop - rows.start == request.size[1]:
+            if drawing is not None:
+                self._bring(drawing)
+            return self.targets.read(stage, rows)
+        asked = request, self._lamp
+        if not self.strip.holds(drawing.targets, asked, rows):
+            with self.all_or_nothing():
+                self.strip.draw(drawing, request.size, asked, rows)
+            self.draws[drawing.name] += 1
+        return self.strip.read(stage, rows.stop - rows.start)
 
-    def bring_xyz(self, request: Request) -> None:
-        """Draw diffuse and specular as XYZ, where pass 1 wrote something else."""
-        self.bring_up_to_date(request)
+    def bring(self, request: Request, *stages: str) -> None:
+        """Draw stages over the whole picture that are drawn on request only."""
+        drawn = self.bring_up_to_date(request)
+        for stage in stages:
+            drawing = self._on_request(request, drawn.scaling, stage)
+            if drawing is not None:
+                self._bring(drawing)
+
+    def _bring(self, drawing: Drawing) -> None:
+        if self.held.renew(drawing.held, *drawing.parts):
+            with self.all_or_nothing():
+                self.draw(*drawing.arguments)
+
+    def _on_request(self, request: Request, scaling: Scaling, stage: str) -> Drawing | None:
+        """What draws a stage that is drawn on request only; None for the others."""
+        if stage in XYZ:
+            return self._xyz(request)
+        if stage in LIGHT:
+            return self._tone("light", request, scaling, LIGHT)
+        return self._geometry(request) if stage in GEOMETRY else None
+
+    def _xyz(self, request: Request) -> Drawing | None:
+        """Diffuse and specular as XYZ, where pass 1 wrote something else."""
         shading = self._shading(request)
         if set(XYZ) <= set(shading.variant.targets):
-            return
-        if self.held.renew("xyz"):
-            with self.all_or_nothing():
-                self._shade(request, shading, shading.variant.writing("xyz"))
+            return None
+        variant = shading.variant.writing("xyz")
+        bounds = View.of(request.scene, request.size).bounds
+        inputs = self._inputs(shading)
+        return Drawing("shade", "shade.frag", variant.defines(), inputs, XYZ, bounds, "xyz")
 
-    def bring_light(self, request: Request) -> None:
-        """Draw the float numbers of the display too."""
-        drawn = self.bring_up_to_date(request)
-        with self.all_or_nothing():
-            self._draw_tone("light", request, drawn.scaling, LIGHT, None)
-
-    def bring_geometry(self, request: Request) -> None:
-        """Draw normals and points too."""
-        self.bring_up_to_date(request)
-        if not self.held.renew("geometry"):
-            return
+    def _geometry(self, request: Request) -> Drawing:
+        """Normals and points."""
         scene, look, size = request.scene, request.look, request.size
         variant = Variant.of(scene, look, chosen=request.method)
         uniforms: dict[str, Any] = {
             **view_uniforms(scene, View.of(scene, size), afar=variant.afar),
             **grain_uniforms(scene, look, size),
+            **self._field(variant),
             "samples": sample_count(scene, look, size),
         }
-        with self.all_or_nothing():
-            defines = variant.geometry_defines()
-            uniforms |= self._field(variant)
-            self.draw("geometry", "geometry.frag", defines, uniforms, GEOMETRY, None)
+        defines = variant.geometry_defines()
+        return Drawing("geometry", "geometry.frag", defines, uniforms, GEOMETRY, None, "geometry")
 
     def counts(self, request: Request) -> tuple[int, int]:
         """How many pixels are clipped, and how many out of gamut."""
@@ -224,6 +221,7 @@ class Passes:
 
     def release(self) -> None:
         """Free everything that a size needs."""
+        self.strip.release()
         self.targets.release()  # leaves a framebuffer bound that stays
         self.reduction.release()
         self.silhouette.release()
@@ -241,7 +239,7 @@ class Passes:
             request.look, extremes, eq4=method.c_max == "eq4", factor=request.factor
         )
         bounds = View.of(request.scene, request.size).bounds
-        if self._draw_tone("tone", request, scaling, TONE, bounds):
+        if self._draw_tone(request, scaling, bounds):
             self._draw_edges(request, scaling)
         return Drawn(scaling, white, self._object_pixels, extremes.l_s_max)
 
@@ -324,36 +322,38 @@ class Passes:
         white = self._white if scene.lamp.y_n == "maximum" else front_white(scene.setup, view)
         return lit_white(white, scene.setup)
 
-    def _draw_tone(
-        self,
-        name: str,
-        request: Request,
-        scaling: Scaling,
-        targets: tuple[str, ...],
-        bounds: Box | None,
-    ) -> bool:
+    def _tone(
+        self, name: str, request: Request, scaling: Scaling, targets: tuple[str, ...]
+    ) -> Drawing:
+        """Scale and show: the display's picture, or its float numbers."""
+        around: Uniforms = display_uniforms(request.scene)
+        samples = sample_count(request.scene, request.look, request.size)
+        defines = tone_defines(request.scene.display, f"{name}.frag", samples, request.method)
+        sources = ("diffuse", "split") if samples > 1 else ("split",)
+        uniforms = {
+            **around,
+            **per_size(request.size),
+            **self.images(sources),
+            **WHOLE,
+            "c": scaling.c,
+        }
+        edges = request.scene.display.edges if name == "tone" else ""
+        parts = tuple(defines.items()), around, scaling.c, edges
+        return Drawing(name, f"{name}.frag", defines, uniforms, targets, None, name, parts)
+
+    def _draw_tone(self, request: Request, scaling: Scaling, bounds: Box) -> bool:
         """Scale and show; the surround outside the bounds does not change with c.
 
         Returns whether there was anything to draw.
         """
-        around: Uniforms = display_uniforms(request.scene)
-        samples = sample_count(request.scene, request.look, request.size)
-        defines = tone_defines(request.scene.display, f"{name}.frag", samples, request.method)
-        edges = request.scene.display.edges if name == "tone" else ""
-        renewed = self.held.renew(name, tuple(defines.items()), around, scaling.c, edges)
+        drawing = self._tone("tone", request, scaling, TONE)
+        renewed = self.held.renew(drawing.held, *drawing.parts)
         if renewed:
-            key = key_of(tuple(defines.items()), around, bounds)
-            sources = ("diffuse", "split") if samples > 1 else ("split",)
-            uniforms = {
-                **around,
-                **per_size(request.size),
-                **self.images(sources),
-                "c": scaling.c,
-            }
-            if self._around.get(name) != key:
-                bounds = None
-            self.draw(name, f"{name}.frag", defines, uniforms, targets, bounds)
-            self._around[name] = key
+            defines, around, *_ = drawing.parts
+            key = key_of(defines, around, bounds)
+            kept = self._around.get("tone") == key
+            self.draw(*drawing._replace(bounds=bounds if kept else None).arguments)
+            self._around["tone"] = key
         return renewed
 
     def _draw_edges(self, request: Request, scaling: Scaling) -> None:
