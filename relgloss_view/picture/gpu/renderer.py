@@ -50,7 +50,7 @@ class Renderer:
     ) -> None:
         self.ctx = ctx
         make_current(ctx)
-        self.programs = programs or Programs(ctx)
+        self.programs = Programs(ctx) if programs is None else programs
         self.choose = choose
         self.passes = Passes(ctx, self.programs)
         self._shares_programs = programs is not None
