@@ -129,6 +129,7 @@ class Hand:
             (1.0, self.material),
             (1.5, self.undo),
             (1.0, self.resize),
+            (1.0, self.panels),
             (0.3, self.export),
             (0.3, self.view),
             (0.3, self.open_material),
@@ -305,6 +306,10 @@ class Hand:
         action = self.rng.choice([a for a in ACTIONS if a.text != "Quit"])
         if action.possible(self.app):
             action.run(self.app)
+
+    def panels(self) -> None:
+        for panel in self.app.layout.panels:
+            panel.visible = self.rng.random() < 0.7
 
     def undo(self) -> None:
         step = self.rng.choice((self.app.model.history.undo, self.app.model.history.redo))

@@ -30,6 +30,7 @@ from relgloss_view.picture.gpu.targets import (
     GEOMETRY,
     GRAIN_FIELD,
     LIGHT,
+    OVERLAY,
     SPLIT,
     TONE,
     XYZ,
@@ -62,6 +63,8 @@ PASSES = (
     "counts",
     "overlay",
 )
+#: The passes whose pictures are kept as long as they hold.
+HELD_AS = {"overlay": "overlay", "grain_field": "grain"}
 
 
 class Drawn(NamedTuple):
@@ -97,6 +100,7 @@ class Passes:
         self._once = Extremes.of_nothing()  #: of the picture without grain, where a method asks
         self._counts = (0, 0)
         self._lamp: object = None
+        self._written: tuple[str, ...] = ()  #: the targets of pass 1, as last drawn
 
     def bring_up_to_date(self, request: Request) -> Drawn:
         """Draw what no longer holds of a picture."""
@@ -220,6 +224,22 @@ class Passes:
         self.programs.draw(stage, defines, uniforms, framebuffer, *vertices)
         self.draws[name] += 1
 
+    def tidy(self) -> int:
+        """Free the targets that can be drawn again if somebody asks; returns their bytes.
+
+        What shows stays, and what a change of c or of the display starts from.
+        """
+        kept = {*SPLIT, *TONE, *COVERAGE}
+        # Several samples a pixel: shares and colours are read from what pass 1 wrote.
+        kept |= {name for name in self._written if name in XYZ}
+        kept |= {name for name in (*OVERLAY, *GRAIN_FIELD) if self.held.holds(HELD_AS[name])}
+        dropped = [name for name in self.targets.held() if name not in kept]
+        for name in dropped:
+            self._around.pop(name, None)
+        for name in ("xyz", "light", "geometry"):
+            self.held.drop(name)
+        return self.targets.drop(dropped)
+
     def release(self) -> None:
         """Free everything that a size needs."""
         self.targets.release()  # leaves a framebuffer bound that stays
@@ -251,6 +271,7 @@ class Passes:
             self._draw_field(request, shading)
         if self.held.renew("shade", variant, request.size, shading.uniforms):
             self._shade(request, shading, variant)
+            self._written = variant.targets
         if not variant.splits and self.held.renew("split"):
             diffuse, specular = map(self.texture, variant.targets)
             images = {"diffuse_image": diffuse, "specular_image": specular}

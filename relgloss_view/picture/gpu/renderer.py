@@ -126,6 +126,14 @@ class Renderer:
         )
         return self._last
 
+    def forget(self) -> int:
+        """Free all targets; programs stay. Returns the targets' bytes."""
+        make_current(self.ctx)
+        freed = self.passes.targets.bytes()
+        self._last = None
+        self.passes.release()
+        return freed
+
     def framebuffer_name(self, targets: tuple[str, ...]) -> int:
         """OpenGL's name of the framebuffer of targets that were drawn; it reads the first."""
         return int(self.passes.targets.framebuffer(targets).glo)
@@ -133,6 +141,11 @@ class Renderer:
     def texture(self, name: str) -> moderngl.Texture:
         """A target as it was last drawn, for passes that start from it."""
         return self.passes.texture(name)
+
+    def tidy(self) -> int:
+        """Free what can be drawn again and does not show; returns its bytes. See Passes.tidy."""
+        make_current(self.ctx)
+        return self.passes.tidy()
 
     def release(self) -> None:
         """Free everything on the device; frames already made are drawn again when asked."""
