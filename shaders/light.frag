@@ -4,6 +4,7 @@
 //   light = linear display RGB over the surround, alpha = the object's share of the pixel
 //   lab   = L~*, a*, b* before gamut mapping; 0 off the object
 
+#include "rows.glsl"
 #include "texel.glsl"
 #include "tone.glsl"
 
@@ -18,7 +19,7 @@ layout(location = 0) out vec4 light;
 layout(location = 1) out vec4 lab;
 
 void main() {
-    ivec2 at = ivec2(gl_FragCoord.xy);
+    ivec2 at = picture_pixel();
     vec4 split = texel(split_image, at);
     float share = SAMPLED == 1 ? texel(diffuse_image, at).a : on_object(split) ? 1.0 : 0.0;
     bool inside;

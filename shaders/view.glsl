@@ -1,5 +1,7 @@
 // Pixels to rays. Constant: AFAR. The pixel's column and row count from the top left, as in the picture file.
 
+#include "rows.glsl"
+
 // 1 where a ray that begins at the eye would lose the digits of the object (view.from_afar). There each ray
 // begins where it passes the object's centre, and the vectors below are so long that one step back is the eye.
 #ifndef AFAR
@@ -15,7 +17,8 @@ uniform vec2 view_shift;    // of the picture's centre to the right and up, tang
 uniform ivec2 size_px;
 
 ivec2 pixel() {
-    return ivec2(int(gl_FragCoord.x), size_px.y - 1 - int(gl_FragCoord.y));
+    ivec2 from_below = picture_pixel();
+    return ivec2(from_below.x, size_px.y - 1 - from_below.y);
 }
 
 // Ray through a place inside a pixel, (0.5, 0.5) its centre; not of unit length.

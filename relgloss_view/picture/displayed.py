@@ -15,6 +15,7 @@ from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.silhouette import smoothed
 from relgloss_view.picture.model.tone import DisplayModel
+from relgloss_view.picture.stages import Part
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ class Displayed:
         return tone.lab_from_xyz(self.light @ self.display.xyz_from_rgb.T, self.display.white)
 
 
-def shown_light(frame: Frame, light: Floats) -> tuple[Array, Mask]:
+def shown_light(frame: Frame | Part, light: Floats) -> tuple[Array, Mask]:
     """Linear light (H, W, 3) of a frame's picture as it is to show, and where it shows the object.
 
     light: with the frame's samples; smooth silhouettes are mixed in where the frame has them.
@@ -68,7 +69,7 @@ def shown_light(frame: Frame, light: Floats) -> tuple[Array, Mask]:
     return smoothed(picture, on_object, frame.edges, background)
 
 
-def cut_out(frame: Frame, light: Floats) -> tuple[Array, Array]:
+def cut_out(frame: Frame | Part, light: Floats) -> tuple[Array, Array]:
     """The object of a picture without its surround, for compositing: RGB (H, W, 3), A (H, W).
 
     light: linear, with the frame's samples, over the surround. A is the share of the pixel that the

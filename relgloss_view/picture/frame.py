@@ -10,7 +10,7 @@ from warnings import warn
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array, Bytes, Floats, Mask
+from relgloss_view.base.arrays import AnyArray, Array, Floats
 from relgloss_view.base.errors import InputError, RelglossError
 from relgloss_view.base.reading import printable
 from relgloss_view.material.spectra import illuminant
@@ -27,6 +27,7 @@ from relgloss_view.picture.model.pixel_sampling import (
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setting import FULL_SHARE
+from relgloss_view.picture.stages import Stages
 
 #: Of a picture in which a sample's gloss can't be judged; the window has a button for the step.
 NO_GLOSS = (
@@ -69,6 +70,20 @@ class Extremes:
             float(l_d[brightest]),
             float(l_s[brightest]),
             int(np.sum(~np.isfinite(l_d + l_s))),
+        )
+
+    def joined(self, other: Extremes) -> Extremes:
+        """The extremes over these pixels and others; of equally bright ones, these count."""
+        brightest = self
+        if other.brightest_l_d + other.brightest_l_s > self.brightest_l_d + self.brightest_l_s:
+            brightest = other
+        return Extremes(
+            min(self.smallest_ratio, other.smallest_ratio),
+            max(self.l_d_max, other.l_d_max),
+            max(self.l_s_max, other.l_s_max),
+            brightest.brightest_l_d,
+            brightest.brightest_l_s,
+            self.not_finite + other.not_finite,
         )
 
 
@@ -178,7 +193,7 @@ def _grain_warnings(scene: Scene, look: Look, size: tuple[int, int]) -> tuple[st
     return (text,)
 
 
-class Frame:
+class Frame(Stages):
     """A picture with all its stages, each fetched on first use and then kept.
 
     A renderer makes it. Arrays are (H, W, ...), row 0 the top. XYZ is relative to Y_n: Y = 1 is
@@ -202,7 +217,7 @@ class Frame:
         look: Look,
         size: tuple[int, int],
         scaling: Scaling,
-        fetch: Callable[[str], Floats],
+        fetch: Callable[..., AnyArray],
         device: str,
         warnings: tuple[str, ...] = (),
         method: Method = EXACT,
@@ -281,51 +296,8 @@ class Frame:
         return illuminant(self.scene.lamp.illuminant).white_xyz()
 
     @cached_property
-    def _diffuse(self) -> Floats:
-        return self._fetch("diffuse")
-
-    @property
-    def _flags(self) -> Bytes:
-        return 255 - self._display[..., 3]
-
-    @cached_property
     def _counts(self) -> Floats:
         return self._fetch("counts")
-
-    @property
-    def diffuse(self) -> Floats:
-        """(H, W, 3), XYZ of the diffuse reflection."""
-        return self._diffuse[..., :3]
-
-    @property
-    def coverage(self) -> Floats:
-        """(H, W), share of each pixel that the object covers."""
-        return self._diffuse[..., 3]
-
-    @cached_property
-    def on_object(self) -> Mask:
-        """(H, W), whether the object covers any of the pixel."""
-        return np.asarray(self._fetch("split")[..., 0] > 0.5 * tone.OFF_OBJECT)
-
-    @cached_property
-    def specular(self) -> Floats:
-        """(H, W, 3), XYZ of the specular reflection."""
-        return self._fetch("specular")[..., :3]
-
-    @cached_property
-    def lab(self) -> Floats:
-        """(H, W, 3), L~*, a*, b* after the split and scaling, before gamut mapping; 0 off it."""
-        return self._fetch("lab")[..., :3]
-
-    @property
-    def clipped(self) -> Mask:
-        """(H, W), where L~* is above 100 and is cut."""
-        return np.asarray(self._flags & 1, dtype=bool)
-
-    @property
-    def out_of_gamut(self) -> Mask:
-        """(H, W), where chroma is reduced because the display can't show the colour."""
-        return np.asarray(self._flags & 2, dtype=bool)
 
     @property
     def clip_count(self) -> int:
@@ -338,11 +310,6 @@ class Frame:
         return int(self._counts[1])
 
     @cached_property
-    def light(self) -> Floats:
-        """(H, W, 3), linear display RGB over the surround, 0 to 1."""
-        return self._fetch("light")[..., :3]
-
-    @cached_property
     def edges(self) -> Array | None:
         """(N, 3), column, row and share of the pixels that the object covers in part.
 
@@ -353,34 +320,9 @@ class Frame:
             return None
         return np.asarray(self._fetch("edges"), dtype=np.float64)
 
-    @cached_property
-    def _display(self) -> Bytes:
-        """Its alpha is 255, less 1 where clipped, less 2 where out of gamut."""
-        return self._fetch("display").astype(np.uint8)
+    def fetch(self, stage: str, rows: slice) -> AnyArray:
+        """Some rows of a stage as the renderer has it, not kept; for picture.stages.Part."""
+        return self._fetch(stage, rows)
 
-    @property
-    def display(self) -> Bytes:
-        """(H, W, 3), digital values of the display, 8 bits."""
-        return self._display[..., :3]
-
-    @cached_property
-    def normal(self) -> Floats:
-        """(H, W, 3), unit normal at the pixel's centre, world axes; 0 off the object."""
-        return self._fetch("normal")[..., :3]
-
-    @cached_property
-    def tilted_normal(self) -> Floats:
-        """(H, W, 3), the normal after the grain's tilt."""
-        return self._fetch("tilted_normal")[..., :3]
-
-    @cached_property
-    def point_m(self) -> Floats:
-        """(H, W, 3), point on the object, world axes."""
-        return self._fetch("point_m")[..., :3]
-
-    @cached_property
-    def split(self) -> tuple[Floats, Floats]:
-        """(H, W) each: L_d*, and L_s* before scaling; 0 off the object."""
-        return tone.split_lightness(
-            self.diffuse[..., 1].astype(np.float64), self.specular[..., 1].astype(np.float64)
-        )
+    def _stage(self, name: str) -> AnyArray:
+        return self._fetch(name)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from relgloss_view.base.arrays import Array
@@ -18,8 +20,15 @@ from relgloss_view.picture.model.silhouette import coverage, edge_pixels, smooth
 from relgloss_view.picture.model.view import Size, View, check_size, float32
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.stages import PART_PIXELS
 
 CHUNK_VALUES = 4_000_000  #: pixels times bands that are held at once
+#: Stages that are drawn when they are asked for, by what draws them.
+DRAWN_TOGETHER = {
+    "geometry": ("normal", "tilted_normal", "point_m"),
+    "tone": ("split", "lab", "light", "flags"),
+    "display": ("display",),
+}
 
 
 class ReferenceRenderer:
@@ -39,24 +48,20 @@ class ReferenceRenderer:
         if scene.lamp.y_n == "front":
             white = front_white(scene.setup, view)
         white = lit_white(white, scene.setup)
-        stages = self._shade(as_drawn(scene, look), look, view, white, samples)
-        drawn = stages["diffuse"][..., 3] > 0.0
-        l_d, l_s = tone.split_lightness(
-            stages["diffuse"][..., 1][drawn], stages["specular"][..., 1][drawn]
-        )
-        extremes = Extremes.over(l_d, l_s)
+        drawn = as_drawn(scene, look)
+        stages = ReferenceStages(drawn, look, view, samples)
+        extremes, pixels = self._shade(stages, white)
         scaling = Scaling.of(look, extremes, factor=factor)
-        stages.update(_tone(scene, stages, scaling.c))
-        stages.update(_display(scene, stages, view, samples))
+        stages.c = scaling.c
         return Frame(
             scene=scene,
             look=look,
             size=size,
             scaling=scaling,
-            fetch=stages.__getitem__,
+            fetch=stages.fetch,
             device="float64 numpy",
             warnings=scene_warnings(scene, look, size, seen=seen, lit=white > 0.0),
-            object_pixels=int(np.sum(drawn)),
+            object_pixels=pixels,
             l_s_max=extremes.l_s_max,
         )
 
@@ -74,20 +79,18 @@ class ReferenceRenderer:
             seen = seen or bool(np.any(covered > 0.0))
         return largest, seen
 
-    def _shade(
-        self, scene: Scene, look: Look, view: View, white: float, samples: int
-    ) -> dict[str, Array]:
+    def _shade(self, stages: ReferenceStages, white: float) -> tuple[Extremes, int]:
+        """Draw diffuse and specular; returns their extremes and how many pixels show the object."""
+        scene, look, view = stages.scene, stages.look, stages.view
         material = scene.material
         weights = material.xyz_weights(illuminant(scene.lamp.illuminant))
-        width, height = view.size
-        stages = {name: np.zeros((height, width, 4)) for name in ("diffuse", "specular")}
-        stages.update(
-            {n: np.zeros((height, width, 3)) for n in ("normal", "tilted_normal", "point_m")}
-        )
-        places = _places(samples)
+        places = _places(stages.samples)
+        height = view.size[1]
+        extremes, pixels = Extremes.of_nothing(), 0
         for rows in _row_chunks(view, material.bands.count):
             self._progress(rows.start / height, f"row {rows.start} of {height}")
-            covered = np.zeros(stages["diffuse"][rows].shape[:2])
+            diffuse_light, specular_light = stages.diffuse[rows], stages.specular[rows]
+            covered = np.zeros(diffuse_light.shape[:2])
             for place in places:
                 hit, o, i, n, distance2 = _meet(scene, view, rows, place, look)
                 grain = brdf.facing(n, i, o)
@@ -97,23 +100,21 @@ class ReferenceRenderer:
                 specular = material.evaluate_facing(grain)[1] @ weights
                 lit_diffuse = arriving * np.maximum(smooth.mu_i, 0.0)
                 lit_specular = arriving * np.maximum(grain.mu_i, 0.0)
-                stages["diffuse"][rows][..., :3] += lit_diffuse[..., None] * diffuse
-                stages["specular"][rows][..., :3] += lit_specular[..., None] * specular
+                diffuse_light[..., :3] += lit_diffuse[..., None] * diffuse
+                specular_light += lit_specular[..., None] * specular
                 covered += hit.found
-            for name in ("diffuse", "specular"):
-                stages[name][rows][..., :3] /= np.maximum(covered, 1.0)[..., None]
-                stages[name][rows][..., 3] = covered / len(places)
-            open_ = np.ones(covered.shape, dtype=bool)
-            for place in [(0.5, 0.5), *places]:
-                hit, _, _, n, _ = _meet(scene, view, rows, place, look)
-                new = open_ & hit.found
-                stages["normal"][rows][new] = hit.normal[new]
-                stages["tilted_normal"][rows][new] = n[new]
-                stages["point_m"][rows][new] = hit.point_m[new]
-                open_ &= ~hit.found
-                if not np.any(open_ & (covered > 0.0)):
-                    break
-        return stages
+            diffuse_light[..., :3] /= np.maximum(covered, 1.0)[..., None]
+            specular_light /= np.maximum(covered, 1.0)[..., None]
+            diffuse_light[..., 3] = covered / len(places)
+            drawn = covered > 0.0
+            split = tone.split_lightness(
+                diffuse_light[..., 1][drawn], specular_light[..., 1][drawn]
+            )
+            if np.any(drawn):
+                found = Extremes.over(*split)
+                extremes = extremes.joined(found) if pixels else found
+                pixels += int(np.sum(drawn))
+        return extremes, pixels
 
 
 def _meet(
@@ -134,42 +135,116 @@ def _meet(
     return hit, o, i, n, distance2
 
 
-def _tone(scene: Scene, stages: dict[str, Array], c: float) -> dict[str, Array]:
-    display = tone.DisplayModel.of(scene.display)
-    diffuse, specular = stages["diffuse"], stages["specular"]
-    covered = diffuse[..., 3:]
-    seen = covered > 0.0
-    white = illuminant(scene.lamp.illuminant).white_xyz()
-    split = tone.split_lab(diffuse[..., :3], specular[..., :3], white)
-    lab = tone.scaled_lab(split, c)
-    shown, inside = tone.display_rgb(lab, display)
-    light = np.where(
-        seen,
-        covered * shown + (1.0 - covered) * display.background_light,
-        display.background_light,
-    )
-    flags = np.where(
-        seen[..., 0], (lab[..., 0] > 100.0 + tone.CLIP_TOLERANCE) + 2 * ~inside, 0
-    ).astype(np.uint8)
-    return {
-        "split": np.where(seen, split, (tone.OFF_OBJECT, 0.0, 0.0, 0.0)),
-        "lab": np.where(seen, lab, 0.0),
-        "counts": np.array([np.sum(flags & 1), np.sum(flags >> 1)]),
-        "light": np.concatenate([light, covered], axis=-1),
-        "flags": flags[..., None],
-    }
+class ReferenceStages:
+    """The stages of a picture: diffuse and specular are held, the others drawn when asked for."""
 
+    def __init__(self, scene: Scene, look: Look, view: View, samples: int) -> None:
+        width, height = view.size
+        self.scene, self.look, self.view, self.samples = scene, look, view, samples
+        self.c = 1.0
+        self.diffuse = np.zeros((height, width, 4))
+        self.specular = np.zeros((height, width, 3))
+        self._last: tuple[str, slice, dict[str, Array]] | None = None
 
-def _display(scene: Scene, stages: dict[str, Array], view: View, samples: int) -> dict[str, Array]:
-    """What the display gets: smooth silhouettes and dither, where it asks for them."""
-    model, light = tone.DisplayModel.of(scene.display), stages["light"][..., :3]
-    shows = stages["diffuse"][..., 3] > 0.0
-    more: dict[str, Array] = {}
-    if scene.display.edges == "smooth" and samples == 1:
-        more["edges"] = edge_pixels(coverage(scene.shape, view))
-        light, shows = smoothed(light, shows, more["edges"], model.background_light)
-    steps = tone.digital_steps(light, model, shows if scene.display.dither == "ordered" else None)
-    return more | {"display": np.concatenate([steps, 255.0 - stages["flags"]], axis=-1)}
+    def fetch(self, stage: str, rows: slice | None = None) -> Array:
+        """A stage, or some rows of it, (rows, W, ...)."""
+        whole = slice(0, self.view.size[1])
+        if stage in ("diffuse", "specular"):
+            held: Array = getattr(self, stage)
+            return held[rows or whole]
+        if stage == "edges":
+            return self._edges
+        if stage == "counts":
+            return self._counts
+        if rows is not None:
+            return self._drawn(stage, rows)
+        parts = (self._drawn(stage, part) for part in self._parts())
+        return np.concatenate(list(parts))
+
+    @cached_property
+    def _counts(self) -> Array:
+        """How many pixels are clipped, and how many out of gamut."""
+        total = np.zeros(2)
+        for rows in self._parts():
+            flags = self._drawn("flags", rows).astype(np.uint8)
+            total += np.array([np.sum(flags & 1), np.sum(flags >> 1)])
+        return total
+
+    @cached_property
+    def _edges(self) -> Array:
+        return edge_pixels(coverage(self.scene.shape, self.view))
+
+    def _parts(self) -> list[slice]:
+        width, height = self.view.size
+        step = max(1, PART_PIXELS // width)
+        return [slice(first, min(first + step, height)) for first in range(0, height, step)]
+
+    def _drawn(self, stage: str, rows: slice) -> Array:
+        """Rows of a stage that is not held; what was drawn with it is kept until the next ones."""
+        group = next(name for name, stages in DRAWN_TOGETHER.items() if stage in stages)
+        if self._last is None or self._last[:2] != (group, rows):
+            draw = {"geometry": self._geometry, "tone": self._tone, "display": self._display}
+            self._last = group, rows, draw[group](rows)
+        return self._last[2][stage]
+
+    def _geometry(self, rows: slice) -> dict[str, Array]:
+        """What the first sample of a pixel that meets the object sees, its centre tried first."""
+        scene, look, view = self.scene, self.look, self.view
+        covered = self.diffuse[rows][..., 3] > 0.0
+        stages = {name: np.zeros((*covered.shape, 3)) for name in DRAWN_TOGETHER["geometry"]}
+        open_ = np.ones(covered.shape, dtype=bool)
+        for place in [(0.5, 0.5), *_places(self.samples)]:
+            hit, _, _, n, _ = _meet(scene, view, rows, place, look)
+            new = open_ & hit.found
+            stages["normal"][new] = hit.normal[new]
+            stages["tilted_normal"][new] = n[new]
+            stages["point_m"][new] = hit.point_m[new]
+            open_ &= ~hit.found
+            if not np.any(open_ & covered):
+                break
+        return stages
+
+    def _tone(self, rows: slice) -> dict[str, Array]:
+        display = tone.DisplayModel.of(self.scene.display)
+        diffuse, specular = self.diffuse[rows], self.specular[rows]
+        covered = diffuse[..., 3:]
+        seen = covered > 0.0
+        white = illuminant(self.scene.lamp.illuminant).white_xyz()
+        split = tone.split_lab(diffuse[..., :3], specular, white)
+        lab = tone.scaled_lab(split, self.c)
+        shown, inside = tone.display_rgb(lab, display)
+        light = np.where(
+            seen,
+            covered * shown + (1.0 - covered) * display.background_light,
+            display.background_light,
+        )
+        flags = np.where(
+            seen[..., 0], (lab[..., 0] > 100.0 + tone.CLIP_TOLERANCE) + 2 * ~inside, 0
+        ).astype(np.uint8)
+        return {
+            "split": np.where(seen, split, (tone.OFF_OBJECT, 0.0, 0.0, 0.0)),
+            "lab": np.where(seen, lab, 0.0),
+            "light": np.concatenate([light, covered], axis=-1),
+            "flags": flags[..., None],
+        }
+
+    def _display(self, rows: slice) -> dict[str, Array]:
+        """What the display gets: smooth silhouettes and dither, where it asks for them."""
+        display, height = self.scene.display, self.view.size[1]
+        model = tone.DisplayModel.of(display)
+        # With the rows beside these, from which pixels at the silhouette may take their colour.
+        more = slice(max(rows.start - 1, 0), min(rows.stop + 1, height))
+        own = slice(rows.start - more.start, rows.stop - more.start)
+        stages = self._tone(more)
+        light, shows = stages["light"][..., :3], self.diffuse[more][..., 3] > 0.0
+        if display.edges == "smooth" and self.samples == 1:
+            edges = self._edges
+            edges = edges[(edges[:, 1] >= more.start) & (edges[:, 1] < more.stop)]
+            edges = edges - (0.0, float(more.start), 0.0)
+            light, shows = smoothed(light, shows, edges, model.background_light)
+        dithered = shows[own] if display.dither == "ordered" else None
+        steps = tone.digital_steps(light[own], model, dithered, height - rows.stop)
+        return {"display": np.concatenate([steps, 255.0 - stages["flags"][own]], axis=-1)}
 
 
 def _places(samples: int) -> list[tuple[float, float]]:

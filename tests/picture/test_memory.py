@@ -27,7 +27,7 @@ for size in ((64, 64), (2048, 2048)):
     renderer.passes.bring_up_to_date(request)
     ctx.finish()
     shown = resident()
-    renderer.passes.bring_xyz(request)
+    renderer.passes.bring(request, "diffuse")
     ctx.finish()
 print(shown - before, resident() - shown)
 """

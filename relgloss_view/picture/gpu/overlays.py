@@ -36,10 +36,10 @@ def draw_overlay(
     drawn = passes.bring_up_to_date(request)
     if passes.held.is_drawn_from("overlay", overlay):
         return renderer.texture("overlay")
-    passes.bring_xyz(request)
+    passes.bring(request, *XYZ)
     names: tuple[str, ...] = (*XYZ, *SPLIT, *TONE)
     if overlay == "normals":
-        passes.bring_geometry(request)
+        passes.bring(request, *GEOMETRY)
         names = (*names, *GEOMETRY)
     if passes.held.renew("overlay", overlay):
         defines = tone_defines(scene.display, "overlay.frag")
@@ -69,7 +69,7 @@ def draw_difference(
     if second.passes.held.is_drawn_from("overlay", *seen):
         return second.texture("overlay")
     for renderer, request in zip((first, second), requests, strict=True):
-        renderer.passes.bring_light(request)
+        renderer.passes.bring(request, *LIGHT)
     display = DisplayModel.of(requests[1].scene.display)
     if second.passes.held.renew("overlay", *seen):
         uniforms = {

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -18,25 +18,27 @@ from relgloss_view.base.arrays import AnyArray
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.frame import Extremes, Scaling
 from relgloss_view.picture.gpu.context import make_current
+from relgloss_view.picture.gpu.drawing import PASSES, Drawing, Drawn
 from relgloss_view.picture.gpu.edges import TILE_VERTICES, Silhouette
 from relgloss_view.picture.gpu.held import Held, key_of
 from relgloss_view.picture.gpu.programs import Programs, Uniforms
 from relgloss_view.picture.gpu.reduction import Reduction
 from relgloss_view.picture.gpu.request import Request
 from relgloss_view.picture.gpu.shading import Shading, shading_of
+from relgloss_view.picture.gpu.strip import Strip
 from relgloss_view.picture.gpu.targets import (
     CLEARED,
     COVERAGE,
     GEOMETRY,
     GRAIN_FIELD,
     LIGHT,
-    OVERLAY,
     SPLIT,
     TONE,
     XYZ,
     Targets,
 )
 from relgloss_view.picture.gpu.uniforms import (
+    WHOLE,
     display_uniforms,
     field_size,
     grain_uniforms,
@@ -49,31 +51,6 @@ from relgloss_view.picture.model.pixel_sampling import sample_count
 from relgloss_view.picture.model.silhouette import edge_tiles
 from relgloss_view.picture.model.view import Box, View
 from relgloss_view.picture.scene.scene import Scene
-
-PASSES = (
-    "white",
-    "grain",
-    "shade",
-    "split",
-    "coverage",
-    "tone",
-    "edges",
-    "light",
-    "geometry",
-    "counts",
-    "overlay",
-)
-#: The passes whose pictures are kept as long as they hold.
-HELD_AS = {"overlay": "overlay", "grain_field": "grain"}
-
-
-class Drawn(NamedTuple):
-    """What the drawing of a picture found out."""
-
-    scaling: Scaling
-    white: float  #: Y_n before the lamp's power
-    object_pixels: int  #: how many show any of the object
-    l_s_max: float  #: largest L_s* of a pixel
 
 
 class Passes:
@@ -90,17 +67,18 @@ class Passes:
         self.targets = Targets(ctx)
         self.reduction = Reduction(ctx, programs)
         self.silhouette = Silhouette(ctx)
+        self.strip = Strip(ctx, programs)
         self.held = Held()
         self.present: Request | None = None  #: what the targets show
         self._drawn: Drawn | None = None  #: with it
-        self._around: dict[str, object] = {}  #: what fills the picture outside the object, by pass
+        self.around: dict[str, object] = {}  #: what fills the picture outside the object, by pass
         self._white = 0.0  #: of the perfect diffuser's picture
         self._object_pixels = 0  #: of that picture
         self._extremes = Extremes.of_nothing()
         self._once = Extremes.of_nothing()  #: of the picture without grain, where a method asks
         self._counts = (0, 0)
         self._lamp: object = None
-        self._written: tuple[str, ...] = ()  #: the targets of pass 1, as last drawn
+        self.written: tuple[str, ...] = ()  #: the targets of pass 1, as last drawn
 
     def bring_up_to_date(self, request: Request) -> Drawn:
         """Draw what no longer holds of a picture."""
@@ -115,57 +93,73 @@ class Passes:
         self._lamp = lamp  # kept, so that no other lamp can have its identity
         return drawn
 
-    def fetch(self, request: Request, stage: str) -> AnyArray:
-        """One stage of a picture as an array; draws again what has been drawn over since."""
+    def fetch(self, request: Request, stage: str, rows: slice | None = None) -> AnyArray:
+        """One stage of a picture as an array; draws again what has been drawn over since.
+
+        rows: from the top, all by default. Of what is drawn on request, only these are drawn.
+        """
         make_current(self.ctx)
         if stage == "counts":
             return np.array(self.counts(request))
+        drawn = self.bring_up_to_date(request)
         if stage == "edges":
-            self.bring_up_to_date(request)
             with self.all_or_nothing():
                 return self._silhouette_of(request).pixels
-        if stage in XYZ:
-            self.bring_xyz(request)
-        elif stage in LIGHT:
-            self.bring_light(request)
-        elif stage in GEOMETRY:
-            self.bring_geometry(request)
-        else:
-            self.bring_up_to_date(request)
-        return self.targets.read(stage)
+        drawing = self._on_request(request, drawn.scaling, stage)
+        if drawing is None or rows is None or rows.stop - rows.start == request.size[1]:
+            if drawing is not None:
+                self._bring(drawing)
+            return self.targets.read(stage, rows)
+        asked = request, self._lamp
+        if not self.strip.holds(drawing.targets, asked, rows):
+            with self.all_or_nothing():
+                self.strip.draw(drawing, request.size, asked, rows)
+            self.draws[drawing.name] += 1
+        return self.strip.read(stage, rows.stop - rows.start)
 
-    def bring_xyz(self, request: Request) -> None:
-        """Draw diffuse and specular as XYZ, where pass 1 wrote something else."""
-        self.bring_up_to_date(request)
+    def bring(self, request: Request, *stages: str) -> None:
+        """Draw stages over the whole picture that are drawn on request only."""
+        drawn = self.bring_up_to_date(request)
+        for stage in stages:
+            drawing = self._on_request(request, drawn.scaling, stage)
+            if drawing is not None:
+                self._bring(drawing)
+
+    def _bring(self, drawing: Drawing) -> None:
+        if self.held.renew(drawing.held, *drawing.parts):
+            with self.all_or_nothing():
+                self.draw(*drawing.arguments)
+
+    def _on_request(self, request: Request, scaling: Scaling, stage: str) -> Drawing | None:
+        """What draws a stage that is drawn on request only; None for the others."""
+        if stage in XYZ:
+            return self._xyz(request)
+        if stage in LIGHT:
+            return self._tone("light", request, scaling, LIGHT)
+        return self._geometry(request) if stage in GEOMETRY else None
+
+    def _xyz(self, request: Request) -> Drawing | None:
+        """Diffuse and specular as XYZ, where pass 1 wrote something else."""
         shading = self._shading(request)
         if set(XYZ) <= set(shading.variant.targets):
-            return
-        if self.held.renew("xyz"):
-            with self.all_or_nothing():
-                self._shade(request, shading, shading.variant.writing("xyz"))
+            return None
+        variant = shading.variant.writing("xyz")
+        bounds = View.of(request.scene, request.size).bounds
+        inputs = self._inputs(shading)
+        return Drawing("shade", "shade.frag", variant.defines(), inputs, XYZ, bounds, "xyz")
 
-    def bring_light(self, request: Request) -> None:
-        """Draw the float numbers of the display too."""
-        drawn = self.bring_up_to_date(request)
-        with self.all_or_nothing():
-            self._draw_tone("light", request, drawn.scaling, LIGHT, None)
-
-    def bring_geometry(self, request: Request) -> None:
-        """Draw normals and points too."""
-        self.bring_up_to_date(request)
-        if not self.held.renew("geometry"):
-            return
+    def _geometry(self, request: Request) -> Drawing:
+        """Normals and points."""
         scene, look, size = request.scene, request.look, request.size
         variant = Variant.of(scene, look, chosen=request.method)
         uniforms: dict[str, Any] = {
             **view_uniforms(scene, View.of(scene, size), afar=variant.afar),
             **grain_uniforms(scene, look, size),
+            **self._field(variant),
             "samples": sample_count(scene, look, size),
         }
-        with self.all_or_nothing():
-            defines = variant.geometry_defines()
-            uniforms |= self._field(variant)
-            self.draw("geometry", "geometry.frag", defines, uniforms, GEOMETRY, None)
+        defines = variant.geometry_defines()
+        return Drawing("geometry", "geometry.frag", defines, uniforms, GEOMETRY, None, "geometry")
 
     def counts(self, request: Request) -> tuple[int, int]:
         """How many pixels are clipped, and how many out of gamut."""
@@ -210,12 +204,12 @@ class Passes:
         """
         framebuffer: Any = self.targets.framebuffer(targets)  # its annotation admits no None
         for target in targets:
-            if target in CLEARED and self._around.get(target) != bounds:
+            if target in CLEARED and self.around.get(target) != bounds:
                 cleared: Any = self.targets.framebuffer((target,))
                 cleared.scissor = None
                 cleared.use()  # or the clearing keeps to the scissor of the pass before
                 cleared.clear(*CLEARED[target])
-                self._around[target] = bounds
+                self.around[target] = bounds
         if bounds is None:
             framebuffer.scissor = None
         else:
@@ -224,24 +218,9 @@ class Passes:
         self.programs.draw(stage, defines, uniforms, framebuffer, *vertices)
         self.draws[name] += 1
 
-    def tidy(self) -> int:
-        """Free the targets that can be drawn again if somebody asks; returns their bytes.
-
-        What shows stays, and what a change of c or of the display starts from.
-        """
-        kept = {*SPLIT, *TONE, *COVERAGE}
-        # Several samples a pixel: shares and colours are read from what pass 1 wrote.
-        kept |= {name for name in self._written if name in XYZ}
-        kept |= {name for name in (*OVERLAY, *GRAIN_FIELD) if self.held.holds(HELD_AS[name])}
-        dropped = [name for name in self.targets.held() if name not in kept]
-        for name in dropped:
-            self._around.pop(name, None)
-        for name in ("xyz", "light", "geometry"):
-            self.held.drop(name)
-        return self.targets.drop(dropped)
-
     def release(self) -> None:
         """Free everything that a size needs."""
+        self.strip.release()
         self.targets.release()  # leaves a framebuffer bound that stays
         self.reduction.release()
         self.silhouette.release()
@@ -259,7 +238,7 @@ class Passes:
             request.look, extremes, eq4=method.c_max == "eq4", factor=request.factor
         )
         bounds = View.of(request.scene, request.size).bounds
-        if self._draw_tone("tone", request, scaling, TONE, bounds):
+        if self._draw_tone(request, scaling, bounds):
             self._draw_edges(request, scaling)
         return Drawn(scaling, white, self._object_pixels, extremes.l_s_max)
 
@@ -271,7 +250,7 @@ class Passes:
             self._draw_field(request, shading)
         if self.held.renew("shade", variant, request.size, shading.uniforms):
             self._shade(request, shading, variant)
-            self._written = variant.targets
+            self.written = variant.targets
         if not variant.splits and self.held.renew("split"):
             diffuse, specular = map(self.texture, variant.targets)
             images = {"diffuse_image": diffuse, "specular_image": specular}
@@ -329,7 +308,7 @@ class Passes:
 
     def _forget(self) -> None:
         self.held.clear()
-        self._around.clear()
+        self.around.clear()
         self.present, self._drawn = None, None
 
     def _white_of(
@@ -343,36 +322,38 @@ class Passes:
         white = self._white if scene.lamp.y_n == "maximum" else front_white(scene.setup, view)
         return lit_white(white, scene.setup)
 
-    def _draw_tone(
-        self,
-        name: str,
-        request: Request,
-        scaling: Scaling,
-        targets: tuple[str, ...],
-        bounds: Box | None,
-    ) -> bool:
+    def _tone(
+        self, name: str, request: Request, scaling: Scaling, targets: tuple[str, ...]
+    ) -> Drawing:
+        """Scale and show: the display's picture, or its float numbers."""
+        around: Uniforms = display_uniforms(request.scene)
+        samples = sample_count(request.scene, request.look, request.size)
+        defines = tone_defines(request.scene.display, f"{name}.frag", samples, request.method)
+        sources = ("diffuse", "split") if samples > 1 else ("split",)
+        uniforms = {
+            **around,
+            **per_size(request.size),
+            **self.images(sources),
+            **WHOLE,
+            "c": scaling.c,
+        }
+        edges = request.scene.display.edges if name == "tone" else ""
+        parts = tuple(defines.items()), around, scaling.c, edges
+        return Drawing(name, f"{name}.frag", defines, uniforms, targets, None, name, parts)
+
+    def _draw_tone(self, request: Request, scaling: Scaling, bounds: Box) -> bool:
         """Scale and show; the surround outside the bounds does not change with c.
 
         Returns whether there was anything to draw.
         """
-        around: Uniforms = display_uniforms(request.scene)
-        samples = sample_count(request.scene, request.look, request.size)
-        defines = tone_defines(request.scene.display, f"{name}.frag", samples, request.method)
-        edges = request.scene.display.edges if name == "tone" else ""
-        renewed = self.held.renew(name, tuple(defines.items()), around, scaling.c, edges)
+        drawing = self._tone("tone", request, scaling, TONE)
+        renewed = self.held.renew(drawing.held, *drawing.parts)
         if renewed:
-            key = key_of(tuple(defines.items()), around, bounds)
-            sources = ("diffuse", "split") if samples > 1 else ("split",)
-            uniforms = {
-                **around,
-                **per_size(request.size),
-                **self.images(sources),
-                "c": scaling.c,
-            }
-            if self._around.get(name) != key:
-                bounds = None
-            self.draw(name, f"{name}.frag", defines, uniforms, targets, bounds)
-            self._around[name] = key
+            defines, around, *_ = drawing.parts
+            key = key_of(defines, around, bounds)
+            kept = self.around.get("tone") == key
+            self.draw(*drawing._replace(bounds=bounds if kept else None).arguments)
+            self.around["tone"] = key
         return renewed
 
     def _draw_edges(self, request: Request, scaling: Scaling) -> None:
@@ -406,7 +387,7 @@ class Passes:
         seen_from = {name: value for name, value in uniforms.items() if name != "lamp_m"}
         if self.held.renew("coverage", tuple(defines.items()), seen_from):
             self.silhouette.fill_tiles(edge_tiles(request.scene.shape, view), view.size[1])
-            self._around.pop("coverage", None)  # so that it is cleared: the tiles are others
+            self.around.pop("coverage", None)  # so that it is cleared: the tiles are others
             tiles = self.silhouette.tiles
             if tiles.texture is not None:
                 listed = {"tile_list": tiles.texture, **per_size(view.size)}

@@ -16,6 +16,7 @@ from relgloss_view.picture.gpu.context import collect, make_current
 from relgloss_view.picture.gpu.passes import Passes
 from relgloss_view.picture.gpu.programs import Programs
 from relgloss_view.picture.gpu.request import Request
+from relgloss_view.picture.gpu.tidying import tidy
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.model.drawn import as_drawn
 from relgloss_view.picture.model.view import Size, check_size
@@ -143,9 +144,9 @@ class Renderer:
         return self.passes.texture(name)
 
     def tidy(self) -> int:
-        """Free what can be drawn again and does not show; returns its bytes. See Passes.tidy."""
+        """Free what can be drawn again and does not show; returns its bytes. See tidying.py."""
         make_current(self.ctx)
-        return self.passes.tidy()
+        return tidy(self.passes)
 
     def release(self) -> None:
         """Free everything on the device; frames already made are drawn again when asked."""

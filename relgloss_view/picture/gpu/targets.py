@@ -153,14 +153,21 @@ class Targets:
             self._textures[name] = texture
         return self._framebuffers[GRAIN_FIELD]
 
-    def read(self, name: str) -> AnyArray:
-        """A target's contents, (H, W, components), rows from the top."""
+    def read(self, name: str, rows: slice | None = None) -> AnyArray:
+        """A target's contents, (rows, W, components), rows from the top; all of them by default."""
         texture = self._textures[name]
-        data = texture.read(alignment=1)
+        first, last = (0, texture.height) if rows is None else (rows.start, rows.stop)
+        if last - first == texture.height:
+            data = texture.read(alignment=1)
+        else:
+            box = (0, texture.height - last, texture.width, last - first)
+            data = self.framebuffer((name,)).read(
+                box, components=texture.components, alignment=1, dtype=texture.dtype
+            )
         if self.ctx.error != "GL_NO_ERROR":
             raise RelglossError(f"{name}: the device failed while the picture was read back")
         kind = {"f1": np.uint8, "f2": np.float16}.get(texture.dtype, np.float32)
-        shape = (texture.height, texture.width, texture.components)
+        shape = (last - first, texture.width, texture.components)
         return np.frombuffer(data, dtype=kind).reshape(shape)[::-1]
 
     def cube_root_table(self) -> moderngl.Texture:

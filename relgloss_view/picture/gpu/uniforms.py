@@ -20,6 +20,8 @@ from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 
+WHOLE: Uniforms = {"lowest_row": 0}  #: of rows.glsl, where a target holds the whole picture
+
 
 def view_uniforms(scene: Scene, view: View, *, afar: bool) -> Uniforms:
     """Eye, lamp and object; from afar the eye and its frame are as view.glsl's AFAR has them."""
@@ -28,6 +30,7 @@ def view_uniforms(scene: Scene, view: View, *, afar: bool) -> Uniforms:
         step = -float(view.eye_m @ view.forward / (view.forward @ view.forward))
         eye_m = view.eye_m + step * view.forward
     return {
+        **WHOLE,
         "eye_m": eye_m,
         "view_right": step * view.right,
         "view_up": step * view.up,

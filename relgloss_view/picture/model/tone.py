@@ -239,15 +239,18 @@ def dither_step(column: Ints, row: Ints) -> Array:
     return ((turned >> np.uint32(9)).astype(np.float64) + 0.5) * 2.0**-23 - 0.5
 
 
-def digital_steps(light: Array, display: DisplayModel, dithered: Mask | None = None) -> Array:
+def digital_steps(
+    light: Array, display: DisplayModel, dithered: Mask | None = None, lowest_row: int = 0
+) -> Array:
     """Digital values of 8 bits, 0 to 255, of linear display RGB (H, W, 3).
 
-    Rounded to the nearest; where `dithered` (H, W), after dither_step.
+    Rounded to the nearest; where `dithered` (H, W), after dither_step. lowest_row: that of the
+    arrays' last one, counted from the bottom of the picture.
     """
     steps = 255.0 * encode(light, display) + 0.5
     if dithered is not None:
         height, width = dithered.shape
-        from_bottom = np.arange(height, dtype=np.int64)[::-1, None]
+        from_bottom = lowest_row + np.arange(height, dtype=np.int64)[::-1, None]
         added = dither_step(np.arange(width, dtype=np.int64)[None, :], from_bottom)
         steps += np.where(dithered, added, 0.0)[..., None]
     return np.asarray(np.clip(np.floor(steps), 0.0, 255.0))

@@ -11,17 +11,19 @@ import json
 import math
 import os
 from itertools import chain
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from relgloss_view.base.arrays import AnyArray
-from relgloss_view.base.errors import InputError
 from relgloss_view.base.version import __version__
-from relgloss_view.base.writing import utf8_path, whole_file
+from relgloss_view.base.writing import whole_file
 from relgloss_view.picture.displayed import Displayed, cut_out
 from relgloss_view.picture.frame import Frame
+from relgloss_view.picture.output.exr_parts import PartsWriter
 from relgloss_view.picture.output.parameters import parameters
+from relgloss_view.picture.stages import Part, parts_of
 
 XYZ = ("X", "Y", "Z")
 #: Layer name, attribute of Frame, channel names. No layer has a channel "A": viewers take it for
@@ -44,28 +46,43 @@ def save_exr(
     Layers and attributes are listed in docs/files.md. Raises InputError where the file can't be
     written.
     """
-    import OpenEXR
+    header = _header(frame, command, displayed)
+    with whole_file(path) as temporary, open(temporary, "w+b") as file:
+        writer = PartsWriter(file, temporary, frame.size)
+        for part in parts_of(frame):
+            writer.write(header, _channels(part, displayed))
+        writer.close()
 
+
+def _channels(part: Part, displayed: Displayed | None) -> dict[str, NDArray[np.float32]]:
+    """The channels of a part's own rows."""
     channels: dict[str, NDArray[np.float32]] = {}
 
     def put(name: str, values: AnyArray) -> None:
-        channels[name] = np.ascontiguousarray(values, dtype=np.float32)
+        channels[name] = np.ascontiguousarray(values[part.own], dtype=np.float32)
 
-    rgb, alpha = cut_out(frame, (frame if displayed is None else displayed).light)
+    rgb, alpha = cut_out(part, part.light if displayed is None else displayed.light[part.rows])
     for k, name in enumerate("RGB"):
         put(name, rgb[..., k])
     put("A", alpha)
-    put("samples.Y", frame.coverage)
+    put("samples.Y", part.coverage)
     for layer, attribute, names in LAYERS:
-        values = getattr(frame, attribute)
+        values = getattr(part, attribute)
         for k, name in enumerate(names):
             put(f"{layer}.{name}", values[..., k])
-    l_d, l_s = frame.split
+    l_d, l_s = part.split
     put("Ld.Y", l_d)
     put("Ls.Y", l_s)
+    return channels
+
+
+def _header(frame: Frame, command: str, displayed: Displayed | None) -> dict[str, Any]:
+    """The attributes of the file."""
+    import OpenEXR
+
     numbers = parameters(frame, displayed)
     display = frame.scene.display
-    header = {
+    return {
         "compression": OpenEXR.ZIP_COMPRESSION,
         "type": OpenEXR.scanlineimage,
         "chromaticities": tuple(chain(*display.primaries_xy, display.white_xy)),
@@ -84,12 +101,6 @@ def save_exr(
         "parameters": json.dumps(numbers),
         **({"command": command} if command else {}),
     }
-    with whole_file(path) as temporary, OpenEXR.File(header, channels) as picture:
-        try:
-            with utf8_path(temporary) as written:
-                picture.write(str(written))
-        except RuntimeError as error:  # what OpenEXR raises where the disk is full
-            raise InputError(f"{path}: can't be written ({error}); choose another place") from error
 
 
 def _number(value: float | None) -> float:

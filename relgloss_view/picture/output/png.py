@@ -21,6 +21,7 @@ from relgloss_view.picture.output.icc import profile_of
 from relgloss_view.picture.output.parameters import parameters
 from relgloss_view.picture.output.png16 import write_png16
 from relgloss_view.picture.scene.setup import Display
+from relgloss_view.picture.stages import parts_of
 
 SOFTWARE = f"relgloss {__version__}"
 
@@ -86,8 +87,15 @@ def digital(frame: Frame, displayed: Displayed | None, bits: int) -> Digital:
     """(H, W, 3), digital values of the display: the picture's own 8 bits, or its light in 16."""
     if bits == 8:
         return frame.display if displayed is None else displayed.digital
-    light, _ = shown_light(frame, (frame if displayed is None else displayed).light)
-    return _quantised(tone.encode(light, tone.DisplayModel.of(frame.scene.display)), bits)
+    model = tone.DisplayModel.of(frame.scene.display)
+    values = np.empty((frame.size[1], frame.size[0], 3), dtype=np.uint16)
+    for part in parts_of(frame):
+        light, _ = shown_light(
+            part, part.light if displayed is None else displayed.light[part.rows]
+        )
+        rows = slice(part.first, part.first + part.own.stop - part.own.start)
+        values[rows] = _quantised(tone.encode(light[part.own], model), bits)
+    return values
 
 
 def save_rgb(
