@@ -79,7 +79,7 @@ def test_imports_point_down(path):
             "matplotlib",
             ("base/figures.py", "fitting/report.py", "experiment/report/", "bench/"),
         ),
-        ("colour", ("material/spectra.py", "bench/peers/scientist.py")),
+        ("colour", ("material/lamp_names.py", "bench/peers/scientist.py")),
     ],
 )
 def test_libraries_keep_to_their_rooms(library, homes):

@@ -23,6 +23,7 @@ from relgloss_view.base.reading import printable, unreadable
 from relgloss_view.base.resources import asset
 from relgloss_view.material.lamp_file import EXPECTED as LAMP_FILE
 from relgloss_view.material.lamp_file import read_lamp
+from relgloss_view.material.lamp_names import lamp_table
 from relgloss_view.measure.bands import REC2020, SRGB, Bands
 
 #: Linear sRGB to XYZ, IEC 61966-2-1:1999 with its primaries and D65 (0.3127, 0.3290) carried to
@@ -131,20 +132,16 @@ def is_lamp_name(name: str) -> bool:
         return True
     if Path(name).suffix.lower() in LAMP_SUFFIXES:
         return False
-    import colour
-
-    return name in colour.SDS_ILLUMINANTS or name in colour.SDS_LIGHT_SOURCES
+    return lamp_table(name) is not None
 
 
 @lru_cache(maxsize=32)
 def _named(name: str) -> Illuminant:
     if name in SHIPPED_ILLUMINANTS:
         return _illuminant_file(asset("spectra", f"{name}.csv"), name)
-    import colour
-
-    table = colour.SDS_ILLUMINANTS if name in colour.SDS_ILLUMINANTS else colour.SDS_LIGHT_SOURCES
-    wavelengths = tuple(float(w) for w in table[name].wavelengths)
-    return _white(Illuminant(name, wavelengths, tuple(float(p) for p in table[name].values)), name)
+    table = lamp_table(name)
+    assert table is not None
+    return _white(Illuminant(name, *table), name)
 
 
 @lru_cache(maxsize=32)

@@ -381,7 +381,7 @@ def survives_lost_objects(hand, found):
         pointer = ctypes.cast(glfw.get_proc_address("glDeleteTextures"), ctypes.c_void_p).value
         delete = ctypes.CFUNCTYPE(None, ctypes.c_int, ctypes.POINTER(ctypes.c_uint))(pointer)
         for renderer in hand.app.pair_renderer._full.values():
-            for name in ("diffuse", "specular", "split", "display"):
+            for name in renderer.passes.targets.held():
                 delete(1, ctypes.byref(ctypes.c_uint(renderer.texture(name).glo)))
 
     hand.frames(4)

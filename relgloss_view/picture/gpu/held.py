@@ -37,6 +37,18 @@ class Held:
         self._keys[name] = key
         return True
 
+    def holds(self, name: str) -> bool:
+        """Whether a pass holds, for the numbers it was last drawn from."""
+        return name in self._keys
+
+    def is_drawn_from(self, name: str, *parts: object) -> bool:
+        """Whether a pass holds for these numbers."""
+        return self._keys.get(name) == key_of(*parts)
+
+    def drop(self, name: str) -> None:
+        """A pass no longer holds, since its targets were freed; what was drawn from it does."""
+        self._keys.pop(name, None)
+
     def forget(self, name: str) -> None:
         """A pass and what follows from it no longer hold."""
         self._keys.pop(name, None)

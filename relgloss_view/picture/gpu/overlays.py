@@ -34,6 +34,8 @@ def draw_overlay(
     request = renderer.request(scene, look, size, method)
     passes = renderer.passes
     drawn = passes.bring_up_to_date(request)
+    if passes.held.is_drawn_from("overlay", overlay):
+        return renderer.texture("overlay")
     passes.bring(request, *XYZ)
     names: tuple[str, ...] = (*XYZ, *SPLIT, *TONE)
     if overlay == "normals":
@@ -61,10 +63,15 @@ def draw_difference(
     if requests[0].size != requests[1].size:
         raise RelglossError("a difference needs two pictures of one size")
     for renderer, request in zip((first, second), requests, strict=True):
+        renderer.passes.bring_up_to_date(request)
+    # Pictures of the first renderer count by how often it has drawn what shows.
+    seen = "difference", id(first), first.draws["tone"], top
+    if second.passes.held.is_drawn_from("overlay", *seen):
+        return second.texture("overlay")
+    for renderer, request in zip((first, second), requests, strict=True):
         renderer.passes.bring(request, *LIGHT)
     display = DisplayModel.of(requests[1].scene.display)
-    # Pictures of the first renderer count by how often it has drawn them.
-    if second.passes.held.renew("overlay", "difference", id(first), first.draws["light"], top):
+    if second.passes.held.renew("overlay", *seen):
         uniforms = {
             "first_image": first.texture(LIGHT[0]),
             "second_image": second.texture(LIGHT[0]),

@@ -72,13 +72,14 @@ class Passes:
         self.held = Held()
         self.present: Request | None = None  #: what the targets show
         self._drawn: Drawn | None = None  #: with it
-        self._around: dict[str, object] = {}  #: what fills the picture outside the object, by pass
+        self.around: dict[str, object] = {}  #: what fills the picture outside the object, by pass
         self._white = 0.0  #: of the perfect diffuser's picture
         self._object_pixels = 0  #: of that picture
         self._extremes = Extremes.of_nothing()
         self._once = Extremes.of_nothing()  #: of the picture without grain, where a method asks
         self._counts = (0, 0)
         self._lamp: object = None
+        self.written: tuple[str, ...] = ()  #: the targets of pass 1, as last drawn
 
     def bring_up_to_date(self, request: Request) -> Drawn:
         """Draw what no longer holds of a picture."""
@@ -205,12 +206,12 @@ class Passes:
         """
         framebuffer: Any = self.targets.framebuffer(targets)  # its annotation admits no None
         for target in targets:
-            if target in CLEARED and self._around.get(target) != bounds:
+            if target in CLEARED and self.around.get(target) != bounds:
                 cleared: Any = self.targets.framebuffer((target,))
                 cleared.scissor = None
                 cleared.use()  # or the clearing keeps to the scissor of the pass before
                 cleared.clear(*CLEARED[target])
-                self._around[target] = bounds
+                self.around[target] = bounds
         if bounds is None:
             framebuffer.scissor = None
         else:
@@ -251,6 +252,7 @@ class Passes:
             self._draw_field(request, shading)
         if self.held.renew("shade", variant, request.size, shading.uniforms):
             self._shade(request, shading, variant)
+            self.written = variant.targets
         if not variant.splits and self.held.renew("split"):
             diffuse, specular = map(self.texture, variant.targets)
             images = {"diffuse_image": diffuse, "specular_image": specular}
@@ -308,7 +310,7 @@ class Passes:
 
     def _forget(self) -> None:
         self.held.clear()
-        self._around.clear()
+        self.around.clear()
         self.present, self._drawn = None, None
 
     def _white_of(
@@ -351,9 +353,9 @@ class Passes:
         if renewed:
             defines, around, *_ = drawing.parts
             key = key_of(defines, around, bounds)
-            kept = self._around.get("tone") == key
+            kept = self.around.get("tone") == key
             self.draw(*drawing._replace(bounds=bounds if kept else None).arguments)
-            self._around["tone"] = key
+            self.around["tone"] = key
         return renewed
 
     def _draw_edges(self, request: Request, scaling: Scaling) -> None:
@@ -387,7 +389,7 @@ class Passes:
         seen_from = {name: value for name, value in uniforms.items() if name != "lamp_m"}
         if self.held.renew("coverage", tuple(defines.items()), seen_from):
             self.silhouette.fill_tiles(edge_tiles(request.scene.shape, view), view.size[1])
-            self._around.pop("coverage", None)  # so that it is cleared: the tiles are others
+            self.around.pop("coverage", None)  # so that it is cleared: the tiles are others
             tiles = self.silhouette.tiles
             if tiles.texture is not None:
                 listed = {"tile_list": tiles.texture, **per_size(view.size)}

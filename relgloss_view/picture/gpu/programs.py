@@ -2,46 +2,84 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Mapping
 from typing import Any
 
 import moderngl
 import numpy as np
 
+from relgloss_view.base.allocator import give_back
+from relgloss_view.picture.gpu.context import collect
 from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.picture.gpu.shader import HANDED_ON, ShaderError, ShaderSource
 
 Uniforms = Mapping[str, Any]  #: numbers, sequences, arrays, or textures for samplers
 
 
-class Programs:
-    """The programs of one context. `compiled` counts how many were made so far."""
+#: Programs that are kept. One takes some 1 to 4 MB of a software driver's memory and 5 to 60 ms to
+#: be made; a picture needs about ten, and all that a pair of pictures in the window can reach 80.
+MOST_PROGRAMS = 64
+#: The share of them that is freed at once, since giving memory back to the system takes a while.
+FREED_SHARE = 0.25
 
-    def __init__(self, ctx: moderngl.Context) -> None:
+
+class Programs:
+    """The programs of one context, the last used ones: `most` of them.
+
+    `compiled` counts how many were made so far, `freed` how many of them were freed to make room.
+    """
+
+    def __init__(self, ctx: moderngl.Context, most: int = MOST_PROGRAMS) -> None:
         self.ctx = ctx
+        self.most = most
         self.compiled = 0
-        self._arrays: dict[tuple[str, tuple[tuple[str, int], ...]], moderngl.VertexArray] = {}
+        self.freed = 0
+        #: By stage and constants, the one that was used last at the end.
+        self._arrays: OrderedDict[tuple[object, ...], moderngl.VertexArray] = OrderedDict()
+
+    @property
+    def count(self) -> int:
+        """How many programs there are now."""
+        return len(self._arrays)
 
     def get(self, stage: str, defines: Mapping[str, int]) -> moderngl.VertexArray:
-        """A stage with its constants, ready to draw; ShaderError names file and line."""
-        key = (stage, tuple(sorted(defines.items())))
-        if key not in self._arrays:
-            source = ShaderSource(stage, defines)
-            try:
-                program = self.ctx.program(vertex_shader=source.vertex, fragment_shader=source.text)
-            except moderngl.Error as error:
-                raise ShaderError(source.explain(str(error))) from error
-            self.compiled += 1
-            self._arrays[key] = self.ctx.vertex_array(program, [])
-        return self._arrays[key]
+        """A stage with its constants, ready to draw; ShaderError names file and line.
+
+        It stays so until another one is asked for.
+        """
+        key = (stage, *sorted(defines.items()))
+        array = self._arrays.get(key)
+        if array is not None:
+            self._arrays.move_to_end(key)
+            return array
+        if len(self._arrays) >= self.most:
+            self._make_room()
+        source = ShaderSource(stage, defines)
+        try:
+            program = self.ctx.program(vertex_shader=source.vertex, fragment_shader=source.text)
+        except moderngl.Error as error:
+            raise ShaderError(source.explain(str(error))) from error
+        self.compiled += 1
+        self._arrays[key] = array = self.ctx.vertex_array(program, [])
+        return array
+
+    def _make_room(self) -> None:
+        """Free the programs that were not used for longest."""
+        count = max(1, round(FREED_SHARE * self.most))
+        for _ in range(min(count, len(self._arrays))):
+            _, array = self._arrays.popitem(last=False)
+            _free(array)
+            self.freed += 1
+        collect(self.ctx)
+        give_back()
 
     def release(self) -> None:
         """Free every program; they are compiled again when next drawn."""
         for array in self._arrays.values():
-            program = array.program
-            array.release()
-            program.release()
+            _free(array)
         self._arrays.clear()
+        give_back()
 
     def draw(
         self,
@@ -80,3 +118,9 @@ class Programs:
         target.use()
         self.ctx.disable(moderngl.BLEND | moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         array.render(mode, vertices=vertices)
+
+
+def _free(array: moderngl.VertexArray) -> None:
+    program = array.program
+    array.release()
+    program.release()

@@ -16,6 +16,7 @@ from relgloss_view.picture.gpu.context import check_home, collect, is_forked, ma
 from relgloss_view.picture.gpu.passes import Passes
 from relgloss_view.picture.gpu.programs import Programs
 from relgloss_view.picture.gpu.request import Request
+from relgloss_view.picture.gpu.tidying import tidy
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.model.drawn import as_drawn
 from relgloss_view.picture.model.view import Size, check_size
@@ -52,7 +53,7 @@ class Renderer:
     ) -> None:
         self.ctx = ctx
         make_current(ctx)
-        self.programs = programs or Programs(ctx)
+        self.programs = Programs(ctx) if programs is None else programs
         self.choose = choose
         self.passes = Passes(ctx, self.programs)
         self._shares_programs = programs is not None
@@ -128,6 +129,14 @@ class Renderer:
         )
         return self._last
 
+    def forget(self) -> int:
+        """Free all targets; programs stay. Returns the targets' bytes."""
+        make_current(self.ctx)
+        freed = self.passes.targets.bytes()
+        self._last = None
+        self.passes.release()
+        return freed
+
     def framebuffer_name(self, targets: tuple[str, ...]) -> int:
         """OpenGL's name of the framebuffer of targets that were drawn; it reads the first."""
         check_home(self.ctx)
@@ -137,6 +146,11 @@ class Renderer:
         """A target as it was last drawn, for passes that start from it."""
         check_home(self.ctx)
         return self.passes.texture(name)
+
+    def tidy(self) -> int:
+        """Free what can be drawn again and does not show; returns its bytes. See tidying.py."""
+        make_current(self.ctx)
+        return tidy(self.passes)
 
     def release(self) -> None:
         """Free everything on the device; frames already made are drawn again when asked.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import moderngl
 import numpy as np
 
@@ -59,6 +61,12 @@ def components(name: str) -> int:
 def bytes_per_pixel(name: str) -> int:
     """Bytes of a target for each pixel, of float32 or 8-bit numbers."""
     return components(name) * (1 if name in EIGHT_BIT else 4)
+
+
+def bytes_of(texture: moderngl.Texture) -> int:
+    """Bytes of a texture's pixels."""
+    each = {"f1": 1, "f2": 2}.get(texture.dtype, 4)
+    return texture.width * texture.height * texture.components * each
 
 
 class Targets:
@@ -170,6 +178,27 @@ class Targets:
             self._table = self.ctx.texture((len(pairs), 1), 2, pairs.tobytes(), dtype="f4")
             self._table.filter = (moderngl.NEAREST, moderngl.NEAREST)
         return self._table
+
+    def held(self) -> tuple[str, ...]:
+        """The names of the targets that there are."""
+        return tuple(self._textures)
+
+    def drop(self, names: Iterable[str]) -> int:
+        """Free some targets, where there are any; returns their bytes."""
+        names, freed = set(names), 0
+        for group in [g for g in self._framebuffers if names & set(g)]:
+            self._parking.use()
+            self._framebuffers.pop(group).release()
+        for name in names:
+            texture = self._textures.pop(name, None)
+            if texture is not None:
+                freed += bytes_of(texture)
+                texture.release()
+        return freed
+
+    def bytes(self) -> int:
+        """Bytes of all the targets."""
+        return sum(bytes_of(texture) for texture in self._textures.values())
 
     def release(self) -> None:
         """Free everything that a size needs."""

@@ -12,10 +12,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from relgloss_view.base.allocator import give_back
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
-from relgloss_view.picture.gpu.context import max_texture_size
+from relgloss_view.picture.gpu.context import collect, max_texture_size
 from relgloss_view.picture.gpu.overlays import draw_difference, draw_overlay
 from relgloss_view.picture.gpu.programs import Programs
 from relgloss_view.picture.gpu.renderer import Renderer
@@ -33,6 +34,8 @@ from relgloss_view.viewer.drawing.arrangement import Arrangement, as_shown
 from relgloss_view.viewer.drawing.texture_uploads import TextureUploads
 from relgloss_view.viewer.state.model import DrawnPass
 from relgloss_view.viewer.state.state import DIFFERENCE, SIDES, State
+
+WORTH_GIVING_BACK = 4_000_000  #: bytes: less would take longer to give back than it is worth
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,7 @@ class PairRenderer:
         self._warmed: set[object] = set()
         self._methods: dict[str, Method] = {}  #: of the last picture of each side
         self._edged_view: object = None  #: shape, eye and size of the last one with smooth edges
+        self._freed = 0  #: programs, when this last warmed up
         self.uploads = TextureUploads(ctx)
         self._factor = 1.0  #: of the last pair
         self._enlarged = False  #: whether the renderer that warms up has drawn something large
@@ -168,9 +172,8 @@ class PairRenderer:
 
     def warm(self, state: State) -> bool:
         """Compile what the sliders of a state can reach; returns whether anything was to do."""
-        if self._enlarged:
-            self._enlarged = False
-            self._warmed.clear()  # and its next small picture frees the large one
+        if self._programs.freed != self._freed:  # other pictures have needed their place
+            self._warmed.clear()
         for side in SIDES:
             scene, look = state.scene(side), state.side(side).look
             for method in self._reachable(side, look):
@@ -179,8 +182,24 @@ class PairRenderer:
                     continue
                 self._warm.prepare(scene, look, method)
                 self._warmed.add(variant)
+                # What this has freed is not warmed up again, or it would never end.
+                self._freed = self._programs.freed
                 return True
         return False
+
+    def tidy(self) -> None:
+        """Free what does not show and is drawn again where somebody asks; call it at rest.
+
+        Those are the smaller pictures of a drag, and what numbers and overlays were made from.
+        """
+        freed = sum(renderer.tidy() for renderer in self._full.values())
+        freed += sum(renderer.forget() for renderer in self._draft.values())
+        if self._enlarged:
+            self._enlarged = False
+            freed += self._warm.forget()
+        collect(self.ctx)
+        if freed > WORTH_GIVING_BACK:
+            give_back()
 
     def _reachable(self, side: str, look: Look) -> tuple[Method, ...]:
         """The methods that a drag can draw a side with: MethodChooser holds its choice."""

@@ -30,12 +30,28 @@ TEXT_FITS_EM = 1.45  #: a cell this wide holds a number
 LIGHT_LSTAR = 55.0  #: cells lighter than this carry dark text
 
 
+#: Rows that are fetched at once, so that a pointer that moves a little needs no others.
+ROWS = 64
+
+
 @dataclass
 class _Memory:
-    stages: dict[str, PerFrame[Stages]] = field(
-        default_factory=lambda: {name: PerFrame(Stages.of) for name in SIDES}
-    )
+    stages: dict[str, PerFrame[Stages]] = field(default_factory=dict)
+    rows: range = range(0)  #: of the pictures, those that are fetched
     last: Pixel | None = None  #: the last one under the mouse
+
+    read: Pixel | None = None  #: the last one whose numbers were shown
+
+    def within_reach(self, place: Pixel, *, dragging: bool) -> Pixel:
+        """The pixel whose numbers can be shown: during a drag no other rows are fetched."""
+        row = place.row
+        held = self.rows.start <= max(row - RADIUS, 0) and row + RADIUS < self.rows.stop
+        if self.read is None or not (held or dragging):
+            rows = self.rows = range(max(row - ROWS // 2, 0), row + ROWS // 2)
+            self.stages = {name: PerFrame(lambda frame: Stages.of(frame, rows)) for name in SIDES}
+            held = True
+        self.read = place if held or self.read is None else self.read
+        return self.read
 
 
 @dataclass(frozen=True)
@@ -123,13 +139,15 @@ def _show(model: Model) -> None:
     if memory.last is not None and not _inside(memory.last, model.picture_size):
         memory.last = None  # the pictures have another size since
     place = model.pinned or memory.last
+    if place is not None:
+        place = memory.within_reach(place, dragging=model.dragging)
     _controls(model, place)
     if place is None or not model.frames:
         return
     _, column, row = place
     stages = {
-        name: memory.stages[name].get(model.frames.get(name), dragging=model.dragging)
-        for name in SIDES
+        name: kept.get(model.frames.get(name), dragging=model.dragging)
+        for name, kept in memory.stages.items()
     }
     plot_widgets.note_if_waiting(all(current for _, current in stages.values()))
     plot_widgets.note_split(model)

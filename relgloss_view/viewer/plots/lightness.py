@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from relgloss_view.base.arrays import AnyArray, Array, Mask
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
+from relgloss_view.picture.stages import parts_of
 
 BINS = 100  #: of 1 L* each, from 0 to 100
 #: Least Y of the brightest specular pixel that makes a highlight: L_s* of 0.01 on black.
@@ -57,8 +58,16 @@ class Lightness:
 
     @classmethod
     def of(cls, frame: Frame) -> Lightness:
-        """Fetch a frame's stages."""
-        y_d, y_s, seen = frame.diffuse[..., 1], frame.specular[..., 1], frame.on_object
+        """Fetch a frame's stages, of which only Y is kept."""
+        kept = [
+            (
+                part.diffuse[part.own, :, 1].copy(),
+                part.specular[part.own, :, 1].copy(),
+                part.on_object[part.own].copy(),
+            )
+            for part in parts_of(frame)
+        ]
+        y_d, y_s, seen = (np.concatenate(rows) for rows in zip(*kept, strict=True))
         # Single precision is good to 1e-5 L*, and four times as fast.
         pair = y_d[seen].astype(np.float32), y_s[seen].astype(np.float32)
         l_d, l_s = (np.asarray(v, dtype=np.float32) for v in _split(*pair))

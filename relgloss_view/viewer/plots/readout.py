@@ -9,6 +9,7 @@ import numpy as np
 from relgloss_view.base.arrays import AnyArray, Array, Bytes, Mask
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
+from relgloss_view.picture.stages import Part
 
 Triple = tuple[float, float, float]
 
@@ -42,8 +43,10 @@ class Patch:
 
 @dataclass(frozen=True)
 class Stages:
-    """Every stage of a frame that a readout needs, fetched at once."""
+    """Every stage of a frame that a readout needs, of some of its rows, fetched at once."""
 
+    first_row: int  #: of the picture, that of the arrays
+    height: int  #: of the picture
     y_n_cd_m2: float
     diffuse: AnyArray
     specular: AnyArray
@@ -60,31 +63,36 @@ class Stages:
     background_lstar: float
 
     @classmethod
-    def of(cls, frame: Frame) -> Stages:
-        """Fetch them."""
+    def of(cls, frame: Frame, rows: range | None = None) -> Stages:
+        """Fetch them: of all rows, or of some, which a large picture takes 0.1 kB a pixel of."""
+        height = frame.size[1]
+        rows = range(height) if rows is None else range(max(rows.start, 0), min(rows.stop, height))
+        part = Part(frame, rows.start, rows.stop)
         return cls(
+            first_row=part.rows.start,
+            height=height,
             y_n_cd_m2=frame.y_n_cd_m2,
-            diffuse=frame.diffuse,
-            specular=frame.specular,
-            lab=frame.lab,
-            display=frame.display,
-            normal=frame.normal,
-            tilted_normal=frame.tilted_normal,
-            point_m=frame.point_m,
-            on_object=frame.on_object,
-            clipped=frame.clipped,
-            out_of_gamut=frame.out_of_gamut,
+            diffuse=part.diffuse,
+            specular=part.specular,
+            lab=part.lab,
+            display=part.display,
+            normal=part.normal,
+            tilted_normal=part.tilted_normal,
+            point_m=part.point_m,
+            on_object=part.on_object,
+            clipped=part.clipped,
+            out_of_gamut=part.out_of_gamut,
             lamp_m=frame.scene.lamp.position_m,
             eye_m=frame.scene.eye.position_m,
             background_lstar=frame.scene.display.background_lstar,
         )
 
     def read(self, column: int, row: int) -> Readout | None:
-        """The pixel at a column from the left and a row from the top; None beyond the picture."""
-        height, width = self.on_object.shape
-        if not (0 <= column < width and 0 <= row < height):
+        """The pixel at a column from the left and a row from the top; None beyond the picture, and in rows that are not here."""
+        count, width = self.on_object.shape
+        if not (0 <= column < width and 0 <= row - self.first_row < count):
             return None
-        at = row, column
+        at = row - self.first_row, column
         r, g, b = (int(v) for v in self.display[at])
         if not self.on_object[at]:
             return Readout(False, (r, g, b))
@@ -110,11 +118,12 @@ class Stages:
 
     def patch(self, column: int, row: int, radius: int = 4) -> Patch:
         """The pixels within `radius` of one, to each side."""
-        height, width = self.on_object.shape
+        count, width = self.on_object.shape
         rows = np.arange(row - radius, row + radius + 1)
         columns = np.arange(column - radius, column + radius + 1)
-        inside = ((rows >= 0) & (rows < height))[:, None] & (columns >= 0) & (columns < width)
-        place = np.ix_(np.clip(rows, 0, height - 1), np.clip(columns, 0, width - 1))
+        inside = ((rows >= 0) & (rows < self.height))[:, None] & (columns >= 0) & (columns < width)
+        held = np.clip(rows - self.first_row, 0, count - 1)
+        place = np.ix_(held, np.clip(columns, 0, width - 1))
         displayed = np.minimum(self.lab[..., 0][place].astype(np.float64), 100.0)
         lstar = np.where(self.on_object[place], displayed, self.background_lstar)
         return Patch(self.display[place], lstar, inside)

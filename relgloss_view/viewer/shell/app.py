@@ -154,6 +154,8 @@ class App:
         if self._warming_waits:
             return False
         warmed = self.pair_renderer.warm(self.model.state)
+        if not warmed:
+            self.pair_renderer.tidy()
         assert self._window is not None
         self._window.to_screen()
         return warmed
