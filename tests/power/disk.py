@@ -59,7 +59,7 @@ class RecordedDisk:
         self.root = place / "disk"
         self._image, self._log = place / "image", place / "log"
         self.marks = place / "fuse" / "marks"
-        self._stack = contextlib.ExitStack()
+        self._stack = self._mounted = contextlib.ExitStack()
 
     def __enter__(self) -> RecordedDisk:
         with contextlib.ExitStack() as stack:
@@ -71,17 +71,24 @@ class RecordedDisk:
                 file.truncate(self.system.size)
             tool = kernel.tool(self.system.make[0])
             assert tool is not None
-            subprocess.run([tool, *self.system.make[1:], str(self._image)], check=True)
+            subprocess.run(
+                [tool, *self.system.make[1:], str(self._image)], check=True, capture_output=True
+            )
             self._start = Image.of(self._image.read_bytes())
             stack.callback(kernel.unmount, self._place / "fuse")
             self._record(stack)
-            stack.enter_context(
+            self._mounted = stack.enter_context(contextlib.ExitStack())
+            self._mounted.enter_context(
                 kernel.mounted(
                     self._place / "fuse" / "disk", self.root, self.system.kind, self.system.options
                 )
             )
             self._stack = stack.pop_all()
         return self
+
+    def stop(self) -> None:
+        """Unmount the recorded disk: some systems mount no two disks that are copies."""
+        self._mounted.close()
 
     def _record(self, stack: contextlib.ExitStack) -> None:
         fuse = os.open("/dev/fuse", os.O_RDWR)
@@ -91,12 +98,14 @@ class RecordedDisk:
             process = subprocess.Popen(
                 [sys.executable, recorder.__file__, *map(str, files)],
                 pass_fds=files,
-                preexec_fn=kernel.end_with_parent,
             )
         stack.callback(process.wait)
         stack.callback(process.kill)
         kernel.mount(
-            "recorder", self._place / "fuse", "fuse", f"fd={fuse},rootmode=40000,user_id=0,group_id=0"
+            "recorder",
+            self._place / "fuse",
+            "fuse",
+            f"fd={fuse},rootmode=40000,user_id=0,group_id=0",
         )
 
     def __exit__(self, *_: object) -> None:
@@ -206,7 +215,7 @@ SURVIVORS = ("none", "all", "some", "torn")
 
 
 def chosen_cuts(begin: int, end: int, count: int, seed: int) -> list[Cut]:
-    """Cuts within begin..end (both possible), spread evenly; the last position always with "none"."""
+    """Cuts spread evenly over begin..end; the last is at the end, with nothing unflushed."""
     hand = random.Random(seed)
     positions = [begin + round((end - begin) * k / max(1, count - 1)) for k in range(count)]
     cuts = [
@@ -272,7 +281,7 @@ class Outcome:
 
 
 def examine(disk: RecordedDisk, check: Check, cuts: Sequence[Cut], log: Log) -> Outcome:
-    """Start the machine again after each cut; `check` gets the disk and the marks before the cut."""
+    """Start the machine again after each cut; `check` gets the disk and the marks so far."""
     outcome = Outcome(log.count(recorder.WRITE), log.count(recorder.FLUSH))
     for cut, image in images(log, cuts):
         outcome.cuts += 1

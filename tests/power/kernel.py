@@ -12,7 +12,6 @@ import errno
 import fcntl
 import os
 import shutil
-import signal
 import struct
 import subprocess
 import sys
@@ -23,10 +22,19 @@ from pathlib import Path
 _libc = ctypes.CDLL(None, use_errno=True)
 LOOP_CONFIGURE, LOOP_GET_FREE = 0x4C0A, 0x4C82
 AUTOCLEAR = 4
-SET_DEATH_SIGNAL = 1
 DETACH = 2
-#: unshare makes the rooms: its child is process 1 of its own, and with that all others end.
-PRIVATE = ["unshare", "--mount", "--pid", "--fork", "--kill-child=KILL", "--mount-proc"]
+#: The child of unshare is process 1 of its room: when it ends, or this process does, all end.
+PRIVATE = [
+    "setpriv",
+    "--pdeathsig",
+    "KILL",
+    "unshare",
+    "--mount",
+    "--pid",
+    "--fork",
+    "--kill-child=KILL",
+    "--mount-proc",
+]
 
 
 def missing() -> str | None:
@@ -38,8 +46,9 @@ def missing() -> str | None:
     for device in ("/dev/fuse", "/dev/loop-control"):
         if not os.path.exists(device):
             return f"needs {device}"
-    if not shutil.which("unshare") or not shutil.which("mkfs.ext4", path=_path()):
-        return "needs unshare and mkfs.ext4"
+    for name in ("setpriv", "unshare", "mkfs.ext4"):
+        if tool(name) is None:
+            return f"needs {name}"
     tried = subprocess.run([*PRIVATE, "true"], capture_output=True, text=True)
     if tried.returncode:
         return f"no private mounts: {tried.stderr.strip()}"
@@ -55,11 +64,6 @@ def _path() -> str:
 def tool(name: str) -> str | None:
     """A program of the system, also where PATH leaves the administrator's out."""
     return shutil.which(name, path=_path())
-
-
-def end_with_parent() -> None:
-    """Have the kernel kill this process when its parent ends; for `preexec_fn`."""
-    _libc.prctl(SET_DEATH_SIGNAL, signal.SIGKILL, 0, 0, 0)
 
 
 def in_private_room(words: Sequence[str]) -> list[str]:

@@ -11,6 +11,7 @@ import argparse
 import contextlib
 import dataclasses
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -25,6 +26,7 @@ import programs
 Marks = list[str]
 #: (what is mounted after the cut, the marks before it, all marks) -> what is wrong
 Check = Callable[[Path, Marks, Marks], list[str]]
+Files = dict[str, bytes]  #: by path
 BEGIN, END = "begin of the recording", "end of the recording"
 
 
@@ -33,7 +35,8 @@ class Scenario:
     """A program on the disk, and what must hold after a cut."""
 
     run: tuple[str, ...]
-    check: Callable[[Path], Check]
+    #: takes what lay on the disk before the program ran and when it had ended
+    check: Callable[[Files, Files], Check]
     #: run before, and on the disk when the recording begins
     prepare: tuple[tuple[str, ...], ...] = ()
 
@@ -52,7 +55,7 @@ def right_versions(before: Marks, marks: Marks) -> list[int]:
     return [done - 1, done] if done < sum(m.startswith("done") for m in marks) else [done - 1]
 
 
-def check_file(_: Path) -> Check:
+def check_file(_: Files, __: Files) -> Check:
     def check(root: Path, before: Marks, marks: Marks) -> list[str]:
         file, right = root / "result.txt", right_versions(before, marks)
         if not file.exists():
@@ -72,7 +75,7 @@ def wrong(name: str, data: bytes, version: int | None, right: list[int]) -> list
     return [f"{name} is empty" if not data else f"{name} is mixed ({len(data)} bytes)"]
 
 
-def check_fresh(_: Path) -> Check:
+def check_fresh(_: Files, __: Files) -> Check:
     def check(root: Path, before: Marks, marks: Marks) -> list[str]:
         newest = max(right_versions(before, marks))
         faults = []
@@ -89,7 +92,7 @@ def check_fresh(_: Path) -> Check:
     return check
 
 
-def check_folder(_: Path) -> Check:
+def check_folder(_: Files, __: Files) -> Check:
     def check(root: Path, before: Marks, marks: Marks) -> list[str]:
         folder, right = root / "report", right_versions(before, marks)
         if not folder.exists():
@@ -113,37 +116,59 @@ def check_folder(_: Path) -> Check:
     return check
 
 
-def goes_on(root: Path) -> list[str]:
-    """The next run writes there, and leaves nothing of the one that was cut."""
+def check_together(_: Files, __: Files) -> Check:
+    """All outputs of one commit are of one version, once the next program has come there."""
+
+    def check(root: Path, before: Marks, marks: Marks) -> list[str]:
+        faults = goes_on(root, "one", "two", "two/report")
+        right = right_versions(before, marks)
+        folder = root / "two" / "report"
+        files = [root / "result.txt", root / "one" / "result.txt", *sorted(folder.glob("[!.]*"))]
+        versions: list[int | None] = []
+        for file in files:
+            name = file.name if file.parent == folder else ""
+            data = file.read_bytes() if file.exists() else None
+            versions.append(-1 if data is None else version_of(data, name, 1 + max(right)))
+        expected = [*programs.NAMES, programs.LAST]
+        if versions == [-1, -1] and -1 in right:
+            return faults
+        if len(set(versions)) > 1 or len(files) != 2 + len(expected):
+            return [*faults, f"mixed: {[*zip([f.name for f in files], versions, strict=True)]}"]
+        return faults + wrong("the outputs", b"?", versions[0], right)
+
+    return check
+
+
+def goes_on(root: Path, *places: str) -> list[str]:
+    """The next program writes there, and leaves nothing of the one that was cut."""
     from relgloss_view.base import temporaries
     from relgloss_view.base.writing import whole_file
 
     temporaries._swept.clear()  # this process stands for a new one each time
+    for place in ("", *places):
+        temporaries.sweep(root / place)
     with whole_file(root / "next.txt") as temporary:
         temporary.write_bytes(b"next")
-    left = [p.name for p in root.iterdir() if temporaries.is_temporary(p.name)]
+    left = [str(p.relative_to(root)) for p in root.rglob("*") if temporaries.is_temporary(p.name)]
     return [f"left over: {left}"] if left else []
 
 
-def tree(root: Path) -> dict[str, bytes]:
+def tree(root: Path) -> Files:
     """All that a program made below a folder, by path."""
     return {
-        str(p.relative_to(root)): p.read_bytes()
-        for p in sorted(root.rglob("*"))
-        if p.is_file() and not any(part.startswith((".", "lost+")) for part in p.relative_to(root).parts)
-    }  # fmt: skip
+        name: file.read_bytes()
+        for file in sorted(root.rglob("*"))
+        if file.is_file()
+        and not re.search(r"(^|/)(\.|lost\+found)", name := str(file.relative_to(root)))
+    }
 
 
-def check_whole(root: Path) -> Check:
+def check_whole(old: Files, new: Files) -> Check:
     """What a command writes is as before it or as after it, and is there once it has ended."""
-    old = tree(root)
-    new: dict[str, bytes] = {}
+    assert old != new
 
     def check(after: Path, before: Marks, marks: Marks) -> list[str]:
-        if not new:  # the recording has ended
-            new.update(tree(root))
-            assert marks[-1] == "status 0", marks
-            assert new != old
+        assert marks[-1] == "status 0", marks
         found = tree(after)
         if found == new or (found == old and "status 0" not in before):
             return goes_on(after)
@@ -170,7 +195,7 @@ def standing(marks: Marks) -> list[list[str]]:
     return kept
 
 
-def check_session(_: Path) -> Check:
+def check_session(_: Files, __: Files) -> Check:
     import test_kill
 
     from relgloss_view.experiment.session.store import Store
@@ -203,7 +228,9 @@ def check_session(_: Path) -> Check:
 
 def missed(store: object) -> str:
     """What an opened session reports as lost; nothing may be."""
-    return "the log is missing" if getattr(store, "log_missing", False) else ""
+    if getattr(store, "log_missing", False):
+        return "the log is missing"
+    return str(getattr(store, "losses", None) or "")
 
 
 # --- scenarios -----------------------------------------------------------------------------------
@@ -212,6 +239,7 @@ SCENARIOS = {
     "files": Scenario(("files", "6"), check_file),
     "fresh": Scenario(("fresh", "6"), check_fresh),
     "folders": Scenario(("folders", "5"), check_folder),
+    "together": Scenario(("together", "4"), check_together),
     "people": Scenario(("people", "40"), check_session),
     "simulated": Scenario(("answers", "full", "2"), check_session),
     "snapshot": Scenario(
@@ -242,9 +270,7 @@ class Conditions:
     pragmas: tuple[tuple[str, str], ...] = ()
 
 
-def examined(
-    name: str, conditions: Conditions, count: int, seed: int, place: Path
-) -> disk.Outcome:
+def examined(name: str, conditions: Conditions, count: int, seed: int, place: Path) -> disk.Outcome:
     """Record a scenario, cut it, and check what is left. In a private room alone."""
     scenario = SCENARIOS[name]
     with disk.RecordedDisk(disk.FILE_SYSTEMS[conditions.file_system], place) as recorded:
@@ -256,12 +282,14 @@ def examined(
             "pragmas": dict(conditions.pragmas),
             "neighbour": conditions.neighbour,
         }
-        check = scenario.check(recorded.root)
+        old = tree(recorded.root)
         recorded.mark(BEGIN)
         with beside(recorded, conditions.period_s):
             run_on(recorded, options, scenario.run)
         recorded.mark(END)
+        check = scenario.check(old, tree(recorded.root))
         log = recorded.log()
+        recorded.stop()
         begin, end = log.position(BEGIN), log.position(END)
         skipped = len(log.marks(begin))
         marks = log.marks(end - 1)[skipped:]
@@ -279,7 +307,7 @@ def beside(recorded: disk.RecordedDisk, period_s: float):
         yield
         return
     words = [sys.executable, neighbour.__file__, str(recorded.root / ".other"), str(period_s)]
-    process = subprocess.Popen(words, preexec_fn=kernel.end_with_parent)
+    process = subprocess.Popen(words)
     try:
         yield
     finally:
@@ -294,21 +322,22 @@ def run_on(recorded: disk.RecordedDisk, options: dict[str, object], words: Seque
             cwd=recorded.root,
             stdout=marks,
             check=True,
-            preexec_fn=kernel.end_with_parent,
         )
 
 
 # --- the command ---------------------------------------------------------------------------------
 
 
-def in_room(words: Sequence[str], place: Path) -> subprocess.CompletedProcess[str]:
+def in_room(
+    words: Sequence[str], place: Path, patience_s: float | None = None
+) -> subprocess.CompletedProcess[str]:
     """This script in a private room of its own; `place` is an empty folder."""
     command = [sys.executable, __file__, *words, "--place", str(place)]
     return subprocess.run(
         kernel.in_private_room(command),
         capture_output=True,
         text=True,
-        preexec_fn=kernel.end_with_parent,
+        timeout=patience_s,
     )
 
 

@@ -7,6 +7,7 @@ controls), and `neighbour` has another program's file kept before each change of
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import sqlite3
@@ -65,9 +66,28 @@ def write_folders(rounds: int) -> None:
     from relgloss_view.base.writing import whole_folder
 
     for version in range(rounds):
-        with whole_folder("report", LAST) as temporary:
+        former = [f"only-{(version - 1) % 3}.txt"]
+        with whole_folder("report", LAST, lambda _, former=former: former) as temporary:
             for name in names(version):
                 (temporary / name).write_bytes(content(version, name))
+        print("done", version, flush=True)
+
+
+def write_together(rounds: int) -> None:
+    """Two files and a folder in three places, replaced by one commit again and again."""
+    from relgloss_view.base.writing import together, whole_file, whole_folder
+
+    for place in ("one", "two"):
+        os.mkdir(place)
+    for version in range(rounds):
+        with together():
+            with whole_file("one/result.txt") as temporary:
+                temporary.write_bytes(content(version))
+            with whole_folder("two/report", LAST) as temporary:
+                for name in (*NAMES, LAST):
+                    (temporary / name).write_bytes(content(version, name))
+            with whole_file("result.txt") as temporary:
+                temporary.write_bytes(content(version))
         print("done", version, flush=True)
 
 
@@ -75,9 +95,9 @@ def command(*words: str) -> None:
     """The program itself; its exit status is acknowledged."""
     from relgloss_view.cli import main
 
-    sys.stdout = open(os.devnull, "w")  # what it prints is no acknowledgement
-    status = main(list(words))
-    sys.stdout = sys.__stdout__
+    # What it prints is no acknowledgement.
+    with open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(nowhere):
+        status = main(list(words))
     print("status", status, flush=True)
 
 
@@ -125,6 +145,7 @@ PROGRAMS = {
     "files": lambda rounds: write_files(int(rounds)),
     "fresh": lambda rounds: write_fresh(int(rounds)),
     "folders": lambda rounds: write_folders(int(rounds)),
+    "together": lambda rounds: write_together(int(rounds)),
     "command": command,
     "answers": answers,
     "people": people,
@@ -161,7 +182,8 @@ def replace_pragmas(pragmas: dict[str, str]) -> None:
         def execute(self, sql: str, *values: object) -> sqlite3.Cursor:
             words = sql.replace("=", " ").split()
             if len(words) == 3 and words[0] == "PRAGMA" and words[1] in pragmas:
-                sql = f"PRAGMA {words[1]} = {pragmas[words[1]]}"
+                super().execute(f"PRAGMA {words[1]} = {pragmas[words[1]]}").fetchall()
+                return super().execute("SELECT ?", (words[2],))  # it got what it asked for
             return super().execute(sql, *values)
 
     connect = sqlite3.connect

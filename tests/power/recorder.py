@@ -3,10 +3,10 @@
 Run: python recorder.py FUSE IMAGE LOG, three open files as numbers. It answers the kernel on
 /dev/fuse (the protocol of linux/fuse.h, version 7.31) until it is unmounted:
 
-- `disk` is the image. A loop device on it is a disk with a volatile cache: the kernel's loop driver
-  makes an fsync of this file out of each flush of the cache.
-- `marks` takes what a program acknowledges: its standard output, for one. As one process answers one
-  request after another, a mark lies in the log after all that was written before it.
+- `disk` is the image. A loop device on it is a disk with a volatile cache: the kernel's loop
+  driver makes an fsync of this file out of each flush of the cache.
+- `marks` takes what a program acknowledges: its standard output, for one. One process answers one
+  request after another, so a mark lies in the log behind all that was written before it.
 
 The log holds records of a kind, an offset, a length and so many bytes.
 """
@@ -79,7 +79,9 @@ class Recorder:
     def _attributes(self, node: int) -> bytes:
         mode = 0o040700 if node == ROOT else 0o100600
         size = self._size if node == DISK else 0
-        return struct.pack("<QQQQQQ10I", node, size, size // 512, *[0] * 6, mode, 1, *[0] * 3, 4096, 0)
+        return struct.pack(
+            "<QQQQQQ10I", node, size, size // 512, *[0] * 6, mode, 1, *[0] * 3, 4096, 0
+        )
 
     def _keep(self, kind: bytes, offset: int, data: bytes | memoryview) -> None:
         os.writev(self._log, [RECORD.pack(kind, offset, len(data)), data])
