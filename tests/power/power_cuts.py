@@ -355,7 +355,13 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--period-s", type=float, default=0.0, help="Another program keeps its file at this period"
     )
-    parser.add_argument("--without", nargs="*", default=[], help="Functions of os to leave out")
+    parser.add_argument(
+        "--without",
+        nargs="*",
+        default=[],
+        choices=("files", "folders"),
+        help="What fsync does nothing for",
+    )
     parser.add_argument(
         "--pragma", nargs="*", default=[], metavar="NAME=VALUE", help="Other settings of SQLite"
     )

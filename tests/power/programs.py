@@ -1,7 +1,7 @@
 """Programs that write to a recorded disk. What they acknowledge they print, into the disk's log.
 
 Run: python programs.py OPTIONS NAME ARGUMENTS, in the folder that they write to. OPTIONS is JSON:
-`without` names functions of os that do nothing, `pragmas` replaces settings of SQLite (the
+`without` names what fsync does nothing for, `pragmas` replaces settings of SQLite (both are
 controls), and `neighbour` has another program's file kept before each change of a name.
 """
 
@@ -11,6 +11,7 @@ import contextlib
 import json
 import os
 import sqlite3
+import stat
 import sys
 from pathlib import Path
 
@@ -169,10 +170,15 @@ def watch(neighbour: Neighbour) -> None:
     sys.addaudithook(hook)
 
 
-def leave_out(functions: list[str]) -> None:
-    """Have functions of os do nothing."""
-    for name in functions:
-        setattr(os, name, lambda *_: None)
+def leave_out(kinds: list[str]) -> None:
+    """Have fsync do nothing for "files", for "folders", or for both."""
+    fsync = os.fsync
+
+    def some(file: int) -> None:
+        if ("folders" if stat.S_ISDIR(os.fstat(file).st_mode) else "files") not in kinds:
+            fsync(file)
+
+    os.fsync = some
 
 
 def replace_pragmas(pragmas: dict[str, str]) -> None:
