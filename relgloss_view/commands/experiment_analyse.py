@@ -9,7 +9,7 @@ from typing import Any
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.temporaries import scratch_folder
-from relgloss_view.base.terminal import Progress
+from relgloss_view.base.terminal import Progress, warn
 from relgloss_view.base.writing import whole_folder
 from relgloss_view.commands.output_folder import own_folder
 from relgloss_view.commands.scene_options import printable_command
@@ -66,6 +66,7 @@ def run(args: argparse.Namespace) -> int:
     )
     from relgloss_view.experiment.report.results import FORMAT, as_numbers
     from relgloss_view.experiment.report.sentences import summary
+    from relgloss_view.experiment.session.losses import warnings
     from relgloss_view.experiment.session.pool import read_pool
     from relgloss_view.experiment.verdict.analysis import MOST_DRAWS, Options, analyse
 
@@ -79,6 +80,9 @@ def run(args: argparse.Namespace) -> int:
         folder = own_folder(args.output, {RESULTS: FORMAT}, "report", alone=True)
     with scratch_folder() as lamps:
         pool = read_pool(args.files, lamps)
+        for record in pool.records:
+            for line in warnings(record.losses, record.path):
+                warn(line)
         with Progress("analyse") as progress:
             analysis = analyse(pool, options, progress)
             if folder is not None:

@@ -49,8 +49,8 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write what was asked for."""
+    from relgloss_view.experiment.session.losses import warnings
     from relgloss_view.experiment.session.pool import read_pool
-    from relgloss_view.experiment.session.session_file import lost_log
 
     if args.output is None and args.stimuli is None:
         args.wrong_usage("give -o OUT.csv, --stimuli FOLDER, or both")
@@ -66,8 +66,8 @@ def run(args: argparse.Namespace) -> int:
     with scratch_folder() as lamps:
         pool = read_pool(args.files, lamps)
         for record in pool.records:
-            if record.log_missing:
-                warn(f"{printable(record.path)}: {lost_log(record.path)}")
+            for line in warnings(record.losses, record.path):
+                warn(line)
         written: dict[str, Any] = {}
         if table is not None:
             written["answers"] = _write_answers(table, pool)

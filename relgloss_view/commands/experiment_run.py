@@ -81,7 +81,7 @@ def add(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Open the window, and tell in the end how far the observer came."""
     from relgloss_view.commands.view import warn_if_clamped
-    from relgloss_view.experiment.session.session_file import lost_log
+    from relgloss_view.experiment.session.losses import warnings
     from relgloss_view.experiment.session.store import Store
     from relgloss_view.viewer.shell.platform import open_platform
     from relgloss_view.viewer.shell.window import Window
@@ -94,8 +94,8 @@ def run(args: argparse.Namespace) -> int:
     path, study = _session(args.study, args.output)
     open_platform(headless=False)  # where no window can show, no file is made
     with Store(path, study) as store:
-        if store.log_missing:
-            warn(f"{printable(path)}: {lost_log(path)}")
+        for line in warnings(store.losses, path):
+            warn(line)
         observer = _observer(store, args.observer, new=args.new)
         notice = continues(store, observer) or f"{printable(observer.name)} begins"
         print(notice, file=sys.stderr, flush=True)

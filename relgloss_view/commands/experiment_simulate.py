@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import number, printable
-from relgloss_view.base.terminal import Progress
+from relgloss_view.base.terminal import Progress, warn
 from relgloss_view.commands.study_options import add_study_options, study_from
 from relgloss_view.quality.backends import BACKENDS
 
@@ -191,6 +191,7 @@ def _session(args: argparse.Namespace, study: Study) -> int:
     from relgloss_view.experiment.observers.simulation import StoredAnswer, run_observers
     from relgloss_view.experiment.observers.truth import right_settings, truths_of
     from relgloss_view.experiment.report.results import setting_numbers
+    from relgloss_view.experiment.session.losses import warnings
     from relgloss_view.experiment.session.store import Store
     from relgloss_view.quality.backends import open_renderer
 
@@ -216,6 +217,8 @@ def _session(args: argparse.Namespace, study: Study) -> int:
             percepts = see_study(renderer, study, truths, weights, progress)
         else:
             percepts = unseen(study, truths)
+        for line in warnings(store.losses, args.output):
+            warn(line)
         silent = (lambda answer: None) if not args.echo else echo
         run_observers(store, percepts, population, args.observers, args.seed, silent, progress)
         answers, observers = len(store.answers()), len(store.observers())

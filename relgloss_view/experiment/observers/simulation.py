@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import itertools
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,13 +19,14 @@ from relgloss_view.experiment.session.records import SIMULATED, Observer
 from relgloss_view.experiment.session.store import Store
 
 DEVICE = "none: simulated"
+BATCH = 20  #: answers that are stored at once: people wait for the disk after each, these need not
 #: How observers were made whose files do not state it.
 UNSTATED = {"group": 0, "to_middle": 0.0, "sigma_n_jnd": 0.5, "c_jnd": 0.1, "grain_weight": -1.0}
 
 
 @dataclass(frozen=True)
 class StoredAnswer:
-    """An answer that is on the disk."""
+    """An answer that is on the disk, or will be with its batch."""
 
     observer: str
     trial: Trial
@@ -100,7 +102,20 @@ def _run(
     """One observer, from consent to the end."""
     clock = VirtualClock()
     flow = Flow(store, observer, store.begin_run(observer, DEVICE, {}), clock)
-    study = store.study
+    answers = _answers(flow, clock, simulated, percepts)
+    while flow.phase is not Phase.FINISHED:
+        with store.batch():
+            stored = list(itertools.islice(answers, BATCH))
+        for answer in stored:
+            on_stored(answer)
+    flow.end()
+
+
+def _answers(
+    flow: Flow, clock: VirtualClock, simulated: SimulatedObserver, percepts: Percepts
+) -> Iterator[StoredAnswer]:
+    """Lead an observer through all that is asked; each answer when it is given."""
+    study = flow.study
     questions, settings = study.questions, study.grid.settings
     stimuli, targets = percepts.seen_by(simulated.number)
     count = simulated.population.of_kind.right_settings
@@ -122,10 +137,9 @@ def _run(
             )
             stored = flow.answer(category)
             assert stored
-            on_stored(StoredAnswer(observer.name, trial, question, category))
+            yield StoredAnswer(flow.observer.name, trial, question, category)
         elif flow.phase in (Phase.GAP, Phase.ADAPTATION):
             clock.now_s += flow.left_s()
             flow.tick()
         else:
             flow.confirm()
-    flow.end()

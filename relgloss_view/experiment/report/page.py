@@ -64,6 +64,7 @@ def report_page(
         f"<h1>{escape(title)}</h1>",
         f'<p class="muted">{escape(people(pool))}; {answers} answers.</p>',
         "" if simulated is None else f'<p class="notice">{escape(simulated)}</p>',
+        *(f'<p class="notice">{escape(line)}</p>' for line in sentences.losses_words(pool)),
         _verdicts(analysis),
         _overview(folder, analysis),
         *(

@@ -121,6 +121,7 @@ def _file(record: Record) -> dict[str, Any]:
         "observers": len(record.observers),
         "answers": len(record.answers),
         "taken_back": record.undone,
+        "losses": [dataclasses.asdict(loss) for loss in record.losses],
         "runs": [dataclasses.asdict(run) for run in record.runs],
     }
 

@@ -16,8 +16,8 @@ from relgloss_view.experiment.report.chosen_setting import (
     setting_chosen_by,
 )
 from relgloss_view.experiment.scaling.fine_grid import POINT_LIKE
+from relgloss_view.experiment.session import losses
 from relgloss_view.experiment.session.pool import Pool
-from relgloss_view.experiment.session.session_file import lost_log
 from relgloss_view.experiment.verdict.analysis import JOINT, Analysis, SampleResult
 from relgloss_view.experiment.verdict.full_grid import (
     ALIKE,
@@ -85,10 +85,16 @@ def files(pool: Pool) -> list[str]:
     for record in pool.records:
         line = f"{path_words(record)}: {len(record.answers)} answers"
         line += f", {record.undone} taken back" if record.undone else ""
-        if record.log_missing:
-            line += f"; {lost_log(record.path)}"
+        line += "".join(f"; {words}" for words in losses.sentences(record.losses, record.path))
         lines.append(line)
     return lines
+
+
+def losses_words(pool: Pool) -> list[str]:
+    """What each session file is known to lack, in a line that names it."""
+    return [
+        line for record in pool.records for line in losses.warnings(record.losses, record.path)
+    ]
 
 
 def simulated_words(pool: Pool) -> str | None:

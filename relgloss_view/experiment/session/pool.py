@@ -15,8 +15,8 @@ from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.experiment.design.study import Procedure, Study
+from relgloss_view.experiment.session.losses import warnings
 from relgloss_view.experiment.session.records import SIMULATED, Answer, Record, read_record
-from relgloss_view.experiment.session.session_file import lost_log
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.setup import Lamp
 
@@ -115,8 +115,8 @@ def read_pool(paths: Sequence[str | os.PathLike[str]], lamp_folder: Path) -> Poo
             members.append(Member(name, observer.kind, observer.ended, own))
     if not members:
         for record in records:
-            if record.log_missing:
-                raise InputError(f"{printable(record.path)}: no answers; {lost_log(record.path)}")
+            for line in warnings(record.losses, record.path):
+                raise InputError(f"{line} (it holds no answers)")
         raise InputError(f"{printable(paths[0])}: nobody has answered yet; run the study first")
     return Pool(records[0].study, tuple(members), tuple(records))
 

@@ -17,13 +17,11 @@ from relgloss_view.experiment.design.study import QUESTIONS, Study
 from relgloss_view.experiment.design.study_file import study_from_dict
 from relgloss_view.experiment.design.trial_order import Trial
 from relgloss_view.experiment.session import session_file
+from relgloss_view.experiment.session.losses import Loss
 
 PERSON, SIMULATED = "person", "simulated"
-#: What reading a value raises that is not what it should be.
-BY_DAMAGE = (
-    ValueError, TypeError, LookupError, AttributeError, ArithmeticError, RecursionError,
-)  # fmt: skip
-LOG_MISSING = "log missing"  #: the event by which a file remembers it
+MOST_TEXT = 65_536  #: characters of a text, but for the study's
+MOST_DEPTH, MOST_VALUES = 4, 2_000  #: of a value in JSON
 LARGEST = 2**53  #: of numbers without another limit; a float holds each below exactly
 
 
@@ -87,19 +85,15 @@ class Record:
     undone: int  #: answers that were taken back
     runs: tuple[Run, ...]
     pictures: tuple[Picture, ...]  #: what was shown
-    #: After a kill the last answers are in a log, which was or is not beside the file.
-    log_missing: bool
+    losses: tuple[Loss, ...]  #: what it is known to lack of what was answered
 
 
 def read_record(path: Path, lamp_folder: Path) -> Record:
     """All of a session file; a lamp's table is put into `lamp_folder`. Raises InputError."""
-    log_missing = session_file.log_missing(path)
-    with session_file.open_to_read(path) as connection, damaged_rows(path):
+    with damaged_rows(path), session_file.open_to_read(path) as opened:
+        connection = opened.connection
         study, digest, version = read_study(connection, lamp_folder, path)
         observers = read_observers(connection)
-        (lost,) = connection.execute(
-            "SELECT count(*) FROM event WHERE kind = ?", (LOG_MISSING,)
-        ).fetchone()
         (undone,) = connection.execute(
             "SELECT count(*) FROM answer WHERE undone_utc IS NOT NULL"
         ).fetchone()
@@ -114,17 +108,22 @@ def read_record(path: Path, lamp_folder: Path) -> Record:
             undone=int(undone),
             runs=tuple(_read_runs(connection)),
             pictures=tuple(_read_pictures(connection)),
-            log_missing=log_missing or lost > 0,
+            losses=opened.losses,
         )
 
 
 @contextlib.contextmanager
 def damaged_rows(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Turn whatever a damaged row leads to into one line; for code that only reads rows."""
+    """Turn whatever a damaged row leads to into one line; for code that only reads rows.
+
+    Any exception: what a decoder may raise on what nobody has thought of is not known.
+    """
     try:
         with session_file.input_errors(path):
             yield
-    except BY_DAMAGE as error:
+    except InputError:
+        raise
+    except Exception as error:
         raise InputError(
             f"{printable(path)}: a row in it is damaged ({printable(error, 80)}); take a copy of "
             "the file that is whole"
@@ -150,7 +149,7 @@ def read_study(
         return study_from_dict(json.loads(content), lamp_folder), digest, version
     except InputError as error:
         raise InputError(f"{printable(path)}: the study in it: {error}") from error
-    except BY_DAMAGE as error:
+    except Exception as error:
         raise damaged from error
 
 
@@ -260,7 +259,7 @@ def _whole(value: object, what: str, count: int | None = None) -> int:
 
 
 def _text(value: object, what: str) -> str:
-    if not isinstance(value, str):
+    if not (isinstance(value, str) and len(value) <= MOST_TEXT):
         raise ValueError(what)
     return value
 
@@ -272,10 +271,28 @@ def _one_of(choices: Iterable[str], value: object, what: str) -> str:
 
 
 def _object(written: object, what: str) -> dict[str, Any]:
+    """An object in JSON as programs write it: flat, short, with finite numbers."""
     try:
         content = json.loads(_text(written, what))
+        left = _checked(content, MOST_DEPTH, MOST_VALUES)
     except (ValueError, RecursionError):
         raise ValueError(what) from None
-    if not isinstance(content, dict):
+    if not isinstance(content, dict) or left < 0:
         raise ValueError(what)
     return content
+
+
+def _checked(value: Any, depth: int, left: int) -> int:
+    """How many values are left of `left` after this one; ValueError for what may not be there."""
+    if isinstance(value, dict | list):
+        if depth == 0:
+            raise ValueError("too deep")
+        if isinstance(value, dict):
+            value = [*value, *value.values()]
+        for each in value:
+            left = _checked(each, depth - 1, left)
+    elif isinstance(value, str):
+        value.encode("utf-8")  # UnicodeEncodeError, a ValueError: a lone surrogate
+    elif isinstance(value, int | float) and not abs(value) <= LARGEST:  # also NaN
+        raise ValueError("too large")
+    return left - 1

@@ -1,8 +1,10 @@
-"""The session file: SQLite, its tables, and how it is opened so that nothing acknowledged is lost.
+"""The session file: SQLite, and how it is opened so that nothing acknowledged is lost.
 
 One file holds a study and the sessions of its observers. While a program writes into it the file is
-its own (locking_mode EXCLUSIVE); each answer is on the disk before the next stimulus shows (WAL,
-synchronous FULL). At rest it is one plain file.
+its own (locking_mode EXCLUSIVE). A transaction is on the disk before the next stimulus shows: what
+it replaces goes to a journal beside the file, then the file is written, then the journal is made void
+(journal_mode PERSIST, each step synced). So the file itself is whole between answers, and a copy
+of it alone has them all. At rest it is one plain file.
 """
 
 from __future__ import annotations
@@ -12,51 +14,47 @@ import os
 import shutil
 import sqlite3
 from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.reading import check_regular, printable
+from relgloss_view.base.reading import printable
 from relgloss_view.base.temporaries import scratch_folder
 from relgloss_view.base.writing import fresh_file
+from relgloss_view.experiment.session import former_log
+from relgloss_view.experiment.session import tally as tallies
+from relgloss_view.experiment.session.file_checks import (
+    APPLICATION_ID,
+    COUNTED_TABLES,
+    DAMAGED,
+    EXPECTED,
+    FORMER,
+    JOURNAL,
+    LOG,
+    TABLES,
+    VERSION,
+    Found,
+    beside,
+    bound,
+    bounded_work,
+    check_tables,
+    look_at,
+)
+from relgloss_view.experiment.session.losses import Loss, read_losses, together
+from relgloss_view.experiment.session.tally import Tally
 
-APPLICATION_ID = 0x52476C45  #: "RGlE"
-VERSION = 1
-EXPECTED = "a session file that `relgloss experiment` wrote"
-DAMAGED = "the file is damaged; take a copy of it that is whole"
-TABLES = """
-CREATE TABLE study (content TEXT NOT NULL, digest TEXT NOT NULL, version TEXT NOT NULL);
-CREATE TABLE observer (
-    number INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, kind TEXT NOT NULL,
-    begun_utc TEXT NOT NULL, consented_utc TEXT, ended_utc TEXT, details TEXT NOT NULL
-);
-CREATE TABLE run (
-    id INTEGER PRIMARY KEY, observer INTEGER NOT NULL REFERENCES observer,
-    begun_utc TEXT NOT NULL, ended_utc TEXT, version TEXT NOT NULL, device TEXT NOT NULL,
-    screen TEXT NOT NULL, profile BLOB
-);
-CREATE TABLE trial (
-    observer INTEGER NOT NULL REFERENCES observer, position INTEGER NOT NULL,
-    sample INTEGER NOT NULL, setting INTEGER NOT NULL, repeat INTEGER NOT NULL,
-    PRIMARY KEY (observer, position)
-) WITHOUT ROWID;
-CREATE TABLE answer (
-    id INTEGER PRIMARY KEY, observer INTEGER NOT NULL, position INTEGER NOT NULL,
-    question TEXT NOT NULL, category INTEGER NOT NULL CHECK (category >= 0),
-    response_ms INTEGER NOT NULL CHECK (response_ms >= 0),
-    run INTEGER NOT NULL REFERENCES run, answered_utc TEXT NOT NULL, undone_utc TEXT,
-    FOREIGN KEY (observer, position) REFERENCES trial
-);
-CREATE UNIQUE INDEX standing ON answer (observer, position, question) WHERE undone_utc IS NULL;
-CREATE TABLE picture (
-    sample INTEGER, setting INTEGER, sha256 TEXT NOT NULL, device TEXT NOT NULL,
-    parameters TEXT NOT NULL, first_run INTEGER NOT NULL REFERENCES run
-);
-CREATE UNIQUE INDEX shown ON picture (ifnull(sample, -1), ifnull(setting, -1), sha256, device);
-CREATE TABLE event (
-    id INTEGER PRIMARY KEY, run INTEGER NOT NULL REFERENCES run, at_utc TEXT NOT NULL,
-    kind TEXT NOT NULL, detail TEXT NOT NULL
-);
-"""
+JOURNAL_MODE, SYNCHRONOUS = "PERSIST", "EXTRA"  #: measured in docs/experiment.md
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A session file that is open."""
+
+    connection: sqlite3.Connection
+    tally: Tally | None  #: None in a file of the former version that is read
+    losses: tuple[Loss, ...]  #: kept in the file, or found now
+    found: tuple[Loss, ...] = ()  #: those that were found now
 
 
 def create_file(path: str | os.PathLike[str], content: str, digest: str, version: str) -> None:
@@ -69,90 +67,243 @@ def create_file(path: str | os.PathLike[str], content: str, digest: str, version
         with contextlib.closing(connection):
             connection.executescript(
                 f"PRAGMA application_id = {APPLICATION_ID}; PRAGMA user_version = {VERSION};"
-                f"BEGIN; {TABLES} COMMIT;"
+                f"BEGIN; {TABLES} {COUNTED_TABLES} COMMIT;"
             )
             connection.execute("INSERT INTO study VALUES (?, ?, ?)", (content, digest, version))
+            _insert_tally(connection, tallies.new_tally(connection, content))
 
 
-def open_to_write(path: str | os.PathLike[str]) -> sqlite3.Connection:
-    """A connection that has the file to itself until it is closed; InputError otherwise."""
-    check_regular(path, EXPECTED)
+def open_to_write(path: str | os.PathLike[str]) -> Opened:
+    """A connection that has the file to itself until it is closed; InputError otherwise.
+
+    What is found to be lost is put into the file. A file of the former version becomes a present
+    one.
+    """
+    found = look_at(path)
     with input_errors(path):
-        connection = sqlite3.connect(_uri(path, "rw"), uri=True, isolation_level=None, timeout=0.0)
+        before = _former_loss(found)
+        if found.hot:
+            with scratch_folder() as folder:
+                _refuse_if_open(found)
+                if not _journal_helps(found, folder, path):
+                    name = printable(found.journal.name)
+                    raise InputError(
+                        f"{printable(path)}: {name} beside it is damaged or does not belong to "
+                        f"it; the file is whole without it: move {name} away"
+                    )
+        connection = _connect(found.file, "rw")
         try:
-            _check_format(connection, path)
-            connection.execute("PRAGMA foreign_keys = ON")
             connection.execute("PRAGMA locking_mode = EXCLUSIVE")
-            connection.execute("PRAGMA journal_mode = WAL")
-            connection.execute("PRAGMA synchronous = FULL")
-            # The lock is taken by the first write, so one is made that changes nothing.
-            connection.execute("BEGIN IMMEDIATE")
-            connection.execute(f"PRAGMA user_version = {VERSION}")
-            connection.execute("COMMIT")
+            if not found.has_log:
+                choose_journal(connection)
+            with bounded_work(connection, found.bytes):
+                connection.execute("BEGIN EXCLUSIVE")
+                opened = _check(connection, path, found, before)
+                tally = _put_right(opened, path)
+                connection.execute("COMMIT")
+            choose_journal(connection)
+            connection.execute("PRAGMA foreign_keys = ON")
         except BaseException:
             connection.close()
             raise
-    return connection
+    tallies.remember(found.file, tally)
+    return Opened(connection, tally, opened.losses)
+
+
+def choose_journal(
+    connection: sqlite3.Connection, mode: str = JOURNAL_MODE, synchronous: str = SYNCHRONOUS
+) -> None:
+    """How transactions get to the disk. A connection to a file with a log puts that into the file.
+
+    Raises sqlite3.OperationalError where that is not possible.
+    """
+    (chosen,) = connection.execute(f"PRAGMA journal_mode = {mode}").fetchone()
+    if chosen.upper() != mode:
+        raise sqlite3.OperationalError(f"journal_mode {chosen}")
+    connection.execute(f"PRAGMA synchronous = {synchronous}")
+    connection.execute("PRAGMA fullfsync = ON")  # macOS: fsync alone leaves it to the disk
+
+
+def whereabouts(file: str) -> tuple[tuple[int, int] | None, ...]:
+    """Which files lie at the names of an open session and of its journal; None where none does.
+
+    A program that goes on writing into a file that was replaced stores answers nowhere, and one
+    whose journal was removed leaves half a write if it is killed.
+    """
+    there: list[tuple[int, int] | None] = []
+    for name in (file, f"{file}{JOURNAL}"):
+        try:
+            status = os.lstat(name)
+        except OSError:
+            there.append(None)
+        else:
+            there.append((status.st_dev, status.st_ino))
+    return tuple(there)
 
 
 def close(connection: sqlite3.Connection, path: str | os.PathLike[str]) -> None:
-    """Close it so that one plain file is left, which can be copied as it is."""
-    # A full disk may refuse that; what was committed stays in the log beside the file.
+    """Close it so that one plain file is left: the journal, which is void, is removed."""
+    # A disk that failed may refuse that; a void journal beside the file does no harm.
     with input_errors(path), contextlib.closing(connection), contextlib.suppress(sqlite3.Error):
+        connection.execute("PRAGMA locking_mode = NORMAL")
         connection.execute("PRAGMA journal_mode = DELETE")
 
 
 @contextlib.contextmanager
-def open_to_read(path: str | os.PathLike[str]) -> Iterator[sqlite3.Connection]:
-    """A connection for reading, also where file or folder can't be written; InputError.
+def open_to_read(path: str | os.PathLike[str]) -> Iterator[Opened]:
+    """A connection for reading that changes nothing, wherever the file lies; InputError.
 
-    A file that a program is writing into is refused: what is in it changes.
+    A file that a program is writing into is refused: what is in it changes. One that a killed
+    program left is read as a copy, with what lies beside it.
     """
-    file = check_regular(path, EXPECTED)
+    found = look_at(path)
     with contextlib.ExitStack() as stack, input_errors(path):
-        try:
-            connection = _reading(file)
-        except sqlite3.OperationalError as error:
-            if _is_lock(error):
-                raise
-            # After a kill the log must be read too, and SQLite does that only where it may write.
+        _refuse_if_open(found)
+        before = _former_loss(found)
+        source, mode = found.file, "ro"
+        if found.hot or found.has_log:
             folder = stack.enter_context(scratch_folder())
-            for name in (file.name, f"{file.name}-wal"):
-                if file.with_name(name).exists():
-                    shutil.copyfile(file.with_name(name), folder / name)
-            connection = _reading(folder / file.name)
-        stack.enter_context(contextlib.closing(connection))
-        _check_format(connection, path)
-        yield connection
-
-
-def _reading(file: Path) -> sqlite3.Connection:
-    connection = sqlite3.connect(_uri(file, "rw"), uri=True, isolation_level=None, timeout=0.0)
-    try:
-        connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
+            helps = not found.hot or _journal_helps(found, folder, path)
+            suffixes = (JOURNAL, LOG) if helps else (LOG,)
+            source, mode = _copied(found, folder / "read", *suffixes), "rw"
+            _refuse_if_open(found)
+        connection = stack.enter_context(contextlib.closing(_connect(source, mode)))
+        stack.enter_context(bounded_work(connection, found.bytes))
+        if mode == "rw":  # SQLite completes the copy, and has done so before anything is read
+            connection.execute("BEGIN IMMEDIATE")
+            connection.execute("COMMIT")
         connection.execute("PRAGMA query_only = ON")
+        yield _check(connection, path, found, before)
+
+
+def _connect(file: Path, mode: str) -> sqlite3.Connection:
+    uri = f"{file.absolute().as_uri()}?mode={mode}&readonly_shm=1"
+    if mode == "rw":
+        uri = uri.partition("&")[0]
+    connection = sqlite3.connect(uri, uri=True, isolation_level=None, timeout=0.0)
+    try:
+        bound(connection)
     except BaseException:
         connection.close()
         raise
     return connection
 
 
-def log_missing(path: str | os.PathLike[str]) -> bool:
-    """Whether a file was left by a kill without its log, as when it was copied alone."""
+def _refuse_if_open(found: Found) -> None:
+    """Raise sqlite3.OperationalError, a lock, where another program has the file open."""
+    with contextlib.closing(_connect(found.file, "ro")) as connection:
+        try:
+            connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
+        except sqlite3.Error as error:
+            if _is_lock(error):
+                raise
+
+
+def _former_loss(found: Found) -> Loss | None:
+    return former_log.lost_with(found.log) if found.has_log else None
+
+
+def _copied(found: Found, folder: Path, *suffixes: str) -> Path:
+    """A copy of the file, with those of the files beside it that are there."""
+    folder.mkdir()
+    for suffix in ("", *suffixes):
+        source = beside(found.file, suffix)
+        if source.exists():
+            shutil.copyfile(source, folder / source.name)
+    return folder / found.file.name
+
+
+def _journal_helps(found: Found, folder: Path, path: str | os.PathLike[str]) -> bool:
+    """Whether a journal mends the file, or at least does no harm; tried on copies in `folder`.
+
+    A journal that was cut, altered, or comes from another file or an earlier time would put old or
+    wrong pages into a file that is whole without it. InputError where the file is damaged with it
+    and without it.
+    """
+    alone = _tried(found, folder / "alone", path, LOG)
+    mended = _tried(found, folder / "mended", path, JOURNAL, LOG)
+    if mended is None and alone is None:
+        raise InputError(
+            f"{printable(path)}: the file and {printable(found.journal.name)} beside it are "
+            "damaged; take a copy of both that is whole"
+        )
+    return mended is not None and (alone is None or _follows(alone, mended))
+
+
+def _follows(alone: Opened, mended: Opened) -> bool:
+    """Whether a file is what another one was at most one transaction before."""
+    if mended.found and not alone.found:
+        return False
+    if alone.tally is None or mended.tally is None:
+        return mended.tally is alone.tally or (alone.tally is not None and alone.tally.writes <= 1)
+    gone = alone.tally.writes - mended.tally.writes
+    return alone.tally.session == mended.tally.session and gone in (0, 1)
+
+
+def _tried(
+    found: Found, folder: Path, path: str | os.PathLike[str], *suffixes: str
+) -> Opened | None:
+    """What a copy of the file holds, with its connection closed; None where it is damaged."""
+    copy = _copied(found, folder, *suffixes)
     try:
-        with open(path, "rb") as file:
-            header = file.read(20)
-    except OSError:
-        return False  # reported when it is opened
-    writing_ahead = header[18:20] == b"\x02\x02"  # SQLite's file format, "File format versions"
-    return writing_ahead and not os.path.exists(f"{os.fspath(path)}-wal")
+        with input_errors(path), contextlib.closing(_connect(copy, "rw")) as connection:
+            connection.execute("BEGIN IMMEDIATE")
+            connection.execute("COMMIT")
+            with bounded_work(connection, found.bytes):
+                return _check(connection, path, found, None)
+    except InputError:
+        return None
 
 
-def lost_log(path: str | os.PathLike[str]) -> str:
-    """What to do about a file without its log."""
-    return (
-        f"{printable(Path(path).name)}-wal is not beside it, and the last answers may be in that: "
-        "copy both files, or run the study on once where both lie"
+def _check(
+    connection: sqlite3.Connection, path: str | os.PathLike[str], found: Found, before: Loss | None
+) -> Opened:
+    """Check all that can be checked of a file; before: what is known to be lost already."""
+    version = check_tables(connection, path)
+    try:
+        kept = read_losses(connection, has_table=version == VERSION)
+        tally = None if version == FORMER else tallies.read_tally(connection)
+    except (ValueError, TypeError) as error:
+        raise InputError(f"{printable(path)}: the tally in it is damaged; {DAMAGED}") from error
+    if tally is not None:
+        texts = connection.execute("SELECT content FROM study").fetchmany(2)
+        if [tallies.study_hash(text) for (text,) in texts] != [tally.study]:
+            raise InputError(f"{printable(path)}: the study in it is damaged; take a whole copy")
+    now = () if before is None else (before,)
+    now += tallies.find_losses(connection, tally, tallies.recall(found.file))
+    return Opened(connection, tally, together([*kept, *now]), now)
+
+
+def _put_right(opened: Opened, path: str | os.PathLike[str]) -> Tally:
+    """Bring an open file up to the present: its tables, its losses, its tally."""
+    connection = opened.connection
+    if opened.tally is None:
+        for statement in COUNTED_TABLES.split(";")[:-1]:
+            connection.execute(statement)
+        connection.execute(f"PRAGMA user_version = {VERSION}")
+        row = connection.execute("SELECT content FROM study").fetchone()
+        if row is None or not isinstance(row[0], str):
+            raise InputError(f"{printable(path)}: the study in it is damaged")
+        tally = tallies.new_tally(connection, row[0])
+        _insert_tally(connection, tally)
+    else:
+        tally = opened.tally
+    if opened.found:
+        now = datetime.now(UTC).isoformat(timespec="milliseconds")
+        connection.executemany(
+            "INSERT INTO loss VALUES (NULL, ?, ?, ?)", [(now, x.cause, x.answers) for x in opened.found]
+        )
+        tally = tallies.recounted(connection, tally)
+    # Also where nothing is to be put right: the first write takes the lock.
+    tally = tally.written()
+    tallies.write_tally(connection, tally)
+    return tally
+
+
+def _insert_tally(connection: sqlite3.Connection, tally: Tally) -> None:
+    connection.execute(
+        "INSERT INTO tally VALUES (?, ?, ?, ?, ?, ?)",
+        (tally.session, tally.writes, tally.answers, tally.undone, tally.chain, tally.study),
     )
 
 
@@ -165,6 +316,12 @@ def input_errors(path: str | os.PathLike[str]) -> Iterator[None]:
         raise InputError(f"{printable(path)}: {_reason(error)}") from error
     except UnicodeDecodeError as error:  # of a damaged table's name, in SQLite's own message
         raise InputError(f"{printable(path)}: {DAMAGED}") from error
+    except OSError as error:
+        reason = error.strerror or error
+        raise InputError(
+            f"{printable(path)}: can't be read or copied ({reason}); check the disk, or choose "
+            "another place"
+        ) from error
 
 
 def _reason(error: sqlite3.Error) -> str:
@@ -177,7 +334,7 @@ def _reason(error: sqlite3.Error) -> str:
         return "the file or its folder can't be written; choose another place with -o"
     if code & 0xFF == sqlite3.SQLITE_NOTADB:
         return f"not a session file; give {EXPECTED}"
-    if code & 0xFF == sqlite3.SQLITE_CORRUPT:
+    if code & 0xFF in (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_TOOBIG, sqlite3.SQLITE_INTERRUPT):
         return DAMAGED
     if code == sqlite3.SQLITE_ERROR or "decode" in str(error):  # tables or texts are not ours
         return DAMAGED
@@ -187,23 +344,3 @@ def _reason(error: sqlite3.Error) -> str:
 def _is_lock(error: sqlite3.Error) -> bool:
     code = getattr(error, "sqlite_errorcode", None) or 0
     return code & 0xFF in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)
-
-
-def _check_format(connection: sqlite3.Connection, path: str | os.PathLike[str]) -> None:
-    (application,) = connection.execute("PRAGMA application_id").fetchone()
-    (version,) = connection.execute("PRAGMA user_version").fetchone()
-    if application != APPLICATION_ID:
-        raise InputError(f"{printable(path)}: not a session file; give {EXPECTED}")
-    if version != VERSION:
-        raise InputError(
-            f"{printable(path)}: of version {version}, expected {VERSION}; a newer file needs a "
-            "newer relgloss"
-        )
-    # A damaged index would leave answers out without a word.
-    if connection.execute("PRAGMA integrity_check(1)").fetchone() != ("ok",):
-        raise InputError(f"{printable(path)}: {DAMAGED}")
-
-
-def _uri(path: str | os.PathLike[str], mode: str) -> str:
-    """The file as SQLite's URI; its name may hold anything."""
-    return f"{Path(path).absolute().as_uri()}?mode={mode}"

@@ -23,9 +23,8 @@ from relgloss_view.base.version import __version__
 from relgloss_view.experiment.design.study import Study
 from relgloss_view.experiment.design.study_file import study_digest, study_to_dict
 from relgloss_view.experiment.design.trial_order import Trial
-from relgloss_view.experiment.session import session_file
+from relgloss_view.experiment.session import session_file, tally
 from relgloss_view.experiment.session.records import (
-    LOG_MISSING,
     PERSON,
     Answer,
     Observer,
@@ -53,9 +52,14 @@ class Store:
         if content is not None and not os.path.lexists(path):
             written = json.dumps(content, allow_nan=False)
             session_file.create_file(path, written, study_digest(content), __version__)
-        #: A program was killed, and its log, where the last answers may be, is not beside the file.
-        self.log_missing = session_file.log_missing(path)
-        self._connection: sqlite3.Connection | None = session_file.open_to_write(path)
+        opened = session_file.open_to_write(path)
+        self._connection: sqlite3.Connection | None = opened.connection
+        assert opened.tally is not None
+        self._tally = self._next = opened.tally  #: what is written, and what the next write has
+        self._file = os.path.realpath(path)
+        self._in_batch = False
+        self._whereabouts: tuple[object, ...] | None = None  #: from the first write on
+        self.losses = opened.losses  #: what the file is known to lack of what was answered
         self._lamps = contextlib.ExitStack()
         try:
             lamps = self._lamps.enter_context(scratch_folder())
@@ -167,13 +171,7 @@ class Store:
                 (observer.number, _now(), __version__, device, json.dumps(dict(screen)), profile),
             )
             assert row.lastrowid is not None
-            number = row.lastrowid
-            if self.log_missing:  # the file itself forgets it when it is closed
-                connection.execute(
-                    "INSERT INTO event VALUES (NULL, ?, ?, ?, '')", (number, _now(), LOG_MISSING)
-                )
-        self._into_the_file()
-        return number
+        return row.lastrowid
 
     def end_run(self, run: int) -> None:
         """Keep that the program ended by itself, and was not killed."""
@@ -207,15 +205,18 @@ class Store:
         self, observer: Observer, trial: Trial, question: str, category: int, response_s: float,
         run: int,
     ) -> None:  # fmt: skip
-        """Keep an answer. When this returns it is on the disk, whatever happens next."""
+        """Keep an answer. When this returns it is on the disk, whatever happens next.
+
+        Within a `batch` it is there when that ends.
+        """
+        place = (observer.number, trial.position)
+        values = (question, category, round(1000.0 * response_s), run, _now())
         with self._writing() as connection:
-            connection.execute(
-                "INSERT INTO answer VALUES (NULL, ?, ?, ?, ?, ?, ?, ?, NULL)",
-                (observer.number, trial.position, question, category,
-                 round(1000.0 * response_s), run, _now()),
-            )  # fmt: skip
-        if observer.kind == PERSON:
-            self._into_the_file()
+            row = connection.execute(
+                "INSERT INTO answer VALUES (NULL, ?, ?, ?, ?, ?, ?, ?, NULL)", (*place, *values)
+            )
+            stimulus = (trial.sample, trial.setting, trial.repeat)
+            self._next = self._next.answered((row.lastrowid, *place, *stimulus, *values))
 
     def undo(self, observer: Observer, run: int, *, drop_unanswered: bool = False) -> Trial | None:
         """Take the observer's last standing answer back; its trial, None where there is none.
@@ -233,6 +234,7 @@ class Store:
         answer, position = rows[0]
         with self._writing() as connection:
             connection.execute("UPDATE answer SET undone_utc = ? WHERE id = ?", (_now(), answer))
+            self._next = self._next.taken_back()
             connection.execute(
                 "INSERT INTO event VALUES (NULL, ?, ?, 'undo', ?)", (run, _now(), str(position))
             )
@@ -267,16 +269,6 @@ class Store:
                 (sample, setting, sha256, device, json.dumps(dict(parameters)), run),
             )
 
-    def _into_the_file(self) -> None:
-        """Move what is in the log into the file itself, so that a copy of it alone has it too.
-
-        Three times as slow as the answer itself (docs/experiment.md), so simulations do without.
-        """
-        assert self._connection is not None
-        # What is committed is in the log, whether or not this is possible now.
-        with contextlib.suppress(sqlite3.Error):
-            self._connection.execute("PRAGMA wal_checkpoint(PASSIVE)").fetchone()
-
     def _mark(self, observer: Observer, column: str) -> None:
         with self._writing() as connection:
             connection.execute(
@@ -290,18 +282,52 @@ class Store:
             return self._connection.execute(query, values).fetchall()
 
     @contextlib.contextmanager
+    def batch(self) -> Iterator[None]:
+        """One transaction for all that the block writes: on the disk when it ends, or none of it.
+
+        For simulated observers: a transaction waits for the disk, however much is in it.
+        """
+        with self._writing():
+            self._in_batch = True
+            try:
+                yield
+            finally:
+                self._in_batch = False
+
+    @contextlib.contextmanager
     def _writing(self) -> Iterator[sqlite3.Connection]:
         """A transaction: on the disk when the block ends, undone where it can't be."""
         assert self._connection is not None
         with session_file.input_errors(self.path):
+            if self._in_batch:
+                yield self._connection
+                return
+            self._check_whereabouts()
             self._connection.execute("BEGIN IMMEDIATE")
             try:
+                self._next = self._tally.written()
                 yield self._connection
+                tally.write_tally(self._connection, self._next)
                 self._connection.execute("COMMIT")
             except BaseException:
                 with contextlib.suppress(sqlite3.Error):
                     self._connection.execute("ROLLBACK")
                 raise
+            before, self._tally = self._tally, self._next
+            if self._whereabouts is None:
+                self._whereabouts = session_file.whereabouts(self._file)
+        if (before.answers, before.undone) != (self._tally.answers, self._tally.undone):
+            tally.remember(self._file, self._tally)
+
+
+    def _check_whereabouts(self) -> None:
+        """Raise InputError where the file or its journal is not what this program has open."""
+        known = self._whereabouts
+        if known is not None and session_file.whereabouts(self._file) != known:
+            raise InputError(
+                f"{printable(self.path)}: the file, or {printable(self.path.name)}-journal, was "
+                "moved, replaced or removed while it is in use; put it back, or end here"
+            )
 
 
 def _free_name(taken: set[str]) -> str:

@@ -244,8 +244,8 @@ class TestResume:
         flow = started(opened(made))
         flow.end()
         flow.store.close()
-        with open_to_read(tmp_path / "s.sqlite") as connection:
-            rows = connection.execute("SELECT ended_utc IS NULL FROM run ORDER BY id").fetchall()
+        with open_to_read(tmp_path / "s.sqlite") as opened:
+            rows = opened.connection.execute("SELECT ended_utc IS NULL FROM run ORDER BY id").fetchall()
         assert rows == [(1,), (0,)]
 
 

@@ -116,7 +116,7 @@ def test_files_of_one_name_are_told_apart(tmp_path):
         ("UPDATE run SET device = x'00'", "run"),
         ("UPDATE study SET version = x'00'", "study.version"),
         ("UPDATE study SET content = '[[[['", "the study in it is damaged"),
-        ("UPDATE study SET content = replace(content, 'cylinder', 'can')", "shape.kind"),
+        ("UPDATE study SET content = replace(content, 'cylinder', 'can')", "the study in it"),
         ("DELETE FROM study", "the study in it is damaged"),
     ],
 )
@@ -281,23 +281,6 @@ class TestAnalysis:
         assert result.p["ratio"] > 0.05
         assert result.verdicts["grain"].status != "chance"
         assert result.verdicts["both"].status == "chance"
-
-    def test_without_a_log_the_reader_is_told(self, tmp_path):
-        """A file that was copied alone after a kill may lack its last answers."""
-        with Store(tmp_path / "a.sqlite", study()) as store:
-            flow = started(store)
-            answer(flow, 0)
-            answer(flow, 3)
-            store._connection.execute("PRAGMA wal_checkpoint(FULL)")
-            answer(flow, 4)
-            (tmp_path / "alone").mkdir()
-            shutil.copy(tmp_path / "a.sqlite", tmp_path / "alone" / "a.sqlite")
-            shutil.copy(tmp_path / "a.sqlite", tmp_path / "a2.sqlite")
-            shutil.copy(tmp_path / "a.sqlite-wal", tmp_path / "a2.sqlite-wal")
-        assert read_record(tmp_path / "alone" / "a.sqlite", tmp_path).log_missing
-        assert not read_record(tmp_path / "a2.sqlite", tmp_path).log_missing
-        assert not read_record(tmp_path / "a.sqlite", tmp_path).log_missing
-        assert len(read_record(tmp_path / "a.sqlite", tmp_path).answers) == 3
 
     def test_same_seed_same_analysis(self, tmp_path):
         simulated(tmp_path / "a.sqlite", study(), 5, 0)

@@ -66,13 +66,14 @@ def test_each_answer_is_in_the_file_before_the_call_returns(file):
             assert len(read_record(copy / "s.sqlite", copy).answers) == count
 
 
-def test_write_ahead_and_synchronous(file):
+def test_each_step_is_synced_and_the_journal_is_void_between_answers(file):
     with Store(file, study(grid=SMALL)) as store:
         connection = store._connection
-        assert connection.execute("PRAGMA journal_mode").fetchone() == ("wal",)
-        assert connection.execute("PRAGMA synchronous").fetchone() == (2,)  # FULL
-    with session_file.open_to_read(file) as connection:
-        assert connection.execute("PRAGMA journal_mode").fetchone() == ("delete",)
+        assert connection.execute("PRAGMA journal_mode").fetchone() == ("persist",)
+        assert connection.execute("PRAGMA synchronous").fetchone() == (3,)  # EXTRA
+        answer(started(store))
+        assert Path(f"{file}-journal").read_bytes()[:28] == bytes(28)
+    assert os.listdir(file.parent) == ["s.sqlite"]
 
 
 class TestOneProgramAlone:
@@ -106,6 +107,29 @@ class TestOneProgramAlone:
         Store(file, study(grid=SMALL)).close()
         with session_file.open_to_read(file), session_file.open_to_read(file):
             pass
+
+
+class TestTakenAway:
+    """What lies at the file's name is not what the program writes into."""
+
+    @pytest.mark.parametrize("suffix", ["", "-journal"])
+    def test_no_answer_goes_nowhere(self, file, suffix):
+        with Store(file, study(grid=SMALL)) as store:
+            flow = started(store)
+            answer(flow)
+            os.rename(f"{file}{suffix}", f"{file}.away")
+            trial = flow.trial
+            for replacement in (False, True):
+                if replacement:
+                    shutil.copyfile(f"{file}.away", f"{file}{suffix}")
+                flow.shown()
+                flow._clock.now_s += 1.0
+                with pytest.raises(InputError, match="moved, replaced or removed"):
+                    flow.answer(1)
+                assert flow.trial == trial
+            os.replace(f"{file}.away", f"{file}{suffix}")
+            answer(flow)  # it is put back
+        assert len(read_record(file, file.parent).answers) == 2
 
 
 class TestObservers:
@@ -150,8 +174,8 @@ class TestUndo:
             assert flow.trial.position == 1
         record = read_record(file, file.parent)
         assert record.undone == 1
-        with session_file.open_to_read(file) as connection:
-            rows = connection.execute("SELECT category FROM answer ORDER BY id").fetchall()
+        with session_file.open_to_read(file) as opened:
+            rows = opened.connection.execute("SELECT category FROM answer ORDER BY id").fetchall()
         assert rows == [(4,), (1,)]
 
     def test_one_standing_answer_a_question(self, file):
@@ -200,7 +224,7 @@ class TestBadFiles:
         Store(file, study(grid=SMALL)).close()
         with contextlib.closing(sqlite3.connect(file)) as connection:
             connection.execute("PRAGMA user_version = 9")
-        with pytest.raises(InputError, match="of version 9, expected 1"):
+        with pytest.raises(InputError, match="of version 9, expected 1 or 2"):
             Store(file)
 
     def test_damaged_in_the_middle(self, file):
@@ -261,22 +285,20 @@ class TestNoRoom:
         assert len(read_record(file, file.parent).answers) == count + 1
 
     def test_file_that_may_not_grow(self, file):
-        """A limit of the system: the log can't be written, and what is told was stored before.
-
-        The file itself is longer, so that the log is never moved into it, and grows.
-        """
+        """A limit of the system: the file is no longer extended, and all that was told is in it."""
         code = (
             f"import sys; sys.path.insert(0, {str(Path(__file__).parent.parent)!r})\n"
-            "import resource, signal\n"
+            "import os, resource, signal\n"
             "from cases import answer, started, study\n"
             "from relgloss_view.base.errors import InputError\n"
             "from relgloss_view.experiment.session.store import Store\n"
-            "store = Store(sys.argv[1], study())\n"
+            "store = Store(sys.argv[1], study(repeats=5))\n"
             "flow = started(store)\n"
+            "size = os.path.getsize(sys.argv[1])\n"
             "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
-            "resource.setrlimit(resource.RLIMIT_FSIZE, (30_000, resource.RLIM_INFINITY))\n"
+            "resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))\n"
             "try:\n"
-            "    for n in range(42): answer(flow); print(n, flush=True)\n"
+            "    for n in range(210): answer(flow); print(n, flush=True)\n"
             "except InputError as error: print(error)\n"
             "store.close()\n"
         )
@@ -285,7 +307,7 @@ class TestNoRoom:
         )
         *told, fault = done.stdout.splitlines()
         assert fault.startswith(f"{file}: ")
-        assert 0 < len(told) < 42
+        assert 0 < len(told) < 210
         assert len(read_record(file, file.parent).answers) == len(told)
 
     @pytest.mark.skipif(os.geteuid() != 0, reason="needs root, to become somebody else")
@@ -337,40 +359,6 @@ def test_limits_are_this_process_alone():
     """The control of the tests above: nothing of them is left."""
     assert resource.getrlimit(resource.RLIMIT_FSIZE)[1] == resource.RLIM_INFINITY
     assert os.geteuid() == os.getuid()
-
-
-class TestCopiedWithoutItsLog:
-    """A file that was copied alone after a kill, or while a program wrote into it."""
-
-    def test_it_has_what_people_have_answered(self, tmp_path):
-        with Store(tmp_path / "a.sqlite", study()) as store:
-            observer = store.observer("ada")
-            trials = planned_trials(store.study, observer.number)
-            store.plan(observer, trials)
-            run = store.begin_run(observer, "device", {})
-            for trial in trials[:3]:
-                store.answer(observer, trial, "ratio", 1, 0.5, run)
-                shutil.copy(tmp_path / "a.sqlite", tmp_path / "alone.sqlite")
-                record = read_record(tmp_path / "alone.sqlite", tmp_path)
-                assert record.log_missing
-                assert record.answers[-1].trial == trial
-        assert not read_record(tmp_path / "a.sqlite", tmp_path).log_missing
-
-    def test_before_any_answer_it_is_not_silent(self, tmp_path):
-        with Store(tmp_path / "a.sqlite", study()):
-            shutil.copy(tmp_path / "a.sqlite", tmp_path / "alone.sqlite")
-        with pytest.raises(InputError, match=r"alone\.sqlite-wal is not beside it"):
-            read_pool([tmp_path / "alone.sqlite"], tmp_path)
-        with pytest.raises(InputError, match="nobody has answered yet"):
-            read_pool([tmp_path / "a.sqlite"], tmp_path)
-
-    def test_going_on_with_it_keeps_that_in_mind(self, tmp_path):
-        with Store(tmp_path / "a.sqlite", study()):
-            shutil.copy(tmp_path / "a.sqlite", tmp_path / "alone.sqlite")
-        for _ in range(2):
-            with Store(tmp_path / "alone.sqlite") as store:
-                store.begin_run(store.observer("ada"), "device", {})
-            assert read_record(tmp_path / "alone.sqlite", tmp_path).log_missing
 
 
 @pytest.mark.parametrize(
