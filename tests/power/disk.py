@@ -53,9 +53,9 @@ FILE_SYSTEMS = {
 class RecordedDisk:
     """A file system on a disk that is recorded; use it as a context, in a private room."""
 
-    def __init__(self, system: FileSystem, place: Path) -> None:
-        """place: an empty folder, which holds all that is mounted."""
-        self.system, self._place = system, place
+    def __init__(self, system: FileSystem, place: Path, left: Image | None = None) -> None:
+        """place: an empty folder, which holds all that is mounted. left: what a cut has left."""
+        self.system, self._place, self._start = system, place, left
         self.root = place / "disk"
         self._image, self._log = place / "image", place / "log"
         self.marks = place / "fuse" / "marks"
@@ -67,14 +67,10 @@ class RecordedDisk:
             stack.callback(kernel.unmount, self._place)
             for name in ("fuse", "disk", "cut"):
                 (self._place / name).mkdir()
-            with open(self._image, "wb") as file:
-                file.truncate(self.system.size)
-            tool = kernel.tool(self.system.make[0])
-            assert tool is not None
-            subprocess.run(
-                [tool, *self.system.make[1:], str(self._image)], check=True, capture_output=True
-            )
-            self._start = Image.of(self._image.read_bytes())
+            if self._start is None:
+                self._start = self._made()
+            else:
+                self._start.write(self._image)
             stack.callback(kernel.unmount, self._place / "fuse")
             self._record(stack)
             self._mounted = stack.enter_context(contextlib.ExitStack())
@@ -85,6 +81,15 @@ class RecordedDisk:
             )
             self._stack = stack.pop_all()
         return self
+
+    def _made(self) -> Image:
+        with open(self._image, "wb") as file:
+            file.truncate(self.system.size)
+        tool = kernel.tool(self.system.make[0])
+        assert tool is not None
+        words = [tool, *self.system.make[1:], str(self._image)]
+        subprocess.run(words, check=True, capture_output=True)
+        return Image.of(self._image.read_bytes())
 
     def stop(self) -> None:
         """Unmount the recorded disk: some systems mount no two disks that are copies."""
@@ -118,6 +123,7 @@ class RecordedDisk:
 
     def log(self) -> Log:
         """What the disk has received so far."""
+        assert self._start is not None
         return Log.parsed(self._start, self._log.read_bytes())
 
     def examined(self, image: Image) -> contextlib.AbstractContextManager[Path]:

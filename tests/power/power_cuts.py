@@ -39,6 +39,10 @@ class Scenario:
     check: Callable[[Files, Files], Check]
     #: run before, and on the disk when the recording begins
     prepare: tuple[tuple[str, ...], ...] = ()
+    #: run after a first cut, and cut too
+    again: tuple[str, ...] = ()
+    #: what is on the disk after the first cut, as acknowledgements; None: those before the cut
+    resumed: Callable[[Path], Marks] | None = None
 
 
 # --- checks --------------------------------------------------------------------------------------
@@ -132,6 +136,8 @@ def check_together(_: Files, __: Files) -> Check:
         expected = [*programs.NAMES, programs.LAST]
         if versions == [-1, -1] and -1 in right:
             return faults
+        if versions == [-1, -1]:
+            return [*faults, "nothing is there"]
         if len(set(versions)) > 1 or len(files) != 2 + len(expected):
             return [*faults, f"mixed: {[*zip([f.name for f in files], versions, strict=True)]}"]
         return faults + wrong("the outputs", b"?", versions[0], right)
@@ -206,7 +212,9 @@ def check_session(_: Files, __: Files) -> Check:
             return ["the file is missing"] if "open" in before else []
         steps = [m for m in marks if m == "undone" or len(m.split()) == 7]
         done = len([m for m in before if m in ("undone",) or len(m.split()) == 7])
-        right = [sorted(standing(steps[: done + more])) for more in (0, 1)]
+        # The answer that was being stored may be there; simulated ones are stored in batches.
+        ahead = len(steps) if "done" in marks else done + 1
+        right = [sorted(standing(steps[:count])) for count in range(done, ahead + 1)]
         try:
             found = test_kill.as_left(file)
             # The next program opens it, and misses nothing.
@@ -226,6 +234,14 @@ def check_session(_: Files, __: Files) -> Check:
     return check
 
 
+def stored_answers(root: Path) -> Marks:
+    """The answers in a session file, as acknowledgements."""
+    import test_kill
+
+    file = root / "session.sqlite"
+    return [" ".join(words) for words in test_kill.as_left(file)] if file.exists() else []
+
+
 def missed(store: object) -> str:
     """What an opened session reports as lost; nothing may be."""
     if getattr(store, "log_missing", False):
@@ -239,9 +255,16 @@ SCENARIOS = {
     "files": Scenario(("files", "6"), check_file),
     "fresh": Scenario(("fresh", "6"), check_fresh),
     "folders": Scenario(("folders", "5"), check_folder),
-    "together": Scenario(("together", "4"), check_together),
-    "people": Scenario(("people", "40"), check_session),
-    "simulated": Scenario(("answers", "full", "2"), check_session),
+    "together": Scenario(
+        ("together", "4"), check_together, again=("sweep", "one", "two", "two/report")
+    ),
+    "people": Scenario(
+        ("people", "40"), check_session, again=("people", "10"), resumed=stored_answers
+    ),
+    "simulated": Scenario(
+        ("answers", "full", "2"), check_session, again=("answers", "full", "2"),
+        resumed=stored_answers,
+    ),
     "snapshot": Scenario(
         ("command", "snapshot", "-o", "out.png", "--size", "64x64", "--sigma-n", "2"),
         check_whole,
@@ -270,33 +293,82 @@ class Conditions:
     pragmas: tuple[tuple[str, str], ...] = ()
 
 
-def examined(name: str, conditions: Conditions, count: int, seed: int, place: Path) -> disk.Outcome:
+def examined(
+    name: str, conditions: Conditions, count: int, seed: int, place: Path, again: int = 0
+) -> disk.Outcome:
     """Record a scenario, cut it, and check what is left. In a private room alone."""
     scenario = SCENARIOS[name]
     with disk.RecordedDisk(disk.FILE_SYSTEMS[conditions.file_system], place) as recorded:
         for words in scenario.prepare:
             run_on(recorded, {}, words)
         kernel.sync(recorded.root)
-        options = {
-            "without": conditions.without,
-            "pragmas": dict(conditions.pragmas),
-            "neighbour": conditions.neighbour,
-        }
         old = tree(recorded.root)
-        recorded.mark(BEGIN)
-        with beside(recorded, conditions.period_s):
-            run_on(recorded, options, scenario.run)
-        recorded.mark(END)
+        log, begin, marks = recording(recorded, conditions, scenario.run)
         check = scenario.check(old, tree(recorded.root))
-        log = recorded.log()
         recorded.stop()
-        begin, end = log.position(BEGIN), log.position(END)
         skipped = len(log.marks(begin))
-        marks = log.marks(end - 1)[skipped:]
-        return disk.examine(
+        outcome = disk.examine(
             recorded,
             lambda root, before: check(root, before[skipped:], marks),
-            disk.chosen_cuts(begin, end, count, seed),
+            disk.chosen_cuts(begin, len(log.records), count, seed),
+            log,
+        )
+        if scenario.again and again:
+            firsts = disk.chosen_cuts(begin, len(log.records), again, seed + 1)
+            for number, (cut, image) in enumerate(disk.images(log, firsts)):
+                inner = place / f"again-{number}"
+                inner.mkdir()
+                before = log.marks(cut.position)[skipped:]
+                if scenario.resumed is not None:
+                    with recorded.examined(image) as root:
+                        before = [m for m in before if m == "open"] + scenario.resumed(root)
+                later = cut_again(scenario, check, conditions, image, inner, before, marks)
+                outcome.cuts += later.cuts
+                outcome.faults += [f"{cut}, then {fault}" for fault in later.faults]
+        return outcome
+
+
+def recording(
+    recorded: disk.RecordedDisk, conditions: Conditions, words: Sequence[str]
+) -> tuple[disk.Log, int, Marks]:
+    """Run a program; what the disk received till it ended, where that begins, all marks of it."""
+    options = {
+        "without": conditions.without,
+        "pragmas": dict(conditions.pragmas),
+        "neighbour": conditions.neighbour,
+    }
+    recorded.mark(BEGIN)
+    with beside(recorded, conditions.period_s):
+        run_on(recorded, options, words)
+    recorded.mark(END)
+    log = recorded.log()
+    begin, end = log.position(BEGIN), log.position(END)
+    log = disk.Log(log.start, log.records[: end - 1])
+    return log, begin, log.marks(end - 1)[len(log.marks(begin)) :]
+
+
+CUTS_AGAIN = 8
+
+
+def cut_again(
+    scenario: Scenario,
+    check: Check,
+    conditions: Conditions,
+    image: disk.Image,
+    place: Path,
+    before: Marks,
+    marks: Marks,
+) -> disk.Outcome:
+    """Start the machine after a cut, run a program there, and cut it too."""
+    with disk.RecordedDisk(disk.FILE_SYSTEMS[conditions.file_system], place, image) as recorded:
+        log, begin, more = recording(recorded, conditions, scenario.again)
+        recorded.stop()
+        skipped = len(log.marks(begin))
+        everything = marks if scenario.resumed is None else [*before, *more]
+        return disk.examine(
+            recorded,
+            lambda root, later: check(root, [*before, *later[skipped:]], everything),
+            disk.chosen_cuts(begin, len(log.records), CUTS_AGAIN, len(before)),
             log,
         )
 
@@ -346,6 +418,12 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("scenario", choices=SCENARIOS)
     parser.add_argument("--file-system", choices=disk.FILE_SYSTEMS, default="ext4")
     parser.add_argument("--cuts", type=int, default=100, help="Number of power cuts (default 100)")
+    parser.add_argument(
+        "--again",
+        type=int,
+        default=0,
+        help=f"Number of cuts after which the next program is cut too, {CUTS_AGAIN} times each",
+    )
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument(
         "--neighbour",
@@ -384,7 +462,7 @@ def main(words: Sequence[str] | None = None) -> int:
         tuple(args.without),
         tuple(tuple(p.split("=")) for p in args.pragma),
     )
-    outcome = examined(args.scenario, conditions, args.cuts, args.seed, args.place)
+    outcome = examined(args.scenario, conditions, args.cuts, args.seed, args.place, args.again)
     print(json.dumps(dataclasses.asdict(outcome)))
     return 1 if outcome.faults else 0
 

@@ -92,6 +92,14 @@ def write_together(rounds: int) -> None:
         print("done", version, flush=True)
 
 
+def sweep(*places: str) -> None:
+    """What every command begins with: what a cut has left in some places is finished, or goes."""
+    from relgloss_view.base.temporaries import sweep
+
+    for place in (".", *places):
+        sweep(place)
+
+
 def command(*words: str) -> None:
     """The program itself; its exit status is acknowledged."""
     from relgloss_view.cli import main
@@ -147,6 +155,7 @@ PROGRAMS = {
     "fresh": lambda rounds: write_fresh(int(rounds)),
     "folders": lambda rounds: write_folders(int(rounds)),
     "together": lambda rounds: write_together(int(rounds)),
+    "sweep": sweep,
     "command": command,
     "answers": answers,
     "people": people,
