@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import json
 import os
 import signal
+import sqlite3
 import subprocess
 import sys
 from pathlib import Path
@@ -52,6 +54,29 @@ def session(folder, capsys):
     words = ("experiment", "simulate", "paper", *TINY, "--observers", 4, "-o", "s.sqlite")
     run(capsys, *words)
     return folder / "s.sqlite"
+
+
+def test_a_loss_is_reported_by_every_command(session, capsys):
+    """And nothing where nothing is lost."""
+    analyse = ("experiment", "analyse", "s.sqlite", "--draws", 20, "--json")
+    status, out, err = test_cli.run(capsys, *analyse)
+    assert (status, err) == (0, "")
+    assert json.loads(out)["files"][0]["losses"] == []
+    with contextlib.closing(sqlite3.connect(session)) as connection, connection:
+        connection.execute("DELETE FROM answer WHERE id IN (5, 9)")
+    words = "s.sqlite: lacks 2 answers that the program had stored"
+    status, out, err = test_cli.run(capsys, *analyse)
+    assert status == 0
+    assert words in err
+    assert json.loads(out)["files"][0]["losses"] == [{"cause": "answers missing", "answers": 2}]
+    for command in (
+        ("experiment", "export", "s.sqlite", "-o", "a.csv"),
+        ("experiment", "simulate", "paper", *TINY, "--observers", 4, "-o", "s.sqlite"),
+        ("experiment", "export", "s.sqlite", "-o", "a.csv"),
+    ):
+        status, _, err = test_cli.run(capsys, *command)
+        assert status == 0
+        assert words in err
 
 
 class TestNew:

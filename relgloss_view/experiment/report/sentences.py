@@ -92,9 +92,7 @@ def files(pool: Pool) -> list[str]:
 
 def losses_words(pool: Pool) -> list[str]:
     """What each session file is known to lack, in a line that names it."""
-    return [
-        line for record in pool.records for line in losses.warnings(record.losses, record.path)
-    ]
+    return [line for record in pool.records for line in losses.warnings(record.losses, record.path)]
 
 
 def simulated_words(pool: Pool) -> str | None:

@@ -122,7 +122,7 @@ def look_at(path: str | os.PathLike[str]) -> Found:
         raise InputError(f"{printable(path)}: not a session file; give {EXPECTED}")
     if int.from_bytes(header[68:72], "big") != APPLICATION_ID:
         raise InputError(f"{printable(path)}: not a session file; give {EXPECTED}")
-    # Both file format versions, and the encoding UTF-8: "The Database Header" in SQLite's documents.
+    # The file format versions, and the encoding UTF-8: "The Database Header" of SQLite's documents.
     versions = header[18:20]
     if versions not in (b"\1\1", b"\2\2") or header[56:60] != b"\0\0\0\1":
         raise InputError(f"{printable(path)}: {DAMAGED}")
@@ -193,8 +193,8 @@ def check_tables(connection: sqlite3.Connection, path: str | os.PathLike[str]) -
     (version,) = connection.execute("PRAGMA user_version").fetchone()
     if version not in (FORMER, VERSION):
         raise InputError(
-            f"{printable(path)}: of version {version}, expected {FORMER} or {VERSION}; a newer file "
-            "needs a newer relgloss"
+            f"{printable(path)}: of version {version}, expected {FORMER} or {VERSION}; a newer "
+            "file needs a newer relgloss"
         )
     rows = connection.execute("SELECT type, name, tbl_name, sql FROM sqlite_master")
     found = frozenset(_plain(*row) for row in rows.fetchmany(100))

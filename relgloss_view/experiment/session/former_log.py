@@ -12,11 +12,12 @@ import struct
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
-from relgloss_view.base.arrays import Array
 from relgloss_view.experiment.session.losses import LOG_DAMAGED, LOG_MISSING, Loss
 
 HEADER_BYTES, FRAME_BYTES = 32, 24
+Words = npt.NDArray[np.uint64]
 MAGIC = 0x377F0682  #: the lowest bit: checksums of big-endian words
 
 
@@ -79,7 +80,7 @@ def _checksum(start: tuple[int, int], data: bytes, word: str) -> tuple[int, int]
 
 
 @functools.lru_cache(maxsize=4)
-def _weights(pairs: int) -> tuple[Array, Array, list[tuple[int, int]]]:
+def _weights(pairs: int) -> tuple[Words, Words, list[tuple[int, int]]]:
     """How much each word counts in either sum, and each sum before: the recursion unrolled.
 
     Returns (2, pairs) for the first and for the second words, and the 2x2 weights of the start.

@@ -42,7 +42,9 @@ def read_losses(connection: sqlite3.Connection, *, has_table: bool) -> tuple[Los
         query += " UNION ALL SELECT cause, answers FROM loss"
     losses = []
     for cause, answers in connection.execute(query, (LOG_MISSING,)):
-        if cause not in CAUSES or not (answers is None or (isinstance(answers, int) and answers > 0)):
+        if cause not in CAUSES or not (
+            answers is None or (isinstance(answers, int) and answers > 0)
+        ):
             raise ValueError("loss")
         losses.append(Loss(cause, answers))
     return together(losses)
@@ -82,13 +84,13 @@ def _sentence(loss: Loss, name: str) -> str:
         )
     if loss.cause == MISSING:
         return (
-            f"lacks {_answers(loss.answers)} that the program had stored; look for a newer or whole "
-            "copy of it"
+            f"lacks {_answers(loss.answers)} that the program had stored; look for a newer or "
+            "whole copy of it"
         )
     if loss.cause == UNCOUNTED:
         return (
-            f"holds {_answers(loss.answers)} that the program did not count: a write was cut short, "
-            "or another program has changed the file"
+            f"holds {_answers(loss.answers)} that the program did not count: a write was cut "
+            "short, or another program has changed the file"
         )
     return (
         "its answers or trials were changed after they were given: the file was damaged or edited; "

@@ -2,9 +2,9 @@
 
 One file holds a study and the sessions of its observers. While a program writes into it the file is
 its own (locking_mode EXCLUSIVE). A transaction is on the disk before the next stimulus shows: what
-it replaces goes to a journal beside the file, then the file is written, then the journal is made void
-(journal_mode PERSIST, each step synced). So the file itself is whole between answers, and a copy
-of it alone has them all. At rest it is one plain file.
+it replaces goes to a journal beside the file, then the file is written, then the journal is made
+void (journal_mode PERSIST, each step synced). So the file itself is whole between answers, and a
+copy of it alone has them all. At rest it is one plain file.
 """
 
 from __future__ import annotations
@@ -269,7 +269,7 @@ def _check(
         texts = connection.execute("SELECT content FROM study").fetchmany(2)
         if [tallies.study_hash(text) for (text,) in texts] != [tally.study]:
             raise InputError(f"{printable(path)}: the study in it is damaged; take a whole copy")
-    now = () if before is None else (before,)
+    now: tuple[Loss, ...] = () if before is None else (before,)
     now += tallies.find_losses(connection, tally, tallies.recall(found.file))
     return Opened(connection, tally, together([*kept, *now]), now)
 
@@ -291,7 +291,8 @@ def _put_right(opened: Opened, path: str | os.PathLike[str]) -> Tally:
     if opened.found:
         now = datetime.now(UTC).isoformat(timespec="milliseconds")
         connection.executemany(
-            "INSERT INTO loss VALUES (NULL, ?, ?, ?)", [(now, x.cause, x.answers) for x in opened.found]
+            "INSERT INTO loss VALUES (NULL, ?, ?, ?)",
+            [(now, x.cause, x.answers) for x in opened.found],
         )
         tally = tallies.recounted(connection, tally)
     # Also where nothing is to be put right: the first write takes the lock.

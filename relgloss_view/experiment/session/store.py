@@ -319,7 +319,6 @@ class Store:
         if (before.answers, before.undone) != (self._tally.answers, self._tally.undone):
             tally.remember(self._file, self._tally)
 
-
     def _check_whereabouts(self) -> None:
         """Raise InputError where the file or its journal is not what this program has open."""
         known = self._whereabouts

@@ -67,7 +67,7 @@ class Recount:
 
 def link(chain: str, row: tuple[Any, ...]) -> str:
     """The chain after one more answer."""
-    return hashlib.sha256(f"{chain}\n{ascii(row)}".encode("ascii")).hexdigest()
+    return hashlib.sha256(f"{chain}\n{row!a}".encode("ascii")).hexdigest()
 
 
 def recount(connection: sqlite3.Connection, *wanted: int) -> Recount:
@@ -95,9 +95,7 @@ def new_tally(connection: sqlite3.Connection, content: str) -> Tally:
 def recounted(connection: sqlite3.Connection, tally: Tally) -> Tally:
     """The tally of the rows as they are, where it did not agree with them."""
     rows = recount(connection)
-    return replace(
-        tally, answers=rows.answers + rows.orphans, undone=rows.undone, chain=rows.chain
-    )
+    return replace(tally, answers=rows.answers + rows.orphans, undone=rows.undone, chain=rows.chain)
 
 
 def study_hash(content: object) -> str:

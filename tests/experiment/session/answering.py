@@ -71,7 +71,9 @@ def to_former(file, *, first=False):
             for check in CHECKS:
                 connection.execute("UPDATE sqlite_master SET sql = replace(sql, ?, '')", (check,))
             connection.execute("PRAGMA writable_schema = RESET")
-        connection.executescript("DROP TABLE tally; DROP TABLE loss; PRAGMA user_version = 1; VACUUM")
+        connection.executescript(
+            "DROP TABLE tally; DROP TABLE loss; PRAGMA user_version = 1; VACUUM"
+        )
     with contextlib.suppress(OSError, AttributeError):
         os.removexattr(file, ATTRIBUTE)
 

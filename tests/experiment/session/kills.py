@@ -177,9 +177,10 @@ def main(words=None):
                 for k, value in enumerate((lost > 0, lost, silent, wrong, refused)):
                     sums[fault][k] += value
     print(f"{args.kills} kills, {hot} within a write; {answers} answers acknowledged")
-    print(f"{'journal':<26}{'kills with a loss':>18}{'lost':>8}{'silent':>8}{'wrong':>8}{'refused':>9}")
+    heads = ("kills with a loss", "lost", "silent", "wrong", "refused")
+    print(f"{'journal':<26}{heads[0]:>18}" + "".join(f"{head:>9}" for head in heads[1:]))
     for fault, (kills, lost, silent, wrong, refused) in sums.items():
-        print(f"{fault:<26}{kills:>18}{lost:>8}{silent:>8}{wrong:>8}{refused:>9}")
+        print(f"{fault:<26}{kills:>18}{lost:>9}{silent:>9}{wrong:>9}{refused:>9}")
     return sums
 
 

@@ -83,8 +83,8 @@ SCHEMAS = (
     "PRAGMA user_version = 1",
     "PRAGMA user_version = -5",
     "PRAGMA application_id = 1",
-    "DROP TABLE study; CREATE VIEW study AS WITH RECURSIVE r(x) AS (SELECT 1 UNION ALL SELECT x + 1 "
-    "FROM r) SELECT max(x) AS content, '' AS digest, '' AS version FROM r",
+    "DROP TABLE study; CREATE VIEW study AS WITH RECURSIVE r(x) AS (SELECT 1 UNION ALL SELECT x "
+    "+ 1 FROM r) SELECT max(x) AS content, '' AS digest, '' AS version FROM r",
     "DROP TABLE event; CREATE VIEW event AS SELECT a.id, a.run, '' AS at_utc, '' AS kind, '' AS "
     "detail FROM answer a, answer b, answer c, answer d, answer e, answer f, answer g, answer h",
     "DROP TABLE picture; CREATE TABLE picture (sample AS (abs(-9223372036854775808)), setting, "
@@ -161,7 +161,9 @@ def _damaged(data, hand):
 def _edited(file, kind, hand):
     with contextlib.closing(sqlite3.connect(file, isolation_level=None)) as connection:
         connection.execute("PRAGMA ignore_check_constraints = ON")
-        tables = [n for (n,) in connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")]
+        tables = [
+            n for (n,) in connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")
+        ]
         table = hand.choice(tables)
         columns = [row[1] for row in connection.execute(f"PRAGMA table_info({table})")]
         column = hand.choice(columns)
@@ -185,8 +187,9 @@ def _edited(file, kind, hand):
                     digest = tally.study_hash(text)
                     connection.execute("UPDATE tally SET study = ?", (digest,))
             elif kind == "row":
-                change = hand.choice((f"DELETE FROM {table}", f"DELETE FROM {table} WHERE rowid % 2",
-                                      f"INSERT INTO {table} SELECT * FROM {table}"))  # fmt: skip
+                changes = ("DELETE FROM {0}", "DELETE FROM {0} WHERE rowid % 2",
+                           "INSERT INTO {0} SELECT * FROM {0}")  # fmt: skip
+                change = hand.choice(changes).format(table)
                 connection.execute(change)
                 words += change[:6]
             elif kind == "schema":

@@ -245,7 +245,9 @@ class TestResume:
         flow.end()
         flow.store.close()
         with open_to_read(tmp_path / "s.sqlite") as opened:
-            rows = opened.connection.execute("SELECT ended_utc IS NULL FROM run ORDER BY id").fetchall()
+            rows = opened.connection.execute(
+                "SELECT ended_utc IS NULL FROM run ORDER BY id"
+            ).fetchall()
         assert rows == [(1,), (0,)]
 
 

@@ -128,7 +128,10 @@ class TestEdited:
             copy = file.parent / "copy.sqlite"
             shutil.copyfile(file, copy)
             edited(copy, change)
-            for opener in (lambda copy=copy: Store(copy), lambda copy=copy: read_record(copy, copy.parent)):
+            for opener in (
+                lambda copy=copy: Store(copy),
+                lambda copy=copy: read_record(copy, copy.parent),
+            ):
                 with pytest.raises(InputError, match="damaged"):
                     opener()
 
@@ -175,8 +178,8 @@ class TestTorn:
     @pytest.mark.parametrize("count", [2, 60])
     def test_every_mixture_is_seen_or_whole(self, file, count):
         before, after = self.states(file, count if count < 42 else 40, lambda s, f: answer(f, 4))
-        changed = [k for k in range(len(after) // PAGE)
-                   if before[k * PAGE : (k + 1) * PAGE] != after[k * PAGE : (k + 1) * PAGE]]  # fmt: skip
+        pages = [(k * PAGE, (k + 1) * PAGE) for k in range(len(after) // PAGE)]
+        changed = [k for k, (a, b) in enumerate(pages) if before[a:b] != after[a:b]]
         assert 3 <= len(changed) <= 8
         stored = min(count, 40)
         torn = refused = 0
@@ -402,7 +405,7 @@ def _flipped(log, place):
 
 
 def test_every_fault_of_a_few_kills(tmp_path):
-    sums = kills.main(["--kills", "3"])
+    sums = kills.main(["--kills", "2"])
     assert set(sums) == set(kills.FAULTS)
     assert all(silent == wrong == 0 for _, _, silent, wrong, _ in sums.values())
     for fault in ("none", "gone", "renamed", kills.ALONE):

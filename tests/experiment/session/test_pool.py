@@ -17,7 +17,6 @@ from relgloss_view.experiment.observers.population import Population
 from relgloss_view.experiment.observers.simulation import run_observers
 from relgloss_view.experiment.session.flow import Phase
 from relgloss_view.experiment.session.pool import read_pool
-from relgloss_view.experiment.session.records import read_record
 from relgloss_view.experiment.session.store import Store
 from relgloss_view.experiment.verdict.analysis import Options, analyse
 from relgloss_view.picture.scene.look import Look

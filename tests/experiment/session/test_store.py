@@ -18,10 +18,8 @@ from cases import answer, answer_all, replaced, standing, started, study
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.design.grid import Grid
-from relgloss_view.experiment.design.trial_order import planned_trials
 from relgloss_view.experiment.session import session_file
 from relgloss_view.experiment.session.flow import Flow
-from relgloss_view.experiment.session.pool import read_pool
 from relgloss_view.experiment.session.records import SIMULATED, read_record
 from relgloss_view.experiment.session.store import Store
 
