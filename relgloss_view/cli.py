@@ -92,6 +92,8 @@ def _status_of(words: list[str]) -> int:
         remedy = LESS_MEMORY.get(words[0] if words else "", "close other programs")
         return _fault(f"out of memory; {remedy}", 1)
     except OSError as error:
+        if temporaries.is_no_folder(error):
+            return _fault(str(temporaries.no_temporary_folder()), 1)
         # Commands name the files that they can't read or write, so this is a stream.
         _drop_output()
         reason = f"standard output: {error.strerror}" if error.strerror else str(error)
@@ -106,6 +108,7 @@ def _status_of(words: list[str]) -> int:
 def _run(words: list[str]) -> int:
     words = words[1:] if words[:1] == ["--"] else words
     words = words or [DEFAULT_COMMAND]
+    temporaries.prepare(words[1:])
     args = _parser(words).parse_args(words)
     args.argv = words
     return int(args.run(args))

@@ -5,14 +5,18 @@ matplotlib is imported only where a figure is made, because it is slow to import
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import logging
 import os
+import sys
 import warnings
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 from relgloss_view.base.fonts import font_files
+from relgloss_view.base.temporaries import scratch_folder
 
 INK, MUTED, FAINT, ACCENT = "#1b1f24", "#66707a", "#d9dee3", "#b3261e"
 WHITE = "white"
@@ -39,9 +43,40 @@ STYLE: dict[str, Any] = {
 }
 
 
+def _settle_config() -> None:
+    """Give matplotlib a folder for its list of fonts that goes with this program.
+
+    Where the user's own can't be written it would make one, which a killed program leaves.
+    """
+    if "matplotlib" not in sys.modules and not _has_config():
+        kept = contextlib.ExitStack()
+        atexit.register(kept.close)
+        os.environ["MPLCONFIGDIR"] = os.fspath(kept.enter_context(scratch_folder()))
+
+
+def _has_config() -> bool:
+    """Whether matplotlib finds folders that can be written, where it looks for them on Linux."""
+    named = os.environ.get("MPLCONFIGDIR")
+    try:
+        places = [Path(named)] if named else [
+            Path(os.environ.get(variable) or Path.home() / below, "matplotlib")
+            for variable, below in (("XDG_CONFIG_HOME", ".config"), ("XDG_CACHE_HOME", ".cache"))
+        ]  # fmt: skip
+    except RuntimeError:  # there is no home
+        return False
+    for place in places:
+        there = place.absolute()
+        while not os.path.lexists(there):
+            there = there.parent
+        if not (there.is_dir() and os.access(there, os.W_OK | os.X_OK)):
+            return False
+    return True
+
+
 @contextlib.contextmanager
 def drawing(overrides: Mapping[str, Any] | None = None) -> Iterator[None]:
     """Apply STYLE within the block; `overrides` are further settings by matplotlib's names."""
+    _settle_config()
     from matplotlib import rc_context
 
     settings: Any = {**STYLE, **(overrides or {})}  # matplotlib types each name by itself

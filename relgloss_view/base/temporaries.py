@@ -1,8 +1,9 @@
 """Temporary folders that no killed program leaves for ever.
 
 Each is locked (flock) by its program. The kernel drops the lock when the program ends, however it
-ends, so a folder without one has nobody: the next program that writes there removes it. A folder
-lies beside the file that is written, or in the system's folder for temporary files (TMPDIR).
+ends, so a folder without one has nobody: the next program that comes there removes it, or finishes
+what its journal lists (journal.py). A folder lies beside the file that is written, or in the
+system's folder for temporary files (TMPDIR). Nothing temporary is made in another way.
 
 Where the file system has no such locks (some network drives) nothing is removed but by the program
 that made it.
@@ -17,9 +18,12 @@ import secrets
 import shutil
 import stat
 import tempfile
-from collections.abc import Iterator
+import time
+from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
+from typing import BinaryIO
 
+from relgloss_view.base import journal
 from relgloss_view.base.errors import InputError
 
 try:
@@ -31,9 +35,17 @@ PREFIX, SUFFIX = ".relgloss-", ".part"
 MOST_TRIES = 100
 PRIVATE = 0o700
 TAKEN = -1  #: in place of a handle: another program has the folder
+SWEPT_S = 10.0  #: so long a place is not looked at again
+LOCK_WAIT_S, LOCK_RETRY_S = 20.0, 0.02
+#: Where Python looks for a place too, after the variables.
+TEMPORARY_PLACES = ("/tmp", "/var/tmp", "/usr/tmp")
+TEMPORARY_VARIABLES = ("TMPDIR", "TEMP", "TMP")
+
+Place = tuple[int, int]  #: device and number of a folder
 
 _held: set[str] = set()  #: the folders of this program
-_swept: set[str] = set()  #: where this program has looked for what others left
+_chosen: str | None = None  #: the place that tempfile was given
+_swept: dict[str, float] = {}  #: when this program has looked for what others left, by place
 
 
 @contextlib.contextmanager
@@ -42,15 +54,70 @@ def scratch_folder() -> Iterator[Path]:
 
     Raises InputError where none can be made.
     """
+    fault: OSError | None = None
     with contextlib.ExitStack() as stack:
-        try:
-            folder = stack.enter_context(held_folder(tempfile.gettempdir()))
-        except OSError as error:
-            raise InputError(
-                f"no temporary folder can be made ({error.strerror or error}); set TMPDIR to a "
-                "folder that can be written"
-            ) from error
+        for place in temporary_places():
+            try:
+                folder = stack.enter_context(held_folder(place))
+            except OSError as error:
+                fault = fault or error
+            else:
+                break
+        else:
+            raise no_temporary_folder(fault)
         yield folder
+
+
+@contextlib.contextmanager
+def scratch_file() -> Iterator[BinaryIO]:
+    """A file without a name, to be written and read; it is gone when it is closed."""
+    with contextlib.ExitStack() as stack:
+        with scratch_folder() as folder:
+            file = stack.enter_context((folder / "file").open("w+b"))
+        yield file
+
+
+def temporary_places() -> list[str]:
+    """Folders for temporary files, best first; none is tried by writing, as tempfile does."""
+    if tempfile.tempdir not in (None, _chosen):  # a program that uses the package has chosen
+        return [os.path.realpath(str(tempfile.tempdir))]
+    named = [os.environ.get(name) for name in TEMPORARY_VARIABLES]
+    places = [os.path.realpath(name) for name in (*named, *TEMPORARY_PLACES, os.curdir) if name]
+    usable = [p for p in places if os.path.isdir(p) and os.access(p, os.W_OK | os.X_OK)]
+    return list(dict.fromkeys(usable))
+
+
+def prepare(words: Iterable[str]) -> None:
+    """What every command begins with: what killed programs have left around is removed.
+
+    words: the command line. The folders that it names are swept, those of its files, and TMPDIR.
+    """
+    global _chosen
+    places = temporary_places()
+    if tempfile.tempdir is None and places:
+        # Python would try the folder by a file, which stays there if it is killed just then.
+        tempfile.tempdir = _chosen = places[0]
+    named = {os.path.realpath(os.curdir), *places[:1]}
+    for word in words:
+        for name in {word, word.partition("=")[2]}:
+            with contextlib.suppress(OSError, ValueError):
+                real = os.path.realpath(name)
+                named.update((real, os.path.dirname(real)))
+    for place in sorted(named):
+        sweep(place)
+
+
+def is_no_folder(error: OSError) -> bool:
+    """Whether a library has found no folder for temporary files: tempfile's error, by its words."""
+    return error.errno == errno.ENOENT and "temporary directory" in str(error.strerror)
+
+
+def no_temporary_folder(error: OSError | None = None) -> InputError:
+    """What to do where no temporary file can be made."""
+    reason = "there is no folder for it" if error is None else error.strerror or error
+    return InputError(
+        f"no temporary folder can be made ({reason}); set TMPDIR to a folder that can be written"
+    )
 
 
 @contextlib.contextmanager
@@ -60,7 +127,7 @@ def held_folder(base: str | os.PathLike[str]) -> Iterator[Path]:
     It may be renamed away, and then stays. Leftovers of killed programs in `base` are removed
     first. Raises OSError where the place can't be written.
     """
-    place = os.fspath(base)
+    place = os.path.abspath(base)
     sweep(place)
     for _ in range(MOST_TRIES):
         path = os.path.join(place, f"{PREFIX}{secrets.token_hex(6)}{SUFFIX}")
@@ -90,22 +157,48 @@ def _removed_at_the_end(path: str) -> Iterator[int | None]:
         yield lock
     finally:
         if ours:
-            shutil.rmtree(path, ignore_errors=True)
+            _remove(path)
         if lock is not None and lock != TAKEN:
             os.close(lock)
         _held.discard(path)  # last: until then `remove_all` removes it, should a signal come here
 
 
-def sweep(base: str | os.PathLike[str]) -> None:
-    """Remove the temporary folders in `base` whose programs are gone; once for each place."""
-    place = os.fspath(base)
-    if fcntl is None or place in _swept:
+def is_held(path: str | os.PathLike[str]) -> bool:
+    """Whether a path lies in a temporary folder of this program."""
+    return any(str(parent) in _held for parent in Path(path).parents)
+
+
+def held_in(folder: str | os.PathLike[str]) -> list[str]:
+    """Names of this program's temporary folders in a folder."""
+    return [
+        os.path.basename(path)
+        for path in tuple(_held)
+        if os.path.dirname(path) == os.fspath(folder)
+    ]
+
+
+def sweep(
+    base: str | os.PathLike[str], *, again: bool = False, locked: Collection[Place] = ()
+) -> None:
+    """Remove the temporary folders in `base` whose programs are gone, their moves finished first.
+
+    again: also where that was done a moment ago. locked: places that the caller has locked.
+    """
+    place = os.path.abspath(base)
+    now_s = time.monotonic()
+    if fcntl is None or (not again and now_s < _swept.get(place, -SWEPT_S) + SWEPT_S):
         return
-    _swept.add(place)
+    _swept[place] = now_s
+    for name in leftovers(place):
+        if os.path.join(place, name) not in _held:
+            _remove_leftover(os.path.join(place, name), locked)
+
+
+def leftovers(place: str | os.PathLike[str]) -> list[str]:
+    """Names of all temporary folders in a place, whose programs may live."""
     with contextlib.suppress(OSError, ValueError), os.scandir(place) as entries:
-        for entry in entries:
-            if is_temporary(entry.name):
-                _remove_leftover(entry.path)
+        return [entry.name for entry in entries if is_temporary(entry.name)]
+    return []
 
 
 def is_temporary(name: str) -> bool:
@@ -116,18 +209,97 @@ def is_temporary(name: str) -> bool:
 def remove_all() -> None:
     """Remove the folders of this program, before an end that leaves no with-block."""
     for path in tuple(_held):
+        _remove(path)
+
+
+@contextlib.contextmanager
+def locked_places(
+    places: Iterable[Path], *, have: Collection[Place] = (), wait_s: float = LOCK_WAIT_S
+) -> Iterator[set[Place]]:
+    """Keep other programs from committing in these folders; the folders, with those of `have`.
+
+    Raises BlockingIOError where another one does for longer than `wait_s`. Where there are no locks
+    it goes on without.
+    """
+    held = set(have)
+    with contextlib.ExitStack() as stack:
+        numbered = {_number(place): place for place in places}
+        for number, place in sorted((n, p) for n, p in numbered.items() if n is not None):
+            # What can't be opened has no lock; a temporary folder of this program has its own.
+            if number in held or not os.access(place, os.R_OK) or os.fspath(place) in _held:
+                continue
+            deadline_s = time.monotonic() + wait_s
+            while (lock := _lock(os.fspath(place))) == TAKEN and os.path.isdir(place):
+                if time.monotonic() >= deadline_s:
+                    text = "another program is writing there"
+                    raise BlockingIOError(errno.EWOULDBLOCK, text)
+                time.sleep(LOCK_RETRY_S)
+            if lock is not None and lock != TAKEN:
+                stack.callback(os.close, lock)
+            held.add(number)
+        yield held
+
+
+def _remove(path: str) -> None:
+    """Remove a folder, unless its journal is to be finished by another program."""
+    if not journal.is_marked(path):
         shutil.rmtree(path, ignore_errors=True)
 
 
-def _remove_leftover(path: str) -> None:
+def _remove_leftover(path: str, locked: Collection[Place]) -> None:
+    found = journal.read(Path(path))
+    if found is not None and found.primary != os.curdir:
+        primary = os.path.normpath(os.path.join(path, found.primary))
+        there = journal.read(Path(primary))
+        if is_temporary(os.path.basename(primary)) and there and there.key == found.key:
+            _settle(primary, locked)
+            return
+    _settle(path, locked)
+
+
+def _settle(path: str, locked: Collection[Place]) -> None:
+    """Finish what the journal of a leftover lists, with its others, and remove them all."""
+    with contextlib.ExitStack() as stack:
+        if not _take(path, stack):
+            return
+        first = journal.read(Path(path))
+        journals = [] if first is None else [first]
+        for other in [] if first is None else first.others:
+            name = os.path.normpath(os.path.join(path, other))
+            if not is_temporary(os.path.basename(name)) or not os.path.lexists(name):
+                continue
+            if not _take(name, stack):
+                return
+            found = journal.read(Path(name))
+            if first is not None and found is not None and found.key == first.key:
+                journals.append(found)
+        if journals and journal.is_marked(path):
+            try:
+                places = {place for found in journals for place in found.places()}
+                stack.enter_context(locked_places(places, have=locked, wait_s=0.0))
+            except BlockingIOError:
+                return
+            if not journal.settle(journals):
+                return
+        for found in reversed(journals):
+            _remove(os.fspath(found.holder))
+        _remove(path)
+
+
+def _take(path: str, stack: contextlib.ExitStack) -> bool:
+    """Lock a leftover of this user; whether that worked."""
     lock = _lock(path)
     if lock is None or lock == TAKEN:
-        return
-    try:
-        if _is_at(lock, path) and os.fstat(lock).st_uid == os.geteuid():
-            shutil.rmtree(path, ignore_errors=True)
-    finally:
-        os.close(lock)
+        return False
+    stack.callback(os.close, lock)
+    return _is_at(lock, path) and os.fstat(lock).st_uid == os.geteuid()
+
+
+def _number(place: Path) -> Place | None:
+    with contextlib.suppress(OSError):
+        there = os.stat(place)
+        return there.st_dev, there.st_ino
+    return None
 
 
 def _lock(path: str) -> int | None:

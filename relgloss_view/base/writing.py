@@ -1,7 +1,8 @@
-"""Writing files and folders so that they appear whole or not at all.
+"""Writing files and folders so that they appear whole or not at all, one or several at once.
 
 What is not whole yet lies in a temporary folder beside its place (temporaries.py), so a program
-that was killed leaves nothing that the next one does not remove.
+that was killed leaves nothing that the next one does not remove. How it comes to its place:
+commit.py.
 """
 
 from __future__ import annotations
@@ -10,98 +11,160 @@ import contextlib
 import os
 import shutil
 import stat
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from contextvars import ContextVar
+from dataclasses import dataclass, field
 from pathlib import Path
 
+from relgloss_view.base.commit import (
+    FolderOutput,
+    Output,
+    errors_of,
+    put_in_place,
+    taken,
+    unwritable,
+)
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.temporaries import held_folder, scratch_folder
+from relgloss_view.base.file_system import may_be_exchanged
+from relgloss_view.base.temporaries import held_folder, is_held, scratch_folder, sweep
+
+NEW = "new"  #: in a temporary folder, where the outputs lie
+USUAL, PRIVATE = 0o666, 0o600  #: modes of new files, from which the system takes the umask
+
+
+@dataclass
+class _Together:
+    """The outputs of a `together` block, and what holds their temporary folders."""
+
+    stack: contextlib.ExitStack
+    outputs: list[Output] = field(default_factory=list)
+
+
+_together: ContextVar[_Together | None] = ContextVar("_together", default=None)
 
 
 @contextlib.contextmanager
-def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
+def together() -> Iterator[None]:
+    """All files and folders that are written within the block are put in place at its end.
+
+    Either all are, or none is: on any exception every place keeps its content. An inner block is
+    part of the outer one. What other threads write is not part of it.
+
+    >>> with together():
+    ...     with whole_file("numbers.txt") as temporary:
+    ...         _ = temporary.write_text("1 2 3")
+    ...     Path("numbers.txt").exists()
+    False
+    >>> Path("numbers.txt").exists()
+    True
+    """
+    if _together.get() is not None:
+        yield
+        return
+    with contextlib.ExitStack() as stack:
+        block = _Together(stack)
+        token = _together.set(block)
+        try:
+            yield
+        finally:
+            _together.reset(token)
+        put_in_place(block.outputs)
+
+
+@contextlib.contextmanager
+def whole_file(path: str | os.PathLike[str], *, private: bool = False) -> Iterator[Path]:
     """A temporary path beside `path`, which replaces `path` when the block ends without error.
 
     On any exception the temporary file is removed and `path` keeps its content. A symbolic link
-    stays one: its target is written. Raises InputError where the place can't be written.
+    stays one: its target is written. An existing file's mode and owner are kept. private: a new
+    file may be read by its owner alone. Raises InputError where the place can't be written.
 
     >>> with whole_file("numbers.txt") as temporary:
     ...     _ = temporary.write_text("1 2 3")
     >>> Path("numbers.txt").read_text()
     '1 2 3'
     """
-    with _put_in_place(path, os.replace) as temporary:
-        yield temporary
+    with _staged_file(path, private) as output:
+        yield output.staged
 
 
 @contextlib.contextmanager
-def fresh_file(path: str | os.PathLike[str]) -> Iterator[Path]:
+def fresh_file(path: str | os.PathLike[str], *, private: bool = False) -> Iterator[Path]:
     """As whole_file, for a new name: an existing file is never replaced.
 
     Raises InputError where the name exists when the block begins or ends.
     """
-    taken = InputError(f"{path}: is there already; choose another name")
-
-    def put(temporary: Path, target: Path) -> None:
-        try:
-            os.link(temporary, target)
-        except FileExistsError:
-            raise taken from None
-        except OSError:  # a file system without links: the check below has to do
-            os.rename(temporary, target)
-
     if os.path.lexists(check_target(path)):
-        raise taken
-    with _put_in_place(path, put) as temporary:
-        yield temporary
+        raise taken(path)
+    with _staged_file(path, private) as output:
+        output.fresh = True
+        yield output.staged
 
 
 @contextlib.contextmanager
-def _put_in_place(
-    path: str | os.PathLike[str], put: Callable[[Path, Path], None]
+def whole_folder(
+    path: str | os.PathLike[str],
+    last: str,
+    stale: Callable[[Path], Iterable[str]] = lambda folder: (),
 ) -> Iterator[Path]:
-    target = check_target(path)
-    try:
-        with held_folder(target.parent) as folder:
-            temporary = folder / target.name
-            _make_empty(temporary)
-            yield temporary
-            put(temporary, target)
-    except (OSError, UnicodeError) as error:
-        raise _unwritable(path, error) from error
+    """A temporary folder, whose files are put into `path` when the block ends without error.
 
-
-@contextlib.contextmanager
-def whole_folder(path: str | os.PathLike[str], last: str) -> Iterator[Path]:
-    """A temporary folder, whose files move to `path` when the block ends without error.
-
-    A new `path` appears at once with all its files. In an existing one, files of the same names are
-    replaced. last: name of the file that lists the others; its old version is removed first and its
-    new one is moved last. On any exception the temporary folder is removed with its files. Raises
+    A new `path` appears at once with all its files. One that exists is replaced at once, too, by a
+    folder with the new files and all other ones of the old; see commit.py for where that can't be.
+    last: name of the file that lists the others and marks the folder as the program's own; it is
+    never missing. stale: names of what a former run has written into a folder, which goes unless it
+    is written again. On any exception the temporary folder is removed with its files. Raises
     InputError where the place can't be written.
     """
     folder = _resolved(path)
-    exists = _mode(path, folder) is not None
-    base = folder if exists else next(p for p in folder.parents if os.path.lexists(p))
-    try:
-        with held_folder(base) as temporary:
-            yield temporary
-            if exists:
-                _move_in(temporary, folder, last)
-            else:
-                folder.parent.mkdir(parents=True, exist_ok=True)
-                os.chmod(temporary, 0o777 & ~_umask())  # a temporary folder is private
-                os.rename(temporary, folder)
-    except (OSError, UnicodeError) as error:
-        raise _unwritable(path, error) from error
+    mode = _mode(path, folder)
+    if mode is not None and not stat.S_ISDIR(mode):
+        raise InputError(f"{path}: is a file; give the name of a folder")
+    if mode is not None and not os.access(folder, os.W_OK | os.X_OK):
+        raise unwritable(path, PermissionError(1, "the folder is protected"))
+    exchanged = mode is not None and may_be_exchanged(folder)
+    above = next(p for p in folder.parents if os.path.lexists(p))
+    with errors_of(path), contextlib.ExitStack() as stack:
+        if mode is not None:
+            sweep(folder)
+        holder = _stack(stack, folder).enter_context(
+            held_folder(above if exchanged or mode is None else folder)
+        )
+        staged = holder / NEW / (folder.relative_to(above) if mode is None else "")
+        staged.mkdir(parents=True)
+        yield staged
+        output = FolderOutput(
+            os.fspath(path), holder, staged, folder, last=last, stale=stale,
+            is_new=mode is None, in_place=mode is not None and not exchanged,
+        )  # fmt: skip
+        _put(output)
 
 
-def _move_in(temporary: Path, folder: Path, last: str) -> None:
-    names = sorted(p.name for p in temporary.iterdir())
-    for name in names:
-        check_target(folder / name)
-    (folder / last).unlink(missing_ok=True)
-    for name in sorted(names, key=lambda name: (name == last, name)):
-        os.replace(temporary / name, folder / name)
+@contextlib.contextmanager
+def _staged_file(path: str | os.PathLike[str], private: bool) -> Iterator[Output]:
+    target = check_target(path)
+    with errors_of(path), contextlib.ExitStack() as stack:
+        holder = _stack(stack, target).enter_context(held_folder(target.parent))
+        staged = holder / NEW / target.name
+        staged.parent.mkdir()
+        _make_empty(staged, PRIVATE if private else USUAL)
+        output = Output(os.fspath(path), holder, staged, target)
+        yield output
+        _put(output)
+
+
+def _stack(own: contextlib.ExitStack, target: Path) -> contextlib.ExitStack:
+    """What holds the temporary folder of an output: its own block, or that of all."""
+    block = _together.get()
+    return own if block is None or is_held(target) else block.stack
+
+
+def _put(output: Output) -> None:
+    block = _together.get()
+    if block is None or is_held(output.target):
+        put_in_place([output])
+    else:
+        block.outputs.append(output)
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:
@@ -109,9 +172,9 @@ def check_writable(path: str | os.PathLike[str]) -> None:
     target = check_target(path)
     try:
         with held_folder(target.parent) as folder:
-            _make_empty(folder / target.name)
+            _make_empty(folder / target.name, USUAL)
     except (OSError, ValueError) as error:
-        raise _unwritable(path, error) from error
+        raise unwritable(path, error) from error
 
 
 def check_target(path: str | os.PathLike[str]) -> Path:
@@ -151,7 +214,7 @@ def make_folder(path: str | os.PathLike[str]) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as error:
-        raise _unwritable(folder, error) from error
+        raise unwritable(folder, error) from error
     return folder
 
 
@@ -159,7 +222,7 @@ def _resolved(path: str | os.PathLike[str]) -> Path:
     try:
         return Path(os.path.realpath(path))
     except (OSError, ValueError) as error:  # ValueError: a NUL, a lone surrogate
-        raise _unwritable(path, error) from error
+        raise unwritable(path, error) from error
 
 
 def _mode(path: str | os.PathLike[str], target: Path) -> int | None:
@@ -169,20 +232,9 @@ def _mode(path: str | os.PathLike[str], target: Path) -> int | None:
     except FileNotFoundError:
         return None
     except (OSError, ValueError) as error:  # a loop of links, a name too long, no permission
-        raise _unwritable(path, error) from error
+        raise unwritable(path, error) from error
 
 
-def _make_empty(file: Path) -> None:
-    """Make the file with the permissions of an ordinary result."""
-    os.close(os.open(file, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
-
-
-def _unwritable(path: str | os.PathLike[str], error: OSError | ValueError) -> InputError:
-    reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-    return InputError(f"{path}: can't be written ({reason}); choose another place")
+def _make_empty(file: Path, mode: int) -> None:
+    """Make a file; the system takes the umask from its mode."""
+    os.close(os.open(file, os.O_CREAT | os.O_EXCL | os.O_WRONLY, mode))

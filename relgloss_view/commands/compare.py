@@ -12,7 +12,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, Progress, table, warn
 from relgloss_view.base.words import sentence_case
-from relgloss_view.base.writing import check_writable, whole_file
+from relgloss_view.base.writing import check_writable, together, whole_file
 from relgloss_view.commands.matched import add_reference_option, reference_look
 from relgloss_view.commands.scene_options import (
     SAMPLE_METAVAR,
@@ -128,8 +128,9 @@ def run(args: argparse.Namespace) -> int:
     words = ""
     if reference is not None:
         words = _matched_words(reference, matched, len(samples), comparison.factor)
-    for output in outputs:
-        _write(comparison, output, command, words)
+    with together():
+        for output in outputs:
+            _write(comparison, output, command, words)
     if args.json:
         print(json.dumps({"outputs": args.output, "size": list(size), **as_numbers(comparison)}))
         return 0

@@ -61,7 +61,6 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.experiment.report.folder import (
         RESULTS,
         earlier_files,
-        remove_stale,
         write_report,
     )
     from relgloss_view.experiment.report.results import FORMAT, as_numbers
@@ -87,10 +86,8 @@ def run(args: argparse.Namespace) -> int:
             analysis = analyse(pool, options, progress)
             if folder is not None:
                 command = printable_command(args.argv)
-                earlier = earlier_files(folder)
-                with whole_folder(folder, last=RESULTS) as temporary:
-                    written = write_report(temporary, analysis, command=command, progress=progress)
-                remove_stale(folder, earlier, written)
+                with whole_folder(folder, RESULTS, earlier_files) as temporary:
+                    write_report(temporary, analysis, command=command, progress=progress)
     print(json.dumps(as_numbers(analysis)) if args.json else summary(analysis))
     if folder is not None and not args.json:
         print(f"{printable(folder)}: report.html, and the files that belong to it")

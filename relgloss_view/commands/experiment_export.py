@@ -13,8 +13,8 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.temporaries import scratch_folder
 from relgloss_view.base.terminal import Progress, warn
 from relgloss_view.base.version import __version__
-from relgloss_view.base.writing import whole_file, whole_folder
-from relgloss_view.commands.output_folder import own_folder
+from relgloss_view.base.writing import together, whole_file, whole_folder
+from relgloss_view.commands.output_folder import own_folder, stimuli_files
 from relgloss_view.quality.backends import BACKENDS
 
 if TYPE_CHECKING:
@@ -69,10 +69,11 @@ def run(args: argparse.Namespace) -> int:
             for line in warnings(record.losses, record.path):
                 warn(line)
         written: dict[str, Any] = {}
-        if table is not None:
-            written["answers"] = _write_answers(table, pool)
-        if folder is not None:
-            written["stimuli"] = _draw_stimuli(folder, pool, args.backend)
+        with together():
+            if table is not None:
+                written["answers"] = _write_answers(table, pool)
+            if folder is not None:
+                written["stimuli"] = _draw_stimuli(folder, pool, args.backend)
     if args.json:
         print(json.dumps({"files": args.files, **written}))
         return 0
@@ -88,7 +89,7 @@ def _write_answers(path: Path, pool: Pool) -> int:
     from relgloss_view.experiment.report.tables import ANSWER_COLUMNS, answer_rows
 
     rows = list(answer_rows(pool))
-    with whole_file(path) as temporary:
+    with whole_file(path, private=True) as temporary:
         if path.suffix.lower() == ".csv":
             write_csv(temporary, ANSWER_COLUMNS, rows)
         else:
@@ -121,7 +122,7 @@ def _draw_stimuli(folder: Path, pool: Pool, backend: str) -> list[dict[str, Any]
     with (
         open_renderer(backend) as renderer,
         Progress("export") as progress,
-        whole_folder(folder, last=MANIFEST) as temporary,
+        whole_folder(folder, MANIFEST, lambda old: stimuli_files(old, MANIFEST)) as temporary,
         Writers() as writers,
     ):
         for number, (sample, setting) in enumerate(wanted):

@@ -20,7 +20,7 @@ from relgloss_view.commands.operator_options import (
     operator_from,
     operator_words,
 )
-from relgloss_view.commands.output_folder import own_folder
+from relgloss_view.commands.output_folder import own_folder, stimuli_files
 from relgloss_view.commands.scene_options import (
     add_scene_options,
     printable_command,
@@ -80,7 +80,7 @@ def run(args: argparse.Namespace) -> int:
     with (
         open_renderer(args.backend) as renderer,
         Progress("grid") as progress,
-        whole_folder(folder, last=MANIFEST) as temporary,
+        whole_folder(folder, MANIFEST, lambda old: stimuli_files(old, MANIFEST)) as temporary,
         Writers() as writers,
     ):
         by = renderer, writers, operator

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, Progress, ProgressReport, table, warn
-from relgloss_view.base.writing import check_writable
+from relgloss_view.base.writing import check_writable, together
 from relgloss_view.commands.scene_options import SAMPLE_METAVAR, add_scene_options, scene_from
 from relgloss_view.picture.scene.look import viewed_look
 from relgloss_view.picture.scene.setting import Setting, share_words
@@ -113,12 +113,13 @@ def run(args: argparse.Namespace) -> int:
         grain = sample.look.sigma_n_deg if args.grain is None else args.grain
         compared = bool(argument.origin)
         curves.append(match_curve(reference, sample, grain_deg=grain, compare_setting=compared))
-    if args.write is not None:  # before all else that is written: there may be no proposal
-        _write_scene(args.write, scene, (first, samples[0]), reference, curves[0])
-    if args.output is not None:
-        write_match_plot(reference, curves, args.output)
-    with Progress("match") as progress, open_renderer(args.backend) as renderer:
-        checked = _checked(renderer, reference, curves, progress)
+    with together():
+        if args.write is not None:  # before all else that is written: there may be no proposal
+            _write_scene(args.write, scene, (first, samples[0]), reference, curves[0])
+        if args.output is not None:
+            write_match_plot(reference, curves, args.output)
+        with Progress("match") as progress, open_renderer(args.backend) as renderer:
+            checked = _checked(renderer, reference, curves, progress)
     written = [name for name in (args.output, args.write) if name is not None]
     if args.json:
         numbers: dict[str, Any] = {"outputs": written, "size": list(size), "note": CAVEAT}

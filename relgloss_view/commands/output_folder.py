@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 from collections.abc import Mapping
@@ -9,8 +10,9 @@ from pathlib import Path
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import read_text
-from relgloss_view.base.temporaries import is_temporary
+from relgloss_view.base.temporaries import is_temporary, sweep
 
+EXPECTED = "a manifest"
 MAX_BYTES = 64 * 1024 * 1024  #: of the JSON file that marks a folder as a command's own
 
 
@@ -21,6 +23,10 @@ def own_folder(name: str, ours: Mapping[str, str], what: str, *, alone: bool = F
     them is enough. With `alone` a folder without any of them has to be empty.
     """
     folder = Path(name)
+    with contextlib.suppress(OSError, ValueError):  # what a killed run has left is finished first
+        real = Path(os.path.realpath(folder))
+        for place in (real.parent, real):
+            sweep(place)
     if not name or (os.path.lexists(folder) and not folder.is_dir()):
         problem = "is a file" if name else "an empty name"
         raise InputError(f"{name or '-o'}: {problem}; give the name of a folder with -o")
@@ -38,6 +44,15 @@ def own_folder(name: str, ours: Mapping[str, str], what: str, *, alone: bool = F
     return folder
 
 
+def stimuli_files(folder: Path, manifest: str) -> list[str]:
+    """Names of the pictures that a manifest in a folder lists, as a former run wrote them."""
+    try:
+        content = json.loads(read_text(folder / manifest, MAX_BYTES, EXPECTED))
+        return [str(entry["file"]) for entry in content["stimuli"]]
+    except (InputError, ValueError, LookupError, TypeError, RecursionError):
+        return []
+
+
 def _empty(folder: Path) -> bool:
     """Whether a folder holds nothing, or only what a run that was killed or is at work has left."""
     return all(is_temporary(entry.name) for entry in folder.iterdir())
@@ -45,6 +60,6 @@ def _empty(folder: Path) -> bool:
 
 def _format(file: Path) -> object:
     try:
-        return json.loads(read_text(file, MAX_BYTES, "a manifest"))["format"]
+        return json.loads(read_text(file, MAX_BYTES, EXPECTED))["format"]
     except (InputError, ValueError, LookupError, TypeError, RecursionError):
         return None

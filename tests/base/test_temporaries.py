@@ -30,7 +30,7 @@ with whole_folder(sys.argv[1], "list") as folder:
 
 @pytest.fixture(autouse=True)
 def fresh(monkeypatch):
-    monkeypatch.setattr(temporaries, "_swept", set())
+    monkeypatch.setattr(temporaries, "_swept", {})
 
 
 def holder(folder):
@@ -49,25 +49,26 @@ def hidden(folder):
 
 
 def test_of_a_killed_program_nothing_stays(tmp_path):
-    process = holder(tmp_path)
+    process = holder(tmp_path / "new")
     (left,) = hidden(tmp_path)
     process.send_signal(signal.SIGKILL)
     process.communicate()
     assert hidden(tmp_path) == [left]
+    temporaries._swept.clear()
     with whole_file(tmp_path / "a.txt") as temporary:
         temporary.write_text("whole")
     assert os.listdir(tmp_path) == ["a.txt"]
 
 
 def test_of_a_living_program_everything_stays(tmp_path):
-    process = holder(tmp_path)
+    process = holder(tmp_path / "new")
     (held,) = hidden(tmp_path)
     with whole_file(tmp_path / "a.txt") as temporary:
         temporary.write_text("whole")
     assert hidden(tmp_path) == [held]
     process.communicate("")
     assert process.returncode == 0
-    assert sorted(os.listdir(tmp_path)) == ["a", "a.txt"]
+    assert sorted(p.name for p in tmp_path.rglob("*")) == ["a", "a.txt", "new"]
 
 
 def test_only_folders_of_these_names_are_removed(tmp_path):

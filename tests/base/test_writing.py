@@ -118,21 +118,12 @@ class TestWholeFolder:
         assert [p.name for p in tmp_path.rglob("*")] == (["f", "a"] if exists else [])
         assert not exists or (folder / "a").read_text() == "old"
 
-    def test_old_files_stay_or_are_replaced_and_the_last_comes_last(self, tmp_path, monkeypatch):
-        for name in ("mine", "a", "list"):
+    def test_old_files_stay_or_are_replaced(self, tmp_path):
+        for name in ("mine", "a", "list", "gone"):
             (tmp_path / name).write_text("old")
-        moved, real = [], os.replace
-
-        def replace(source, target):
-            assert (tmp_path / "list").exists() == (target.name == "never")
-            moved.append(target.name)
-            real(source, target)
-
-        monkeypatch.setattr(os, "replace", replace)
-        with whole_folder(tmp_path, "list") as temporary:
+        with whole_folder(tmp_path, "list", lambda old: ["gone", "a", "../x"]) as temporary:
             for name in ("list", "a", "z"):
                 (temporary / name).write_text("new")
-        assert moved == ["a", "z", "list"]
         found = {p.name: p.read_text() for p in tmp_path.iterdir()}
         assert found == {"mine": "old", "a": "new", "z": "new", "list": "new"}
 

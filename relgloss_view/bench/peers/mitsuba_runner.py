@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib.util
 import json
 import math
@@ -10,13 +11,13 @@ import queue
 import re
 import subprocess
 import sys
-import tempfile
 import threading
 from pathlib import Path
 from typing import Any
 
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.base.reading import printable
+from relgloss_view.base.temporaries import scratch_file
 from relgloss_view.bench.speed.scenes import ChartScene
 from relgloss_view.picture.model.view import Size
 
@@ -44,7 +45,8 @@ class MitsubaPeer:
         environment = dict(os.environ)
         if llvm is not None:
             environment[LLVM_VARIABLE] = llvm
-        self._complaints = tempfile.TemporaryFile()  # noqa: SIM115 - as long as the program
+        self._stack = contextlib.ExitStack()
+        self._complaints = self._stack.enter_context(scratch_file())
         self._process = subprocess.Popen(
             program(variant),
             stdin=subprocess.PIPE,
@@ -73,7 +75,7 @@ class MitsubaPeer:
         """End the program."""
         self._process.kill()
         self._process.wait()
-        self._complaints.close()
+        self._stack.close()
         for pipe in (self._process.stdin, self._process.stdout):
             if pipe is not None:
                 try:

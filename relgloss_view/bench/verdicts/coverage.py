@@ -7,17 +7,16 @@ an interval of 68 % and one of 95 %; the share of them that hold the truth shoul
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.temporaries import scratch_folder
 from relgloss_view.base.terminal import Column, table
 from relgloss_view.bench.verdicts.instrument import GRIDS
 from relgloss_view.bench.verdicts.judging import peak_of
@@ -72,8 +71,8 @@ def inside_table(seed: int, index: int) -> Table:
 def trial(seed: int, index: int) -> Trial:
     """Fit the table of a seed and an index, and compare."""
     made = inside_table(seed, index)
-    with tempfile.TemporaryDirectory(prefix="relgloss-") as folder:
-        path = Path(folder) / "table.csv"
+    with scratch_folder() as folder:
+        path = folder / "table.csv"
         made.write(path)
         try:
             material = fit_material(read_measurement(path))

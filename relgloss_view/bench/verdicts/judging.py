@@ -13,7 +13,6 @@ apart ("beyond"): the fit extrapolates there.
 
 from __future__ import annotations
 
-import tempfile
 import time
 import traceback
 from collections.abc import Callable
@@ -26,6 +25,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.temporaries import scratch_folder
 from relgloss_view.bench.verdicts.faults import BY_NAME, Fault
 from relgloss_view.bench.verdicts.samples import draw
 from relgloss_view.bench.verdicts.tables import Table, make, sound_plan
@@ -125,8 +125,8 @@ def judge(table: Table, kind: str, index: int, fault: Fault | None) -> Outcome:
     }
     began = time.perf_counter()
     try:
-        with tempfile.TemporaryDirectory(prefix="relgloss-") as folder:
-            path = Path(folder) / "table.csv"
+        with scratch_folder() as folder:
+            path = folder / "table.csv"
             table.write(path)
             measurement = read_measurement(path)
         material = fit_material(measurement)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
-from collections.abc import Sequence
 from pathlib import Path
 
 from relgloss_view.base.errors import InputError
@@ -58,23 +56,17 @@ def write_report(
 
 
 def earlier_files(folder: Path) -> tuple[str, ...]:
-    """What a former report has written into a folder, as its results.json tells."""
+    """What a former report has written into a folder, as its results.json lists.
+
+    It goes with that report: a setting that was declared best once is not to stand beside a report
+    that declares none.
+    """
     try:
         written = json.loads(read_text(folder / RESULTS, MAX_BYTES, "results"))["written"]
     except (InputError, ValueError, LookupError, TypeError, RecursionError):
         return ()
     names = written if isinstance(written, list) else []
     return tuple(n for n in names if isinstance(n, str) and _is_plain(folder, n))
-
-
-def remove_stale(folder: Path, earlier: Sequence[str], written: Sequence[str]) -> None:
-    """Remove what a former report has written and this one has not, such as a scene.
-
-    A setting that was declared best once is not to stand beside a report that declares none.
-    """
-    for name in set(earlier) - set(written):
-        with contextlib.suppress(OSError):
-            (folder / name).unlink()
 
 
 def _is_plain(folder: Path, name: str) -> bool:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from relgloss_view.base.csv_files import write_csv
+from relgloss_view.base.writing import PRIVATE
 from relgloss_view.experiment.report.answerers import answerers, path_words
 from relgloss_view.experiment.report.chosen_setting import scale_table, setting_chosen_by
 from relgloss_view.experiment.report.results import counts_of
@@ -32,6 +33,7 @@ def write_tables(folder: Path, analysis: Analysis) -> None:
     categories = analysis.pool.study.categories
     named = [f"{k} {name}" for k, name in enumerate(categories, start=1)]
     write_csv(folder / SCALE, (*SCALE_COLUMNS, *named), _scale_rows(analysis))
+    (folder / ANSWERS).touch(PRIVATE)  # people's answers are for the owner of the file alone
     write_csv(folder / ANSWERS, ANSWER_COLUMNS, answer_rows(analysis.pool))
 
 

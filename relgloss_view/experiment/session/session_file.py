@@ -62,7 +62,7 @@ def create_file(path: str | os.PathLike[str], content: str, digest: str, version
 
     Raises InputError where the name is taken or the place can't be written.
     """
-    with fresh_file(path) as temporary, input_errors(path):
+    with fresh_file(path, private=True) as temporary, input_errors(path):
         connection = sqlite3.connect(temporary, isolation_level=None)
         with contextlib.closing(connection):
             connection.executescript(

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.file_system import move_new, sync
 from relgloss_view.base.temporaries import held_folder
 from relgloss_view.base.writing import make_folder
 from relgloss_view.material.files import load_material, save_material
@@ -62,20 +63,15 @@ def safe_name(name: str) -> str:
 
 
 def _move(temporary: Path, folder: Path, names: Iterator[str]) -> Path:
-    """Give a finished file the first free name. Taking it and filling it are two steps: not every
-    file system can link, and a rename alone replaces what another window has just written.
-    """
+    """Give a finished file the first free name, which no other window has taken."""
     for name in names:
         file = folder / name
         try:
-            file.open("xb").close()
+            sync(temporary)
+            move_new(temporary, file)
+            sync(folder)
         except FileExistsError:
             continue
-        try:
-            os.replace(temporary, file)
-        except BaseException:
-            file.unlink(missing_ok=True)
-            raise
         return file
     raise InputError(f"{folder}: every name for the material is taken; choose another folder")
 

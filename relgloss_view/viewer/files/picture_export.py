@@ -6,7 +6,7 @@ import os
 from dataclasses import dataclass
 
 from relgloss_view.base.errors import InputError, RelglossError
-from relgloss_view.base.writing import check_writable
+from relgloss_view.base.writing import check_writable, together
 from relgloss_view.operators.registry import DEFAULT_OPERATOR, make_operator
 from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
@@ -102,10 +102,11 @@ def write(model: Model, request: ExportRequest) -> str:
             displayed=(displayed["reference"], displayed["test"]),
         )
     else:
-        for side, file in zip(request.sides, request.files, strict=True):
-            save_frame(
-                frames[side], file, commands[side], bits=request.bits, displayed=displayed[side]
-            )
+        with together():
+            for side, file in zip(request.sides, request.files, strict=True):
+                save_frame(
+                    frames[side], file, commands[side], bits=request.bits, displayed=displayed[side]
+                )
     text = f"exported {' and '.join(request.files)}"
     return f"{text}; without a command: {missing}" if missing else text
 

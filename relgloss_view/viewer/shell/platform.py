@@ -7,7 +7,6 @@ import ctypes
 import os
 import signal
 import sys
-import tempfile
 import threading
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -17,6 +16,7 @@ import glfw
 import numpy as np
 
 from relgloss_view.base.errors import GLUnavailableError
+from relgloss_view.base.temporaries import scratch_file
 from relgloss_view.picture.gpu import probe
 from relgloss_view.picture.gpu.context import REMEDY as NO_GL_REMEDY
 
@@ -56,7 +56,7 @@ def quiet_errors() -> Iterator[list[str]]:
     except OSError:  # closed: nothing can be printed there
         yield messages
         return
-    with tempfile.TemporaryFile() as caught:
+    with scratch_file() as caught:
         os.dup2(caught.fileno(), 2)
         try:
             yield messages

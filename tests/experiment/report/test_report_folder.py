@@ -31,7 +31,6 @@ from relgloss_view.experiment.report.folder import (
     PAGE,
     RESULTS,
     earlier_files,
-    remove_stale,
     write_report,
 )
 from relgloss_view.experiment.report.maps import level_of
@@ -257,11 +256,10 @@ class TestRunningAgain:
     def test_what_a_former_report_left_is_removed(self, tmp_path):
         folder = tmp_path / "out"
         for analysis in (usual(), judged_as(usual(), CHANCE)):
-            earlier = earlier_files(folder)
-            with whole_folder(folder, last=RESULTS) as temporary:
+            with whole_folder(folder, RESULTS, earlier_files) as temporary:
                 written = write_report(temporary, analysis)
-            remove_stale(folder, earlier, written)
             (folder / "notes.txt").touch()
+            assert (folder / "answers.csv").stat().st_mode & 0o777 == 0o600
         assert {p.name for p in folder.iterdir()} == {*written, "notes.txt"}
         assert not (folder / "matte.toml").exists()
 
