@@ -45,6 +45,7 @@ LONGEST_S = 120.0
 MARK = "RELGLOSS_TRIAL"  #: variable by which a trial's processes are known
 LINE = f"relgloss: {WORDS}"
 AFTER = 1.05  #: signals come until this share of the usual time of a command
+LATE = 0.5  #: from this share of it on, a program without handlers is at fault
 CHILDREN_S = 3.0  #: how long a child may outlive the program
 CAUGHT = ("SigCgt", "SigIgn")  #: entries of /proc/PID/status
 HANDLERS = ("noting", "raising", "none")
@@ -82,11 +83,15 @@ class Case:
     makes: tuple[str, ...] = ()  #: files and folders that are there whole or not at all
     needs: tuple[str, ...] = ()  #: prepared files that it reads
     grows: tuple[str, ...] = ()  #: files that may be there with a part of the answers
+    home: str = ""  #: in place of a folder of its own
     on_display: bool = False  #: runs until it is interrupted, on an X server
 
 
 CASES = {
     "fit": Case(("fit", PAPER, "-o", "m.json", "--report", "r.png"), ("m.json", "r.png")),
+    "fit, no home": Case(
+        ("fit", PAPER, "-o", "m.json", "--report", "r.png"), ("m.json", "r.png"), home="/dev/null"
+    ),
     "snapshot png": Case(("snapshot", "--size", "512x512", "-o", "a.png"), ("a.png",)),
     "snapshot exr": Case(("snapshot", "--size", "512x512", "-o", "a.exr"), ("a.exr",)),
     "snapshot reference": Case(
@@ -167,7 +172,7 @@ def main() -> int:
         for k in range(args.count):
             name = names[k % len(names)]
             number = NUMBERS[k // len(names) % len(NUMBERS)]
-            plan.append((name, number, random_.uniform(0.0, AFTER * usual_s[name])))
+            plan.append((name, number, random_.uniform(0.0, AFTER * usual_s[name]), usual_s[name]))
         with ThreadPoolExecutor(args.workers) as pool:
             trials = list(pool.map(lambda one: setup.trial(*one), plan))
     print(summary(trials, usual_s))
@@ -213,7 +218,7 @@ class Setup:
         shutil.rmtree(folder)
         return taken
 
-    def trial(self, name: str, number: int, at_s: float) -> Trial:
+    def trial(self, name: str, number: int, at_s: float, usual_s: float) -> Trial:
         """One signal, and what came of it."""
         case, trial = CASES[name], Trial(name, number, at_s)
         folder, mark = self._folder(case), secrets.token_hex(8)
@@ -239,7 +244,7 @@ class Setup:
             trial.faults.append("did not end")
         trial.waited_s = time.monotonic() - sent if running else 0.0
         trial.status, trial.printed = process.returncode, err + out
-        if trial.handled or not running:
+        if trial.handled or not running or at_s > LATE * usual_s:
             self._judge(trial, case, folder, err)
         left = children(mark)
         if left:
@@ -283,12 +288,13 @@ class Setup:
             shutil.copy(self.home / name, folder / name)
         return folder
 
-    def _variables(self, folder: Path, mark: str) -> dict[str, str]:
+    def _variables(self, folder: Path, mark: str, home: str = "") -> dict[str, str]:
+        home = home or str(folder / "home")
         variables = {**os.environ, "PYTHONPATH": str(ROOT), MARK: mark}
-        variables |= {"OMP_NUM_THREADS": "1", "HOME": str(folder / "home")}
+        variables |= {"OMP_NUM_THREADS": "1", "HOME": home}
         variables |= {"TMPDIR": str(folder / "tmp")} if mark else {}
-        for name in ("CONFIG", "STATE", "DATA"):
-            variables[f"XDG_{name}_HOME"] = str(folder / "home" / name)
+        for name in ("CONFIG", "STATE", "DATA", "CACHE"):
+            variables[f"XDG_{name}_HOME"] = f"{home}/{name}"
         return variables if self.display is None else {**variables, "DISPLAY": self.display}
 
     def _start(self, case: Case, folder: Path, mark: str) -> subprocess.Popen[str]:
@@ -302,7 +308,7 @@ class Setup:
                 signal.signal(number, signal.SIG_DFL)
 
         return subprocess.Popen(
-            words, cwd=folder, env=self._variables(folder, mark), start_new_session=True,
+            words, cwd=folder, env=self._variables(folder, mark, case.home), start_new_session=True,
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=ready,
         )  # fmt: skip
 

@@ -5,16 +5,23 @@ matplotlib is imported only where a figure is made, because it is slow to import
 
 from __future__ import annotations
 
+import atexit
 import contextlib
+import functools
 import logging
 import os
+import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
+from relgloss_view.base.errors import InputError
 from relgloss_view.base.fonts import font_files
 from relgloss_view.base.interruptions import checkpoint
+from relgloss_view.base.temporaries import scratch_folder
 
+FOLDER_VARIABLE = "MPLCONFIGDIR"  #: of matplotlib: where it keeps its settings and its caches
 INK, MUTED, FAINT, ACCENT = "#1b1f24", "#66707a", "#d9dee3", "#b3261e"
 WHITE = "white"
 #: matplotlib's settings for every plot; a caller overrides single entries in `drawing`.
@@ -43,6 +50,7 @@ STYLE: dict[str, Any] = {
 @contextlib.contextmanager
 def drawing(overrides: Mapping[str, Any] | None = None) -> Iterator[None]:
     """Apply STYLE within the block; `overrides` are further settings by matplotlib's names."""
+    _find_room()
     from matplotlib import rc_context
 
     settings: Any = {**STYLE, **(overrides or {})}  # matplotlib types each name by itself
@@ -53,6 +61,38 @@ def drawing(overrides: Mapping[str, Any] | None = None) -> Iterator[None]:
         # A name in a script that no font here has shows boxes; that is no fault.
         warnings.filterwarnings("ignore", message="Glyph", category=UserWarning)
         yield
+
+
+@functools.cache
+def _find_room() -> None:
+    """Give matplotlib a temporary folder of ours where it can't write to its own.
+
+    The one that it would make itself stays when the program is killed or interrupted.
+    """
+    if "matplotlib" not in sys.modules and not _takes_files():
+        held = contextlib.ExitStack()
+        with contextlib.suppress(InputError):
+            os.environ[FOLDER_VARIABLE] = str(held.enter_context(scratch_folder()))
+            atexit.register(held.close)
+
+
+def _takes_files() -> bool:
+    """Whether matplotlib's own folders can be written."""
+    try:
+        if FOLDER_VARIABLE in os.environ:
+            folders = [Path(os.environ[FOLDER_VARIABLE])]
+        elif sys.platform.startswith("linux"):
+            folders = [
+                Path(os.environ.get(f"XDG_{kind}_HOME") or Path.home() / default, "matplotlib")
+                for kind, default in (("CONFIG", ".config"), ("CACHE", ".cache"))
+            ]
+        else:
+            folders = [Path.home() / ".matplotlib"]
+        for folder in folders:
+            folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, RuntimeError):  # RuntimeError: there is no home
+        return False
+    return all(os.access(folder, os.W_OK) for folder in folders)
 
 
 def _other_families() -> list[str]:
