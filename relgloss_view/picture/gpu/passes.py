@@ -15,7 +15,6 @@ import moderngl
 import numpy as np
 
 from relgloss_view.base.arrays import AnyArray
-from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.frame import Extremes, Scaling
 from relgloss_view.picture.gpu.context import make_current
@@ -114,7 +113,6 @@ class Passes:
 
     def fetch(self, request: Request, stage: str) -> AnyArray:
         """One stage of a picture as an array; draws again what has been drawn over since."""
-        checkpoint()
         make_current(self.ctx)
         if stage == "counts":
             return np.array(self.counts(request))

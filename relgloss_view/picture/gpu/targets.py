@@ -7,6 +7,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import AnyArray
 from relgloss_view.base.errors import InputError, RelglossError
+from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.picture.frame import Extremes
 from relgloss_view.picture.gpu.context import max_texture_size
 from relgloss_view.picture.model.tone import OFF_OBJECT
@@ -147,6 +148,7 @@ class Targets:
 
     def read(self, name: str) -> AnyArray:
         """A target's contents, (H, W, components), rows from the top."""
+        checkpoint()
         texture = self._textures[name]
         data = texture.read(alignment=1)
         if self.ctx.error != "GL_NO_ERROR":
