@@ -5,10 +5,11 @@ python scripts/interrupt.py --count 1000 --workers 16 --json interruptions.json
 python scripts/interrupt.py --count 100 --handlers raising
 
 Each trial runs a command in a folder of its own and sends INT (to the process group, as a terminal
-does), TERM or HUP at a moment drawn from its whole run, imports included. Then it looks at the exit
-status, at what was printed, at the files beside the outputs and in TMPDIR, at processes that are
-still there, and at the time from the signal to the end. `--handlers raising` and `--handlers none`
-are the controls: handlers that raise wherever they are called, and none at all.
+does), TERM or HUP at a moment drawn from its whole run or, every other time, from its start. Then
+it looks at the exit status, at what was printed, at the files beside the outputs and in TMPDIR, at
+processes that are still there, and at the time from the signal to the end. `--handlers none` and
+`--handlers raising` are the controls: no handlers, and handlers that raise wherever they are called
+(about 1 of 100 signals then ends in a segmentation fault).
 
 A signal before the program's first line, while Python itself starts, can't be handled: such trials
 are counted, but not judged.
@@ -45,29 +46,37 @@ LONGEST_S = 120.0
 MARK = "RELGLOSS_TRIAL"  #: variable by which a trial's processes are known
 LINE = f"relgloss: {WORDS}"
 AFTER = 1.05  #: signals come until this share of the usual time of a command
+#: Every other one comes while the program is loaded and compiles its shaders.
+START_S = 1.5
+LATE = 0.5  #: from this share of it on, a program without handlers is at fault
 CHILDREN_S = 3.0  #: how long a child may outlive the program
 CAUGHT = ("SigCgt", "SigIgn")  #: entries of /proc/PID/status
 HANDLERS = ("noting", "raising", "none")
 BROKEN = ("Traceback", "Exception ignored", "Fatal Python error", "Segmentation fault")
 
 CONTROL = """
-import sys
+import os, sys
 words, kind = sys.argv[2:], sys.argv[1]
 sys.argv = ["relgloss", *words]
 sys.path.insert(0, {root!r})
 from relgloss_view.base import interruptions
+from relgloss_view import cli
+raised = []
 if kind == "raising":
     def note(self, number, frame):
-        self.number, self.raised = number, True
+        raised.append(number)
         raise interruptions.Interrupted(number)
     interruptions.Signals._note = note
+    cli._interrupted = lambda: cli._fault(interruptions.WORDS, 128 + raised[0])
 else:
     import signal
     for number in interruptions.SIGNALS._caught:
         signal.signal(number, signal.SIG_DFL)
     interruptions.SIGNALS._caught.clear()
-from relgloss_view.cli import main
-sys.exit(main())
+status = cli.main()
+if raised:
+    os._exit(status)
+sys.exit(status)
 """
 
 PAPER = str(asset("papers", "art-coated.csv"))
@@ -82,11 +91,15 @@ class Case:
     makes: tuple[str, ...] = ()  #: files and folders that are there whole or not at all
     needs: tuple[str, ...] = ()  #: prepared files that it reads
     grows: tuple[str, ...] = ()  #: files that may be there with a part of the answers
+    home: str = ""  #: in place of a folder of its own
     on_display: bool = False  #: runs until it is interrupted, on an X server
 
 
 CASES = {
     "fit": Case(("fit", PAPER, "-o", "m.json", "--report", "r.png"), ("m.json", "r.png")),
+    "fit, no home": Case(
+        ("fit", PAPER, "-o", "m.json", "--report", "r.png"), ("m.json", "r.png"), home="/dev/null"
+    ),
     "snapshot png": Case(("snapshot", "--size", "512x512", "-o", "a.png"), ("a.png",)),
     "snapshot exr": Case(("snapshot", "--size", "512x512", "-o", "a.exr"), ("a.exr",)),
     "snapshot reference": Case(
@@ -167,7 +180,10 @@ def main() -> int:
         for k in range(args.count):
             name = names[k % len(names)]
             number = NUMBERS[k // len(names) % len(NUMBERS)]
-            plan.append((name, number, random_.uniform(0.0, AFTER * usual_s[name])))
+            until_s = AFTER * usual_s[name]
+            if k // len(names) % 2:
+                until_s = min(until_s, START_S)
+            plan.append((name, number, random_.uniform(0.0, until_s), usual_s[name]))
         with ThreadPoolExecutor(args.workers) as pool:
             trials = list(pool.map(lambda one: setup.trial(*one), plan))
     print(summary(trials, usual_s))
@@ -213,7 +229,7 @@ class Setup:
         shutil.rmtree(folder)
         return taken
 
-    def trial(self, name: str, number: int, at_s: float) -> Trial:
+    def trial(self, name: str, number: int, at_s: float, usual_s: float) -> Trial:
         """One signal, and what came of it."""
         case, trial = CASES[name], Trial(name, number, at_s)
         folder, mark = self._folder(case), secrets.token_hex(8)
@@ -239,7 +255,7 @@ class Setup:
             trial.faults.append("did not end")
         trial.waited_s = time.monotonic() - sent if running else 0.0
         trial.status, trial.printed = process.returncode, err + out
-        if trial.handled or not running:
+        if trial.handled or not running or at_s > LATE * usual_s:
             self._judge(trial, case, folder, err)
         left = children(mark)
         if left:
@@ -283,12 +299,13 @@ class Setup:
             shutil.copy(self.home / name, folder / name)
         return folder
 
-    def _variables(self, folder: Path, mark: str) -> dict[str, str]:
+    def _variables(self, folder: Path, mark: str, home: str = "") -> dict[str, str]:
+        home = home or str(folder / "home")
         variables = {**os.environ, "PYTHONPATH": str(ROOT), MARK: mark}
-        variables |= {"OMP_NUM_THREADS": "1", "HOME": str(folder / "home")}
+        variables |= {"OMP_NUM_THREADS": "1", "HOME": home}
         variables |= {"TMPDIR": str(folder / "tmp")} if mark else {}
-        for name in ("CONFIG", "STATE", "DATA"):
-            variables[f"XDG_{name}_HOME"] = str(folder / "home" / name)
+        for name in ("CONFIG", "STATE", "DATA", "CACHE"):
+            variables[f"XDG_{name}_HOME"] = f"{home}/{name}"
         return variables if self.display is None else {**variables, "DISPLAY": self.display}
 
     def _start(self, case: Case, folder: Path, mark: str) -> subprocess.Popen[str]:
@@ -302,7 +319,7 @@ class Setup:
                 signal.signal(number, signal.SIG_DFL)
 
         return subprocess.Popen(
-            words, cwd=folder, env=self._variables(folder, mark), start_new_session=True,
+            words, cwd=folder, env=self._variables(folder, mark, case.home), start_new_session=True,
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=ready,
         )  # fmt: skip
 

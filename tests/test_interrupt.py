@@ -1,4 +1,4 @@
-"""Every command, interrupted at random moments (scripts/interrupt.py); the controls find faults."""
+"""Every command, interrupted at random moments (scripts/interrupt.py); its control finds faults."""
 
 from __future__ import annotations
 
@@ -26,15 +26,12 @@ def test_no_signal_leaves_anything():
 
 @linux
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("handlers", "fault"), [("none", "crash by SIG"), ("raising", "traceback")]
-)
-def test_other_handlers_are_found_out(handlers, fault):
-    words = [sys.executable, str(ROOT / "scripts" / "interrupt.py"), "--handlers", handlers]
-    words += ["--only", "snapshot png", "--only", "doctor", "--only", "gloss", "--count", "60"]
+def test_a_program_without_handlers_is_found_out():
+    words = [sys.executable, str(ROOT / "scripts" / "interrupt.py"), "--handlers", "none"]
+    words += ["--only", "snapshot png", "--only", "gloss", "--count", "24"]
     done = subprocess.run(words, capture_output=True, text=True)
     assert done.returncode == 1, done.stdout + done.stderr
-    assert fault in done.stdout
+    assert "crash by SIG" in done.stdout
 
 
 def test_what_is_whole(tmp_path):

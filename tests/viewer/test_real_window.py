@@ -28,6 +28,7 @@ from x_server import (
     until,
 )
 
+from relgloss_view.base import interruptions
 from relgloss_view.viewer.state.session import restore
 
 WINDOW = "1280x800"
@@ -184,7 +185,8 @@ def export_view(out, copied):
 COMMAND = ("-m", "relgloss_view.cli")
 LATE = (
     "-c",
-    "import sys\nfrom relgloss_view.viewer.state import session\nsession.WAIT_S = 1e6\n"
+    "import sys\nsys.argv[0] = 'relgloss'\n"
+    "from relgloss_view.viewer.state import session\nsession.WAIT_S = 1e6\n"
     "from relgloss_view.cli import main\nsys.exit(main())",
 )
 
@@ -259,10 +261,10 @@ class TestProgram:
             time.sleep(3.0)
             assert ticks(process) - before < 0.1 * 3.0 * TICKS_S
             process.terminate()
-            assert process.wait(LONGEST_S) == 0
+            assert process.wait(LONGEST_S) == 128 + signal.SIGTERM
         assert azimuth(tmp_path) < -5.0
         assert (tmp_path / "kept" / "config" / "window.toml").exists()
-        assert (tmp_path / "said").read_text() == ""
+        assert (tmp_path / "said").read_text() == f"relgloss: {interruptions.WORDS}\n"
 
 
 if __name__ == "__main__":

@@ -152,7 +152,7 @@ def test_keys_answer_and_what_was_acknowledged_outlives_a_kill(tmp_path, display
         press_until(display, "Return", lambda: second.judging)
         press_until(display, "KP_3", lambda: second.acknowledged == TOTAL)
         second.process.terminate()
-        assert second.process.wait(LONGEST_S) == 0
+        assert second.process.wait(LONGEST_S) == 128 + signal.SIGTERM
         assert second.process.stdout.read() == f"{file}: O01 has judged {TOTAL} of {TOTAL}\n"
     record = read_record(file, tmp_path)
     assert [a.trial for a in record.answers] == list(planned)

@@ -15,7 +15,6 @@ import moderngl
 import numpy as np
 
 from relgloss_view.base.arrays import AnyArray
-from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.frame import Extremes, Scaling
 from relgloss_view.picture.gpu.context import make_current
@@ -99,7 +98,6 @@ class Passes:
 
         rows: from the top, all by default. Of what is drawn on request, only these are drawn.
         """
-        checkpoint()
         make_current(self.ctx)
         if stage == "counts":
             return np.array(self.counts(request))

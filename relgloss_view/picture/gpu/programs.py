@@ -10,8 +10,8 @@ import moderngl
 import numpy as np
 
 from relgloss_view.base.allocator import give_back
-from relgloss_view.picture.gpu.context import collect
 from relgloss_view.base.interruptions import checkpoint
+from relgloss_view.picture.gpu.context import collect
 from relgloss_view.picture.gpu.shader import HANDED_ON, ShaderError, ShaderSource
 
 Uniforms = Mapping[str, Any]  #: numbers, sequences, arrays, or textures for samplers

@@ -9,6 +9,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import AnyArray
 from relgloss_view.base.errors import InputError, RelglossError
+from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.picture.frame import Extremes
 from relgloss_view.picture.gpu.context import max_texture_size
 from relgloss_view.picture.model.tone import OFF_OBJECT
@@ -155,6 +156,7 @@ class Targets:
 
     def read(self, name: str, rows: slice | None = None) -> AnyArray:
         """A target's contents, (rows, W, components), rows from the top; all of them by default."""
+        checkpoint()
         texture = self._textures[name]
         first, last = (0, texture.height) if rows is None else (rows.start, rows.stop)
         if last - first == texture.height:

@@ -144,6 +144,8 @@ class Window:
                 immapp.manual_render.tear_down()
         if self._error is not None:
             raise self._error
+        if not self._started:  # a signal has come first
+            return np.zeros((0, 0, 3), np.uint8)
         return np.asarray(hello_imgui.final_app_window_screenshot())
 
     def to_screen(self) -> None:
@@ -273,8 +275,9 @@ class Window:
         self._screen = Offscreen(ctx) if self.headless else ctx.screen
         self._blitter = Blitter(load)
         self._fit_screen()
-        self.program.start(ctx, self)
-        self._started = True
+        if not SIGNALS.noted:
+            self.program.start(ctx, self)
+            self._started = True
 
     def _dropped(self, paths: list[str]) -> None:
         self._guarded(lambda: self.program.dropped(paths))
