@@ -35,7 +35,7 @@ def started(folder, words, ignored=()):
 def wait_for_pictures(folder):
     """Until the program is in the middle of its work, with OpenGL alive."""
     end_s = time.monotonic() + 60.0
-    while not list(folder.glob(".relgloss-*.part/*.png")):
+    while not list(folder.glob(".relgloss-*.part/**/*.png")):
         assert time.monotonic() < end_s
         time.sleep(0.005)
 
