@@ -151,6 +151,8 @@ def _absorbed(outputs: list[Output]) -> list[Output]:
 
 
 def _commit(outputs: list[Output]) -> None:
+    # Folders first: one that turns out not to be exchangeable needs a second plan.
+    outputs = sorted(outputs, key=lambda output: not isinstance(output, FolderOutput))
     places = {output.target.parent for output in outputs}
     places |= {output.holder.parent for output in outputs}
     places |= {output.target for output in outputs if isinstance(output, FolderOutput)}

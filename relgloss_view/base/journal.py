@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from relgloss_view.base.file_system import (
-    UNKNOWN,
+    REFUSED,
     Identity,
     exchange,
     identity,
@@ -105,8 +105,12 @@ class Journal:
                 done &= take_apart(left, place, move.dropped)
         return done
 
+    def _kept(self, number: int) -> Path:
+        """Where an old file goes that is not exchanged; another name in each attempt."""
+        return self.holder / f"old-{self.key}-{number}"
+
     def _move(self, number: int, move: Move, strict: bool) -> None:
-        place, kept = self.holder.parent / move.to, self.holder / f"old-{number}"
+        place, kept = self.holder.parent / move.to, self._kept(number)
         if move.new is None:
             if move.was is not None and identity(place) == move.was:
                 os.rename(place, kept)
@@ -130,7 +134,7 @@ class Journal:
                     raise
 
     def _take_back(self, number: int, move: Move) -> None:
-        place, kept = self.holder.parent / move.to, self.holder / f"old-{number}"
+        place, kept = self.holder.parent / move.to, self._kept(number)
         if move.new is None:
             if identity(kept) is not None and identity(place) is None:
                 os.rename(kept, place)
@@ -138,11 +142,12 @@ class Journal:
         new = self.holder / move.new
         if identity(place) != move.made:
             return
-        if identity(new) is not None:
-            exchange(new, place)
-        elif os.path.lexists(kept):
-            _second_name(place, new)  # it may be wanted in another try
+        if os.path.lexists(kept):  # so there was no exchange
+            if not os.path.lexists(new):
+                _second_name(place, new)  # it may be wanted in another try
             os.replace(kept, place)
+        elif identity(new) is not None:
+            exchange(new, place)
         elif move.was is None:
             os.rename(place, new)
 
@@ -152,7 +157,7 @@ def _replace(new: Path, place: Path, kept: Path) -> None:
     try:
         exchange(new, place)
     except OSError as error:
-        if error.errno not in UNKNOWN or place.is_dir():
+        if error.errno not in REFUSED or place.is_dir():
             raise
         if not os.path.lexists(kept):
             _second_name(place, kept)
@@ -178,7 +183,10 @@ def read(holder: Path) -> Journal | None:
             return None
         moves = [_move_of(entry) for entry in content["moves"]]
         others = [str(other) for other in content["others"]]
-        return Journal(holder, str(content["key"]), moves, str(content["primary"]), others)
+        key = str(content["key"])
+        if not key.isalnum():
+            return None
+        return Journal(holder, key, moves, str(content["primary"]), others)
     except (OSError, ValueError, LookupError, TypeError, RecursionError):
         return None
 

@@ -36,7 +36,7 @@ def merge(
         raise NotMergeable(old)
     try:
         return _merge(old, new, left_out, is_foreign, os.lstat(old).st_dev)
-    except OSError as error:
+    except (OSError, NotImplementedError) as error:  # the latter: links to links
         raise NotMergeable(old) from error
 
 

@@ -9,11 +9,13 @@ import os
 import shlex
 import subprocess
 import sys
+import tempfile
 
 import materials
 import pytest
 
 from relgloss_view import cli
+from relgloss_view.base import temporaries
 from relgloss_view.base.resources import asset
 from relgloss_view.experiment.session.records import read_record
 from relgloss_view.material.files import material_to_dict, save_material
@@ -156,6 +158,26 @@ def test_out_of_memory(capsys, monkeypatch, tmp_path, words, remedy):
     status, _, err = run(capsys, *words)
     assert status == 1
     assert remedy in one_line(err)
+
+
+@pytest.mark.parametrize("ours", [True, False])
+def test_no_place_for_temporary_files(capsys, monkeypatch, ours):
+    """Whoever asks for one, this program or a library: the line names TMPDIR, and no stream."""
+
+    def ask(args):
+        if ours:
+            with temporaries.scratch_folder():
+                pass
+        tempfile.mkdtemp()
+
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    monkeypatch.setattr(tempfile, "_candidate_tempdir_list", lambda: ["/nowhere"])
+    monkeypatch.setattr(temporaries, "temporary_places", list)
+    monkeypatch.setattr(importlib.import_module("relgloss_view.commands.doctor"), "run", ask)
+    status, _, err = run(capsys, "doctor")
+    assert status == 1
+    assert "set TMPDIR" in one_line(err)
+    assert "standard output" not in err
 
 
 class TestOpenGL:

@@ -189,6 +189,32 @@ def check_whole(old: Files, new: Files) -> Check:
     return check
 
 
+def check_settled(old: Files, new: Files) -> Check:
+    """The same of outputs in several places, once the next program has come there."""
+    whole = check_whole(old, new)
+
+    def check(after: Path, before: Marks, marks: Marks) -> list[str]:
+        faults = goes_on(after)
+        (after / "next.txt").unlink()
+        return [*faults, *whole(after, before, marks)]
+
+    return check
+
+
+def check_each(old: Files, new: Files) -> Check:
+    """Every output of a command that commits one after the other is as before or as after it."""
+
+    def check(after: Path, before: Marks, marks: Marks) -> list[str]:
+        assert marks[-1] == "status 0", marks
+        found = tree(after)
+        right = [new] if "status 0" in before else [old, new]
+        names = sorted(old.keys() | new.keys() | found.keys())
+        wrong = [n for n in names if found.get(n) not in [files.get(n) for files in right]]
+        return [*([f"neither old nor new: {wrong}"] if wrong else []), *goes_on(after)]
+
+    return check
+
+
 def standing(marks: Marks) -> list[list[str]]:
     """The answers that stand after some acknowledgements."""
     kept: list[list[str]] = []
@@ -269,6 +295,26 @@ SCENARIOS = {
         ("command", "snapshot", "-o", "out.png", "--size", "64x64", "--sigma-n", "2"),
         check_whole,
         (("command", "snapshot", "-o", "out.png", "--size", "64x64"),),
+    ),
+    "compare": Scenario(
+        ("command", "compare", "matte-coated", "-o", "sheet.png", "-o", "sheet.html", "--size",
+         "64x64", "--operators", "split,clip"),
+        check_settled,
+        (
+            ("command", "compare", "uncoated", "-o", "sheet.png", "-o", "sheet.html", "--size",
+             "64x64", "--operators", "split,clip"),
+        ),
+        again=("sweep",),
+    ),
+    # The material is committed before its report is drawn.
+    "fit": Scenario(
+        ("command", "fit", "matte-coated", "-o", "lot.json", "--report", "lot.png", "--model",
+         "rough"),
+        check_each,
+        (
+            ("command", "fit", "uncoated", "-o", "lot.json", "--report", "lot.png", "--model",
+             "rough"),
+        ),
     ),
     "analyse": Scenario(
         ("command", "experiment", "analyse", "session.sqlite", "-o", "report", "--draws", "20",

@@ -169,9 +169,8 @@ def open_to_read(path: str | os.PathLike[str]) -> Iterator[Opened]:
             _refuse_if_open(found)
         connection = stack.enter_context(contextlib.closing(_connect(source, mode)))
         stack.enter_context(bounded_work(connection, found.bytes))
-        if mode == "rw":  # SQLite completes the copy, and has done so before anything is read
-            connection.execute("BEGIN IMMEDIATE")
-            connection.execute("COMMIT")
+        if mode == "rw":
+            _complete_copy(connection)
         connection.execute("PRAGMA query_only = ON")
         yield _check(connection, path, found, before)
 
@@ -201,6 +200,13 @@ def _refuse_if_open(found: Found) -> None:
 
 def _former_loss(found: Found) -> Loss | None:
     return former_log.lost_with(found.log) if found.has_log else None
+
+
+def _complete_copy(connection: sqlite3.Connection) -> None:
+    """Have SQLite put back what a journal or a log holds, before anything is read of a copy."""
+    connection.execute("PRAGMA synchronous = OFF")
+    connection.execute("BEGIN IMMEDIATE")
+    connection.execute("COMMIT")
 
 
 def _copied(found: Found, folder: Path, *suffixes: str) -> Path:
@@ -247,8 +253,7 @@ def _tried(
     copy = _copied(found, folder, *suffixes)
     try:
         with input_errors(path), contextlib.closing(_connect(copy, "rw")) as connection:
-            connection.execute("BEGIN IMMEDIATE")
-            connection.execute("COMMIT")
+            _complete_copy(connection)
             with bounded_work(connection, found.bytes):
                 return _check(connection, path, found, None)
     except InputError:

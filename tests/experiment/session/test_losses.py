@@ -18,6 +18,7 @@ from cases import answer, answer_all, started, study
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.design.grid import Grid
+from relgloss_view.experiment.report.sentences import losses_words
 from relgloss_view.experiment.session import former_log
 from relgloss_view.experiment.session.losses import (
     CHANGED,
@@ -105,6 +106,13 @@ class TestEdited:
         assert losses_of(file) == (Loss(MISSING, 3),)
         (line,) = warnings(losses_of(file), file)
         assert line.startswith(f"{file}: lacks 3 answers that the program had stored")
+
+    def test_the_report_names_it(self, file):
+        answered(file)
+        assert losses_words(read_pool([file], file.parent)) == []
+        edited(file, "DELETE FROM answer WHERE id = 2")
+        (line,) = losses_words(read_pool([file], file.parent))
+        assert "lacks 1 answer that" in line
 
     def test_what_is_no_loss(self, file):
         """The control: whatever the program itself does."""

@@ -14,14 +14,17 @@ import time
 from pathlib import Path
 
 import pytest
-from cases import answer, answer_all, replaced, standing, started, study
+from cases import answer, answer_all, percepts, replaced, standing, started, study
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.experiment.design.grid import Grid
+from relgloss_view.experiment.observers.population import Population
+from relgloss_view.experiment.observers.simulation import run_observers
 from relgloss_view.experiment.session import session_file
 from relgloss_view.experiment.session.flow import Flow
 from relgloss_view.experiment.session.records import SIMULATED, read_record
 from relgloss_view.experiment.session.store import Store
+from relgloss_view.picture.scene.setting import Setting
 
 SMALL = Grid((0.0, 2.0), (0.5, 1.0))
 
@@ -105,6 +108,41 @@ class TestOneProgramAlone:
         Store(file, study(grid=SMALL)).close()
         with session_file.open_to_read(file), session_file.open_to_read(file):
             pass
+
+
+class TestBatch:
+    def test_all_of_it_or_nothing(self, file):
+        with Store(file, study(grid=SMALL)) as store:
+            flow = started(store)
+            with store.batch():
+                answer(flow, 1)
+                answer(flow, 2)
+
+            def fails():
+                with store.batch():
+                    answer(flow, 3)
+                    raise KeyError
+
+            with pytest.raises(KeyError):
+                fails()
+            assert [a.category for a in store.answers()] == [1, 2]
+        record = read_record(file, file.parent)
+        assert (len(record.answers), record.losses) == (2, ())
+
+    def test_what_is_printed_is_in_the_file(self, file):
+        """A copy of the file alone, made when an answer is printed, has it."""
+        made = study(grid=Grid((0.0, 1.0, 2.0), (0.25, 0.5, 0.75, 1.0)), repeats=2)
+        counts = []
+
+        def on_stored(_):
+            shutil.copyfile(file, file.parent / "copy.sqlite")
+            counts.append(len(read_record(file.parent / "copy.sqlite", file.parent).answers))
+
+        with Store(file, made) as store:
+            seen = percepts(made, [Setting(1.0, 0.7)])
+            run_observers(store, seen, Population(), 1, 0, on_stored)
+        assert len(counts) == 24
+        assert all(count > k for k, count in enumerate(counts))
 
 
 class TestTakenAway:
