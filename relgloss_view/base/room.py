@@ -21,6 +21,7 @@ STACK = 8 * 1024 * 1024
 #: What the interpreter and numpy take before anything is read, with one thread of OpenBLAS; and
 #: what each further thread takes.
 START, BLAS_THREAD = 140 * MB, 42 * MB
+LIBRARIES = 50 * MB  #: of START, what files are mapped to: no writable addresses
 
 
 class Need(NamedTuple):
@@ -87,7 +88,7 @@ def check_start() -> None:
     """Raise InputError where numpy could not even be imported."""
     if "numpy" not in sys.modules:
         taken = START + (blas_threads() - 1) * BLAS_THREAD
-        check_room(Need(40 * MB, taken, taken), "the program", "raise the limit")
+        check_room(Need(40 * MB, taken - LIBRARIES, taken), "the program", "raise the limit")
 
 
 def blas_threads() -> int:
