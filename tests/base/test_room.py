@@ -50,9 +50,13 @@ class TestControlGroups:
         assert room._control_groups(str(tmp_path), str(listed)) == [base / "a", base]
 
     def test_a_group_that_limits_refuses(self, tmp_path, monkeypatch):
-        write(tmp_path, memory__max="100000000", memory__current="0", memory__stat="inactive_file 0")
+        write(
+            tmp_path, memory__max="100000000", memory__current="0", memory__stat="inactive_file 0"
+        )
         monkeypatch.setattr(room, "_control_groups", lambda: [tmp_path])
-        with pytest.raises(InputError, match=r"needs about 200 MB .* 100 MB is left in this control"):
+        with pytest.raises(
+            InputError, match=r"needs about 200 MB .* 100 MB is left in this control"
+        ):
             check_room(Need(200 * MB), "a picture", "give a smaller --size")
         check_room(Need(90 * MB), "a picture", "")
 
