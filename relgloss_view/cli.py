@@ -16,6 +16,7 @@ from typing import Any
 from relgloss_view.base import temporaries
 from relgloss_view.base.errors import GLUnavailableError, InputError, RelglossError
 from relgloss_view.base.reading import printable
+from relgloss_view.base.room import check_start
 from relgloss_view.base.terminal import make_streams_safe
 from relgloss_view.base.version import __version__
 
@@ -102,7 +103,7 @@ def _words_of(error: Exception, command: str) -> tuple[str, int] | None:
     """A fault as one line, and the exit status; None for a mistake of the program."""
     if isinstance(error, RelglossError):
         return str(error), error.exit_status
-    if isinstance(error, MemoryError):
+    if _lacks_memory(error):
         return f"out of memory; {LESS_MEMORY.get(command, 'close other programs')}", 1
     if isinstance(error, OSError) and temporaries.is_no_folder(error):
         return str(temporaries.no_temporary_folder()), 1
@@ -121,6 +122,8 @@ def _run(words: list[str]) -> int:
     words = words[1:] if words[:1] == ["--"] else words
     words = words or [DEFAULT_COMMAND]
     temporaries.prepare(words[1:])
+    if words[0] in COMMANDS:
+        check_start()
     args = _parser(words).parse_args(words)
     args.argv = words
     SIGNALS.work()
@@ -154,6 +157,14 @@ def _fault(text: str, status: int) -> int:
     with contextlib.suppress(OSError):
         print(f"{PROGRAM}: {printable(text, LONGEST_FAULT)}", file=sys.stderr)
     return status
+
+
+def _lacks_memory(error: Exception) -> bool:
+    """Whether there was none, also where a library could not be loaded, by the loader's words."""
+    words = ("failed to map segment", "cannot allocate memory")
+    return isinstance(error, MemoryError) or (
+        isinstance(error, ImportError) and any(text in str(error) for text in words)
+    )
 
 
 def _is_opengl(error: Exception) -> bool:

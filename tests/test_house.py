@@ -74,7 +74,7 @@ def test_imports_point_down(path):
         ("moderngl", ("picture/gpu/", "bench/")),
         ("imgui_bundle", ("viewer/",)),
         ("glfw", ("viewer/", "picture/gpu/context.py")),
-        ("OpenEXR", ("picture/output/exr.py",)),
+        ("OpenEXR", ("picture/output/exr.py", "picture/output/exr_parts.py")),
         (
             "matplotlib",
             ("base/figures.py", "fitting/report.py", "experiment/report/", "bench/"),

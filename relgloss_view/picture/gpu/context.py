@@ -19,9 +19,11 @@ import numpy as np
 
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.errors import GLUnavailableError, RelglossError
+from relgloss_view.base.room import check_room
 from relgloss_view.picture.gpu import probe
 from relgloss_view.picture.gpu.home import Home, check_process
 from relgloss_view.picture.model.view import Box
+from relgloss_view.picture.peak import NO_ROOM, context_need
 
 BACKENDS = ("egl", "osmesa")
 REQUIRED_GL = 330
@@ -37,10 +39,11 @@ def open_context(backend: str = "auto") -> moderngl.Context:
     """A headless context; `backend` is 'auto', 'egl' or 'osmesa'.
 
     A driver that the environment names is tried in a process of its own first; see probe.py.
-    Raises GLUnavailableError, one line with the remedy, where none can be made, and RelglossError
-    after a fork.
+    Raises GLUnavailableError, one line with the remedy, where none can be made, InputError
+    where there is no memory for it, and RelglossError after a fork.
     """
     check_process()
+    check_room(context_need(), "OpenGL", NO_ROOM)
     if backend == "auto":
         makers = [_egl, _osmesa] if sys.platform.startswith("linux") else [_standalone]
     else:

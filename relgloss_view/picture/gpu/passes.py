@@ -50,6 +50,7 @@ from relgloss_view.picture.model.light import front_white, lit_white
 from relgloss_view.picture.model.pixel_sampling import sample_count
 from relgloss_view.picture.model.silhouette import edge_tiles
 from relgloss_view.picture.model.view import Box, View
+from relgloss_view.picture.peak import check_picture
 from relgloss_view.picture.scene.scene import Scene
 
 
@@ -143,9 +144,8 @@ class Passes:
         shading = self._shading(request)
         if set(XYZ) <= set(shading.variant.targets):
             return None
-        variant = shading.variant.writing("xyz")
+        variant, inputs = shading.variant.writing("xyz"), self._inputs(shading)
         bounds = View.of(request.scene, request.size).bounds
-        inputs = self._inputs(shading)
         return Drawing("shade", "shade.frag", variant.defines(), inputs, XYZ, bounds, "xyz")
 
     def _geometry(self, request: Request) -> Drawing:
@@ -299,6 +299,7 @@ class Passes:
     def _make_room(self, request: Request) -> None:
         if (request.size, request.method.targets) != (self.targets.size, self.targets.numbers):
             self.release()
+            check_picture(request.size, opened=True)
             try:
                 self.targets.resize(request.size, request.method.targets)
                 self.reduction.resize(request.size)
