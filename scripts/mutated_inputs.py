@@ -34,8 +34,8 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any
 
-from input_mutations import bombs, mutated
-from input_readers import Reader, readers, sound
+from input_mutations import MOST_BYTES, bombs, mutated
+from input_readers import Reader, readers, sound, structured_bombs
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.visible import visible
@@ -161,7 +161,7 @@ def _work(pipe: Connection, seed: int, folder: str) -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     every, seeds = readers(), {}
     trim = ctypes.CDLL(None).malloc_trim if sys.platform == "linux" else None
-    made = dict(bombs()) if pipe.recv() else {}
+    made = _all_bombs() if pipe.recv() else {}
     while (task := pipe.recv()) is not None:
         name, number = task
         reader = every[name]
@@ -177,6 +177,10 @@ def _work(pipe: Connection, seed: int, folder: str) -> None:
                     attempt(reader, -1, seeds[name][0], path)  # imports are paid here
             data = input_of(reader, seeds[name], seed, number)
         pipe.send(attempt(reader, number, data, path))
+
+
+def _all_bombs(size: int = MOST_BYTES) -> dict[str, bytes]:
+    return {**dict(bombs(size)), **dict(structured_bombs(size))}
 
 
 class _Worker:
@@ -271,8 +275,13 @@ def run(names: list[str], args: argparse.Namespace) -> int:
     """Read all inputs, print a table, and count the faults."""
     tallies = {name: Tally() for name in names}
     if args.bombs:
-        listed = [name for name, _ in bombs(1000)]
-        tasks: Iterator[Any] = ((name, bomb) for name in names for bomb in listed)
+        listed = list(_all_bombs())
+        tasks: Iterator[Any] = (
+            (name, bomb)
+            for name in names
+            for bomb in listed
+            if bomb.startswith(f"{name}: ") or bomb.partition(": ")[0] not in names
+        )
     else:
         tasks = tasks_of(names, args.count)
     slowest: list[Outcome] = []
@@ -343,7 +352,7 @@ def main() -> int:
         data = (
             input_of(reader, reader.seeds(), args.seed, int(number))
             if number.isdigit()
-            else dict(bombs())[number]
+            else _all_bombs()[number]
         )
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / f"input{reader.suffix}"
