@@ -360,7 +360,8 @@ def _sessions() -> list[bytes]:
     from relgloss_view.cli import main
 
     def make(path: Path) -> None:
-        words = ["experiment", "simulate", "paper", "-o", str(path), "--observers", "2"]
+        few = ["--set", "grid.sigma_n_deg=[0, 1]", "--set", "grid.c_fraction=[0.5, 1]"]
+        words = ["experiment", "simulate", "paper", "-o", str(path), "--observers", "2", *few]
         import contextlib
         import io
 

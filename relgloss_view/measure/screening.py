@@ -51,7 +51,7 @@ def reasons(
     >>> reasons(above, above, np.array([[0.5], [-0.1]])).tolist()
     ['', 'negative']
     """
-    missing = np.isnan(readings).any(axis=1)
+    missing = np.asarray(np.isnan(readings).any(axis=1))
     filled = np.where(missing[:, None], 0.0, readings)
     lowest = np.minimum(to_lamp[:, 2], to_receiver[:, 2])
 
