@@ -360,7 +360,8 @@ def _sessions() -> list[bytes]:
     from relgloss_view.cli import main
 
     def make(path: Path) -> None:
-        words = ["experiment", "simulate", "paper", "-o", str(path), "--observers", "2"]
+        few = ["--set", "grid.sigma_n_deg=[0, 1]", "--set", "grid.c_fraction=[0.5, 1]"]
+        words = ["experiment", "simulate", "paper", "-o", str(path), "--observers", "2", *few]
         import contextlib
         import io
 
@@ -369,6 +370,93 @@ def _sessions() -> list[bytes]:
                 raise InputError("the seed of a session could not be made")
 
     return [_written(make, "seed.sqlite")]
+
+
+def structured_bombs(size: int) -> list[tuple[str, bytes]]:
+    """Names and bytes of binary files whose parts claim much: for the reader that has the name."""
+    made = [(f"bsdf: {name}", data) for name, data in _bsdf_bombs(size)]
+    made += [(f"icc: {name}", data) for name, data in _icc_bombs(size)]
+    made += [(f"font: {name}", data) for name, data in _font_bombs(size)]
+    return [(name, data) for name, data in made if len(data) <= size]
+
+
+def _bsdf_bombs(size: int) -> list[tuple[str, bytes]]:
+    def fields(count: int, grid: int) -> dict[str, np.ndarray[Any, Any]]:
+        ones = np.ones
+        return {
+            "phi_i": np.zeros(1, np.float32),
+            "theta_i": np.linspace(0.0, 1.5, count, dtype=np.float32),
+            "ndf": ones((2, 2), np.float32),
+            "sigma": ones((2, 2), np.float32),
+            "vndf": ones((1, count, grid, grid), np.float32),
+            "rgb": ones((1, count, 3, grid, grid), np.float32),
+        }
+
+    slices = bsdf_of(fields(size // 80, 2))
+    fine = bsdf_of(fields(1, int((size / 20) ** 0.5)))
+    many = bsdf_of({f"f{k}": np.zeros(0, np.uint8) for k in range(900)})
+    long = bsdf_of({"a" * (60_000 - k): np.zeros(0, np.uint8) for k in range(size // 60_100)})
+    return [("slices", slices), ("a fine grid", fine), ("fields", many), ("long names", long)]
+
+
+def _icc_bombs(size: int) -> list[tuple[str, bytes]]:
+    head = bytearray(_profiles()[1][:128])
+
+    def profile(tags: list[tuple[bytes, int, int]], body: bytes) -> bytes:
+        table = struct.pack(">I", len(tags)) + b"".join(struct.pack(">4sII", *tag) for tag in tags)
+        data = bytes(head) + table + body
+        return struct.pack(">I", len(data)) + data[4:]
+
+    start = 132 + 12
+    text = "relgloss".encode("utf-16-be") * ((size - 400) // 16)
+    long = b"mluc" + bytes(4) + struct.pack(">II2s2sII", 1, 12, b"en", b"US", len(text), 28) + text
+    count = (size - 400) // 12
+    record = struct.pack(">2s2sII", b"en", b"US", 12 * count, 16)
+    many = b"mluc" + bytes(4) + struct.pack(">II", count, 12) + record * count
+    old = b"desc" + bytes(4) + struct.pack(">I", size - 400) + b"a" * (size - 400)
+    bombs = [
+        (name, profile([(b"desc", start, len(body))], body))
+        for name, body in (("a long text", long), ("many texts", many), ("old text", old))
+    ]
+    same = [(b"%04d" % k, 132 + 12 * 100, len(long) - 2000) for k in range(99)]
+    tags = [(b"desc", 132 + 12 * 100, len(long) - 2000), *same]
+    return [*bombs, ("a hundred tags of one text", profile(tags, long[:-2000]))]
+
+
+def _font_bombs(size: int) -> list[tuple[str, bytes]]:
+    def font(cmap: bytes) -> bytes:
+        tables = {
+            b"cmap": cmap,
+            b"head": struct.pack(">HHIIIHH", 1, 0, 0, 0, 0x5F0F3CF5, 0, 1000) + bytes(34),
+            b"hhea": struct.pack(">Ihh", 0x10000, 800, -200) + bytes(28),
+        }
+        directory, body = b"", b""
+        for tag, data in tables.items():
+            directory += struct.pack(">4sIII", tag, 0, 12 + 16 * len(tables) + len(body), len(data))
+            body += data
+        return b"\0\1\0\0" + struct.pack(">4H", len(tables), 0, 0, 0) + directory + body
+
+    def maps(*subtables: bytes) -> bytes:
+        head = struct.pack(">HHHHI", 0, 1, 3, 10, 12)
+        return head + b"".join(subtables)
+
+    groups = (size - 400) // 12
+    whole = struct.pack(">III", 0, 0x10FFFF, 1)
+    twelve = struct.pack(">HHIII", 12, 0, 16 + 12 * groups, 0, groups) + whole * groups
+    one = struct.pack(">HHIII", 12, 0, 28, 0, 1) + whole
+    count = 8000
+    four = struct.pack(">7H", 4, 0, 0, 2 * count, 0, 0, 0) + b"\xff\xff" * count + bytes(2)
+    four += bytes(2 * count) + b"\0\1" * count + bytes(2 * count)
+    records = (size - 400) // 8
+    many = struct.pack(">HH", 0, min(records, 65535))
+    many += struct.pack(">HHI", 3, 10, 4 + 8 * 65535) * 65535 + one
+    return [
+        ("groups of all characters", font(maps(twelve))),
+        ("one group of all characters", font(maps(one))),
+        ("segments of all characters", font(maps(four))),
+        ("many maps", font(many)),
+        ("compressed", b"wOFF" + bytes(size - 100)),
+    ]
 
 
 def _any() -> list[bytes]:

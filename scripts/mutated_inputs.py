@@ -28,23 +28,23 @@ import tempfile
 import time
 import warnings
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any
 
-from input_mutations import bombs, mutated
-from input_readers import Reader, readers, sound
+from input_mutations import MOST_BYTES, bombs, mutated
+from input_readers import Reader, readers, sound, structured_bombs
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.visible import visible
 
 MOST_S, MOST_MB = 2.0, 300.0
-LONGEST_MESSAGE = 600  #: characters
+LONGEST_MESSAGE = 600  #: characters, without the file's name
 HANG_S = 60.0  #: of wall time, after which a process is ended
 ADDRESS_SPACE = 6 << 30  #: bytes a worker may take, so that a bomb does no harm to the machine
-CHUNK = 50  #: inputs that a worker takes at once
+SEEDS_S = 300.0  #: that a process may take to make valid files
 
 
 @dataclass
@@ -84,8 +84,10 @@ class Tally:
             self.kinds[outcome.fault] += 1
 
 
-def attempt(reader: Reader, number: int | str, data: bytes, path: Path) -> Outcome:
-    """Read an input, and judge how that went."""
+def attempt(
+    reader: Reader, number: int | str, data: bytes, path: Path, *, timed: bool = True
+) -> Outcome:
+    """Read an input, and judge how that went; without `timed` not how long it took."""
     path.write_bytes(data)
     outcome = Outcome(reader.name, number)
     before = _memory_mb(reset=True)
@@ -113,9 +115,9 @@ def attempt(reader: Reader, number: int | str, data: bytes, path: Path) -> Outco
             outcome.fault = f"warning: {warned[0].message}"[:80]
         elif printed.getvalue():
             outcome.fault = f"printed: {printed.getvalue()}"[:80]
-        elif outcome.seconds > MOST_S:
+        elif timed and outcome.seconds > MOST_S:
             outcome.fault = f"slow: more than {MOST_S:g} s"
-        elif outcome.megabytes > MOST_MB:
+        elif timed and outcome.megabytes > MOST_MB:
             outcome.fault = f"large: more than {MOST_MB:g} MB"
     with contextlib.suppress(OSError):
         path.unlink()
@@ -161,7 +163,7 @@ def _work(pipe: Connection, seed: int, folder: str) -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     every, seeds = readers(), {}
     trim = ctypes.CDLL(None).malloc_trim if sys.platform == "linux" else None
-    made = dict(bombs()) if pipe.recv() else {}
+    made = all_bombs() if pipe.recv() else {}
     while (task := pipe.recv()) is not None:
         name, number = task
         reader = every[name]
@@ -176,7 +178,13 @@ def _work(pipe: Connection, seed: int, folder: str) -> None:
                 with contextlib.suppress(Exception):
                     attempt(reader, -1, seeds[name][0], path)  # imports are paid here
             data = input_of(reader, seeds[name], seed, number)
+        pipe.send(None)  # from now on its time is counted
         pipe.send(attempt(reader, number, data, path))
+
+
+def all_bombs(size: int = MOST_BYTES) -> dict[str, bytes]:
+    """All inputs made by hand, by name."""
+    return {**dict(bombs(size)), **dict(structured_bombs(size))}
 
 
 class _Worker:
@@ -187,6 +195,7 @@ class _Worker:
         self.todo: collections.deque[tuple[str, int | str]] = collections.deque()
         self.sent: tuple[str, int | str] | None = None
         self.since = 0.0
+        self.patience_s = 0.0  #: while seeds are made
         self.start()
 
     def start(self) -> None:
@@ -203,7 +212,7 @@ class _Worker:
     def send(self) -> bool:
         """Send the next input; False where none is left."""
         self.sent = self.todo.popleft() if self.todo else None
-        self.since = time.monotonic()
+        self.since, self.patience_s = time.monotonic(), SEEDS_S
         self.pipe.send(self.sent)
         return self.sent is not None
 
@@ -242,10 +251,13 @@ def outcomes(
                 for worker in list(busy):
                     if worker.pipe in ready:
                         try:
-                            outcome = worker.pipe.recv()
+                            outcome: Outcome | None = worker.pipe.recv()
                         except EOFError:
                             outcome = worker.ended("")
-                    elif time.monotonic() - worker.since > HANG_S:
+                        if outcome is None:
+                            worker.since, worker.patience_s = time.monotonic(), 0.0
+                            continue
+                    elif time.monotonic() - worker.since > HANG_S + worker.patience_s:
                         outcome = worker.ended(f"hang: more than {HANG_S:g} s")
                     else:
                         continue
@@ -271,8 +283,13 @@ def run(names: list[str], args: argparse.Namespace) -> int:
     """Read all inputs, print a table, and count the faults."""
     tallies = {name: Tally() for name in names}
     if args.bombs:
-        listed = [name for name, _ in bombs(1000)]
-        tasks: Iterator[Any] = ((name, bomb) for name in names for bomb in listed)
+        listed = list(all_bombs())
+        tasks: Iterator[Any] = (
+            (name, bomb)
+            for name in names
+            for bomb in listed
+            if bomb.startswith(f"{name}: ") or bomb.partition(": ")[0] not in names
+        )
     else:
         tasks = tasks_of(names, args.count)
     slowest: list[Outcome] = []
@@ -326,7 +343,7 @@ def _keep(outcome: Outcome, args: argparse.Namespace) -> None:
     (Path(args.keep) / name).write_bytes(data)
 
 
-def main() -> int:
+def main(words: Sequence[str] | None = None) -> int:
     names = list(readers())
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--count", type=int, default=10_000, help="Inputs in all")
@@ -336,14 +353,14 @@ def main() -> int:
     parser.add_argument("--bombs", action="store_true", help="Inputs of 1 MB made by hand")
     parser.add_argument("--keep", metavar="FOLDER", help="Keep the inputs that failed here")
     parser.add_argument("--only", metavar="READER:K", help="Read one input, here")
-    args = parser.parse_args()
+    args = parser.parse_args(words)
     if args.only:
         name, _, number = args.only.partition(":")
         reader = readers()[name]
         data = (
             input_of(reader, reader.seeds(), args.seed, int(number))
             if number.isdigit()
-            else dict(bombs())[number]
+            else all_bombs()[number]
         )
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / f"input{reader.suffix}"

@@ -10,14 +10,19 @@ from __future__ import annotations
 
 import codecs
 import csv
+import io
 import numbers
 import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import decoding, read_text
 from relgloss_view.base.visible import escape, is_seen
 
 MARK = "'"
+MOST_BYTES = 64 * 1024 * 1024
+EXPECTED = "a table (CSV) that relgloss wrote"
 FORMULA_BEGINS = "=+-@＝＋－＠"  # the wide ones are taken for the others in some languages
 _ESCAPED = re.compile(r"\\(?:x[0-9a-f]{2}|u[0-9a-f]{4}|U[0-9a-f]{8}|[\\nrt])")
 
@@ -56,6 +61,11 @@ def write_csv(path: Path, heads: Sequence[object], rows: Iterable[Sequence[objec
 
 
 def read_csv(path: Path) -> list[list[str]]:
-    """The rows of a table that `write_csv` wrote, its heads first, as texts."""
-    with path.open(encoding="utf-8-sig", newline="") as file:
-        return [[text_of(read) for read in row] for row in csv.reader(file)]
+    """The rows of a table that `write_csv` wrote, its heads first, as texts. Raises InputError."""
+    text = read_text(path, MOST_BYTES, EXPECTED)
+    with decoding(path, EXPECTED):
+        rows = csv.reader(io.StringIO(text, newline=""))
+        try:
+            return [[text_of(read) for read in row] for row in rows]
+        except csv.Error as error:
+            raise InputError(f"{path}: line {rows.line_num}: {error}; give {EXPECTED}") from error

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from relgloss_view.base.visible import visible
 
+LONGEST, LAST = 1000, 300  #: characters of a message, and those of its end that stay
+
 
 class RelglossError(Exception):
     """An error with a remedy: its message is one line that names the place, the fault, the remedy.
@@ -19,7 +21,10 @@ class RelglossError(Exception):
     exit_status = 1
 
     def __init__(self, message: str) -> None:
-        super().__init__(visible(" ".join(message.split())))
+        line = visible(" ".join(message.split()))
+        if len(line) > LONGEST:  # a remedy comes last, and stays
+            line = f"{line[: LONGEST - LAST - 5]} ... {line[-LAST:]}"
+        super().__init__(line)
 
 
 class InputError(RelglossError):

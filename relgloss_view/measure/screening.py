@@ -38,7 +38,7 @@ def reasons(
     *,
     saturation: float | None = None,
     arms_occlude: bool = False,
-) -> NDArray[np.str_]:
+) -> NDArray[np.object_]:
     """For each sample, table.KEPT or the reason to leave it out; shape (N,).
 
     to_lamp, to_receiver: (N, 3), unit vectors. readings: (N, B), as the instrument wrote them, NaN
@@ -51,8 +51,8 @@ def reasons(
     >>> reasons(above, above, np.array([[0.5], [-0.1]])).tolist()
     ['', 'negative']
     """
-    missing = np.isnan(readings).any(axis=1)
-    filled = np.where(np.isnan(readings), 0.0, readings)
+    missing = np.asarray(np.isnan(readings).any(axis=1))
+    filled = np.where(missing[:, None], 0.0, readings)
     lowest = np.minimum(to_lamp[:, 2], to_receiver[:, 2])
 
     faults = [
@@ -70,9 +70,11 @@ def reasons(
         # "Within 8 degrees" includes 8 itself, whatever the last bit of the chord is.
         faults.append((table.OCCLUDED, angle_deg <= OCCLUSION_DEG + 1e-9))
 
-    names = [name for name, _ in faults]
-    chosen = np.select([mask for _, mask in faults], names, default=table.KEPT)
-    return np.asarray(chosen, dtype=np.str_)
+    # References to a few texts: an array of texts would take 124 bytes a sample.
+    chosen = np.full(len(readings), table.KEPT, dtype=object)
+    for name, mask in reversed(faults):
+        chosen[mask] = name
+    return chosen
 
 
 def percent_warning(

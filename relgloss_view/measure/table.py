@@ -53,7 +53,7 @@ class Measurement:
     to_receiver: Array  #: (N, 3) unit vectors
     bands: Bands
     radiance_factor: Array  #: (N, B), pi times the BRDF; may hold NaN where the sample is left out
-    reasons: NDArray[np.str_]  #: (N,), KEPT or why the sample is left out
+    reasons: NDArray[np.object_]  #: (N,), KEPT or why the sample is left out
     #: (N,), samples that share a plane or a setting of the lamp; validation leaves whole groups out
     group: Ints
     #: (e_i, e_o): per-axis angular standard deviations of lamp and receiver apertures, degrees

@@ -40,7 +40,7 @@ def saturation(measurement: Measurement, rows: Rows) -> tuple[Measurement, list[
     level, marked, bands = _top(measurement, rows)
     if not np.any(marked):
         return measurement, []
-    reasons = measurement.reasons.astype(object)
+    reasons = measurement.reasons.copy()
     reasons[rows.index[marked]] = SATURATED
     body = rows.body_level
     left = rows.level[~marked & rows.kept]
@@ -54,7 +54,7 @@ def saturation(measurement: Measurement, rows: Rows) -> tuple[Measurement, list[
     )
     if hidden:
         text += ". Hardly any of the highlight is left: measure it again with less light"
-    changed = replace(measurement, reasons=reasons.astype(np.str_))
+    changed = replace(measurement, reasons=reasons)
     return changed, [Finding(PLATEAU, text, hidden)]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
 from relgloss_view.base.resources import asset
 from relgloss_view.material.files import load_material
 from relgloss_view.material.material import Material
@@ -60,5 +61,5 @@ def load_sample(name: str) -> Material:
     True
     """
     if name not in SAMPLES:
-        raise InputError(f"sample {name!r}: expected one of {', '.join(SAMPLES)}")
+        raise InputError(f"sample {printable(name, 60)!r}: expected one of {', '.join(SAMPLES)}")
     return load_material(asset("materials", f"{name}.json"))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 import os
 import sys
 from dataclasses import dataclass
@@ -13,12 +11,12 @@ from imgui_bundle import hello_imgui  # first: it brings the GLFW that glfw find
 import glfw
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.icc_profile import parse_profile
 from relgloss_view.base.reading import decoding, printable, read_bytes
 from relgloss_view.viewer.shell.platform import monitor_of, pixel_pitch_m
 from relgloss_view.viewer.shell.window import Window
 
 MOST_BYTES = 16 * 1024 * 1024
-COLOUR_SPACE = slice(16, 20)  #: bytes of the header (ICC.1:2022, 7.2.6)
 EXPECTED = "the display's ICC profile (.icc or .icm)"
 PLATFORMS = {
     "PLATFORM_WIN32": "Windows",
@@ -39,38 +37,18 @@ class Profile:
 
 def read_profile(path: str | os.PathLike[str]) -> Profile:
     """The profile in a file; InputError where it is none, or not of a display in RGB."""
-    from PIL import ImageCms
-
     data = read_bytes(path, MOST_BYTES, EXPECTED)
     with decoding(printable(path), EXPECTED):
         try:
-            profile = ImageCms.ImageCmsProfile(io.BytesIO(data))
-        except (OSError, ImageCms.PyCMSError) as error:
-            raise InputError(f"{printable(path)}: not an ICC profile; give {EXPECTED}") from error
-    # The signature is read from the file: Pillow decodes it as ASCII, and fails where it is not.
-    space = data[COLOUR_SPACE].decode("latin-1").strip()
+            profile = parse_profile(data)
+        except ValueError as error:
+            raise InputError(f"{printable(path)}: {error}; give {EXPECTED}") from error
+    space = profile.colour_space
     if space != "RGB":
         raise InputError(
             f"{printable(path)}: a profile of {printable(space, 20)}, expected RGB; give {EXPECTED}"
         )
-    return Profile(printable(_description(profile)), data)
-
-
-def _description(profile: Any) -> str:
-    """What a profile calls itself; empty where that can't be read, for the profile still serves."""
-    from PIL import ImageCms
-
-    for read in (
-        ImageCms.getProfileDescription,
-        ImageCms.getProfileModel,
-        ImageCms.getProfileManufacturer,
-    ):
-        # Text that is not what it declares: Pillow raises whatever its decoding raises.
-        with contextlib.suppress(Exception):
-            text = str(read(profile)).strip()
-            if text:
-                return text
-    return ""
+    return Profile(printable(profile.description), data)
 
 
 def full_screen(params: hello_imgui.RunnerParams) -> None:
