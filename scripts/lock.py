@@ -63,7 +63,8 @@ def main() -> int:
         for kind in wanted():
             text = (here / f"{kind}.txt").read_text(encoding="utf-8")
             (FOLDER / f"{kind}.txt").write_text(HEADER + text, encoding="utf-8")
-            print(f"requirements/{kind}.txt: {text.count('==')} packages")
+            count = sum(line[:1].isalnum() for line in text.splitlines())
+            print(f"requirements/{kind}.txt: {count} packages")
     return 0
 
 

@@ -283,3 +283,29 @@ def test_csv_is_written_in_one_place():
     writing = re.compile(r"csv\.(?:writer|DictWriter)")
     writers = [p for p in modules() if writing.search(p.read_text(encoding="utf-8"))]
     assert writers == [PACKAGE / "base" / "csv_files.py"]
+
+
+#: Modules that search in a text and put something else there: all of them read, or name a file.
+REPLACING = {
+    "base/csv_files.py",  # cells that are read back
+    "material/lamp_file.py",
+    "measure/quantity.py",
+    "measure/readers/csv_table.py",
+    "measure/readers/headings.py",
+    "picture/gpu/constants.py",  # the names of our own choices
+    "picture/gpu/shader.py",  # the compiler's log
+    "viewer/files/own_materials.py",  # the name of a file
+}
+
+
+def edits_by_search(text):
+    """Whether a module replaces what a regular expression finds."""
+    return re.search(r"\bre\.subn?\(|\b_?[A-Z_]+\.subn?\(", text) is not None
+
+
+def test_no_output_is_edited_by_a_search():
+    """Output is written in the form that it has: a name in it may look like any of its parts."""
+    paths = [p for p in modules() if edits_by_search(p.read_text(encoding="utf-8"))]
+    assert {p.relative_to(PACKAGE).as_posix() for p in paths} == REPLACING
+    assert edits_by_search('text = re.sub(r"\\[\\s+", "[", json.dumps(content))')
+    assert not edits_by_search("figure.subplots(2, 1)")
