@@ -42,7 +42,6 @@ STYLE: dict[str, Any] = {
     "ytick.color": MUTED,
     "legend.frameon": False,
     "legend.fontsize": 7.0,
-    "text.parse_math": False,  # a name with two dollar signs is a name, and may be no formula
     "svg.hashsalt": "relgloss",  # identifiers in an SVG depend on its content alone
 }
 
