@@ -36,7 +36,7 @@ from relgloss_view.viewer.state.model import DrawnPass
 from relgloss_view.viewer.state.state import DIFFERENCE, SIDES, State
 
 #: All that the sliders of both sides can reach, warmed up, are 40 to 50.
-MOST_PROGRAMS = 64
+MOST_PROGRAMS = 56
 WORTH_GIVING_BACK = 4_000_000  #: bytes: less would take longer to give back than it is worth
 
 
