@@ -80,7 +80,7 @@ def use(folder: Path, args: argparse.Namespace) -> int:
     from relgloss_view.viewer.state.session import Autosave, session_file
     from relgloss_view.viewer.state.state import State
 
-    webbrowser.open = lambda *_, **__: True  # type: ignore[assignment]
+    webbrowser.open = lambda *_, **__: True
 
     class Used(App):
         """The program, with a hand that does something between frames."""
@@ -316,7 +316,7 @@ class Hand:
     def undo(self) -> None:
         step = self.rng.choice((self.app.model.history.undo, self.app.model.history.redo))
         for _ in range(self.rng.randrange(1, 6)):
-            self.steps.append(lambda: bool(step()) and None)
+            self.steps.append(lambda: self.attempt(step))
 
     def resize(self) -> None:
         import glfw

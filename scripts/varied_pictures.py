@@ -48,10 +48,10 @@ def draw(args: argparse.Namespace, folder: Path) -> int:
     began_s, refused = time.monotonic(), 0
     for k in range(args.count):
         seed = args.seed + k
-        size = tuple(int(side) for side in rng.integers(SMALLEST_PX, LARGEST_PX + 1, 2))
+        width, height = (int(side) for side in rng.integers(SMALLEST_PX, LARGEST_PX + 1, 2))
         scene, look = random_scene(seed, grain=GRAINS[seed % len(GRAINS)])
         try:
-            frame = renderer.render(scene, look, size)
+            frame = renderer.render(scene, look, (width, height))
             _ = frame.display
             if k % ALL_STAGES_EVERY == 0:
                 all_stages(frame, folder, k)
