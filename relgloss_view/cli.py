@@ -16,6 +16,7 @@ from typing import Any
 from relgloss_view.base import temporaries
 from relgloss_view.base.errors import GLUnavailableError, InputError, RelglossError
 from relgloss_view.base.reading import printable
+from relgloss_view.base.room import check_start
 from relgloss_view.base.terminal import make_streams_safe
 from relgloss_view.base.version import __version__
 
@@ -88,7 +89,9 @@ def _status_of(words: list[str]) -> int:
     except BrokenPipeError:
         _drop_output()  # the reader has closed the pipe; the files are written
         return 0
-    except MemoryError:
+    except (MemoryError, ImportError) as error:
+        if isinstance(error, ImportError) and not _lacks_memory(error):
+            raise
         remedy = LESS_MEMORY.get(words[0] if words else "", "close other programs")
         return _fault(f"out of memory; {remedy}", 1)
     except OSError as error:
@@ -106,6 +109,8 @@ def _status_of(words: list[str]) -> int:
 def _run(words: list[str]) -> int:
     words = words[1:] if words[:1] == ["--"] else words
     words = words or [DEFAULT_COMMAND]
+    if words[0] in COMMANDS:
+        check_start()
     args = _parser(words).parse_args(words)
     args.argv = words
     return int(args.run(args))
@@ -131,6 +136,11 @@ def _drop_output() -> None:
     """Send what is still buffered to the null device, so that the exit does not fail on it."""
     with contextlib.suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _lacks_memory(error: ImportError) -> bool:
+    """Whether a library could not be loaded for want of memory, by the loader's words."""
+    return any(text in str(error) for text in ("failed to map segment", "cannot allocate memory"))
 
 
 def _is_opengl(error: Exception) -> bool:

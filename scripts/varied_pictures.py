@@ -36,7 +36,7 @@ def main() -> int:
 
 def draw(args: argparse.Namespace, folder: Path) -> int:
     """Draw them; returns the status."""
-    from random_scenes import random_scene
+    from random_scenes import random_scene  # type: ignore[import-not-found]
 
     from relgloss_view.base.errors import InputError
     from relgloss_view.picture.gpu.context import open_context

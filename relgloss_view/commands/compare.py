@@ -95,6 +95,8 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.commands.sample_arguments import sample_arguments
     from relgloss_view.gloss.comparison import as_numbers, compare
     from relgloss_view.gloss.match import Reference
+    from relgloss_view.picture.model.pixel_sampling import sample_count
+    from relgloss_view.picture.peak import check_picture
     from relgloss_view.picture.scene.sample import SAMPLES
     from relgloss_view.quality.backends import open_renderer
 
@@ -109,6 +111,11 @@ def run(args: argparse.Namespace) -> int:
             f"{len(arguments)} samples x {len(operators)} operators: expected at most "
             f"{MOST_CELLS} pictures"
         )
+    check_picture(
+        size, sample_count(scene, look, size), backend=args.backend,
+        uses=[operator.name for operator in operators], kept=len(arguments) * len(operators),
+        remedy="give a smaller --size or fewer --operators",
+    )  # fmt: skip
     reference = None
     if not all(argument.origin for argument in arguments):
         reference = Reference.of(reference_look(args, look), args.gloss)

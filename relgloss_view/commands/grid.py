@@ -70,13 +70,18 @@ def add(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Draw all stimuli beside the folder, and move them in when the last is done."""
     from relgloss_view.gloss.match import Reference
+    from relgloss_view.picture.model.pixel_sampling import sample_count
+    from relgloss_view.picture.output.parameters import SPLIT
     from relgloss_view.picture.output.writers import Writers
+    from relgloss_view.picture.peak import check_picture
     from relgloss_view.quality.backends import open_renderer
 
     folder = own_folder(args.output, {MANIFEST: FORMAT}, "grid")
     operator = operator_from(args)
     scene, look, size = scene_from(args)
     reference = Reference.of(reference_look(args, look)) if operator.uses_c else None
+    uses = [use for use in ("grid", operator.name) if use != SPLIT]
+    check_picture(size, sample_count(scene, look, size), backend=args.backend, uses=uses)
     with (
         open_renderer(args.backend) as renderer,
         Progress("grid") as progress,

@@ -44,8 +44,10 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Draw, write, and print the sample and its setting."""
+    from relgloss_view.picture.model.pixel_sampling import sample_count
     from relgloss_view.picture.output.export import check_suffix, save_frame
-    from relgloss_view.picture.output.parameters import parameters, warnings
+    from relgloss_view.picture.output.parameters import SPLIT, parameters, warnings
+    from relgloss_view.picture.peak import check_picture
     from relgloss_view.quality.backends import open_renderer
 
     output = check_suffix(args.output)
@@ -59,6 +61,10 @@ def run(args: argparse.Namespace) -> int:
     if not operator.uses_c:  # the graininess stays, so that operators show the same surface
         look, picture = look.without_c() if picture is not None else look, None
     check_writable(output)
+    format_ = "exr" if args.bits is None and output.suffix.lower() != ".png" else "png"
+    use = format_ + ("16" if args.bits == 16 else "") if operator.name == SPLIT else operator.name
+    samples = sample_count(scene, look, size)
+    check_picture(size, samples, backend=args.backend, uses=[use])
     with Progress("snapshot") as progress, open_renderer(args.backend, progress) as renderer:
         factor = 1.0 if picture is None else picture.factor(renderer, scene, size)
         frame = renderer.render(scene, look, size, factor=factor)

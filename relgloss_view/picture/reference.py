@@ -18,6 +18,7 @@ from relgloss_view.picture.model.light import front_white, lit_white
 from relgloss_view.picture.model.pixel_sampling import sample_count
 from relgloss_view.picture.model.silhouette import coverage, edge_pixels, smoothed
 from relgloss_view.picture.model.view import Size, View, check_size, float32
+from relgloss_view.picture.peak import check_picture
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.stages import PART_PIXELS
@@ -43,6 +44,7 @@ class ReferenceRenderer:
     def render(self, scene: Scene, look: Look, size: Size, *, factor: float = 1.0) -> Frame:
         """Draw a scene in float64; arguments and errors as Renderer.render."""
         view = View.of(scene, check_size(size))
+        check_picture(size, backend="reference")
         samples = sample_count(scene, look, size)
         white, seen = self._white(scene, view, samples)
         if scene.lamp.y_n == "front":

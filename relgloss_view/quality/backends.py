@@ -9,6 +9,7 @@ import contextlib
 from collections.abc import Iterator
 from typing import Protocol
 
+from relgloss_view.base.errors import RelglossError
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.scene.look import Look
@@ -36,6 +37,9 @@ def open_renderer(
 ) -> Iterator[FrameRenderer]:
     """A renderer for the length of a block; fetch a frame's stages inside the block.
 
+    Through OpenGL it works in the thread and the process that opened it, and raises RelglossError
+    elsewhere. OpenGL does not work in a process that was forked after a renderer was opened.
+
     backend: 'egl' or 'osmesa' draw through OpenGL, 'reference' in float64 without it; 'auto' takes
     the first OpenGL that works.
     progress: called with a share from 0 to 1 and a text while the reference draws.
@@ -53,16 +57,29 @@ def open_renderer(
 
         yield ReferenceRenderer(progress)
         return
-    from relgloss_view.picture.gpu.context import open_context
+    from relgloss_view.picture.gpu.context import close, open_context
     from relgloss_view.picture.gpu.renderer import Renderer
     from relgloss_view.quality.planner import MethodChooser
 
     ctx = open_context(backend)
+    renderer: Renderer | None = None
+
+    def leave() -> None:
+        try:
+            if renderer is not None:
+                renderer.release()
+        finally:
+            close(ctx)
+
     try:
         renderer = Renderer(ctx, choose=MethodChooser().method)
-        try:
-            yield renderer
-        finally:
-            renderer.release()
-    finally:
-        ctx.release()
+        yield renderer
+    except GeneratorExit:  # dropped inside the block, perhaps in another thread
+        with contextlib.suppress(RelglossError):
+            leave()
+        raise
+    except BaseException:
+        leave()
+        raise
+    else:
+        leave()

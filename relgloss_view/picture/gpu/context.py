@@ -20,8 +20,11 @@ import numpy as np
 
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.errors import GLUnavailableError, RelglossError
+from relgloss_view.base.room import check_room
 from relgloss_view.picture.gpu import probe
+from relgloss_view.picture.gpu.home import Home, check_process
 from relgloss_view.picture.model.view import Box
+from relgloss_view.picture.peak import NO_ROOM, context_need
 
 BACKENDS = ("egl", "osmesa")
 REQUIRED_GL = 330
@@ -37,8 +40,11 @@ def open_context(backend: str = "auto") -> moderngl.Context:
     """A headless context; `backend` is 'auto', 'egl' or 'osmesa'.
 
     A driver that the environment names is tried in a process of its own first; see probe.py.
-    Raises GLUnavailableError, one line with the remedy, where none can be made.
+    Raises GLUnavailableError, one line with the remedy, where none can be made, InputError
+    where there is no memory for it, and RelglossError after a fork.
     """
+    check_process()
+    check_room(context_need(), "OpenGL", NO_ROOM)
     if backend == "auto":
         makers = [_egl, _osmesa] if sys.platform.startswith("linux") else [_standalone]
     else:
@@ -75,8 +81,10 @@ def describe(ctx: moderngl.Context) -> dict[str, Any]:
 def make_current(ctx: moderngl.Context) -> None:
     """Direct what follows to this context; a window's own is current whenever it draws.
 
-    It stays current: leaving moderngl's with-block would leave none, or the wrong one.
+    It stays current: leaving moderngl's with-block would leave none, or the wrong one. Raises
+    RelglossError where the context is closed, and in another thread or process than its own.
     """
+    check_home(ctx)
     if isinstance(ctx.mglo, moderngl.InvalidObject):
         raise RelglossError(
             "the renderer is closed; fetch a frame's stages inside the block that opened it"
@@ -118,6 +126,24 @@ def _shader_functions() -> tuple[Any, Any] | None:
         attached.restype = detach.restype = None
         return attached, detach
     return None
+
+
+def check_home(ctx: moderngl.Context) -> None:
+    """Raise RelglossError in another thread or process than the one that opened the context."""
+    if ctx.extra is not None:
+        ctx.extra.check()
+
+
+def is_forked(ctx: moderngl.Context) -> bool:
+    """Whether this process was forked from the one that opened the context."""
+    return ctx.extra is not None and bool(ctx.extra.forked)
+
+
+def close(ctx: moderngl.Context) -> None:
+    """Close a context that open_context made; after a fork it is the other process's to close."""
+    if not is_forked(ctx):
+        check_home(ctx)
+        ctx.release()
 
 
 def texture_probe(load: Callable[[str], int]) -> Callable[[int], bool]:
@@ -288,6 +314,7 @@ def _checked(ctx: moderngl.Context) -> moderngl.Context:
         raise GLUnavailableError(
             f"{ctx.info['GL_RENDERER']} offers OpenGL {ctx.version_code / 100:.1f}, 3.3 is needed"
         )
+    ctx.extra = Home()
     ctx.gc_mode = "context_gc"  # what is dropped is freed by `collect`, on the context's thread
     return ctx
 

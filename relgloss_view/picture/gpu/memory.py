@@ -5,9 +5,11 @@ from __future__ import annotations
 from relgloss_view.picture.gpu import targets
 from relgloss_view.picture.gpu.reduction import BLOCK, FIRST_BLOCK
 from relgloss_view.picture.gpu.targets import (
+    COVERAGE,
     GEOMETRY,
     GRAIN_FIELD,
     LIGHT,
+    METAL_WEIGHTS,
     OVERLAY,
     SPLIT,
     TONE,
@@ -38,3 +40,13 @@ def bytes_per_pixel(asked: tuple[str, ...] = ()) -> float:
 def device_bytes(size: Size, asked: tuple[str, ...] = ()) -> float:
     """Bytes of the device's memory that a picture of a size takes."""
     return size[0] * size[1] * bytes_per_pixel(asked)
+
+
+def most_bytes_per_pixel(samples: int) -> float:
+    """Bytes of the device's memory a pixel, of the variant that takes most, while it is written.
+
+    samples: along a pixel's side. What is drawn on request is drawn in parts.
+    """
+    pass_one = XYZ if samples > 1 else METAL_WEIGHTS
+    names = (*pass_one, *SPLIT, *TONE, *COVERAGE)
+    return REDUCTION + sum(targets.bytes_per_pixel(name) for name in names)

@@ -50,6 +50,7 @@ from relgloss_view.picture.model.light import front_white, lit_white
 from relgloss_view.picture.model.pixel_sampling import sample_count
 from relgloss_view.picture.model.silhouette import edge_tiles
 from relgloss_view.picture.model.view import Box, View
+from relgloss_view.picture.peak import check_picture
 from relgloss_view.picture.scene.scene import Scene
 
 
@@ -75,8 +76,7 @@ class Passes:
         self._white = 0.0  #: of the perfect diffuser's picture
         self._object_pixels = 0  #: of that picture
         self._extremes = Extremes.of_nothing()
-        self._once = Extremes.of_nothing()  #: of the picture without grain, where a method asks
-        self._counts = (0, 0)
+        self._once, self._counts = Extremes.of_nothing(), (0, 0)  #: the first is without grain
         self._lamp: object = None
         self.written: tuple[str, ...] = ()  #: the targets of pass 1, as last drawn
 
@@ -143,9 +143,8 @@ class Passes:
         shading = self._shading(request)
         if set(XYZ) <= set(shading.variant.targets):
             return None
-        variant = shading.variant.writing("xyz")
+        variant, inputs = shading.variant.writing("xyz"), self._inputs(shading)
         bounds = View.of(request.scene, request.size).bounds
-        inputs = self._inputs(shading)
         return Drawing("shade", "shade.frag", variant.defines(), inputs, XYZ, bounds, "xyz")
 
     def _geometry(self, request: Request) -> Drawing:
@@ -250,7 +249,6 @@ class Passes:
             self._draw_field(request, shading)
         if self.held.renew("shade", variant, request.size, shading.uniforms):
             self._shade(request, shading, variant)
-            self.written = variant.targets
         if not variant.splits and self.held.renew("split"):
             diffuse, specular = map(self.texture, variant.targets)
             images = {"diffuse_image": diffuse, "specular_image": specular}
@@ -263,9 +261,9 @@ class Passes:
         return shading.white
 
     def _shade(self, request: Request, shading: Shading, variant: Variant) -> None:
-        bounds = View.of(request.scene, request.size).bounds
-        inputs, targets = self._inputs(shading), variant.targets
-        self.draw("shade", "shade.frag", variant.defines(), inputs, targets, bounds)
+        bounds, inputs = View.of(request.scene, request.size).bounds, self._inputs(shading)
+        self.written = variant.targets
+        self.draw("shade", "shade.frag", variant.defines(), inputs, self.written, bounds)
 
     def _draw_field(self, request: Request, shading: Shading) -> None:
         """The tilts of grain that has one size at the eye: neither scene nor sigma_N moves them."""
@@ -299,6 +297,7 @@ class Passes:
     def _make_room(self, request: Request) -> None:
         if (request.size, request.method.targets) != (self.targets.size, self.targets.numbers):
             self.release()
+            check_picture(request.size, opened=True)
             try:
                 self.targets.resize(request.size, request.method.targets)
                 self.reduction.resize(request.size)

@@ -12,7 +12,7 @@ import moderngl
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.picture.frame import Frame, scene_warnings
-from relgloss_view.picture.gpu.context import collect, make_current
+from relgloss_view.picture.gpu.context import check_home, collect, is_forked, make_current
 from relgloss_view.picture.gpu.passes import Passes
 from relgloss_view.picture.gpu.programs import Programs
 from relgloss_view.picture.gpu.request import Request
@@ -35,7 +35,9 @@ def everything(scene: Scene, look: Look, size: Size) -> Method:
 
 
 class Renderer:
-    """Draws frames on one OpenGL context.
+    """Draws frames on one OpenGL context, in the thread and the process that opened it.
+
+    Elsewhere all of it, and its frames where they fetch a stage, raise RelglossError.
 
     programs: Renderers of one context may share theirs. choose: the method of a picture, by the
     look's quality (quality.planner.MethodChooser.method); without it every picture is drawn with
@@ -137,10 +139,12 @@ class Renderer:
 
     def framebuffer_name(self, targets: tuple[str, ...]) -> int:
         """OpenGL's name of the framebuffer of targets that were drawn; it reads the first."""
+        check_home(self.ctx)
         return int(self.passes.targets.framebuffer(targets).glo)
 
     def texture(self, name: str) -> moderngl.Texture:
         """A target as it was last drawn, for passes that start from it."""
+        check_home(self.ctx)
         return self.passes.texture(name)
 
     def tidy(self) -> int:
@@ -149,7 +153,12 @@ class Renderer:
         return tidy(self.passes)
 
     def release(self) -> None:
-        """Free everything on the device; frames already made are drawn again when asked."""
+        """Free everything on the device; frames already made are drawn again when asked.
+
+        After a fork it does nothing: everything belongs to the process before the fork.
+        """
+        if is_forked(self.ctx):
+            return
         make_current(self.ctx)
         self._last = None
         self.passes.release()

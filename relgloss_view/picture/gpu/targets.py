@@ -13,6 +13,7 @@ from relgloss_view.picture.frame import Extremes
 from relgloss_view.picture.gpu.context import max_texture_size
 from relgloss_view.picture.model.tone import OFF_OBJECT
 from relgloss_view.picture.model.view import Size
+from relgloss_view.picture.peak import check_memory
 
 WEIGHTS = ("diffuse_weights", "specular_weights")
 #: Where a lobe is a metal's, which has two weights.
@@ -157,6 +158,7 @@ class Targets:
         """A target's contents, (rows, W, components), rows from the top; all of them by default."""
         texture = self._textures[name]
         first, last = (0, texture.height) if rows is None else (rows.start, rows.stop)
+        check_memory((texture.width, last - first), bytes_per_pixel(name))
         if last - first == texture.height:
             data = texture.read(alignment=1)
         else:
@@ -215,6 +217,7 @@ class Targets:
         refused = InputError(
             f"size {size[0]}x{size[1]}: the device has no memory for it; give a smaller --size"
         )
+        check_memory(size, bytes_per_pixel(name))  # drivers crash where they get none
         dtype = "f1" if name in EIGHT_BIT else "f4"
         if name in SPLIT and self.numbers == "float16":
             dtype = "f2"

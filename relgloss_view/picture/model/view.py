@@ -26,7 +26,7 @@ ROUNDING = 1e-6  #: of the shader's rays, tangents
 #: A polygon of 180 points on a circle spans 0.015 % less than the circle.
 BOUNDS_EXCESS = 1e-3
 MAX_SIDE_PX = 16384
-MAX_PIXELS = 36 * 1024 * 1024  #: above 8K UHD; an EXR of it takes 4 GB of memory while written
+MAX_PIXELS = 36 * 1024 * 1024  #: above 8K UHD; an EXR of it takes 2 GB of memory while written
 
 
 def check_size(size: Size) -> Size:
