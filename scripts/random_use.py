@@ -3,11 +3,13 @@
 Usage: python scripts/random_use.py [--minutes M] [--seed N] [--most-mb MB]
 
 A seeded hand moves, drags, clicks, types, turns the wheel, resizes the window between 0 x 0 and
-1920 x 1200 pixels, chooses actions, changes every entry of the state, opens files, exports, undoes.
+1600 x 1000 pixels, chooses actions, changes every entry of the state, opens files, exports, undoes.
 Everything runs on GLFW's null platform. A line every ten seconds gives the resident memory and
 counts of what the program keeps. The status is 1 where memory passes --most-mb, where a change of
 the state raises an error that is not an InputError, or where the device reports an error.
 """
+
+# ruff: noqa: D102 - each way of the hand is named for what it does
 
 from __future__ import annotations
 
@@ -27,8 +29,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-LARGEST_WINDOW = (1920, 1200)
-LARGEST_EXPORT = 1600  #: side of an exported picture, pixels
+LARGEST_WINDOW = (1600, 1000)
+LARGEST_EXPORT = 1024  #: side of an exported picture, pixels
 LOG_S = 10.0
 #: Of one event in so many frames: the interface has time to settle and to warm up between some.
 IDLE_FRAMES = 6
@@ -78,7 +80,7 @@ def use(folder: Path, args: argparse.Namespace) -> int:
     from relgloss_view.viewer.state.session import Autosave, session_file
     from relgloss_view.viewer.state.state import State
 
-    webbrowser.open = lambda *_, **__: True  # type: ignore[assignment]
+    webbrowser.open = lambda *_, **__: True
 
     class Used(App):
         """The program, with a hand that does something between frames."""
@@ -314,7 +316,7 @@ class Hand:
     def undo(self) -> None:
         step = self.rng.choice((self.app.model.history.undo, self.app.model.history.redo))
         for _ in range(self.rng.randrange(1, 6)):
-            self.steps.append(lambda: bool(step()) and None)
+            self.steps.append(lambda: self.attempt(step))
 
     def resize(self) -> None:
         import glfw
@@ -324,7 +326,7 @@ class Hand:
         address = library.get_glfw_window_address()
         handle = ctypes.cast(address, ctypes.POINTER(glfw._GLFWwindow))
         width, height = (self.rng.randrange(0, side + 1) for side in LARGEST_WINDOW)
-        if self.rng.random() < 0.5:  # most windows are large
+        if self.rng.random() < 0.5:  # most windows are of the usual size
             width, height = max(width, 1000), max(height, 700)
         glfw.set_window_size(handle, width, height)
 
@@ -435,14 +437,14 @@ class Hand:
 
         path = self.file(".csv")
         s, k = math.radians(self.rng.uniform(4.0, 12.0)), self.rng.uniform(0.2, 1.0)
-        lines = ["# quantity: brdf", "theta_in_deg,theta_out_deg,phi_out_deg,brdf_550nm,brdf_600nm"]
+        lines = ["# quantity: brdf", "theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,550,600"]
         for theta_in in (15.0, 30.0, 45.0, 60.0):
             for theta_out in range(-70, 71, 5):
                 alpha = math.radians((theta_out - theta_in) / 2.0)
                 lobe = k * math.exp(-(alpha**2) / (2.0 * s**2))
                 value = 0.2 + lobe / math.cos(math.radians(theta_in))
                 phi = 180.0 if theta_out >= 0 else 0.0
-                lines.append(f"{theta_in},{abs(theta_out)},{phi},{value:.5f},{value:.5f}")
+                lines.append(f"{theta_in},0,{abs(theta_out)},{phi},{value:.5f},{value:.5f}")
         path.write_text("\n".join(lines) + "\n", encoding="ascii")
         self.app.dropped([str(path)])
 

@@ -36,7 +36,7 @@ def main() -> int:
 
 def draw(args: argparse.Namespace, folder: Path) -> int:
     """Draw them; returns the status."""
-    from random_scenes import random_scene
+    from random_scenes import random_scene  # type: ignore[import-not-found]
 
     from relgloss_view.base.errors import InputError
     from relgloss_view.picture.gpu.context import open_context
@@ -48,10 +48,10 @@ def draw(args: argparse.Namespace, folder: Path) -> int:
     began_s, refused = time.monotonic(), 0
     for k in range(args.count):
         seed = args.seed + k
-        size = tuple(int(side) for side in rng.integers(SMALLEST_PX, LARGEST_PX + 1, 2))
+        width, height = (int(side) for side in rng.integers(SMALLEST_PX, LARGEST_PX + 1, 2))
         scene, look = random_scene(seed, grain=GRAINS[seed % len(GRAINS)])
         try:
-            frame = renderer.render(scene, look, size)
+            frame = renderer.render(scene, look, (width, height))
             _ = frame.display
             if k % ALL_STAGES_EVERY == 0:
                 all_stages(frame, folder, k)

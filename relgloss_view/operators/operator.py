@@ -44,10 +44,12 @@ class SceneLight:
     @classmethod
     def of(cls, frame: Frame) -> SceneLight:
         """The light of a picture, in float64."""
-        light = frame.diffuse.astype(np.float64) + frame.specular.astype(np.float64)
+        light = frame.diffuse.astype(np.float64)
+        light += frame.specular  # in place: a large picture's temporaries are its largest cost
+        light *= frame.y_n_cd_m2
         step = View.of(frame.scene, frame.size).pixel_step
         return cls(
-            light * frame.y_n_cd_m2,
+            light,
             frame.coverage.astype(np.float64),
             np.asarray(frame.white_xyz, dtype=np.float64),
             frame.y_n_cd_m2,

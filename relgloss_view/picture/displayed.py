@@ -41,6 +41,12 @@ class Displayed:
         steps = tone.digital_steps(light, self.display, dithered)
         return dataclasses.replace(self, digital=steps.astype(np.uint8))
 
+    def without_light(self) -> Displayed:
+        """The same to look at and to count; its light, most of its memory, is left out."""
+        slim = dataclasses.replace(self, light=np.zeros((0, 0, 3)))
+        _ = slim.clip_count, slim.out_of_gamut_count
+        return slim
+
     @cached_property
     def clip_count(self) -> int:
         """Number of clipped pixels."""

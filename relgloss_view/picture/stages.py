@@ -36,6 +36,11 @@ class Stages:
         """A stage as the renderer has it; not kept."""
         raise NotImplementedError
 
+    def forget(self) -> None:
+        """Free the arrays that were fetched; they are fetched again when they are asked for."""
+        for kept in KEPT.values():
+            self.__dict__.pop(kept, None)
+
     @cached_property
     def _diffuse(self) -> Floats:
         return self._stage("diffuse")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.material import spectra
+from relgloss_view.material import lamp_names, spectra
 from relgloss_view.material.material import Diffuse, Lobe, Material
 from relgloss_view.measure.bands import RGB, WIDE_RGB, Bands
 from relgloss_view.picture.scene.scene_file import load_scene
@@ -76,6 +76,30 @@ def test_the_usual_lamps_do_not_import_colour_science(tmp_path):
     )
     names = [*spectra.SHIPPED_ILLUMINANTS, str(tmp_path / "lamp.csv")]
     subprocess.run([sys.executable, "-c", code, *names], check=True)
+
+
+def test_other_lamps_do_not_import_colour_science_either(tmp_path):
+    """It takes 130 MB for good; another process reads its tables. FL2 has a colour of CIE 15."""
+    code = (
+        "import sys; from relgloss_view.material import lamp_names, spectra; "
+        "assert lamp_names.lamp_table('fl2') is lamp_names.lamp_table('FL2') is not None; "
+        "assert lamp_names.lamp_table('no such lamp') is None; "
+        "x, y, z = spectra.illuminant('FL2').white_xyz(); print(x / (x + y + z), y / (x + y + z)); "
+        "assert not {'colour', 'scipy', 'matplotlib'} & set(sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    x, y = (float(word) for word in done.stdout.split())
+    assert (x, y) == (pytest.approx(0.3721, abs=3e-4), pytest.approx(0.3751, abs=3e-4))
+
+
+def test_lamps_by_name_are_colour_sciences():
+    for lamps in (colour.SDS_LIGHT_SOURCES, colour.SDS_ILLUMINANTS):
+        for name in lamps:
+            if name in colour.SDS_ILLUMINANTS:  # which come before light sources
+                lamps = colour.SDS_ILLUMINANTS
+            wavelengths_nm, power = lamp_names.lamp_table(name)
+            np.testing.assert_array_equal(wavelengths_nm, lamps[name].wavelengths)
+            np.testing.assert_array_equal(power, lamps[name].values)
 
 
 def test_no_ending_of_a_lamp_file_is_in_a_lamps_name():

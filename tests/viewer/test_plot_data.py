@@ -336,6 +336,20 @@ class TestReadout:
         assert half_vector_deg(tilted, np.zeros(3), lamp, -lamp) is None
         assert half_vector_deg(tilted, lamp, lamp, eye) is None
 
+    def test_some_rows_read_as_all_do(self, frame):
+        whole = Stages.of(frame)
+        width, height = frame.size
+        for row in (0, 7, height // 2, height - 1):
+            some = Stages.of(frame, range(row - 6, row + 6))
+            assert some.on_object.shape[0] < height / 2
+            for column in (0, width // 2, width - 1):
+                assert some.read(column, row) == whole.read(column, row)
+                for name in ("rgb", "lstar", "inside"):
+                    parts = (getattr(s.patch(column, row), name) for s in (some, whole))
+                    np.testing.assert_array_equal(*parts)
+            assert some.read(0, height + 3) is None
+        assert Stages.of(frame, range(20, 30)).read(width // 2, 2) is None
+
     def test_patch_is_the_picture_around(self, frame):
         stages = Stages.of(frame)
         patch = stages.patch(40, 30)
@@ -352,9 +366,9 @@ class TestReadout:
 def made_up(scene, look, counter, c=None):
     """A frame whose stages count how often they are fetched."""
 
-    def fetch(stage):
+    def fetch(stage, rows=slice(4)):
         counter.append(stage)
-        return np.full((4, 6, 4), 0.5, dtype=np.float32)
+        return np.full((4, 6, 4), 0.5, dtype=np.float32)[rows]
 
     scaling = Scaling.of(replace(look, c=c), Extremes(0.5, 40.0, 60.0, 40.0, 60.0))
     return Frame(scene, replace(look, c=c), (6, 4), scaling, fetch, "none")

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "measure_viewer.py"
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+SCRIPT = SCRIPTS / "measure_viewer.py"
 
 
 @pytest.mark.slow
@@ -27,3 +28,19 @@ def test_neither_memory_nor_errors_grow():
     # resizes would show as more than 100 MB.
     assert last - first < 20
     assert "0 GL errors" in done.stdout
+
+
+@pytest.mark.slow
+def test_random_use_takes_bounded_memory():
+    """One and a half of the 20 minutes that the script takes by itself.
+
+    Without a bound on programs and targets it passed 1,500 MB in one minute (commit 851e9fa).
+    """
+    done = subprocess.run(
+        [sys.executable, str(SCRIPTS / "random_use.py"), "--minutes", "1.5", "--seed", "3"],
+        capture_output=True,
+        text=True,
+        timeout=900,
+    )
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+    assert "0 device errors" in done.stdout

@@ -20,7 +20,7 @@ from relgloss_view.bench.speed.scenes import ChartScene
 from relgloss_view.bench.speed.tasks import Drawing, Floor, pass_1_changed
 from relgloss_view.bench.speed.timing import PER_VISIT, Times, take_turns
 from relgloss_view.picture.gpu.memory import device_bytes
-from relgloss_view.picture.gpu.programs import Programs
+from relgloss_view.picture.gpu.programs import ALL_PROGRAMS, Programs
 from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.method import EXACT
 from relgloss_view.picture.model.view import Size
@@ -75,7 +75,7 @@ def time_pixels(
     A floor of FLOOR_SIZE takes turns with each, and `steady_ms` is what a frame would take were the
     machine always as fast as it is in the median: slow spells would bend the line.
     """
-    programs = Programs(ctx)
+    programs = Programs(ctx, ALL_PROGRAMS)
     floor, floors = FillFloor(ctx, FLOOR_SIZE), {m: Times() for m in megapixels}
     half = max(PER_VISIT, frames // 2)
     times: dict[float, Times] = {m: Times() for m in megapixels}

@@ -19,7 +19,7 @@ from relgloss_view.bench.speed.methods import AUTO, DEFAULT, EVERYTHING, Way
 from relgloss_view.bench.speed.pareto import pareto_front
 from relgloss_view.bench.speed.scenes import ChartScene
 from relgloss_view.bench.speed.timing import PER_VISIT, Task, take_turns
-from relgloss_view.picture.gpu.programs import Programs
+from relgloss_view.picture.gpu.programs import ALL_PROGRAMS, Programs
 from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.model.view import Size
@@ -48,7 +48,7 @@ class Drawers:
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self.ctx = ctx
-        self.programs = Programs(ctx)
+        self.programs = Programs(ctx, ALL_PROGRAMS)
         self._renderers: dict[object, Renderer] = {}
 
     def of(self, method: Method) -> Renderer:

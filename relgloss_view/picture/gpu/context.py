@@ -6,6 +6,7 @@ One of the two modules that know moderngl. A window gives its own context to `at
 from __future__ import annotations
 
 import ctypes
+import functools
 import importlib.util
 import os
 import sys
@@ -90,6 +91,41 @@ def make_current(ctx: moderngl.Context) -> None:
         )
     untyped: Any = ctx
     untyped.__enter__()
+
+
+#: OpenGL's functions by name, as the system's libraries have them for the current context.
+_LIBRARIES = ("libOpenGL.so.0", "libGL.so.1")
+
+
+def drop_sources(program: moderngl.Program) -> None:
+    """Free the sources and the compiler's trees of a linked program, which it does without.
+
+    moderngl leaves its shaders attached: on a software driver they are a third of a program.
+    Nothing is done where no library of OpenGL's functions is found.
+    """
+    functions = _shader_functions()
+    if functions is None:
+        return
+    attached, detach = functions
+    count, names = ctypes.c_int(0), (ctypes.c_uint * 2)()
+    attached(program.glo, len(names), ctypes.byref(count), names)
+    for name in names[: count.value]:
+        detach(program.glo, name)
+
+
+@functools.cache
+def _shader_functions() -> tuple[Any, Any] | None:
+    for name in _LIBRARIES:
+        try:
+            library = ctypes.CDLL(name)
+            attached, detach = library.glGetAttachedShaders, library.glDetachShader
+        except (OSError, AttributeError):
+            continue
+        attached.argtypes = [ctypes.c_uint, ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p]
+        detach.argtypes = [ctypes.c_uint, ctypes.c_uint]
+        attached.restype = detach.restype = None
+        return attached, detach
+    return None
 
 
 def check_home(ctx: moderngl.Context) -> None:

@@ -76,8 +76,7 @@ class Passes:
         self._white = 0.0  #: of the perfect diffuser's picture
         self._object_pixels = 0  #: of that picture
         self._extremes = Extremes.of_nothing()
-        self._once = Extremes.of_nothing()  #: of the picture without grain, where a method asks
-        self._counts = (0, 0)
+        self._once, self._counts = Extremes.of_nothing(), (0, 0)  #: the first is without grain
         self._lamp: object = None
         self.written: tuple[str, ...] = ()  #: the targets of pass 1, as last drawn
 
@@ -250,7 +249,6 @@ class Passes:
             self._draw_field(request, shading)
         if self.held.renew("shade", variant, request.size, shading.uniforms):
             self._shade(request, shading, variant)
-            self.written = variant.targets
         if not variant.splits and self.held.renew("split"):
             diffuse, specular = map(self.texture, variant.targets)
             images = {"diffuse_image": diffuse, "specular_image": specular}
@@ -263,9 +261,9 @@ class Passes:
         return shading.white
 
     def _shade(self, request: Request, shading: Shading, variant: Variant) -> None:
-        bounds = View.of(request.scene, request.size).bounds
-        inputs, targets = self._inputs(shading), variant.targets
-        self.draw("shade", "shade.frag", variant.defines(), inputs, targets, bounds)
+        bounds, inputs = View.of(request.scene, request.size).bounds, self._inputs(shading)
+        self.written = variant.targets
+        self.draw("shade", "shade.frag", variant.defines(), inputs, self.written, bounds)
 
     def _draw_field(self, request: Request, shading: Shading) -> None:
         """The tilts of grain that has one size at the eye: neither scene nor sigma_N moves them."""

@@ -11,15 +11,18 @@ import numpy as np
 
 from relgloss_view.base.allocator import give_back
 from relgloss_view.base.interruptions import checkpoint
-from relgloss_view.picture.gpu.context import collect
+from relgloss_view.picture.gpu.context import collect, drop_sources
 from relgloss_view.picture.gpu.shader import HANDED_ON, ShaderError, ShaderSource
 
 Uniforms = Mapping[str, Any]  #: numbers, sequences, arrays, or textures for samplers
 
 
-#: Programs that are kept. One takes some 1 to 4 MB of a software driver's memory and 5 to 60 ms to
-#: be made; a picture needs about ten, and all that a pair of pictures in the window can reach 80.
-MOST_PROGRAMS = 64
+#: Programs that are kept. One takes 1 to 3 MB of a software driver's memory, and 5 to 60 ms to be
+#: made, or some 4 ms where the driver keeps compiled programs on disk. A picture needs about ten;
+#: all that sliders of one picture can reach are some 25.
+MOST_PROGRAMS = 48
+#: Of a benchmark, none of whose times may hold a compiler's.
+ALL_PROGRAMS = 10_000
 #: The share of them that is freed at once, since giving memory back to the system takes a while.
 FREED_SHARE = 0.25
 
@@ -60,6 +63,7 @@ class Programs:
             program = self.ctx.program(vertex_shader=source.vertex, fragment_shader=source.text)
         except moderngl.Error as error:
             raise ShaderError(source.explain(str(error))) from error
+        drop_sources(program)
         self.compiled += 1
         self._arrays[key] = array = self.ctx.vertex_array(program, [])
         return array

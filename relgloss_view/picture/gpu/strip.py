@@ -59,6 +59,10 @@ class Strip:
         height = self._targets.size[1]
         return self._targets.read(stage, slice(height - count, height))
 
+    def bytes(self) -> int:
+        """Bytes of the targets."""
+        return self._targets.bytes()
+
     def release(self) -> None:
         """Free the targets; they are made again for the next rows."""
         self._present.clear()

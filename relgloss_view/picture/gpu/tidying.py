@@ -26,5 +26,6 @@ def tidy(passes: Passes) -> int:
         passes.around.pop(name, None)
     for name in ON_REQUEST:
         passes.held.drop(name)
+    freed = passes.strip.bytes() + passes.targets.drop(dropped)
     passes.strip.release()
-    return passes.targets.drop(dropped)
+    return freed

@@ -35,6 +35,8 @@ from relgloss_view.viewer.drawing.texture_uploads import TextureUploads
 from relgloss_view.viewer.state.model import DrawnPass
 from relgloss_view.viewer.state.state import DIFFERENCE, SIDES, State
 
+#: All that the sliders of both sides can reach, warmed up, are 40 to 50.
+MOST_PROGRAMS = 56
 WORTH_GIVING_BACK = 4_000_000  #: bytes: less would take longer to give back than it is worth
 
 
@@ -61,7 +63,7 @@ class PairRenderer:
 
     def __init__(self, ctx: Any) -> None:
         self.ctx = ctx
-        self._programs = Programs(ctx)
+        self._programs = Programs(ctx, MOST_PROGRAMS)
         #: One for a side, so that what quality "auto" has chosen is held across both sizes.
         self._choosers = {side: MethodChooser() for side in SIDES}
         self._full = {side: self._renderer(side) for side in SIDES}
@@ -71,6 +73,7 @@ class PairRenderer:
         self._methods: dict[str, Method] = {}  #: of the last picture of each side
         self._edged_view: object = None  #: shape, eye and size of the last one with smooth edges
         self._freed = 0  #: programs, when this last warmed up
+        self._freed_bytes = 0  #: of targets, since free memory was last given back
         self.uploads = TextureUploads(ctx)
         self._factor = 1.0  #: of the last pair
         self._enlarged = False  #: whether the renderer that warms up has drawn something large
@@ -116,12 +119,12 @@ class PairRenderer:
         renderers = self._full if scale == 1.0 else self._draft
         for chooser in self._choosers.values():
             chooser.moving = moving
-        pictures, faults = self._draw_sides(renderers, state, size)
+        pictures, faults = self._draw_sides(renderers, state, size, moving=moving)
         needed = _factor_of(state, pictures)
         factor = held_factor(needed, self._factor) if moving else needed
         if factor != self._factor:
             self._factor = factor
-            pictures, faults = self._draw_sides(renderers, state, size)
+            pictures, faults = self._draw_sides(renderers, state, size, moving=moving)
         if _wants_difference(state) and len(pictures) == len(SIDES):
             first, second = (
                 renderers[side].request(
@@ -147,7 +150,7 @@ class PairRenderer:
         return DrawnPair(pictures, faults, self._factor)
 
     def _draw_sides(
-        self, renderers: dict[str, Renderer], state: State, size: Size
+        self, renderers: dict[str, Renderer], state: State, size: Size, *, moving: bool
     ) -> tuple[dict[str, SidePicture], dict[str, str]]:
         """The pictures with the present factor; for another one only pass 2 is drawn again."""
         pictures: dict[str, SidePicture] = {}
@@ -157,6 +160,8 @@ class PairRenderer:
                 pictures[side] = self._draw_side(renderers[side], state, side, size)
             except RelglossError as error:
                 faults[side] = str(error)
+            if not (moving or _wants_difference(state)):
+                self._note_freed(renderers[side].tidy())  # before the other takes as much
         return pictures, faults
 
     def _edged(self, state: State, size: Size, *, moving: bool) -> State:
@@ -198,7 +203,13 @@ class PairRenderer:
             self._enlarged = False
             freed += self._warm.forget()
         collect(self.ctx)
-        if freed > WORTH_GIVING_BACK:
+        self._note_freed(freed)
+
+    def _note_freed(self, count: int) -> None:
+        """Note that so many bytes of targets were freed; give back what is worth it."""
+        self._freed_bytes += count
+        if self._freed_bytes > WORTH_GIVING_BACK:
+            self._freed_bytes = 0
             give_back()
 
     def _reachable(self, side: str, look: Look) -> tuple[Method, ...]:

@@ -86,9 +86,7 @@ def write(model: Model, request: ExportRequest) -> str:
     for file in request.files:
         check_writable(file)
     frames = {side: _frame(model, side, request.size) for side in request.sides}
-    displayed = {
-        side: _displayed(model, side, frame, request.size) for side, frame in frames.items()
-    }
+    displayed = {side: _displayed(model, side, frame, request) for side, frame in frames.items()}
     commands, missing = _commands(model, request, frames)
     if request.picture == BOTH and request.format != EXR:
         presentation = model.state.presentation
@@ -121,13 +119,16 @@ def _frame(model: Model, side: str, size: Size | None) -> Frame:
     return model.render_at(side, size or model.picture_size)
 
 
-def _displayed(model: Model, side: str, frame: Frame, size: Size | None) -> Displayed | None:
-    """A frame's picture by the side's operator; None for the split."""
+def _displayed(model: Model, side: str, frame: Frame, request: ExportRequest) -> Displayed | None:
+    """A frame's picture by the side's operator; None for the split.
+
+    The one on the screen holds no light, which a PNG of 8 bits does without.
+    """
     name = model.state.presentation.operator(side)
     if name == DEFAULT_OPERATOR:
         return None
-    present = model.displayed(side) if size is None else None
-    if present is not None and present.operator == name:
+    present = model.displayed(side) if request.size is None else None
+    if present is not None and present.operator == name and request.format == PNG8:
         return present
     return make_operator(name).draw(frame)
 

@@ -88,10 +88,7 @@ class Stages:
         )
 
     def read(self, column: int, row: int) -> Readout | None:
-        """The pixel at a column from the left and a row from the top.
-
-        None beyond the picture, and in rows that are not here.
-        """
+        """The pixel at a column from the left and a row from the top; None where it is not here."""
         count, width = self.on_object.shape
         if not (0 <= column < width and 0 <= row - self.first_row < count):
             return None
