@@ -362,7 +362,18 @@ def _sessions() -> list[bytes]:
 
     def make(path: Path) -> None:
         few = ["--set", "grid.sigma_n_deg=[0, 1]", "--set", "grid.c_fraction=[0.5, 1]"]
-        words = ["experiment", "simulate", "paper", "-o", str(path), "--observers", "2", *few]
+        words = [
+            "experiment",
+            "simulate",
+            "paper",
+            "-o",
+            str(path),
+            "--observers",
+            "2",
+            "--truth",
+            "cells",
+            *few,
+        ]
         import contextlib
         import io
 
