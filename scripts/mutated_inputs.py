@@ -318,8 +318,9 @@ def run(names: list[str], args: argparse.Namespace) -> int:
 
 def _worst(found: list[Outcome]) -> list[Outcome]:
     """The five slowest and the five largest."""
-    slowest = sorted(found, key=lambda o: -o.seconds)[:5]
-    return [*slowest, *sorted(found, key=lambda o: -o.megabytes)[:5]]
+    largest = sorted(found, key=lambda o: -o.megabytes)[:5]
+    worst = [*sorted(found, key=lambda o: -o.seconds)[:5], *largest]
+    return list({(o.reader, o.number): o for o in worst}.values())
 
 
 def _sum(tallies: list[Tally]) -> Tally:

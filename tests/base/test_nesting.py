@@ -1,4 +1,4 @@
-"""Work is counted before a text is decoded: what the decoders take passes, what is beyond does not."""
+"""Work is counted before a text is decoded: what decoders take passes within the caps."""
 
 import json
 import tomllib
@@ -22,9 +22,9 @@ VALUES = st.recursive(
 #: Pieces of TOML that put scanners out of step.
 PIECES = st.lists(
     st.sampled_from(
-        ["a", "b", '"', "'", '"""', "'''", "\\", '\\"', "#", "=", " = ", ".", ",", "[", "]", "{", "}",
-         "\n", " ", "1", "1.5", "[a]\n", "x = ", "'a.b'", '"a\\"b"', "a.a.a.a.a.a.a.a.a.a.a", "[[a]]\n",
-         '""', "\r\n", "1979-05-27"]
+        ["a", "b", '"', "'", '"""', "'''", "\\", '\\"', "#", "=", " = ", ".", ",", "[", "]", "{",
+         "}", "\n", " ", "1", "1.5", "[a]\n", "x = ", "'a.b'", '"a\\"b"', "a.a.a.a.a.a.a.a.a.a",
+         "[[a]]\n", '""', "\r\n", "1979-05-27"]
     ),
     max_size=25,
 )  # fmt: skip
