@@ -142,7 +142,7 @@ def test_no_limit_ends_in_a_crash(tmp_path, megabytes, kind):
     ],
 )
 def test_estimates_hold(tmp_path, size, use, words):
-    """What a process takes above the smallest picture: a third of the estimate to all of it."""
+    """What a process takes above the smallest picture is at most the estimate, and not far less."""
     name, *more = words
     base = measured_peak("snapshot", "-o", tmp_path / name, "--size", "8x8", *more)
     taken = (
@@ -152,7 +152,9 @@ def test_estimates_hold(tmp_path, size, use, words):
     samples = 3 if "--samples" in more else 1
     backend = "reference" if "reference" in more else "auto"
     estimate = picture_bytes(size, samples, backend=backend, uses=[use])
-    assert estimate / 3.0 < taken < estimate + 20 * MB
+    assert taken < estimate + 20 * MB
+    # Whatever the file, there is room for the parts of an EXR.
+    assert estimate < 1.5 * taken + peak.PART
 
 
 @pytest.mark.slow
