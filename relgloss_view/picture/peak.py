@@ -29,6 +29,7 @@ OTHER_OPERATOR = 340.0
 CELL = 9.0  #: of a picture that a comparison keeps
 PART = 260 * MB  #: of a part of a picture and of what is computed from it
 PART_SHARE = 550.0  #: bytes a pixel, of a picture that is smaller than a part
+CHUNK, CHUNK_SHARE = 420 * MB, 1400.0  #: the same of the reference, whose rows hold every band
 REFERENCE = 56.0 + 14.0  #: diffuse and specular in float64; the silhouette
 
 
@@ -50,14 +51,15 @@ def picture_bytes(
     pictures may go to any file.
     """
     pixels = float(size[0] * size[1])
+    part, share = PART, PART_SHARE
     if backend == "reference":
-        held = REFERENCE
+        held, part, share = REFERENCE, CHUNK, CHUNK_SHARE
     else:
         from relgloss_view.picture.gpu.memory import most_bytes_per_pixel
 
         held = most_bytes_per_pixel(samples)
     held += max(_beside(use) for use in (*uses, "exr"))
-    return pixels * held + min(PART, PART_SHARE * pixels)
+    return pixels * held + min(part, share * pixels)
 
 
 def _beside(use: str) -> float:

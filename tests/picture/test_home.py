@@ -15,8 +15,10 @@ from relgloss_view.picture.output.export import save_frame
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Display
 
-SCENE, LOOK, SIZE = Scene(load_sample("art-coated")), Look(sigma_n_deg=1.0), (24, 16)
+SCENE = Scene(load_sample("art-coated"), display=Display(edges="smooth"))
+LOOK, SIZE = Look(sigma_n_deg=1.0, samples=1), (24, 16)
 OTHER = "opened in another thread; open a renderer in each thread"
 STAGES = (
     "diffuse", "specular", "coverage", "split", "on_object", "light", "lab", "display", "edges",

@@ -106,7 +106,8 @@ def test_a_part_knows_its_neighbours(renderer, monkeypatch):
     assert [p.display[p.own].shape[0] for p in parts] == [16, 16, 16, 2]
 
 
-def test_extremes_of_parts_join_to_those_of_all(rng=np.random.default_rng(1)):
+def test_extremes_of_parts_join_to_those_of_all():
+    rng = np.random.default_rng(1)
     l_d, l_s = rng.uniform(0, 60, 200), rng.uniform(0, 40, 200)
     l_d[150], l_s[150] = l_d[20], l_s[20]
     joined = Extremes.over(l_d[:100], l_s[:100]).joined(Extremes.over(l_d[100:], l_s[100:]))

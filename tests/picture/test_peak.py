@@ -62,7 +62,7 @@ class TestEstimates:
     def test_of_36_megapixels(self):
         assert picture_bytes(BIG) < 2.5 * GB
         assert picture_bytes(BIG, 4) < 3.2 * GB
-        assert picture_bytes(BIG, backend="reference") < 3.2 * GB
+        assert picture_bytes(BIG, backend="reference") < 3.5 * GB
         assert picture_bytes(BIG, uses=["multiscale"]) > 10 * GB
 
     def test_more_takes_more(self):
@@ -107,7 +107,7 @@ def test_opengl_without_room_is_one_line(tmp_path, megabytes):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "megabytes", [12, 30, 60, 100, 150, 200, 300, 450, 600, 800, 1000, 1400, 2000, 4000]
+    "megabytes", [30, 60, 100, 150, 200, 300, 450, 600, 800, 1000, 1400, 2000, 4000]
 )
 @pytest.mark.parametrize("kind", [resource.RLIMIT_AS, resource.RLIMIT_DATA])
 def test_no_limit_ends_in_a_crash(tmp_path, megabytes, kind):
@@ -121,12 +121,10 @@ def test_no_limit_ends_in_a_crash(tmp_path, megabytes, kind):
         ):
             words = ("snapshot", "--size", size, "-o", tmp_path / name, *more)
             status, stderr = limited(megabytes, kind, *words)
-            if megabytes >= 30:  # below, the interpreter itself may not start
-                check_outcome(status, stderr)
+            check_outcome(status, stderr)
     words = ("snapshot", "--backend", "reference", "--size", "64x64", "-o", tmp_path / "a.exr")
     status, stderr = limited(megabytes, kind, *words)
-    if megabytes >= 30:
-        check_outcome(status, stderr)
+    check_outcome(status, stderr)
 
 
 @pytest.mark.slow
@@ -144,7 +142,7 @@ def test_no_limit_ends_in_a_crash(tmp_path, megabytes, kind):
     ],
 )
 def test_estimates_hold(tmp_path, size, use, words):
-    """What a process takes more than the smallest picture: at most the estimate, at least a third."""
+    """What a process takes above the smallest picture is at most the estimate, and not far less."""
     name, *more = words
     base = measured_peak("snapshot", "-o", tmp_path / name, "--size", "8x8", *more)
     taken = (
@@ -154,7 +152,9 @@ def test_estimates_hold(tmp_path, size, use, words):
     samples = 3 if "--samples" in more else 1
     backend = "reference" if "reference" in more else "auto"
     estimate = picture_bytes(size, samples, backend=backend, uses=[use])
-    assert estimate / 3.0 < taken < estimate + 20 * MB
+    assert taken < estimate + 20 * MB
+    # Whatever the file, there is room for the parts of an EXR.
+    assert estimate < 1.5 * taken + peak.PART
 
 
 @pytest.mark.slow
