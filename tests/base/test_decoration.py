@@ -114,15 +114,7 @@ class TestFigures:
         with drawing({"lines.linewidth": 9.0}):  # control: one that is asked for does
             assert matplotlib.rcParams["lines.linewidth"] == 9.0
 
-    @pytest.mark.parametrize(
-        "environment",
-        [
-            {"MPLBACKEND": "nonsense"},
-            {"MPLCONFIGDIR": "/dev/null/nowhere", "HOME": "/dev/null/nowhere"},
-        ],
-        ids=["backend", "folder"],
-    )
-    def test_no_environment_stops_them_or_makes_noise(self, tmp_path, environment):
+    def test_no_environment_stops_them_or_makes_noise(self, tmp_path):
         code = (
             "import sys; from pathlib import Path\n"
             "from relgloss_view.base.figures import *\n"
@@ -130,6 +122,8 @@ class TestFigures:
             "    figure = new_figure(2, 1, dpi=50); figure.text(0.1, 0.5, 'x')\n"
             "    save_figure(figure, sys.argv[1])"
         )
+        gone = "/dev/null/nowhere"
+        environment = {"MPLBACKEND": "nonsense", "MPLCONFIGDIR": gone, "HOME": gone}
         done = subprocess.run(
             [sys.executable, "-c", code, str(tmp_path / "a.png")],
             capture_output=True,

@@ -135,7 +135,7 @@ def test_many_made_tables(tmp_path):
     assert drawn > 0.5 * COUNT
 
 
-@pytest.mark.parametrize("kind", ["no number", "some of each", "negative"])
+@pytest.mark.parametrize("kind", ["no number", "some of each"])
 def test_predictions_that_are_no_numbers(tmp_path, monkeypatch, kind):
     """The page has its points without its lines."""
     grid = fit_cases.GRID[fit_cases.GRID[:, 0] == -40.0]
@@ -148,7 +148,6 @@ def test_predictions_that_are_no_numbers(tmp_path, monkeypatch, kind):
         parts = {
             "no number": [np.nan, np.nan],
             "some of each": [np.nan, -np.inf],
-            "negative": [-1.0, -1.0],
         }[kind]
         value[::2], value[1::2] = parts
         return value
