@@ -350,6 +350,8 @@ class TestNoRoom:
     def test_folder_that_may_not_be_written(self, file):
         made = study(grid=SMALL)
         Store(file, made).close()
+        assert os.stat(file).st_mode & 0o777 == 0o600  # answers of people
+        os.chmod(file, 0o644)
         os.chmod(file.parent, 0o755)
         for parent in list(file.parent.parents)[:3]:
             os.chmod(parent, os.stat(parent).st_mode | 0o055)
@@ -379,6 +381,8 @@ def test_after_a_kill_it_is_read_where_nothing_can_be_written(tmp_path, file):
     )
     done = subprocess.run([sys.executable, "-c", code, str(file)], capture_output=True)
     assert done.returncode == -signal.SIGKILL
+    for left in tmp_path.iterdir():
+        os.chmod(left, 0o644)
     for parent in list(file.parent.parents)[:3]:
         os.chmod(parent, os.stat(parent).st_mode | 0o055)
     os.chmod(tmp_path, 0o755)
