@@ -20,6 +20,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import json
+import math
 import os
 import random
 import secrets
@@ -160,11 +161,13 @@ def main() -> int:
     add = parser.add_argument
     add("--count", type=int, default=100, metavar="N", help="Number of signals (default 100)")
     add("--workers", type=int, default=2, metavar="N", help="Trials at a time (default 2)")
+    add("--minutes", type=float, metavar="T", help="Start no trial after that time")
     add("--seed", type=int, default=1, metavar="N", help="Seed of the moments (default 1)")
     add("--only", action="append", choices=CASES, metavar="NAME", help="Command; may be repeated")
     add("--handlers", choices=HANDLERS, default="noting", help="Handlers of the program")
     add("--json", metavar="FILE", help="File for all trials")
     args = parser.parse_args()
+    end_s = time.monotonic() + 60.0 * (args.minutes or math.inf)
     with tempfile.TemporaryDirectory() as base, x_server() as display:
         home = Path(base)
         cases = {k: c for k, c in CASES.items() if not args.only or k in args.only}
@@ -173,7 +176,8 @@ def main() -> int:
             print("no Xvfb: the windows are left out", file=sys.stderr)
         setup = Setup(home, args.handlers, display)
         setup.prepare({name for case in cases.values() for name in case.needs})
-        usual_s = {name: setup.usual_s(case) for name, case in cases.items()}
+        with ThreadPoolExecutor(args.workers) as pool:
+            usual_s = dict(zip(cases, pool.map(setup.usual_s, cases.values()), strict=True))
         random_ = random.Random(args.seed)
         names = list(cases)
         plan = []
@@ -185,7 +189,11 @@ def main() -> int:
                 until_s = min(until_s, START_S)
             plan.append((name, number, random_.uniform(0.0, until_s), usual_s[name]))
         with ThreadPoolExecutor(args.workers) as pool:
-            trials = list(pool.map(lambda one: setup.trial(*one), plan))
+            made = pool.map(
+                lambda one: setup.trial(*one) if time.monotonic() < end_s else None, plan
+            )
+            trials = [trial for trial in made if trial is not None]
+    print(f"{len(trials)} of {args.count} signals")
     print(summary(trials, usual_s))
     for trial in trials:
         if trial.faults:
