@@ -63,11 +63,11 @@ def run(words: list[str], at: int = 0, sent: int = signal.SIGKILL) -> int:
     """Run a command in a fork as the program does; the signal that ended it."""
 
     def program() -> None:
+        interruptions.SIGNALS.catch()
         with open(os.devnull, "w") as nothing:
             os.dup2(nothing.fileno(), 1)
             os.dup2(nothing.fileno(), 2)
         sys.argv = ["relgloss", *words]
-        interruptions.SIGNALS.catch()
         status = cli.main()
         os._exit(0 if at and status >= 128 else status)
 
