@@ -164,6 +164,7 @@ class TestShaders:
             "NOISY_DIFFUSE",
             "CAPS",
             "AFAR",
+            "SOME_ROWS",
             "FIRST",
             "STRIDE",
             "BLOCK",

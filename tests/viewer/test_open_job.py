@@ -21,7 +21,7 @@ from relgloss_view.material.files import load_material, save_material
 from relgloss_view.measure.readers import read_measurement
 from relgloss_view.picture.scene.file_kinds import MATERIAL, MEASUREMENT, SCENE, kind_of
 from relgloss_view.picture.scene.sample import Sample
-from relgloss_view.viewer.files import open_job
+from relgloss_view.viewer.files import open_job, own_materials
 from relgloss_view.viewer.files.fit_process import FitProcess
 from relgloss_view.viewer.files.open_job import OpenJob
 from relgloss_view.viewer.files.own_materials import keep_material, safe_name
@@ -441,12 +441,9 @@ class TestOwnMaterials:
         monkeypatch.undo()
 
         def broken(source, target):
-            if not str(target).endswith("-1.json"):
-                return real(source, target)
             raise OSError(5, "Input/output error")
 
-        real = os.replace
-        monkeypatch.setattr(os, "replace", broken)
+        monkeypatch.setattr(own_materials, "move_new", broken)
         with pytest.raises(InputError, match="Input/output error"):
             keep_material(material, tmp_path / "new")
         assert list((tmp_path / "new").iterdir()) == []

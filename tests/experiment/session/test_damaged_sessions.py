@@ -7,8 +7,8 @@ import os
 import shutil
 import sqlite3
 
+import damaged_sessions
 import kills
-import mutations
 import pytest
 
 from relgloss_view.base.errors import InputError
@@ -20,14 +20,14 @@ from relgloss_view.experiment.session.store import Store
 @pytest.fixture(scope="module")
 def originals(tmp_path_factory):
     folder = tmp_path_factory.mktemp("originals")
-    return mutations.originals(folder)
+    return damaged_sessions.originals(folder)
 
 
 def test_whole_files_are_used(originals, tmp_path):
     """The control of what follows."""
     for file in originals:
         shutil.copyfile(file, tmp_path / "s.sqlite")
-        assert mutations.judged(tmp_path / "s.sqlite", tmp_path, whole=False) == (None, 0)
+        assert damaged_sessions.judged(tmp_path / "s.sqlite", tmp_path, whole=False) == (None, 0)
 
 
 def test_a_fault_is_seen(originals, tmp_path, monkeypatch):
@@ -38,21 +38,21 @@ def test_a_fault_is_seen(originals, tmp_path, monkeypatch):
         raise OSError("of a decoder")
 
     monkeypatch.setattr("relgloss_view.experiment.session.records._read_runs", broken)
-    fault, refused = mutations.judged(tmp_path / "s.sqlite", tmp_path, whole=False)
+    fault, refused = damaged_sessions.judged(tmp_path / "s.sqlite", tmp_path, whole=False)
     assert (fault, refused) == (None, 1)
-    monkeypatch.setattr(mutations, "read_pool", broken)
-    fault, _ = mutations.judged(tmp_path / "s.sqlite", tmp_path, whole=False)
+    monkeypatch.setattr(damaged_sessions, "read_pool", broken)
+    fault, _ = damaged_sessions.judged(tmp_path / "s.sqlite", tmp_path, whole=False)
     assert "of a decoder" in fault
 
 
 def test_some_damaged_files(originals):
-    faults = [mutations.one(k, originals[0].parent)[1] for k in range(30)]
+    faults = [damaged_sessions.one(k, originals[0].parent)[1] for k in range(30)]
     assert faults == [None] * 30
 
 
 @pytest.mark.slow
 def test_more_damaged_files():
-    assert mutations.main(["--count", "1500", "--workers", "2", "--seed", "5000"]) == []
+    assert damaged_sessions.main(["--count", "1500", "--workers", "2", "--seed", "5000"]) == []
 
 
 @pytest.mark.slow
@@ -74,7 +74,7 @@ def test_the_former_way_loses_answers():
     assert all(silent == 0 for _, _, silent, _, _ in sums.values())
 
 
-@pytest.mark.parametrize("change", mutations.SCHEMAS)
+@pytest.mark.parametrize("change", damaged_sessions.SCHEMAS)
 def test_other_tables_are_refused_at_once(originals, tmp_path, change):
     """One of them is a view that never ends: who asks it is never answered."""
     file = tmp_path / "s.sqlite"
@@ -88,13 +88,13 @@ def test_other_tables_are_refused_at_once(originals, tmp_path, change):
         assert len(str(caught.value).splitlines()) == 1
 
 
-@pytest.mark.parametrize("text", mutations.TEXTS, ids=range(len(mutations.TEXTS)))
+@pytest.mark.parametrize("text", damaged_sessions.TEXTS, ids=range(len(damaged_sessions.TEXTS)))
 def test_details_of_any_kind(originals, tmp_path, text):
     file = tmp_path / "s.sqlite"
     shutil.copyfile(originals[0], file)
     with contextlib.closing(sqlite3.connect(file)) as connection, connection:
         connection.execute("UPDATE observer SET details = ?", (text,))
-    assert mutations.judged(file, tmp_path, whole=False)[0] is None
+    assert damaged_sessions.judged(file, tmp_path, whole=False)[0] is None
     with contextlib.suppress(InputError):
         for details in read_record(file, tmp_path).details:
             assert len(str(details)) < file_checks.MOST_TEXT_BYTES

@@ -1,6 +1,6 @@
 """Session files that are damaged at random, and what the program makes of each.
 
-Run: python tests/experiment/session/mutations.py --count 100000 --workers 16
+Run: python tests/experiment/session/damaged_sessions.py --count 100000 --workers 16
 
 Each file is read as `analyse` and `export` do, and opened as `run` does. Anything but a result or
 one line (InputError) is a fault; status 1 if there is any. Prints the slowest, and the memory.
