@@ -28,7 +28,9 @@ MODULE = "relgloss_view.cli"
 WORDS = "interrupted; no file is left half written"
 #: By which programs are ended, where the system has them: Ctrl-C, `kill`, a closed terminal.
 NAMES = ("SIGINT", "SIGTERM", "SIGHUP")
-AGAIN_S = 3.0  #: a signal sooner after the first is the same wish; a later one leaves at once
+#: A signal sooner after the first is the same wish; a later one leaves at once. So long an
+#: interruption may take to clean up.
+AGAIN_S = 3.0
 STEP_S = 0.05  #: of waits, between two checkpoints
 
 
@@ -46,7 +48,7 @@ class Signals:
     def __init__(self) -> None:
         self.number: int | None = None  #: the first signal that was noted
         self.raised = False  #: whether `checkpoint` has raised it
-        self._noted_s = 0.0
+        self._noted_s = self._raised_s = 0.0
         self._held = 0  #: blocks in which no checkpoint raises
         self._commits = 0  #: those among them that a second signal must not leave
         self._caught: list[int] = []
@@ -95,15 +97,14 @@ class Signals:
     def checkpoint(self) -> None:
         """Raise Interrupted if a signal was noted: once, so that it disturbs no clean-up.
 
-        In other threads than the main one, and while held, nothing happens.
+        Again where the work still goes on AGAIN_S later: something has swallowed the first. In
+        other threads than the main one, and while held, nothing happens.
         """
-        if (
-            self.number is not None
-            and not self.raised
-            and not self._held
-            and _thread.get_ident() == self._main
-        ):
-            self.raised = True
+        if self.number is None or self._held or _thread.get_ident() != self._main:
+            return
+        now_s = time.monotonic()
+        if not self.raised or now_s > self._raised_s + AGAIN_S:
+            self.raised, self._raised_s = True, now_s
             raise Interrupted(self.number)
 
     def hold(self, commits: int) -> None:

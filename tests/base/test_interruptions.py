@@ -89,13 +89,16 @@ def signals(monkeypatch):
     return one
 
 
-def test_a_checkpoint_raises_once_and_only_what_was_noted(signals):
+def test_a_checkpoint_raises_once_and_only_what_was_noted(signals, monkeypatch):
     interruptions.checkpoint()
     signals._note(signal.SIGTERM, None)
     with pytest.raises(interruptions.Interrupted) as raised:
         interruptions.checkpoint()
     assert raised.value.exit_status == 143
     interruptions.checkpoint()  # a clean-up passes here
+    monkeypatch.setattr(interruptions.time, "monotonic", lambda then=time.monotonic() + 3.1: then)
+    with pytest.raises(interruptions.Interrupted):  # the first was swallowed
+        interruptions.checkpoint()
     assert signals.noted
 
 
