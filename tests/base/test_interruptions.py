@@ -96,7 +96,8 @@ def test_a_checkpoint_raises_once_and_only_what_was_noted(signals, monkeypatch):
         interruptions.checkpoint()
     assert raised.value.exit_status == 143
     interruptions.checkpoint()  # a clean-up passes here
-    monkeypatch.setattr(interruptions.time, "monotonic", lambda then=time.monotonic() + 3.1: then)
+    later_s = time.monotonic() + 3.1
+    monkeypatch.setattr(interruptions.time, "monotonic", lambda: later_s)
     with pytest.raises(interruptions.Interrupted):  # the first was swallowed
         interruptions.checkpoint()
     assert signals.noted
