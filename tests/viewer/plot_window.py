@@ -48,8 +48,7 @@ def models(names: set[str]) -> dict:
     from relgloss_view.picture.gpu.renderer import Renderer
     from relgloss_view.picture.scene.sample import Sample, load_sample
     from relgloss_view.picture.scene.setup import Eye
-    from relgloss_view.viewer.plots.lightness import Lightness
-    from relgloss_view.viewer.plots.readout import Stages
+    from relgloss_view.picture.stages import KEPT
     from relgloss_view.viewer.state.model import Model
     from relgloss_view.viewer.state.state import Side, State
 
@@ -99,7 +98,8 @@ def models(names: set[str]) -> dict:
             own: Side = state.side(side)
             frame = renderer.render(state.scene(side), own.look, size)
             if name != "gone":
-                Stages.of(frame), Lightness.of(frame)  # the frame keeps what it has fetched
+                for kept in KEPT.values():  # the frame keeps what it has fetched
+                    getattr(frame, kept)
             model.frames[side] = frame
         if name == "dragged":  # frames of another c, of which nothing is fetched, nor ever can be
             model.later = {
