@@ -81,21 +81,18 @@ class FolderOutput(Output):
 def put_in_place(outputs: Sequence[Output]) -> None:
     """Commit outputs; InputError, and nothing has changed, where one can't be put in place.
 
-    A signal is obeyed before it or after it.
+    A signal is obeyed before the first move, also while another program writes there, or after the
+    last one.
     """
     checkpoint()
-    with uninterrupted():
-        _put_in_place(outputs)
-
-
-def _put_in_place(outputs: Sequence[Output]) -> None:
     wanted = _absorbed(list({output.target: output for output in outputs}.values()))
     if not wanted:
         return
     if len(wanted) == 1 and not _is_there(wanted[0]):
         output = wanted[0]
         try:
-            _put_one(output)
+            with uninterrupted():
+                _put_one(output)
             return
         except FileExistsError as error:
             if not isinstance(output, FolderOutput):
@@ -157,7 +154,7 @@ def _commit(outputs: list[Output]) -> None:
     places |= {output.holder.parent for output in outputs}
     places |= {output.target for output in outputs if isinstance(output, FolderOutput)}
     try:
-        with temporaries.locked_places(places) as locked:
+        with temporaries.locked_places(places) as locked, uninterrupted():
             for place in sorted(places):
                 temporaries.sweep(place, again=True, locked=locked)
             _commit_locked(outputs)

@@ -25,6 +25,7 @@ from typing import BinaryIO
 
 from relgloss_view.base import journal
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.interruptions import pause
 
 try:
     import fcntl
@@ -218,8 +219,8 @@ def locked_places(
 ) -> Iterator[set[Place]]:
     """Keep other programs from committing in these folders; the folders, with those of `have`.
 
-    Raises BlockingIOError where another one does for longer than `wait_s`. Where there are no locks
-    it goes on without.
+    Raises BlockingIOError where another one does for longer than `wait_s`; the wait has checkpoints.
+    Where there are no locks it goes on without.
     """
     held = set(have)
     with contextlib.ExitStack() as stack:
@@ -233,7 +234,7 @@ def locked_places(
                 if time.monotonic() >= deadline_s:
                     text = "another program is writing there"
                     raise BlockingIOError(errno.EWOULDBLOCK, text)
-                time.sleep(LOCK_RETRY_S)
+                pause(LOCK_RETRY_S)
             if lock is not None and lock != TAKEN:
                 stack.callback(os.close, lock)
             held.add(number)

@@ -7,6 +7,7 @@ import errno
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -17,7 +18,7 @@ import kill_points
 import pytest
 
 from relgloss_view import cli
-from relgloss_view.base import file_system, journal, temporaries
+from relgloss_view.base import file_system, interruptions, journal, temporaries
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.writing import fresh_file, together, whole_file, whole_folder
 
@@ -413,6 +414,25 @@ class TestSeveralPrograms:
         names = [p.name for p in rep.iterdir() if p.name != MARK]
         assert len(names) == 3
         assert {name.partition("-")[0] for name in names} == {str(by)}
+        assert kill_points.temporary(tmp_path) == []
+
+    def test_a_signal_ends_the_wait_for_another_program(self, tmp_path, monkeypatch):
+        """The other one holds the lock; the signal comes while this one waits for it."""
+        fill(tmp_path)
+        before, real = kill_points.tree(tmp_path), temporaries._lock
+        signals = interruptions.Signals()
+        monkeypatch.setattr(interruptions, "SIGNALS", signals)
+
+        def lock(path):
+            if path != str(tmp_path):
+                return real(path)
+            signals.number = signal.SIGINT
+            return temporaries.TAKEN
+
+        monkeypatch.setattr(temporaries, "_lock", lock)
+        with pytest.raises(interruptions.Interrupted):
+            write_folder(tmp_path / "rep")
+        assert kill_points.tree(tmp_path) == before
         assert kill_points.temporary(tmp_path) == []
 
     def test_a_folder_that_somebody_else_makes_meanwhile(self, tmp_path):
