@@ -61,7 +61,7 @@ def check_regular(path: str | os.PathLike[str], expected: str) -> Path:
 def _check_kind(path: str | os.PathLike[str], mode: int, expected: str) -> None:
     if not stat.S_ISREG(mode):
         kind = "a folder" if stat.S_ISDIR(mode) else "not a regular file"
-        raise InputError(f"{path}: this is {kind}; give {expected}")
+        raise InputError(f"{named(path)}: this is {kind}; give {expected}")
 
 
 def read_text(path: str | os.PathLike[str], most_bytes: int, expected: str) -> str:
@@ -75,7 +75,7 @@ def read_text(path: str | os.PathLike[str], most_bytes: int, expected: str) -> s
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(
-            f"{file}: byte {error.start}: not UTF-8 text; give {expected} saved as UTF-8"
+            f"{named(file)}: byte {error.start}: not UTF-8 text; give {expected} saved as UTF-8"
         ) from None
 
 
@@ -105,7 +105,7 @@ def read_opened(
     except OSError as error:
         raise unreadable(path, error, expected) from None
     if len(data) > most_bytes:
-        raise InputError(f"{path}: larger than {most_bytes} bytes; give {expected}")
+        raise InputError(f"{named(path)}: larger than {most_bytes} bytes; give {expected}")
     return data
 
 
@@ -134,12 +134,14 @@ def decoding(path: str | os.PathLike[str], expected: str) -> Iterator[None]:
     except OSError as error:
         raise unreadable(path, error, expected) from error
     except MemoryError as error:
-        raise InputError(f"{path}: not enough memory to read it; give {expected}") from error
+        raise InputError(f"{named(path)}: not enough memory to read it; give {expected}") from error
     except RecursionError as error:
-        raise InputError(f"{path}: its parts are nested too deeply; give {expected}") from error
+        raise InputError(
+            f"{named(path)}: its parts are nested too deeply; give {expected}"
+        ) from error
     except Exception as error:
         kind = type(error).__name__
-        raise InputError(f"{path}: can't be decoded ({kind}); give {expected}") from error
+        raise InputError(f"{named(path)}: can't be decoded ({kind}); give {expected}") from error
 
 
 def unreadable(
@@ -147,7 +149,17 @@ def unreadable(
 ) -> InputError:
     """The InputError of a file that can't be read; a ValueError means an impossible file name."""
     reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-    return InputError(f"{path}: can't be read ({reason}); check the name, give {expected}")
+    return InputError(f"{named(path)}: can't be read ({reason}); check the name, give {expected}")
+
+
+def named(path: str | os.PathLike[str]) -> str:
+    """A file's name for a message; of a very long one, which another file may hold, both ends.
+
+    >>> named("a.csv"), len(named(4000 * "a"))
+    ('a.csv', 300)
+    """
+    name = os.fspath(path)
+    return name if len(name) <= 300 else f"{name[:95]} ... {name[-200:]}"
 
 
 def printable(text: object, limit: int = 200) -> str:

@@ -37,7 +37,7 @@ def read_losses(connection: sqlite3.Connection, *, has_table: bool) -> tuple[Los
 
     has_table: whether the file is of a version that has a table for them; before, it was an event.
     """
-    query = "SELECT kind, NULL FROM event WHERE kind = ?1"
+    query = "SELECT kind, NULL FROM event WHERE kind = ?"
     if has_table:
         query += " UNION ALL SELECT cause, answers FROM loss"
     losses = []
