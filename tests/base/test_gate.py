@@ -33,8 +33,6 @@ ELSEWHERE = {
     "experiment/report/page.py": "what it has just written", "picture/output/png16.py": "writes",
     "picture/output/icc.py": "what it has made itself",
     "experiment/design/study_file.py": "copies what it has made",
-    "experiment/session/file_checks.py": "sessions have a gate of their own",
-    "experiment/session/former_log.py": "sessions have a gate of their own",
     "commands/experiment_new.py": "an asset", "commands/doctor.py": "the answer of its own child",
     "picture/gpu/shader.py": "a shader of its own", "bench/speed/floor.py": "a shader of its own",
     "bench/speed/machine.py": "/proc", "bench/peers/mitsuba_peer.py": "its own parent",
