@@ -16,7 +16,6 @@ Everything is on the disk before the first name changes.
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import secrets
 import stat
@@ -37,9 +36,8 @@ from relgloss_view.base.file_system import (
 )
 from relgloss_view.base.interruptions import checkpoint, uninterrupted
 from relgloss_view.base.journal import Journal, Move
+from relgloss_view.base.json_files import read_mark
 from relgloss_view.base.merging import NotMergeable, merge
-
-MAX_MARKER_BYTES = 64 * 1024 * 1024
 
 
 @dataclass(eq=False)
@@ -294,18 +292,11 @@ def _folder_moves(output: FolderOutput) -> list[Move]:
 def _check_neighbour(output: FolderOutput) -> None:
     """InputError where a folder that did not exist has been made by somebody else meanwhile."""
     old = output.target
-    formats = [_format(folder / output.last) for folder in (old, output.staged)]
-    if any(old.iterdir()) and (formats[0] is None or formats[0] != formats[1]):
+    theirs, ours = (
+        read_mark(folder / output.last).get("format") for folder in (old, output.staged)
+    )
+    if any(old.iterdir()) and (theirs is None or theirs != ours):
         raise InputError(f"{output.name}: was made by another program meanwhile; choose another")
-
-
-def _format(file: Path) -> object:
-    try:
-        if file.stat().st_size > MAX_MARKER_BYTES:
-            return None
-        return json.loads(file.read_bytes())["format"]
-    except (OSError, ValueError, LookupError, TypeError, RecursionError):
-        return None
 
 
 def _is_file_in(folder: Path, name: str) -> bool:

@@ -20,6 +20,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from relgloss_view.base.errors import InputError
 from relgloss_view.base.file_system import (
     REFUSED,
     Identity,
@@ -28,11 +29,12 @@ from relgloss_view.base.file_system import (
     move_new,
     sync,
 )
+from relgloss_view.base.json_files import read_json
 from relgloss_view.base.merging import take_apart
 
 JOURNAL, COMMITTED, UNDOING = "journal.json", "committed", "undoing"
 FORMAT, VERSION = "relgloss-commit", 1
-MAX_BYTES = 16 * 1024 * 1024
+MOST_BYTES = 16 * 1024 * 1024
 MOST_TRIES = 5
 
 
@@ -175,10 +177,7 @@ def _second_name(file: Path, name: Path) -> None:
 def read(holder: Path) -> Journal | None:
     """The journal of a temporary folder; None where there is none, or it is not whole."""
     try:
-        file = holder / JOURNAL
-        if file.lstat().st_size > MAX_BYTES:
-            return None
-        content = json.loads(file.read_text(encoding="utf-8"))
+        content = read_json(holder / JOURNAL, MOST_BYTES, "a journal of relgloss")
         if (content["format"], content["version"]) != (FORMAT, VERSION):
             return None
         moves = [_move_of(entry) for entry in content["moves"]]
@@ -187,7 +186,7 @@ def read(holder: Path) -> Journal | None:
         if not key.isalnum():
             return None
         return Journal(holder, key, moves, str(content["primary"]), others)
-    except (OSError, ValueError, LookupError, TypeError, RecursionError):
+    except (InputError, ValueError, LookupError, TypeError):
         return None
 
 

@@ -60,6 +60,11 @@ def rooms() -> Iterator[Room]:
     yield from _resource_limits()
 
 
+def available_bytes() -> float | None:
+    """Memory that this process may still take, by the tightest limit; None where none is known."""
+    return min((room.left for room in rooms() if room.of == "resident"), default=None)
+
+
 def check_room(need: Need, task: str, remedy: str) -> None:
     """Raise InputError where a task needs more memory than there is.
 

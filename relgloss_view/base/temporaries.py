@@ -219,8 +219,8 @@ def locked_places(
 ) -> Iterator[set[Place]]:
     """Keep other programs from committing in these folders; the folders, with those of `have`.
 
-    Raises BlockingIOError where another one does for longer than `wait_s`; the wait has checkpoints.
-    Where there are no locks it goes on without.
+    Waits, with checkpoints; raises BlockingIOError where another one does that for longer than
+    `wait_s`. Where there are no locks it goes on without.
     """
     held = set(have)
     with contextlib.ExitStack() as stack:

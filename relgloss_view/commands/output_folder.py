@@ -8,12 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.json_files import read_json
+from relgloss_view.base.json_files import read_mark
 from relgloss_view.base.temporaries import is_temporary, sweep
-
-EXPECTED = "a manifest"
-#: Of the JSON file that marks a folder as a command's own.
-MAX_BYTES, MOST_VALUES = 64 * 1024 * 1024, 5_000_000
 
 
 def own_folder(name: str, ours: Mapping[str, str], what: str, *, alone: bool = False) -> Path:
@@ -32,7 +28,7 @@ def own_folder(name: str, ours: Mapping[str, str], what: str, *, alone: bool = F
         raise InputError(f"{name or '-o'}: {problem}; give the name of a folder with -o")
     for file, form in ours.items():
         if os.path.lexists(folder / file):
-            if _format(folder / file) != form:
+            if read_mark(folder / file).get("format") != form:
                 raise InputError(
                     f"{folder / file}: was not written by relgloss {what}; choose another folder"
                 )
@@ -47,19 +43,11 @@ def own_folder(name: str, ours: Mapping[str, str], what: str, *, alone: bool = F
 def stimuli_files(folder: Path, manifest: str) -> list[str]:
     """Names of the pictures that a manifest in a folder lists, as a former run wrote them."""
     try:
-        content = read_json(folder / manifest, MAX_BYTES, EXPECTED, most_values=MOST_VALUES)
-        return [str(entry["file"]) for entry in content["stimuli"]]
-    except (InputError, LookupError, TypeError):
+        return [str(entry["file"]) for entry in read_mark(folder / manifest)["stimuli"]]
+    except (LookupError, TypeError):
         return []
 
 
 def _empty(folder: Path) -> bool:
     """Whether a folder holds nothing, or only what a run that was killed or is at work has left."""
     return all(is_temporary(entry.name) for entry in folder.iterdir())
-
-
-def _format(file: Path) -> object:
-    try:
-        return read_json(file, MAX_BYTES, EXPECTED, most_values=MOST_VALUES)["format"]
-    except (InputError, LookupError, TypeError):
-        return None

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, NoReturn
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.nesting import check_json
+from relgloss_view.base.json_files import parse_json
 from relgloss_view.base.reading import printable, read_text, refuse, text
 from relgloss_view.base.writing import whole_file
 from relgloss_view.material.material import MAX_LOBES, Diffuse, FitRecord, Lobe, Material, Quality
@@ -104,18 +104,14 @@ def load_material(path: str | os.PathLike[str]) -> Material:
     read = read_text(path, MAX_BYTES, "a material file (JSON)")
     remedy = "a material is written by `relgloss fit`"
     try:
-        check_json(read)
-        content = json.loads(
+        content = parse_json(
             read, parse_constant=_no_constant, parse_int=_integer, object_pairs_hook=_unique
         )
+    except InputError as error:
+        raise InputError(f"{path}: {error}; {remedy}") from error
+    try:
         _refuse_surrogates(content, read)
         return material_from_dict(content)
-    except json.JSONDecodeError as error:
-        raise InputError(
-            f"{path}: line {error.lineno}, column {error.colno}: not JSON ({error.msg}); {remedy}"
-        ) from error
-    except RecursionError as error:
-        raise InputError(f"{path}: lists or objects are nested too deeply; {remedy}") from error
     except ValueError as error:
         raise InputError(f"{path}: {error}; {remedy}") from error
     except InputError as error:

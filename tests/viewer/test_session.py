@@ -17,7 +17,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.viewer.state import places, session
 from relgloss_view.viewer.state.session import Autosave, Restored, restore
 from relgloss_view.viewer.state.state import State
-from relgloss_view.viewer.state.state_file import load_state, save_state
+from relgloss_view.viewer.state.state_file import load_state
 
 LIMIT_S = 60.0
 
@@ -178,19 +178,6 @@ class TestRestore:
         autosave.save()
         (tmp_path / "away").rename(first.file)
         assert restore(path) == Restored(state)
-
-    def test_leftovers_of_a_killed_writer_go_when_they_are_old(self, path):
-        path.parent.mkdir()
-        save_state(path, seeded(1))
-        old, new, other = (
-            path.parent / n for n in (".session.a.toml", ".session.b.toml", "c.toml")
-        )
-        for file in (old, new, other):
-            file.write_text("half")
-        for file in (old, other):
-            os.utime(file, (time.time() - 3600, time.time() - 3600))
-        assert restore(path).state == seeded(1)
-        assert names(path.parent) == [".session.b.toml", "c.toml", "session.toml"]
 
 
 WRITER = """

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import datetime
-import os
 import platform
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any
 
 import moderngl
 
+from relgloss_view.base.room import processors
 from relgloss_view.base.version import __version__
 from relgloss_view.picture.gpu.context import describe
 
@@ -23,19 +23,12 @@ def machine(ctx: moderngl.Context) -> dict[str, Any]:
         "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
         "relgloss": __version__,
         "cpu": cpu_model(),
-        "cores": cores(),
+        "cores": processors(),
         "system": f"{platform.system()} {platform.machine()}",
         "python": platform.python_version(),
         "libraries": {name: _version(name) for name in LIBRARIES},
         "opengl": describe(ctx),
     }
-
-
-def cores() -> int:
-    """Processors that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def cpu_model() -> str:
@@ -49,16 +42,6 @@ def cpu_model() -> str:
     if "model" in known and "cpu family" in known:
         name += f" (family {known['cpu family']}, model {known['model']})"
     return name
-
-
-def available_bytes() -> int | None:
-    """Memory that can still be had, where the system tells it."""
-    try:
-        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
-    except OSError:
-        return None
-    known = dict(_entry(line) for line in lines if ":" in line)
-    return 1024 * int(known["MemAvailable"].split()[0]) if "MemAvailable" in known else None
 
 
 def _entry(line: str) -> tuple[str, str]:

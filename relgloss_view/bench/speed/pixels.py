@@ -13,9 +13,9 @@ import moderngl
 import numpy as np
 
 from relgloss_view.base.errors import RelglossError
+from relgloss_view.base.room import available_bytes
 from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.bench.speed.floor import FillFloor
-from relgloss_view.bench.speed.machine import available_bytes
 from relgloss_view.bench.speed.scenes import ChartScene
 from relgloss_view.bench.speed.tasks import Drawing, Floor, pass_1_changed
 from relgloss_view.bench.speed.timing import PER_VISIT, Times, take_turns

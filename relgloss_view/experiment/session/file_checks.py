@@ -16,13 +16,13 @@ from functools import lru_cache
 from pathlib import Path
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.reading import check_regular, printable, unreadable
+from relgloss_view.base.reading import printable, read_beginning, unreadable
 
 EXPECTED = "a session file that `relgloss experiment` wrote"
 DAMAGED = "the file is damaged; take a copy of it that is whole"
 APPLICATION_ID = 0x52476C45  #: "RGlE"
 FORMER, VERSION = 1, 2  #: a file of version 1 has no tally, and has kept a log beside it
-MAGIC = b"SQLite format 3\0"
+MAGIC, HEADER_BYTES = b"SQLite format 3\0", 100
 MOST_BYTES = 2**30  #: of a file, and of its journal: a million answers take a fifth of that
 MOST_TEXT_BYTES = 32 * 2**20  #: of one value: twice the largest ICC profile
 MOST_ROWS = 1_000_000  #: of a table
@@ -105,12 +105,10 @@ def beside(file: Path, suffix: str) -> Path:
 
 def look_at(path: str | os.PathLike[str]) -> Found:
     """Look at a session file and what lies beside it, without SQLite; InputError for any other."""
-    check_regular(path, EXPECTED)
+    header = read_beginning(path, HEADER_BYTES, EXPECTED)
     file = Path(os.path.realpath(path))
     try:
         size = os.path.getsize(file)
-        with open(file, "rb") as opened:
-            header = opened.read(100)
         for suffix in (JOURNAL, LOG, LOG_INDEX):
             _check_beside(beside(file, suffix))
         journal, log = _first_byte(beside(file, JOURNAL)), _first_byte(beside(file, LOG))
@@ -118,7 +116,7 @@ def look_at(path: str | os.PathLike[str]) -> Found:
         raise unreadable(path, error, EXPECTED) from None
     if size > MOST_BYTES:
         raise InputError(f"{printable(path)}: larger than any session; give {EXPECTED}")
-    if len(header) < 100 or not header.startswith(MAGIC):
+    if len(header) < HEADER_BYTES or not header.startswith(MAGIC):
         raise InputError(f"{printable(path)}: not a session file; give {EXPECTED}")
     if int.from_bytes(header[68:72], "big") != APPLICATION_ID:
         raise InputError(f"{printable(path)}: not a session file; give {EXPECTED}")
@@ -149,9 +147,10 @@ def _check_beside(file: Path) -> None:
 def _first_byte(file: Path) -> int | None:
     """The first byte of a file; None where there is none."""
     try:
-        with open(file, "rb") as opened:
-            byte = opened.read(1)
-    except FileNotFoundError:
+        byte = read_beginning(file, 1, EXPECTED)
+    except InputError:
+        if os.path.lexists(file):
+            raise
         return None
     return byte[0] if byte else None
 

@@ -14,8 +14,10 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from relgloss_view.base.reading import open_regular
 from relgloss_view.experiment.session.losses import LOG_DAMAGED, LOG_MISSING, Loss
 
+EXPECTED = "the log of a session file"
 HEADER_BYTES, FRAME_BYTES = 32, 24
 Words = npt.NDArray[np.uint64]
 MAGIC = 0x377F0682  #: the lowest bit: checksums of big-endian words
@@ -36,7 +38,7 @@ def lost_with(log: Path) -> Loss | None:
 
 
 def _is_whole(log: Path, size: int) -> bool:
-    with open(log, "rb") as file:
+    with open_regular(log, EXPECTED) as file:
         header = file.read(HEADER_BYTES)
         if len(header) < HEADER_BYTES:
             return False

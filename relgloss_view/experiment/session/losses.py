@@ -47,10 +47,10 @@ def read_losses(connection: sqlite3.Connection, *, has_table: bool) -> tuple[Los
         ):
             raise ValueError("loss")
         losses.append(Loss(cause, answers))
-    return together(losses)
+    return summed(losses)
 
 
-def together(losses: Iterable[Loss]) -> tuple[Loss, ...]:
+def summed(losses: Iterable[Loss]) -> tuple[Loss, ...]:
     """The losses, each cause once: with the sum of its answers, None where one is not known."""
     sums: dict[str, int | None] = {}
     for loss in losses:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import sqlite3
 from collections.abc import Iterable, Iterator
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.json_files import parse_json
 from relgloss_view.base.reading import printable
 from relgloss_view.experiment.design.study import QUESTIONS, Study
 from relgloss_view.experiment.design.study_file import study_from_dict
@@ -22,6 +22,7 @@ from relgloss_view.experiment.session.losses import Loss
 PERSON, SIMULATED = "person", "simulated"
 MOST_TEXT = 65_536  #: characters of a text, but for the study's
 MOST_DEPTH, MOST_VALUES = 4, 2_000  #: of a value in JSON
+MOST_STUDY_VALUES = 5_000_000  #: of a study in JSON, with its materials
 LARGEST = 2**53  #: of numbers without another limit; a float holds each below exactly
 
 
@@ -146,7 +147,7 @@ def read_study(
     with damaged_rows(path):
         version = _text(version, "study.version")
     try:
-        return study_from_dict(json.loads(content), lamp_folder), digest, version
+        return study_from_dict(parse_json(content, MOST_STUDY_VALUES), lamp_folder), digest, version
     except InputError as error:
         raise InputError(f"{printable(path)}: the study in it: {error}") from error
     except Exception as error:
@@ -273,9 +274,9 @@ def _one_of(choices: Iterable[str], value: object, what: str) -> str:
 def _object(written: object, what: str) -> dict[str, Any]:
     """An object in JSON as programs write it: flat, short, with finite numbers."""
     try:
-        content = json.loads(_text(written, what))
+        content = parse_json(_text(written, what), MOST_VALUES)
         left = _checked(content, MOST_DEPTH, MOST_VALUES)
-    except (ValueError, RecursionError):
+    except (InputError, ValueError):
         raise ValueError(what) from None
     if not isinstance(content, dict) or left < 0:
         raise ValueError(what)

@@ -41,7 +41,7 @@ from relgloss_view.experiment.session.file_checks import (
     check_tables,
     look_at,
 )
-from relgloss_view.experiment.session.losses import Loss, read_losses, together
+from relgloss_view.experiment.session.losses import Loss, read_losses, summed
 from relgloss_view.experiment.session.tally import Tally
 
 JOURNAL_MODE, SYNCHRONOUS = "PERSIST", "EXTRA"  #: measured in docs/experiment.md
@@ -276,7 +276,7 @@ def _check(
             raise InputError(f"{printable(path)}: the study in it is damaged; take a whole copy")
     now: tuple[Loss, ...] = () if before is None else (before,)
     now += tallies.find_losses(connection, tally, tallies.recall(found.file))
-    return Opened(connection, tally, together([*kept, *now]), now)
+    return Opened(connection, tally, summed([*kept, *now]), now)
 
 
 def _put_right(opened: Opened, path: str | os.PathLike[str]) -> Tally:

@@ -6,10 +6,8 @@ moment leaves the one before. Of two windows the last to write wins.
 
 from __future__ import annotations
 
-import contextlib
 import os
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,7 +20,6 @@ from relgloss_view.viewer.state.state_file import load_state, save_state
 
 WAIT_S = 0.5  #: from a change until it is written
 WAIT_AFTER_FAULT_S = 30.0
-LEFTOVER_S = 60.0  #: age from which a temporary file has nobody any more who would finish it
 MOST_DAMAGED = 99
 MOST_BLANK_BYTES = 4096
 
@@ -106,7 +103,6 @@ def restore(path: str | os.PathLike[str]) -> Restored:
     file is moved aside beside itself, so that nothing of it is lost.
     """
     path = Path(path)
-    _sweep(path)
     if not os.path.lexists(path):
         return Restored()
     try:
@@ -134,19 +130,3 @@ def _move_aside(path: Path) -> str:
             return f"it can't be moved aside ({error.strerror}); starting afresh"
         return f"it is kept as {name}; starting afresh"
     raise AssertionError("the last name is always taken")
-
-
-def _sweep(path: Path) -> None:
-    """Remove the remains of a file that a killed program was writing."""
-    with contextlib.suppress(OSError):
-        for leftover in _leftovers(path):
-            with contextlib.suppress(OSError):
-                if time.time() - leftover.stat().st_mtime > LEFTOVER_S:
-                    leftover.unlink()
-
-
-def _leftovers(path: Path) -> Iterator[Path]:
-    """The temporary files of atomic.whole_file for this path."""
-    for entry in path.parent.iterdir():
-        if entry.name.startswith(f".{path.stem}.") and entry.suffix == path.suffix:
-            yield entry
