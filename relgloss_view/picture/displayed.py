@@ -15,7 +15,10 @@ from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.silhouette import smoothed
 from relgloss_view.picture.model.tone import DisplayModel
-from relgloss_view.picture.stages import Part
+from relgloss_view.picture.stages import Part, parts_of
+
+#: What is computed from one pixel of a picture on its way takes some 200 bytes.
+PIXELS_AT_A_TIME = 1 << 16
 
 
 @dataclass(frozen=True)
@@ -36,10 +39,16 @@ class Displayed:
         display = frame.scene.display
         if frame.edges is None and display.dither == "none":
             return self
-        light, shows = shown_light(frame, self.light)
-        dithered = shows if display.dither == "ordered" else None
-        steps = tone.digital_steps(light, self.display, dithered)
-        return dataclasses.replace(self, digital=steps.astype(np.uint8))
+        digital = np.empty_like(self.digital)
+        for part in parts_of(frame, PIXELS_AT_A_TIME):
+            light, shows = shown_light(part, self.light[part.rows])
+            dithered = shows[part.own] if display.dither == "ordered" else None
+            last = part.first + part.own.stop - part.own.start
+            steps = tone.digital_steps(
+                light[part.own], self.display, dithered, frame.size[1] - last
+            )
+            digital[part.first : last] = steps
+        return dataclasses.replace(self, digital=digital)
 
     def without_light(self) -> Displayed:
         """The same to look at and to count; its light, most of its memory, is left out."""

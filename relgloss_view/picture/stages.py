@@ -173,12 +173,12 @@ class Part(Stages):
         return self._frame.fetch(name, self.rows) if kept is None else kept[self.rows]
 
 
-def parts_of(frame: Frame) -> Iterator[Part]:
-    """The parts of a picture from the top, each for a use before the next: PART_PIXELS or fewer.
+def parts_of(frame: Frame, pixels: int = PART_PIXELS) -> Iterator[Part]:
+    """The parts of a picture from the top, each for a use before the next: `pixels` or fewer.
 
     A part has a multiple of BLOCK_ROWS rows of its own, but for the last one.
     """
     width, height = frame.size
-    step = max(BLOCK_ROWS, PART_PIXELS // width // BLOCK_ROWS * BLOCK_ROWS)
+    step = max(BLOCK_ROWS, pixels // width // BLOCK_ROWS * BLOCK_ROWS)
     for first in range(0, height, step):
         yield Part(frame, first, min(first + step, height))

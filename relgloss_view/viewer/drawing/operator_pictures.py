@@ -80,7 +80,7 @@ class OperatorPictures:
             return own.result
         if not at_rest:
             return OperatorPicture(None, WHEN_AT_REST)
-        if not own.worker.busy:
+        if not any(other.worker.busy for other in self._sides.values()):  # one picture's memory
             try:
                 work = _work(name, frame)
             except RelglossError as error:
