@@ -166,7 +166,7 @@ class Hand:
             self.attempt(self.steps.pop(0))
 
     def note_memory(self) -> None:
-        """Take the kernel's own maximum, and print where it has grown, for who looks for a cause."""
+        """Take the kernel's own maximum, and print where it has grown, to find the cause."""
         now, most = resident_mb()
         if most > self.most_mb + WORTH_A_LINE_MB:
             threads = threading.active_count() - 1

@@ -84,10 +84,12 @@ def responses(
 def _add(
     total: Array, band: Array, adaptation: Array, *, rods: bool, contrast: bool = True
 ) -> None:
+    if not rods:
+        for rows in rows_at_a_time(band.shape[1:]):
+            total[:, rows] += band[:, rows] * cone_gain(adaptation[:, rows])
+        return
     cones = band[:3] * cone_gain(adaptation[:3])
     total += cones
-    if not rods:
-        return
     rod = band[3] * rod_gain(adaptation[3])
     if contrast:
         achromatic = np.tensordot(OPPONENT[0], cones, axes=1)
@@ -162,7 +164,7 @@ class Multiscale(LightOperator):
             xyz = np.moveaxis(np.tensordot(np.linalg.inv(CONES), cones, axes=1), 0, -1)
             xyz = xyz[part.on_object]
             below += int(np.sum(np.any(xyz < -1e-9, axis=-1)))
-            return np.maximum(xyz, 0.0)
+            return np.asarray(np.maximum(xyz, 0.0))
 
         picture = show_xyz(self.name, light, xyz_of)
         return dataclasses.replace(picture, warnings=self._warnings(below))

@@ -18,6 +18,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array, Bytes, Floats, Mask
 from relgloss_view.base.parameters import Checked
+from relgloss_view.picture.displayed import Digitised
 from relgloss_view.picture.displayed import Displayed as Displayed
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
@@ -45,6 +46,8 @@ class SceneLight:
     pixels_per_degree: float  #: at the centre of the picture, seen from the scene's eye
     display: DisplayModel
     first_row: int = 0  #: of the picture, the first row that the arrays hold
+    #: For whose display digital values are computed at once, and the picture's light is not kept.
+    digital_of: Frame | None = None
 
     @classmethod
     def of(cls, frame: Frame) -> SceneLight:
@@ -144,6 +147,10 @@ class Operator(Checked, ABC):
     def draw(self, frame: Frame) -> Displayed:
         """The picture that the operator makes of a frame."""
 
+    def draw_digital(self, frame: Frame) -> Displayed:
+        """The same picture to look at and to count, without its light, which is most of it."""
+        return self.draw(frame).without_light()
+
 
 @dataclass(frozen=True)
 class LightOperator(Operator):
@@ -153,6 +160,11 @@ class LightOperator(Operator):
         """See Operator."""
         picture = self.apply(SceneLight.of(frame)).for_display(frame)
         return dataclasses.replace(picture, settings=dataclasses.asdict(self))
+
+    def draw_digital(self, frame: Frame) -> Displayed:
+        """See Operator."""
+        picture = self.apply(dataclasses.replace(SceneLight.of(frame), digital_of=frame))
+        return dataclasses.replace(picture, settings=dataclasses.asdict(self)).without_light()
 
     @abstractmethod
     def apply(self, light: SceneLight) -> Displayed:
@@ -208,21 +220,27 @@ def rows_at_a_time(shape: tuple[int, int]) -> Iterator[slice]:
 
 def _compose(operator: str, light: SceneLight, shown_of: ShownOf) -> Displayed:
     """Put the object's pixels over the surround, as the reference renderer does."""
-    display = light.display
-    picture = np.full((*light.shape, 3), display.background_light)
-    digital = np.empty((*light.shape, 3), dtype=np.uint8)
+    display, frame = light.display, light.digital_of
     clipped, out_of_gamut = (np.zeros(light.shape, dtype=bool) for _ in range(2))
+    at_once = None if frame is None else Digitised(frame)
+    digital = np.empty((*light.shape, 3), np.uint8) if at_once is None else at_once.values
+    whole = np.zeros((0, 0, 3)) if at_once else np.empty((*light.shape, 3))
     for rows in rows_at_a_time(light.shape):
         part = light.part(rows)
         seen = part.on_object
+        picture = np.full((*seen.shape, 3), display.background_light)
         if np.any(seen):
             rgb, clipped[rows][seen], out_of_gamut[rows][seen] = shown_of(part)
             share = part.coverage[seen].astype(np.float64)[:, None]
-            picture[rows][seen] = share * rgb + (1.0 - share) * display.background_light
-        digital[rows] = quantise(picture[rows], display)
+            picture[seen] = share * rgb + (1.0 - share) * display.background_light
+        if at_once is not None:
+            at_once.add(picture)
+        else:
+            whole[rows] = picture
+            digital[rows] = quantise(picture, display)
     return Displayed(
         operator=operator,
-        light=picture,
+        light=whole,
         digital=digital,
         clipped=clipped,
         out_of_gamut=out_of_gamut,

@@ -19,7 +19,6 @@ from relgloss_view.operators.operator import (
     show_xyz,
 )
 
-
 #: Displayed luminances, relative to the display's white, of (N,) cd/m2 above 0; each by itself.
 Curve = Callable[[Array], Array]
 
@@ -48,10 +47,10 @@ class PointOperator(LightOperator):
         luminance = light.luminance
         luminance = luminance[light.on_object & (luminance > 0.0)]
         if len(luminance) == 0:
-            black = show_xyz(self.name, light, lambda part: np.zeros((np.sum(part.on_object), 3)))
-            return dataclasses.replace(
-                black, warnings=("nothing is lit: the picture is black",)
+            black = show_xyz(
+                self.name, light, lambda part: np.zeros((int(np.sum(part.on_object)), 3))
             )
+            return dataclasses.replace(black, warnings=("nothing is lit: the picture is black",))
         curve = self.curve(luminance, light)
         del luminance
 

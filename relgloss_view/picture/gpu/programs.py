@@ -76,7 +76,8 @@ class Programs:
     @contextlib.contextmanager
     def noted(self) -> Iterator[set[Key]]:
         """Gives the set of the programs that are asked for in the block, by stage and constants."""
-        self._asked = asked = set()
+        asked: set[Key] = set()
+        self._asked = asked
         try:
             yield asked
         finally:

@@ -108,4 +108,4 @@ def _work(name: str, frame: Frame) -> Callable[[], Displayed]:
     """The work, with all that it needs of the device fetched: a thread must not ask for it."""
     operator = make_operator(name)
     _ = frame.diffuse, frame.specular, frame.white_xyz, frame.edges, frame.on_object
-    return lambda: operator.draw(frame).without_light()
+    return lambda: operator.draw_digital(frame)

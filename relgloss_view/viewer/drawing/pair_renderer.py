@@ -73,7 +73,8 @@ class PairRenderer:
         self._warm = Renderer(ctx, self._programs, MethodChooser().method)
         #: The programs of each variant that was warmed up.
         self._warmed: dict[object, set[Key]] = {}
-        self._tried: set[object] = set()  #: warmed up since other pictures have needed room
+        self._reached: set[object] = set()  #: variants of the last state that was warmed up
+        self._tried: set[object] = set()  #: those warmed up since other pictures have needed room
         self._methods: dict[str, Method] = {}  #: of the last picture of each side
         self._edged_view: object = None  #: shape, eye and size of the last one with smooth edges
         self._freed = 0  #: programs, when this last warmed up
@@ -181,16 +182,18 @@ class PairRenderer:
 
     def warm(self, state: State) -> bool:
         """Compile what the sliders of a state can reach; returns whether anything was to do."""
-        if self._programs.freed != self._freed:  # other pictures have needed their place
-            self._tried.clear()
-            self._freed = self._programs.freed
-        missing: dict[object, tuple[Scene, Look, Method]] = {}
+        reachable: set[object] = set()
+        missing: dict[tuple[object, Method], tuple[Scene, Look, Method]] = {}
         for side in SIDES:
             scene, look = state.scene(side), state.side(side).look
             for method in self._reachable(side, look):
                 variant = _variant(scene, look), method
+                reachable.add(variant)
                 if not self._programs.use(self._warmed.get(variant, NOT_WARMED)):
                     missing[variant] = scene, look, method
+        if reachable != self._reached or self._programs.freed != self._freed:
+            self._reached, self._freed = reachable, self._programs.freed
+            self._tried.clear()
         for variant in missing:
             if variant in self._tried:  # where not all of them have room, this has an end
                 continue
