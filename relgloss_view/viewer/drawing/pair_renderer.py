@@ -166,7 +166,8 @@ class PairRenderer:
             except RelglossError as error:
                 faults[side] = str(error)
             if not (moving or _wants_difference(state)):
-                self._note_freed(renderers[side].tidy())  # before the other takes as much
+                # Before the other takes as much. Free pages go back at rest: that takes a while.
+                self._freed_bytes += renderers[side].tidy()
         return pictures, faults
 
     def _edged(self, state: State, size: Size, *, moving: bool) -> State:
@@ -219,11 +220,7 @@ class PairRenderer:
             self._enlarged = False
             freed += self._warm.forget()
         collect(self.ctx)
-        self._note_freed(freed)
-
-    def _note_freed(self, count: int) -> None:
-        """Note that so many bytes of targets were freed; give back what is worth it."""
-        self._freed_bytes += count
+        self._freed_bytes += freed
         if self._freed_bytes > WORTH_GIVING_BACK:
             self._freed_bytes = 0
             give_back()
