@@ -3,7 +3,7 @@
 Usage: python scripts/random_use.py [--minutes M] [--seed N] [--most-mb MB]
 
 A seeded hand moves, drags, clicks, types, turns the wheel, resizes the window between 0 x 0 and
-1600 x 1000 pixels, chooses actions, changes every entry of the state, opens files, exports, undoes.
+1920 x 1200 pixels, chooses actions, changes every entry of the state, opens files, exports, undoes.
 Everything runs on GLFW's null platform. A line every ten seconds gives the resident memory and
 counts of what the program keeps. The status is 1 where memory passes --most-mb, where a change of
 the state raises an error that is not an InputError, or where the device reports an error.
@@ -29,9 +29,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-LARGEST_WINDOW = (1600, 1000)
+LARGEST_WINDOW = (1920, 1200)
 LARGEST_EXPORT = 1024  #: side of an exported picture, pixels
 LOG_S = 10.0
+WORTH_A_LINE_MB = 10.0
 #: Of one event in so many frames: the interface has time to settle and to warm up between some.
 IDLE_FRAMES = 6
 TYPED = "0123456789.-eabcgλ漢"
@@ -113,6 +114,7 @@ class Hand:
         self.steps: list[Callable[[], None]] = []  #: of a gesture, one a frame
         self.most_mb = 0.0
         self.errors = 0
+        self.last = "the start"
         self.place = (400.0, 300.0)
         self.samples = list(SAMPLES)
         self.files = 0
@@ -148,7 +150,7 @@ class Hand:
         """One step of what is under way, or something new."""
         now_s = time.monotonic()
         self.errors += self.app.pair_renderer.ctx.error != "GL_NO_ERROR"
-        self.most_mb = max(self.most_mb, resident_mb()[0])
+        self.note_memory()
         if now_s - self.logged_s > LOG_S:
             self.logged_s = now_s
             self.log()
@@ -163,10 +165,24 @@ class Hand:
         else:
             self.attempt(self.steps.pop(0))
 
+    def note_memory(self) -> None:
+        """Take the kernel's own maximum, and print where it has grown, to find the cause."""
+        now, most = resident_mb()
+        if most > self.most_mb + WORTH_A_LINE_MB:
+            threads = threading.active_count() - 1
+            print(
+                f"most {most:.0f} MB, now {now:.0f}, after {self.last}, {threads} threads at work: "
+                f"{kinds_of_memory()}, window {self.app._window.size_now()}, "
+                f"pictures {self.app.model.picture_size}",
+                flush=True,
+            )
+            self.most_mb = most
+
     def attempt(self, act: Callable[[], None]) -> None:
         from relgloss_view.base.errors import RelglossError
 
         name = act.__name__
+        self.last = name if name != "<lambda>" else self.last
         try:
             act()
         except RelglossError as error:
@@ -208,6 +224,7 @@ class Hand:
         print(f"done: {dict(self.done.most_common())}")
         print(f"refused: {dict(self.refused)}")
         print(f"notes: {len(self.app.model.notes)}, the last: {self.app.model.notes[-3:]}")
+        self.most_mb = resident_mb()[1]
         gc.collect()
         print(
             f"{sum(self.done.values())} events in {time.monotonic() - self.began_s:.0f} s: at most "

@@ -19,7 +19,8 @@ def scene_light(
 ):
     xyz = np.asarray(xyz_cd_m2, dtype=np.float64)
     return SceneLight(
-        xyz,
+        (xyz,),
+        1.0,
         np.ones(xyz.shape[:2]) if coverage is None else coverage,
         white,
         y_n,

@@ -10,6 +10,9 @@ import ctypes
 import functools
 from collections.abc import Callable
 
+LARGE = 1 << 20  #: bytes
+M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  #: of glibc's malloc.h
+
 
 def give_back() -> bool:
     """Have the C library return its free pages to the system; whether it could return any.
@@ -19,6 +22,21 @@ def give_back() -> bool:
     """
     trim = _trim()
     return trim is not None and trim(0) == 1
+
+
+def keep_large_apart() -> bool:
+    """Have the C library keep large blocks apart for good; whether it could be asked to.
+
+    By default a large block that is freed makes the next ones of its size share the heap with
+    small ones (glibc's threshold moves up to 32 MB). What lies above them then stays: an hour of
+    pictures of all sizes leaves a heap full of holes. For a program that runs long; blocks of
+    LARGE bytes and more then take a page fault for each page when they are first written.
+    """
+    try:
+        option = ctypes.CDLL(None).mallopt
+    except (OSError, AttributeError, TypeError):
+        return False
+    return all(option(which, LARGE) == 1 for which in (M_MMAP_THRESHOLD, M_TRIM_THRESHOLD))
 
 
 @functools.cache

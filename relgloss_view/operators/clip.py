@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.base.parameters import choice
 from relgloss_view.operators.operator import (
     Displayed,
@@ -33,8 +34,14 @@ class Clip(LightOperator):
 
     def apply(self, light: SceneLight) -> Displayed:
         """See LightOperator."""
-        relative = light.display_xyz / light.y_n_cd_m2
+
+        def relative(part: SceneLight) -> Array:
+            return part.display_xyz[part.on_object] / light.y_n_cd_m2
+
+        def rgb_of(part: SceneLight) -> tuple[Array, Mask]:
+            rgb = relative(part) @ light.display.rgb_from_xyz.T
+            return rgb, np.any(rgb < -GAMUT_TOLERANCE, axis=-1)
+
         if self.cut == "lightness":
             return show_xyz(self.name, light, relative)
-        rgb = relative @ light.display.rgb_from_xyz.T
-        return show_rgb(self.name, light, rgb, np.any(rgb < -GAMUT_TOLERANCE, axis=-1))
+        return show_rgb(self.name, light, rgb_of)

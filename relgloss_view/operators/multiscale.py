@@ -7,6 +7,7 @@ nothing here depends on them.
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -19,6 +20,7 @@ from relgloss_view.operators.operator import (
     Displayed,
     LightOperator,
     SceneLight,
+    rows_at_a_time,
     show_xyz,
 )
 from relgloss_view.operators.pyramid import low_passes
@@ -59,14 +61,16 @@ def transducer_inverse(response: Array) -> Array:
     return np.sign(response) * size * (1.0 + size / (4.0 * THRESHOLD))
 
 
-def responses(planes: Array, pixels_per_degree: float, local: float, *, rods: bool) -> Array:
+def responses(
+    planes: Array, pixels_per_degree: float, local: float, *, rods: bool, in_place: bool = False
+) -> Array:
     """Adapted responses of the cones (3, H, W) to planes (C, H, W) in cd/m2.
 
     C is 3, or 4 with rods last. Each band is multiplied by the gain of the low-pass picture below
     it, the lowest one by the gain of a mean of itself: `local` (their A) is 0 for the whole
     picture's, 1 for each pixel's own. Rods add to the achromatic channel of each band.
     """
-    total = np.zeros((3, *planes.shape[1:]))
+    total = np.zeros((min(len(planes), 3), *planes.shape[1:]))
     above = planes
     for below in low_passes(planes, pixels_per_degree):
         _add(total, above - below, below, rods=rods)
@@ -80,10 +84,12 @@ def responses(planes: Array, pixels_per_degree: float, local: float, *, rods: bo
 def _add(
     total: Array, band: Array, adaptation: Array, *, rods: bool, contrast: bool = True
 ) -> None:
+    if not rods:
+        for rows in rows_at_a_time(band.shape[1:]):
+            total[:, rows] += band[:, rows] * cone_gain(adaptation[:, rows])
+        return
     cones = band[:3] * cone_gain(adaptation[:3])
     total += cones
-    if not rods:
-        return
     rod = band[3] * rod_gain(adaptation[3])
     if contrast:
         achromatic = np.tensordot(OPPONENT[0], cones, axes=1)
@@ -135,24 +141,36 @@ class Multiscale(LightOperator):
     def apply(self, light: SceneLight) -> Displayed:
         """See LightOperator."""
         carried = self.white == "display"
-        xyz = light.display_xyz if carried else light.xyz_cd_m2
         surround = (light.display.white if carried else light.white_xyz) * (
             light.display.background_light * light.y_n_cd_m2
         )
-        field = np.where(light.on_object[..., None], xyz, surround)
         matrix = np.vstack([CONES, RODS]) if self.rods else CONES
-        planes = np.tensordot(matrix, field, axes=(1, 2))
+        planes = np.empty((len(matrix), *light.shape))
+        for rows in rows_at_a_time(light.shape):
+            part = light.part(rows)
+            xyz = part.display_xyz if carried else part.xyz_cd_m2
+            field = np.where(part.on_object[..., None], xyz, surround)
+            planes[:, rows] = np.tensordot(matrix, field, axes=(1, 2))
         planes[3:] = np.maximum(planes[3:], 0.0)
         frequency = self.pixels_per_degree or light.pixels_per_degree
-        adapted = responses(planes, frequency, self.local, rods=self.rods)
+        adapted = responses(planes, frequency, self.local, rods=self.rods, in_place=True)
+        del planes
         back = cone_gain(CONES @ light.display.white * self.display_mean_cd_m2)
-        cones = adapted / (back * self.display_cd_m2)[:, None, None]
-        xyz_out = np.moveaxis(np.tensordot(np.linalg.inv(CONES), cones, axes=1), 0, -1)
-        return show_xyz(self.name, light, np.maximum(xyz_out, 0.0), self._warnings(light, xyz_out))
+        below = 0
 
-    def _warnings(self, light: SceneLight, xyz: Array) -> tuple[str, ...]:
+        def xyz_of(part: SceneLight) -> Array:
+            nonlocal below
+            cones = adapted[:, part.rows] / (back * self.display_cd_m2)[:, None, None]
+            xyz = np.moveaxis(np.tensordot(np.linalg.inv(CONES), cones, axes=1), 0, -1)
+            xyz = xyz[part.on_object]
+            below += int(np.sum(np.any(xyz < -1e-9, axis=-1)))
+            return np.asarray(np.maximum(xyz, 0.0))
+
+        picture = show_xyz(self.name, light, xyz_of)
+        return dataclasses.replace(picture, warnings=self._warnings(below))
+
+    def _warnings(self, below: int) -> tuple[str, ...]:
         warnings = []
-        below = int(np.sum(np.any(xyz[light.on_object] < -1e-9, axis=-1)))
         if below:
             warnings.append(f"{below} pixels of the object have negative light, which is cut")
         if self.rods:

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.base.parameters import parameter
 from relgloss_view.operators.operator import Displayed, LightOperator, SceneLight, show_rgb
 from relgloss_view.picture.model.tone import GAMUT_TOLERANCE
@@ -58,7 +58,12 @@ class Neutral(LightOperator):
 
     def apply(self, light: SceneLight) -> Displayed:
         """See LightOperator. The mapping has no meaning below 0: such channels are cut first."""
-        relative = light.display_xyz * (self.exposure / light.y_n_cd_m2)
-        rgb = relative @ light.display.rgb_from_xyz.T
-        mapped = pbr_neutral(np.maximum(rgb, 0.0), self.start_compression, self.desaturation)
-        return show_rgb(self.name, light, mapped, np.any(rgb < -GAMUT_TOLERANCE, axis=-1))
+        scale = self.exposure / light.y_n_cd_m2
+
+        def rgb_of(part: SceneLight) -> tuple[Array, Mask]:
+            relative = part.display_xyz[part.on_object] * scale
+            rgb = relative @ light.display.rgb_from_xyz.T
+            mapped = pbr_neutral(np.maximum(rgb, 0.0), self.start_compression, self.desaturation)
+            return mapped, np.any(rgb < -GAMUT_TOLERANCE, axis=-1)
+
+        return show_rgb(self.name, light, rgb_of)

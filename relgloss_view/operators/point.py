@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 from abc import abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +19,9 @@ from relgloss_view.operators.operator import (
     show_xyz,
 )
 
+#: Displayed luminances, relative to the display's white, of (N,) cd/m2 above 0; each by itself.
+Curve = Callable[[Array], Array]
+
 
 @dataclass(frozen=True)
 class PointOperator(LightOperator):
@@ -30,16 +35,32 @@ class PointOperator(LightOperator):
     )
 
     @abstractmethod
+    def curve(self, luminance: Array, light: SceneLight) -> Curve:
+        """The operator's curve for a light whose lit pixels have these luminances, (N,) cd/m2."""
+
     def displayed(self, luminance: Array, light: SceneLight) -> Array:
         """Displayed luminances, relative to the display's white, of (N,) cd/m2 above 0."""
+        return self.curve(luminance, light)(luminance)
 
     def apply(self, light: SceneLight) -> Displayed:
         """See LightOperator."""
-        lit = light.on_object & (light.luminance > 0.0)
-        xyz = np.zeros(light.xyz_cd_m2.shape)
-        if not np.any(lit):
-            return show_xyz(self.name, light, xyz, ("nothing is lit: the picture is black",))
-        luminance = light.luminance[lit]
-        relative = np.maximum(self.displayed(luminance, light), 0.0)
-        xyz[lit] = light.display_xyz[lit] * (relative / luminance)[:, None]
-        return show_xyz(self.name, light, xyz)
+        luminance = light.luminance
+        luminance = luminance[light.on_object & (luminance > 0.0)]
+        if len(luminance) == 0:
+            black = show_xyz(
+                self.name, light, lambda part: np.zeros((int(np.sum(part.on_object)), 3))
+            )
+            return dataclasses.replace(black, warnings=("nothing is lit: the picture is black",))
+        curve = self.curve(luminance, light)
+        del luminance
+
+        def xyz_of(part: SceneLight) -> Array:
+            xyz = part.display_xyz[part.on_object]
+            luminance = part.luminance[part.on_object]
+            lit = luminance > 0.0
+            relative = np.maximum(curve(luminance[lit]), 0.0)
+            xyz[lit] *= (relative / luminance[lit])[:, None]
+            xyz[~lit] = 0.0
+            return xyz
+
+        return show_xyz(self.name, light, xyz_of)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -10,7 +11,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.parameters import parameter
 from relgloss_view.operators.operator import SceneLight
-from relgloss_view.operators.point import PointOperator
+from relgloss_view.operators.point import Curve, PointOperator
 
 #: Share of the lit pixels that are darker than the luminance taken as the darkest. The minimum
 #: itself lies at the terminator, where it follows the size of the pixels alone.
@@ -44,11 +45,11 @@ class Schlick(PointOperator):
         1.0, 0.1, 100.0, "", "smallest of 256 display levels that differs visibly from black"
     )
 
-    def displayed(self, luminance: Array, light: SceneLight) -> Array:
+    def curve(self, luminance: Array, light: SceneLight) -> Curve:
         """See PointOperator."""
         brightest = float(np.max(luminance))
         p = self.p
         if p is None:
             darkest = max(float(np.quantile(luminance, DARK_SHARE)), 1e-12 * brightest)
             p = max(self.just_visible / 256.0 * brightest / darkest, 1.0)
-        return rational(luminance, brightest, p)
+        return functools.partial(rational, brightest=brightest, p=p)

@@ -11,7 +11,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.parameters import parameter
 from relgloss_view.operators.operator import SceneLight
-from relgloss_view.operators.point import PointOperator
+from relgloss_view.operators.point import Curve, PointOperator
 
 #: cd/m2 of one lambert, 1/pi cd/cm2.
 LAMBERT_CD_M2 = 1e4 / math.pi
@@ -51,11 +51,15 @@ class TumblinRushmeier(PointOperator):
         0.0, 0.0, 2.0, "", "added to log10 of the scene's adaptation luminance"
     )
 
-    def displayed(self, luminance: Array, light: SceneLight) -> Array:
+    def curve(self, luminance: Array, light: SceneLight) -> Curve:
         """See PointOperator."""
         scene = light.adaptation_cd_m2 * 10.0**self.adaptation_offset
         alpha_w, beta_w = brightness_law(scene)
         alpha_d, beta_d = brightness_law(self.display_cd_m2 / math.sqrt(self.contrast))
-        log_shown = alpha_w * np.log10(luminance / LAMBERT_CD_M2) + beta_w - beta_d
-        shown_cd_m2 = LAMBERT_CD_M2 * 10.0 ** np.minimum(log_shown / alpha_d, 100.0)
-        return np.asarray(shown_cd_m2 / self.display_cd_m2 - 1.0 / self.contrast)
+
+        def shown(luminance: Array) -> Array:
+            log_shown = alpha_w * np.log10(luminance / LAMBERT_CD_M2) + beta_w - beta_d
+            shown_cd_m2 = LAMBERT_CD_M2 * 10.0 ** np.minimum(log_shown / alpha_d, 100.0)
+            return np.asarray(shown_cd_m2 / self.display_cd_m2 - 1.0 / self.contrast)
+
+        return shown

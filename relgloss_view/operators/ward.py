@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
 from relgloss_view.base.arrays import Array
 from relgloss_view.operators.operator import SceneLight
-from relgloss_view.operators.point import PointOperator
+from relgloss_view.operators.point import Curve, PointOperator
 
 
 def contrast_scale(adaptation_cd_m2: float, display_cd_m2: float) -> float:
@@ -32,7 +30,7 @@ class Ward(PointOperator):
     meaning: ClassVar[str] = "one linear factor, so that just visible contrasts stay so"
     source: ClassVar[str] = "Ward 1994, Graphics Gems IV, pp. 415-421"
 
-    def displayed(self, luminance: Array, light: SceneLight) -> Array:
+    def curve(self, luminance: Array, light: SceneLight) -> Curve:
         """See PointOperator."""
         scale = contrast_scale(light.adaptation_cd_m2, self.display_cd_m2)
-        return np.asarray(luminance * (scale / self.display_cd_m2))
+        return lambda luminance: luminance * (scale / self.display_cd_m2)

@@ -11,7 +11,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.parameters import choice, parameter
 from relgloss_view.operators.operator import SceneLight
-from relgloss_view.operators.point import PointOperator
+from relgloss_view.operators.point import Curve, PointOperator
 
 BINS = 100
 TRIMMED_SHARE = 0.025  #: of the samples may be above the ceiling when the loop ends
@@ -83,7 +83,8 @@ def adjusted_curve(
 def foveal_samples(light: SceneLight) -> tuple[Array, Array]:
     """Mean luminance of the object in squares of one degree, cd/m2, and their pixels on it."""
     side = max(1, round(light.pixels_per_degree))
-    share = np.where(light.luminance > 0.0, light.coverage, 0.0)
+    luminance = light.luminance
+    share = np.where(luminance > 0.0, light.coverage.astype(np.float64), 0.0)
     rows, columns = (np.arange(0, n, side) for n in share.shape)
 
     def sums(values: Array) -> Array:
@@ -91,7 +92,7 @@ def foveal_samples(light: SceneLight) -> tuple[Array, Array]:
 
     held = sums(share)
     some = held > 0.0
-    return sums(share * light.luminance)[some] / held[some], held[some]
+    return sums(share * luminance)[some] / held[some], held[some]
 
 
 @dataclass(frozen=True)
@@ -124,26 +125,32 @@ class WardHistogram(PointOperator):
         "samples that the eye adapts to: means of one degree, or pixels",
     )
 
-    def displayed(self, luminance: Array, light: SceneLight) -> Array:
+    def curve(self, luminance: Array, light: SceneLight) -> Curve:
         """See PointOperator."""
         if self.samples == "foveal":
             adaptation, weights = foveal_samples(light)
         else:
-            lit = light.on_object & (light.luminance > 0.0)
-            adaptation, weights = light.luminance[lit], light.coverage[lit]
+            whole = light.luminance
+            lit = light.on_object & (whole > 0.0)
+            adaptation, weights = whole[lit], light.coverage[lit].astype(np.float64)
         samples = np.log(np.maximum(adaptation, DARKEST_CD_M2))
         top = math.log(self.display_cd_m2)
         display_log = (top - math.log(self.contrast), top)
         human = self.ceiling == "human"
-        curve = adjusted_curve(samples, weights, display_log, human=human)
-        if curve is None:
-            return luminance * self._factor(samples, weights, display_log)
-        share = curve.share(np.log(np.maximum(luminance, DARKEST_CD_M2)))
-        # The display's black is shown as nothing, as the author's program does.
-        luminance_out = (
-            np.exp((share - 1.0) * (display_log[1] - display_log[0])) - 1.0 / self.contrast
-        )
-        return np.asarray(luminance_out / (1.0 - 1.0 / self.contrast))
+        tone_curve = adjusted_curve(samples, weights, display_log, human=human)
+        if tone_curve is None:
+            factor = self._factor(samples, weights, display_log)
+            return lambda luminance: luminance * factor
+
+        def shown(luminance: Array) -> Array:
+            share = tone_curve.share(np.log(np.maximum(luminance, DARKEST_CD_M2)))
+            # The display's black is shown as nothing, as the author's program does.
+            luminance_out = (
+                np.exp((share - 1.0) * (display_log[1] - display_log[0])) - 1.0 / self.contrast
+            )
+            return np.asarray(luminance_out / (1.0 - 1.0 / self.contrast))
+
+        return shown
 
     def _factor(self, samples: Array, weights: Array, display_log: tuple[float, float]) -> float:
         """Display luminance, relative to its white, over scene luminance."""

@@ -15,7 +15,10 @@ from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.silhouette import smoothed
 from relgloss_view.picture.model.tone import DisplayModel
-from relgloss_view.picture.stages import Part
+from relgloss_view.picture.stages import NEIGHBOURING_ROWS, Part
+
+#: What is computed from one pixel of a picture on its way takes some 200 bytes.
+PIXELS_AT_A_TIME = 1 << 16
 
 
 @dataclass(frozen=True)
@@ -36,10 +39,11 @@ class Displayed:
         display = frame.scene.display
         if frame.edges is None and display.dither == "none":
             return self
-        light, shows = shown_light(frame, self.light)
-        dithered = shows if display.dither == "ordered" else None
-        steps = tone.digital_steps(light, self.display, dithered)
-        return dataclasses.replace(self, digital=steps.astype(np.uint8))
+        digital = Digitised(frame)
+        step = max(PIXELS_AT_A_TIME // frame.size[0], 1)
+        for first in range(0, frame.size[1], step):
+            digital.add(self.light[first : first + step])
+        return dataclasses.replace(self, digital=digital.values)
 
     def without_light(self) -> Displayed:
         """The same to look at and to count; its light, most of its memory, is left out."""
@@ -61,6 +65,39 @@ class Displayed:
     def lab(self) -> Array:
         """(H, W, 3), L*, a*, b* of the displayed picture, relative to the display's white."""
         return tone.lab_from_xyz(self.light @ self.display.xyz_from_rgb.T, self.display.white)
+
+
+class Digitised:
+    """The digital values of a frame's picture whose light comes some rows at a time, from the top.
+
+    They have the frame's smooth silhouettes and dither. Of the light two rows are kept.
+    """
+
+    def __init__(self, frame: Frame) -> None:
+        self.values: Bytes = np.empty((frame.size[1], frame.size[0], 3), dtype=np.uint8)
+        self._frame = frame
+        self._display = DisplayModel.of(frame.scene.display)
+        self._dithered = frame.scene.display.dither == "ordered"
+        self._done = 0  #: rows
+        self._held: Array = np.zeros((0, frame.size[0], 3))
+        self._first = 0  #: row of what is held
+
+    def add(self, light: Array) -> None:
+        """The next rows, linear display RGB (rows, W, 3) with the frame's samples."""
+        held = np.concatenate([self._held, light]) if len(self._held) else light
+        height, end = self._frame.size[1], self._first + len(held)
+        last = end if end == height else end - NEIGHBOURING_ROWS
+        if last > self._done:
+            part = Part(self._frame, self._done, last)
+            own = held[part.rows.start - self._first : part.rows.stop - self._first]
+            picture, shows = shown_light(part, own)
+            dithered = shows[part.own] if self._dithered else None
+            steps = tone.digital_steps(picture[part.own], self._display, dithered, height - last)
+            self.values[self._done : last] = steps
+            self._done = last
+        kept = max(self._done - NEIGHBOURING_ROWS - self._first, 0)
+        self._held = held[kept:].copy()
+        self._first += kept
 
 
 def shown_light(frame: Frame | Part, light: Floats) -> tuple[Array, Mask]:

@@ -24,10 +24,10 @@ NO_ROOM = "raise the limit, or draw with --backend reference"
 SHOWN = 4.0
 #: Those of a grid wait for their files.
 FILES = {"png": 17.0, "png16": 14.0, "exr": 4.0, "grid": 160.0}
-OPERATOR = {"multiscale": 425.0}  #: with float64 pictures on the way
-OTHER_OPERATOR = 340.0
+OPERATOR = {"multiscale": 240.0}  #: with float64 pictures on the way
+OTHER_OPERATOR = 120.0
 CELL = 9.0  #: of a picture that a comparison keeps
-PART = 260 * MB  #: of a part of a picture and of what is computed from it
+PART = 100 * MB  #: of a part of a picture and of what is computed from it
 PART_SHARE = 550.0  #: bytes a pixel, of a picture that is smaller than a part
 CHUNK, CHUNK_SHARE = 420 * MB, 1400.0  #: the same of the reference, whose rows hold every band
 REFERENCE = 56.0 + 14.0  #: diffuse and specular in float64; the silhouette

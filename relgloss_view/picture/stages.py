@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from relgloss_view.picture.frame import Frame
     from relgloss_view.picture.scene.scene import Scene
 
-#: Pixels of a part: its stages and what is computed from them take about 0.25 GB.
-PART_PIXELS = 1 << 19
+#: Pixels of a part: its stages and what is computed from them take some 60 MB.
+PART_PIXELS = 1 << 17
 BLOCK_ROWS = 16  #: parts begin at multiples of it: OpenEXR packs so many rows at a time
 #: Rows above and below a part that smooth silhouettes take colours from.
 NEIGHBOURING_ROWS = 1
@@ -173,12 +173,14 @@ class Part(Stages):
         return self._frame.fetch(name, self.rows) if kept is None else kept[self.rows]
 
 
-def parts_of(frame: Frame) -> Iterator[Part]:
-    """The parts of a picture from the top, each for a use before the next: PART_PIXELS or fewer.
+def parts_of(frame: Frame, pixels: int | None = None) -> Iterator[Part]:
+    """The parts of a picture from the top, each for a use before the next.
+
+    pixels: of a part, at most about; PART_PIXELS where none are given.
 
     A part has a multiple of BLOCK_ROWS rows of its own, but for the last one.
     """
     width, height = frame.size
-    step = max(BLOCK_ROWS, PART_PIXELS // width // BLOCK_ROWS * BLOCK_ROWS)
+    step = max(BLOCK_ROWS, (pixels or PART_PIXELS) // width // BLOCK_ROWS * BLOCK_ROWS)
     for first in range(0, height, step):
         yield Part(frame, first, min(first + step, height))

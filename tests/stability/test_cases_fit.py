@@ -148,7 +148,7 @@ HOT = 1e5
 def light(xyz):
     display = DisplayModel.of(Display())
     white = np.array([1.0168, 1.0, 0.6761])
-    return SceneLight(xyz * white, np.ones(xyz.shape[:2]), white, 110.0, 32.0, display)
+    return SceneLight((xyz * white,), 1.0, np.ones(xyz.shape[:2]), white, 110.0, 32.0, display)
 
 
 @pytest.mark.parametrize("local", [0.0, 1.0])

@@ -233,6 +233,8 @@ def draws_no_more_than_needed(hand, found):
     model.set_look("test", quality="auto", sigma_n_deg=1.0)
     hand.frames(6)
     found["auto"] = methods()
+    hand.until(lambda: not hand.app._warming_waits)  # programs are warmed up before a drag
+    hand.frames(20)
     compiled = hand.app.pair_renderer.compiled
     found["moved"] = []
     for k in range(12):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections import OrderedDict
-from collections.abc import Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 import moderngl
@@ -14,6 +15,7 @@ from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.picture.gpu.context import collect, drop_sources
 from relgloss_view.picture.gpu.shader import HANDED_ON, ShaderError, ShaderSource
 
+Key = tuple[object, ...]  #: a stage and its constants
 Uniforms = Mapping[str, Any]  #: numbers, sequences, arrays, or textures for samplers
 
 
@@ -38,8 +40,9 @@ class Programs:
         self.most = most
         self.compiled = 0
         self.freed = 0
+        self._asked: set[Key] | None = None  #: while they are noted
         #: By stage and constants, the one that was used last at the end.
-        self._arrays: OrderedDict[tuple[object, ...], moderngl.VertexArray] = OrderedDict()
+        self._arrays: OrderedDict[Key, moderngl.VertexArray] = OrderedDict()
 
     @property
     def count(self) -> int:
@@ -52,6 +55,8 @@ class Programs:
         It stays so until another one is asked for.
         """
         key = (stage, *sorted(defines.items()))
+        if self._asked is not None:
+            self._asked.add(key)
         array = self._arrays.get(key)
         if array is not None:
             self._arrays.move_to_end(key)
@@ -67,6 +72,23 @@ class Programs:
         self.compiled += 1
         self._arrays[key] = array = self.ctx.vertex_array(program, [])
         return array
+
+    @contextlib.contextmanager
+    def noted(self) -> Iterator[set[Key]]:
+        """Gives the set of the programs that are asked for in the block, by stage and constants."""
+        asked: set[Key] = set()
+        self._asked = asked
+        try:
+            yield asked
+        finally:
+            self._asked = None
+
+    def use(self, keys: Collection[Key]) -> bool:
+        """Count programs as used now; whether all of them are there."""
+        held = [key for key in keys if key in self._arrays]
+        for key in held:
+            self._arrays.move_to_end(key)
+        return len(held) == len(keys)
 
     def _make_room(self) -> None:
         """Free the programs that were not used for longest."""

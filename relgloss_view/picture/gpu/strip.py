@@ -48,9 +48,8 @@ class Strip:
         bottom, top = max(bottom - lowest, 0), min(top - lowest, count)
         if right > left and top > bottom:
             framebuffer.scissor = (left, bottom, right - left, top - bottom)
-            defines = {**drawing.defines, "SOME_ROWS": 1}
             uniforms = {**drawing.uniforms, "lowest_row": lowest}
-            self._programs.draw(drawing.stage, defines, uniforms, framebuffer)
+            self._programs.draw(drawing.stage, drawing.defines, uniforms, framebuffer)
         self._present[drawing.targets] = asked, rows
 
     def read(self, stage: str, count: int) -> AnyArray:

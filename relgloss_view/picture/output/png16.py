@@ -16,7 +16,7 @@ from relgloss_view.base.arrays import Bytes
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 PIXEL_BYTES = 6
 COMPRESSION = 4  #: of zlib; higher levels take much longer for little gain
-ROWS_BYTES = 1 << 22  #: filtered at a time
+ROWS_BYTES = 1 << 19  #: filtered at a time
 DATA_BYTES = 1 << 20  #: of one IDAT chunk, at most about
 
 

@@ -80,7 +80,7 @@ class OperatorPictures:
             return own.result
         if not at_rest:
             return OperatorPicture(None, WHEN_AT_REST)
-        if not own.worker.busy:
+        if not any(other.worker.busy for other in self._sides.values()):  # one picture's memory
             try:
                 work = _work(name, frame)
             except RelglossError as error:
@@ -108,4 +108,4 @@ def _work(name: str, frame: Frame) -> Callable[[], Displayed]:
     """The work, with all that it needs of the device fetched: a thread must not ask for it."""
     operator = make_operator(name)
     _ = frame.diffuse, frame.specular, frame.white_xyz, frame.edges, frame.on_object
-    return lambda: operator.draw(frame).without_light()
+    return lambda: operator.draw_digital(frame)

@@ -18,7 +18,7 @@ from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.gpu.context import collect, max_texture_size
 from relgloss_view.picture.gpu.overlays import draw_difference, draw_overlay
-from relgloss_view.picture.gpu.programs import Programs
+from relgloss_view.picture.gpu.programs import Key, Programs
 from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.gpu.targets import OVERLAY, TONE
 from relgloss_view.picture.gpu.variant import Variant
@@ -37,6 +37,8 @@ from relgloss_view.viewer.state.state import DIFFERENCE, SIDES, State
 
 #: All that the sliders of both sides can reach, warmed up, are 40 to 50.
 MOST_PROGRAMS = 56
+MOST_WARMED = 1000  #: variants that are remembered
+NOT_WARMED: frozenset[Key] = frozenset({()})  #: of no program
 WORTH_GIVING_BACK = 4_000_000  #: bytes: less would take longer to give back than it is worth
 
 
@@ -69,7 +71,10 @@ class PairRenderer:
         self._full = {side: self._renderer(side) for side in SIDES}
         self._draft = {side: self._renderer(side) for side in SIDES}
         self._warm = Renderer(ctx, self._programs, MethodChooser().method)
-        self._warmed: set[object] = set()
+        #: The programs of each variant that was warmed up.
+        self._warmed: dict[object, set[Key]] = {}
+        self._reached: set[object] = set()  #: variants of the last state that was warmed up
+        self._tried: set[object] = set()  #: those warmed up since other pictures have needed room
         self._methods: dict[str, Method] = {}  #: of the last picture of each side
         self._edged_view: object = None  #: shape, eye and size of the last one with smooth edges
         self._freed = 0  #: programs, when this last warmed up
@@ -161,7 +166,8 @@ class PairRenderer:
             except RelglossError as error:
                 faults[side] = str(error)
             if not (moving or _wants_difference(state)):
-                self._note_freed(renderers[side].tidy())  # before the other takes as much
+                # Before the other takes as much. Free pages go back at rest: that takes a while.
+                self._freed_bytes += renderers[side].tidy()
         return pictures, faults
 
     def _edged(self, state: State, size: Size, *, moving: bool) -> State:
@@ -177,19 +183,30 @@ class PairRenderer:
 
     def warm(self, state: State) -> bool:
         """Compile what the sliders of a state can reach; returns whether anything was to do."""
-        if self._programs.freed != self._freed:  # other pictures have needed their place
-            self._warmed.clear()
+        reachable: set[object] = set()
+        missing: dict[tuple[object, Method], tuple[Scene, Look, Method]] = {}
         for side in SIDES:
             scene, look = state.scene(side), state.side(side).look
             for method in self._reachable(side, look):
                 variant = _variant(scene, look), method
-                if variant in self._warmed:
-                    continue
-                self._warm.prepare(scene, look, method)
-                self._warmed.add(variant)
-                # What this has freed is not warmed up again, or it would never end.
-                self._freed = self._programs.freed
-                return True
+                reachable.add(variant)
+                if not self._programs.use(self._warmed.get(variant, NOT_WARMED)):
+                    missing[variant] = scene, look, method
+        if reachable != self._reached or self._programs.freed != self._freed:
+            self._reached, self._freed = reachable, self._programs.freed
+            self._tried.clear()
+        for variant in missing:
+            if variant in self._tried:  # where not all of them have room, this has an end
+                continue
+            self._warm.forget()  # or it would not ask for what it holds
+            with self._programs.noted() as asked:
+                self._warm.prepare(*missing[variant])
+            self._warmed[variant] = asked
+            self._tried.add(variant)
+            self._freed = self._programs.freed
+            return True
+        if len(self._warmed) > MOST_WARMED:
+            self._warmed.clear()
         return False
 
     def tidy(self) -> None:
@@ -203,11 +220,7 @@ class PairRenderer:
             self._enlarged = False
             freed += self._warm.forget()
         collect(self.ctx)
-        self._note_freed(freed)
-
-    def _note_freed(self, count: int) -> None:
-        """Note that so many bytes of targets were freed; give back what is worth it."""
-        self._freed_bytes += count
+        self._freed_bytes += freed
         if self._freed_bytes > WORTH_GIVING_BACK:
             self._freed_bytes = 0
             give_back()
@@ -263,6 +276,7 @@ class PairRenderer:
         self.uploads.release()
         self._programs.release()
         self._warmed.clear()
+        self._tried.clear()
 
     def _draw_side(self, renderer: Renderer, state: State, side: str, size: Size) -> SidePicture:
         scene, look = state.scene(side), state.side(side).look

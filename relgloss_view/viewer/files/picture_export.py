@@ -130,7 +130,10 @@ def _displayed(model: Model, side: str, frame: Frame, request: ExportRequest) ->
     present = model.displayed(side) if request.size is None else None
     if present is not None and present.operator == name and request.format == PNG8:
         return present
-    return make_operator(name).draw(frame)
+    operator = make_operator(name)
+    made = operator.draw_digital(frame) if request.format == PNG8 else operator.draw(frame)
+    frame.forget()  # what it was made from; what a file needs is fetched again
+    return made
 
 
 def _is_current(model: Model, side: str, frame: Frame) -> bool:

@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable
 from typing import Any, Protocol
 
+from relgloss_view.base.allocator import keep_large_apart
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.interruptions import SIGNALS, checkpoint, uninterrupted
 
@@ -120,6 +121,7 @@ class Window:
             return self._run(frames)
 
     def _run(self, frames: int | None) -> Bytes:
+        keep_large_apart()
         open_platform(self.headless)
         params = self._params()
         try:
