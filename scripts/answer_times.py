@@ -14,6 +14,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
@@ -35,11 +36,10 @@ WAYS = (
 @contextmanager
 def _way(mode: str, synchronous: str) -> Iterator[None]:
     real = session_file.choose_journal
-    session_file.choose_journal = lambda connection: real(connection, mode, synchronous)
-    try:
+    with mock.patch.object(
+        session_file, "choose_journal", lambda connection: real(connection, mode, synchronous)
+    ):
         yield
-    finally:
-        session_file.choose_journal = real
 
 
 def times_ms(folder: Path, answers: int, mode: str, synchronous: str, moved: bool) -> list[float]:
@@ -58,7 +58,7 @@ def times_ms(folder: Path, answers: int, mode: str, synchronous: str, moved: boo
         for trial in trials[:answers]:
             begun_s = time.perf_counter()
             store.answer(observer, trial, "ratio", 1, 0.5, run)
-            if moved:
+            if moved and store._connection is not None:
                 store._connection.execute("PRAGMA wal_checkpoint(PASSIVE)").fetchone()
             times.append(1000.0 * (time.perf_counter() - begun_s))
     return times
@@ -73,8 +73,8 @@ def main() -> None:
     args = parser.parse_args()
     times: dict[str, list[float]] = {name: [] for name, *_ in WAYS}
     for _ in range(args.turns):
-        for name, *way in WAYS:
-            times[name] += times_ms(args.folder, args.answers, *way)
+        for name, mode, synchronous, moved in WAYS:
+            times[name] += times_ms(args.folder, args.answers, mode, synchronous, moved)
     heads = "".join(f"{head:>9}" for head in ("10 %", "median", "95 %", "largest"))
     print(f"{'way':<28}{heads}   ms, {args.turns * args.answers} answers each")
     for name, values in times.items():

@@ -1,7 +1,7 @@
 """Kill commands before every call that changes a folder, and judge what they leave.
 
-    .venv/bin/python scripts/kill_commands.py compare grid --step 5
-    .venv/bin/python scripts/kill_commands.py --signal TERM
+    .venv/bin/python tests/base/kill_commands.py compare grid --step 5
+    .venv/bin/python tests/base/kill_commands.py --signal TERM
 
 Each command has written its files once; then it runs with other options and is killed before call
 number 1, 1 + STEP, and so on. Right is: every folder and set of files is the old or the new one, at
@@ -22,7 +22,6 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "base"))
 import kill_points
 
 from relgloss_view import cli
