@@ -302,3 +302,18 @@ def test_another_display_dithers_too(gpu, truth):
     first, second = (r.render(scene, Look(c=0.3), SIZE).display.astype(int) for r in (gpu, truth))
     assert np.max(np.abs(first - second)) <= 2
     assert np.mean(first != second) < 5e-3
+
+
+def test_a_picture_without_a_silhouette_keeps_none_of_the_one_before():
+    """The eye so close that the object fills the picture, after one with an outline."""
+    look, close = Look(sigma_n_deg=0.0), Eye(distance_m=0.05, field_of_view_deg=2.0)
+    with open_renderer() as renderer:
+        assert len(drawn(renderer, SMOOTH, look=look).edges) > 0
+        scene = Scene(load_sample("cast-coated"), setup_of("cylinder", SMOOTH, close))
+        after = renderer.render(scene, look, SIZE)
+        after_display, after_edges = after.display, after.edges
+    with open_renderer() as renderer:
+        alone = renderer.render(scene, look, SIZE)
+        assert np.all(alone.on_object)
+        np.testing.assert_array_equal(after_display, alone.display)
+    assert len(after_edges) == 0

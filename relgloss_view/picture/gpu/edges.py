@@ -49,7 +49,9 @@ class Silhouette:
         self.pixels: Array = np.zeros((0, 3))  #: as model.silhouette.edge_pixels
 
     def fill_tiles(self, tiles: Array, height: int) -> None:
-        """Hold the tiles of model.silhouette.edge_tiles."""
+        """Hold the tiles of model.silhouette.edge_tiles, and no pixels until they are found."""
+        self.pixels = np.zeros((0, 3))
+        self.edges.fill(self.pixels)
         self.tiles.fill(_from_bottom(tiles, height - tiles[:, 2]))
 
     def fill_edges(self, coverage: AnyArray, bounds: Box) -> None:
