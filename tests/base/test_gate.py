@@ -207,6 +207,6 @@ def test_the_name_of_a_profile():
         damaged = bytearray(data)
         damaged[rng.integers(len(data))] = rng.integers(256)
         try:
-            assert parse_profile(bytes(damaged)).colour_space.strip("\0") is not None
+            assert len(parse_profile(bytes(damaged)).description) < 1000
         except ValueError as error:
             assert "ICC profile" in str(error)

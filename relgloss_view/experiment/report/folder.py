@@ -6,8 +6,7 @@ import json
 from pathlib import Path
 
 from relgloss_view.base.decoration import decoration
-from relgloss_view.base.errors import InputError
-from relgloss_view.base.json_files import read_json
+from relgloss_view.base.json_files import read_mark
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.experiment.report.file_names import file_names
 from relgloss_view.experiment.report.page import report_page
@@ -18,7 +17,6 @@ from relgloss_view.experiment.report.tables import write_tables
 from relgloss_view.experiment.verdict.analysis import Analysis
 
 PAGE, RESULTS = "report.html", "results.json"  #: results.json says whose a folder is
-MAX_BYTES, MOST_VALUES = 64 * 1024 * 1024, 5_000_000  #: of results.json
 PLOTS_SHARE = 0.95  #: of the time
 
 
@@ -63,18 +61,5 @@ def earlier_files(folder: Path) -> tuple[str, ...]:
     It goes with that report: a setting that was declared best once is not to stand beside a report
     that declares none.
     """
-    try:
-        content = read_json(folder / RESULTS, MAX_BYTES, "results", most_values=MOST_VALUES)
-        written = content["written"]
-    except (InputError, LookupError, TypeError):
-        return ()
-    names = written if isinstance(written, list) else []
-    return tuple(n for n in names if isinstance(n, str) and _is_plain(folder, n))
-
-
-def _is_plain(folder: Path, name: str) -> bool:
-    """Whether this names a file in the folder itself, and no place elsewhere."""
-    try:
-        return Path(name).name == name and (folder / name).is_file()
-    except (OSError, ValueError):
-        return False
+    names = read_mark(folder / RESULTS).get("written")
+    return tuple(name for name in names if isinstance(name, str)) if isinstance(names, list) else ()

@@ -265,14 +265,25 @@ class TestRunningAgain:
 
     @pytest.mark.parametrize(
         "told",
-        ['{"written": ["../a", "/a", "b/c", "", ".", 3, null, "a\\u0000", "sub"]}', "[]", "{", "3"],
+        [
+            '{"written": ["../a", "/a", "b/c", "", ".", 3, null, "a\\u0000", "sub", "own"]}',
+            "[]",
+            "{",
+            "3",
+        ],
     )
-    def test_only_its_own_files_are_believed(self, told, tmp_path):
+    def test_only_its_own_files_are_removed(self, told, tmp_path):
         folder = tmp_path / "out"
         (folder / "sub").mkdir(parents=True)
-        (tmp_path / "a").touch()
+        (folder / "b").mkdir()
+        for file in (tmp_path / "a", folder / "b" / "c", folder / "own"):
+            file.touch()
         (folder / RESULTS).write_text(told)
-        assert earlier_files(folder) == ()
+        with whole_folder(folder, RESULTS, earlier_files) as temporary:
+            (temporary / RESULTS).write_text("{}")
+        names = {"a", "out", "out/sub", "out/b", "out/b/c", f"out/{RESULTS}"}
+        names |= set() if "own" in told else {"out/own"}
+        assert {str(p.relative_to(tmp_path)) for p in tmp_path.rglob("*")} == names
         assert earlier_files(tmp_path / "none") == ()
 
 
