@@ -16,7 +16,7 @@ from typing import Any
 from relgloss_view.base import temporaries
 from relgloss_view.base.errors import GLUnavailableError, InputError, RelglossError
 from relgloss_view.base.reading import printable
-from relgloss_view.base.room import check_start
+from relgloss_view.base.room import check_start, guard_imports
 from relgloss_view.base.terminal import make_streams_safe
 from relgloss_view.base.version import __version__
 
@@ -60,6 +60,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         finally:
             sys.stdout, sys.stderr = streams
     SIGNALS.before_leaving(temporaries.remove_all)
+    guard_imports()
     try:
         status = _status_of(sys.argv[1:])
     except BaseException:
@@ -112,6 +113,9 @@ def _words_of(error: Exception, command: str) -> tuple[str, int] | None:
         named = os.fsdecode(name) if isinstance(name, (str, bytes)) else str(name)
         reason = error.strerror or str(error) or type(error).__name__
         return f"{named}: {reason}; check that it is there, can be used and has room", 1
+    if isinstance(error, ImportError) and not _is_ours(error):
+        text = f"a library can't be loaded ({error}); install relgloss again"
+        return f"{text}: `relgloss doctor` lists what is missing", 1
     if _is_opengl(error):
         text = f"OpenGL failed: {error}; see `relgloss doctor`, or draw with --backend reference"
         return text, GLUnavailableError.exit_status
@@ -121,6 +125,7 @@ def _words_of(error: Exception, command: str) -> tuple[str, int] | None:
 def _run(words: list[str]) -> int:
     words = words[1:] if words[:1] == ["--"] else words
     words = words or [DEFAULT_COMMAND]
+    _check_working_folder()
     temporaries.prepare(words[1:])
     if words[0] in COMMANDS:
         check_start()
@@ -128,6 +133,16 @@ def _run(words: list[str]) -> int:
     args.argv = words
     SIGNALS.work()
     return int(args.run(args))
+
+
+def _check_working_folder() -> None:
+    """InputError where the working folder was removed, so that no name means anything."""
+    try:
+        os.getcwd()
+    except OSError as error:
+        reason = error.strerror or error
+        text = f"the working folder can't be used ({reason}); change to another one (cd)"
+        raise InputError(text) from error
 
 
 def _prepare_streams() -> None:
@@ -165,6 +180,11 @@ def _lacks_memory(error: Exception) -> bool:
     return isinstance(error, MemoryError) or (
         isinstance(error, ImportError) and any(text in str(error) for text in words)
     )
+
+
+def _is_ours(error: ImportError) -> bool:
+    """Whether a name of this package can't be imported, a mistake of the program."""
+    return (error.name or "").partition(".")[0] == "relgloss_view"
 
 
 def _is_opengl(error: Exception) -> bool:

@@ -315,7 +315,28 @@ def taken(name: str | os.PathLike[str]) -> InputError:
 def unwritable(path: str | os.PathLike[str], error: OSError | ValueError) -> InputError:
     """A place that can't be written, in one line; an InputError stays what it is."""
     reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-    return InputError(f"{os.fspath(path)}: can't be written ({reason}); choose another place")
+    return InputError(f"{_lasting(path)}: can't be written ({reason}); choose another place")
+
+
+#: What the user calls the folders that are being filled, by their temporary paths.
+_names: dict[str, str] = {}
+
+
+@contextlib.contextmanager
+def named(staged: Path, name: str | os.PathLike[str]) -> Iterator[None]:
+    """Within the block, messages name a file of a temporary folder by its place."""
+    _names[os.fspath(staged)] = os.fspath(name)
+    try:
+        yield
+    finally:
+        del _names[os.fspath(staged)]
+
+
+def _lasting(path: str | os.PathLike[str]) -> str:
+    for staged, name in tuple(_names.items()):
+        if Path(path).is_relative_to(staged):
+            return os.path.join(name, os.path.relpath(path, staged))
+    return os.fspath(path)
 
 
 @contextlib.contextmanager

@@ -24,6 +24,16 @@ START, BLAS_THREAD = 140 * MB, 42 * MB
 LIBRARIES = 50 * MB  #: of START, what files are mapped to: no writable addresses
 
 
+#: What a library takes when it is first imported, beside START: resident, data and addresses.
+#: Measured. scipy has an OpenBLAS of its own, which waits for ever where it finds no memory.
+LIBRARY = {
+    "scipy": (70 * MB, 110 * MB, 215 * MB),
+    "imgui_bundle": (35 * MB, 25 * MB, 90 * MB),
+    "matplotlib": (40 * MB, 30 * MB, 50 * MB),
+}
+WITH_BLAS = "scipy"
+
+
 class Need(NamedTuple):
     """What a task takes at most, bytes more than now."""
 
@@ -94,6 +104,29 @@ def check_start() -> None:
     if "numpy" not in sys.modules:
         taken = START + (blas_threads() - 1) * BLAS_THREAD
         check_room(Need(40 * MB, taken - LIBRARIES, taken), "the program", "raise the limit")
+
+
+class _ImportGate:
+    """Refuses the import of a library that there is no memory for; it finds no module itself."""
+
+    def find_spec(self, name: str, *_: object) -> None:
+        need = LIBRARY.get(name)
+        if need is None:
+            return
+        resident, data, addresses = need
+        threads = (blas_threads() - 1) * BLAS_THREAD if name == WITH_BLAS else 0.0
+        check_room(
+            Need(resident, data + threads, addresses + threads), "the program", "raise the limit"
+        )
+
+
+def guard_imports() -> None:
+    """From now on InputError where a large library is imported without the memory for it.
+
+    For the command alone: it changes how this process imports.
+    """
+    if not any(isinstance(finder, _ImportGate) for finder in sys.meta_path):
+        sys.meta_path.insert(0, _ImportGate())
 
 
 def blas_threads() -> int:

@@ -20,6 +20,7 @@ from relgloss_view.base.commit import (
     FolderOutput,
     Output,
     errors_of,
+    named,
     put_in_place,
     taken,
     unwritable,
@@ -132,7 +133,8 @@ def whole_folder(
         )
         staged = holder / NEW / (folder.relative_to(above) if mode is None else "")
         staged.mkdir(parents=True)
-        yield staged
+        with named(staged, path):
+            yield staged
         output = FolderOutput(
             os.fspath(path), holder, staged, folder, last=last, stale=stale,
             is_new=mode is None, in_place=mode is not None and not exchanged,

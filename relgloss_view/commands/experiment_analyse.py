@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 from pathlib import Path
 from typing import Any
@@ -81,18 +82,20 @@ def run(args: argparse.Namespace) -> int:
     folder: Path | None = None
     written: tuple[str, ...] = ()
     if args.output is not None:
-        folder = own_folder(args.output, {RESULTS: FORMAT}, "report", alone=True)
+        folder = own_folder(args.output, {RESULTS: FORMAT}, "experiment analyse", alone=True)
     with scratch_folder() as lamps:
         pool = read_pool(args.files, lamps)
         for record in pool.records:
             for line in warnings(record.losses, record.path):
                 warn(line)
-        with Progress("analyse") as progress:
+        with Progress("analyse") as progress, contextlib.ExitStack() as stack:
+            # The place is tried first: an analysis takes minutes.
+            place = None if folder is None else whole_folder(folder, RESULTS, earlier_files)
+            temporary = None if place is None else stack.enter_context(place)
             analysis = analyse(pool, options, progress)
-            if folder is not None:
+            if temporary is not None:
                 command = printable_command(args.argv)
-                with whole_folder(folder, RESULTS, earlier_files) as temporary:
-                    written = write_report(temporary, analysis, command=command, progress=progress)
+                written = write_report(temporary, analysis, command=command, progress=progress)
     print(json.dumps(as_numbers(analysis)) if args.json else summary(analysis))
     if folder is not None and not args.json:
         first = PAGE if PAGE in written else RESULTS

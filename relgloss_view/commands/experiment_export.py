@@ -62,7 +62,7 @@ def run(args: argparse.Namespace) -> int:
             raise InputError(f"{printable(table)}: is a session file; give the table another name")
     folder = None
     if args.stimuli is not None:
-        folder = own_folder(args.stimuli, {MANIFEST: FORMAT}, "export", alone=True)
+        folder = own_folder(args.stimuli, {MANIFEST: FORMAT}, "experiment export", alone=True)
     with scratch_folder() as lamps:
         pool = read_pool(args.files, lamps)
         for record in pool.records:

@@ -24,18 +24,21 @@ def own_folder(name: str, ours: Mapping[str, str], what: str, *, alone: bool = F
         for place in (real.parent, real):
             sweep(place)
     if not name or (os.path.lexists(folder) and not folder.is_dir()):
-        problem = "is a file" if name else "an empty name"
+        lost = folder.is_symlink() and not folder.exists()
+        problem = "an empty name" if not name else "a link to nothing" if lost else "is a file"
         raise InputError(f"{name or '-o'}: {problem}; give the name of a folder with -o")
     for file, form in ours.items():
         if os.path.lexists(folder / file):
             if read_mark(folder / file).get("format") != form:
                 raise InputError(
-                    f"{folder / file}: was not written by relgloss {what}; choose another folder"
+                    f"{folder / file}: was not written by `relgloss {what}`, or is damaged; "
+                    "choose a new folder, or move this one away"
                 )
             alone = False
     if alone and folder.is_dir() and not _empty(folder):
         raise InputError(
-            f"{folder}: holds files that relgloss {what} did not write; choose another folder"
+            f"{folder}: holds files, but no {' or '.join(ours)} of `relgloss {what}`; choose a "
+            "new folder, or move this one away"
         )
     return folder
 

@@ -109,5 +109,41 @@ def test_too_little_to_start_is_one_line(megabytes, tmp_path):
     assert "ulimit -v; raise the limit" in done.stderr
 
 
+class TestImports:
+    @pytest.fixture
+    def gate(self, monkeypatch):
+        monkeypatch.setattr(sys, "meta_path", list(sys.meta_path))
+        room.guard_imports()
+        room.guard_imports()
+        assert sum(isinstance(finder, room._ImportGate) for finder in sys.meta_path) == 1
+
+    def test_a_library_that_there_is_no_memory_for(self, gate, monkeypatch):
+        monkeypatch.setattr(room, "LIBRARY", {"wave": (9 * MB, 9 * MB, 9 * MB)})
+        monkeypatch.setattr(room, "rooms", lambda: [Room(8 * MB, "is free", "addresses")])
+        monkeypatch.delitem(sys.modules, "wave", raising=False)
+        with pytest.raises(InputError, match="the program needs about 9 MB of memory, and 8 MB"):
+            import wave
+        import colorsys  # noqa: F401 - the control: another one is not looked at
+
+        monkeypatch.setattr(room, "rooms", lambda: [Room(9 * MB, "is free", "addresses")])
+        import wave  # noqa: F401
+
+    @LINUX
+    def test_scipy_waits_for_no_memory_that_never_comes(self):
+        """Its OpenBLAS asks again and again, within a call that no signal ends."""
+        code = """
+import numpy, resource
+from relgloss_view.base.room import _fields, guard_imports
+taken = int(_fields("/proc/self/status", "VmSize")["VmSize"])
+guard_imports()
+resource.setrlimit(resource.RLIMIT_AS, (taken + (100 << 20), taken + (100 << 20)))
+import scipy.special
+"""
+        done = subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, timeout=60
+        )
+        assert "InputError: the program needs about" in done.stderr
+
+
 def test_words_of_sizes():
     assert [room._size(v) for v in (2.14 * GB, 1 * GB, 450 * MB)] == ["2.1 GB", "1 GB", "450 MB"]

@@ -134,3 +134,21 @@ class TestWholeFolder:
             fail(whole_folder(tmp_path, "list"), ["a", "z", "list"], fault=None)
         assert sorted(p.name for p in tmp_path.iterdir()) == ["list", "z"]
         assert (tmp_path / "list").read_text() == "old"
+
+
+def _fill_a_full_disk(folder):
+    (folder / "sub").mkdir()
+    with whole_file(folder / "sub" / "a.png"):
+        raise OSError(28, "No space left on device")
+
+
+def test_messages_name_places_and_not_temporary_folders(tmp_path):
+    """A full disk, say, while a folder is filled."""
+    for exists in (False, True):
+        place = tmp_path / f"out-{exists}"
+        if exists:
+            place.mkdir()
+        with pytest.raises(InputError) as fault, whole_folder(place, "list.json") as folder:
+            _fill_a_full_disk(folder)
+        assert str(fault.value).startswith(f"{place}/sub/a.png: can't be written (No space")
+        assert ".part" not in str(fault.value)

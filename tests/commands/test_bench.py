@@ -96,7 +96,7 @@ def test_again_into_the_same_folder_and_not_into_anothers(tmp_path, capsys):
     (folder / report.RESULTS).write_text('{"format": "else"}')
     assert bench(folder) == 1
     told = capsys.readouterr().err
-    assert "was not written by relgloss bench" in told
+    assert "was not written by `relgloss bench`" in told
     assert told.count("\n") == 1
     (tmp_path / "file").touch()
     assert bench(tmp_path / "file") == 1

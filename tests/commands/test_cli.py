@@ -373,7 +373,7 @@ class TestGrid:
     def test_somebody_elses_manifest(self, capsys, tmp_path, text):
         (tmp_path / "manifest.json").write_text(text)
         err = refused(capsys, tmp_path, "grid", "--size", "16x16", "-o", tmp_path)
-        assert "choose another folder" in err
+        assert "choose a new folder, or move this one away" in err
         assert (tmp_path / "manifest.json").read_text() == text
         assert "empty name" in refused(capsys, tmp_path, "grid", "--size", "16x16", "-o", "")
 
@@ -433,6 +433,32 @@ class TestDoctor:
         assert "apt-get install" in done.stderr
         assert "Traceback" not in done.stderr
         assert list(tmp_path.iterdir()) == []
+
+
+def test_a_working_folder_that_is_gone(capsys, tmp_path, monkeypatch):
+    (tmp_path / "gone").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    assert cli.main(["gloss", "art-coated"]) == 1
+    told = capsys.readouterr().err
+    monkeypatch.chdir(tmp_path)
+    assert told.count("\n") == 1
+    assert "the working folder can't be used (No such file or directory); change to" in told
+
+
+def test_a_library_that_is_broken_is_one_line(capsys, tmp_path, monkeypatch):
+    fault = ImportError("no PIL", name="PIL")
+    monkeypatch.setattr(cli, "_run", lambda words: (_ for _ in ()).throw(fault))
+    assert cli.main(["snapshot"]) == 1
+    told = capsys.readouterr().err
+    assert told == (
+        "relgloss: a library can't be loaded (no PIL); install relgloss again: "
+        "`relgloss doctor` lists what is missing\n"
+    )
+    # The control: a mistake of the program is not blamed on the installation.
+    fault = ImportError("cannot import name", name="relgloss_view.cli")
+    with pytest.raises(ImportError):
+        cli.main(["snapshot"])
 
 
 def test_interrupted(capsys, tmp_path, monkeypatch):

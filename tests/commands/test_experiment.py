@@ -309,14 +309,26 @@ class TestAnalyse:
         Path("own").mkdir()
         Path("own/matte-coated.toml").write_text("mine")
         told = refused(capsys, "experiment", "analyse", session, "--draws", 5, "-o", "own")
-        assert "holds files that relgloss report did not write" in told
+        assert "no results.json of `relgloss experiment analyse`; choose a new folder" in told
         assert Path("own/matte-coated.toml").read_text() == "mine"
+
+    def test_a_place_is_refused_before_the_analysis(self, folder, session, capsys, monkeypatch):
+        """Which takes minutes where there are many answers."""
+        monkeypatch.setattr(
+            "relgloss_view.experiment.verdict.analysis.analyse",
+            lambda *_: pytest.fail("the analysis has begun"),
+        )
+        told = refused(capsys, "experiment", "analyse", session, "-o", "s.sqlite/report")
+        assert "can't be written" in told
+        Path("link").symlink_to("nowhere")
+        told = refused(capsys, "experiment", "analyse", session, "-o", "link")
+        assert "link: a link to nothing" in told
 
     def test_a_folder_of_somebody_else(self, folder, session, capsys):
         run(capsys, "grid", "--size", "16x16", "-o", "stimuli")
         Path("stimuli/results.json").write_text("{}")
         told = refused(capsys, "experiment", "analyse", session, "--draws", 5, "-o", "stimuli")
-        assert "was not written by relgloss report" in told
+        assert "was not written by `relgloss experiment analyse`" in told
 
 
 class TestExport:
@@ -368,7 +380,7 @@ class TestExport:
         Path("mine").mkdir()
         Path("mine/x").write_text("")
         told = refused(capsys, "experiment", "export", session, "--stimuli", "mine")
-        assert "holds files that relgloss export did not write" in told
+        assert "no manifest.json of `relgloss experiment export`" in told
         assert sorted(os.listdir(folder)) == ["mine", "s.sqlite"]
 
 

@@ -10,8 +10,9 @@ import fit_cases
 import numpy as np
 import pytest
 
+from relgloss_view.base import room
 from relgloss_view.base.errors import FitCancelled, InputError
-from relgloss_view.fitting import MODELS, describe_fit, fit_material, observations
+from relgloss_view.fitting import MODELS, describe_fit, fit, fit_material, observations
 from relgloss_view.fitting.ladder import Candidate
 from relgloss_view.fitting.model import Rung, Solution, State
 from relgloss_view.fitting.results import POOR_MEDIAN, POOR_MEDIAN_NEAR, Part
@@ -19,6 +20,7 @@ from relgloss_view.fitting.verdict import NEAR_MIRROR_DEG, residuals, standard_e
 from relgloss_view.material import brdf
 from relgloss_view.material.material import Material, Quality
 from relgloss_view.measure import table
+from relgloss_view.measure.readers import read_measurement
 
 LOBE = ((2.5, 0.9),)
 #: Five incidence planes of the fifteen: enough where speed counts.
@@ -370,3 +372,14 @@ def test_either_median_makes_a_fit_poor(median: float, near: float | None, poor:
     measures = residuals(measurement, data, data.value)
     part = Part(near, 0 if near is None else 4)
     assert replace(measures, median_relative_error=median, near_mirror=part).poor is poor
+
+
+def test_a_fit_that_there_is_no_memory_for_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Before, the system ended it: a million geometries would take 50 GB."""
+    paper = read_measurement("art-coated")
+    monkeypatch.setattr(room, "rooms", lambda: [room.Room(150e6, "is free", "resident")])
+    monkeypatch.setattr(fit, "_GEOMETRY_BYTES", 1e6)
+    with pytest.raises(InputError, match=r"a fit of 997 geometries .* thin out"):
+        fit_material(paper)
+    monkeypatch.undo()
+    assert fit._GEOMETRY_BYTES * 1e6 > 50e9

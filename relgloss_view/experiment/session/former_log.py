@@ -6,21 +6,65 @@ Format: "WAL-mode File Format" of SQLite's documentation; all its numbers are bi
 
 from __future__ import annotations
 
+import contextlib
+import filecmp
 import functools
 import os
+import shutil
 import struct
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
 from relgloss_view.base.reading import open_regular
-from relgloss_view.experiment.session.losses import LOG_DAMAGED, LOG_MISSING, Loss
+from relgloss_view.base.writing import fresh_file
+from relgloss_view.experiment.session.file_checks import LOG
+from relgloss_view.experiment.session.losses import (
+    LOG_DAMAGED,
+    LOG_MISSING,
+    Loss,
+    former_copies,
+    former_name,
+)
 
 EXPECTED = "the log of a session file"
 HEADER_BYTES, FRAME_BYTES = 32, 24
 Words = npt.NDArray[np.uint64]
 MAGIC = 0x377F0682  #: the lowest bit: checksums of big-endian words
+
+
+@contextlib.contextmanager
+def kept(file: Path, log: Path) -> Iterator[None]:
+    """Keep a file as it is, with its log, before the block turns it into a present one.
+
+    Should its log turn up later, the two belong together, and no other version reads them as one.
+    On any exception the copies go. Raises InputError where there is no room for them.
+    """
+    made: list[Path] = []
+    try:
+        copy = _free_place(file)
+        if copy is not None:
+            for source, suffix in ((log, LOG), (file, "")):  # the file last: it is what counts
+                place = copy.with_name(copy.name + suffix)
+                if source.exists() and source.stat().st_size > 0:
+                    with fresh_file(place, private=True) as temporary:
+                        shutil.copyfile(source, temporary)
+                    made.append(place)
+        yield
+    except BaseException:
+        for place in made:
+            place.unlink(missing_ok=True)
+        raise
+
+
+def _free_place(file: Path) -> Path | None:
+    """Where a copy goes; None where there is one already, of a program that was killed."""
+    copies = former_copies(file)
+    if any(copy.is_file() and filecmp.cmp(file, copy, shallow=False) for copy in copies):
+        return None
+    return former_name(file, len(copies) + 1)
 
 
 def lost_with(log: Path) -> Loss | None:

@@ -6,6 +6,7 @@ which reports it from then on.
 
 from __future__ import annotations
 
+import itertools
 import os
 import sqlite3
 from collections.abc import Iterable, Sequence
@@ -60,9 +61,23 @@ def summed(losses: Iterable[Loss]) -> tuple[Loss, ...]:
     return tuple(Loss(cause, answers) for cause, answers in sums.items())
 
 
+def former_copies(file: str | os.PathLike[str]) -> list[Path]:
+    """Copies of a file, as it was before it became one of the present version without its log."""
+    file = Path(os.path.realpath(file))
+    names = (former_name(file, number) for number in itertools.count(1))
+    return list(itertools.takewhile(os.path.lexists, names))
+
+
+def former_name(file: Path, number: int) -> Path:
+    """The name of such a copy, the first, second, ..."""
+    return file.with_name(f"{file.name}.former{'' if number == 1 else f'-{number}'}")
+
+
 def sentences(losses: Sequence[Loss], path: str | os.PathLike[str]) -> list[str]:
     """Each loss in words, with what to do; without the file's name in front."""
-    return [_sentence(loss, Path(path).name) for loss in losses]
+    copies = former_copies(path)
+    former = printable(copies[-1].name) if copies else ""
+    return [_sentence(loss, Path(path).name, former) for loss in losses]
 
 
 def warnings(losses: Sequence[Loss], path: str | os.PathLike[str]) -> list[str]:
@@ -70,12 +85,13 @@ def warnings(losses: Sequence[Loss], path: str | os.PathLike[str]) -> list[str]:
     return [f"{printable(path)}: {line}" for line in sentences(losses, path)]
 
 
-def _sentence(loss: Loss, name: str) -> str:
+def _sentence(loss: Loss, name: str, former: str) -> str:
     log = f"{printable(name)}-wal"
     if loss.cause == LOG_MISSING:
-        return (
-            f"{log} is or was not beside it, and the last answers may be in that: "
-            "copy both files, or run the study on once where both lie"
+        return f"{log} is or was not beside it, and the last answers may be in that: " + (
+            f"{former} is the file as it was; put its log beside that, as {former}-wal"
+            if former
+            else "copy both files, or run the study on once where both lie"
         )
     if loss.cause == LOG_DAMAGED:
         return (

@@ -77,10 +77,10 @@ def open_to_write(path: str | os.PathLike[str]) -> Opened:
     """A connection that has the file to itself until it is closed; InputError otherwise.
 
     What is found to be lost is put into the file. A file of the former version becomes a present
-    one.
+    one; if its log is missing or damaged, a copy of it as it was stays beside it.
     """
     found = look_at(path)
-    with input_errors(path):
+    with input_errors(path), contextlib.ExitStack() as stack:
         before = _former_loss(found)
         if found.hot:
             with scratch_folder() as folder:
@@ -91,6 +91,8 @@ def open_to_write(path: str | os.PathLike[str]) -> Opened:
                         f"{printable(path)}: {name} beside it is damaged or does not belong to "
                         f"it; the file is whole without it: move {name} away"
                     )
+        if before is not None:
+            stack.enter_context(former_log.kept(found.file, found.log))
         connection = _connect(found.file, "rw")
         try:
             connection.execute("PRAGMA locking_mode = EXCLUSIVE")
@@ -190,6 +192,8 @@ def _connect(file: Path, mode: str) -> sqlite3.Connection:
 
 def _refuse_if_open(found: Found) -> None:
     """Raise sqlite3.OperationalError, a lock, where another program has the file open."""
+    if found.has_log and not found.log.exists():
+        return  # nobody has it open, and SQLite would make a log, and leave it
     with contextlib.closing(_connect(found.file, "ro")) as connection:
         try:
             connection.execute("SELECT count(*) FROM sqlite_master").fetchone()

@@ -27,6 +27,7 @@ from relgloss_view.experiment.session.losses import (
     MISSING,
     UNCOUNTED,
     Loss,
+    former_copies,
     warnings,
 )
 from relgloss_view.experiment.session.pool import read_pool
@@ -370,6 +371,30 @@ class TestFormerVersion:
         assert losses_of(file) == (Loss(cause),)
         with Store(file) as store:
             assert len(store.answers()) < 40  # the control: something is lost
+        # Nothing of it is gone: should the log turn up, the file as it was is there for it.
+        (former,) = former_copies(file)
+        assert former.read_bytes() == killed.read_bytes()
+        assert former.stat().st_mode & 0o777 == 0o600
+        Store(file).close()
+        assert former_copies(file) == [former]
+
+    def test_a_log_that_turns_up(self, killed, tmp_path):
+        """A session was renamed and its log was not; the study has gone on without it."""
+        whole = self.copied(killed, tmp_path)
+        count = len(read_record(whole, tmp_path).answers)
+        file, log = tmp_path / "renamed.sqlite", Path(f"{whole}-wal")
+        whole.rename(file)
+        Store(file).close()
+        (line,) = warnings(losses_of(file), file)
+        assert "renamed.sqlite.former is the file as it was" in line
+        log.rename(tmp_path / "renamed.sqlite.former-wal")
+        record = read_record(tmp_path / "renamed.sqlite.former", tmp_path)
+        assert (len(record.answers), record.losses) == (count, ())
+
+    def test_reading_leaves_nothing(self, killed, tmp_path):
+        file = self.copied(killed, tmp_path, lambda log: None)
+        assert read_record(file, tmp_path).losses == (Loss(LOG_MISSING),)
+        assert [path.name for path in tmp_path.iterdir()] == ["s.sqlite"]
 
     def test_frames_of_an_earlier_use_are_no_damage(self, tmp_path):
         file = tmp_path / "a.sqlite"
