@@ -323,7 +323,7 @@ _names: dict[str, str] = {}
 
 
 @contextlib.contextmanager
-def named(staged: Path, name: str | os.PathLike[str]) -> Iterator[None]:
+def shown_as(staged: Path, name: str | os.PathLike[str]) -> Iterator[None]:
     """Within the block, messages name a file of a temporary folder by its place."""
     _names[os.fspath(staged)] = os.fspath(name)
     try:

@@ -20,8 +20,8 @@ from relgloss_view.base.commit import (
     FolderOutput,
     Output,
     errors_of,
-    named,
     put_in_place,
+    shown_as,
     taken,
     unwritable,
 )
@@ -133,7 +133,7 @@ def whole_folder(
         )
         staged = holder / NEW / (folder.relative_to(above) if mode is None else "")
         staged.mkdir(parents=True)
-        with named(staged, path):
+        with shown_as(staged, path):
             yield staged
         output = FolderOutput(
             os.fspath(path), holder, staged, folder, last=last, stale=stale,

@@ -133,11 +133,9 @@ class Store:
         with damaged_rows(self.path):
             return read_details(self._connection, observer.number)
 
-    def new_observer(
-        self, kind: str = PERSON, details: Mapping[str, Any] | None = None
-    ) -> Observer:
-        """A new observer under a free pseudonym, whoever is not finished yet."""
-        return self._make_observer(_free_name({o.name for o in self.observers()}), kind, details)
+    def new_observer(self) -> Observer:
+        """A new person under a free pseudonym, whoever is not finished yet."""
+        return self._make_observer(_free_name({o.name for o in self.observers()}), PERSON, None)
 
     def _make_observer(self, name: str, kind: str, details: Mapping[str, Any] | None) -> Observer:
         number = 1 + max((o.number for o in self.observers()), default=-1)
