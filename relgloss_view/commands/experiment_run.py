@@ -81,6 +81,9 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Open the window, and tell in the end how far the observer came."""
+    from relgloss_view.picture.peak import check_window
+
+    check_window()
     from relgloss_view.commands.view import warn_if_clamped
     from relgloss_view.experiment.session.losses import warnings
     from relgloss_view.experiment.session.store import Store

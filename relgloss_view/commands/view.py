@@ -69,6 +69,9 @@ def run(args: argparse.Namespace) -> int:
     """Open the window, or draw it without a display for a screenshot."""
     if args.font_scale is not None and not 0.5 <= args.font_scale <= 4.0:
         raise InputError(f"--font-scale {args.font_scale:g}: expected 0.5 to 4")
+    from relgloss_view.picture.peak import check_window
+
+    check_window()
     if args.screenshot is not None:
         return _screenshot(args)
     return _interactive(args)

@@ -15,6 +15,8 @@ from relgloss_view.picture.model.view import Size
 MOST_LLVMPIPE_THREADS = 32
 #: What the driver's libraries, its compiler and the first picture take.
 DRIVER = Need(110 * MB, 100 * MB, 320 * MB)
+#: What the window takes beside its context: libraries, letters, two pictures.
+WINDOW = Need(190 * MB, 200 * MB, 420 * MB)
 RESERVE = 60 * MB  #: for what drivers and libraries take unasked, above the estimate
 SMALL = 8 * MB  #: the reserve is for such
 SMALLER = "give a smaller --size"
@@ -89,6 +91,11 @@ def check_picture(
         check_room(context.plus(Need(RESERVE)), "OpenGL", NO_ROOM)
         need = need.plus(context)
     check_room(need, f"a picture of {size[0]}x{size[1]} pixels", remedy)
+
+
+def check_window() -> None:
+    """Raise InputError where the window needs more memory than there is; call it before imports."""
+    check_room(context_need().plus(WINDOW), "the window", "raise the limit")
 
 
 def check_memory(size: Size, bytes_per_pixel: float) -> None:

@@ -145,5 +145,22 @@ import scipy.special
         assert "InputError: the program needs about" in done.stderr
 
 
+@LINUX
+def test_too_little_for_the_window_is_one_line(tmp_path):
+    """OpenGL and fonts ended it in several ways, up to a segmentation fault."""
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_AS, (700 << 20, 700 << 20))
+
+    words = ["-m", "relgloss_view.cli", "view", "--screenshot", str(tmp_path / "a.png")]
+    done = subprocess.run(
+        [sys.executable, *words], preexec_fn=limit, capture_output=True, text=True, timeout=60,
+        env={"PATH": "", "OPENBLAS_NUM_THREADS": "2", "PYTHONPATH": ":".join(sys.path)},
+    )  # fmt: skip
+    assert done.returncode == 1, done.stderr
+    assert done.stderr.count("\n") == 1
+    assert "the window needs about" in done.stderr
+
+
 def test_words_of_sizes():
     assert [room._size(v) for v in (2.14 * GB, 1 * GB, 450 * MB)] == ["2.1 GB", "1 GB", "450 MB"]

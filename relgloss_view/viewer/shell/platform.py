@@ -17,11 +17,9 @@ import numpy as np
 
 from relgloss_view.base.errors import GLUnavailableError
 from relgloss_view.base.interruptions import SIGNALS
-from relgloss_view.base.room import check_room
 from relgloss_view.base.temporaries import scratch_file
 from relgloss_view.picture.gpu import probe
 from relgloss_view.picture.gpu.context import REMEDY as NO_GL_REMEDY
-from relgloss_view.picture.peak import context_need
 
 SMALLEST_PX, LARGEST_PX = 1, 8192
 MOST_PIXELS = 16 * 1024 * 1024  #: two pictures and a window of so many take about 1 GB
@@ -93,7 +91,6 @@ def open_platform(headless: bool) -> None:
     """Start GLFW on a display, or on its null platform, with the hints of the next window."""
     if not headless:
         check_display()
-    check_room(context_need(), "the window", "raise the limit")
     probe.check("egl")
     faults: list[str] = []
     on_error: Any = lambda code, text: faults.append(_text(text))  # noqa: E731
