@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 from collections.abc import Iterator
 
 import hypothesis
@@ -20,6 +21,15 @@ from relgloss_view.quality.planner import MethodChooser
 hypothesis.settings.register_profile("relgloss", deadline=None)
 hypothesis.settings.load_profile("relgloss")
 
+
+# A shell ignores these for what it runs in the background, and so would every program that a test
+# starts and interrupts: a program keeps what its parent ignores.
+for _name in ("SIGINT", "SIGHUP"):
+    if hasattr(signal, _name) and signal.getsignal(getattr(signal, _name)) == signal.SIG_IGN:
+        signal.signal(
+            getattr(signal, _name),
+            signal.default_int_handler if _name == "SIGINT" else signal.SIG_DFL,
+        )
 
 # A decoration that fails is a warning for a user, and a failure for a test, in processes that the
 # tests start too.
