@@ -159,5 +159,5 @@ def test_somebody_elses_files_are_left_alone(tmp_path, capsys):
     (folder / "chart.png").write_text("mine")
     for words in (["--quick"], ["--stability", "--quick"]):
         assert cli.main(["bench", *words, "-o", str(folder)]) == 1
-        assert "choose another folder" in capsys.readouterr().err
+        assert "move this one away" in capsys.readouterr().err
     assert (folder / "chart.png").read_text() == "mine"

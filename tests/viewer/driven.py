@@ -78,13 +78,7 @@ class Hand:
             self.frames(1)
 
     def double_click(self, item):
-        """Two clicks count as one double click however slow the machine's frames are."""
-        from imgui_bundle import imgui
-
-        io = imgui.get_io()
-        usual_s, io.mouse_double_click_time = io.mouse_double_click_time, 10.0
         self.ctx.item_double_click(item)
-        io.mouse_double_click_time = usual_s
         self.frames(2)
 
     def key(self, key):
