@@ -156,10 +156,10 @@ def named(path: str | os.PathLike[str]) -> str:
     """A file's name for a message; of a very long one, which another file may hold, both ends.
 
     >>> named("a.csv"), len(named(4000 * "a"))
-    ('a.csv', 300)
+    ('a.csv', 160)
     """
     name = os.fspath(path)
-    return name if len(name) <= 300 else f"{name[:95]} ... {name[-200:]}"
+    return name if len(name) <= 250 else f"{name[:55]} ... {name[-100:]}"
 
 
 def printable(text: object, limit: int = 200) -> str:
