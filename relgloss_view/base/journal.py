@@ -209,9 +209,17 @@ def _identity_of(numbers: Sequence[Any]) -> Identity:
 
 
 def mark(holder: Path) -> None:
-    """The moment of the commit: from now on the moves are made, whoever makes them."""
-    os.close(os.open(holder / COMMITTED, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
-    sync(holder)
+    """The moment of the commit: from now on the moves are made, whoever makes them.
+
+    OSError where it can't be brought to the disk; there is no mark then, and nothing moves.
+    """
+    committed = holder / COMMITTED
+    os.close(os.open(committed, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
+    try:
+        sync(holder)
+    except OSError:
+        os.unlink(committed)
+        raise
 
 
 def is_marked(holder: str | os.PathLike[str]) -> bool:

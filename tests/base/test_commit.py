@@ -257,6 +257,25 @@ class TestTogether:
         assert kill_points.tree(tmp_path) == before
         assert kill_points.temporary(tmp_path) == []
 
+    def test_a_mark_that_does_not_reach_the_disk_is_none(self, tmp_path, monkeypatch):
+        """The command reports a failure, so the next program must not make the moves."""
+        fill_several(tmp_path)
+        before, real = kill_points.tree(tmp_path), journal.sync
+
+        def broken(path):
+            if os.path.lexists(Path(path) / journal.COMMITTED):
+                raise OSError(errno.EIO, "Input/output error")
+            real(path)
+
+        with monkeypatch.context() as patched:
+            patched.setattr(journal, "sync", broken)
+            with pytest.raises(InputError, match="Input/output error"):
+                several(tmp_path)
+        temporaries._swept.clear()
+        temporaries.prepare([f"{tmp_path}/rep"])
+        assert kill_points.tree(tmp_path) == before
+        assert kill_points.temporary(tmp_path) == []
+
     def test_a_fault_in_the_block_changes_nothing(self, tmp_path):
         (tmp_path / "a").write_text("old")
         with pytest.raises(KeyError):
