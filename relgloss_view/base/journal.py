@@ -12,6 +12,7 @@ names only files beside that folder; one of them, the primary, bears the mark fo
 from __future__ import annotations
 
 import contextlib
+import errno
 import json
 import os
 import shutil
@@ -71,13 +72,15 @@ class Journal:
     others: list[str] = field(default_factory=list)
 
     def write(self) -> None:
-        """Bring it to the disk."""
+        """Bring it to the disk; OSError where it has more moves than `read` takes."""
         content = {
             "format": FORMAT, "version": VERSION, "key": self.key, "primary": self.primary,
             "others": self.others, "moves": [asdict(move) for move in self.moves],
         }  # fmt: skip
         file = self.holder / JOURNAL
         file.write_text(json.dumps(content), encoding="utf-8")
+        if read(self.holder) is None:
+            raise OSError(errno.EFBIG, "too many files at once")
         sync(file)
         sync(self.holder)
 

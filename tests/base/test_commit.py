@@ -276,6 +276,15 @@ class TestTogether:
         assert kill_points.tree(tmp_path) == before
         assert kill_points.temporary(tmp_path) == []
 
+    def test_a_journal_that_could_not_be_read_back_commits_nothing(self, tmp_path, monkeypatch):
+        fill_several(tmp_path)
+        before = kill_points.tree(tmp_path)
+        monkeypatch.setattr(journal, "MOST_BYTES", 200)
+        with pytest.raises(InputError, match="too many files at once"):
+            several(tmp_path)
+        assert kill_points.tree(tmp_path) == before
+        assert kill_points.temporary(tmp_path) == []
+
     def test_a_fault_in_the_block_changes_nothing(self, tmp_path):
         (tmp_path / "a").write_text("old")
         with pytest.raises(KeyError):
