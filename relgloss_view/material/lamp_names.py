@@ -77,6 +77,8 @@ def _own_meant(name: str) -> str:
 
 def main(words: list[str]) -> None:
     """Print all tables, or which of them a name means, as JSON."""
+    # colour-science draws with it where it is there; a broken one must not cost the tables.
+    sys.modules["matplotlib"] = None  # type: ignore[assignment]
     json.dump(_own_meant(words[0]) if words else _own_tables(), sys.stdout)
 
 
