@@ -135,3 +135,14 @@ def test_mitsuba_draws_the_same_cylinder(ctx):
     assert found[0]["ms"] > 0.0
     assert found[0]["ours"] > 0.0
     assert found[0]["auto"] > 0.0
+
+
+def test_a_library_that_does_not_load_is_a_missing_peer(monkeypatch):
+    """Whatever it raises: the rest of the chart is not lost for it."""
+
+    def broken():
+        raise RuntimeError("no plots today")
+
+    monkeypatch.setattr(peers.scientist, "load", broken)
+    found = peers.time_scientist(None, "uncoated", 1)
+    assert found == {"name": peers.SCIENTIST, "fault": "RuntimeError: no plots today"}

@@ -107,6 +107,13 @@ def _brdf(scene: Scene, n: Array, i: Array, o: Array) -> tuple[Array, Array]:
     return np.where(seen, f_d, 0.0), np.where(seen, f_s, 0.0)
 
 
+def load() -> None:
+    """Import colour-science; whatever it or a library behind it raises goes on."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        import colour  # noqa: F401
+
+
 def _shown(scene: Scene, diffuse: Array, specular: Array, c_fraction: float) -> Array:
     """sRGB of spectral radiances: XYZ, L* split, specular part scaled, back again."""
     with warnings.catch_warnings():
