@@ -26,6 +26,8 @@ class Foreign:
 
     name: str
     remedy: str
+    #: of a format for which measure.readers has a reader, or is to have one; '' for all others
+    key: str = ""
 
 
 _SHEET = Foreign("an Excel or OpenDocument spreadsheet", _CSV)
@@ -66,8 +68,8 @@ _MAGIC: tuple[tuple[bytes, Foreign], ...] = (
 
 #: Elements whose presence near the top of an XML file names its kind; all other XML comes last.
 _XML: tuple[tuple[str, Foreign], ...] = (
-    (r"<(\w+:)?WindowElement\b", Foreign("a BSDF in Radiance's XML (WINDOW)", _LATER)),
-    (r"<(\w+:)?CxF\b", Foreign("a CxF file of colour measurements", _LATER)),
+    (r"<(\w+:)?WindowElement\b", Foreign("a BSDF in Radiance's XML (WINDOW)", _LATER, "bsdf-xml")),
+    (r"<(\w+:)?CxF\b", Foreign("a CxF file of colour measurements", _LATER, "cxf")),
     (r"IESTM2714|<(\w+:)?SpectralDistribution\b", Foreign("a TM-27 spectrum (.spdx)", _SPECTRUM)),
     (r"<!DOCTYPE html|<html\b", Foreign("a web page", "download the file itself")),
     (r"<svg\b", _PICTURE),
@@ -84,9 +86,12 @@ _ZEMAX_WORDS = (
 _GROUND = re.MULTILINE | re.IGNORECASE
 #: What the lines of text formats begin with; every expression of an entry must be met.
 _TEXTS: tuple[tuple[tuple[str, ...], Foreign], ...] = (
-    ((r"^NUM_POINTS\b", r"^VARS\b"), Foreign("a BRDF in the format of ASTM E1392", _LATER)),
+    (
+        (r"^NUM_POINTS\b", r"^VARS\b"),
+        Foreign("a BRDF in the format of ASTM E1392", _LATER, "e1392"),
+    ),
     ((r"\AOPTIS\b",), Foreign("a Speos surface file", _LATER)),
-    ((r"\ASSDD\b",), Foreign("an SSDD file (surface scattering data)", _LATER)),
+    ((r"\ASSDD\b",), Foreign("an SSDD file (surface scattering data)", _LATER, "ssdd")),
     (
         (r"^TypeSym\b|^TypeColorModel\b", r"^Source\b|^TypeData\b"),
         Foreign("an Integra .ddr or .ddt file", _LATER),
@@ -98,7 +103,10 @@ _TEXTS: tuple[tuple[tuple[str, ...], Foreign], ...] = (
             "give a spectrum as text of wavelength (nm) and power, or a table of readings",
         ),
     ),
-    ((r"\ACGATS|\AIT8|^BEGIN_DATA_FORMAT\b",), Foreign("a CGATS or IT8 colour chart", _LATER)),
+    (
+        (r"\ACGATS|\AIT8|^BEGIN_DATA_FORMAT\b",),
+        Foreign("a CGATS or IT8 colour chart", _LATER, "cgats"),
+    ),
     ((r"\ACTI[123]\b",), Foreign("a chart of ArgyllCMS", _LATER)),
     ((r"\ASPECT\b",), Foreign("a spectrum of ArgyllCMS (.sp)", _SPECTRUM)),
     ((r"\A##TITLE *=",), Foreign("a JCAMP-DX spectrum", _SPECTRUM)),
@@ -174,7 +182,7 @@ def _of_text(text: str) -> Foreign | None:
         return Foreign("an XML file", _TABLE) if re.match(r"<[?!\w]", text) else None
     words = {line.split(maxsplit=1)[0].lower() for line in text.splitlines() if line.strip()}
     if len(words & set(_ZEMAX_WORDS)) >= 3:
-        return Foreign("a Zemax BSDF file", _LATER)
+        return Foreign("a Zemax BSDF file", _LATER, "zemax")
     for patterns, foreign in _TEXTS:
         if all(re.search(pattern, text, _GROUND) for pattern in patterns):
             return foreign

@@ -7,7 +7,7 @@ from typing import Any
 
 
 def add_table_options(parser: argparse.ArgumentParser) -> None:
-    """Declare --quantity, --gamma-s-deg, --mirror and --angle-unit."""
+    """Declare --quantity, --gamma-s-deg, --mirror, --angle-unit and --part."""
     from relgloss_view.measure.quantity import QUANTITIES
     from relgloss_view.measure.readers.declared import MIRRORS
     from relgloss_view.measure.readers.headings import DEGREES, RADIANS
@@ -34,6 +34,11 @@ def add_table_options(parser: argparse.ArgumentParser) -> None:
         choices=(DEGREES, RADIANS),
         help="Unit of the table's angles, if it does not state it",
     )
+    parser.add_argument(
+        "--part",
+        metavar="NAME",
+        help="Name or number of the sample or surface to read from a file that holds several",
+    )
 
 
 def table_options(args: argparse.Namespace) -> dict[str, Any]:
@@ -43,4 +48,5 @@ def table_options(args: argparse.Namespace) -> dict[str, Any]:
         "gamma_s_deg": args.gamma_s_deg,
         "angle_unit": args.angle_unit,
         "mirror": args.mirror,
+        "part": args.part,
     }

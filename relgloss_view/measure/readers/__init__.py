@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 from relgloss_view.base.decoding import wide_encoding
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.foreign import HEAD_BYTES, refuse_foreign
+from relgloss_view.base.foreign import HEAD_BYTES, foreign_format
 from relgloss_view.base.reading import decoding, read_beginning
-from relgloss_view.measure.quantity import BRDF, canonical_quantity
 from relgloss_view.measure.readers import csv_table, gcms, generic, merl, rgl, tensor_file
 from relgloss_view.measure.readers.built_in import table_file
+from relgloss_view.measure.readers.options import ReadOptions
 from relgloss_view.measure.table import Measurement
 
 __all__ = ["read_measurement"]
 
 EXPECTED = "a measurement file"
+#: The reader of each format of another program, by its key in base.foreign.
+FORMATS: Mapping[str, Callable[[Path, ReadOptions], Measurement]] = {}
 MATERIAL = b"relgloss-material"  #: the format that `fit` writes into a material file
 #: Bytes that no text holds, but for a few that a program lets slip.
 _CONTROLS = [bytes([c]) for c in range(32) if c not in b"\t\n\x0b\x0c\r\x1a\x1b"]
@@ -30,6 +33,7 @@ def read_measurement(
     gamma_s_deg: float | None = None,
     angle_unit: str | None = None,
     mirror: str | None = None,
+    part: str | None = None,
 ) -> Measurement:
     """Read an instrument's file: RGL .bsdf, MERL .binary, GCMS-style or generic CSV.
 
@@ -45,6 +49,8 @@ def read_measurement(
     mirror: 'opposite' where the receiver is counted so that the mirror direction is at
     beta = -alpha or at opposite azimuths; 'same-side' where it is at beta = +alpha or at equal
     azimuths. Replaces what a text table declares; opposite is the default.
+    part: name or number, from 1, of the sample or surface that is wanted of a file that holds
+    several.
 
     Returns the Measurement in radiance factors, with its warnings. Raises InputError, one line
     that names file, place and remedy, for everything that is wrong with the file.
@@ -59,18 +65,13 @@ def read_measurement(
     relgloss_view.base.errors.InputError: no-such.csv: can't be read (No such file or directory)...
     """
     file = table_file(path)
+    options = ReadOptions(quantity, gamma_s_deg, angle_unit, mirror, part)
     with decoding(path, EXPECTED):
-        measurement = _read(file, quantity, gamma_s_deg, angle_unit, mirror)
+        measurement = _read(file, options)
     return replace(measurement, file=str(file))
 
 
-def _read(
-    path: Path,
-    quantity: str | None,
-    gamma_s_deg: float | None,
-    angle_unit: str | None,
-    mirror: str | None,
-) -> Measurement:
+def _read(path: Path, options: ReadOptions) -> Measurement:
     head = read_beginning(path, HEAD_BYTES, EXPECTED)
 
     # A file cut off inside the magic number is a damaged .bsdf too.
@@ -79,9 +80,14 @@ def _read(
     elif head.startswith(merl.HEADER):
         measurement = merl.read(path)
     else:
-        refuse_foreign(head, path)
-        return _read_text(path, head, quantity, gamma_s_deg, angle_unit, mirror)
-    return _with_unused_arguments(measurement, quantity, gamma_s_deg, angle_unit, mirror)
+        foreign = foreign_format(head)
+        if foreign is None:
+            return _read_text(path, head, options)
+        if foreign.key in FORMATS:
+            return FORMATS[foreign.key](path, options)
+        raise InputError(f"{path}: this looks like {foreign.name}; {foreign.remedy}")
+    unused = options.unused("quantity", "gamma_s_deg", "angle_unit", "mirror", "part")
+    return replace(measurement, warnings=(*measurement.warnings, *unused))
 
 
 def _refuse_no_table(path: Path, head: bytes) -> None:
@@ -104,37 +110,10 @@ def _refuse_no_table(path: Path, head: bytes) -> None:
         raise InputError(f"{path}: this looks like JSON; give a measured table as CSV")
 
 
-def _with_unused_arguments(
-    measurement: Measurement,
-    quantity: str | None,
-    gamma_s_deg: float | None,
-    angle_unit: str | None,
-    mirror: str | None,
-) -> Measurement:
-    """The measurement, with a warning for each argument that its format does not use."""
-    warnings = list(measurement.warnings)
-    if quantity is not None and canonical_quantity(quantity, "--quantity") != BRDF:
-        warnings.append(f"the format holds BRDFs in 1/sr; --quantity {quantity} is not used")
-    if gamma_s_deg is not None:
-        warnings.append("the format has no tilt of the sample; --gamma-s-deg is not used")
-    if angle_unit is not None:
-        warnings.append("the format fixes the unit of its angles; --angle-unit is not used")
-    if mirror is not None:
-        warnings.append("the format fixes its mirror direction; --mirror is not used")
-    return replace(measurement, warnings=tuple(warnings))
-
-
-def _read_text(
-    path: Path,
-    head: bytes,
-    quantity: str | None,
-    gamma_s_deg: float | None,
-    angle_unit: str | None,
-    mirror: str | None,
-) -> Measurement:
+def _read_text(path: Path, head: bytes, options: ReadOptions) -> Measurement:
     _refuse_no_table(path, head[:4096])
     table = csv_table.parse(path, (gcms.COLUMNS.keys(), generic.COLUMNS.keys()))
     names = {name.lower() for name in table.columns}
     if names & gcms.COLUMNS.keys():
-        return gcms.read(table, quantity, gamma_s_deg, angle_unit, mirror)
-    return generic.read(table, quantity, gamma_s_deg, angle_unit, mirror)
+        return gcms.read(table, options)
+    return generic.read(table, options)

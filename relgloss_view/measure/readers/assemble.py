@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,10 +11,9 @@ from numpy.typing import ArrayLike
 from relgloss_view.base.arrays import Array, Ints, Mask
 from relgloss_view.base.errors import InputError
 from relgloss_view.measure import screening as screen
-from relgloss_view.measure.bands import Bands
+from relgloss_view.measure.bands import RGB, Bands
 from relgloss_view.measure.gonio import GRAZING_COSINE, spherical, tabulated_grid
 from relgloss_view.measure.quantity import to_radiance_factor
-from relgloss_view.measure.readers.csv_table import TextTable
 from relgloss_view.measure.readers.declared import Declared
 from relgloss_view.measure.table import KEPT, Measurement, source_is_synthetic
 
@@ -44,8 +44,8 @@ def evaluate_above(i: ArrayLike, o: ArrayLike, brdf: Callable[[Array, Array], Ar
     return result.reshape(i.shape)
 
 
-def from_table(
-    table: TextTable,
+def assemble(
+    path: Path,
     facts: Declared,
     angles: Array,
     bands: Bands,
@@ -55,8 +55,9 @@ def from_table(
     *,
     arms_occlude: bool = False,
 ) -> Measurement:
-    """The measurement of a parsed table: screened, in radiance factors, repeated rows compared.
+    """The measurement of what a reader found, screened and in radiance factors.
 
+    path: for messages. facts: what the file and the caller declare.
     angles: (N, A), the instrument's, degrees. readings: (N, B), in the declared quantity.
     directions: to lamp and to receiver, (N, 3) each. group: (N,), rounded to whole numbers.
     Raises InputError where no sample is left, or where the values can't be the declared quantity
@@ -80,7 +81,7 @@ def from_table(
     )
     percent = screen.percent_warning(to_lamp, to_receiver, factor, reasons == KEPT)
     if percent is not None and not facts.quantity_insisted:
-        raise InputError(f"{table.path}: {percent}")
+        raise InputError(f"{path}: {percent}")
     doubts = (left_out, noise, percent, contradictions(angles, factor, reasons == KEPT))
     measurement = Measurement(
         name=facts.name,
@@ -95,7 +96,22 @@ def from_table(
         warnings=(*facts.warnings, *(doubt for doubt in doubts if doubt)),
         synthetic=source_is_synthetic(facts.source),
     )
-    return require_samples(measurement, table.path)
+    return require_samples(measurement, path)
+
+
+def one_channel(readings: Array, label: str) -> tuple[Bands, Array, str]:
+    """Bands, readings (N, 3) and a warning for readings (N, 1) of a single channel.
+
+    label: what the channel is, such as '633 nm'. A laser or a luminous reading has no colour: all
+    channels of linear RGB get it, and the material is gray.
+
+    >>> one_channel(np.array([[0.2]]), "633 nm")[1].tolist()
+    [[0.2, 0.2, 0.2]]
+    """
+    warning = (
+        f"the file holds one channel ({label}): the material is gray; give it a colour with --lab"
+    )
+    return RGB, np.repeat(readings, 3, axis=1), warning
 
 
 def require_samples(measurement: Measurement, path: object) -> Measurement:

@@ -11,6 +11,7 @@ from relgloss_view.measure import quantity as quantities
 from relgloss_view.measure.gonio import GAMMA_S_DEG
 from relgloss_view.measure.readers.csv_table import TextTable
 from relgloss_view.measure.readers.headings import DEGREES, RADIANS, unit_of
+from relgloss_view.measure.readers.options import ReadOptions
 
 MAX_APERTURE_SD_DEG = 45.0
 #: Where the mirror direction lies: beta = -alpha or opposite azimuths, or on the lamp's side.
@@ -26,28 +27,23 @@ class Declared:
     name: str
     source: str
     quantity: str
-    quantity_insisted: bool  #: True where the caller gave it, whatever the file declares
-    angle_unit: str | None  #: RADIANS or DEGREES; None where nobody declares it
-    gamma_s_deg: float
-    gamma_s_declared: bool  #: False where gamma_s_deg is the default
-    aperture_sd_deg: tuple[float, float]
-    saturation: float | None
-    warnings: tuple[str, ...]
+    quantity_insisted: bool = False  #: True where the caller gave it, whatever the file declares
+    angle_unit: str | None = None  #: RADIANS or DEGREES; None where nobody declares it
+    gamma_s_deg: float = GAMMA_S_DEG
+    gamma_s_declared: bool = False  #: False where gamma_s_deg is the default
+    aperture_sd_deg: tuple[float, float] = (0.0, 0.0)
+    saturation: float | None = None
+    warnings: tuple[str, ...] = ()
 
 
-def declared(
-    table: TextTable,
-    quantity: str | None = None,
-    gamma_s_deg: float | None = None,
-    angle_unit: str | None = None,
-) -> Declared:
-    """The facts from the file's comments; an argument of the caller replaces the comment.
+def declared(table: TextTable, options: ReadOptions) -> Declared:
+    """The facts from the file's comments; an option of the caller replaces the comment.
 
     Raises InputError where neither declares the quantity or a value is out of its range.
     """
     warnings = list(table.notes)
-    chosen = _quantity(table, quantity, warnings)
-    gamma_s, is_declared = _gamma_s(table, gamma_s_deg, warnings)
+    chosen = _quantity(table, options.quantity, warnings)
+    gamma_s, is_declared = _gamma_s(table, options.gamma_s_deg, warnings)
 
     aperture = (0.0, 0.0)
     if "aperture_sd_deg" in table.comments:
@@ -62,8 +58,8 @@ def declared(
         name=_comment(table, "name") or table.path.stem,
         source=_comment(table, "source") or table.path.name,
         quantity=chosen,
-        quantity_insisted=quantity is not None,
-        angle_unit=_angle_unit(table, angle_unit, warnings),
+        quantity_insisted=options.quantity is not None,
+        angle_unit=_angle_unit(table, options.angle_unit, warnings),
         gamma_s_deg=gamma_s,
         gamma_s_declared=is_declared,
         aperture_sd_deg=aperture,

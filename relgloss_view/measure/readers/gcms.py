@@ -12,36 +12,31 @@ from numpy.typing import ArrayLike
 from relgloss_view.measure import ridge
 from relgloss_view.measure.gonio import gcms_directions
 from relgloss_view.measure.quantity import canonical_quantity
-from relgloss_view.measure.readers.assemble import from_table
+from relgloss_view.measure.readers.assemble import assemble
 from relgloss_view.measure.readers.columns import split_columns
 from relgloss_view.measure.readers.csv_table import TextTable
 from relgloss_view.measure.readers.declared import declared, same_side
+from relgloss_view.measure.readers.options import ReadOptions
 from relgloss_view.measure.table import Measurement
 
 #: Column names and the largest magnitude of each angle, degrees.
 COLUMNS = {"alpha_deg": 90.0, "beta_deg": 90.0, "gamma_deg": 90.0}
 
 
-def read(
-    table: TextTable,
-    quantity: str | None = None,
-    gamma_s_deg: float | None = None,
-    angle_unit: str | None = None,
-    mirror: str | None = None,
-) -> Measurement:
+def read(table: TextTable, options: ReadOptions) -> Measurement:
     """Read a parsed GCMS table. Raises InputError.
 
-    quantity, gamma_s_deg, angle_unit, mirror: replace what the file declares. The tilt gamma_s is
-    checked against the ridge in the data.
+    options: replace what the file declares. The tilt gamma_s is checked against the ridge in the
+    data.
     """
-    facts = declared(table, quantity, gamma_s_deg, angle_unit)
+    facts = declared(table, options)
     angles, bands, readings = split_columns(table, COLUMNS, facts.angle_unit)
-    if same_side(table, mirror):
+    if same_side(table, options.mirror):
         angles = angles * np.array([1.0, -1.0, 1.0])
     alpha, beta, gamma = angles.T
     directions = gcms_directions(alpha, beta, gamma, facts.gamma_s_deg)
-    measurement = from_table(
-        table, facts, angles, bands, readings, directions, alpha, arms_occlude=True
+    measurement = assemble(
+        table.path, facts, angles, bands, readings, directions, alpha, arms_occlude=True
     )
     kept = measurement.kept
     level = measurement.radiance_factor[kept].mean(axis=1)
@@ -49,7 +44,11 @@ def read(
     return replace(
         measurement,
         gamma_s_deg=facts.gamma_s_deg,
-        warnings=(*measurement.warnings, *([elsewhere] if elsewhere else [])),
+        warnings=(
+            *measurement.warnings,
+            *([elsewhere] if elsewhere else []),
+            *options.unused("part"),
+        ),
     )
 
 

@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from relgloss_view.measure.gonio import spherical
-from relgloss_view.measure.readers.assemble import from_table
+from relgloss_view.measure.readers.assemble import assemble
 from relgloss_view.measure.readers.columns import split_columns
 from relgloss_view.measure.readers.csv_table import TextTable
 from relgloss_view.measure.readers.declared import declared, same_side
+from relgloss_view.measure.readers.options import ReadOptions
 from relgloss_view.measure.table import Measurement
 
 #: Column names and the largest magnitude of each angle, degrees.
@@ -22,26 +23,17 @@ COLUMNS = {
 }
 
 
-def read(
-    table: TextTable,
-    quantity: str | None = None,
-    gamma_s_deg: float | None = None,
-    angle_unit: str | None = None,
-    mirror: str | None = None,
-) -> Measurement:
+def read(table: TextTable, options: ReadOptions) -> Measurement:
     """Read a parsed generic table; `i` is the lamp, `r` the receiver. Raises InputError.
 
-    quantity, angle_unit, mirror: replace what the file declares. gamma_s_deg: has no effect but
-    a warning.
+    options: replace what the file declares; those without a use have no effect but a warning.
     """
-    facts = declared(table, quantity, angle_unit=angle_unit)
+    facts = declared(table, options)
     angles, bands, readings = split_columns(table, COLUMNS, facts.angle_unit)
-    if same_side(table, mirror):
+    if same_side(table, options.mirror):
         angles = angles + np.array([0.0, 0.0, 0.0, 180.0])
     theta_i, phi_i, theta_r, phi_r = angles.T
     directions = spherical(theta_i, phi_i), spherical(theta_r, phi_r)
-    measurement = from_table(table, facts, angles, bands, readings, directions, np.abs(theta_i))
-    if gamma_s_deg is None:
-        return measurement
-    unused = "the table has no gamma column; --gamma-s-deg is not used"
-    return replace(measurement, warnings=(*measurement.warnings, unused))
+    measurement = assemble(table.path, facts, angles, bands, readings, directions, np.abs(theta_i))
+    unused = options.unused("gamma_s_deg", "part")
+    return replace(measurement, warnings=(*measurement.warnings, *unused))

@@ -8,12 +8,12 @@ from pathlib import Path
 
 from relgloss_view.base.decoding import first_byte_of_no_text
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.foreign import HEAD_BYTES, refuse_foreign
+from relgloss_view.base.foreign import HEAD_BYTES, foreign_format, refuse_foreign
 from relgloss_view.base.reading import printable, read_beginning
 from relgloss_view.base.toml import parse_toml
 from relgloss_view.material.files import FORMAT
 from relgloss_view.material.files import MAX_BYTES as MAX_MATERIAL_BYTES
-from relgloss_view.measure.readers import read_measurement
+from relgloss_view.measure.readers import FORMATS, read_measurement
 from relgloss_view.picture.scene.scene_file import MAX_BYTES as MAX_SCENE_BYTES
 from relgloss_view.picture.scene.scene_file import PAIR_TABLES, TABLES
 
@@ -47,6 +47,9 @@ def likely_kind(path: str | os.PathLike[str]) -> str:
     if not head:
         raise InputError(f"{file}: the file is empty; give {EXPECTED}")
     if b"\x00" in head:  # a binary format, or UTF-16: the reader decides
+        return MEASUREMENT
+    foreign = foreign_format(head)
+    if foreign is not None and foreign.key in FORMATS:
         return MEASUREMENT
     refuse_foreign(head, file)
     text = head.lstrip(b"\xef\xbb\xbf \t\r\n")
