@@ -16,6 +16,8 @@ HEAD_BYTES = 16384  #: of a file's beginning, which are enough to recognise it
 
 _CSV = "save or export the table as CSV"
 _LATER = "relgloss does not read these yet; export the readings as CSV (docs/files.md)"
+#: Of formats that measure.readers reads, where a lamp or a material is wanted.
+_MEASURED = "it holds measured reflectances: make a material of it with `relgloss fit`"
 _TABLE = "give the measured table as CSV, an RGL .bsdf or a MERL .binary"
 _SPECTRUM = "relgloss does not read these; save two columns, wavelength (nm) and value, as text"
 
@@ -68,7 +70,10 @@ _MAGIC: tuple[tuple[bytes, Foreign], ...] = (
 
 #: Elements whose presence near the top of an XML file names its kind; all other XML comes last.
 _XML: tuple[tuple[str, Foreign], ...] = (
-    (r"<(\w+:)?WindowElement\b", Foreign("a BSDF in Radiance's XML (WINDOW)", _LATER, "bsdf-xml")),
+    (
+        r"<(\w+:)?WindowElement\b",
+        Foreign("a BSDF in XML (WINDOW, Radiance)", _MEASURED, "bsdf-xml"),
+    ),
     (r"<(\w+:)?CxF\b", Foreign("a CxF file of colour measurements", _LATER, "cxf")),
     (r"IESTM2714|<(\w+:)?SpectralDistribution\b", Foreign("a TM-27 spectrum (.spdx)", _SPECTRUM)),
     (r"<!DOCTYPE html|<html\b", Foreign("a web page", "download the file itself")),
@@ -181,8 +186,10 @@ def _of_text(text: str) -> Foreign | None:
                 return foreign
         return Foreign("an XML file", _TABLE) if re.match(r"<[?!\w]", text) else None
     words = {line.split(maxsplit=1)[0].lower() for line in text.splitlines() if line.strip()}
+    if {"aoi", "side"} <= words and "scatterradial" in words:
+        return Foreign("a LightTools BSDF file", _LATER, "lighttools")
     if len(words & set(_ZEMAX_WORDS)) >= 3:
-        return Foreign("a Zemax BSDF file", _LATER, "zemax")
+        return Foreign("a Zemax BSDF file", _MEASURED, "zemax")
     for patterns, foreign in _TEXTS:
         if all(re.search(pattern, text, _GROUND) for pattern in patterns):
             return foreign

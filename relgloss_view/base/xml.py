@@ -44,7 +44,8 @@ def read_xml(path: str | os.PathLike[str], expected: str, *, most_bytes: int) ->
     expected: the wanted kind of file for messages, as in "a CxF file". Tags and names of attributes
     are local names, without prefix or namespace; declarations of namespaces are left out. The
     encoding is the declared one, that of the byte order mark, or UTF-8; where the bytes are no
-    UTF-8 they are read as Windows-1252, which may change letters of a name, but no digit. `line_of` has each element's line.
+    UTF-8 they are read as Windows-1252, which may change letters of a name, but no digit.
+    `line_of` has each element's line.
 
     Raises InputError, which names the line, for a text that is not well-formed, has a document
     type, is nested more than MOST_DEPTH deep, or has more parts than the limits above.

@@ -96,6 +96,14 @@ def read(path: Path, options: ReadOptions) -> Measurement:
         notes.append(gray)
 
     angles = first.angles()
+    # Light and value vary so much within a patch at the horizon that no direction stands for it.
+    reach = first.incident.at_horizon()[None, :] | first.outgoing.at_horizon()[:, None]
+    if not reach.all():
+        angles, readings = angles[~reach.ravel()], readings[~reach.ravel()]
+        notes.append(
+            f"{int(reach.sum())} values of patches that reach the horizon are left out: an average "
+            "there belongs to no direction"
+        )
     spread = (first.incident.spread_deg(), first.outgoing.spread_deg())
     notes.append(
         f"each value is an average over patches (angle basis {first.incident.name}): a highlight "

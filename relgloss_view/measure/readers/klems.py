@@ -16,14 +16,12 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.xml import line_of
 
 MOST_PATCHES = 1000  #: of a basis; the finest in use has 145
-#: Patches beyond this polar angle are wide and hardly seen; they don't count for the spread.
-SPREAD_WITHIN_DEG = 75.0
 
 
 @dataclass(frozen=True)
@@ -58,18 +56,23 @@ class Basis:
         phi = np.concatenate([360.0 * np.arange(ring.count) / ring.count for ring in self.rings])
         return theta, phi
 
+    def at_horizon(self) -> Mask:
+        """(count,), whether each patch reaches the horizon."""
+        reach = [ring.upper > 90.0 - 1e-3 for ring in self.rings]
+        return np.repeat(reach, [ring.count for ring in self.rings])
+
     def spread_deg(self) -> float:
         """Per-axis standard deviation of directions within a patch, degrees.
 
         Of a patch w wide it is w / sqrt(12), and of a disc of radius r it is r / 2. The root mean
-        square over both axes and all patches within SPREAD_WITHIN_DEG.
+        square over both axes and all patches that do not reach the horizon.
 
         >>> round(known_bases()["lbnl/klems full"].spread_deg(), 2)
         3.22
         """
         variance, count = 0.0, 0
         for ring in self.rings:
-            if ring.centre > SPREAD_WITHIN_DEG and count:
+            if ring.upper > 90.0 - 1e-3 and len(self.rings) > 1:
                 continue
             if ring.lower == 0.0 and ring.count == 1:
                 of_one = (ring.upper / 2.0) ** 2

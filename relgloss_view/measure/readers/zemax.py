@@ -32,6 +32,10 @@ from relgloss_view.measure.table import Measurement
 EXPECTED = "a Zemax BSDF file"
 MOST_BYTES = 64_000_000
 MOST_READINGS = 1_000_000  #: of one channel
+#: Zeros beyond this polar angle show where the instrument's view ends; readings within RIM_DEG of
+#: it are left out, as those are that lie as near to the horizon.
+RIM_BEYOND_DEG = 70.0
+RIM_DEG = 3.0
 #: Axes of the table in the order of its numbers, with the least and largest angle, degrees.
 AXES = {
     "samplerotation": (-360.0, 360.0),
@@ -64,12 +68,10 @@ def read(path: Path, options: ReadOptions) -> Measurement:
     once = _once(axes, readings)
     angles, values = grid[once], readings[once]
 
-    unread = (values == 0.0).all(axis=1)
     notes = [text.note] if text.note else []
     lamp, receiver = directions(*angles.T)
-    above = int(np.sum(unread & (receiver[:, 2] > 0.0)))
-    if above:
-        notes.append(f"{above} zeros above the horizon count as not measured")
+    unread, rim = _unread(values, receiver)
+    notes += rim
     values = np.where(unread[:, None], np.nan, values)
     if len(axes[0]) > 1:
         notes.append(f"{len(axes[0])} rotations of the sample are read as one isotropic sample")
@@ -90,6 +92,29 @@ def read(path: Path, options: ReadOptions) -> Measurement:
     measurement = assemble(path, facts, angles, bands, values, (lamp, receiver), angles[:, 1])
     unused = options.unused("quantity", "gamma_s_deg", "angle_unit", "mirror", "part")
     return replace(measurement, warnings=(*measurement.warnings, *unused))
+
+
+def _unread(values: Array, receiver: Array) -> tuple[Mask, list[str]]:
+    """Which readings (N, C) the instrument did not take, and a note about them.
+
+    It writes zeros where it sees nothing. Where these begin near the horizon its view ends, and
+    what lies just within is mixed with them.
+    """
+    unread = np.asarray((values == 0.0).all(axis=1))
+    polar = np.degrees(np.arccos(np.clip(receiver[:, 2], -1.0, 1.0)))
+    outer = polar[unread & (polar < 90.0)]
+    if not len(outer):
+        return unread, []
+    notes = [f"{len(outer)} zeros above the horizon count as not measured"]
+    rim = float(outer.min())
+    if rim >= RIM_BEYOND_DEG:
+        within = ~unread & (polar >= rim - RIM_DEG) & (polar < 90.0)
+        unread |= within
+        notes.append(
+            f"{int(within.sum())} readings within {RIM_DEG:g} deg of the rim of the instrument's "
+            f"view, {rim:.0f} deg from the normal, are left out"
+        )
+    return unread, notes
 
 
 def directions(
