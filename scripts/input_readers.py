@@ -40,6 +40,8 @@ def readers() -> dict[str, Reader]:
     listed = (
         Reader("measurement", ".csv", _measurement, _tables, 4.0),
         Reader("bsdf", ".bsdf", _measurement, _bsdf, 1.0),
+        Reader("zemax", ".bsdf", _measurement, _zemax, 1.0),
+        Reader("bsdf-xml", ".xml", _measurement, _bsdf_xml, 1.0),
         Reader("merl", ".binary", _measurement, _merl, 0.2),
         Reader("lamp", ".csv", _lamp, _lamps, 2.0),
         Reader("material", ".json", _material, _materials, 3.0),
@@ -242,6 +244,42 @@ def _bsdf() -> list[bytes]:
         "jacobian": np.ones(1, np.uint8),
     }
     return [bsdf_of(fields)]
+
+
+def _zemax() -> list[bytes]:
+    head = (
+        "#made\nSource Measured\nSymmetry PlaneSymmetrical\nSpectralContent {}\nScatterType BRDF\n"
+        "SampleRotation 1\n0\nAngleOfIncidence 2\n20 60\nScatterAzimuth 3\n0 90 180\n"
+        "ScatterRadial 3\n0 10 40\n\n"
+    )
+    rows = "TIS 0.3\n" + "0.2\t0.1\t0.05\n" * 3
+    data = "\nDataBegin\n" + 2 * rows + "DataEnd\n"
+    colour = "".join(f"Tristimulus{c}{data}" for c in "XYZ")
+    texts = [head.format("Monochrome") + "Monochrome" + data, head.format("XYZ") + colour]
+    return [text.encode() for text in texts]
+
+
+def _bsdf_xml() -> list[bytes]:
+    ring = "<AngleBasisBlock><Theta>{2}</Theta><nPhis>{3}</nPhis><ThetaBounds><LowerTheta>{0}"
+    ring += "</LowerTheta><UpperTheta>{1}</UpperTheta></ThetaBounds></AngleBasisBlock>"
+    rings = ring.format(0, 30, 0, 1) + ring.format(30, 70, 50, 6)
+    blocks = "".join(
+        f"<WavelengthData><Wavelength unit='Integral'>{band}</Wavelength><WavelengthDataBlock>"
+        f"<WavelengthDataDirection>Reflection {side}</WavelengthDataDirection><ColumnAngleBasis>two"
+        "</ColumnAngleBasis><RowAngleBasis>two</RowAngleBasis><ScatteringDataType>BRDF"
+        f"</ScatteringDataType><ScatteringData>{'0.1, 0.2,0.3 0.4 0.5 0.6 0.7 ' * 7}"
+        "</ScatteringData></WavelengthDataBlock></WavelengthData>"
+        for band in ("Visible", "CIE-X", "CIE-Z", "500")
+        for side in ("Front", "Back")
+    )
+    text = (
+        "<?xml version='1.0' encoding='{0}'?>\n<WindowElement xmlns='http://windows.lbl.gov'>"
+        "<Optical><Layer><Material><Name>made</Name></Material><DataDefinition>"
+        "<IncidentDataStructure>Columns</IncidentDataStructure><AngleBasis><AngleBasisName>two"
+        f"</AngleBasisName>{rings}</AngleBasis></DataDefinition>{blocks}</Layer></Optical>"
+        "</WindowElement>"
+    )
+    return [text.format("UTF-8").encode(), text.format("UTF-16").encode("utf-16")]
 
 
 def _merl() -> list[bytes]:

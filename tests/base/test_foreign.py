@@ -22,6 +22,25 @@ SampleRotation  1
 AngleOfIncidence  2
 0.0\t45.0
 """
+#: As KimuraRyo/libbsdf reads it, src/Reader/LightToolsBsdfReader.cpp.
+LIGHTTOOLS = """# made
+Symmetry Asymmetric
+SpectralContent Monochrome
+ScatterAzimuth 2
+0 180
+ScatterRadial 2
+0 45
+DataBegin
+AOI 20
+POI 0
+Side Front
+Wavelength 550
+ScatterType BRDF
+TIS 0.5
+0.1 0.1
+0.1 0.1
+DataEnd
+"""
 EULUMDAT = "A maker\n1\n1\n24\n15\n19\n5\nreport\nlamp\n" + "0\n" * 30
 
 
@@ -37,6 +56,7 @@ def zipped(*names):
 FOREIGN = {
     "Zemax": ZEMAX.encode(),
     "Zemax BSDF": ZEMAX.encode("utf-16"),
+    "LightTools": LIGHTTOOLS.encode(),
     "Radiance": b'<?xml version="1.0"?>\n<WindowElement xmlns="http://windows.lbl.gov">',
     "CxF": b'<?xml version="1.0"?>\n<cc:CxF xmlns:cc="http://colorexchangeformat.com/CxF3-core">',
     "CxF file": '\ufeff<?xml version="1.0"?><CxF>'.encode("utf-16-le"),

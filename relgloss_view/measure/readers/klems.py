@@ -4,7 +4,8 @@ A basis is a stack of rings between two polar angles, each cut into equal patche
 of a ring is centred at azimuth 0.
 
 Sources: Klems 1994 (ASHRAE Transactions 100) and BSDF-v1.7.7.xsd of LBNL for the bases; Ward,
-Radiance's bsdf_m.c, for the bounds of those that a file need not define.
+Radiance 6, for the bounds of those that a file need not define. (Radiance 4 and 5 had a
+Half of 73 patches; its files define it.)
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ class Basis:
         """Number of patches.
 
         >>> [basis.count for basis in known_bases().values()]
-        [145, 73, 41]
+        [145, 77, 41]
         """
         return sum(ring.count for ring in self.rings)
 
@@ -91,10 +92,10 @@ def known_bases() -> dict[str, Basis]:
             (1, 8, 16, 20, 24, 24, 24, 16, 12),
         ),
         "LBNL/Klems Half": (
-            (0.0, 6.5, 19.5, 32.5, 46.5, 61.5, 76.5, 90.0),
-            (1, 8, 12, 16, 20, 12, 4),
+            (0.0, 6.5, 19.5, 32.5, 45.5, 58.5, 71.5, 90.0),
+            (1, 8, 12, 16, 20, 12, 8),
         ),
-        "LBNL/Klems Quarter": ((0.0, 9.0, 27.0, 46.0, 66.0, 90.0), (1, 8, 12, 12, 8)),
+        "LBNL/Klems Quarter": ((0.0, 9.0, 27.0, 45.0, 63.0, 90.0), (1, 8, 12, 12, 8)),
     }
     return {
         name.lower(): Basis(
