@@ -10,7 +10,17 @@ from relgloss_view.base.decoding import wide_encoding
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.foreign import HEAD_BYTES, foreign_format
 from relgloss_view.base.reading import decoding, read_beginning
-from relgloss_view.measure.readers import csv_table, gcms, generic, merl, rgl, tensor_file
+from relgloss_view.measure.readers import (
+    alta,
+    astm_e1392,
+    csv_table,
+    gcms,
+    generic,
+    merl,
+    rgl,
+    ssdd,
+    tensor_file,
+)
 from relgloss_view.measure.readers.built_in import table_file
 from relgloss_view.measure.readers.options import ReadOptions
 from relgloss_view.measure.table import Measurement
@@ -19,7 +29,11 @@ __all__ = ["read_measurement"]
 
 EXPECTED = "a measurement file"
 #: The reader of each format of another program, by its key in base.foreign.
-FORMATS: Mapping[str, Callable[[Path, ReadOptions], Measurement]] = {}
+FORMATS: Mapping[str, Callable[[Path, ReadOptions], Measurement]] = {
+    "alta": alta.read,
+    "e1392": astm_e1392.read,
+    "ssdd": ssdd.read,
+}
 MATERIAL = b"relgloss-material"  #: the format that `fit` writes into a material file
 #: Bytes that no text holds, but for a few that a program lets slip.
 _CONTROLS = [bytes([c]) for c in range(32) if c not in b"\t\n\x0b\x0c\r\x1a\x1b"]
