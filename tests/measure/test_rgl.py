@@ -251,7 +251,7 @@ def test_a_spectral_file_gives_the_bands_that_an_eye_sees(tmp_path):
 SPECTRAL_FAULTS = {
     "order": ({"wavelengths": np.array([400, 600, 500], np.float32)}, "does not increase"),
     "unseen": ({"wavelengths": np.array([900, 950, 990], np.float32)}, "has 0 from 380 to 780"),
-    "counts": ({"wavelengths": np.array([400, 500], np.float32)}, "field 'spectra' has shape"),
+    "counts": ({"spectra": np.ones((1, 3, 2, 8, 8), np.float32)}, "expected 1x3x3xNxN"),
     "shape": ({"spectra": np.ones((3, 8), np.float32)}, "field 'spectra' has shape 3x8"),
     "missing": ({"spectra": None}, "field 'spectra' is missing"),
     "not finite": (
