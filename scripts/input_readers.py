@@ -42,6 +42,10 @@ def readers() -> dict[str, Reader]:
         Reader("bsdf", ".bsdf", _measurement, _bsdf, 1.0),
         Reader("zemax", ".bsdf", _measurement, _zemax, 1.0),
         Reader("bsdf-xml", ".xml", _measurement, _bsdf_xml, 1.0),
+        Reader("rgl-spectral", ".bsdf", _measurement, _spectral_bsdf, 0.5),
+        Reader("ssdd", ".ssdd", _measurement, _ssdd),
+        Reader("astm-e1392", ".astm", _measurement, _astm),
+        Reader("alta", ".alta", _measurement, _alta),
         Reader("merl", ".binary", _measurement, _merl, 0.2),
         Reader("lamp", ".csv", _lamp, _lamps, 2.0),
         Reader("material", ".json", _material, _materials, 3.0),
@@ -227,12 +231,24 @@ def bsdf_of(fields: dict[str, np.ndarray[Any, Any]]) -> bytes:
 
 
 def _bsdf() -> list[bytes]:
+    return [bsdf_of(_bsdf_fields())]
+
+
+def _spectral_bsdf() -> list[bytes]:
+    fields = _bsdf_fields()
+    rgb = fields.pop("rgb")
+    fields["wavelengths"] = np.linspace(370.0, 790.0, 12, dtype=np.float32)
+    fields["spectra"] = np.repeat(rgb, 4, axis=2)
+    return [bsdf_of(fields)]
+
+
+def _bsdf_fields() -> dict[str, np.ndarray[Any, Any]]:
     rng = np.random.default_rng(0)
 
     def positive(*shape: int) -> np.ndarray[Any, Any]:
         return rng.uniform(0.1, 1.0, shape).astype(np.float32)
 
-    fields: dict[str, np.ndarray[Any, Any]] = {
+    return {
         "description": np.frombuffer(b"made", np.uint8),
         "phi_i": np.zeros(1, np.float32),
         "theta_i": np.linspace(0.0, 1.5, 4, dtype=np.float32),
@@ -243,7 +259,46 @@ def _bsdf() -> list[bytes]:
         "luminance": positive(1, 4, 6, 6),
         "jacobian": np.ones(1, np.uint8),
     }
-    return [bsdf_of(fields)]
+
+
+def _ssdd() -> list[bytes]:
+    made = []
+    for kind, polar in (("spherical", 60), ("specular", 30), ("half_difference", 20)):
+        head = (
+            "# made\nVERSION 0.2\nAPI libbsdf-1.0.0\nDATA_TYPE brdf\nCOLOR_MODEL {}\n"
+            f"PARAM_TYPE {kind}_coordinate_system\nREDUCTION_TYPE bilateral_symmetry\n"
+            f"PARAM0_LIST 0 {polar}\nPARAM2_LIST 0 10\nPARAM3_LIST 0 90 180\n"
+            + ("PARAM4_LIST 0 -2.5\n" if kind == "specular" else "")
+            + "NAME card\nSOURCE_TYPE measured\nDEVICE GCMS-4\nDATA "
+        )
+        rows = "".join(f"0.{k} 0.2 0.3\n# PARAM2: 10\n" for k in range(1, 13))
+        made.append((head.format("rgb") + "ascii\n" + rows).encode())
+        spectral = head.format("spectrum\nWAVELENGTH_LIST 400 500 600") + "binary\n"
+        table = np.linspace(0.1, 0.5, 36, dtype="<f4").tobytes()
+        behind = b"\nDATA_TYPE specular_reflectance\nCOLOR_MODEL xyz\nDATA ascii\n1 1 1\n"
+        made.append(spectral.encode() + table + behind)
+    return made
+
+
+def _astm() -> list[bytes]:
+    angles = [(i, p, s) for i in (0.1, 0.6) for p in (0.0, 1.5, 3.1) for s in (0.2, 0.5)]
+    files = []
+    for names, values in (("R,G,B", "0.1,0.2,-0.01"), ("450nm,550nm", "0.1,0.2"), ("BRDF", "1")):
+        head = f"TITLE made\nSAMPLE card\nNUM_POINTS 12\nVARS theta_i,phi_i,theta_s,phi_s,{names}\n"
+        files.append(head + "".join(f"{i},3.14159,{s},{p},{values}\n" for i, p, s in angles))
+    degrees = files[2].replace("TITLE", "ANGLE_UNIT degrees\nTITLE").replace(",", " ")
+    return [text.encode() for text in (*files, degrees)]
+
+
+def _alta() -> list[bytes]:
+    files = []
+    for name, count in (("RUSIN_TH_TD_PD", 3), ("STARK_3D", 3), ("SPHERICAL_TL_PL_TV_PV", 4)):
+        head = f"# made\n#DIM {count} 3\n#PARAM_IN  {name}\n#PARAM_OUT RGB_COLOR\n#VS 2\n"
+        rows = ("\t".join(["0.2", "0.1", "0.3", "0.4"][:count]), "\t".join(["0"] * count))
+        files.append(head + "".join(f"{row}\t0.1\t0.2\t0.3\t0.1\t0.4\t\n" for row in rows * 3))
+    gray = files[0].replace("#DIM 3 3", "#DIM 3 1").replace("RGB_COLOR", "INV_STERADIAN")
+    cartesian = "#DIM 6 1\n#PARAM_IN CARTESIAN\n#PARAM_OUT INV_STERADIAN_COSINE_FACTOR\n"
+    return [text.encode() for text in (*files, gray, cartesian + "0 0 1 0.6 0 0.8 0.5\n")]
 
 
 def _zemax() -> list[bytes]:

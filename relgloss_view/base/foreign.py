@@ -17,7 +17,10 @@ HEAD_BYTES = 16384  #: of a file's beginning, which are enough to recognise it
 _CSV = "save or export the table as CSV"
 _LATER = "relgloss does not read these yet; export the readings as CSV (docs/files.md)"
 #: Of formats that measure.readers reads, where a lamp or a material is wanted.
-_MEASURED = "it holds measured reflectances: make a material of it with `relgloss fit`"
+_FIT = "it is a table of a surface: make a material of it with `relgloss fit FILE -o NAME.json`"
+_TO_SSDD = (
+    "open it in BSDF Processor, which writes .ssdd, and give that; or export the readings as CSV"
+)
 _TABLE = "give the measured table as CSV, an RGL .bsdf or a MERL .binary"
 _SPECTRUM = "relgloss does not read these; save two columns, wavelength (nm) and value, as text"
 
@@ -55,7 +58,13 @@ _MAGIC: tuple[tuple[bytes, Foreign], ...] = (
     (b"\xfd7zXZ\x00", _PACKED),
     (b"7z\xbc\xaf\x27\x1c", _PACKED),
     (b"Rar!\x1a", _PACKED),
-    (b"\x89HDF\r\n", _DATA),
+    (
+        b"\x89HDF\r\n",
+        Foreign(
+            "an AxF or other HDF5 file",
+            "export its readings as CSV; for AxF, X-Rite's own programs do that (docs/files.md)",
+        ),
+    ),
     (b"CDF\x01", _DATA),
     (b"CDF\x02", _DATA),
     (b"MATLAB 5.0", Foreign("a MATLAB file", "export the table with writetable as CSV")),
@@ -72,7 +81,7 @@ _MAGIC: tuple[tuple[bytes, Foreign], ...] = (
 _XML: tuple[tuple[str, Foreign], ...] = (
     (
         r"<(\w+:)?WindowElement\b",
-        Foreign("a BSDF in XML (WINDOW, Radiance)", _MEASURED, "bsdf-xml"),
+        Foreign("a BSDF in XML (WINDOW, Radiance)", _FIT, "bsdf-xml"),
     ),
     (r"<(\w+:)?CxF\b", Foreign("a CxF file of colour measurements", _LATER, "cxf")),
     (r"IESTM2714|<(\w+:)?SpectralDistribution\b", Foreign("a TM-27 spectrum (.spdx)", _SPECTRUM)),
@@ -81,6 +90,18 @@ _XML: tuple[tuple[str, Foreign], ...] = (
     (r"<(\w+:)?Workbook\b", _SHEET),
     (r"<scene\b", Foreign("a scene of Mitsuba", "give a scene of relgloss or a measured table")),
     (r"<(\w+:)?materialx\b", Foreign("a MaterialX document", _TABLE)),
+)
+
+#: Formats of text with binary numbers below; every expression of an entry must be met.
+_MIXED: tuple[tuple[tuple[bytes, ...], Foreign], ...] = (
+    (
+        (rb"^VERSION\s+\d", rb"^DATA_TYPE\s+\w"),
+        Foreign("an SSDD file (surface scattering data)", _FIT, "ssdd"),
+    ),
+    (
+        (rb"^#\s*FORMAT\s+binary", rb"^#\s*PARAM_IN\b"),
+        Foreign("a binary data file of ALTA", "save it as text with ALTA's data2data, or as CSV"),
+    ),
 )
 
 _ZEMAX_WORDS = (
@@ -92,14 +113,20 @@ _GROUND = re.MULTILINE | re.IGNORECASE
 #: What the lines of text formats begin with; every expression of an entry must be met.
 _TEXTS: tuple[tuple[tuple[str, ...], Foreign], ...] = (
     (
-        (r"^NUM_POINTS\b", r"^VARS\b"),
-        Foreign("a BRDF in the format of ASTM E1392", _LATER, "e1392"),
+        (r"^VARS\b[ \t=:].*\btheta_?[iso]",),
+        Foreign("a BRDF in the format of ASTM E1392", _FIT, "e1392"),
     ),
-    ((r"\AOPTIS\b",), Foreign("a Speos surface file", _LATER)),
-    ((r"\ASSDD\b",), Foreign("an SSDD file (surface scattering data)", _LATER, "ssdd")),
     (
-        (r"^TypeSym\b|^TypeColorModel\b", r"^Source\b|^TypeData\b"),
-        Foreign("an Integra .ddr or .ddt file", _LATER),
+        (r"\AOPTIS\b",),
+        Foreign("a Speos surface file", f"export it from Speos as CSV or as SSDD; {_LATER}"),
+    ),
+    (
+        (r"^TypeSym\b|^TypeColorModel\b|^TypeData\b", r"^(sigma|phi|psi|theta|Source)\b"),
+        Foreign("an Integra .ddr or .ddt file", _TO_SSDD),
+    ),
+    (
+        (r"^#\s*PARAM_IN\b", r"^#\s*DIM\b"),
+        Foreign("a data file of ALTA", _FIT, "alta"),
     ),
     (
         (r"\AIESNA|^TILT *=",),
@@ -144,6 +171,9 @@ def foreign_format(head: bytes) -> Foreign | None:
         return _PICTURE
     if head.startswith(b"BM") and head[6:10] == b"\x00\x00\x00\x00":
         return _PICTURE
+    for patterns, foreign in _MIXED:
+        if all(re.search(pattern, head, re.MULTILINE) for pattern in patterns):
+            return foreign
     if head[:1] and b"\x00" in head and wide_encoding(head) is None:
         return None
     return _of_text(_text(head))
@@ -189,7 +219,7 @@ def _of_text(text: str) -> Foreign | None:
     if {"aoi", "side"} <= words and "scatterradial" in words:
         return Foreign("a LightTools BSDF file", _LATER, "lighttools")
     if len(words & set(_ZEMAX_WORDS)) >= 3:
-        return Foreign("a Zemax BSDF file", _MEASURED, "zemax")
+        return Foreign("a Zemax BSDF file", _FIT, "zemax")
     for patterns, foreign in _TEXTS:
         if all(re.search(pattern, text, _GROUND) for pattern in patterns):
             return foreign

@@ -63,8 +63,12 @@ FOREIGN = {
     "XML": b"<?xml version='1.0'?><other/>",
     "web page": b"<!DOCTYPE html>\n<html>",
     "ASTM E1392": b"TITLE x\nNUM_POINTS 3\nVARS=theta_i,theta_s,phi_s,BRDF\n0,0,0,1\n",
+    "ALTA": b"# made\n#DIM 3 3\n#PARAM_IN  RUSIN_TH_TD_PD\n#PARAM_OUT RGB_COLOR\n",
+    "binary data file of ALTA": b"#DIM 3 3\n#PARAM_IN X\n#FORMAT binary\n#BEGIN_STREAM\n"
+    + bytes(9),
+    "AxF or other HDF5": b"\x89HDF\r\n\x1a\n" + bytes(40),
     "Speos": b"OPTIS - brdf surface file v9.0\n0\nScattering surface\n",
-    "SSDD": b"SSDD ascii\nVERSION 1.0\n",
+    "SSDD": b"# made\nVERSION 0.2\nAPI libbsdf-1.0.0\n\nDATA_TYPE brdf\nDATA binary\n\0\0\x80\x3f",
     "Integra": b"Source Measured\nTypeSym ASymmetrical 4D\nTypeColorModel BRDF\n",
     "IES": b"IESNA:LM-63-2002\n[TEST] 1\nTILT=NONE\n1 1000 1\n",
     "EULUMDAT": EULUMDAT.encode(),

@@ -112,7 +112,8 @@ BAD = {
     "bsdf without ndf": (bsdf(ndf=None), "field 'ndf' is missing", ".bsdf of the RGL"),
     "bsdf anisotropic": (bsdf(phi_i=np.zeros(4, np.float32)), "field 'phi_i'", "only isotropic"),
     "bsdf spectral": (
-        bsdf(rgb=None, spectra=np.ones((1, 3, 5, 8, 8), np.float32)), "spectra only", "_rgb"),
+        bsdf(rgb=None, spectra=np.ones((1, 3, 5, 8, 8), np.float32)),
+        "field 'wavelengths' is missing", "RGL database"),
     "bsdf nan": (poked("rgb", np.nan), "field 'rgb' holds a NaN", "download it again"),
     "bsdf signalling nan": (
         bsdf(ndf=np.full((2, 4), 0x7F810000, np.uint32).view(np.float32)), "field 'ndf'", "NaN"),

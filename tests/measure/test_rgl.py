@@ -7,11 +7,13 @@ import pytest
 from files import rgl_fields, tensor_file
 from rgl_data import NAMES, rgl_file
 
+from relgloss_view.base.errors import InputError
 from relgloss_view.material.spectra import illuminant, xyz_weights
 from relgloss_view.measure import table
 from relgloss_view.measure.bands import RGB, WIDE_RGB
 from relgloss_view.measure.gonio import spherical, tabulated_grid
 from relgloss_view.measure.readers import read_measurement, rgl
+from relgloss_view.measure.readers import tensor_file as tensor_file_reader
 
 #: Green radiance factors of the data folder's README, as printed there.
 SPOTS = {
@@ -209,3 +211,104 @@ def test_arguments_that_mean_nothing_are_named(tmp_path):
     assert len(warnings) == 2
     assert "--quantity" in warnings[0]
     assert "--gamma-s-deg" in warnings[1]
+
+
+def spectral_fields(size=8, wavelengths=(400.0, 500.0, 600.0), **changes):
+    """The fields of a spectral file whose table is 0.1 for the first wavelength, 0.2, ..."""
+    count = len(wavelengths)
+    values = 0.1 * np.arange(1, count + 1, dtype=np.float32)[None, None, :, None, None]
+    made: dict[str, object] = {
+        "rgb": None,
+        "wavelengths": np.array(wavelengths, np.float32),
+        "spectra": np.broadcast_to(values, (1, 3, count, size, size)).astype(np.float32),
+    }
+    return rgl_fields(size, **(made | changes))
+
+
+def test_a_spectral_file_gives_the_bands_that_an_eye_sees(tmp_path):
+    path = tmp_path / "made_spec.bsdf"
+    path.write_bytes(tensor_file(spectral_fields()))
+    m = read_measurement(path)
+    assert m.bands.wavelengths_nm == (400, 500, 600)
+    assert m.tabulated
+    path.write_bytes(tensor_file(rgl_fields()))
+    rgb = read_measurement(path)  # the same warp, 0.5 throughout
+    np.testing.assert_array_equal(m.kept, rgb.kept)
+    ratio = m.radiance_factor[m.kept] / rgb.radiance_factor[m.kept]
+    np.testing.assert_allclose(ratio, np.tile([0.2, 0.4, 0.6], (m.kept.sum(), 1)), rtol=1e-6)
+
+    nm = np.linspace(360.0, 1000.0, 195)
+    path.write_bytes(tensor_file(spectral_fields(4, nm)))
+    m = read_measurement(path)
+    kept = np.array(m.bands.wavelengths_nm)
+    assert 380 <= kept.min() < 386
+    assert 774 < kept.max() <= 780
+    assert np.diff(kept).min() >= 5
+    assert set(kept) <= set(np.float32(nm).astype(float))
+    assert any(f"{len(kept)} of 195 wavelengths" in w for w in m.warnings)
+
+
+SPECTRAL_FAULTS = {
+    "order": ({"wavelengths": np.array([400, 600, 500], np.float32)}, "does not increase"),
+    "unseen": ({"wavelengths": np.array([900, 950, 990], np.float32)}, "has 0 from 380 to 780"),
+    "counts": ({"spectra": np.ones((1, 3, 2, 8, 8), np.float32)}, "expected 1x3x3xNxN"),
+    "shape": ({"spectra": np.ones((3, 8), np.float32)}, "field 'spectra' has shape 3x8"),
+    "missing": ({"spectra": None}, "field 'spectra' is missing"),
+    "not finite": (
+        {"spectra": np.full((1, 3, 3, 8, 8), np.inf, np.float32)},
+        "holds a NaN or an infinity",
+    ),
+    "polarised": (
+        {name: np.ones(2, np.float32) for name in ("M", "theta_h", "theta_d", "phi_d", "wvls")},
+        "polarised BRDF",
+    ),
+}
+
+
+@pytest.mark.parametrize("fault", SPECTRAL_FAULTS)
+def test_a_spectral_file_at_fault_is_one_line(tmp_path, fault):
+    changes, words = SPECTRAL_FAULTS[fault]
+    path = tmp_path / "made_spec.bsdf"
+    path.write_bytes(tensor_file(spectral_fields(**changes)))
+    with pytest.raises(InputError) as caught:
+        read_measurement(path)
+    assert words in str(caught.value)
+
+
+@pytest.mark.parametrize("name", NAMES[1:3])
+def test_spectra_against_mitsuba(name, tmp_path):
+    """The measured file's own table under a made spectrum, as mitsuba's plug-in evaluates it."""
+    mi = pytest.importorskip("mitsuba")
+    fields, _ = tensor_file_reader.read(rgl_file(name), (*rgl.FIELDS, "rgb", "luminance", "phi_i"))
+    nm = np.array([400.0, 450.0, 520.0, 600.0, 690.0], np.float32)
+    mix = np.array([[0, 0, 1], [0.1, 0.2, 0.9], [0, 1, 0], [0.8, 0.2, 0], [1, 0, 0]], np.float32)
+    mixed = np.einsum("wc,atcij->atwij", mix, np.abs(fields.pop("rgb")))
+    path = tmp_path / "mixed_spec.bsdf"
+    path.write_bytes(tensor_file(fields | {"wavelengths": nm, "spectra": mixed}))
+
+    mi.set_variant("scalar_spectral")
+    plugin = mi.load_dict({"type": "measured", "filename": str(path)})
+    rng = np.random.default_rng(3)
+    i, o = hemisphere(rng, 200), hemisphere(rng, 200)
+    o[80:] = i[80:] * [-1, -1, 1] + 0.1 * rng.normal(size=(120, 3))
+    o /= np.linalg.norm(o, axis=1)[:, None]
+    up = (i[:, 2] > 0.05) & (o[:, 2] > 0.05)
+    i, o = i[up].astype(np.float32), o[up].astype(np.float32)
+    context, surface = mi.BSDFContext(), mi.SurfaceInteraction3f()
+    surface.wavelengths = nm[:4].tolist()  # four at once; the last one's row is not looked at
+    expected = []
+    for a, b in zip(i.tolist(), o.tolist(), strict=True):
+        surface.wi = mi.Vector3f(*a)
+        expected.append(np.array(plugin.eval(context, surface, mi.Vector3f(*b))).ravel())
+    expected = np.array(expected)
+    brdf = rgl.load(path)
+    np.testing.assert_array_equal(brdf.wavelengths_nm, nm)
+    found = (brdf.evaluate(i, o) * o[:, 2:])[:, :4]
+    scale = np.maximum(np.abs(expected), 1e-3 * np.abs(expected).max(axis=1, keepdims=True))
+    lit = scale[:, 0] > 0.0
+    assert lit.mean() > 0.9
+    error = np.abs(found - expected)[lit] / scale[lit]
+    assert np.quantile(error, 0.5) < 5e-6
+    assert error.max() < 5e-3
+    # Negative control: bands in another order are seen.
+    assert np.median(np.abs(found[:, ::-1] - expected)[lit] / scale[lit]) > 0.05

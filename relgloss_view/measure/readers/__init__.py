@@ -11,12 +11,15 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.foreign import HEAD_BYTES, foreign_format
 from relgloss_view.base.reading import decoding, read_beginning
 from relgloss_view.measure.readers import (
+    alta,
+    astm_e1392,
     bsdf_xml,
     csv_table,
     gcms,
     generic,
     merl,
     rgl,
+    ssdd,
     tensor_file,
     zemax,
 )
@@ -31,6 +34,9 @@ EXPECTED = "a measurement file"
 FORMATS: Mapping[str, Callable[[Path, ReadOptions], Measurement]] = {
     "bsdf-xml": bsdf_xml.read,
     "zemax": zemax.read,
+    "alta": alta.read,
+    "e1392": astm_e1392.read,
+    "ssdd": ssdd.read,
 }
 MATERIAL = b"relgloss-material"  #: the format that `fit` writes into a material file
 #: Bytes that no text holds, but for a few that a program lets slip.

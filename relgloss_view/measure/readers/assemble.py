@@ -33,15 +33,17 @@ def tabulated_directions() -> tuple[Array, Array, Ints]:
     return to_lamp, spherical(theta_r, 180.0 - phi), np.rint(theta_i).astype(np.int64)
 
 
-def evaluate_above(i: ArrayLike, o: ArrayLike, brdf: Callable[[Array, Array], Array]) -> Array:
-    """`brdf`, of directions (M, 3) each, where both are above z = 0; zero elsewhere, (..., 3)."""
+def evaluate_above(
+    i: ArrayLike, o: ArrayLike, brdf: Callable[[Array, Array], Array], channels: int = 3
+) -> Array:
+    """`brdf`, of directions (M, 3) each, where both are above z = 0; zero elsewhere, (..., C)."""
     i, o = np.broadcast_arrays(np.asarray(i, np.float64), np.asarray(o, np.float64))
     flat_i, flat_o = i.reshape(-1, 3), o.reshape(-1, 3)
-    result = np.zeros_like(flat_i)
+    result = np.zeros((len(flat_i), channels))
     above = (flat_i[:, 2] > 0.0) & (flat_o[:, 2] > 0.0)
     if above.any():
         result[above] = brdf(flat_i[above], flat_o[above])
-    return result.reshape(i.shape)
+    return result.reshape(*i.shape[:-1], channels)
 
 
 def assemble(

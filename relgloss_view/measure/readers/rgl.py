@@ -1,4 +1,4 @@
-"""RGL material database (Dupuy and Jakob 2018): isotropic measured BRDFs, rgb variant.
+"""RGL material database (Dupuy and Jakob 2018): isotropic measured BRDFs, rgb and spectral.
 
 The grid of the stored values follows the material. The half-vector's polar angle theta = u^2 pi/2
 and its azimuth phi = (2v - 1) pi from the lamp make a unit square; the density of visible facet
@@ -7,7 +7,7 @@ normals at each incidence warps that square into the one that is tabulated.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,67 +17,76 @@ from relgloss_view.base.arrays import AnyArray, Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.measure import screening as screen
 from relgloss_view.measure import table
-from relgloss_view.measure.bands import RGB, WIDE_RGB
+from relgloss_view.measure.bands import Bands
+from relgloss_view.measure.gonio import tabulated_grid
+from relgloss_view.measure.quantity import BRDF
 from relgloss_view.measure.readers import tensor_file
 from relgloss_view.measure.readers.assemble import (
+    assemble,
     evaluate_above,
     require_samples,
     tabulated_directions,
 )
+from relgloss_view.measure.readers.declared import Declared
+from relgloss_view.measure.readers.tristimulus import LUMINANCE, within_gamut
 from relgloss_view.measure.readers.unit_square import Warp, bilinear, find_slices
 from relgloss_view.measure.table import Measurement, source_is_synthetic
 
-#: Fields that are read; files hold spectra and what the acquisition needs beside them.
-FIELDS = ("description", "phi_i", "theta_i", "ndf", "sigma", "vndf", "rgb", "jacobian")
-#: Rec. 709 luminance of linear sRGB.
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-#: Linear sRGB to linear Rec. 2020 (ITU-R BT.2087-0), for column vectors.
-REC2020_FROM_SRGB = np.array(
-    [[0.6274, 0.3293, 0.0433], [0.0691, 0.9195, 0.0114], [0.0164, 0.0880, 0.8956]]
-)
+#: Fields that are read; files hold what the acquisition needs beside them.
+FIELDS = ("description", "phi_i", "theta_i", "ndf", "sigma", "vndf", "jacobian")
+#: What the files of polarised BRDFs (Baek et al. 2020) hold in the same container.
+POLARISED = frozenset(("M", "theta_h", "theta_d", "phi_d"))
+MOST_NUMBERS = 10_000_000  #: of a density; the database's have 0.2 million
+MOST_SPECTRAL = 60_000_000  #: of an isotropic file's spectra, float32; the database's have 2
+#: Bands of a spectral file that are kept: those that an eye sees, this far apart at least.
+SEEN_NM, STEP_NM = (380.0, 780.0), 5.0
 
 
 def read(path: Path) -> Measurement:
-    """Read an isotropic rgb .bsdf at gonio.tabulated_grid(). Raises InputError.
+    """Read an isotropic .bsdf at gonio.tabulated_grid(), rgb or spectral. Raises InputError.
 
     A saturated colour has a negative channel in linear sRGB; that is its gamut, not a fault of the
     instrument. Such a material is kept in linear Rec. 2020, with a note among the warnings.
     """
     brdf = load(path)
     to_lamp, to_receiver, group = tabulated_directions()
-    factor = np.pi * brdf.evaluate(to_lamp, to_receiver)
-
-    luminance = factor @ LUMINANCE
+    values = brdf.evaluate(to_lamp, to_receiver)
+    source = f"{path.name}, RGL material database format (Dupuy and Jakob 2018)"
     # The acquisition stores zeros where the instrument could not see.
-    unseen = (factor == 0.0).all(axis=1)
+    unseen = (values == 0.0).all(axis=1)
+    if brdf.wavelengths_nm is not None:
+        name = brdf.description or path.stem
+        facts = Declared(name, source, BRDF, quantity_insisted=True, warnings=brdf.notes)
+        readings = np.where(unseen[:, None], np.nan, values)
+        bands = Bands(tuple(brdf.wavelengths_nm.tolist()))
+        directions = (to_lamp, to_receiver)
+        angles = tabulated_grid()
+        measured = assemble(
+            path, facts, angles, bands, readings, directions, np.asarray(group, np.float64)
+        )
+        return replace(
+            measured,
+            gamma_s_deg=None,
+            synthetic=source_is_synthetic(path.name),
+            tabulated=True,
+        )
+
+    factor = np.pi * values
+    luminance = factor @ LUMINANCE
     readings = np.where(unseen, np.nan, luminance)[:, None]
     reasons = screen.reasons(to_lamp, to_receiver, readings)
-
-    bands, warnings = RGB, []
-    outside = _negative(factor, reasons)
-    if np.any(outside):
-        bands, factor = WIDE_RGB, factor @ REC2020_FROM_SRGB.T
-        warnings.append(
-            f"the colour lies outside sRGB in {np.max(outside)} samples (channel "
-            f"{RGB.labels[int(np.argmax(outside))]} is negative): kept in {bands.words}"
-        )
-        warnings += [
-            f"channel {label} is negative in {count} samples in {bands.words} too; it is taken as "
-            "0 there"
-            for label, count in zip(bands.labels, _negative(factor, reasons), strict=True)
-            if count
-        ]
+    bands, factor, warnings = within_gamut(factor, reasons == table.KEPT)
     return require_samples(
         Measurement(
             name=brdf.description or path.stem,
-            source=f"{path.name}, RGL material database format (Dupuy and Jakob 2018)",
+            source=source,
             to_lamp=to_lamp,
             to_receiver=to_receiver,
             bands=bands,
-            radiance_factor=np.where(unseen[:, None], np.nan, np.maximum(factor, 0.0)),
+            radiance_factor=np.where(unseen[:, None], np.nan, factor),
             reasons=reasons,
             group=group,
-            warnings=tuple(warnings),
+            warnings=warnings,
             synthetic=source_is_synthetic(path.name),
             tabulated=True,
         ),
@@ -85,17 +94,16 @@ def read(path: Path) -> Measurement:
     )
 
 
-def _negative(factor: Array, reasons: AnyArray) -> Array:
-    """How many kept samples are negative, in each channel."""
-    return np.asarray(((factor < 0.0) & (reasons == table.KEPT)[:, None]).sum(axis=0))
-
-
 def load(path: Path) -> RglBrdf:
-    """Load a .bsdf file. Raises InputError where it is damaged, anisotropic or without rgb."""
-    fields, names = tensor_file.read(path, FIELDS)
-    if "rgb" not in fields and {"spectra", "wavelengths"} & names:
+    """Load a .bsdf file. Raises InputError where it is damaged, anisotropic or of another kind.
+
+    Of a file with both rgb and spectra the rgb is taken.
+    """
+    fields, names = tensor_file.read(path, ("phi_i",), MOST_NUMBERS)
+    if names >= POLARISED:
         raise InputError(
-            f"{path}: the file holds spectra only; download the variant whose name ends in _rgb"
+            f"{path}: this looks like a polarised BRDF (pBSDF, Baek et al. 2020); relgloss has no "
+            "polarisation: export its unpolarised element M[0, 0] as CSV"
         )
     phi_i = _floats(path, fields, "phi_i", (None,))
     if len(phi_i) != 1:
@@ -103,6 +111,7 @@ def load(path: Path) -> RglBrdf:
             f"{path}: field 'phi_i' has {len(phi_i)} values: the material is anisotropic; "
             "only isotropic ones can be read"
         )
+    fields |= tensor_file.read(path, FIELDS, MOST_NUMBERS)[0]
     theta_i = _floats(path, fields, "theta_i", (None,))
     increasing = (np.diff(theta_i) > 0.0).all()
     # float32 rounds pi/2 up.
@@ -115,7 +124,12 @@ def load(path: Path) -> RglBrdf:
     vndf = _floats(path, fields, "vndf", (1, count, None, None))[0]
     sigma = _floats(path, fields, "sigma", (None, None))
     ndf = _floats(path, fields, "ndf", (None, None))
-    rgb = _floats(path, fields, "rgb", (1, count, 3, None, None))[0]
+    if "rgb" not in names and {"spectra", "wavelengths"} & names:
+        wavelengths, tabulated, notes = _spectra(path, count)
+    else:
+        fields |= tensor_file.read(path, ("rgb",), MOST_NUMBERS)[0]
+        wavelengths, notes = None, ()
+        tabulated = _floats(path, fields, "rgb", (1, count, 3, None, None))[0]
     for name, values in (("vndf", vndf), ("sigma", sigma), ("ndf", ndf)):
         if values.min() < 0.0 or values.reshape(-1, values.shape[-1]).max() <= 0.0:
             raise InputError(
@@ -130,9 +144,42 @@ def load(path: Path) -> RglBrdf:
         warp=Warp.of(vndf),
         sigma=sigma,
         ndf=ndf,
-        rgb=rgb,
+        values=tabulated,
         has_jacobian=bool(jacobian.any()),
+        wavelengths_nm=wavelengths,
+        notes=notes,
     )
+
+
+def _spectra(path: Path, count: int) -> tuple[Array, Array, tuple[str, ...]]:
+    """Wavelengths (W,), their values (T, W, N, N), and a note on those that are left out."""
+    fields = tensor_file.read(path, ("wavelengths", "spectra"), MOST_SPECTRAL)[0]
+    nm = _floats(path, fields, "wavelengths", (None,))
+    if (np.diff(nm) <= 0.0).any():
+        raise InputError(
+            f"{path}: field 'wavelengths' does not increase; the file is damaged, download it again"
+        )
+    kept: list[int] = []
+    for k in np.flatnonzero((nm >= SEEN_NM[0]) & (nm <= SEEN_NM[1])).tolist():
+        if not kept or nm[k] - nm[kept[-1]] >= STEP_NM:
+            kept.append(k)
+    if len(kept) < 2:
+        raise InputError(
+            f"{path}: field 'wavelengths' has {len(kept)} from {SEEN_NM[0]:g} to {SEEN_NM[1]:g} "
+            "nm; expected 2 or more"
+        )
+    stored, taken = fields.get("spectra"), len(nm)
+    if stored is not None and stored.ndim == 5 and stored.shape[2] == len(nm):
+        fields["spectra"], taken = stored[:, :, kept], len(kept)
+    shape = (1, count, taken, None, None)
+    values = _floats(path, fields, "spectra", shape)[0]
+    notes: tuple[str, ...] = ()
+    if len(kept) < len(nm):
+        notes = (
+            f"{len(kept)} of {len(nm)} wavelengths are read: those from {nm[kept[0]]:.1f} to "
+            f"{nm[kept[-1]]:.1f} nm, at least {STEP_NM:g} nm apart",
+        )
+    return nm[kept], values, notes
 
 
 def _floats(
@@ -152,7 +199,7 @@ def _floats(
         wanted = "x".join("N" if n is None else str(n) for n in shape)
         raise InputError(
             f"{path}: field '{name}' has shape {actual}, expected {wanted}; "
-            "only isotropic rgb files of the RGL database can be read"
+            "only isotropic rgb and spectral files of the RGL database can be read"
         )
     with np.errstate(invalid="ignore"):  # a signalling NaN, reported below
         values = values.astype(np.float64)
@@ -176,16 +223,18 @@ class RglBrdf:
     warp: Warp  #: visible-normal density of each slice
     sigma: Array  #: projected facet area over the direction to the lamp
     ndf: Array  #: facet density over the half-vector
-    rgb: Array  #: (T, 3, N, N)
+    values: Array  #: (T, C, N, N), of rgb or of the wavelengths
     has_jacobian: bool  #: whether the values still lack ndf / (4 sigma)
+    wavelengths_nm: Array | None = None  #: (C,); None for rgb
+    notes: tuple[str, ...] = ()
 
     def evaluate(self, i: ArrayLike, o: ArrayLike) -> Array:
-        """BRDF in 1/sr, linear sRGB, shape (..., 3); zero where a direction is not above z = 0.
+        """BRDF in 1/sr, (..., C), linear sRGB or at the wavelengths; zero below z = 0.
 
         i (to the lamp) and o (to the eye) are unit vectors, (..., 3). Beyond the tabulated
         incidences the nearest slice holds.
         """
-        return evaluate_above(i, o, self._above)
+        return evaluate_above(i, o, self._above, self.values.shape[1])
 
     def _above(self, i: Array, o: Array) -> Array:
         half = i + o
@@ -196,7 +245,7 @@ class RglBrdf:
         middle = np.stack([_theta_to_unit(theta_h), _phi_to_unit(phi_h - phi_i)], axis=1)
 
         slices = find_slices(self.theta_i, theta_i)
-        values = bilinear(self.rgb, self.warp.invert(middle, slices), slices)
+        values = bilinear(self.values, self.warp.invert(middle, slices), slices)
         if self.has_jacobian:
             values *= (bilinear(self.ndf, middle) / (4.0 * self._area(lamp)))[:, None]
         return np.asarray(values / o[:, 2:])

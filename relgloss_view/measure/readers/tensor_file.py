@@ -28,11 +28,13 @@ _TYPES = {
 }  # fmt: skip
 
 
-def read(path: Path, wanted: Collection[str]) -> tuple[dict[str, AnyArray], frozenset[str]]:
+def read(
+    path: Path, wanted: Collection[str], most_numbers: int = MAX_BYTES
+) -> tuple[dict[str, AnyArray], frozenset[str]]:
     """The wanted arrays by name, and the names of all (Dupuy and Jakob 2018, their file format).
 
-    Every field is checked against the size of the file before memory is allocated for it. Raises
-    InputError.
+    most_numbers: of a wanted field. Every field is checked against it and the size of the file
+    before memory is allocated for it. Raises InputError.
     """
     with open_regular(path, EXPECTED) as file:
         size = os.fstat(file.fileno()).st_size
@@ -53,6 +55,12 @@ def read(path: Path, wanted: Collection[str]) -> tuple[dict[str, AnyArray], froz
         names = frozenset(name for name, *_ in layout)
         if len(names) < count:
             reader.fail("two fields have the same name")
+        for name, _, _, shape in layout:
+            if name in wanted and math.prod(shape) > most_numbers:
+                reader.fail(
+                    f"field {name[:40]!r} has {math.prod(shape)} numbers, at most {most_numbers} "
+                    "are read"
+                )
         arrays = {field[0]: reader.array(*field) for field in layout if field[0] in wanted}
         return arrays, names
 

@@ -1,0 +1,96 @@
+"""Rows of numbers below a header of words, as the text formats of other programs have them."""
+
+from __future__ import annotations
+
+import re
+from array import array
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+
+from relgloss_view.base.arrays import Array
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
+from relgloss_view.measure.readers import cells
+
+MAX_BYTES = 400_000_000
+MAX_LINES = 6_000_000
+LONGEST_LINE = 200_000  #: characters
+MAX_VALUES = 20_000_000  #: numbers of a table: 160 MB, and a measurement takes that a few times
+MAX_MAGNITUDE = 1e12
+_BETWEEN = re.compile(r"[,;\s]+")
+
+
+class NumberRows:
+    """Collects rows of a fixed number of fields; faults name the line.
+
+    path: for messages. width: number of fields that are kept. extra: whether a row may have more
+    fields than that, which are passed over.
+    """
+
+    def __init__(self, path: Path, width: int, *, extra: bool = False) -> None:
+        self.path, self.width, self.extra = path, width, extra
+        self.passed_over = 0  #: rows with more fields than are kept
+        self._values = array("d")
+
+    def read(self, lines: Iterable[tuple[int, str]]) -> Array:
+        """The rows as (N, width), NaN where a field is empty. Blank lines and '#' are passed over.
+
+        lines: number and text of each. Raises InputError for a field that is no number, a row of
+        another length, and more than MAX_VALUES numbers.
+        """
+        for line, text in lines:
+            if text and not text.isspace() and not text.lstrip().startswith("#"):
+                self._take(line, text)
+        table = np.frombuffer(self._values, dtype=np.float64).reshape(-1, self.width)
+        # Comparisons by blocks: a mask of the whole table would take an eighth of it again.
+        for top in range(0, len(table), 100_000):
+            huge = np.abs(table[top : top + 100_000]) > MAX_MAGNITUDE
+            if huge.any():
+                raise InputError(
+                    f"{self.path}: row {top + int(np.argwhere(huge)[0][0]) + 1} of the numbers: "
+                    f"a value beyond {MAX_MAGNITUDE:g}; the file is damaged"
+                )
+        return table
+
+    def _take(self, line: int, text: str) -> None:
+        fields = self._fields(text)
+        if len(fields) != self.width:
+            if len(fields) < self.width or not self.extra:
+                raise InputError(
+                    f"{self.path}: line {line}: {len(fields)} fields, expected {self.width}; "
+                    "the file is damaged or cut off"
+                )
+            self.passed_over += 1
+            fields = fields[: self.width]
+        if len(self._values) + self.width > MAX_VALUES:
+            raise InputError(
+                f"{self.path}: more than {MAX_VALUES} numbers; split the table or thin it out"
+            )
+        try:
+            # float() takes '1_000' and 'inf' too, which no instrument writes.
+            numbers = [float(field) for field in fields]
+            if "_" in text or not all(map(np.isfinite, numbers)):
+                raise ValueError
+        except ValueError:
+            numbers = [self._number(line, k, field) for k, field in enumerate(fields)]
+        self._values.extend(numbers)
+
+    def _fields(self, text: str) -> list[str]:
+        if "," in text:
+            fields = text.split(",")
+            if not fields[-1].strip():  # a comma ends the line
+                fields.pop()
+            return fields
+        return _BETWEEN.split(text.strip())
+
+    def _number(self, line: int, column: int, field: str) -> float:
+        try:
+            value = cells.number(field)
+        except InputError as error:
+            raise InputError(
+                f"{self.path}: line {line}, column {column + 1}: {printable(field.strip(), 40)!r} "
+                f"is not a number; {error}"
+            ) from None
+        return np.nan if value is None else value
