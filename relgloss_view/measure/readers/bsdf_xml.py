@@ -35,6 +35,7 @@ EXPECTED = "a BSDF in XML (WINDOW, Radiance)"
 MOST_BYTES = 64_000_000
 #: Values of all matrices that are read; a spectrum of 80 bands in Klems's full basis has fewer.
 MOST_VALUES = 2_000_000
+LARGEST = 1e9  #: 1/sr; a perfect mirror seen through the smallest patch stays below
 FRONT, BACK = "reflection front", "reflection back"
 #: What `part` may be, and the direction that it chooses.
 _PARTS = {"1": FRONT, "front": FRONT, FRONT: FRONT, "2": BACK, "back": BACK, BACK: BACK}
@@ -148,9 +149,9 @@ def _definition(root: Element, place: str) -> tuple[Element, str]:
 
 
 def _blocks(layer: Element) -> Iterator[Block]:
-    for data in layer.iter("WavelengthData"):
+    for data in layer.iterfind("WavelengthData"):
         wavelength = " ".join((data.findtext("Wavelength") or "").split()).lower()
-        for element in data.iter("WavelengthDataBlock"):
+        for element in data.iterfind("WavelengthDataBlock"):
             direction = " ".join((element.findtext("WavelengthDataDirection") or "").split())
             yield Block(direction.lower(), wavelength, element)
 
@@ -282,6 +283,10 @@ class _Matrix:
                 f"{self._where}: found {printable(wrong, 30)!r} among the ScatteringData; "
                 "expected numbers"
             ) from None
+        if np.nanmax(np.abs(values), initial=0.0) > LARGEST:
+            raise InputError(
+                f"{self._where}: a value above {LARGEST:g}, which no BSDF reaches; correct it"
+            )
         matrix = values.reshape(self.outgoing.count, self.incident.count)
         return np.asarray((matrix.T if self._rows_are_incident else matrix).ravel())
 

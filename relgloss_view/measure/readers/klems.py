@@ -22,7 +22,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.xml import line_of
 
-MOST_PATCHES = 1000  #: of a basis; the finest in use has 145
+MOST_PATCHES = 500  #: of a basis; the finest in use has 145
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ def read_basis(element: Element, place: str) -> Basis:
     """The basis of an AngleBasis element. Raises InputError, which begins with `place`."""
     name = printable(element.findtext("AngleBasisName") or "", 60)
     rings: list[Ring] = []
-    for block in element.iter("AngleBasisBlock"):
+    for block in element.iterfind("AngleBasisBlock"):
         where = f"{place}: line {line_of(block)}"
         bounds = block.find("ThetaBounds")
         if block.find("Phi") is not None or bounds is None:

@@ -10,7 +10,6 @@ Source: Rykowski 2008, "BSDF Data Interchange File Format Specification" (Radian
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -31,6 +30,8 @@ from relgloss_view.measure.table import Measurement
 
 EXPECTED = "a Zemax BSDF file"
 MOST_BYTES = 64_000_000
+LARGEST = 1e9  #: 1/sr; a perfect mirror seen through the finest instrument stays below
+MOST_LINES = 1_200_000
 MOST_READINGS = 1_000_000  #: of one channel
 #: Zeros beyond this polar angle show where the instrument's view ends; readings within RIM_DEG of
 #: it are left out, as those are that lie as near to the horizon.
@@ -51,7 +52,6 @@ _WORDS = {
     "spectralcontent": ("monochrome", "xyz"),
     "scattertype": ("brdf", "btdf"),
 }
-_SEPARATORS = re.compile(r"[\s;]+")
 
 
 def read(path: Path, options: ReadOptions) -> Measurement:
@@ -202,8 +202,12 @@ class _Parser:
         return self._table
 
     def _lines(self, text: str) -> Iterator[list[str]]:
+        if text.count("\n") > MOST_LINES:
+            raise InputError(f"{self._place}: more than {MOST_LINES} lines; give {EXPECTED}")
         for number, line in enumerate(text.splitlines(), start=1):
-            words = [w for w in _SEPARATORS.split(line.partition("#")[0]) if w.strip(",")]
+            # Split no further than any row goes: the parts of a line take much more than the line.
+            line = line.partition("#")[0].replace(";", " ")
+            words = [w for w in line.split(None, MOST_READINGS) if w.strip(",")]
             if words:
                 self._line = number
                 yield words
@@ -302,11 +306,13 @@ class _Parser:
 
     def _numbers(self, words: list[str]) -> Array:
         try:
-            return np.array([float(w) for w in words])
+            numbers = np.array([float(w) for w in words])
         except ValueError:
-            pass
-        try:  # decimal commas, or commas behind numbers
-            return np.array([float(w.rstrip(",").replace(",", ".")) for w in words])
-        except ValueError:
-            shown = printable(" ".join(words), 40)
-            raise self._fail(f"found {shown!r}, expected numbers separated by spaces") from None
+            try:  # decimal commas, or commas behind numbers
+                numbers = np.array([float(w.rstrip(",").replace(",", ".")) for w in words])
+            except ValueError:
+                shown = printable(" ".join(words), 40)
+                raise self._fail(f"found {shown!r}, expected numbers separated by spaces") from None
+        if np.nanmax(np.abs(numbers), initial=0.0) > LARGEST:
+            raise self._fail(f"a number above {LARGEST:g}, which no BRDF reaches; correct it")
+        return numbers
