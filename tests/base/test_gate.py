@@ -22,7 +22,7 @@ PACKAGE = Path(relgloss_view.__file__).parent
 #: Modules that read what this program, its installation or the system has written, each with why.
 ELSEWHERE = {
     "base/reading.py": "the gate itself", "base/toml.py": "decodes behind the gate",
-    "base/json_files.py": "decodes behind the gate",
+    "base/json_files.py": "decodes behind the gate", "base/xml.py": "parses behind the gate",
     "base/writing.py": "makes the file that it opens", "base/temporaries.py": "its own files",
     "base/file_system.py": "brings to the disk", "base/journal.py": "marks its folder",
     "base/room.py": "/proc", "base/terminal.py": "the null device",
@@ -41,6 +41,8 @@ ELSEWHERE = {
 READS = {"read_text", "read_bytes", "memmap", "fromfile", "loadtxt", "genfromtxt"}
 READS |= {"ImageCmsProfile"}
 DECODES = {("json", "loads"), ("json", "load"), ("tomllib", "loads"), ("tomllib", "load")}
+DECODES |= {("ElementTree", "parse"), ("ElementTree", "fromstring"), ("ET", "parse")}
+DECODES |= {("ET", "fromstring"), ("ET", "iterparse"), ("expat", "ParserCreate")}
 
 
 def readers_in(tree: ast.AST) -> list[str]:
