@@ -10,7 +10,18 @@ from relgloss_view.base.decoding import wide_encoding
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.foreign import HEAD_BYTES, foreign_format
 from relgloss_view.base.reading import decoding, read_beginning
-from relgloss_view.measure.readers import csv_table, gcms, generic, merl, rgl, tensor_file
+from relgloss_view.measure.readers import (
+    cgats,
+    csv_table,
+    cxf,
+    gcms,
+    generic,
+    merl,
+    multi_angle,
+    rgl,
+    spectrum_text,
+    tensor_file,
+)
 from relgloss_view.measure.readers.built_in import table_file
 from relgloss_view.measure.readers.options import ReadOptions
 from relgloss_view.measure.table import Measurement
@@ -19,7 +30,10 @@ __all__ = ["read_measurement"]
 
 EXPECTED = "a measurement file"
 #: The reader of each format of another program, by its key in base.foreign.
-FORMATS: Mapping[str, Callable[[Path, ReadOptions], Measurement]] = {}
+FORMATS: Mapping[str, Callable[[Path, ReadOptions], Measurement]] = {
+    "cgats": cgats.read,
+    "cxf": cxf.read,
+}
 MATERIAL = b"relgloss-material"  #: the format that `fit` writes into a material file
 #: Bytes that no text holds, but for a few that a program lets slip.
 _CONTROLS = [bytes([c]) for c in range(32) if c not in b"\t\n\x0b\x0c\r\x1a\x1b"]
@@ -112,6 +126,8 @@ def _refuse_no_table(path: Path, head: bytes) -> None:
 
 def _read_text(path: Path, head: bytes, options: ReadOptions) -> Measurement:
     _refuse_no_table(path, head[:4096])
+    if spectrum_text.is_samples_table(head):
+        return multi_angle.measurement(path, spectrum_text.read_samples(path, "1"), options)
     table = csv_table.parse(path, (gcms.COLUMNS.keys(), generic.COLUMNS.keys()))
     names = {name.lower() for name in table.columns}
     if names & gcms.COLUMNS.keys():

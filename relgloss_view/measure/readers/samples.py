@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
+from relgloss_view.measure.readers.aspecular import Aspecular
 from relgloss_view.measure.spectrum import AT_45_0, SPHERE_EXCLUDED, SPHERE_INCLUDED
 
 MOST_SAMPLES = 20_000
-MOST_VALUES = 5_000_000  #: of all samples: 40 MB
+MOST_VALUES = 1_000_000  #: of all samples; a chart of 10,000 patches has a third
 LISTED = 6  #: names that a message lists
 LONGEST_NAME = 60  #: characters
 
@@ -32,7 +33,7 @@ class Sample:
     values: Array  #: (B,), NaN where nothing was read
     geometry: str = ""  #: the file's words for it
     percent: bool | None = None  #: whether the values are percent; None where nothing says so
-    lab: tuple[float, float, float] | None = None  #: where the file holds it, too
+    angle: Aspecular | None = None  #: of a multi-angle instrument
 
 
 @dataclass
@@ -41,7 +42,10 @@ class SampleFile:
 
     samples: list[Sample] = field(default_factory=list)
     quantity: str | None = None  #: as declared, in the canonical spelling
+    source: str = ""  #: the instrument or program that the file names
     notes: list[str] = field(default_factory=list)
+    #: Names of samples of which the file holds a colour (CIELAB), and no spectrum
+    colours: dict[str, tuple[float, float, float]] = field(default_factory=dict)
 
 
 def geometry_of(words: str) -> str | None:
@@ -56,6 +60,36 @@ def geometry_of(words: str) -> str | None:
             return None
         return SPHERE_INCLUDED if included else SPHERE_EXCLUDED
     return AT_45_0 if _45_0.search(words) else None
+
+
+def series(samples: Sequence[Sample]) -> dict[str, list[Sample]]:
+    """Samples by their names, in the order of the file: the geometries of one share a name."""
+    groups: dict[str, list[Sample]] = {}
+    for sample in samples:
+        groups.setdefault(sample.name, []).append(sample)
+    return groups
+
+
+def add_sample(path: Path, file: SampleFile, sample: Sample) -> None:
+    """Append a sample; InputError where the file holds more than is read."""
+    file.samples.append(sample)
+    count = len(file.samples)
+    if count > MOST_SAMPLES or count * len(sample.values) > MOST_VALUES:
+        raise InputError(f"{path}: more than {count - 1} spectra; split the file")
+
+
+def distinguish(result: SampleFile) -> None:
+    """Samples of a single geometry that share a name get their number in the file beside it."""
+    counts: dict[str, int] = {}
+    for sample in result.samples:
+        if sample.angle is None:
+            counts[sample.name] = counts.get(sample.name, 0) + 1
+    result.samples[:] = [
+        replace(sample, name=f"{sample.name} ({k + 1})")
+        if sample.angle is None and counts.get(sample.name, 0) > 1
+        else sample
+        for k, sample in enumerate(result.samples)
+    ]
 
 
 def chosen_part(path: Path, names: Sequence[str], part: str | None, kind: str = "sample") -> int:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.base.decoding import decoded_beginning
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.text_lines import TextLines
@@ -27,23 +28,28 @@ from relgloss_view.base.two_columns import (
 )
 from relgloss_view.measure.quantity import canonical_quantity
 from relgloss_view.measure.readers import cells
-from relgloss_view.measure.readers.headings import band_nm
+from relgloss_view.measure.readers.aspecular import split_aspecular
+from relgloss_view.measure.readers.headings import angle_heading
 from relgloss_view.measure.readers.rows import split
 from relgloss_view.measure.readers.samples import (
     LONGEST_NAME,
-    MOST_SAMPLES,
-    MOST_VALUES,
     Sample,
     SampleFile,
+    add_sample,
     chosen_part,
+    distinguish,
+)
+from relgloss_view.measure.readers.spectral_columns import (
+    FEWEST_BANDS,
+    HEADING_NM,
+    spectral_columns,
 )
 
 EXPECTED = "a spectrum of wavelength (nm) and reflectance"
 WORDS = Words("a sample", "reflectance")
-MAX_BYTES = 64 * 1024 * 1024
-FEWEST_BANDS = 4  #: of a header with a column for each wavelength
+MAX_BYTES = 32 * 1024 * 1024
 MOST_COLUMNS = 10_000
-HEADING_NM = (200.0, 2600.0)
+MOST_LOOKED_AT = 400_000  #: characters of lines that may be the header
 _DELIMITERS = (";", "\t", ",", None)
 _PERCENT = re.compile(
     r"%\s*(r|rfl|refl\w*)\b|\b(r|rfl|refl\w*|radiance factor)\s*[\[(,;:]*\s*(in\s*)?(%|percent\b)"
@@ -60,6 +66,9 @@ _OTHER = re.compile(
 _NAME = re.compile(r".*(name|sample|label|specimen|patch|colou?r|ink|\bid\b).*", re.IGNORECASE)
 _GEOMETRY = re.compile(r".*(geometry|angle|aspecular).*", re.IGNORECASE)
 _QUANTITY = re.compile(r"#?\s*\"?quantity\"?\s*[:=,;\t]\s*(.+)", re.IGNORECASE)
+_SOURCE = re.compile(
+    r"#?\s*\"?(?:source|instrument\w*|device|model)\"?\s*[:=,;\t]\s*(.+)", re.IGNORECASE
+)
 _TITLE = re.compile(r"#?\s*\"?name\"?\s*[:=,;\t]\s*(.+)", re.IGNORECASE)
 
 
@@ -74,7 +83,7 @@ class _Beginning:
     numbers_percent: bool
 
 
-def read_text(path: Path, part: str | None = None) -> SampleFile:
+def read_samples(path: Path, part: str | None = None) -> SampleFile:
     """The samples of a text file; of a table with a column for each sample, the wanted one alone.
 
     Raises InputError that names line and remedy.
@@ -98,9 +107,11 @@ def read_text(path: Path, part: str | None = None) -> SampleFile:
 
 def _beginning(text: TextLines) -> _Beginning:
     titles: list[str] = []
+    looked_at = 0
     for index, line in enumerate(text.lines()):
-        if len(titles) > MOST_TITLES:
+        if len(titles) > MOST_TITLES or looked_at > MOST_LOOKED_AT:
             break
+        looked_at += len(line)
         short = line[:LONGEST_LINE]
         if not short.strip(" \t,;"):
             continue
@@ -119,19 +130,49 @@ def _beginning(text: TextLines) -> _Beginning:
 def _is_header(line: str, delimiter: str | None) -> bool:
     """Whether a line has wavelengths that increase in several cells, and words in the others."""
     fields = [f.strip().strip('"') for f in split(line, delimiter, MOST_COLUMNS)]
-    if len(fields) < FEWEST_BANDS:
+    if len(fields) < FEWEST_BANDS or any(angle_heading(f) for f in fields[:8]):
         return False
-    nm = [_heading_nm(f) for f in fields]
-    listed = [v for v in nm if v is not None]
-    words = all(v is not None or not cells.is_number(f) for f, v in zip(fields, nm, strict=True))
-    return words and len(listed) >= FEWEST_BANDS and all(
-        a < b for a, b in itertools.pairwise(listed)
-    )  # fmt: skip
+    layout = spectral_columns(fields)
+    used = set(layout.used)
+    return bool(layout.spectra) and not any(
+        cells.is_number(f) for k, f in enumerate(fields) if k not in used
+    )
 
 
-def _heading_nm(text: str) -> float | None:
-    nm = band_nm(text) if len(text) <= LONGEST_NAME else None
-    return nm if nm is not None and HEADING_NM[0] <= nm <= HEADING_NM[1] else None
+def is_samples_table(head: bytes) -> bool:
+    """Whether a file begins as a table of spectra: a row each, or two columns, and no angles."""
+    text = decoded_beginning(head)
+    pairs: list[float] = []
+    lines = [
+        line
+        for line in text.splitlines()[: MOST_TITLES + 4]
+        if line.strip(" \t,;") and not line.lstrip().startswith("#")
+    ]
+    for line, following in itertools.zip_longest(lines, lines[1:], fillvalue=""):
+        words = re.split(r"[,;\t]", line, maxsplit=8)[:8]
+        if sum(angle_heading(word.strip(' "')) is not None for word in words) > 1:
+            return False  # a table of angles, whose columns are looked for elsewhere
+        for delimiter in _DELIMITERS:
+            if (delimiter is None or delimiter in line) and _is_header(line, delimiter):
+                return not _has_unknown_angles(split(line, delimiter), split(following, delimiter))
+        fields = fields_of(line[:LONGEST_LINE])
+        if len(fields) == 2 and all(NUMBER.fullmatch(f.removesuffix("nm")) for f in fields):
+            pairs.append(float(fields[0].removesuffix("nm").replace(",", ".").replace("d", "e")))
+            if len(pairs) == 3:
+                low, high = HEADING_NM
+                return low <= pairs[0] < pairs[1] < pairs[2] <= high
+        elif pairs:
+            return False
+    return False
+
+
+def _has_unknown_angles(headings: list[str], row: list[str]) -> bool:
+    """Whether numbers stand in two columns or more that name neither a wavelength nor a sample."""
+    used = spectral_columns([heading.strip(' "') for heading in headings]).used
+    others = [k for k in range(min(len(headings), len(row))) if k not in set(used)]
+    if any(_NAME.fullmatch(headings[k]) for k in others):
+        return False
+    return sum(cells.is_number(row[k].strip(' "')) for k in others) >= 2
 
 
 # Wavelengths downwards
@@ -144,7 +185,7 @@ def _in_columns(
     headings = fields_of(titles[-1]) if titles else []
     if len(first) < 2 or len(headings) != len(first):
         headings = []
-    column, name = 1, _name(titles) or path.stem
+    column, name = 1, _keyword(_TITLE, titles) or path.stem
     columns = [k for k in range(1, len(first)) if first[k]]
     if len(columns) > 1 and headings:
         names = [headings[k] or f"column {k + 1}" for k in columns]
@@ -174,8 +215,8 @@ def _in_columns(
     )
 
 
-def _name(titles: list[str]) -> str:
-    found = next((m for m in map(_TITLE.match, titles) if m), None)
+def _keyword(pattern: re.Pattern[str], titles: list[str]) -> str:
+    found = next((m for m in map(pattern.match, titles) if m), None)
     return found[1].strip(' ",;\t') if found else ""
 
 
@@ -202,57 +243,61 @@ def _in_rows(path: Path, text: TextLines, beginning: _Beginning, result: SampleF
     delimiter, start = beginning.delimiter, beginning.header + 1
     header = next(itertools.islice(text.lines(), start - 1, None))
     headings = [f.strip().strip('"').strip() for f in split(header, delimiter, MOST_COLUMNS)]
-    bands = [(k, nm) for k, nm in enumerate(map(_heading_nm, headings)) if nm is not None]
-    others = [k for k, _ in enumerate(headings) if k not in dict(bands)]
+    layout = spectral_columns(headings)
+    others = [k for k in range(len(headings)) if k not in layout.used]
     named = [k for k in others if _NAME.fullmatch(headings[k])] or others[:1]
     geometry = next((k for k in others if _GEOMETRY.fullmatch(headings[k])), None)
-    nm = np.array([v for _, v in bands])
     where = " ".join(beginning.titles)
     declared = _percent([*beginning.titles, *headings])
+    result.source = _keyword(_SOURCE, beginning.titles)
     comma = False
     if delimiter != "," or text.has_quotes:
         below = _below(itertools.islice(text.lines(), start, None), delimiter, start + 1)
-        comma = _decimal_commas(
-            fields[k] for _, fields in below for k, _ in bands if k < len(fields)
-        )
+        comma = decimal_commas(f[k] for _, f in below for k in layout.used if k < len(f))
     below = _below(itertools.islice(text.lines(), start, None), delimiter, start + 1)
     for number, fields in below:
-        texts = [fields[k] if k < len(fields) else "" for k, _ in bands]
-        signs = any(t.endswith("%") for t in texts)
-        texts = [t.removesuffix("%").strip() for t in texts]
-        if not any(cells.is_number(t) for t in texts):
-            continue
-        values = _values(path, number, texts, comma)
         words = [fields[k] for k in named if k < len(fields) and fields[k] and k != geometry]
-        row_geometry = fields[geometry] if geometry is not None and geometry < len(fields) else ""
-        result.samples.append(
-            Sample(
-                printable(" ".join(words), LONGEST_NAME) or f"row {len(result.samples) + 1}",
+        at = fields[geometry] if geometry is not None and geometry < len(fields) else ""
+        name = " ".join(words)
+        angle, _ = split_aspecular(at, whole=True)
+        if angle is None:
+            angle, name = split_aspecular(name)
+        for column_angle, nm, columns in layout.spectra:
+            texts = [fields[k] if k < len(fields) else "" for k in columns]
+            signs = any(t.endswith("%") for t in texts)
+            texts = [t.removesuffix("%").strip() for t in texts]
+            if not any(cells.is_number(t) for t in texts):
+                continue
+            sample = Sample(
+                printable(name, LONGEST_NAME) or f"row {len(result.samples) + 1}",
                 nm,
-                values,
-                row_geometry or where,
+                _values(path, number, texts, comma),
+                at or where,
                 True if signs else declared,
+                column_angle or angle,
             )
-        )
-        count = len(result.samples)
-        if count > MOST_SAMPLES or count * len(nm) > MOST_VALUES:
-            raise InputError(f"{path}: more than {MOST_SAMPLES} samples; split the file")
+            add_sample(path, result, sample)
     if not result.samples:
         raise InputError(
             f"{path}: line {start}: no row of values follows the wavelengths; add the reflectances "
             "below them"
         )
-    if len(result.samples) == 1:
-        name = _name(beginning.titles) or path.stem
-        only = result.samples[0]
-        unnamed = only.name == "row 1" or only.name.lower().startswith(("reflect", "r ", "r%"))
-        if unnamed:
-            result.samples[0] = Sample(
-                name, only.wavelengths_nm, only.values, only.geometry, only.percent
-            )
+    _name_unnamed(path, beginning.titles, result)
+    distinguish(result)
 
 
-def _decimal_commas(texts: Iterable[str]) -> bool:
+def _name_unnamed(path: Path, titles: list[str], result: SampleFile) -> None:
+    """Give the name of the file to its only sample, or to its geometries without another name."""
+    name = printable(_keyword(_TITLE, titles) or path.stem, LONGEST_NAME)
+    only = result.samples[0]
+    of_quantity = only.name.lower().startswith(("reflect", "r ", "r%"))
+    unnamed = all(re.fullmatch(r"row \d+", sample.name) for sample in result.samples)
+    angles = all(sample.angle is not None for sample in result.samples)
+    if (len(result.samples) == 1 and (unnamed or of_quantity)) or (unnamed and angles):
+        result.samples[:] = [replace(sample, name=name) for sample in result.samples]
+
+
+def decimal_commas(texts: Iterable[str]) -> bool:
     """Whether numbers have decimal commas and none has a point."""
     commas = False
     for text in texts:
