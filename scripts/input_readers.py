@@ -48,6 +48,8 @@ def readers() -> dict[str, Reader]:
         Reader("alta", ".alta", _measurement, _alta),
         Reader("merl", ".binary", _measurement, _merl, 0.2),
         Reader("lamp", ".csv", _lamp, _lamps, 2.0),
+        Reader("spectrum", ".csv", _spectrum, _spectra, 2.0),
+        Reader("samples", ".txt", _samples, _sample_files, 2.0),
         Reader("material", ".json", _material, _materials, 3.0),
         Reader("scene", ".toml", _scene, _scenes, 3.0),
         Reader("study", ".toml", _study, _studies, 2.0),
@@ -67,8 +69,13 @@ def readers() -> dict[str, Reader]:
 def sound(result: object) -> str | None:
     """What is wrong with what a reader returned, or None: numbers that are not finite."""
     from relgloss_view.material.material import Material
+    from relgloss_view.measure.spectrum import ColourReading
     from relgloss_view.measure.table import Measurement
 
+    if isinstance(result, ColourReading):
+        factor = result.radiance_factor
+        if not (np.isfinite(factor).all() and (factor >= 0.0).all()):
+            return "a reflectance is negative or not finite"
     if isinstance(result, Measurement):
         kept = result.radiance_factor[result.kept]
         if not (np.isfinite(kept).all() and (kept >= 0.0).all() and len(kept)):
@@ -96,6 +103,22 @@ def _lamp(path: Path) -> object:
     from relgloss_view.material.spectra import illuminant
 
     return illuminant(str(path))
+
+
+def _spectrum(path: Path) -> object:
+    from relgloss_view.measure.readers.spectrum import read_spectrum
+
+    return read_spectrum(path, part="2")
+
+
+def _samples(path: Path) -> object:
+    from relgloss_view.measure.readers import read_measurement
+    from relgloss_view.measure.readers.spectrum import read_spectrum
+
+    try:
+        return read_measurement(path, part="1")
+    except InputError:
+        return read_spectrum(path, part="1")
 
 
 def _material(path: Path) -> object:
@@ -347,6 +370,61 @@ def _lamps() -> list[bytes]:
     commas = "".join(line.replace(",", ";").replace(".", ",") + "\n" for line in lines)
     spaces = "Instrument X\nWavelength Power\n" + "\n".join(lines).replace(",", "  ")
     return [*spectra, commas.encode(), spaces.encode("utf-16"), ("µW\n" + spaces).encode("cp1252")]
+
+
+def _spectra() -> list[bytes]:
+    nm = range(400, 701, 10)
+    values = [0.1 + 0.02 * k for k in range(len(nm))]
+    pairs = "".join(f"{w},{v:.3f}\n" for w, v in zip(nm, values, strict=True))
+    columns = "nm,a,b\n" + pairs.replace("\n", ",0.5\n")
+    row = ",".join(f"{v:.3f}" for v in values)
+    rows = f"name,{','.join(f'R{w}' for w in nm)}\nred,{row}\nblue,{row}\n"
+    semicolons = rows.replace(",", ";").replace(".", ",").encode("utf-16")
+    table = "# quantity: brdf\ntheta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,"
+    table += ",".join(map(str, nm)) + f"\n45,180,0,0,{row}\n"
+    percent = "nm,R%\n" + pairs
+    return [text.encode() for text in (pairs, columns, rows, table, percent)] + [semicolons]
+
+
+def _sample_files() -> list[bytes]:
+    nm = range(400, 701, 50)
+    values = " ".join(f"{0.1 + 0.05 * k:.3f}" for k in range(len(nm)))
+    fields = " ".join(f"SPECTRAL_NM_{w}" for w in nm)
+    angles = ("45as-15", "45as15", "15as45", "45as25az90")
+    chart = 'CGATS.17\nORIGINATOR "x"\nBEGIN_DATA_FORMAT\nSAMPLE_NAME GEOMETRY LAB_L LAB_A LAB_B '
+    chart += f"{fields}\nEND_DATA_FORMAT\nNUMBER_OF_SETS 4\nBEGIN_DATA\n"
+    chart += "".join(f'"a b" {g} 50 1 -2 {values}\n' for g in angles) + "END_DATA\n"
+    argyll = 'CTI3\nSPECTRAL_BANDS "7"\nSPECTRAL_START_NM "400"\nSPECTRAL_NORM "100"\n'
+    argyll += "BEGIN_DATA_FORMAT\nSAMPLE_ID SPECTRAL_NM SPECTRAL_PCT " + fields.replace(
+        "SPECTRAL_NM", "SPEC"
+    )
+    argyll += f"\nEND_DATA_FORMAT\nBEGIN_DATA\n1 400 20 {values}\nEND_DATA\n"
+    table = "name,geometry," + ",".join(f"{w}nm" for w in nm) + "\n"
+    table += "".join(f"a,{g},{values.replace(' ', ',')}\n" for g in angles)
+    brdf = "".join(
+        f'<BRDFAngle Notation="{g}"><IlluminationAngle>45</IlluminationAngle><Aspecular>{g[-2:]}'
+        "</Aspecular><Azimuth>0</Azimuth></BRDFAngle>"
+        for g in angles
+    )
+    cxf = (
+        '<CxF xmlns="http://colorexchangeformat.com/CxF3-core"><Resources><ObjectCollection>'
+        '<Object Name="a" Id="1"><ColorValues><ColorCIELab ColorSpecification="s"><L>5</L><A>1</A>'
+        "<B>2</B></ColorCIELab>"
+        + "".join(
+            f'<ReflectanceSpectrum Name="{g}" StartWL="400" ColorSpecification="s">{values}'
+            "</ReflectanceSpectrum>"
+            for g in angles
+        )
+        + '<CustomSpectrum Name="as20" ColorSpecification="s"><SpectralPoint WL="450.5">0.5'
+        '</SpectralPoint><SpectralPoint WL="650">0.5</SpectralPoint></CustomSpectrum>'
+        "</ColorValues></Object></ObjectCollection><ColorSpecificationCollection>"
+        '<ColorSpecification Id="s"><MeasurementSpec><MeasurementType>Spectrum_Reflectance'
+        f"</MeasurementType><GeometryChoice><MultiAngle>{brdf}</MultiAngle></GeometryChoice>"
+        '<WavelengthRange StartWL="400" Increment="50"/></MeasurementSpec></ColorSpecification>'
+        "</ColorSpecificationCollection></Resources></CxF>"
+    )
+    made = [text.encode() for text in (chart, argyll, table, cxf)]
+    return [*made, chart.encode("utf-16"), *_real("formats/*.cxf")]
 
 
 def _materials() -> list[bytes]:

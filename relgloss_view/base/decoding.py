@@ -88,6 +88,16 @@ def decoded(data: bytes, place: str) -> Decoded:
     return Decoded(text.rstrip("\x1a"), note)
 
 
+def decoded_beginning(head: bytes) -> str:
+    """The beginning of a file as text; a character cut at its end does no harm, '' for no text."""
+    try:
+        if wide_encoding(head) is not None:
+            head = head[: len(head) // 4 * 4]
+        return decoded(head, "").text
+    except InputError:
+        return ""
+
+
 def first_byte_of_no_text(beginning: bytes) -> int | None:
     r"""Where the beginning of a file stops to be text in any encoding read here; None if it is.
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from relgloss_view.base.decoding import decoded, wide_encoding
+from relgloss_view.base.decoding import decoded_beginning, wide_encoding
 from relgloss_view.base.errors import InputError
 
 HEAD_BYTES = 16384  #: of a file's beginning, which are enough to recognise it
@@ -20,6 +20,10 @@ _LATER = "relgloss does not read these yet; export the readings as CSV (docs/fil
 _FIT = "it is a table of a surface: make a material of it with `relgloss fit FILE -o NAME.json`"
 _TO_SSDD = (
     "open it in BSDF Processor, which writes .ssdd, and give that; or export the readings as CSV"
+)
+_SAMPLES = (
+    "it holds reflectances of samples: give it to `relgloss fit` where it holds 12 geometries of "
+    "one, or to `relgloss estimate --spectrum`"
 )
 _TABLE = "give the measured table as CSV, an RGL .bsdf or a MERL .binary"
 _SPECTRUM = "relgloss does not read these; save two columns, wavelength (nm) and value, as text"
@@ -83,7 +87,7 @@ _XML: tuple[tuple[str, Foreign], ...] = (
         r"<(\w+:)?WindowElement\b",
         Foreign("a BSDF in XML (WINDOW, Radiance)", _FIT, "bsdf-xml"),
     ),
-    (r"<(\w+:)?CxF\b", Foreign("a CxF file of colour measurements", _LATER, "cxf")),
+    (r"<(\w+:)?CxF\b", Foreign("a CxF file of colour measurements", _SAMPLES, "cxf")),
     (r"IESTM2714|<(\w+:)?SpectralDistribution\b", Foreign("a TM-27 spectrum (.spdx)", _SPECTRUM)),
     (r"<!DOCTYPE html|<html\b", Foreign("a web page", "download the file itself")),
     (r"<svg\b", _PICTURE),
@@ -137,10 +141,10 @@ _TEXTS: tuple[tuple[tuple[str, ...], Foreign], ...] = (
     ),
     (
         (r"\ACGATS|\AIT8|^BEGIN_DATA_FORMAT\b",),
-        Foreign("a CGATS or IT8 colour chart", _LATER, "cgats"),
+        Foreign("a CGATS or IT8 colour chart", _SAMPLES, "cgats"),
     ),
-    ((r"\ACTI[123]\b",), Foreign("a chart of ArgyllCMS", _LATER)),
-    ((r"\ASPECT\b",), Foreign("a spectrum of ArgyllCMS (.sp)", _SPECTRUM)),
+    ((r"\ACTI[123]\b",), Foreign("a chart of ArgyllCMS", _SAMPLES, "cgats")),
+    ((r"\ASPECT\b",), Foreign("a spectrum of ArgyllCMS (.sp)", _SPECTRUM, "cgats")),
     ((r"\A##TITLE *=",), Foreign("a JCAMP-DX spectrum", _SPECTRUM)),
     ((r"^STD_NAME *=|^\[STANDARD_DATA",), Foreign("a QTX file of Datacolor", _LATER)),
     ((r"\A#! */",), Foreign("a script", _TABLE)),
@@ -176,7 +180,7 @@ def foreign_format(head: bytes) -> Foreign | None:
             return foreign
     if head[:1] and b"\x00" in head and wide_encoding(head) is None:
         return None
-    return _of_text(_text(head))
+    return _of_text(decoded_beginning(head).lstrip())
 
 
 def refuse_foreign(head: bytes, path: object) -> None:
@@ -197,16 +201,6 @@ def _office(head: bytes) -> Foreign | None:
     if b"xl/" in head or b"[Content_Types].xml" in head or b"opendocument.spreadsheet" in head:
         return _SHEET
     return _PACKED
-
-
-def _text(head: bytes) -> str:
-    """The beginning as text; a character cut at its end does no harm."""
-    try:
-        if wide_encoding(head) is not None:
-            head = head[: len(head) // 4 * 4]
-        return decoded(head, "").text.lstrip()
-    except InputError:
-        return ""
 
 
 def _of_text(text: str) -> Foreign | None:

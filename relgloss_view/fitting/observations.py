@@ -23,6 +23,8 @@ DARKEST = 1e-6
 #: A channel of linear sRGB at or below zero means "outside the gamut", not "nothing": it is
 #: compared with the brightness of the same sample.
 OUT_OF_GAMUT_SLACK = 0.1
+#: A geometry this near to 45/0 can serve for the colour of a material
+NEAR_DEG, NORMAL_COSINE = 2.5, 0.999
 FEWEST_SAMPLES = 12
 SEARCH_BANDS = 5
 FOLDS_WITHOUT_GROUPS = 10
@@ -87,6 +89,20 @@ def usable_rows(measurement: Measurement) -> Mask:
     return np.asarray(rows & facing)
 
 
+def _what_few_serve_for(measurement: Measurement, enough: int) -> str:
+    """What can be done with too few samples for a fit, as a part of a sentence."""
+    if enough == 0:
+        return "check the angles, the quantity and the empty fields"
+    estimate = "`relgloss estimate --spectrum FILE` with the readings of a gloss meter"
+    if enough == 1 and not measurement.bands.is_rgb:
+        return f"it can serve for the colour of a material: {estimate}"
+    angle = np.degrees(np.arccos(np.clip(measurement.to_lamp[:, 2], -1.0, 1.0)))
+    normal = (np.abs(angle - 45.0) <= NEAR_DEG) & (measurement.to_receiver[:, 2] > NORMAL_COSINE)
+    if np.any(normal & measurement.kept) and not measurement.bands.is_rgb:
+        return f"`relgloss measure FILE` shows them, and 45/0 gives the colour: {estimate}"
+    return "`relgloss measure FILE` shows them"
+
+
 def prepare(measurement: Measurement, seed: int = 0) -> Observations:
     """The usable samples of a measurement.
 
@@ -104,9 +120,8 @@ def prepare(measurement: Measurement, seed: int = 0) -> Observations:
         why = f" ({left_out})" if left_out else ""
         raise InputError(
             f"{measurement.place}: {enough} usable sample{'' if enough == 1 else 's'} of "
-            f"{len(rows)}{why}; a fit needs at least {FEWEST_SAMPLES} geometries, at and beside "
-            "the mirror direction. So few can serve for the colour of a material alone: write them "
-            "as the albedo of a material file (docs/files.md)"
+            f"{len(rows)}{why}; {_what_few_serve_for(measurement, int(enough))}; a fit needs at "
+            f"least {FEWEST_SAMPLES} geometries, at and beside the mirror direction"
         )
     if float(np.max(value)) < DARKEST:
         raise InputError(

@@ -14,11 +14,15 @@ from relgloss_view.measure.readers import (
     alta,
     astm_e1392,
     bsdf_xml,
+    cgats,
     csv_table,
+    cxf,
     gcms,
     generic,
     merl,
+    multi_angle,
     rgl,
+    spectrum_text,
     ssdd,
     tensor_file,
     zemax,
@@ -37,6 +41,8 @@ FORMATS: Mapping[str, Callable[[Path, ReadOptions], Measurement]] = {
     "alta": alta.read,
     "e1392": astm_e1392.read,
     "ssdd": ssdd.read,
+    "cgats": cgats.read,
+    "cxf": cxf.read,
 }
 MATERIAL = b"relgloss-material"  #: the format that `fit` writes into a material file
 #: Bytes that no text holds, but for a few that a program lets slip.
@@ -130,6 +136,8 @@ def _refuse_no_table(path: Path, head: bytes) -> None:
 
 def _read_text(path: Path, head: bytes, options: ReadOptions) -> Measurement:
     _refuse_no_table(path, head[:4096])
+    if spectrum_text.is_samples_table(head):
+        return multi_angle.measurement(path, spectrum_text.read_samples(path, "1"), options)
     table = csv_table.parse(path, (gcms.COLUMNS.keys(), generic.COLUMNS.keys()))
     names = {name.lower() for name in table.columns}
     if names & gcms.COLUMNS.keys():
