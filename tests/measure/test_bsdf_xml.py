@@ -133,7 +133,7 @@ def test_patches_blur_and_the_horizon_is_left_out(tmp_path):
     across = np.sin(np.radians([18.0, 36.0, 54.0])) * [45.0, 30.0, 30.0]
     variance = [9.0**2 / 4.0, *((18.0**2 + across**2) / 24.0)]
     sd = np.sqrt(np.average(variance, weights=[1, 8, 12, 12]))
-    assert m.aperture_sd_deg == pytest.approx((sd, sd))
+    assert m.aperture_sd_deg == pytest.approx((sd, sd), abs=1e-3)
     assert len(m.reasons) == 33 * 33
     assert any("592 values of patches that reach the horizon" in w for w in m.warnings)
     assert any("reflection back (visible)" in w for w in m.warnings)

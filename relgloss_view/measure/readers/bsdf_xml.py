@@ -105,7 +105,7 @@ def read(path: Path, options: ReadOptions) -> Measurement:
             f"{int(reach.sum())} values of patches that reach the horizon are left out: an average "
             "there belongs to no direction"
         )
-    spread = (first.incident.spread_deg(), first.outgoing.spread_deg())
+    spread = (round(first.incident.spread_deg(), 3), round(first.outgoing.spread_deg(), 3))
     notes.append(
         f"each value is an average over patches (angle basis {first.incident.name}): a highlight "
         f"narrower than {0.5 * float(np.hypot(*spread)):.2g} deg of the half-vector is not resolved"
