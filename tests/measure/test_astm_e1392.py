@@ -72,6 +72,8 @@ def test_spectra_and_xyz(read):
 
 
 def test_what_instruments_vary(read):
+    ends = read(HEAD.format("450nm,550nm") + rows("1,2,", "1,", "1,2,"))  # commas at the ends
+    assert ends.left_out() == {"missing": 1}
     text = HEAD.replace("VARS ", "VARS=").replace("NUM_POINTS 3", "NUM_POINTS 9")
     m = read(text.format("BRDF,temperature") + rows("1,20", "1,20", ",20"))
     assert m.left_out() == {"missing": 1}

@@ -111,7 +111,7 @@ def read(path: Path, options: ReadOptions) -> Measurement:
 def _header(path: Path, lines: Iterator[tuple[int, str]]) -> _Header:
     header = _Header()
     for line, text in lines:
-        key, _, rest = re.sub(r"[=:]", " ", text.strip(), count=1).partition(" ")
+        key, rest = ([*re.split(r"\s*[=:\s]\s*", text.strip(), maxsplit=1), ""])[:2]
         key = key.upper()[:40]
         if key == "VARS":
             header.names = [name.strip().strip('"') for name in rest.strip(" ,").split(",")]
@@ -131,7 +131,7 @@ def _columns(path: Path, header: _Header) -> dict[str, int]:
     """The place of each angle's column."""
     columns: dict[str, int] = {}
     for place, name in enumerate(header.names):
-        word = re.sub(r"[\[(].*", "", name).strip().lower().replace(" ", "_")
+        word = re.split(r"[\[(]", name)[0].strip().lower().replace(" ", "_")
         word = _SAME.get(word, word)
         if word in ANGLES:
             if word in columns:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from array import array
 from collections.abc import Iterable
 from pathlib import Path
@@ -15,11 +14,11 @@ from relgloss_view.base.reading import printable
 from relgloss_view.measure.readers import cells
 
 MAX_BYTES = 400_000_000
-MAX_LINES = 6_000_000
+MAX_LINES = 2_000_000
+MAX_ROWS = 1_000_000
 LONGEST_LINE = 200_000  #: characters
-MAX_VALUES = 20_000_000  #: numbers of a table: 160 MB, and a measurement takes that a few times
+MAX_VALUES = 12_000_000  #: numbers of a table: 96 MB, and a measurement takes that a few times
 MAX_MAGNITUDE = 1e12
-_BETWEEN = re.compile(r"[,;\s]+")
 
 
 class NumberRows:
@@ -38,7 +37,7 @@ class NumberRows:
         """The rows as (N, width), NaN where a field is empty. Blank lines and '#' are passed over.
 
         lines: number and text of each. Raises InputError for a field that is no number, a row of
-        another length, and more than MAX_VALUES numbers.
+        another length, and more than MAX_ROWS rows or MAX_VALUES numbers.
         """
         for line, text in lines:
             if text and not text.isspace() and not text.lstrip().startswith("#"):
@@ -64,26 +63,29 @@ class NumberRows:
                 )
             self.passed_over += 1
             fields = fields[: self.width]
-        if len(self._values) + self.width > MAX_VALUES:
+        have = len(self._values)
+        if have + self.width > min(MAX_VALUES, MAX_ROWS * self.width):
             raise InputError(
-                f"{self.path}: more than {MAX_VALUES} numbers; split the table or thin it out"
+                f"{self.path}: more than {MAX_ROWS} rows or {MAX_VALUES} numbers; split the table "
+                "or thin it out"
             )
         try:
-            # float() takes '1_000' and 'inf' too, which no instrument writes.
-            numbers = [float(field) for field in fields]
-            if "_" in text or not all(map(np.isfinite, numbers)):
+            # float() takes '1_000' and 'inf' too; no instrument writes the first, and the second is
+            # found in the whole table.
+            if "_" in text:
                 raise ValueError
+            self._values.extend(map(float, fields))
         except ValueError:
-            numbers = [self._number(line, k, field) for k, field in enumerate(fields)]
-        self._values.extend(numbers)
+            del self._values[have:]
+            self._values.extend(self._number(line, k, field) for k, field in enumerate(fields))
 
     def _fields(self, text: str) -> list[str]:
         if "," in text:
             fields = text.split(",")
-            if not fields[-1].strip():  # a comma ends the line
+            if len(fields) > self.width and not fields[-1].strip():  # a comma ends the line
                 fields.pop()
             return fields
-        return _BETWEEN.split(text.strip())
+        return text.replace(";", " ").split()
 
     def _number(self, line: int, column: int, field: str) -> float:
         try:

@@ -37,7 +37,7 @@ FIELDS = ("description", "phi_i", "theta_i", "ndf", "sigma", "vndf", "jacobian")
 #: What the files of polarised BRDFs (Baek et al. 2020) hold in the same container.
 POLARISED = frozenset(("M", "theta_h", "theta_d", "phi_d"))
 MOST_NUMBERS = 10_000_000  #: of a density; the database's have 0.2 million
-MOST_SPECTRAL = 60_000_000  #: of an isotropic file's spectra, float32; the database's have 2
+MOST_SPECTRAL = 20_000_000  #: of an isotropic file's spectra, float32; the database's have 2
 #: Bands of a spectral file that are kept: those that an eye sees, this far apart at least.
 SEEN_NM, STEP_NM = (380.0, 780.0), 5.0
 
