@@ -35,6 +35,8 @@ MAX_BYTES = 32 * 1024 * 1024
 MOST_LINES = 500_000
 LONGEST_LINE = 200_000
 MOST_FIELDS = 5_000
+MOST_FIELDS_IN_ALL = 50_000  #: of all tables
+MOST_SETS = 30_000
 MOST_KEYWORDS = 2_000
 MOST_TABLES = 1_000
 
@@ -82,7 +84,7 @@ def read_samples(path: Path) -> SampleFile:
 
 def _read_tables(path: Path, lines: Iterator[tuple[int, str]], result: SampleFile) -> None:
     table = _Table()
-    tables = 0
+    tables = fields = sets = 0
     for number, line in lines:
         words = _words(line)
         if not words:
@@ -90,6 +92,11 @@ def _read_tables(path: Path, lines: Iterator[tuple[int, str]], result: SampleFil
         first = words[0].upper()
         if first == "BEGIN_DATA_FORMAT":
             table.fields = _format(path, number, words[1:], lines)
+            fields += len(table.fields)
+            if fields > MOST_FIELDS_IN_ALL:
+                raise InputError(
+                    f"{path}: line {number}: more than {MOST_FIELDS_IN_ALL} fields; split it"
+                )
         elif first == "BEGIN_DATA":
             tables += 1
             if tables > MOST_TABLES:
@@ -99,7 +106,7 @@ def _read_tables(path: Path, lines: Iterator[tuple[int, str]], result: SampleFil
                     f"{path}: line {number}: data without fields; a BEGIN_DATA_FORMAT must stand "
                     "above it"
                 )
-            _read_rows(path, table, lines, result)
+            sets += _read_rows(path, table, lines, result, MOST_SETS - sets)
         elif len(words) > 1 and len(table.keywords) < MOST_KEYWORDS:
             table.keywords[first] = " ".join(words[1:])[:200]
 
@@ -131,12 +138,13 @@ def _format(
 
 
 def _read_rows(
-    path: Path, table: _Table, lines: Iterator[tuple[int, str]], result: SampleFile
-) -> None:
+    path: Path, table: _Table, lines: Iterator[tuple[int, str]], result: SampleFile, most: int
+) -> int:
+    """Take the sets of one table, at most `most`; returns how many there are."""
     reader = _RowReader(path, table, result)
     width = len(table.fields)
     pending: list[str] = []
-    begun = 0
+    begun = count = 0
     for number, line in lines:
         words = _words(line)
         if not words:
@@ -159,6 +167,9 @@ def _read_rows(
                 "names with spaces in quotes"
             )
         if len(pending) == width:
+            count += 1
+            if count > most:
+                raise InputError(f"{path}: more than {MOST_SETS} sets; split the file")
             reader.take(begun, pending)
             pending = []
     else:
@@ -168,6 +179,7 @@ def _read_rows(
         raise InputError(
             f"{path}: line {begun}: a set of {len(pending)} values; {width} fields are declared"
         )
+    return count
 
 
 class _RowReader:

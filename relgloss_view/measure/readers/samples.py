@@ -14,9 +14,10 @@ from relgloss_view.measure.readers.aspecular import Aspecular
 from relgloss_view.measure.spectrum import AT_45_0, SPHERE_EXCLUDED, SPHERE_INCLUDED
 
 MOST_SAMPLES = 20_000
-MOST_VALUES = 1_000_000  #: of all samples; a chart of 10,000 patches has a third
+MOST_VALUES = 500_000  #: of all samples; a chart of 10,000 patches has 310,000
 LISTED = 6  #: names that a message lists
 LONGEST_NAME = 60  #: characters
+LONGEST_WORDS = 20_000  #: characters of titles in which a geometry is looked for
 
 _45_0 = re.compile(r"\b45\s*°?[acx]?\s*[/:-]\s*0\b|\b0\s*°?\s*[/:-]\s*45\s*°?[acx]?\b", re.I)
 _SPHERE = re.compile(r"\bd[ie]?\s*[/:]\s*8|\b8\s*°?\s*[/:]\s*d|\bsphere\b|\bdiffuse_8", re.I)
@@ -54,6 +55,7 @@ def geometry_of(words: str) -> str | None:
     >>> geometry_of("0/45, M1"), geometry_of("45°a:0°"), geometry_of("d/8 SPIN"), geometry_of("d/8")
     ('45-0', '45-0', 'd-8-sci', None)
     """
+    words = " ".join(words[:LONGEST_WORDS].split())
     if _SPHERE.search(words) or re.search(r"\bsc[ie]\b|\bsp(in|ex)\b", words, re.I):
         included, excluded = (bool(p.search(words)) for p in (_INCLUDED, _EXCLUDED))
         if included == excluded:

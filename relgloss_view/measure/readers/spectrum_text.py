@@ -221,6 +221,7 @@ def _keyword(pattern: re.Pattern[str], titles: list[str]) -> str:
 
 
 def _percent(texts: list[str]) -> bool | None:
+    texts = [" ".join(text[:LONGEST_LINE].split()) for text in texts]
     if any(text.strip() == "%" or _PERCENT.search(text) for text in texts):
         return True
     return False if any(_FRACTION.search(text) for text in texts) else None
