@@ -73,6 +73,12 @@ class Departures:
     group: Ints  #: (N,), plane or setting of the lamp, 0 .. G-1
     incidence: Array  #: (N,), degrees
     plane_spread: float  #: sd of the logarithm that planes have in common, but for smooth trends
+    #: (N,), how many geometries of a larger table each stands for; None: itself
+    counts: Array | None = None
+
+    def counted(self, rows: Mask) -> Array | None:
+        """Counts of the marked samples; None where each stands for itself."""
+        return None if self.counts is None else self.counts[rows]
 
 
 @dataclass(frozen=True)
@@ -123,6 +129,7 @@ def departures(
     log_ratio = np.log(np.maximum(measured, 0.0) + floor) - np.log(np.maximum(fitted, 0.0) + floor)
     log_ratio[:, RED:] -= log_ratio[:, LUMINANCE : LUMINANCE + 1]
 
+    counts = None if measurement.stands_for is None else measurement.stands_for[rows]
     f = curves.facing(lamp, receiver)
     split = lamp - receiver
     length = np.linalg.norm(split, axis=1)
@@ -139,10 +146,11 @@ def departures(
         measured=measured[:, METER],
         fitted=fitted[:, METER],
         unit=brdf.fresnel_dielectric(f.cos_d, INDEX) * brdf.shadowing(f),
-        cosines=f.mu_i * f.mu_o,
+        cosines=f.mu_i * f.mu_o if counts is None else f.mu_i * f.mu_o * counts,
         group=group.astype(np.int64),
         incidence=np.degrees(np.arccos(np.clip(f.mu_i, 0.0, 1.0))),
         plane_spread=_plane_spread(log_ratio[:, METER], group, theta_d),
+        counts=counts,
     )
 
 

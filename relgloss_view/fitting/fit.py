@@ -35,6 +35,7 @@ from relgloss_view.fitting.model import (
 )
 from relgloss_view.fitting.observations import Observations
 from relgloss_view.fitting.problem import Problem
+from relgloss_view.fitting.selection import MOST_GEOMETRIES, selected
 from relgloss_view.fitting.spread import spread as spread_of
 from relgloss_view.fitting.use import with_use
 from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material, Quality
@@ -49,6 +50,7 @@ _HIGHLIGHT_COST = 1.05
 #: Bytes that a fit takes for each geometry: many starts at once, each with its slopes. Measured: 43
 #: to 58 kB, for 3,000 to 28,000 geometries in 4 to 120 bands.
 _GEOMETRY_BYTES, _FIT_BYTES = 60e3, 60 * MB
+_ROW_BYTES = 700  #: of each row, for the checks before a fit
 _FLAT_SIGMA = 0.005  #: rad; Oren-Nayar below this differs from Lambert by less than 0.02 %
 
 
@@ -98,7 +100,7 @@ def fit_material(
         )
     count = len(measurement.to_lamp)
     check_room(
-        Need(_FIT_BYTES + _GEOMETRY_BYTES * count),
+        Need(_FIT_BYTES + _GEOMETRY_BYTES * min(count, MOST_GEOMETRIES) + _ROW_BYTES * count),
         f"{measurement.place}: a fit of {count} geometries",
         "thin out the table, most of all far from the mirror direction",
     )
@@ -109,6 +111,7 @@ def fit_material(
     measurement = replace(
         examined.measurement, warnings=(*examined.measurement.warnings, *examined.texts)
     )
+    measurement = selected(measurement, seed)
     uncertain = free_index and refractive_index is None
     options = Options(
         rungs=ladder.LADDER if model == "auto" else _forced(model),
@@ -147,6 +150,9 @@ def _judged(choice: Choice, options: Options, examined: Examined) -> Material:
     if judged.quality == Quality.UNIDENTIFIABLE and width and width.s_deg_lower is None:
         state = _plainest_width(full, best.rung, state, width.s_deg_upper)
     record = record_fit(fit, judged, options.seed)
+    if measurement.stands_for is not None:  # a part, of which no row is left out
+        left_out = examined.measurement.left_out()
+        record = replace(record, residuals={**record.residuals, "left_out": left_out})
     try:
         material = _material(measurement, best.rung, state, record)
         steepest = float(np.degrees(np.arccos(np.min(measurement.to_lamp[measurement.kept, 2]))))

@@ -279,7 +279,8 @@ def _facts(axis: Any, material: Material) -> None:
     near, far = (r[k]["median_relative_error"] for k in ("near_mirror", "far"))
     parts = [f"{n} {v:.1%}" for n, v in (("near mirror", near), ("elsewhere", far)) if v]
     lines.append(", ".join(parts))
-    lines.append(f"{r['samples']} samples; aperture sd {r['aperture_sd_deg']} deg")
+    samples = printable(str(r.get("selected") or f"{r['samples']} samples"), 60)
+    lines.append(f"{samples}; aperture sd {r['aperture_sd_deg']} deg")
     lines += [f"{count} left out: {reason}" for reason, count in r["left_out"].items()]
     lines += [
         f"{label}: {words}"
