@@ -31,6 +31,8 @@ from relgloss_view.picture.scene.setup import Lamp
 METER, LUMINANCE, RED, BLUE = range(4)
 #: Half-vectors closer than this, degrees, are one angle.
 SAME_ANGLE_DEG = 0.2
+#: ... unless a chain of such neighbours reaches farther than this.
+LONGEST_LEVEL_DEG = 1.0
 #: A smoothing window holds this many different angles, and its half width is at least this share
 #: of the angle itself: far from the mirror direction light changes slowly.
 ANGLES_IN_WINDOW, WINDOW_SHARE = 3, 0.25
@@ -236,6 +238,13 @@ def _levels(delta: Array) -> tuple[Array, Ints]:
     """Different angles, increasing, and which of them each sample has."""
     order = np.argsort(delta)
     new = np.diff(delta[order], prepend=-np.inf) > SAME_ANGLE_DEG
+    chain = np.cumsum(new) - 1
+    first = delta[order][np.flatnonzero(new)]
+    # A table whose angles lie without gaps is one chain: it is cut into pieces.
+    past = delta[order] - first[chain]
+    long = np.maximum.reduceat(past, np.flatnonzero(new)) > LONGEST_LEVEL_DEG
+    piece = np.where(long[chain], np.floor(past / (2.0 * SAME_ANGLE_DEG)), 0.0)
+    new[1:] |= np.diff(piece) > 0.0
     number = np.empty(len(delta), dtype=np.int64)
     number[order] = np.cumsum(new) - 1
     return np.bincount(number, delta) / np.bincount(number), number

@@ -12,7 +12,7 @@ from relgloss_view.measure.thinning import thinned
 
 #: Geometries that are fitted. With so many, noise of a few percent leaves a hundredth of a percent
 #: in a number, far below what planes and zero levels leave (docs/files.md).
-MOST_GEOMETRIES = 8000
+MOST_GEOMETRIES = 6000
 
 
 def selected(measurement: Measurement, seed: int, most: int = MOST_GEOMETRIES) -> Measurement:
