@@ -21,6 +21,7 @@ from relgloss_view.fitting.choice import Choice, Options, choose
 from relgloss_view.fitting.derived import with_derived
 from relgloss_view.fitting.descent import refine
 from relgloss_view.fitting.evidence import ChosenFit, judge, record_fit, with_energy_warning
+from relgloss_view.fitting.instrument import corrected
 from relgloss_view.fitting.ladder import Candidate
 from relgloss_view.fitting.model import (
     INDEX_RANGE,
@@ -33,9 +34,9 @@ from relgloss_view.fitting.model import (
     mean_error,
     predict,
 )
-from relgloss_view.fitting.observations import Observations
+from relgloss_view.fitting.observations import Observations, prepare
 from relgloss_view.fitting.problem import Problem
-from relgloss_view.fitting.selection import MOST_GEOMETRIES, selected
+from relgloss_view.fitting.selection import MOST_GEOMETRIES, MOST_VALUES, selected
 from relgloss_view.fitting.spread import spread as spread_of
 from relgloss_view.fitting.use import with_use
 from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material, Quality
@@ -143,7 +144,8 @@ def _judged(choice: Choice, options: Options, examined: Examined) -> Material:
     spread = spread_of(choice, errors=options.free_errors, index=options.free_index)
     measurement, full, best = choice.measurement, choice.full, choice.best
     misread = any(f.serious and f.kind == MIRROR for f in examined.findings)
-    fit = ChosenFit(choice, _all_bands(full, best), spread, examined.serious, misread)
+    whole = _whole(choice, options, examined.measurement)
+    fit = ChosenFit(choice, _all_bands(whole, best), spread, examined.serious, misread)
     judged = judge(fit)
     state = fit.state
     width = judged.width
@@ -196,6 +198,18 @@ def _all_bands(full: Observations, best: Candidate) -> State:
     # fit leaves the foot of the lobe there.
     outside = verdict.mostly_outside(full)
     return replace(state, kd=np.where(outside, 0.0, state.kd))
+
+
+def _whole(choice: Choice, options: Options, measurement: Measurement) -> Observations:
+    """What the chosen model is refined on: of a large table far more than its choice was made on.
+
+    measurement: the whole table, before any correction of the instrument's errors.
+    """
+    if choice.measurement.stands_for is None:
+        return choice.full
+    more = selected(measurement, options.seed, MOST_VALUES // measurement.bands.count)
+    whole = prepare(corrected(more, choice.errors), options.seed)
+    return replace(whole, noise=choice.full.noise)
 
 
 def _linear_unknowns(problem: Problem, state: State, rounds: int) -> tuple[Array, Array]:

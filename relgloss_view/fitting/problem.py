@@ -44,6 +44,9 @@ from relgloss_view.fitting.unknowns import shared_unknowns
 from relgloss_view.material import brdf
 
 
+SAMPLES_AT_ONCE = 1 << 15  #: of which products are summed
+
+
 class Equations(NamedTuple):
     """Gauss-Newton matrix and gradient: K unknowns of each band, S unknowns that bands share."""
 
@@ -89,8 +92,11 @@ def _weighted_gram(columns: Array, weight: Array) -> Array:
     gram = np.empty((problems, bands * count, count))
     weight = np.broadcast_to(weight, (problems, *weight.shape[1:]))
     for p in range(problems):
-        weighted = (weight[p, :, None] * columns[p]).reshape(bands * count, samples)
-        np.matmul(weighted, columns[p].T, out=gram[p])
+        for first in range(0, samples, SAMPLES_AT_ONCE):
+            some = slice(first, first + SAMPLES_AT_ONCE)
+            part = columns[p, :, some]
+            weighted = (weight[p, :, None, some] * part).reshape(bands * count, -1)
+            gram[p] = weighted @ part.T if first == 0 else gram[p] + weighted @ part.T
     return gram.reshape(problems, bands, count, count)
 
 

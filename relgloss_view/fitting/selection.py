@@ -10,9 +10,11 @@ from relgloss_view.fitting.observations import usable_rows
 from relgloss_view.measure.table import Measurement
 from relgloss_view.measure.thinning import thinned
 
-#: Geometries that are fitted. With so many, noise of a few percent leaves a hundredth of a percent
-#: in a number, far below what planes and zero levels leave (docs/files.md).
+#: Geometries on which the model is chosen, cross-validated and judged: many starts and one fit for
+#: each plane, whose time and memory go with it (docs/files.md).
 MOST_GEOMETRIES = 6000
+#: Values, geometries times bands, on which the chosen model is refined last: one descent alone.
+MOST_VALUES = 1_000_000
 
 
 def selected(measurement: Measurement, seed: int, most: int = MOST_GEOMETRIES) -> Measurement:
