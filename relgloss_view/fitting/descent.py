@@ -22,13 +22,9 @@ def refine(
     starts: Sequence[State],
     rounds: int = 30,
     tolerance: float = TOLERANCE,
-    at_once: int = AT_ONCE,
 ) -> list[Solution]:
-    """Descend from each start to the nearest optimum, in at most `rounds` steps.
-
-    at_once: values of one column, over all descents that are under way; memory goes with it.
-    """
-    size = max(at_once // max(problem.samples, 1), 1)
+    """Descend from each start to the nearest optimum, in at most `rounds` steps; a few at once."""
+    size = max(AT_ONCE // max(problem.samples, 1), 1)
     solutions: list[Solution] = []
     for first in range(0, len(starts), size):
         some = np.zeros(len(starts), dtype=bool)
