@@ -43,7 +43,6 @@ from relgloss_view.fitting.shapes import (
 from relgloss_view.fitting.unknowns import shared_unknowns
 from relgloss_view.material import brdf
 
-
 SAMPLES_AT_ONCE = 1 << 15  #: of which products are summed
 
 

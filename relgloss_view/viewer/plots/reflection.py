@@ -151,7 +151,7 @@ def measured_incidences(measurement: Measurement) -> Array:
 
 
 def measured_points(measurement: Measurement, lamp: str, incidence_deg: float) -> Points | None:
-    """Points measured at an incidence, ordered by receiver, at most MOST_POINTS; None without any."""
+    """Up to MOST_POINTS points measured at an incidence, by receiver; None where none is nearby."""
     light = illuminant(lamp)
 
     def make() -> tuple[Points | None]:
