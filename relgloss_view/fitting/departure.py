@@ -31,6 +31,8 @@ from relgloss_view.picture.scene.setup import Lamp
 METER, LUMINANCE, RED, BLUE = range(4)
 #: Half-vectors closer than this, degrees, are one angle.
 SAME_ANGLE_DEG = 0.2
+#: ... unless a chain of such neighbours reaches farther than this.
+LONGEST_LEVEL_DEG = 1.0
 #: A smoothing window holds this many different angles, and its half width is at least this share
 #: of the angle itself: far from the mirror direction light changes slowly.
 ANGLES_IN_WINDOW, WINDOW_SHARE = 3, 0.25
@@ -73,6 +75,12 @@ class Departures:
     group: Ints  #: (N,), plane or setting of the lamp, 0 .. G-1
     incidence: Array  #: (N,), degrees
     plane_spread: float  #: sd of the logarithm that planes have in common, but for smooth trends
+    #: (N,), how many geometries of a larger table each stands for; None: itself
+    counts: Array | None = None
+
+    def counted(self, rows: Mask) -> Array | None:
+        """Counts of the marked samples; None where each stands for itself."""
+        return None if self.counts is None else self.counts[rows]
 
 
 @dataclass(frozen=True)
@@ -123,6 +131,7 @@ def departures(
     log_ratio = np.log(np.maximum(measured, 0.0) + floor) - np.log(np.maximum(fitted, 0.0) + floor)
     log_ratio[:, RED:] -= log_ratio[:, LUMINANCE : LUMINANCE + 1]
 
+    counts = None if measurement.stands_for is None else measurement.stands_for[rows]
     f = curves.facing(lamp, receiver)
     split = lamp - receiver
     length = np.linalg.norm(split, axis=1)
@@ -139,10 +148,11 @@ def departures(
         measured=measured[:, METER],
         fitted=fitted[:, METER],
         unit=brdf.fresnel_dielectric(f.cos_d, INDEX) * brdf.shadowing(f),
-        cosines=f.mu_i * f.mu_o,
+        cosines=f.mu_i * f.mu_o if counts is None else f.mu_i * f.mu_o * counts,
         group=group.astype(np.int64),
         incidence=np.degrees(np.arccos(np.clip(f.mu_i, 0.0, 1.0))),
         plane_spread=_plane_spread(log_ratio[:, METER], group, theta_d),
+        counts=counts,
     )
 
 
@@ -228,6 +238,13 @@ def _levels(delta: Array) -> tuple[Array, Ints]:
     """Different angles, increasing, and which of them each sample has."""
     order = np.argsort(delta)
     new = np.diff(delta[order], prepend=-np.inf) > SAME_ANGLE_DEG
+    chain = np.cumsum(new) - 1
+    first = delta[order][np.flatnonzero(new)]
+    # A table whose angles lie without gaps is one chain: it is cut into pieces.
+    past = delta[order] - first[chain]
+    long = np.maximum.reduceat(past, np.flatnonzero(new)) > LONGEST_LEVEL_DEG
+    piece = np.where(long[chain], np.floor(past / (2.0 * SAME_ANGLE_DEG)), 0.0)
+    new[1:] |= np.diff(piece) > 0.0
     number = np.empty(len(delta), dtype=np.int64)
     number[order] = np.cumsum(new) - 1
     return np.bincount(number, delta) / np.bincount(number), number

@@ -12,14 +12,32 @@ from relgloss_view.fitting.model import Solution, State, States
 from relgloss_view.fitting.problem import Equations, Misfit, Problem
 from relgloss_view.fitting.unknowns import SharedUnknowns
 
+AT_ONCE = 1 << 18  #: columns of 2 MB each
 TRIALS = 6  #: of one step, each damped ten times more, before a descent ends
 TOLERANCE = 1e-5  #: a descent ends when t, ln s and n together move by less
 
 
 def refine(
-    problem: Problem, starts: Sequence[State], rounds: int = 30, tolerance: float = TOLERANCE
+    problem: Problem,
+    starts: Sequence[State],
+    rounds: int = 30,
+    tolerance: float = TOLERANCE,
 ) -> list[Solution]:
-    """Descend from each start to the nearest optimum, in at most `rounds` steps."""
+    """Descend from each start to the nearest optimum, in at most `rounds` steps; a few at once."""
+    size = max(AT_ONCE // max(problem.samples, 1), 1)
+    solutions: list[Solution] = []
+    for first in range(0, len(starts), size):
+        some = np.zeros(len(starts), dtype=bool)
+        some[first : first + size] = True
+        part = problem if len(starts) <= size else problem.part(some)
+        solutions += _refine(part, starts[first : first + size], rounds, tolerance)
+    return solutions
+
+
+def _refine(
+    problem: Problem, starts: Sequence[State], rounds: int, tolerance: float
+) -> list[Solution]:
+    """All descents side by side."""
     states = States.of(starts)
     columns = problem.columns_of(states)
     states, misfit = problem.reweighted(columns, states)

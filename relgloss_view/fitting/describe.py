@@ -63,7 +63,7 @@ def describe_fit(material: Material) -> str:
     r = fit.residuals
     lines.append(
         f"  residual   median {r['median_relative_error']:.1%}, p90 {r['p90_relative_error']:.1%}, "
-        f"{r['samples']} samples"
+        + str(r.get("selected") or f"{r['samples']} samples")
         + "".join(f", {count} left out ({why})" for why, count in r["left_out"].items())
     )
     lines += [f"  {label:<11}{words}" for label, words in derived_lines(fit)]

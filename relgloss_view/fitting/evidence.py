@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.base.arrays import Array
-from relgloss_view.fitting import ladder, verdict
+from relgloss_view.fitting import ladder, selection, verdict
 from relgloss_view.fitting.choice import Choice
 from relgloss_view.fitting.covariance import names_of, prior_covariance, sample_covariance
 from relgloss_view.fitting.instrument import instrument_of
@@ -111,17 +111,21 @@ def record_fit(fit: ChosenFit, judged: Verdict, seed: int) -> FitRecord:
         "no_lobe": judged.no_lobe,
     }
     grounds = tuple(text for quality, text in judged.warnings if quality == judged.quality)
+    residuals = asdict(judged.residuals)
+    errors = verdict.standard_errors(fit.spread, lobe_order(fit.state))
+    part = selection.words(fit.choice.measurement)
+    if part:
+        residuals["selected"] = part
+        errors = replace(errors, method=f"{errors.method}, from {part}")
     return FitRecord(
         candidates=tuple(asdict(evidence) for evidence in _evidence(fit)),
         chosen=fit.choice.best.name,
-        residuals=asdict(judged.residuals),
+        residuals=residuals,
         quality=judged.quality,
         warnings=tuple(dict.fromkeys(_warnings(fit, judged))),
         grounds=grounds,
         seed=seed,
-        standard_errors=_present(
-            asdict(verdict.standard_errors(fit.spread, lobe_order(fit.state)))
-        ),
+        standard_errors=_present(asdict(errors)),
         covariance=_covariance(fit.spread, lobe_order(fit.state)),
         instrument=_instrument(fit),
         bounds={name: asdict(bound) for name, bound in bounds.items() if bound is not None},

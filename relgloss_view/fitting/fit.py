@@ -21,6 +21,7 @@ from relgloss_view.fitting.choice import Choice, Options, choose
 from relgloss_view.fitting.derived import with_derived
 from relgloss_view.fitting.descent import refine
 from relgloss_view.fitting.evidence import ChosenFit, judge, record_fit, with_energy_warning
+from relgloss_view.fitting.instrument import corrected
 from relgloss_view.fitting.ladder import Candidate
 from relgloss_view.fitting.model import (
     INDEX_RANGE,
@@ -33,8 +34,9 @@ from relgloss_view.fitting.model import (
     mean_error,
     predict,
 )
-from relgloss_view.fitting.observations import Observations
+from relgloss_view.fitting.observations import Observations, prepare
 from relgloss_view.fitting.problem import Problem
+from relgloss_view.fitting.selection import MOST_GEOMETRIES, MOST_VALUES, selected
 from relgloss_view.fitting.spread import spread as spread_of
 from relgloss_view.fitting.use import with_use
 from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material, Quality
@@ -49,6 +51,7 @@ _HIGHLIGHT_COST = 1.05
 #: Bytes that a fit takes for each geometry: many starts at once, each with its slopes. Measured: 43
 #: to 58 kB, for 3,000 to 28,000 geometries in 4 to 120 bands.
 _GEOMETRY_BYTES, _FIT_BYTES = 60e3, 60 * MB
+_ROW_BYTES = 700  #: of each row, for the checks before a fit
 _FLAT_SIGMA = 0.005  #: rad; Oren-Nayar below this differs from Lambert by less than 0.02 %
 
 
@@ -98,7 +101,7 @@ def fit_material(
         )
     count = len(measurement.to_lamp)
     check_room(
-        Need(_FIT_BYTES + _GEOMETRY_BYTES * count),
+        Need(_FIT_BYTES + _GEOMETRY_BYTES * min(count, MOST_GEOMETRIES) + _ROW_BYTES * count),
         f"{measurement.place}: a fit of {count} geometries",
         "thin out the table, most of all far from the mirror direction",
     )
@@ -109,6 +112,7 @@ def fit_material(
     measurement = replace(
         examined.measurement, warnings=(*examined.measurement.warnings, *examined.texts)
     )
+    measurement = selected(measurement, seed)
     uncertain = free_index and refractive_index is None
     options = Options(
         rungs=ladder.LADDER if model == "auto" else _forced(model),
@@ -140,13 +144,17 @@ def _judged(choice: Choice, options: Options, examined: Examined) -> Material:
     spread = spread_of(choice, errors=options.free_errors, index=options.free_index)
     measurement, full, best = choice.measurement, choice.full, choice.best
     misread = any(f.serious and f.kind == MIRROR for f in examined.findings)
-    fit = ChosenFit(choice, _all_bands(full, best), spread, examined.serious, misread)
+    whole = _whole(choice, options, examined.measurement)
+    fit = ChosenFit(choice, _all_bands(whole, best), spread, examined.serious, misread)
     judged = judge(fit)
     state = fit.state
     width = judged.width
     if judged.quality == Quality.UNIDENTIFIABLE and width and width.s_deg_lower is None:
         state = _plainest_width(full, best.rung, state, width.s_deg_upper)
     record = record_fit(fit, judged, options.seed)
+    if measurement.stands_for is not None:  # a part, of which no row is left out
+        left_out = examined.measurement.left_out()
+        record = replace(record, residuals={**record.residuals, "left_out": left_out})
     try:
         material = _material(measurement, best.rung, state, record)
         steepest = float(np.degrees(np.arccos(np.min(measurement.to_lamp[measurement.kept, 2]))))
@@ -190,6 +198,18 @@ def _all_bands(full: Observations, best: Candidate) -> State:
     # fit leaves the foot of the lobe there.
     outside = verdict.mostly_outside(full)
     return replace(state, kd=np.where(outside, 0.0, state.kd))
+
+
+def _whole(choice: Choice, options: Options, measurement: Measurement) -> Observations:
+    """What the chosen model is refined on: of a large table far more than its choice was made on.
+
+    measurement: the whole table, before any correction of the instrument's errors.
+    """
+    if choice.measurement.stands_for is None:
+        return choice.full
+    more = selected(measurement, options.seed, MOST_VALUES // measurement.bands.count)
+    whole = prepare(corrected(more, choice.errors), options.seed)
+    return replace(whole, noise=choice.full.noise)
 
 
 def _linear_unknowns(problem: Problem, state: State, rounds: int) -> tuple[Array, Array]:

@@ -16,7 +16,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import FitCancelled
 from relgloss_view.base.terminal import ProgressReport
-from relgloss_view.fitting.descent import refine
+from relgloss_view.fitting.descent import AT_ONCE, refine
 from relgloss_view.fitting.limits import at_limits
 from relgloss_view.fitting.model import (
     Rung,
@@ -110,8 +110,7 @@ def evaluate(folds: Folds, rung: Rung, solution: Solution) -> Candidate:
     problem = Problem(observations, rung, weight=folds.kept)
     refined = refine(problem, [solution.state] * count, FOLD_ROUNDS)
     states = States.of([fold.state for fold in refined])
-    model = problem.model(problem.columns_of(states), states.kd, states.ks)
-    errors = Problem(observations, rung, weight=folds.left).mean_errors(model)
+    errors = _held_out(Problem(observations, rung, weight=folds.left), states)
     return Candidate(
         rung=rung,
         solution=solution,
@@ -121,6 +120,19 @@ def evaluate(folds: Folds, rung: Rung, solution: Solution) -> Candidate:
         cv_mean=float(np.mean(errors)),
         cv_se=float(np.std(errors, ddof=1) / np.sqrt(len(errors))),
     )
+
+
+def _held_out(problem: Problem, states: States) -> Array:
+    """(F,), mean errors of F states on the groups that each has not seen, a few at once."""
+    size = max(AT_ONCE // max(problem.samples, 1), 1)
+    errors = []
+    for first in range(0, len(states), size):
+        some = np.zeros(len(states), dtype=bool)
+        some[first : first + size] = True
+        few = states.subset(some)
+        model = problem.model(problem.columns_of(few), few.kd, few.ks)
+        errors.append(problem.part(some).mean_errors(model))
+    return np.concatenate(errors)
 
 
 def with_state(candidate: Candidate, observations: Observations, state: State) -> Candidate:

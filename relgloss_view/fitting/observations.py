@@ -47,6 +47,8 @@ class Observations:
     error_names: tuple[str, ...] = ()  #: (K,)
     prior_centre: Array = field(default_factory=lambda: np.zeros(0))  #: (K,) or none: zero
     noise: float = TAU  #: logarithmic residual of a good model, against which priors weigh
+    #: (N,), how many geometries of a larger table each stands for; None: itself
+    counts: Array | None = None
 
     @property
     def sample_weight(self) -> float:
@@ -71,6 +73,7 @@ class Observations:
             floor=self.floor[rows],
             weight=self.weight[rows],
             group=self.group[rows],
+            counts=None if self.counts is None else self.counts[rows],
         )
 
 
@@ -131,7 +134,11 @@ def prepare(measurement: Measurement, seed: int = 0) -> Observations:
     floor = _floors(value, positive)
     group, groups = _groups(measurement.group[rows], seed)
     value = np.where(positive, value, 0.0)
-    weight = np.where(usable, foreshortening(measurement, rows)[:, None] / value.shape[1], 0.0)
+    share = foreshortening(measurement, rows)
+    counts = None if measurement.stands_for is None else measurement.stands_for[rows]
+    if counts is not None:
+        share = share * counts / np.mean(counts)
+    weight = np.where(usable, share[:, None] / value.shape[1], 0.0)
     lamp, receiver = measurement.to_lamp[rows], measurement.to_receiver[rows]
     instrument = instrument_of(measurement)
     if instrument is not None:
@@ -145,6 +152,7 @@ def prepare(measurement: Measurement, seed: int = 0) -> Observations:
         groups,
         np.zeros(0) if instrument is None else instrument.prior_sd,
         () if instrument is None else instrument.names,
+        counts=counts,
     )
 
 

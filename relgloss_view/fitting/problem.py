@@ -43,6 +43,8 @@ from relgloss_view.fitting.shapes import (
 from relgloss_view.fitting.unknowns import shared_unknowns
 from relgloss_view.material import brdf
 
+SAMPLES_AT_ONCE = 1 << 15  #: of which products are summed
+
 
 class Equations(NamedTuple):
     """Gauss-Newton matrix and gradient: K unknowns of each band, S unknowns that bands share."""
@@ -77,6 +79,24 @@ def _prior(observations: Observations, rung: Rung) -> Prior | None:
     sd = observations.prior_sd
     centre = observations.prior_centre if observations.prior_centre.size else np.zeros(len(sd))
     return Prior(centre[None], sd[None], observations.sample_weight)
+
+
+def _weighted_gram(columns: Array, weight: Array) -> Array:
+    """(P, B, C, C), products of columns (P, C, N) with one another, weighted by (P or 1, B, N).
+
+    One problem after another: the weighted columns of all of them would fill the memory.
+    """
+    problems, count, samples = columns.shape
+    bands = weight.shape[1]
+    gram = np.empty((problems, bands * count, count))
+    weight = np.broadcast_to(weight, (problems, *weight.shape[1:]))
+    for p in range(problems):
+        for first in range(0, samples, SAMPLES_AT_ONCE):
+            some = slice(first, first + SAMPLES_AT_ONCE)
+            part = columns[p, :, some]
+            weighted = (weight[p, :, None, some] * part).reshape(bands * count, -1)
+            gram[p] = weighted @ part.T if first == 0 else gram[p] + weighted @ part.T
+    return gram.reshape(problems, bands, count, count)
 
 
 class Problem:
@@ -176,6 +196,11 @@ class Problem:
         return part
 
     @property
+    def samples(self) -> int:
+        """N."""
+        return int(self._value.shape[1])
+
+    @property
     def prior(self) -> Prior:
         """Of the instrument's errors, which the rung frees."""
         if self._prior is None:
@@ -219,11 +244,10 @@ class Problem:
 
     def _linear(self, values: Array, weight: Array, kd: Array) -> tuple[Array, Array]:
         """Weighted NNLS with the rho^2 term linearised about the running albedo."""
-        problems, used, samples = values.shape
+        problems, used, _ = values.shape
         bands, lobes = self.bands, used - 2
         transposed = np.swapaxes(values, 1, 2)
-        weighted = (weight[:, :, None] * values[:, None]).reshape(problems, bands * used, samples)
-        gram = (weighted @ transposed).reshape(problems, bands, used, used)
+        gram = _weighted_gram(values, weight)
         aim = (weight * self._value) @ transposed + (kd * kd)[..., None] * gram[:, :, 1]
         twice = 2.0 * kd
         a = np.empty((problems, bands, 1 + lobes, 1 + lobes))
@@ -291,12 +315,9 @@ class Problem:
 
     def equations(self, columns: Array, misfit: Misfit, states: States) -> Equations:
         """The normal equations of a Gauss-Newton step at `states`."""
-        problems, count, samples = columns.shape
         slope = self._weight * influence(misfit.residual, self.alpha) / misfit.above
         transposed = np.swapaxes(columns, 1, 2)
-        weighted = (slope / misfit.above)[:, :, None] * columns[:, None]
-        gram = weighted.reshape(problems, self.bands * count, samples) @ transposed
-        gram = gram.reshape(problems, self.bands, count, count)
+        gram = _weighted_gram(columns, slope / misfit.above)
         gradient = ((slope * misfit.residual) @ transposed)[..., None, :]
         own, shared = self._jacobian_maps(states)
         gram_own = gram @ own

@@ -22,6 +22,7 @@ SMALLEST_SPAN = 1.5  #: of an axis of radiance factors, from its middle up
 SMALLEST_PERCENT = 1e-4  #: of the axis of errors
 PAGE_INCHES, LINE_INCHES = 9.0, 0.144  #: height of a page with two warnings, and of each further
 MOST_WARNINGS = 8
+MOST_POINTS = 60_000  #: of residuals: more hide one another
 BADGE = {Quality.GOOD: GOOD, Quality.POOR: ACCENT, Quality.UNIDENTIFIABLE: "#b26a00"}
 
 
@@ -186,8 +187,13 @@ def _tilt(axis: Any, material: Material, measured: slices.Slices) -> None:
 
 
 def _residuals(axis: Any, measured: slices.Slices) -> None:
-    axis.set_title("Residuals, all bands")
     x, y = measured.residuals()
+    title = "Residuals, all bands"
+    if len(x) > MOST_POINTS:
+        title += f" ({MOST_POINTS} of {len(x)} drawn)"
+        drawn = np.linspace(0, len(x) - 1, MOST_POINTS).astype(int)
+        x, y = x[drawn], y[drawn]
+    axis.set_title(title)
     axis.axhspan(-5.0, 5.0, color=GOOD, alpha=0.08, lw=0)
     axis.plot(x, np.clip(y, -60.0, 60.0), ".", ms=1.6, color=INK, alpha=0.25, rasterized=True)
     axis.axhline(0.0, lw=0.7, color=INK)
@@ -279,7 +285,8 @@ def _facts(axis: Any, material: Material) -> None:
     near, far = (r[k]["median_relative_error"] for k in ("near_mirror", "far"))
     parts = [f"{n} {v:.1%}" for n, v in (("near mirror", near), ("elsewhere", far)) if v]
     lines.append(", ".join(parts))
-    lines.append(f"{r['samples']} samples; aperture sd {r['aperture_sd_deg']} deg")
+    samples = printable(str(r.get("selected") or f"{r['samples']} samples"), 60)
+    lines.append(f"{samples}; aperture sd {r['aperture_sd_deg']} deg")
     lines += [f"{count} left out: {reason}" for reason, count in r["left_out"].items()]
     lines += [
         f"{label}: {words}"

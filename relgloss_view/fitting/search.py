@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 
 from relgloss_view.base.arrays import Array
-from relgloss_view.fitting.descent import refine
+from relgloss_view.fitting.descent import AT_ONCE, refine
 from relgloss_view.fitting.model import (
     LOG_S_RANGE,
     Rung,
@@ -79,9 +79,14 @@ def lowest_of_valleys(states: States, errors: Array, pitch: float) -> list[State
 
 
 def _linear_guess(problem: Problem, t: Array, log_s: Array, n: float) -> tuple[States, Array]:
-    """The linear unknowns at P sets of nonlinear ones, and the mean errors (P,)."""
+    """The linear unknowns at P sets of nonlinear ones, and the mean errors (P,); a few at once."""
     index = np.full(log_s.shape, n)
-    columns = problem.columns(t, log_s, index)
-    kd, ks = problem.first_guess(columns, _SCAN_ROUNDS)
-    errors = problem.mean_errors(problem.model(columns, kd, ks))
+    size = max(AT_ONCE // max(problem.samples, 1), 1)
+    parts = []
+    for first in range(0, len(t), size):
+        some = slice(first, first + size)
+        columns = problem.columns(t[some], log_s[some], index[some])
+        kd, ks = problem.first_guess(columns, _SCAN_ROUNDS)
+        parts.append((kd, ks, problem.mean_errors(problem.model(columns, kd, ks))))
+    kd, ks, errors = (np.concatenate(part) for part in zip(*parts, strict=True))
     return States(t, log_s, index, kd, ks, np.zeros((len(t), 0))), errors

@@ -14,6 +14,7 @@ from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.fitting.departure import METER, Departures, near
 from relgloss_view.fitting.results import PlaneUse, TailUse
 from relgloss_view.fitting.verdict import NEAR_MIRROR_DEG
+from relgloss_view.measure.thinning import percentile
 
 #: Student's t of a share of 0.01, two-sided, over as many planes as there are: a plane that is
 #: farther from the mean of the others, in their own sd, is named where it is off by ...
@@ -36,9 +37,9 @@ def tail_use(samples: Departures) -> TailUse:
     return TailUse(
         explained=1.0 - _light_error(samples, np.ones_like(mirror)),
         mirror_explained=1.0 - _light_error(samples, mirror) if some else None,
-        p90=float(np.percentile(relative, 90.0)),
-        p99=float(np.percentile(relative, 99.0)),
-        mirror_p90=float(np.percentile(relative[mirror], 90.0)) if some else None,
+        p90=percentile(relative, 90.0, samples.counts),
+        p99=percentile(relative, 99.0, samples.counts),
+        mirror_p90=percentile(relative[mirror], 90.0, samples.counted(mirror)) if some else None,
     )
 
 
@@ -51,7 +52,7 @@ def plane_uses(samples: Departures) -> tuple[PlaneUse, ...]:
         if np.sum(own) < FEWEST_SAMPLES:
             continue
         log_ratio = samples.log_ratio[own, METER]
-        middle = float(np.median(log_ratio))
+        middle = percentile(log_ratio, 50.0, samples.counted(own))
         shines = own & mirror
         rows.append(
             (

@@ -31,6 +31,7 @@ from relgloss_view.fitting.results import (
 )
 from relgloss_view.fitting.shapes import lobe_columns, metal_columns
 from relgloss_view.measure.table import Measurement
+from relgloss_view.measure.thinning import mean, percentile
 
 NEAR_MIRROR_DEG = 5.0  #: half-vector within this of the normal
 PROFILE_STEPS = 25
@@ -60,19 +61,23 @@ def residuals(measurement: Measurement, observations: Observations, model: Array
     cosine = (facing.mu_i * facing.mu_o)[:, None]
     linear = ((model - value) * cosine / np.pi)[seen]
     root = (np.cbrt(model * cosine / np.pi) - np.cbrt(value * cosine / np.pi))[seen]
+    counts = observations.counts
+    if counts is not None:
+        counts = np.broadcast_to(counts[:, None], value.shape)[seen]
 
-    def part(values: Array) -> Part:
-        return Part(_round(float(np.median(values))) if values.size else None, values.size)
+    def part(rows: Mask) -> Part:
+        values, some = relative[rows], None if counts is None else counts[rows]
+        return Part(_round(percentile(values, 50.0, some)) if values.size else None, values.size)
 
     return Residuals(
-        median_relative_error=part(relative).median_relative_error,
-        p90_relative_error=_round(float(np.percentile(relative, 90.0))),
-        rms_log_error=_round(float(np.sqrt(np.mean(log**2)))),
-        near_mirror=part(relative[near]),
-        far=part(relative[~near]),
+        median_relative_error=part(np.full(len(relative), True)).median_relative_error,
+        p90_relative_error=_round(percentile(relative, 90.0, counts)),
+        rms_log_error=_round(float(np.sqrt(mean(log**2, counts)))),
+        near_mirror=part(near),
+        far=part(~near),
         near_mirror_deg=NEAR_MIRROR_DEG,
-        cosine_weighted_rms=_round(float(np.sqrt(np.mean(linear**2)))),
-        cube_root_rms=_round(float(np.sqrt(np.mean(root**2)))),
+        cosine_weighted_rms=_round(float(np.sqrt(mean(linear**2, counts)))),
+        cube_root_rms=_round(float(np.sqrt(mean(root**2, counts)))),
         samples=len(value),
         values=int(seen.sum()),
         left_out=measurement.left_out(),

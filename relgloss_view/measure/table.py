@@ -64,6 +64,8 @@ class Measurement:
     synthetic: bool = False  #: computed from invented parameters, not measured
     #: Resampled by those who publish it: its directions are exact, no instrument's
     tabulated: bool = False
+    #: (N,), how many rows of a larger table each row stands for (measure.thinning); None: itself
+    stands_for: Array | None = None
 
     @property
     def place(self) -> str:

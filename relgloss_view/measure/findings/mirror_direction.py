@@ -9,6 +9,7 @@ direction hold the peak.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -50,7 +51,7 @@ def check(measurement: Measurement, rows: Rows) -> list[Finding]:
     """A serious finding where the peak lies elsewhere than the declared geometry puts it."""
     some = rows.subset(np.minimum(rows.to_lamp[:, 2], rows.to_receiver[:, 2]) > STEEPEST_COSINE)
     if len(some) >= FEWEST and float(np.max(some.level)) > PEAK * some.low_level:
-        best = _best(measurement, some)
+        best = _best(measurement, some.thinned())
     else:
         best = None
     if best is not None:
@@ -131,29 +132,26 @@ def _upright() -> tuple[Array, Array]:
     return up, up
 
 
-def _others(measurement: Measurement, rows: Rows) -> list[_Geometry]:
+def _others(measurement: Measurement, rows: Rows) -> Iterator[_Geometry]:
     lamp, receiver = rows.to_lamp, rows.to_receiver
     if measurement.gamma_s_deg is None:
         turns = np.arange(TURN_STEP_DEG, 359.0, TURN_STEP_DEG)
         out_of_plane = np.max(np.abs(lamp[:, 0] * receiver[:, 1] - lamp[:, 1] * receiver[:, 0]))
         if out_of_plane < 1e-3:
             turns = np.array([180.0])
-        return [
-            _Geometry("same side" if t == 180.0 else "turned", lamp, _turned(receiver, t), float(t))
-            for t in turns
-        ]
-    others = [_Geometry("same side", lamp, receiver * np.array([-1.0, 1.0, 1.0]))]
+        for t in turns:
+            name = "same side" if t == 180.0 else "turned"
+            yield _Geometry(name, lamp, _turned(receiver, t), float(t))
+        return
+    yield _Geometry("same side", lamp, receiver * np.array([-1.0, 1.0, 1.0]))
     tilts = np.unique(np.round(np.degrees(np.arctan2(-lamp[:, 1], lamp[:, 2])), 3))
     shifts = tilts[np.abs(tilts) > 0.5] if len(tilts) > 1 else ()
     for shift in shifts:
         back = _about_x(-shift)
         tilted = lamp @ back, receiver @ back
         flipped = tilted[1] * np.array([-1.0, 1.0, 1.0])
-        others += [
-            _Geometry("tilted", *tilted, float(shift)),
-            _Geometry("same side", tilted[0], flipped, float(shift)),
-        ]
-    return others
+        yield _Geometry("tilted", *tilted, float(shift))
+        yield _Geometry("same side", tilted[0], flipped, float(shift))
 
 
 def _about_x(degrees: float) -> Array:

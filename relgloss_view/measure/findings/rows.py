@@ -9,11 +9,14 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array, Ints, Mask
 from relgloss_view.measure.table import KEPT, NEGATIVE, OCCLUDED, Measurement
+from relgloss_view.measure.thinning import thinned
 
 #: Facets of coatings and inks, for the growth of a highlight with incidence.
 F0 = 0.04
 #: Half-vectors further from the normal show the body of all but the roughest samples.
 BODY_DEG = 25.0
+#: Rows that smooth functions are fitted to: more would change no finding.
+MOST_ROWS = 16_000
 
 
 @dataclass(frozen=True)
@@ -63,6 +66,13 @@ class Rows:
             self.group[rows],
             self.body_level,
         )
+
+    def thinned(self) -> Rows:
+        """These rows, or of more than MOST_ROWS those that stand for them (measure.thinning)."""
+        if len(self) <= MOST_ROWS:
+            return self
+        rows, _ = thinned(self.to_lamp, self.to_receiver, self.group, MOST_ROWS)
+        return self.subset(np.isin(np.arange(len(self)), rows))
 
     def __len__(self) -> int:
         return len(self.index)

@@ -7,7 +7,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.measure.findings.finding import ROWS, Finding
 from relgloss_view.measure.findings.lobe import Lobe
-from relgloss_view.measure.findings.rows import BODY_DEG, Rows
+from relgloss_view.measure.findings.rows import BODY_DEG, MOST_ROWS, Rows
 
 #: A row stands apart where its level is off by this factor and this many robust deviations.
 APART, DEVIATIONS = 0.3, 6.0
@@ -80,10 +80,11 @@ def _rest(rows: Rows) -> Array:
          between**2, between * (log_i + log_o), tail, tail * (log_i + log_o)]
     )  # fmt: skip
     y = np.log(rows.level)
+    some = slice(None, None, max(len(y) // MOST_ROWS, 1))  # a few thousand show a smooth function
     rest = y - np.median(y)
     for _ in range(8):
         spread = max(1.4826 * float(np.median(np.abs(rest))), 0.01)
         weight = 1.0 / (1.0 + np.square(rest / (2.0 * spread)))
-        scaled = basis * weight[:, None]
-        rest = y - basis @ np.linalg.lstsq(scaled, y * weight, rcond=1e-9)[0]
+        scaled = basis[some] * weight[some, None]
+        rest = y - basis @ np.linalg.lstsq(scaled, (y * weight)[some], rcond=1e-9)[0]
     return np.asarray(rest)

@@ -21,6 +21,7 @@ from relgloss_view.viewer.plots.caches import Recent
 
 STEEPEST_DEG = 85.0  #: incidence and receiver angles end here
 SAME_ANGLE_DEG = 0.5  #: a measured incidence this near is the one asked for
+MOST_POINTS = 2000  #: that are drawn at an incidence; a plot is hardly as many pixels wide
 IN_PLANE = 1e-4  #: of sin_i sin_o, by which lamp, normal and receiver may miss one plane
 #: Dense towards grazing incidence, where Fresnel's reflectance bends; each takes 3 ms.
 ALBEDO_INCIDENCES_DEG = np.array([0.0, 20.0, 40.0, 50.0, 60.0, 65.0, 70.0, 75.0, 80.0, 85.0])
@@ -140,13 +141,17 @@ def albedo_curve(material: Material, lamp: str, *, wait: bool = True) -> Albedo 
 
 def measured_incidences(measurement: Measurement) -> Array:
     """Angles of incidence in degrees, whole ones, that have three or more points in their plane."""
-    points = _planes.get(measurement, (), lambda: _Plane.of(measurement))
-    angles, count = np.unique(np.round(points.incidence_deg[points.rows]), return_counts=True)
-    return np.asarray(angles[count >= 3])
+
+    def make() -> Array:
+        points = _planes.get(measurement, (), lambda: _Plane.of(measurement))
+        angles, count = np.unique(np.round(points.incidence_deg[points.rows]), return_counts=True)
+        return np.asarray(angles[count >= 3])
+
+    return _incidences.get(measurement, (), make)
 
 
 def measured_points(measurement: Measurement, lamp: str, incidence_deg: float) -> Points | None:
-    """The points measured at an incidence, ordered by receiver; None where none are nearby."""
+    """Up to MOST_POINTS points measured at an incidence, by receiver; None where none is nearby."""
     light = illuminant(lamp)
 
     def make() -> tuple[Points | None]:
@@ -159,6 +164,8 @@ def measured_points(measurement: Measurement, lamp: str, incidence_deg: float) -
         if not np.any(above):
             return (None,)
         order = np.argsort(receiver[above])
+        if len(order) > MOST_POINTS:
+            order = order[np.linspace(0, len(order) - 1, MOST_POINTS).astype(int)]
         return (Points(incidence_deg, receiver[above][order], value[above][order]),)
 
     return _points.get(measurement, (light, incidence_deg), make)[0]
@@ -197,3 +204,4 @@ _blurred: Recent[Points] = Recent()
 _albedos: Recent[tuple[Array, Array]] = Recent()
 _points: Recent[tuple[Points | None]] = Recent()
 _planes: Recent[_Plane] = Recent(4)
+_incidences: Recent[Array] = Recent(4)
