@@ -40,7 +40,8 @@ def directions(polar: Polar, used: Mask) -> tuple[Direction, ...]:
     near &= polar.half_deg < BODY_DEG
     best = near & (polar.half_deg <= _least(polar.half_deg, near) + 0.5)
     steepest = np.maximum(polar.lamp_deg, polar.receiver_deg)
-    grazing = body & (steepest >= GRAZING_FROM_DEG)
+    # Towards the lamp an arm may be in the way, and some samples send light back there.
+    grazing = body & (steepest >= GRAZING_FROM_DEG) & (polar.azimuth_deg >= 90.0)
     chosen = (
         (BODY, body, off_45_0),
         (MIRROR, best, np.abs(polar.lamp_deg - 45.0) + polar.half_deg),

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.measure.findings import Finding, examine
 from relgloss_view.measure.findings.rows import Rows
 from relgloss_view.measure.overview.directions import Direction, directions
@@ -14,10 +15,12 @@ from relgloss_view.measure.overview.polar import Polar
 from relgloss_view.measure.overview.reciprocity import Reciprocity, reciprocity
 from relgloss_view.measure.overview.repeats import Repeats, repeats
 from relgloss_view.measure.overview.ridges import Summit, summits
-from relgloss_view.measure.table import KEPT, SATURATED, Measurement
+from relgloss_view.measure.table import SATURATED, Measurement
 
 #: Rows of each reason that are listed.
 MOST_LISTED = 3
+#: A reason that no reader marks: a fit passes over such rows, where an arm may be in the way.
+DARK = "zero in every band"
 
 
 @dataclass(frozen=True)
@@ -34,8 +37,9 @@ class Overview:
     """What a table shows of itself. Angles are in degrees, readings radiance factors."""
 
     measurement: Measurement  #: with the rows on a plateau marked as saturated
+    mask: Mask  #: (N,), rows that are used
     polar: Polar  #: angles of all N rows
-    level: np.ndarray  #: (N,), mean over the bands
+    level: Array  #: (N,), mean over the bands
     left_out: tuple[LeftOut, ...]  #: by reason, the most frequent first
     summits: tuple[Summit, ...]  #: the mirror ridge, by incidence
     repeats: Repeats
@@ -46,7 +50,7 @@ class Overview:
     @property
     def used(self) -> int:
         """Number of geometries that are used."""
-        return int(self.measurement.kept.sum())
+        return int(self.mask.sum())
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -63,7 +67,7 @@ class Overview:
         """The overview as JSON holds it; numbers that are not known are null."""
         table, repeated, pairs = self.measurement, self.repeats, self.reciprocity
         at = self._geometry
-        used = table.kept
+        used = self.mask
         return {
             "name": table.name,
             "source": table.source,
@@ -153,14 +157,16 @@ def look_over(measurement: Measurement) -> Overview:
     polar = Polar.of(table)
     level = np.asarray(table.radiance_factor.mean(axis=1))
     rows = Rows.of(table)
-    used = table.kept & np.isfinite(table.radiance_factor).all(axis=1)
+    dark = table.kept & ~np.any(np.nan_to_num(table.radiance_factor) > 0.0, axis=1)
+    used = table.kept & ~dark
     at = np.flatnonzero(used)
     with np.errstate(all="ignore"):
         return Overview(
             measurement=table,
+            mask=used,
             polar=polar,
             level=level,
-            left_out=_left_out(table),
+            left_out=_left_out(table, dark),
             summits=summits(rows, polar.subset(rows.index)),
             repeats=repeats(table.to_lamp[at], table.to_receiver[at], level[at], at),
             reciprocity=reciprocity(polar.subset(used), level[at]),
@@ -169,19 +175,17 @@ def look_over(measurement: Measurement) -> Overview:
         )
 
 
-def _left_out(measurement: Measurement) -> tuple[LeftOut, ...]:
-    counts = measurement.left_out()
-    return tuple(
-        LeftOut(
-            reason,
-            counts[reason],
-            tuple(np.flatnonzero(measurement.reasons == reason)[:MOST_LISTED].tolist()),
-        )
-        for reason in sorted(counts, key=lambda name: -counts[name])
-        if reason != KEPT
-    )
+def _left_out(measurement: Measurement, dark: Mask) -> tuple[LeftOut, ...]:
+    masks = {reason: measurement.reasons == reason for reason in measurement.left_out()}
+    if np.any(dark):
+        masks[DARK] = dark
+    parts = [
+        LeftOut(reason, int(mask.sum()), tuple(np.flatnonzero(mask)[:MOST_LISTED].tolist()))
+        for reason, mask in masks.items()
+    ]
+    return tuple(sorted(parts, key=lambda part: -part.count))
 
 
-def _span(values: np.ndarray) -> list[float] | None:
+def _span(values: Array) -> list[float] | None:
     finite = values[np.isfinite(values)]
     return [float(finite.min()), float(finite.max())] if finite.size else None
