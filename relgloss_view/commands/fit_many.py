@@ -7,6 +7,7 @@ import contextlib
 import json
 import os
 import sys
+from collections import Counter
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -189,9 +190,12 @@ def _row(material: Material, geometries: int) -> tuple[str, ...]:
     )
 
 
-def _print(
-    args: argparse.Namespace, tables: table_places.Tables, outcomes: list[Outcome]
-) -> None:
+def _told_apart(outcome: Outcome) -> str:
+    """The name of a material that another one has too, with its file."""
+    return f"{outcome.row[0]} ({printable(os.path.basename(outcome.output or ''), 40)})"
+
+
+def _print(args: argparse.Namespace, tables: table_places.Tables, outcomes: list[Outcome]) -> None:
     if args.json:
         content = {
             "output": args.output,
@@ -202,7 +206,15 @@ def _print(
         return
     fitted = [outcome for outcome in outcomes if outcome.state == FITTED]
     if fitted:
-        print(table(COLUMNS, [outcome.row for outcome in fitted]))
+        names = Counter(outcome.row[0] for outcome in fitted)
+        rows = [
+            (
+                _told_apart(outcome) if names[outcome.row[0]] > 1 else outcome.row[0],
+                *outcome.row[1:],
+            )
+            for outcome in fitted
+        ]
+        print(table(COLUMNS, rows))
     for outcome in fitted:
         for path in (outcome.output, outcome.report):
             if path is not None:

@@ -70,17 +70,16 @@ def run(args: argparse.Namespace) -> int:
         make_folder(args.report)
     table_places.report_passed_over(tables)
     entries: list[dict[str, Any]] = []
-    status = 0
+    status, shown = 0, False
     stems = table_places.stems(tables.places)
-    for k, (place, stem) in enumerate(zip(tables.places, stems, strict=True)):
+    for place, stem in zip(tables.places, stems, strict=True):
         checkpoint()
         try:
             picture = None
             if args.report is not None:
                 picture = table_places.output_of(args.report, stem, ".png", tables.places)
-            if k and entries and not args.json:
-                print()
-            entry, drawn = _show(args, place, picture)
+            entry, drawn = _show(args, place, picture, apart=shown)
+            shown = True
             status = status if drawn else 1
         except Exception as error:
             fault = table_places.fault_of(place, error, LESS)
@@ -93,9 +92,12 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _show(
-    args: argparse.Namespace, place: str, picture: str | None
+    args: argparse.Namespace, place: str, picture: str | None, *, apart: bool = False
 ) -> tuple[dict[str, Any], bool]:
-    """Read a table, print its overview and draw it; its JSON, and whether it was drawn if asked."""
+    """Read a table, print its overview and draw it; its JSON, and whether it was drawn if asked.
+
+    apart: below a blank line.
+    """
     from relgloss_view.fitting.purpose import purpose_of
     from relgloss_view.measure.overview import look_over
     from relgloss_view.measure.overview.describe import LABEL, describe
@@ -104,7 +106,7 @@ def _show(
     overview = look_over(read_measurement(place, **table_options(args)))
     purpose = purpose_of(overview.measurement, overview.findings)
     if not args.json:
-        print(describe(overview))
+        print("\n" * apart + describe(overview))
         print(f"  {'serves for':<{LABEL}}{purpose.text}")
     drawn = picture is None or _draw(overview, purpose, picture, args.json)
     entry = {"table": place, **overview.as_json()}

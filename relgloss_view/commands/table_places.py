@@ -93,7 +93,9 @@ def report_passed_over(tables: Tables) -> None:
     more = f" and {count - MOST_NAMED} more" if count > MOST_NAMED else ""
     listed = ", ".join(printable(name, 60) for name in names[:MOST_NAMED])
     noun = "1 entry" if count == 1 else f"{count} entries"
-    warn(f"passed over {noun} that {'is' if count == 1 else 'are'} no measured table: {listed}{more}")
+    warn(
+        f"passed over {noun} that {'is' if count == 1 else 'are'} no measured table: {listed}{more}"
+    )
 
 
 def stems(places: Sequence[str]) -> list[str]:

@@ -41,7 +41,8 @@ def purpose_of(measurement: Measurement, findings: tuple[Finding, ...] = ()) -> 
         )
     if count >= FEWEST_SAMPLES:
         return Purpose(
-            NOTHING, "nothing yet: no surface is as dark as these readings; check the quantity and its unit"
+            NOTHING,
+            "nothing yet: no surface is as dark as these readings; check the quantity and its unit",
         )
     few = f"{count} usable {noun}, and a fit needs {FEWEST_SAMPLES}"
     polar = Polar.of(measurement)

@@ -62,7 +62,9 @@ class Measurement:
     warnings: tuple[str, ...] = ()
     file: str = ""  #: where it was read from
     format: str = ""  #: the file's, with its article, such as 'a GCMS-style table'
-    quantity: str = ""  #: what the file holds, one of quantity.QUANTITIES; '' where nothing states it
+    quantity: str = (
+        ""  #: what the file holds, one of quantity.QUANTITIES; '' where nothing states it
+    )
     synthetic: bool = False  #: computed from invented parameters, not measured
     #: Resampled by those who publish it: its directions are exact, no instrument's
     tabulated: bool = False

@@ -17,7 +17,7 @@ BODY_DEG, NEAR_DEG = 15.0, 5.0
 #: A geometry counts as 45/0 within this, degrees. CIE 15:2004 allows 2 for the lamp and 10 for the
 #: receiver.
 LAMP_45_DEG, RECEIVER_0_DEG = 2.0, 10.0
-TIE = 0.01  #: between 45/0 and 0/45 the first is shown
+TIE = 0.01  #: between 45/0 and 0/45 the first is shown, and what lies in the plane
 GRAZING_FROM_DEG = 60.0
 
 
@@ -46,7 +46,7 @@ def directions(polar: Polar, used: Mask) -> tuple[Direction, ...]:
         (BODY, body, off_45_0),
         (MIRROR, best, np.abs(polar.lamp_deg - 45.0) + polar.half_deg),
         (STEEP_MIRROR, best & (polar.lamp_deg >= GRAZING_FROM_DEG), -polar.lamp_deg),
-        (GRAZING, grazing, -steepest),
+        (GRAZING, grazing, TIE * polar.out_of_plane_deg - np.round(steepest)),
     )
     result: dict[int, Direction] = {}
     for part, rows, cost in chosen:

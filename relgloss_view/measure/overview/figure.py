@@ -33,6 +33,7 @@ STYLES = {
     STEEP_MIRROR: ("#b26a00", "--"),
     GRAZING: ("#3f51a3", "--"),
 }
+BESIDE = "#8e99a3"  #: what is left out
 DOUBT = "#8a5200"
 
 
@@ -99,7 +100,9 @@ def _notes(overview: Overview, purpose: str) -> list[tuple[str, str, str]]:
     texts += [("warning", text, DOUBT) for text in overview.warnings]
     lines += texts[:MOST_FINDINGS]
     if len(texts) > MOST_FINDINGS:
-        lines.append(("", f"and {len(texts) - MOST_FINDINGS} more, which the command prints", MUTED))
+        lines.append(
+            ("", f"and {len(texts) - MOST_FINDINGS} more, which the command prints", MUTED)
+        )
     lines.append(("serves for", purpose, INK))
     return [
         (label if k == 0 else "", part, colour)
@@ -116,7 +119,7 @@ def _geometries(figure: Any, axis: Any, overview: Overview) -> None:
     out = _some(np.flatnonzero(~used))
     if len(out):
         label = f"left out ({int(np.sum(~used))})"
-        axis.plot(lamp[out], receiver[out], "x", ms=3.0, mew=0.7, color="#aab3bb", label=label)
+        axis.plot(lamp[out], receiver[out], "x", ms=3.0, mew=0.7, color=BESIDE, label=label)
     at = _some(np.flatnonzero(used))
     azimuth = polar.out_of_plane_deg[at]
     several = bool(np.any(azimuth >= IN_PLANE_DEG))
@@ -157,6 +160,8 @@ def _plane(axis: Any, overview: Overview) -> None:
         return
     for (incidence, x, y), colour in zip(curves, _colours(len(curves)), strict=True):
         axis.plot(x, y, "o-", ms=2.6, mew=0.0, lw=0.7, color=colour, label=f"{incidence:.4g}°")
+    angle, _, level = _beside(overview, curves)
+    axis.plot(angle, level, "x", ms=3.5, mew=0.8, color=BESIDE)
     _logarithmic(axis)
     axis.set_xlabel("receiver from the normal, mirror side positive (deg)")
     axis.set_ylabel("radiance factor")
@@ -165,16 +170,21 @@ def _plane(axis: Any, overview: Overview) -> None:
 
 def _across(axis: Any, overview: Overview) -> None:
     axis.set_title("Across the mirror direction")
-    near = [
-        (incidence, x - incidence, y)
-        for incidence, x, y in _curves(overview, overview.mask, ACROSS_DEG)
-    ]
+    near = _curves(overview, overview.mask, ACROSS_DEG)
     if not near:
         _nothing(axis, "no lamp direction has receivers on both sides of its mirror direction")
         return
     axis.axvline(0.0, lw=0.8, ls="--", color=ACCENT)
     for (incidence, x, y), colour in zip(near, _colours(len(near)), strict=True):
-        axis.plot(x, y, "o-", ms=2.8, mew=0.0, lw=0.7, color=colour, label=f"{incidence:.4g}°")
+        axis.plot(
+            x - incidence, y, "o-", ms=2.8, mew=0.0, lw=0.7, color=colour, label=f"{incidence:.4g}°"
+        )
+    angle, incidence, level = _beside(overview, near)
+    inside = np.abs(angle - incidence) <= ACROSS_DEG
+    axis.plot(
+        (angle - incidence)[inside], level[inside], "x", ms=3.5, mew=0.8, color=BESIDE,
+        label="left out" if np.any(inside) else "_none",
+    )  # fmt: skip
     _logarithmic(axis)
     axis.set_xlim(-ACROSS_DEG - 0.3, ACROSS_DEG + 0.3)
     axis.set_xlabel("receiver off the mirror direction (deg)")
@@ -259,6 +269,19 @@ def _curves(
     return [curves[k] for k in evenly(len(curves), MOST_INCIDENCES)] if curves else []
 
 
+def _beside(
+    overview: Overview, curves: list[tuple[float, Array, Array]]
+) -> tuple[Array, Array, Array]:
+    """Receiver angle, incidence and level of readings that are left out, at the drawn incidences."""
+    polar, level = overview.polar, overview.level
+    drawn = np.zeros(len(level), dtype=bool)
+    for incidence, _, _ in curves:
+        drawn |= np.abs(polar.lamp_deg - incidence) < STEP_DEG
+    rows = drawn & ~overview.mask & (polar.out_of_plane_deg < IN_PLANE_DEG)
+    at = _some(np.flatnonzero(rows & (np.nan_to_num(level) > 0.0)))
+    return polar.signed_receiver_deg[at], polar.lamp_deg[at], level[at]
+
+
 def _some(rows: Any) -> Any:
     return rows[evenly(len(rows), MOST_POINTS)] if len(rows) > MOST_POINTS else rows
 
@@ -282,7 +305,7 @@ def _logarithmic(axis: Any, room: float = 0.12) -> None:
     axis.set_ylim(middle / span, middle * span * span ** (2.0 * room / (1.0 - room)))
     few = span > 50.0
     axis.yaxis.set_major_locator(LogLocator(subs=(1.0,) if few else (1.0, 2.0, 5.0), numticks=9))
-    axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.9g}"))
     axis.yaxis.set_minor_formatter(NullFormatter())
 
 

@@ -40,7 +40,10 @@ class Polar:
     def subset(self, rows: Mask | Ints) -> Polar:
         """The marked rows."""
         return Polar(
-            self.lamp_deg[rows], self.receiver_deg[rows], self.azimuth_deg[rows], self.half_deg[rows]
+            self.lamp_deg[rows],
+            self.receiver_deg[rows],
+            self.azimuth_deg[rows],
+            self.half_deg[rows],
         )
 
     @property
