@@ -101,6 +101,8 @@ CASES = {
     "fit, no home": Case(
         ("fit", PAPER, "-o", "m.json", "--report", "r.png"), ("m.json", "r.png"), home="/dev/null"
     ),
+    "fit many": Case(("fit", PAPER, "uncoated", "-o", "materials")),
+    "measure": Case(("measure", PAPER, "-o", "m.png"), ("m.png",)),
     "snapshot png": Case(("snapshot", "--size", "512x512", "-o", "a.png"), ("a.png",)),
     "snapshot exr": Case(("snapshot", "--size", "512x512", "-o", "a.exr"), ("a.exr",)),
     "snapshot reference": Case(

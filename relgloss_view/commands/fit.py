@@ -12,8 +12,8 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Progress
 from relgloss_view.base.writing import check_writable
-from relgloss_view.commands.table_places import gather
 from relgloss_view.commands.table_options import add_table_options, table_options
+from relgloss_view.commands.table_places import gather
 
 
 def add(commands: Any) -> None:

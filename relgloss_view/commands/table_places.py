@@ -1,4 +1,4 @@
-"""Tables of a command line: files, built-in papers and folders, and names for what is made of each."""
+"""Tables of a command line: files, built-in papers, folders; and names of what is made of each."""
 
 from __future__ import annotations
 
@@ -71,7 +71,8 @@ def _in_folder(folder: str) -> tuple[list[str], list[str]]:
             f"{folder}: holds {len(names)} files, at most {MOST_ENTRIES} are looked at; name the "
             "tables themselves"
         )
-    tables, others = [], []
+    tables: list[str] = []
+    others: list[str] = []
     for name in names:
         checkpoint()
         path = os.path.join(folder, name)

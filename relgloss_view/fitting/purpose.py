@@ -56,6 +56,6 @@ def purpose_of(measurement: Measurement, findings: tuple[Finding, ...] = ()) -> 
     lacks = "no spectrum is" if measurement.bands.is_rgb else "no row is"
     return Purpose(
         NOTHING,
-        f"nothing yet: {few}; {lacks} there for `relgloss estimate --spectrum` either, which needs a 45/0 "
-        "reading. Measure at and beside the mirror direction, or at 45/0",
+        f"nothing yet: {few}; {lacks} there for `relgloss estimate --spectrum` either, which needs "
+        "a 45/0 reading. Measure at and beside the mirror direction, or at 45/0",
     )

@@ -170,4 +170,5 @@ def evenly(count: int, most: int) -> list[int]:
     >>> evenly(35, 5), evenly(3, 5)
     ([0, 8, 17, 26, 34], [0, 1, 2])
     """
-    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int)).tolist()
+    places = np.linspace(0, count - 1, min(count, most)).round().astype(int)
+    return [int(place) for place in np.unique(places)]

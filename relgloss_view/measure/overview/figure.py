@@ -179,10 +179,10 @@ def _across(axis: Any, overview: Overview) -> None:
         axis.plot(
             x - incidence, y, "o-", ms=2.8, mew=0.0, lw=0.7, color=colour, label=f"{incidence:.4g}°"
         )
-    angle, incidence, level = _beside(overview, near)
-    inside = np.abs(angle - incidence) <= ACROSS_DEG
+    angle, lamp, level = _beside(overview, near)
+    inside = np.abs(angle - lamp) <= ACROSS_DEG
     axis.plot(
-        (angle - incidence)[inside], level[inside], "x", ms=3.5, mew=0.8, color=BESIDE,
+        (angle - lamp)[inside], level[inside], "x", ms=3.5, mew=0.8, color=BESIDE,
         label="left out" if np.any(inside) else "_none",
     )  # fmt: skip
     _logarithmic(axis)
@@ -272,7 +272,7 @@ def _curves(
 def _beside(
     overview: Overview, curves: list[tuple[float, Array, Array]]
 ) -> tuple[Array, Array, Array]:
-    """Receiver angle, incidence and level of readings that are left out, at the drawn incidences."""
+    """Receiver angle, incidence and level of what is left out, at the drawn incidences."""
     polar, level = overview.polar, overview.level
     drawn = np.zeros(len(level), dtype=bool)
     for incidence, _, _ in curves:
