@@ -190,7 +190,7 @@ def _row(material: Material, geometries: int) -> tuple[str, ...]:
     )
 
 
-def _told_apart(outcome: Outcome) -> str:
+def _with_file(outcome: Outcome) -> str:
     """The name of a material that another one has too, with its file."""
     return f"{outcome.row[0]} ({printable(os.path.basename(outcome.output or ''), 40)})"
 
@@ -209,7 +209,7 @@ def _print(args: argparse.Namespace, tables: table_places.Tables, outcomes: list
         names = Counter(outcome.row[0] for outcome in fitted)
         rows = [
             (
-                _told_apart(outcome) if names[outcome.row[0]] > 1 else outcome.row[0],
+                _with_file(outcome) if names[outcome.row[0]] > 1 else outcome.row[0],
                 *outcome.row[1:],
             )
             for outcome in fitted

@@ -228,7 +228,8 @@ def _exchange(axis: Any, overview: Overview) -> None:
     axis.axhspan(-most, most, color="#2e7d4f", alpha=0.10, lw=0, label="95 % of the pairs")
     axis.axhline(0.0, lw=0.7, color=INK)
     axis.plot(
-        pairs.half_deg[at], 100.0 * pairs.difference[at], ".", ms=4.0, color=INK, alpha=0.6,
+        pairs.half_deg[at], 100.0 * pairs.difference[at], ".", ms=4.0 if len(at) < 1000 else 2.0,
+        color=INK, alpha=0.6 if len(at) < 1000 else 0.2, mew=0.0,
         rasterized=True,
     )  # fmt: skip
     limit = max(1.25 * 100.0 * float(np.max(np.abs(pairs.difference))), 1.0)
@@ -253,7 +254,9 @@ def _curves(
         planar &= np.abs(signed - polar.lamp_deg) <= around_deg
     at = np.flatnonzero(planar)
     names, number = np.unique(np.rint(polar.lamp_deg[at] / STEP_DEG), return_inverse=True)
-    count = np.bincount(number, minlength=len(names))
+    # Distinct receivers: a lamp along the normal has one azimuth for all.
+    sites = np.unique(np.column_stack([number, np.rint(signed[at] / STEP_DEG)]), axis=0)
+    count = np.bincount(sites[:, 0].astype(np.int64), minlength=len(names))
     enough = np.flatnonzero(count >= 3)
     # Lamps that many receivers look at; a tilted sample adds others with a few.
     enough = enough[count[enough] >= 0.3 * np.max(count, initial=0)]
