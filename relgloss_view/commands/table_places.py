@@ -42,6 +42,8 @@ def gather(words: Sequence[str]) -> Tables:
     places: list[str] = []
     passed_over: list[str] = []
     for word in words:
+        if not word:  # Path makes the working folder of it
+            raise InputError("TABLE '': expected the name of a table")
         if os.path.isdir(table_file(word)):
             tables, others = _in_folder(word)
             places += tables
