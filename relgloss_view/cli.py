@@ -23,7 +23,8 @@ from relgloss_view.base.version import __version__
 #: Each command, a module of its own, with its line in `relgloss --help`.
 COMMANDS = {
     "view": "open the window: a reference picture beside the one that is tuned",
-    "fit": "fit a reflection model to a measured table",
+    "measure": "show what a measured table holds, before any fit",
+    "fit": "fit a reflection model to measured tables",
     "snapshot": "draw one picture without a window",
     "grid": "draw the 7 x 6 stimuli of a sample, with a contact sheet and a manifest",
     "plan": "show how little of the model a scene needs, and why",
@@ -41,6 +42,7 @@ LONGEST_FAULT = 1000  #: characters
 
 #: The remedy where memory runs out, by command.
 LESS_MEMORY = {
+    "measure": "thin out the table",
     "fit": "thin out the table",
     "snapshot": "give a smaller --size",
     "grid": "give a smaller --size",

@@ -1,4 +1,4 @@
-"""`relgloss fit`: a table of measured reflectance becomes a material."""
+"""`relgloss fit`: tables of measured reflectance become materials."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Progress
 from relgloss_view.base.writing import check_writable
 from relgloss_view.commands.table_options import add_table_options, table_options
+from relgloss_view.commands.table_places import gather
 
 
 def add(commands: Any) -> None:
@@ -25,19 +26,34 @@ def add(commands: Any) -> None:
         description="Fit the Torrance-Sparrow and Oren-Nayar models to a goniophotometer table "
         "(CSV), an RGL .bsdf or a MERL .binary file. Cross-validation over incidence planes "
         "chooses the smallest model that is enough; the material file keeps the evidence.",
-        epilog="example: relgloss fit paper.csv -o paper.json --report paper.png",
+        epilog="example: relgloss fit paper.csv -o paper.json --report paper.png; "
+        "a folder of tables: relgloss fit scans/ -o materials/ --report reports/",
     )
     parser.add_argument(
-        "table",
-        metavar="TABLE|SAMPLE",
-        help="Measured table, whose format is recognised, or built-in paper "
-        f"({', '.join(built_in_tables())}) for its synthetic table",
+        "tables",
+        nargs="+",
+        metavar="TABLE|FOLDER|SAMPLE",
+        help="Measured tables, whose format is recognised, folders of them, or built-in papers "
+        f"({', '.join(built_in_tables())}) for their synthetic tables",
     )
     parser.add_argument(
-        "-o", "--output", metavar="MATERIAL.json", required=True, help="File of the fitted material"
+        "-o",
+        "--output",
+        metavar="MATERIAL.json|FOLDER",
+        help="File of the fitted material. Several tables, or a folder of them, need a folder: "
+        "each material is named after its table",
     )
     parser.add_argument(
-        "--report", metavar="OUT.png", help="Plot data, fit and candidates into this file"
+        "--report",
+        metavar="OUT.png|FOLDER",
+        help="Plot data, fit and candidates into this file; with several tables, into a file for "
+        "each in this folder",
+    )
+    parser.add_argument(
+        "--dry-run",
+        action="store_true",
+        help="Show what the tables hold and fit nothing, as `relgloss measure` does; --report "
+        "then draws that",
     )
     parser.add_argument(
         "--model",
@@ -64,16 +80,18 @@ def add(commands: Any) -> None:
         help="Angular standard deviations of the apertures of lamp and receiver, along one axis",
     )
     parser.add_argument("--json", action="store_true", help="Print the fitted material as JSON")
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, wrong_usage=parser.error)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Read, fit, write, and print the evidence."""
-    from relgloss_view.fitting import describe_fit, fit_material, write_fit_report
-    from relgloss_view.material.files import material_to_dict, save_material
+    """Read, fit, write, and print the evidence; with several tables, a summary."""
+    from relgloss_view.commands import fit_many, measure
     from relgloss_view.material.material import INDEX_RANGE
-    from relgloss_view.measure.readers import read_measurement
 
+    if args.dry_run:
+        return measure.run(args)
+    if args.output is None:
+        args.wrong_usage("the following arguments are required: -o/--output")
     index = args.refractive_index
     if index is not None and not INDEX_RANGE[0] < index <= INDEX_RANGE[1]:
         raise InputError(
@@ -84,17 +102,27 @@ def run(args: argparse.Namespace) -> int:
         raise InputError("--aperture-sd-deg: expected two angles of 0 to 10 degrees")
     if args.seed < 0:
         raise InputError(f"--seed {args.seed}: expected a whole number of at least 0")
-    _check_places(args)
-    measurement = read_measurement(args.table, **table_options(args))
+    options = {
+        "model": args.model,
+        "refractive_index": index,
+        "aperture_sd_deg": tuple(args.aperture_sd_deg) if args.aperture_sd_deg else None,
+        "seed": args.seed,
+    }
+    tables = gather(args.tables)
+    if tables.several or _is_folder(args.output):
+        return fit_many.run(args, tables, options)
+    return _fit_one(args, tables.places[0], options)
+
+
+def _fit_one(args: argparse.Namespace, place: str, options: dict[str, Any]) -> int:
+    from relgloss_view.fitting import describe_fit, fit_material, write_fit_report
+    from relgloss_view.material.files import material_to_dict, save_material
+    from relgloss_view.measure.readers import read_measurement
+
+    _check_places(args, place)
+    measurement = read_measurement(place, **table_options(args))
     with Progress("fit") as progress:
-        material = fit_material(
-            measurement,
-            model=args.model,
-            refractive_index=index,
-            aperture_sd_deg=tuple(args.aperture_sd_deg) if args.aperture_sd_deg else None,
-            seed=args.seed,
-            progress=progress,
-        )
+        material = fit_material(measurement, progress=progress, **options)
     save_material(material, args.output)
     if args.report:
         with decoration(f"{args.report}: the report", f"{args.output} is written"):
@@ -107,9 +135,14 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _check_places(args: argparse.Namespace) -> None:
+def _is_folder(name: str) -> bool:
+    """Whether a name of an output means a folder: it is one, or it ends as one."""
+    return os.path.isdir(name) or name.endswith(("/", os.sep))
+
+
+def _check_places(args: argparse.Namespace, place: str) -> None:
     """Refuse names that are wrong, the same or not writable, before the fit takes its time."""
-    places = {"TABLE": args.table, "-o": args.output}
+    places = {"TABLE": place, "-o": args.output}
     if args.report is not None:
         places["--report"] = args.report
     seen: dict[str, str] = {}

@@ -61,6 +61,10 @@ class Measurement:
     gamma_s_deg: float | None = None  #: tilt at which a GCMS table sees the mirror direction
     warnings: tuple[str, ...] = ()
     file: str = ""  #: where it was read from
+    format: str = ""  #: the file's, with its article, such as 'a GCMS-style table'
+    quantity: str = (
+        ""  #: what the file holds, one of quantity.QUANTITIES; '' where nothing states it
+    )
     synthetic: bool = False  #: computed from invented parameters, not measured
     #: Resampled by those who publish it: its directions are exact, no instrument's
     tabulated: bool = False

@@ -10,6 +10,7 @@ from relgloss_view.base.decoding import wide_encoding
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.foreign import HEAD_BYTES, foreign_format
 from relgloss_view.base.reading import decoding, read_beginning
+from relgloss_view.measure.quantity import BRDF
 from relgloss_view.measure.readers import (
     alta,
     astm_e1392,
@@ -100,15 +101,15 @@ def _read(path: Path, options: ReadOptions) -> Measurement:
 
     # A file cut off inside the magic number is a damaged .bsdf too.
     if head and tensor_file.MAGIC.startswith(head[: len(tensor_file.MAGIC)]):
-        measurement = rgl.read(path)
+        measurement = replace(rgl.read(path), format="an RGL .bsdf", quantity=BRDF)
     elif head.startswith(merl.HEADER):
-        measurement = merl.read(path)
+        measurement = replace(merl.read(path), format="a MERL .binary", quantity=BRDF)
     else:
         foreign = foreign_format(head)
         if foreign is None:
             return _read_text(path, head, options)
         if foreign.key in FORMATS:
-            return FORMATS[foreign.key](path, options)
+            return replace(FORMATS[foreign.key](path, options), format=foreign.name)
         raise InputError(f"{path}: this looks like {foreign.name}; {foreign.remedy}")
     unused = options.unused("quantity", "gamma_s_deg", "angle_unit", "mirror", "part")
     return replace(measurement, warnings=(*measurement.warnings, *unused))
@@ -141,5 +142,5 @@ def _read_text(path: Path, head: bytes, options: ReadOptions) -> Measurement:
     table = csv_table.parse(path, (gcms.COLUMNS.keys(), generic.COLUMNS.keys()))
     names = {name.lower() for name in table.columns}
     if names & gcms.COLUMNS.keys():
-        return gcms.read(table, options)
-    return generic.read(table, options)
+        return replace(gcms.read(table, options), format="a GCMS-style table")
+    return replace(generic.read(table, options), format="a table of polar angles and azimuths")

@@ -97,6 +97,7 @@ def assemble(
         aperture_sd_deg=facts.aperture_sd_deg,
         warnings=(*facts.warnings, *(doubt for doubt in doubts if doubt)),
         synthetic=source_is_synthetic(facts.source),
+        quantity=facts.quantity,
     )
     return require_samples(measurement, path)
 
