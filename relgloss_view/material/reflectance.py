@@ -9,6 +9,7 @@ from three numbers; docs/method.md has how far colours under another lamp are fr
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -119,28 +120,33 @@ def _neutral(xyz: Array, weights: Array) -> Array | None:
     return np.full(len(weights), min(max(level, 0.0), 1.0)) if inside else None
 
 
-def nearest_lightness(lab: Array, bands: Bands, illuminant: str) -> float | None:
-    """The lightness nearest to a Lab's at which its a* and b* are possible; None without one."""
-    lamp = lamp_of(illuminant)
-    weights, white = xyz_weights(bands, lamp), lamp.white_xyz()
+def nearest_lightness(lab: Array, fits: Callable[[Array], bool]) -> float | None:
+    """The lightness nearest to a Lab's at which its a* and b* are possible; None without one.
 
-    def fits(lightness: float) -> bool:
-        return possible(xyz_from_lab(np.array([lightness, *lab[1:]]), white), bands, weights)
+    fits: whether a Lab (3,) is possible.
+    """
+
+    def at(lightness: float) -> bool:
+        return fits(np.array([lightness, *lab[1:]]))
 
     steps = sorted(np.arange(0.5, 100.0, 0.5), key=lambda value: abs(value - lab[0]))
-    near = next((float(value) for value in steps if fits(value)), None)
+    near = next((float(value) for value in steps if at(value)), None)
     if near is None:
         return None
     far = float(np.clip(lab[0], near - 0.5, near + 0.5))
     while abs(near - far) > LIGHTNESS_TOLERANCE:
         middle = 0.5 * (near + far)
-        near, far = (middle, far) if fits(middle) else (near, middle)
+        near, far = (middle, far) if at(middle) else (near, middle)
     return near
 
 
 def impossible(lab: Array, bands: Bands, illuminant: str) -> str:
     """The sentence that refuses a colour which no reflectance has."""
-    near = nearest_lightness(lab, bands, illuminant)
+    lamp = lamp_of(illuminant)
+    weights, white = xyz_weights(bands, lamp), lamp.white_xyz()
+    near = nearest_lightness(
+        lab, lambda other: possible(xyz_from_lab(other, white), bands, weights)
+    )
     words = f"lab {', '.join(f'{value:g}' for value in lab)}: "
     if bands.is_rgb:
         words += f"a material of {bands.words} can't have this colour"
