@@ -131,27 +131,32 @@ def _at_45_0() -> brdf.Facing:
     return brdf.facing(up, np.array([math.sqrt(0.5), 0.0, math.sqrt(0.5)]), up)
 
 
-def _factor(material: Material, albedo: Array) -> Array:
-    """Radiance factors (B,) of the diffuse part at 45/0 for albedos (B,)."""
-    diffuse = material.diffuse
-    first, second = brdf.diffuse_shapes(diffuse.model, _at_45_0(), diffuse.sigma)
-    multiple = brdf.second_albedo(diffuse.model, albedo, diffuse.sigma)
-    return np.asarray(np.pi * (first * albedo + second * multiple))
-
-
 def _lightest(material: Material) -> float:
     """The radiance factor of the diffuse part at 45/0 where its albedo is 1."""
-    return float(_factor(material, np.ones(1))[0])
+    first, second = _shapes(material)
+    return float(np.pi * (first + second * _second(material, np.ones(1))[0]))
 
 
 def _albedo_of(material: Material, factor: Array) -> Array:
     """The albedos (B,), 0 to 1, of radiance factors (B,): they rise together, so by bisection."""
+    first, second = _shapes(material)
     low, high = np.zeros_like(factor), np.ones_like(factor)
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        below = _factor(material, middle) < factor
+        below = np.pi * (first * middle + second * _second(material, middle)) < factor
         low, high = np.where(below, middle, low), np.where(below, high, middle)
     return np.asarray(0.5 * (low + high))
+
+
+def _shapes(material: Material) -> tuple[float, float]:
+    """The two shapes of the diffuse model at 45/0, 1/sr."""
+    diffuse = material.diffuse
+    first, second = brdf.diffuse_shapes(diffuse.model, _at_45_0(), diffuse.sigma)
+    return float(first), float(second)
+
+
+def _second(material: Material, albedo: Array) -> Array:
+    return brdf.second_albedo(material.diffuse.model, albedo, material.diffuse.sigma)
 
 
 def _bases(material: Material) -> tuple[Material, ...]:
