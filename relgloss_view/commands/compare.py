@@ -18,6 +18,7 @@ from relgloss_view.commands.matched import add_reference_option, reference_look
 from relgloss_view.commands.scene_options import (
     SAMPLE_METAVAR,
     add_scene_options,
+    colour_from,
     printable_command,
     scene_from,
 )
@@ -106,7 +107,7 @@ def run(args: argparse.Namespace) -> int:
     scene, look, size = scene_from(args)
     look = dataclasses.replace(look, quality="exact")  # auto is measured on the split's picture
     words = args.sample_words or list(SAMPLES)
-    arguments = sample_arguments(words, look, published=args.published)
+    arguments = sample_arguments(words, look, published=args.published, colour=colour_from(args))
     if len(arguments) * len(operators) > MOST_CELLS:
         raise InputError(
             f"{len(arguments)} samples x {len(operators)} operators: expected at most "

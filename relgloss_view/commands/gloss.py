@@ -14,6 +14,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import WARNING_LENGTH, Column, table
 from relgloss_view.base.writing import check_writable
+from relgloss_view.commands.scene_options import add_colour_options, colour_from
 from relgloss_view.commands.table_options import add_table_options, table_options
 
 if TYPE_CHECKING:
@@ -56,6 +57,7 @@ def add(commands: Any) -> None:
         metavar="MATERIAL.json",
         help="Write the hypothetical material of --reading into this file",
     )
+    add_colour_options(parser)
     add_table_options(parser)
     parser.add_argument("--json", action="store_true", help="Print the readings as JSON")
     parser.set_defaults(run=run, wrong_usage=parser.error)
@@ -122,7 +124,9 @@ def _read(name: str, args: argparse.Namespace) -> SampleReadings:
     if kind == file_kinds.SCENE:
         raise InputError(f"{name}: this is a scene; give a material, a table or a built-in paper")
     if kind == file_kinds.MATERIAL:
-        return _of_material(name, _material(name))
+        return _of_material(name, _material(name, args))
+    if args.lab is not None:
+        raise InputError(f"{name}: a measured table has its own colour; fit it, or leave out --lab")
     measured = read_measurement(name, **table_options(args))
     examined = examine(measured)
     readings = table_readings(examined.measurement)
@@ -162,7 +166,7 @@ def _hypothetical(args: argparse.Namespace) -> SampleReadings:
     from relgloss_view.material.files import save_material
 
     angle_deg, value = args.reading
-    material = hypothetical(_material(args.samples[0]), angle_deg, value)
+    material = hypothetical(_material(args.samples[0], args), angle_deg, value)
     if args.output is not None:
         save_material(material, args.output)
     return SampleReadings(
@@ -176,11 +180,13 @@ def _hypothetical(args: argparse.Namespace) -> SampleReadings:
     )
 
 
-def _material(name: str) -> Material:
-    from relgloss_view.material.files import load_material
-    from relgloss_view.picture.scene.sample import SAMPLES, load_sample
+def _material(name: str, args: argparse.Namespace) -> Material:
+    """The material of a built-in paper or a file, in the colour of the options."""
+    from relgloss_view.picture.scene.sample import SAMPLES, Sample
 
-    return load_sample(name) if name in SAMPLES else load_material(name)
+    sample = Sample.built_in(name) if name in SAMPLES else Sample.from_file(name)
+    colour = colour_from(args)
+    return sample.material if colour is None else sample.in_colour(colour).material
 
 
 def _reading_numbers(reading: Reading) -> dict[str, Any]:

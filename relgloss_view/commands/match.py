@@ -14,7 +14,12 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, Progress, ProgressReport, table, warn
 from relgloss_view.base.writing import check_writable, together
-from relgloss_view.commands.scene_options import SAMPLE_METAVAR, add_scene_options, scene_from
+from relgloss_view.commands.scene_options import (
+    SAMPLE_METAVAR,
+    add_scene_options,
+    colour_from,
+    scene_from,
+)
 from relgloss_view.picture.scene.look import viewed_look
 from relgloss_view.picture.scene.setting import Setting, share_words
 
@@ -104,7 +109,7 @@ def run(args: argparse.Namespace) -> int:
     _check_places(args)
     scene, look, size = scene_from(args)
     first = sample_argument(args.reference, look)
-    samples = sample_arguments(words, look)
+    samples = sample_arguments(words, look, colour=colour_from(args))
     if args.grain is not None:
         dataclasses.replace(look, sigma_n_deg=args.grain)  # raises where it is no sigma_N
     reference = Reference.of(first.sample_look, args.gloss, scene.setup if args.here else None)

@@ -85,7 +85,7 @@ def matched_picture(args: argparse.Namespace, scene: Scene, look: Look) -> Match
     name another sample. Raises InputError where the reference has no gloss.
     """
     pair = _pair_of_file(args, look)
-    another_sample = args.sample is not None or args.material is not None
+    another_sample = any(x is not None for x in (args.sample, args.material, args.lab))
     if pair is not None and not another_sample:
         return pair
     if not wants_match(args, look) and pair is None:

@@ -11,6 +11,7 @@ from pathlib import Path
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable, refuse
 from relgloss_view.gloss.samples import SampleLook
+from relgloss_view.material.recolour import Colour
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
 from relgloss_view.picture.scene.setting import Setting
@@ -27,8 +28,10 @@ class SampleArgument:
     origin: str  #: of its setting: "given", "published", or "" where it has none of its own
 
 
-def sample_argument(word: str, look: Look, *, published: bool = True) -> SampleArgument:
-    """A sample from NAME|FILE[=SIGMA_N,C]; the rest of its look is `look`'s.
+def sample_argument(
+    word: str, look: Look, *, published: bool = True, colour: Colour | None = None
+) -> SampleArgument:
+    """A sample from NAME|FILE[=SIGMA_N,C], in a colour; the rest of its look is `look`'s.
 
     Without a setting a built-in paper has the published one, if `published`; other samples have
     their own sigma_N (0 of a file) and c_max. Raises InputError where there is no such sample or a
@@ -41,6 +44,7 @@ def sample_argument(word: str, look: Look, *, published: bool = True) -> SampleA
     if not built_in and (start in SAMPLES or (Path(start).is_file() and not Path(name).exists())):
         refuse(printable(name), "SIGMA_N,C after the sample, such as =2.0,1/3", name[len(start) :])
     sample = Sample.built_in(name) if built_in else Sample.from_file(name)
+    sample = sample if colour is None else sample.in_colour(colour)
     setting = Setting(SAMPLES[name].sigma_n_deg) if built_in else Setting()
     if built_in and published:
         setting = SAMPLES[name]
@@ -52,12 +56,12 @@ def sample_argument(word: str, look: Look, *, published: bool = True) -> SampleA
 
 
 def sample_arguments(
-    words: Sequence[str], look: Look, *, published: bool = True
+    words: Sequence[str], look: Look, *, published: bool = True, colour: Colour | None = None
 ) -> list[SampleArgument]:
     """Samples as sample_argument; a label that an earlier sample has gets a number."""
     samples: list[SampleArgument] = []
     for word in words:
-        argument = sample_argument(word, look, published=published)
+        argument = sample_argument(word, look, published=published, colour=colour)
         first = argument.sample_look.label
         label, n = first, 1
         while label in {other.sample_look.label for other in samples}:

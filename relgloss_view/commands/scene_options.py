@@ -11,7 +11,8 @@ from typing import Any
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.shell import command_line
 from relgloss_view.base.toml import AUTO
-from relgloss_view.material.files import load_material
+from relgloss_view.base.words import sentence_case
+from relgloss_view.material.recolour import DEFAULT_ILLUMINANT, Colour
 from relgloss_view.picture.model.lamp_placement import lit_for_gloss
 from relgloss_view.picture.model.view import check_size
 from relgloss_view.picture.scene.look import Look
@@ -24,13 +25,14 @@ from relgloss_view.picture.scene.options import (
     SET,
     SETTING_ENTRIES,
     Option,
+    colour_words,
     wants_auto_lamp,
     with_options,
     with_settings,
 )
-from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, SAMPLES, load_sample
+from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, SAMPLES, Sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.scene_file import load_scene
+from relgloss_view.picture.scene.scene_file import read_scene_file
 from relgloss_view.picture.scene.setting import FULL_SHARE
 from relgloss_view.quality.backends import BACKENDS
 
@@ -62,7 +64,7 @@ def add_scene_options(
     `for_the_eye`: what no option and no scene file decides is set so that the picture looks well:
     silhouettes, dither, the lamp of forms other than the cylinder. Stimuli keep the plain values.
     """
-    parser.set_defaults(default_look=look, for_the_eye=for_the_eye)
+    parser.set_defaults(default_look=look, for_the_eye=for_the_eye, sourced=sourced)
     what = parser.add_argument_group("what to draw")
     if sourced:
         source = what.add_mutually_exclusive_group()
@@ -76,6 +78,7 @@ def add_scene_options(
         )
     else:
         parser.set_defaults(sample=None, material=None)
+    add_colour_options(what)
     what.add_argument(
         "--scene", metavar="FILE.toml", help="Scene file to draw; the options override its entries"
     )
@@ -142,22 +145,60 @@ def add_scene_options(
     )
 
 
+def add_colour_options(parser: Any) -> None:
+    """Declare --lab and --lab-illuminant, from the fields of Colour."""
+    for f in dataclasses.fields(Colour):
+        parser.add_argument(
+            f.metadata["option"],
+            metavar="L,a,b" if f.name == "lab" else "NAME|FILE",
+            type=_lab_of_text if f.name == "lab" else str,
+            help=sentence_case(f.metadata["meaning"]),
+        )
+
+
+def colour_from(args: argparse.Namespace) -> Colour | None:
+    """The colour of parsed options; None without. InputError where it is none."""
+    if args.lab is None:
+        if args.lab_illuminant is not None:
+            raise InputError("--lab-illuminant: expected --lab L,a,b beside it")
+        return None
+    return Colour(args.lab, args.lab_illuminant or DEFAULT_ILLUMINANT)
+
+
+def _lab_of_text(word: str) -> tuple[float, ...]:
+    """L, a, b of words such as 50,60,20."""
+    try:
+        values = tuple(float(part) for part in re.split(r"[,;\s]+", word.strip()))
+    except ValueError:
+        values = ()
+    if len(values) != 3:
+        raise argparse.ArgumentTypeError(f"expected L,a,b such as 50,60,20, found {word!r}")
+    return values
+
+
 def scene_from(args: argparse.Namespace) -> tuple[Scene, Look, tuple[int, int]]:
     """Scene, look and size of parsed options; InputError where they don't fit together."""
     size = check_size(args.size)
-    material = None
+    sample = None
     if args.material is not None:
-        material = load_material(args.material)
+        sample = Sample.from_file(args.material)
     elif args.sample is not None or args.scene is None:
-        material = load_sample(args.sample or DEFAULT_SAMPLE)
+        sample = Sample.built_in(args.sample or DEFAULT_SAMPLE)
     new = args.scene is None and args.for_the_eye
     if args.scene is not None:
-        scene, look = load_scene(args.scene)
-        scene = dataclasses.replace(scene, material=material or scene.material)
+        content = read_scene_file(args.scene)
+        scene, look = content.scene(), content.look
     else:
-        assert material is not None
-        scene = Scene(material, display=NEW_DISPLAY if new else None)
+        content = None
+        assert sample is not None
+        scene = Scene(sample.material, display=NEW_DISPLAY if new else None)
         look = args.default_look
+    colour = colour_from(args)
+    if colour is not None and args.sourced:
+        shown = content.sample if sample is None and content is not None else sample
+        assert shown is not None
+        sample = shown.in_colour(colour)
+    material = scene.material if sample is None else sample.material
     setup, look = with_settings(scene.setup, look, args.set)
     if getattr(args, "published", False):
         if args.material is not None or (args.scene is not None and args.sample is None):
@@ -173,7 +214,7 @@ def scene_from(args: argparse.Namespace) -> tuple[Scene, Look, tuple[int, int]]:
     if wants_auto_lamp(setup, args.set, chosen):
         own_eye = args.scene is not None or any(word.startswith("eye.") for word in args.set)
         setup = lit_for_gloss(setup, size, turn_eye=not own_eye)
-    return Scene(scene.material, setup), look, size
+    return Scene(material, setup), look, size
 
 
 def scene_words_of(args: argparse.Namespace) -> list[str]:
@@ -188,6 +229,7 @@ def scene_words_of(args: argparse.Namespace) -> list[str]:
     for source in ("sample", "material", "scene"):
         value = getattr(args, source)
         words += [f"--{source}", str(value)] if value is not None else []
+    words += colour_words(colour_from(args))
     for setting in args.set:
         words += [SET, setting]
     values = _values(args)

@@ -11,9 +11,10 @@ from relgloss_view.base.interruptions import checkpoint, pause
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Progress, warn
 from relgloss_view.base.writing import check_writable
-from relgloss_view.commands.scene_options import size_of_text
+from relgloss_view.commands.scene_options import add_colour_options, colour_from, size_of_text
 
 if TYPE_CHECKING:
+    from relgloss_view.material.recolour import Colour
     from relgloss_view.viewer.files.open_job import Opened
     from relgloss_view.viewer.shell.app import App
 
@@ -37,6 +38,7 @@ def add(commands: Any) -> None:
         nargs="*",
         help="Scene, material or measured table, or the name of a built-in paper",
     )
+    add_colour_options(parser)
     parser.add_argument("--fresh", action="store_true", help="Start without the last session")
     parser.add_argument(
         "--screenshot",
@@ -91,7 +93,7 @@ def _screenshot(args: argparse.Namespace) -> int:
     from relgloss_view.viewer.state.state import State
 
     app = App(State.initial())
-    _show(app, opened)
+    _show(app, opened, colour_from(args))
     window = Window(
         app, args.window or DEFAULT_SIZE, headless=True, font_scale=args.font_scale or 1.0
     )
@@ -129,7 +131,7 @@ def _interactive(args: argparse.Namespace) -> int:
         app.model.report(text, fault=True)
     if session_path is not None:
         app.files.session = Autosave(session_path, app.model.state)
-    _show(app, opened)
+    _show(app, opened, colour_from(args))
     if layout_path is not None:
         app.keep_layout(layout_path, load_layout(layout_path))
     size = args.window or app.kept_layout.size
@@ -174,8 +176,13 @@ def _opened(files: list[str]) -> list[Opened]:
     return opened
 
 
-def _show(app: App, opened: list[Opened]) -> None:
-    """Show the opened files in the window: a scene first, then the samples on its sides."""
+def _show(app: App, opened: list[Opened], colour: Colour | None) -> None:
+    """Show the opened files in the window: a scene first, then the samples on its sides.
+
+    The test picture's sample gets the colour.
+    """
+    from relgloss_view.viewer.state.matching import with_colour
+
     state = app.model.state
     for one in opened:
         if one.sample is None:
@@ -190,6 +197,8 @@ def _show(app: App, opened: list[Opened]) -> None:
         table = one.sample.table if one.sample else None
         if one.measurement is not None and table is not None:
             app.model.measurements[table] = one.measurement
+    if colour is not None:
+        state = with_colour(state, "test", colour)
     app.model.change(state)
 
 

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.resources import asset
 from relgloss_view.material.files import load_material, save_material
+from relgloss_view.material.recolour import Colour
 from relgloss_view.material.spectra import SHIPPED_ILLUMINANTS
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
@@ -95,6 +96,9 @@ def write_lamps(folder: Path) -> tuple[str, ...]:
 def states(samples=(), lamps=()):
     """A strategy for whole states, on built-in samples and those given."""
     choices = [Sample.built_in(name) for name in SAMPLES] + list(samples)
+    choices += [choices[1].in_colour(Colour((50.5, 60.0, 1 / 3)))]
+    if samples:
+        choices += [samples[-1].in_colour(Colour((60.0, -10.0, 20.0), *lamps[-3:-2]))]
     side = st.builds(Side, st.sampled_from(choices), looks)
     lamp_names = st.sampled_from((*SHIPPED_ILLUMINANTS, "FL2", *lamps))
     return st.builds(

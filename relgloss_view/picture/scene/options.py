@@ -21,6 +21,7 @@ from relgloss_view.base.parameters import Range
 from relgloss_view.base.reading import printable
 from relgloss_view.base.toml import AUTO, plain
 from relgloss_view.base.words import sentence_case
+from relgloss_view.material.recolour import DEFAULT_ILLUMINANT, Colour
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import Sample
@@ -183,9 +184,26 @@ def sample_words(sample: Sample) -> list[str]:
     """Words that name the sample; InputError where no file holds it or the file is gone."""
     check_sample(sample)
     if sample.name is not None:
-        return ["--sample", sample.name]
+        return ["--sample", sample.name, *colour_words(sample.colour)]
     file = pasted_name(str(Path(str(sample.file)).absolute()))
-    return shell.option("--material", file)
+    return [*shell.option("--material", file), *colour_words(sample.colour)]
+
+
+def colour_words(colour: Colour | None) -> list[str]:
+    """The options that give a sample a colour; none where it has its own."""
+    if colour is None:
+        return []
+    flags = colour_flags()
+    words = [flags["lab"], ",".join(repr(value) for value in colour.lab)]
+    lamp = colour.lab_illuminant
+    if lamp != DEFAULT_ILLUMINANT:
+        words += [flags["lab_illuminant"], written_value(lamp, "illuminant")]
+    return words
+
+
+def colour_flags() -> dict[str, str]:
+    """The options of a Colour, by field."""
+    return {f.name: f.metadata["option"] for f in dataclasses.fields(Colour)}
 
 
 def read_value(text: str) -> object:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 from relgloss_view.base.errors import InputError
@@ -9,6 +10,7 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.resources import asset
 from relgloss_view.material.files import load_material
 from relgloss_view.material.material import Material
+from relgloss_view.material.recolour import Colour, recoloured
 from relgloss_view.picture.scene.setting import Setting
 
 
@@ -28,6 +30,26 @@ class Sample:
     name: str | None = None  #: of a built-in sample
     file: str | None = None  #: the material file, from which the sample can be drawn again
     table: str | None = None  #: the measured table that the material was fitted to
+    colour: Colour | None = None  #: in place of the material's own; see `in_colour`
+    original: Material | None = None  #: the material in its own colour, where it has another
+
+    @property
+    def own_material(self) -> Material:
+        """The material in its own colour, as its file holds it."""
+        return self.material if self.original is None else self.original
+
+    def in_colour(self, colour: Colour | None) -> Sample:
+        """The sample in another colour, or in its own; InputError where it can't have it.
+
+        >>> from relgloss_view.material.recolour import Colour
+        >>> Sample.built_in("uncoated").in_colour(Colour((50, 60, 20))).material.name
+        'uncoated, colour Lab 50 60 20'
+        """
+        own = self.own_material
+        if colour is None:
+            return dataclasses.replace(self, material=own, colour=None, original=None)
+        made = recoloured(own, colour, self.name)
+        return dataclasses.replace(self, material=made, colour=colour, original=own)
 
     @classmethod
     def built_in(cls, name: str) -> Sample:

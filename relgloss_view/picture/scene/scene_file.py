@@ -12,6 +12,7 @@ from typing import Any
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable, text
 from relgloss_view.base.toml import build_part, read_toml, table_of
+from relgloss_view.material.recolour import Colour
 from relgloss_view.material.spectra import illuminant, is_lamp_name
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.match import Match
@@ -26,7 +27,8 @@ TABLES: dict[str, type[Any]] = {
 }
 #: Of a pair of pictures. What [presentation] holds is the window's own business.
 PAIR_TABLES = ("reference", "match", "presentation")
-SAMPLE_ENTRIES = ("name", "material", "table")
+COLOUR_ENTRIES = tuple(f.name for f in dataclasses.fields(Colour))
+SAMPLE_ENTRIES = ("name", "material", "table", *COLOUR_ENTRIES)
 MAX_BYTES = 1024 * 1024
 EXPECTED = "a scene file (TOML)"
 
@@ -132,19 +134,46 @@ def read_sample(
             raise InputError(
                 f"{place}.{printable(key, 60)}: no such entry; expected one of {names}"
             )
-        text(value, f"{place}.{key}")
+        if key not in COLOUR_ENTRIES:
+            text(value, f"{place}.{key}")
     if not {"name", "material"} & set(entries):
         return None
     table = str(folder / entries["table"]) if "table" in entries else None
     try:
+        colour = read_colour(place, entries, folder)
         if "material" in entries:
-            return Sample.from_file(str(folder / entries["material"]), table)
-        return dataclasses.replace(Sample.built_in(entries["name"]), table=table)
+            sample = Sample.from_file(str(folder / entries["material"]), table)
+        else:
+            sample = dataclasses.replace(Sample.built_in(entries["name"]), table=table)
+        return sample if colour is None else _in_colour(place, sample, colour)
     except InputError as error:
         if replacements is None:
             raise
         replacements.append(f"{error} (a built-in sample is used as the {place})")
         return None
+
+
+def read_colour(place: str, entries: Mapping[str, Any], folder: Path) -> Colour | None:
+    """The colour of a sample's table, `lab` and `lab_illuminant`; None without. InputError."""
+    values = {key: entries[key] for key in COLOUR_ENTRIES if key in entries}
+    if not values:
+        return None
+    if "lab" not in values:
+        raise InputError(f"{place}.lab_illuminant: expected lab = [L, a, b] beside it")
+    lamp = values.get("lab_illuminant")
+    if isinstance(lamp, str) and not is_lamp_name(lamp):
+        values["lab_illuminant"] = str(folder / lamp)
+    try:
+        return Colour(**values)
+    except InputError as error:
+        raise InputError(f"{place}.{error}") from error
+
+
+def _in_colour(place: str, sample: Sample, colour: Colour) -> Sample:
+    try:
+        return sample.in_colour(colour)
+    except InputError as error:
+        raise InputError(f"{place}.{error}") from error
 
 
 def lamp_beside(lamp: Lamp, folder: Path, replacements: list[str] | None) -> Lamp:

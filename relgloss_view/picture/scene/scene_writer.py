@@ -9,6 +9,7 @@ from typing import Any
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable, text
 from relgloss_view.base.toml import entries, plain, write_toml
+from relgloss_view.material.recolour import DEFAULT_ILLUMINANT
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
 from relgloss_view.picture.scene.scene_file import SceneFile
@@ -78,6 +79,14 @@ def _sample(place: str, sample: Sample, folder: Path, forgiving: bool) -> dict[s
         table["name"] = sample.name
     elif sample.file is not None:
         _put(table, "material", _place(sample.file, folder), place, forgiving)
+    if table and sample.colour is not None:
+        colour = sample.colour
+        table["lab"] = plain(colour.lab)
+        lamp = colour.lab_illuminant
+        if not is_lamp_name(lamp):
+            _put(table, "lab_illuminant", _place(lamp, folder), place, forgiving)
+        elif lamp != DEFAULT_ILLUMINANT:
+            table["lab_illuminant"] = lamp
     if table and sample.table is not None:
         _put(table, "table", _place(sample.table, folder), place, forgiving)
     return table

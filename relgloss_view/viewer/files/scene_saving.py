@@ -56,7 +56,7 @@ def save_scene(path: str | os.PathLike[str], state: State) -> SavedScene:
             sample = state.side(side).sample
             if _is_portable(sample):
                 continue
-            file, new = keep_beside(sample.material, scene)
+            file, new = keep_beside(sample.own_material, scene)
             written += [file] if new else []
             beside += [] if file in beside else [file]
             portable = portable.with_sample(side, dataclasses.replace(sample, file=str(file)))

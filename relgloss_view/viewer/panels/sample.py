@@ -9,7 +9,7 @@ from imgui_bundle import imgui
 
 from relgloss_view.base.reading import printable
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
-from relgloss_view.viewer.panels import presets
+from relgloss_view.viewer.panels import colour_fields, presets
 from relgloss_view.viewer.panels.list_rows import preview
 from relgloss_view.viewer.panels.look import side_tabs
 from relgloss_view.viewer.shell import widgets
@@ -32,13 +32,14 @@ def show(model: Model, files: FileActions) -> None:
         _locked(model, files)
     else:
         _choose(model, files)
+    colour_fields.show(model, model.active_side)
     _evidence(model)
     imgui.separator_text("Presets of the look")
     presets.show(model)
 
 
 def _name(sample: Sample) -> str:
-    return sample.name or printable(sample.material.name, LONGEST)
+    return sample.name or printable(sample.own_material.name, LONGEST)
 
 
 def _choose(model: Model, files: FileActions) -> None:

@@ -12,6 +12,7 @@ from functools import lru_cache
 from relgloss_view.base.errors import InputError
 from relgloss_view.gloss.match import Reference, absolute_c, full_c, matched, own_sigma_n_deg
 from relgloss_view.gloss.samples import SampleLook
+from relgloss_view.material.recolour import Colour
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.match import MOST_C, Match
@@ -114,6 +115,14 @@ def with_sample(state: State, side: str, sample: Sample, *, keep: bool = False) 
         if side == "reference":
             changed = _with_c(changed, side, full_c(sample.material))
     return rematched(changed, share if keep and share is not None else 1.0)
+
+
+def with_colour(state: State, side: str, colour: Colour | None) -> State:
+    """The state with a side's sample in a colour, or in its own; the share of the match stays.
+
+    Raises InputError where the sample can't have the colour.
+    """
+    return with_sample(state, side, state.side(side).sample.in_colour(colour), keep=True)
 
 
 def with_sigma_n(state: State, side: str, sigma_n_deg: float) -> State:
