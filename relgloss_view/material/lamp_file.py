@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,12 +12,19 @@ from relgloss_view.base.arrays import Array
 from relgloss_view.base.decoding import decoded
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.foreign import HEAD_BYTES, refuse_foreign
-from relgloss_view.base.reading import decoding, printable, read_beginning, read_bytes
+from relgloss_view.base.reading import decoding, read_beginning, read_bytes
 from relgloss_view.base.text_lines import TextLines
+from relgloss_view.base.two_columns import (
+    MOST_LINES,
+    Row,
+    Words,
+    check_unit,
+    in_order,
+    read_rows,
+)
 
 MAX_BYTES = 16 * 1024 * 1024
 EXPECTED = "a lamp file of wavelength (nm) and power"
-POWER_MAX = 1e100  # relative, and its sums must stay finite
 #: Power this far below zero, as a share of the peak, is the noise of a spectrometer ...
 NOISE = 1e-3
 #: ... or this many standard deviations of the noise that the file shows, up to a share of the peak.
@@ -27,15 +32,7 @@ NOISE_DEVIATIONS, MOST_NOISE = 5.0, 1e-2
 DARK, FEWEST_DARK = 0.02, 20  #: share of the peak, and how many such powers show the noise
 OBSERVER_NM = (360.0, 830.0)  #: outside, nothing is seen (CIE 1931)
 MOST_STEP_NM = 10.0
-MOST_TITLES = 200  #: lines of words above the numbers
-LONGEST_LINE = 4000  #: characters
-MOST_ROWS = 100_000  #: wavelengths; from 200 to 1200 nm in steps of 0.01
-MOST_LINES = 1_000_000
-
-_NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eEdD][+-]?\d+)?", re.ASCII)
-_NOTHING = frozenset(
-    ("", "-", "--", "nan", "n/a", "na", "#n/a", "#value!", "#div/0!", "null", "none", "missing")
-)
+WORDS = Words("a lamp", "power")
 
 
 @dataclass(frozen=True)
@@ -45,13 +42,6 @@ class LampTable:
     wavelengths_nm: tuple[float, ...]
     power: tuple[float, ...]
     notes: tuple[str, ...]
-
-
-@dataclass
-class _Row:
-    line: int
-    nm: float
-    power: float  #: NaN where the cell says nothing
 
 
 def read_lamp(path: Path) -> LampTable:
@@ -86,138 +76,19 @@ def lamp_text(path: str | os.PathLike[str]) -> str:
 
 def _lamp(path: Path) -> LampTable:
     with TextLines(path, EXPECTED, most_bytes=MAX_BYTES, most_lines=MOST_LINES) as text:
-        rows = _rows(path, text.lines())
+        rows = read_rows(path, text.lines(), WORDS)
         notes = [text.note] if text.note else []
     if len(rows) < 3:
         raise _too_little(path)
-    nm, power = _in_order(path, rows, notes)
-    _check_unit(path, nm)
+    nm, power = in_order(path, rows, WORDS, notes)
+    check_unit(path, nm)
     power = _filled(path, nm, power, rows, notes)
     power = _without_noise(path, nm, power, notes)
     _check_enough(path, nm, power)
     return LampTable(tuple(map(float, nm)), tuple(map(float, power)), tuple(notes))
 
 
-def _rows(path: Path, lines: Iterable[str]) -> list[_Row]:
-    rows: list[_Row] = []
-    titles = 0
-    ended: tuple[int, str] | None = None
-    for number, line in enumerate(lines, 1):
-        fields = _fields(line) if len(line) <= LONGEST_LINE else [line[:40]]
-        if not any(fields) or fields[0].startswith("#"):
-            continue
-        row = _row(path, number, line, fields)
-        if row is None:
-            if rows:
-                ended = ended or (number, line)
-                continue
-            titles += 1
-            if titles > MOST_TITLES:
-                break
-            continue
-        if ended is not None:
-            raise _wrong(path, *ended)
-        if len(rows) == MOST_ROWS:
-            raise InputError(
-                f"{path}: more than {MOST_ROWS} wavelengths; a lamp needs no finer steps than "
-                "0.01 nm, so thin it out"
-            )
-        rows.append(row)
-    if ended is not None and _NUMBER.fullmatch(_fields(ended[1])[0]):
-        raise _wrong(path, *ended)
-    return rows
-
-
-def _fields(line: str) -> list[str]:
-    """The cells of a line, without the empty ones that a spreadsheet appends."""
-    text = line.strip().replace("\u2212", "-")
-    delimiter = next((d for d in ";\t" if d in text), None)
-    if delimiter is None and '"' in text:  # "450,5","0,25"
-        text = re.sub(r'"\s*,\s*"?|,\s*"', ";", text)
-        delimiter = ";"
-    if delimiter is None and "," in text:
-        delimiter = ","
-        if re.fullmatch(r"\d+,\d+\s+[+-]?\d*,\d+([eE][+-]?\d+)?", text):
-            delimiter = None  # spaces, and decimal commas
-    fields = [f.strip(' "\t') for f in text.split(delimiter)]
-    if delimiter == "," and len(fields) == 1:
-        fields = text.split()
-    while len(fields) > 2 and not fields[-1]:
-        fields.pop()
-    if len(fields) == 1 and delimiter is not None:
-        fields.append("")
-    return fields
-
-
-def _row(path: Path, number: int, line: str, fields: list[str]) -> _Row | None:
-    """The row of a line, or None where it does not begin with a number."""
-    first = fields[0]
-    if len(line) > LONGEST_LINE:
-        raise _wrong(path, number, line)
-    if not _NUMBER.fullmatch(first):
-        return None
-    if len(fields) != 2:
-        # "450,0.5 W" and three columns alike: which is meant is not for a program to guess.
-        raise InputError(
-            f"{path}: line {number}: expected wavelength (nm) and power, found {len(fields)} "
-            f"field{'s' if len(fields) > 1 else ''}, {printable(line, 40)!r}; keep two columns"
-        )
-    second = fields[1].removesuffix("%").strip()
-    if second.lower() in _NOTHING:
-        return _Row(number, _float(first), float("nan"))
-    if not _NUMBER.fullmatch(second):
-        raise _wrong(path, number, line)
-    nm, power = _float(first), _float(second)
-    if not (0.0 < nm < np.inf and abs(power) <= POWER_MAX):
-        raise InputError(
-            f"{path}: line {number}: expected a wavelength above 0 and a power from 0 to "
-            f"{POWER_MAX:g}, found {nm:g} and {power:g}"
-        )
-    return _Row(number, nm, power)
-
-
-def _float(text: str) -> float:
-    return float(text.replace(",", ".").lower().replace("d", "e"))
-
-
-def _in_order(path: Path, rows: list[_Row], notes: list[str]) -> tuple[Array, Array]:
-    """Wavelengths and powers in increasing order, each wavelength once."""
-    nm = np.array([row.nm for row in rows])
-    power = np.array([row.power for row in rows])
-    steps = np.diff(nm)
-    if np.any(steps <= 0.0):
-        order = np.argsort(nm, kind="stable")
-        if np.any(steps < 0.0) and not np.all(steps <= 0.0):
-            line = rows[int(np.argmax(steps < 0.0)) + 1].line
-            notes.append(f"the wavelengths do not increase at line {line}; they are sorted")
-        rows[:] = [rows[k] for k in order]
-        nm, power = nm[order], power[order]
-    same = np.flatnonzero(np.diff(nm) == 0.0)
-    for k in same:
-        if power[k] != power[k + 1] and not np.isnan(power[k : k + 2]).all():
-            first, second = sorted((rows[k].line, rows[k + 1].line))
-            raise InputError(
-                f"{path}: lines {first} and {second} give two powers of {nm[k]:g} nm; wavelengths "
-                "must increase, each once"
-            )
-    once = np.r_[True, np.diff(nm) != 0.0]
-    rows[:] = [row for row, kept in zip(rows, once, strict=True) if kept]
-    return nm[once], power[once]
-
-
-def _check_unit(path: Path, nm: Array) -> None:
-    """InputError where the wavelengths are in another unit than nanometres."""
-    low, high = float(nm[0]), float(nm[-1])
-    for name, size in (("micrometres", 1e-3), ("ångströms", 10.0), ("metres", 1e-9)):
-        if len(nm) > 1 and 180 * size <= low <= 400 * size and 700 * size <= high <= 3000 * size:
-            if name == "ångströms" and low <= 800.0:
-                continue
-            raise InputError(
-                f"{path}: the wavelengths, {low:g} to {high:g}, look like {name}; give nanometres"
-            )
-
-
-def _filled(path: Path, nm: Array, power: Array, rows: list[_Row], notes: list[str]) -> Array:
+def _filled(path: Path, nm: Array, power: Array, rows: list[Row], notes: list[str]) -> Array:
     """The powers with empty cells interpolated between their neighbours."""
     empty = np.isnan(power)
     if not np.any(empty):
@@ -299,10 +170,4 @@ def _too_little(path: Path) -> InputError:
     return InputError(
         f"{path}: a lamp needs power from 400 to 700 nm or wider, in steps of at most "
         f"{MOST_STEP_NM:g} nm"
-    )
-
-
-def _wrong(path: Path, number: int, line: str) -> InputError:
-    return InputError(
-        f"{path}: line {number}: expected wavelength (nm) and power, found {printable(line, 40)!r}"
     )
