@@ -42,6 +42,7 @@ def readers() -> dict[str, Reader]:
         Reader("bsdf", ".bsdf", _measurement, _bsdf, 1.0),
         Reader("merl", ".binary", _measurement, _merl, 0.2),
         Reader("lamp", ".csv", _lamp, _lamps, 2.0),
+        Reader("spectrum", ".csv", _spectrum, _spectra, 2.0),
         Reader("material", ".json", _material, _materials, 3.0),
         Reader("scene", ".toml", _scene, _scenes, 3.0),
         Reader("study", ".toml", _study, _studies, 2.0),
@@ -61,8 +62,13 @@ def readers() -> dict[str, Reader]:
 def sound(result: object) -> str | None:
     """What is wrong with what a reader returned, or None: numbers that are not finite."""
     from relgloss_view.material.material import Material
+    from relgloss_view.measure.spectrum import ColourReading
     from relgloss_view.measure.table import Measurement
 
+    if isinstance(result, ColourReading):
+        factor = result.radiance_factor
+        if not (np.isfinite(factor).all() and (factor >= 0.0).all()):
+            return "a reflectance is negative or not finite"
     if isinstance(result, Measurement):
         kept = result.radiance_factor[result.kept]
         if not (np.isfinite(kept).all() and (kept >= 0.0).all() and len(kept)):
@@ -90,6 +96,12 @@ def _lamp(path: Path) -> object:
     from relgloss_view.material.spectra import illuminant
 
     return illuminant(str(path))
+
+
+def _spectrum(path: Path) -> object:
+    from relgloss_view.measure.readers.spectrum import read_spectrum
+
+    return read_spectrum(path, part="2")
 
 
 def _material(path: Path) -> object:
@@ -254,6 +266,20 @@ def _lamps() -> list[bytes]:
     commas = "".join(line.replace(",", ";").replace(".", ",") + "\n" for line in lines)
     spaces = "Instrument X\nWavelength Power\n" + "\n".join(lines).replace(",", "  ")
     return [*spectra, commas.encode(), spaces.encode("utf-16"), ("µW\n" + spaces).encode("cp1252")]
+
+
+def _spectra() -> list[bytes]:
+    nm = range(400, 701, 10)
+    values = [0.1 + 0.02 * k for k in range(len(nm))]
+    pairs = "".join(f"{w},{v:.3f}\n" for w, v in zip(nm, values, strict=True))
+    columns = "nm,a,b\n" + pairs.replace("\n", ",0.5\n")
+    row = ",".join(f"{v:.3f}" for v in values)
+    rows = f"name,{','.join(f'R{w}' for w in nm)}\nred,{row}\nblue,{row}\n"
+    semicolons = rows.replace(",", ";").replace(".", ",").encode("utf-16")
+    table = "# quantity: brdf\ntheta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,"
+    table += ",".join(map(str, nm)) + f"\n45,180,0,0,{row}\n"
+    percent = "nm,R%\n" + pairs
+    return [text.encode() for text in (pairs, columns, rows, table, percent)] + [semicolons]
 
 
 def _materials() -> list[bytes]:

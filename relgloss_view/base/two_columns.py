@@ -121,7 +121,7 @@ def _row(
     chosen: Callable[[list[str]], list[str]] | None,
 ) -> Row | None:
     """The row of a line, or None where it does not begin with a number."""
-    first = fields[0]
+    first = fields[0].removesuffix("nm").strip()
     if len(line) > LONGEST_LINE:
         raise _wrong(path, number, line, words)
     if not NUMBER.fullmatch(first):
@@ -184,7 +184,8 @@ def check_unit(path: Path, nm: Array) -> None:
     """InputError where the wavelengths are in another unit than nanometres."""
     low, high = float(nm[0]), float(nm[-1])
     for name, size in (("micrometres", 1e-3), ("ångströms", 10.0), ("metres", 1e-9)):
-        if len(nm) > 1 and 180 * size <= low <= 400 * size and 700 * size <= high <= 3000 * size:
+        begins = 180 * size <= low <= 400.001 * size
+        if len(nm) > 1 and begins and 699.999 * size <= high <= 3000 * size:
             if name == "ångströms" and low <= 800.0:
                 continue
             raise InputError(

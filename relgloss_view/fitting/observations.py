@@ -87,6 +87,18 @@ def usable_rows(measurement: Measurement) -> Mask:
     return np.asarray(rows & facing)
 
 
+def _what_few_serve_for(measurement: Measurement, enough: int) -> str:
+    """What can be done with too few samples for a fit, as a part of a sentence."""
+    if enough == 0:
+        return "check the angles, the quantity and the empty fields"
+    if enough == 1 and not measurement.bands.is_rgb:
+        return (
+            "it can serve for the colour of a material: `relgloss estimate --spectrum FILE` with "
+            "the readings of a gloss meter"
+        )
+    return "`relgloss measure FILE` shows them"
+
+
 def prepare(measurement: Measurement, seed: int = 0) -> Observations:
     """The usable samples of a measurement.
 
@@ -104,9 +116,8 @@ def prepare(measurement: Measurement, seed: int = 0) -> Observations:
         why = f" ({left_out})" if left_out else ""
         raise InputError(
             f"{measurement.place}: {enough} usable sample{'' if enough == 1 else 's'} of "
-            f"{len(rows)}{why}; a fit needs at least {FEWEST_SAMPLES} geometries, at and beside "
-            "the mirror direction. So few can serve for the colour of a material alone: write them "
-            "as the albedo of a material file (docs/files.md)"
+            f"{len(rows)}{why}; {_what_few_serve_for(measurement, int(enough))}; a fit needs at "
+            f"least {FEWEST_SAMPLES} geometries, at and beside the mirror direction"
         )
     if float(np.max(value)) < DARKEST:
         raise InputError(

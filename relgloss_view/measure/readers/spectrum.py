@@ -1,0 +1,116 @@
+"""The colour of a sample as a spectrophotometer reads it: one spectrum of a file in any format."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.foreign import HEAD_BYTES, foreign_format
+from relgloss_view.base.reading import decoding, read_beginning
+from relgloss_view.measure.quantity import canonical_quantity
+from relgloss_view.measure.readers import merl, read_measurement, spectrum_text, tensor_file
+from relgloss_view.measure.readers.headings import angle_heading
+from relgloss_view.measure.readers.reflectance import colour_reading
+from relgloss_view.measure.readers.rows import split
+from relgloss_view.measure.readers.samples import SampleFile, chosen_part
+from relgloss_view.measure.readers.spectrum_text import EXPECTED
+from relgloss_view.measure.spectrum import AT_45_0, ColourReading
+from relgloss_view.measure.table import Measurement
+
+__all__ = ["read_spectrum"]
+
+#: Lamp and receiver of a gonio table are at 45 and 0 degrees within this many degrees.
+NEAR_DEG = 2.5
+MOST_TITLES = 200
+
+
+def read_spectrum(
+    path: str | Path, *, part: str | None = None, quantity: str | None = None
+) -> ColourReading:
+    """Read one reflectance spectrum: text of two columns, a row for each sample, a gonio table.
+
+    path: the file, whose content decides the format (docs/files.md). Of a gonio table, the
+    geometry 45/0 is taken.
+    part: name, in any case, or number from 1 of the sample that is wanted of several.
+    quantity: one of measure.quantity.QUANTITIES; replaces what the file declares or what its
+    values look like.
+
+    Returns radiance factors (1 is the perfect diffuser) from 360 to 830 nm at most, with notes on
+    what was converted or passed over. Raises InputError, one line that names file and remedy.
+    """
+    file = Path(path)
+    if quantity is not None:
+        canonical_quantity(quantity, "--quantity")
+    head = read_beginning(file, HEAD_BYTES, EXPECTED)
+    with decoding(file, EXPECTED):
+        if _is_gonio(head):
+            return _of_table(read_measurement(file, quantity=quantity, part=part))
+        samples = _samples(file, head, part)
+        index = 0
+        if len(samples.samples) > 1:
+            index = chosen_part(file, [sample.name for sample in samples.samples], part)
+        return colour_reading(
+            file, samples.samples[index], quantity, samples.notes, samples.quantity
+        )
+
+
+def _samples(path: Path, head: bytes, part: str | None) -> SampleFile:
+    foreign = foreign_format(head)
+    if foreign is not None:
+        raise InputError(
+            f"{path}: this looks like {foreign.name}, of which no spectrum is read; save two "
+            "columns, wavelength (nm) and reflectance, as text"
+        )
+    return spectrum_text.read_text(path, part)
+
+
+def _is_gonio(head: bytes) -> bool:
+    """Whether a file begins as a table of angles or a binary BRDF."""
+    if head.startswith((tensor_file.MAGIC, merl.HEADER)):
+        return True
+    if foreign_format(head) is not None:
+        return False
+    text = head.replace(b"\x00", b"").decode("utf-8", errors="replace")
+    for line in text.splitlines()[:MOST_TITLES]:
+        for delimiter in (",", ";", "\t", None):
+            angles = [angle_heading(field) for field in split(line, delimiter, 12)]
+            if sum(angle is not None for angle in angles) >= 3:
+                return True
+    return False
+
+
+def _of_table(measurement: Measurement) -> ColourReading:
+    """The geometry 45/0 of a table, or 0/45, which reads the same (Helmholtz reciprocity)."""
+    place = measurement.place
+    if measurement.bands.is_rgb:
+        raise InputError(f"{place}: the table holds R, G, B and no spectrum; give wavelengths")
+    lamp, receiver = (
+        np.degrees(np.arccos(np.clip(d[:, 2], -1.0, 1.0)))
+        for d in (measurement.to_lamp, measurement.to_receiver)
+    )
+    off = np.minimum(
+        np.maximum(np.abs(lamp - 45.0), receiver), np.maximum(np.abs(receiver - 45.0), lamp)
+    )
+    rows = measurement.kept & (off <= min(NEAR_DEG, float(np.min(off)) + 0.5))
+    if not np.any(rows):
+        raise InputError(
+            f"{place}: no geometry 45/0 (lamp at 45 degrees, receiver along the normal) among "
+            f"{len(off)}; fit the table with `relgloss fit`, or give the spectrum as two columns"
+        )
+    notes = list(measurement.warnings)
+    count = int(np.sum(rows))
+    if len(off) > 1:
+        notes.append(
+            f"read the geometry 45/0 of {len(off)}"
+            + (f", the mean of {count} readings" if count > 1 else "")
+        )
+    return ColourReading(
+        name=measurement.name,
+        bands=measurement.bands,
+        radiance_factor=np.mean(measurement.radiance_factor[rows], axis=0),
+        geometry=AT_45_0,
+        notes=tuple(notes),
+        file=measurement.file,
+    )

@@ -1,0 +1,285 @@
+"""Spectra in plain text: two or more columns, or a row for each sample."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from relgloss_view.base.arrays import Array
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
+from relgloss_view.base.text_lines import TextLines
+from relgloss_view.base.two_columns import (
+    LONGEST_LINE,
+    MOST_LINES,
+    MOST_TITLES,
+    NUMBER,
+    Words,
+    check_unit,
+    fields_of,
+    in_order,
+    read_rows,
+)
+from relgloss_view.measure.quantity import canonical_quantity
+from relgloss_view.measure.readers import cells
+from relgloss_view.measure.readers.headings import band_nm
+from relgloss_view.measure.readers.rows import split
+from relgloss_view.measure.readers.samples import (
+    LONGEST_NAME,
+    MOST_SAMPLES,
+    MOST_VALUES,
+    Sample,
+    SampleFile,
+    chosen_part,
+)
+
+EXPECTED = "a spectrum of wavelength (nm) and reflectance"
+WORDS = Words("a sample", "reflectance")
+MAX_BYTES = 64 * 1024 * 1024
+FEWEST_BANDS = 4  #: of a header with a column for each wavelength
+MOST_COLUMNS = 10_000
+HEADING_NM = (200.0, 2600.0)
+_DELIMITERS = (";", "\t", ",", None)
+_PERCENT = re.compile(
+    r"%\s*(r|rfl|refl\w*)\b|\b(r|rfl|refl\w*|radiance factor)\s*[\[(,;:]*\s*(in\s*)?(%|percent\b)"
+    r"|\[\s*%\s*\]|\(\s*%\s*\)",
+    re.IGNORECASE,
+)
+_FRACTION = re.compile(r"\brefl\w*\s*[\[(]?\s*(0\s*(\.\.|-|to)\s*1|fraction)\b", re.IGNORECASE)
+#: What columns beside wavelengths may hold instead of a reflectance.
+_OTHER = re.compile(
+    r"\b(transmi\w+|absor\w+|optical density|k/s|counts?|irradiance|radiance(?! factor)|power|"
+    r"intensity|W/nm|W/m2|SPD|illuminance|energy)\b",
+    re.IGNORECASE,
+)
+_NAME = re.compile(r".*(name|sample|label|specimen|patch|colou?r|ink|\bid\b).*", re.IGNORECASE)
+_GEOMETRY = re.compile(r".*(geometry|angle|aspecular).*", re.IGNORECASE)
+_QUANTITY = re.compile(r"#?\s*\"?quantity\"?\s*[:=,;\t]\s*(.+)", re.IGNORECASE)
+_TITLE = re.compile(r"#?\s*\"?name\"?\s*[:=,;\t]\s*(.+)", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class _Beginning:
+    """What stands above the numbers, and the header of wavelengths, if there is one."""
+
+    titles: list[str]
+    first: list[str]  #: cells of the first line that begins with a number
+    header: int | None  #: index of the line with a column for each wavelength
+    delimiter: str | None
+    numbers_percent: bool
+
+
+def read_text(path: Path, part: str | None = None) -> SampleFile:
+    """The samples of a text file; of a table with a column for each sample, the wanted one alone.
+
+    Raises InputError that names line and remedy.
+    """
+    with TextLines(path, EXPECTED, most_bytes=MAX_BYTES, most_lines=MOST_LINES) as text:
+        if text.empty:
+            raise InputError(f"{path}: the file is empty; give {EXPECTED}")
+        beginning = _beginning(text)
+        result = SampleFile(notes=[text.note] if text.note else [])
+        for title in beginning.titles:
+            declared = _QUANTITY.match(title)
+            if declared:
+                quantity = declared[1].strip(' ",;\t')
+                result.quantity = canonical_quantity(quantity, str(path))
+        if beginning.header is not None:
+            _in_rows(path, text, beginning, result)
+        else:
+            _in_columns(path, text, beginning, result, part)
+    return result
+
+
+def _beginning(text: TextLines) -> _Beginning:
+    titles: list[str] = []
+    for index, line in enumerate(text.lines()):
+        if len(titles) > MOST_TITLES:
+            break
+        short = line[:LONGEST_LINE]
+        if not short.strip(" \t,;"):
+            continue
+        if not short.lstrip().startswith("#"):
+            for delimiter in _DELIMITERS:
+                if (delimiter is None or delimiter in line) and _is_header(line, delimiter):
+                    return _Beginning(titles, [], index, delimiter, False)
+            fields = fields_of(short)
+            if NUMBER.fullmatch(fields[0].removesuffix("nm").strip()):
+                percent = fields[-1].endswith("%")
+                return _Beginning(titles, fields, None, None, percent)
+        titles.append(short.strip())
+    return _Beginning(titles, [], None, None, False)
+
+
+def _is_header(line: str, delimiter: str | None) -> bool:
+    """Whether a line has wavelengths that increase in several cells, and words in the others."""
+    fields = [f.strip().strip('"') for f in split(line, delimiter, MOST_COLUMNS)]
+    if len(fields) < FEWEST_BANDS:
+        return False
+    nm = [_heading_nm(f) for f in fields]
+    listed = [v for v in nm if v is not None]
+    words = all(v is not None or not cells.is_number(f) for f, v in zip(fields, nm, strict=True))
+    return words and len(listed) >= FEWEST_BANDS and all(
+        a < b for a, b in itertools.pairwise(listed)
+    )  # fmt: skip
+
+
+def _heading_nm(text: str) -> float | None:
+    nm = band_nm(text) if len(text) <= LONGEST_NAME else None
+    return nm if nm is not None and HEADING_NM[0] <= nm <= HEADING_NM[1] else None
+
+
+# Wavelengths downwards
+
+
+def _in_columns(
+    path: Path, text: TextLines, beginning: _Beginning, result: SampleFile, part: str | None
+) -> None:
+    titles, first = beginning.titles, beginning.first
+    headings = fields_of(titles[-1]) if titles else []
+    if len(first) < 2 or len(headings) != len(first):
+        headings = []
+    column, name = 1, _name(titles) or path.stem
+    columns = [k for k in range(1, len(first)) if first[k]]
+    if len(columns) > 1 and headings:
+        names = [headings[k] or f"column {k + 1}" for k in columns]
+        column = columns[chosen_part(path, names, part)]
+        name = headings[column]
+    elif part is not None:
+        result.notes.append("--part is not used: the file holds one sample")
+    heading = headings[column] if headings else ""
+    _refuse_other(path, heading or (titles[-1] if titles else ""))
+
+    def chosen(fields: list[str]) -> list[str]:
+        if not headings or len(fields) <= 2:
+            return fields
+        return [fields[0], fields[column] if column < len(fields) else ""]
+
+    rows = read_rows(path, text.lines(), WORDS, chosen)
+    if len(rows) < 3:
+        raise InputError(
+            f"{path}: no spectrum: {len(rows)} lines begin with a wavelength; give two columns, "
+            "wavelength (nm) and reflectance, from 400 to 700 nm or wider"
+        )
+    nm, values = in_order(path, rows, WORDS, result.notes)
+    check_unit(path, nm)
+    percent = True if beginning.numbers_percent else _percent([heading, *titles])
+    result.samples.append(
+        Sample(printable(name, LONGEST_NAME), nm, values, " ".join(titles), percent)
+    )
+
+
+def _name(titles: list[str]) -> str:
+    found = next((m for m in map(_TITLE.match, titles) if m), None)
+    return found[1].strip(' ",;\t') if found else ""
+
+
+def _percent(texts: list[str]) -> bool | None:
+    if any(text.strip() == "%" or _PERCENT.search(text) for text in texts):
+        return True
+    return False if any(_FRACTION.search(text) for text in texts) else None
+
+
+def _refuse_other(path: Path, heading: str) -> None:
+    found = _OTHER.search(heading)
+    if found and "refl" not in heading.lower():
+        raise InputError(
+            f"{path}: the column is {printable(heading, 40)!r} and no reflectance; give the "
+            "reflectance of the sample"
+        )
+
+
+# Wavelengths along a row
+
+
+def _in_rows(path: Path, text: TextLines, beginning: _Beginning, result: SampleFile) -> None:
+    assert beginning.header is not None
+    delimiter, start = beginning.delimiter, beginning.header + 1
+    header = next(itertools.islice(text.lines(), start - 1, None))
+    headings = [f.strip().strip('"').strip() for f in split(header, delimiter, MOST_COLUMNS)]
+    bands = [(k, nm) for k, nm in enumerate(map(_heading_nm, headings)) if nm is not None]
+    others = [k for k, _ in enumerate(headings) if k not in dict(bands)]
+    named = [k for k in others if _NAME.fullmatch(headings[k])] or others[:1]
+    geometry = next((k for k in others if _GEOMETRY.fullmatch(headings[k])), None)
+    nm = np.array([v for _, v in bands])
+    where = " ".join(beginning.titles)
+    declared = _percent([*beginning.titles, *headings])
+    comma = False
+    if delimiter != "," or text.has_quotes:
+        below = _below(itertools.islice(text.lines(), start, None), delimiter, start + 1)
+        comma = _decimal_commas(
+            fields[k] for _, fields in below for k, _ in bands if k < len(fields)
+        )
+    below = _below(itertools.islice(text.lines(), start, None), delimiter, start + 1)
+    for number, fields in below:
+        texts = [fields[k] if k < len(fields) else "" for k, _ in bands]
+        signs = any(t.endswith("%") for t in texts)
+        texts = [t.removesuffix("%").strip() for t in texts]
+        if not any(cells.is_number(t) for t in texts):
+            continue
+        values = _values(path, number, texts, comma)
+        words = [fields[k] for k in named if k < len(fields) and fields[k] and k != geometry]
+        row_geometry = fields[geometry] if geometry is not None and geometry < len(fields) else ""
+        result.samples.append(
+            Sample(
+                printable(" ".join(words), LONGEST_NAME) or f"row {len(result.samples) + 1}",
+                nm,
+                values,
+                row_geometry or where,
+                True if signs else declared,
+            )
+        )
+        count = len(result.samples)
+        if count > MOST_SAMPLES or count * len(nm) > MOST_VALUES:
+            raise InputError(f"{path}: more than {MOST_SAMPLES} samples; split the file")
+    if not result.samples:
+        raise InputError(
+            f"{path}: line {start}: no row of values follows the wavelengths; add the reflectances "
+            "below them"
+        )
+    if len(result.samples) == 1:
+        name = _name(beginning.titles) or path.stem
+        only = result.samples[0]
+        unnamed = only.name == "row 1" or only.name.lower().startswith(("reflect", "r ", "r%"))
+        if unnamed:
+            result.samples[0] = Sample(
+                name, only.wavelengths_nm, only.values, only.geometry, only.percent
+            )
+
+
+def _decimal_commas(texts: Iterable[str]) -> bool:
+    """Whether numbers have decimal commas and none has a point."""
+    commas = False
+    for text in texts:
+        if cells.is_number(text):
+            if "." in text:
+                return False
+            commas = commas or "," in text
+    return commas
+
+
+def _below(
+    lines: Iterator[str], delimiter: str | None, first: int
+) -> Iterator[tuple[int, list[str]]]:
+    for number, line in enumerate(lines, first):
+        if line.strip(" \t,;") and not line.lstrip().startswith("#"):
+            yield number, [f.strip().strip('"').strip() for f in split(line, delimiter)]
+
+
+def _values(path: Path, number: int, texts: list[str], comma: bool) -> Array:
+    values = []
+    for k, text in enumerate(texts):
+        try:
+            value = cells.number(text, comma)
+        except InputError as error:
+            raise InputError(
+                f"{path}: line {number}, wavelength {k + 1}: found {printable(text, 30)!r}, "
+                f"expected a reflectance; {error}"
+            ) from None
+        values.append(np.nan if value is None else value)
+    return np.array(values)
