@@ -11,11 +11,11 @@ from functools import lru_cache
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Ints, Mask
+from relgloss_view.material import cielab
 from relgloss_view.material.spectra import rgb_to_xyz_matrix, white_from_xy
 from relgloss_view.picture.scene.setup import Display
 
-LAB_EPSILON = 216.0 / 24389.0
-LAB_KAPPA = 24389.0 / 27.0
+LAB_EPSILON = cielab.EPSILON
 GAMUT_TOLERANCE = 1e-4
 CLIP_TOLERANCE = 1e-3
 BISECTIONS = 16
@@ -30,12 +30,12 @@ def lab_f(t: Array) -> Array:
     >>> lab_f(np.array([1.0])).tolist()
     [1.0]
     """
-    return np.where(t > LAB_EPSILON, np.cbrt(t), (LAB_KAPPA * t + 16.0) / 116.0)
+    return cielab.f_of_ratio(t)
 
 
 def lab_f_inverse(f: Array) -> Array:
     """Inverse of lab_f."""
-    return np.where(f > 6.0 / 29.0, f**3, (116.0 * f - 16.0) / LAB_KAPPA)
+    return cielab.ratio_of_f(f)
 
 
 def lightness(y: Array) -> Array:
@@ -44,7 +44,7 @@ def lightness(y: Array) -> Array:
     >>> lightness(np.array([0.0, 0.18, 1.0])).round(3).tolist()  # black, an 18 % card, white
     [0.0, 49.496, 100.0]
     """
-    return np.where(y > LAB_EPSILON, 116.0 * np.cbrt(y) - 16.0, LAB_KAPPA * y)
+    return cielab.lightness(y)
 
 
 def lab_from_xyz(xyz: Array, white: Array) -> Array:
@@ -53,15 +53,7 @@ def lab_from_xyz(xyz: Array, white: Array) -> Array:
     >>> lab_from_xyz(np.array([0.2, 0.18, 0.1]), np.array([0.9505, 1.0, 1.0891])).round(2).tolist()
     [49.5, 15.08, 22.7]
     """
-    f = lab_f(xyz / white)
-    return np.stack(
-        [
-            lightness(xyz[..., 1] / white[1]),
-            500.0 * (f[..., 0] - f[..., 1]),
-            200.0 * (f[..., 1] - f[..., 2]),
-        ],
-        axis=-1,
-    )
+    return cielab.lab_from_xyz(xyz, white)
 
 
 def xyz_from_lab(lab: Array, white: Array) -> Array:
@@ -70,15 +62,7 @@ def xyz_from_lab(lab: Array, white: Array) -> Array:
     >>> xyz_from_lab(np.array([100.0, 0.0, 0.0]), np.array([0.95, 1.0, 1.09])).round(6).tolist()
     [0.95, 1.0, 1.09]
     """
-    f = (lab[..., 0] + 16.0) / 116.0
-    return white * np.stack(
-        [
-            lab_f_inverse(f + lab[..., 1] / 500.0),
-            lab_f_inverse(f),
-            lab_f_inverse(f - lab[..., 2] / 200.0),
-        ],
-        axis=-1,
-    )
+    return cielab.xyz_from_lab(lab, white)
 
 
 def split_lightness(y_diffuse: Array, y_specular: Array) -> tuple[Array, Array]:
