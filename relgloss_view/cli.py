@@ -24,6 +24,7 @@ from relgloss_view.base.version import __version__
 COMMANDS = {
     "view": "open the window: a reference picture beside the one that is tuned",
     "fit": "fit a reflection model to a measured table",
+    "estimate": "estimate a material from gloss-meter readings and a colour",
     "snapshot": "draw one picture without a window",
     "grid": "draw the 7 x 6 stimuli of a sample, with a contact sheet and a manifest",
     "plan": "show how little of the model a scene needs, and why",

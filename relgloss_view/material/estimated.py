@@ -45,6 +45,21 @@ class EstimateRecord:
         """How far the estimate can be believed, as in 'estimated' or 'estimated, poor'."""
         return "estimated, poor" if self.contradiction else "estimated"
 
+    @property
+    def range_words(self) -> str:
+        """What it was estimated from, and how wide the answer is, in one line.
+
+        >>> gloss = ({"angle_deg": 60.0, "value": 45.0, "standard_error": 0.2},)
+        >>> EstimateRecord(gloss, {}, {"s_deg": Interval(1.5, 0.1, 1.9)}).range_words
+        'estimated from gloss 60=45; lobe width 1.5 deg, 0.1 to 1.9'
+        """
+        gloss = ", ".join(f"{r['angle_deg']:g}={r['value']:g}" for r in self.readings)
+        text = f"{self.words} from gloss {gloss}"
+        width = self.intervals.get("s_deg")
+        if width is not None:
+            text += f"; lobe width {width.value:.3g} deg, {width.lower:.3g} to {width.upper:.3g}"
+        return text
+
     def as_json(self) -> dict[str, Any]:
         """The object of a material file."""
         return {
@@ -65,7 +80,8 @@ def estimate_record(content: object) -> EstimateRecord | None:
         return None
     part = _object(content, "estimate")
     readings = tuple(
-        _object(entry, f"estimate.readings[{k}]") for k, entry in enumerate(_list(part, "readings"))
+        _reading(entry, f"estimate.readings[{k}]")
+        for k, entry in enumerate(_list(part, "readings"))
     )
     intervals = {}
     entries = _object(part.get("intervals", {}), "estimate.intervals")
@@ -102,6 +118,13 @@ def estimate_record(content: object) -> EstimateRecord | None:
             "estimate: expected finite numbers, found one beyond every float"
         ) from None
     return record
+
+
+def _reading(value: object, place: str) -> dict[str, Any]:
+    entry = _object(value, place)
+    for name in ("angle_deg", "value", "standard_error"):
+        entry[name] = number(entry.get(name), f"{place}.{name}", "a number", 0.0, LARGEST)
+    return entry
 
 
 def _object(value: object, place: str) -> dict[str, Any]:

@@ -308,7 +308,7 @@ class Material:
     def __repr__(self) -> str:
         lobes = f"{len(self.specular)} lobe{'' if len(self.specular) == 1 else 's'}"
         return (
-            f"<Material {printable(self.name, 60)!r}{', synthetic' if self.synthetic else ''}: "
+            f"<Material {printable(self.name, 60)!r}{f', {self.marks}' if self.marks else ''}: "
             f"{self.bands.words}, {self.diffuse.model} and {lobes}, {self.evidence_words}>"
         )
 
@@ -319,6 +319,7 @@ class Material:
             ("source", self.source),
             ("synthetic", "yes, nothing was measured" if self.synthetic else "no"),
             *([("hypothetical", "yes, made from another material")] if self.hypothetical else []),
+            *([("estimated", "yes, from a few readings")] if self.estimate else []),
             ("quality", self.evidence_words),
             ("bands", self.bands.words),
             ("diffuse: model", diffuse.model),
@@ -334,6 +335,12 @@ class Material:
                 else (f"lobe {k}: metal, F0", span(lobe.f0)),
             ]
         return html_table(f"Material: {self.name}", rows, self.warnings)
+
+    @property
+    def marks(self) -> str:
+        """What a caption must state of the material's origin: '', 'synthetic', 'estimated'."""
+        marks = [("synthetic", self.synthetic), ("estimated", self.estimate is not None)]
+        return ", ".join(word for word, holds in marks if holds)
 
     @property
     def evidence_words(self) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -25,7 +26,10 @@ TAILS = (0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL)
 #: Draws about a quantile of the peak, among which the most plausible one stands for it.
 NEAR = 0.015
 KEPT_DRAWS = 50  #: in the file
-REFINING_STEPS = 8
+REFINING_STEPS = 12
+#: How the likeliest surface prefers a strength of 1: one standard deviation below it.
+STRENGTH_BELOW = 0.35
+DAMPING = 0.1
 LARGEST_SEED = 2**32 - 1
 
 
@@ -79,6 +83,44 @@ def estimate(
         drawn = posterior(posed.log_likelihood, np.random.default_rng(seed))
     words = "" if contradiction is None else contradiction.words
     return _summed_up(posed, drawn, words, name, seed)
+
+
+def estimate_material(
+    gloss: Mapping[float, float],
+    *,
+    lab: tuple[float, float, float] | None = None,
+    spectrum: str | os.PathLike[str] | ColourReading | None = None,
+    illuminant: str = "D50",
+    geometry: str | None = None,
+    name: str = "estimated",
+    seed: int = 0,
+) -> Material:
+    """The most plausible material that gives gloss readings and a colour (docs/estimate.md).
+
+    gloss: gloss units by angle, of 20, 60, 85 (ISO 2813) and 75 degrees (TAPPI T 480).
+    lab: L*, a*, b* of the 2 degree observer under `illuminant`; or spectrum: a file, or what
+    `read_spectrum` read. Without either a gray is assumed. geometry: of the colour, '45-0' (the
+    default), 'd-8-sci' or 'd-8-sce'. seed: of the draws.
+
+    Returns a Material whose `estimate` holds 95 % intervals and some of the draws; contradicting
+    readings are among its warnings. Raises InputError where a reading is impossible.
+
+    >>> material = estimate_material({20: 3.8, 60: 30.3, 85: 30.9}, lab=(59.0, -58.0, 45.0))
+    >>> material.estimate.words, round(material.specular[0].s_deg, 1)
+    ('estimated', 2.5)
+    """
+    if lab is not None and spectrum is not None:
+        raise InputError("estimate_material: give lab or spectrum, not both")
+    colour: LabColour | ColourReading | None = None
+    if lab is not None:
+        colour = LabColour(lab, illuminant)
+    elif isinstance(spectrum, ColourReading):
+        colour = spectrum
+    elif spectrum is not None:
+        from relgloss_view.measure.readers.spectrum import read_spectrum
+
+        colour = read_spectrum(os.fspath(spectrum))
+    return estimate(gloss, colour, geometry=geometry, name=name, seed=seed).material
 
 
 def _summed_up(posed: Problem, drawn: Draws, contradiction: str, name: str, seed: int) -> Estimate:
@@ -153,12 +195,14 @@ def _intervals(
     }
     for k, angle in enumerate(angles):
         table[f"gloss-{angle}"] = at_centre[:, k], of_draws[:, k]
-    return {
-        name: Interval(
-            _rounded(float(value[0])), *(_rounded(float(q)) for q in np.quantile(values, TAILS))
-        )
-        for name, (value, values) in table.items()
-    }
+    return {name: _interval(float(value[0]), values) for name, (value, values) in table.items()}
+
+
+def _interval(value: float, draws: Array) -> Interval:
+    """The quantiles of the draws, widened to hold the value: where the draws lie along a bent line,
+    the best surface may be at its end."""
+    low, high = (float(q) for q in np.quantile(draws, TAILS))
+    return Interval(*(_rounded(number) for number in (value, min(low, value), max(high, value))))
 
 
 def _all_gloss(posed: Problem, surfaces: Array, angles: list[int]) -> Array:
@@ -167,30 +211,40 @@ def _all_gloss(posed: Problem, surfaces: Array, angles: list[int]) -> Array:
 
 
 def _central(posed: Problem, surfaces: Array) -> Array:
-    """The surface (5,) in the middle of the draws that agrees best with the readings.
+    """The most plausible surface (5,): what the readings leave open is as the prior prefers it.
 
-    The least sum of the readings' squared misfits and of the squared distance to the draws' mean in
-    units of their spread, by Gauss and Newton's method: the mean itself need not agree with the
-    readings where the draws lie along a bent line.
+    The least sum of the readings' squared misfits and of squared distances: of the index and the
+    strength from the prior's best, and of the second lobe, of which the prior prefers none, from
+    the middle of the draws. By Gauss and Newton's method from the best draw.
     """
-    mean = np.mean(surfaces, axis=0)
-    spread = np.cov(surfaces.T) + np.diag((1e-6 * (prior.UPPER - prior.LOWER)) ** 2)
-    whiten = np.linalg.inv(np.linalg.cholesky(spread))
+    middle, spread = np.mean(surfaces, axis=0), np.std(surfaces, axis=0)
     step = 1e-4 * (prior.UPPER - prior.LOWER)
+    second = [prior.RATIO, prior.SHARE]
 
     def residual(group: Array) -> Array:
-        return np.concatenate([posed.misfit(group), (group - mean) @ whiten.T], axis=1)
+        strength = group[:, prior.STRENGTH] - 1.0
+        preferred = np.stack(
+            [
+                (group[:, prior.INDEX] - prior.INDEX_MEAN) / prior.INDEX_SD,
+                strength / np.where(strength < 0.0, STRENGTH_BELOW, prior.STRENGTH_SD),
+            ],
+            axis=1,
+        )
+        broad = (group - middle)[:, second] / (spread[second] + step[second])
+        return np.concatenate([posed.misfit(group), preferred, broad], axis=1)
 
     def held(surface: Array) -> Array:
         return np.asarray(np.clip(surface, prior.LOWER + step, prior.UPPER - step))
 
-    present = held(mean)
-    best = float(np.sum(residual(present[None]) ** 2))
+    losses = np.sum(residual(surfaces) ** 2, axis=1)
+    present, best = held(surfaces[np.argmin(losses)]), float(np.min(losses))
     for _ in range(REFINING_STEPS):
         group = np.concatenate([present[None], present + np.diag(step)])
         values = residual(group)
         slope = ((values[1:] - values[0]) / step[:, None]).T
-        move = np.linalg.lstsq(slope, -values[0], rcond=None)[0]
+        # The width has no preference of its own: a little damping holds it where nothing is known.
+        damped = np.concatenate([slope, np.diag(DAMPING / (prior.UPPER - prior.LOWER))])
+        move = np.linalg.lstsq(damped, np.concatenate([-values[0], np.zeros(5)]), rcond=None)[0]
         tried = [held(present + part * move) for part in (1.0, 0.5, 0.25, 0.1)]
         losses = np.sum(residual(np.array(tried)) ** 2, axis=1)
         k = int(np.argmin(losses))

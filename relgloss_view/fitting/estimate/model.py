@@ -58,7 +58,8 @@ def lobe_colour(surfaces: Array, geometry: str) -> Array:
     """
     if geometry != AT_45_0:
         albedo, trapped = _shares(surfaces, [ALBEDO, TRAPPED]).T
-        return albedo if geometry == SPHERE_INCLUDED else np.maximum(albedo - trapped, 0.0)
+        left = albedo if geometry == SPHERE_INCLUDED else np.maximum(albedo - trapped, 0.0)
+        return np.asarray(left)
     lamp = np.array([np.sin(2.0 * HALF_45_0), 0.0, np.cos(2.0 * HALF_45_0)])
     up = np.array([0.0, 0.0, 1.0])
     facing = brdf.facing(up, lamp, up)
