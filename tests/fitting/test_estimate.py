@@ -204,6 +204,10 @@ class TestContradictions:
         assert "85=80 contradicts" in found.contradiction
         assert "grazing" in found.contradiction
 
+    def test_so_it_is_beside_one_other(self):
+        found = estimate({60: 45.0, 85: 80.0}, GREEN)
+        assert "85=80 contradicts the other reading, which allows" in found.contradiction
+
     def test_a_reading_below_what_the_colour_alone_gives(self):
         found = estimate({60: 0.3}, LabColour((95.0, 0.0, 0.0)))
         assert "contradicts the colour" in found.contradiction
@@ -275,9 +279,9 @@ def coverage(count, two_lobes, seed):
 
 
 def test_intervals_hold_the_truth_of_some_random_materials():
-    held = coverage(10, True, 1)
-    # Of 60 intervals that hold it with 0.95 each, 9 misses have a chance of 0.3 %.
-    assert np.mean([share for name, share in held.items() if name != "control"]) > 0.85
+    held = coverage(7, True, 1)
+    # Of 42 intervals that hold it with 0.95 each, 7 misses have a chance of 0.5 %.
+    assert np.mean([share for name, share in held.items() if name != "control"]) > 0.84
     assert held["control"] < 0.7
 
 

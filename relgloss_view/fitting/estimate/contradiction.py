@@ -24,6 +24,7 @@ REACH = (0.005, 0.995)
 #: Odds from which one reading is taken to be the wrong one.
 ODDS = 10.0
 IGNORED = 1e4  #: by this factor the error of a reading grows that is left out
+GRAZING_DEG = 85.0
 GRAZING = "many surfaces mirror more at grazing angles than the model's facets do"
 
 
@@ -50,6 +51,11 @@ class _Without(NamedTuple):
         return not self.low <= self.reading.value <= self.high
 
     @property
+    def high_near_grazing(self) -> bool:
+        """Whether it is as real surfaces are, and facets are not."""
+        return self.reading.angle_deg == GRAZING_DEG and self.reading.value > self.high
+
+    @property
     def range_words(self) -> str:
         return f"{self.low:.3g} to {self.high:.3g}"
 
@@ -67,21 +73,31 @@ def contradiction_of(posed: Problem, surfaces: Array, seed: int) -> Contradictio
     if len(readings) == 1:
         text = f"gloss {readings[0].words} contradicts the colour: a surface of this colour reads "
         return Contradiction(f"{text}{each[0].range_words}; read both again", enlarged)
-    first, second = each[:2]
-    alone = first.log_evidence - second.log_evidence > math.log(ODDS)
-    if first.beyond and alone and first.strain <= LARGEST_STRAIN:
-        factors = tuple(IGNORED if k == first.k else 1.0 for k in range(len(readings)))
+    odd = _odd_one(each)
+    if odd is not None:
+        factors = tuple(IGNORED if k == odd.k else 1.0 for k in range(len(readings)))
         several = len(readings) > 2
-        text = f"gloss {first.reading.words} contradicts the other reading{'s' * several}, which "
-        text += f"allow{'' if several else 's'} {first.range_words}; the estimate leaves it out"
-        if first.reading.angle_deg == 85.0 and first.reading.value > first.high:
-            return Contradiction(f"{text} ({GRAZING})", factors)
-        return Contradiction(f"{text}; read it again", factors)
+        text = f"gloss {odd.reading.words} contradicts the other reading{'s' * several}, which "
+        text += f"allow{'' if several else 's'} {odd.range_words}; the estimate leaves it out"
+        advice = f" ({GRAZING})" if odd.high_near_grazing else "; read it again"
+        return Contradiction(text + advice, factors)
     parts = [
         f"{one.reading.words} (the rest allows {one.range_words})" for one in each if one.beyond
     ]
     text = f"gloss readings contradict one another: {', '.join(parts or ['all of them'])}"
     return Contradiction(f"{text}; read them again", enlarged)
+
+
+def _odd_one(each: list[_Without]) -> _Without | None:
+    """The one reading that is to be left out, of readings in order of the others' likelihood.
+
+    Of two readings neither is better than the other, unless it is high near grazing.
+    """
+    grazing = [one for one in each if one.high_near_grazing]
+    first, second = each[:2]
+    if len(each) > 2 and first.log_evidence - second.log_evidence > math.log(ODDS):
+        grazing = [first]
+    return next((one for one in grazing if one.beyond and one.strain <= LARGEST_STRAIN), None)
 
 
 def _without(posed: Problem, k: int, seed: int) -> _Without:
