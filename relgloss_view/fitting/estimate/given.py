@@ -18,6 +18,7 @@ STEP = 0.1  #: gloss units that a meter shows (ISO 2813); a typed number may be 
 LARGEST = 2000.0  #: units; a mirror at 20 degrees, the end of any meter's range
 #: The most that a smooth dielectric is taken to reflect: index 1.7 over its whole surface.
 LARGEST_INDEX = 1.7
+MARGIN = 1.15  #: a noisy reading, or a surface that mirrors more than its facets, is no metal yet
 
 
 @dataclass(frozen=True)
@@ -64,11 +65,11 @@ def reading_of(
 
 
 def largest(angle_deg: float) -> float:
-    """The most that a smooth surface of LARGEST_INDEX reads, in gloss units."""
+    """The most that a smooth surface of LARGEST_INDEX reads, with a margin, in gloss units."""
     meter = SPECULAR[round(angle_deg)]
     cos = math.cos(math.radians(meter.angle_deg))
     share = float(brdf.fresnel_dielectric(cos, LARGEST_INDEX))
-    return 100.0 * share / float(brdf.fresnel_dielectric(cos, meter.glass))
+    return MARGIN * 100.0 * share / float(brdf.fresnel_dielectric(cos, meter.glass))
 
 
 def readings_of(
