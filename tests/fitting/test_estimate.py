@@ -228,7 +228,7 @@ def random_material(random, two_lobes):
     )
     strength = random.uniform(0.5, 1.05) / (1.0 + share)
     while True:
-        lab = (random.uniform(25, 85), *random.uniform(-45, 45, 2))
+        lab = (random.uniform(25, 80), *random.uniform(-30, 30, 2))
         try:
             albedo = lab_to_spectrum(lab, BANDS)
             break
