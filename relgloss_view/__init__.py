@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from relgloss_view.base.errors import InputError as InputError
     from relgloss_view.base.errors import RelglossError as RelglossError
     from relgloss_view.fitting import fit_material as fit_material
+    from relgloss_view.fitting.estimate.estimate import estimate_material as estimate_material
     from relgloss_view.gloss.match import Reference as Reference
     from relgloss_view.gloss.match import matched as matched
     from relgloss_view.gloss.meter.meter import gloss_readings as gloss_readings
@@ -54,6 +55,7 @@ _HOMES = {
     "base.errors": ("GLUnavailableError", "InputError", "RelglossError"),
     "material.files": ("load_material", "save_material"),
     "fitting": ("fit_material",),
+    "fitting.estimate.estimate": ("estimate_material",),
     "gloss.match": ("Reference", "matched"),
     "gloss.meter.meter": ("gloss_readings",),
     "material.material": ("Material",),

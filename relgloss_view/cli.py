@@ -25,6 +25,7 @@ COMMANDS = {
     "view": "open the window: a reference picture beside the one that is tuned",
     "measure": "show what a measured table holds, before any fit",
     "fit": "fit a reflection model to measured tables",
+    "estimate": "estimate a material from gloss-meter readings and a colour",
     "snapshot": "draw one picture without a window",
     "grid": "draw the 7 x 6 stimuli of a sample, with a contact sheet and a manifest",
     "plan": "show how little of the model a scene needs, and why",

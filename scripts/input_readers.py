@@ -436,7 +436,16 @@ def _materials() -> list[bytes]:
         "refractive_index": 1.5, "s_deg": 4.0}, {"model": "metal", "f0": [0.5, 0.4, 0.3],
         "s_deg": 9.0}],
     }  # fmt: skip
-    return [*made, json.dumps(rgb).encode()]
+    numbers = {"value": 2.5, "lower": 2.3, "upper": 2.7}
+    estimated = rgb | {
+        "estimate": {
+            "readings": [{"angle_deg": 60.0, "value": 30.0, "standard_error": 0.2}],
+            "colour": {"kind": "lab", "lab": [50.0, 0.0, 0.0]}, "level": 0.95,
+            "intervals": {"s_deg": numbers}, "seed": 0, "contradiction": "", "warnings": ["w"],
+            "draws": {"names": ["log_s_deg"], "rows": [[0.9], [1.0]]},
+        }
+    }  # fmt: skip
+    return [*made, json.dumps(rgb).encode(), json.dumps(estimated).encode()]
 
 
 def _scenes() -> list[bytes]:

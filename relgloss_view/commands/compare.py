@@ -205,6 +205,10 @@ def _write(comparison: Comparison, output: Path, command: str, matched: str) -> 
     synthetic = all(drawn.sample.material.synthetic for drawn in comparison.samples)
     title = "Is the order of gloss kept? Samples across, operators down"
     note = "All samples are synthetic. " if synthetic else ""
+    estimated = [
+        drawn.sample.label for drawn in comparison.samples if drawn.sample.material.estimate
+    ]
+    note += f"Estimated: {', '.join(estimated)}. " if estimated else ""
     note += f"{sentence_case(matched)}. " if matched else ""
     note += "Contrasts and grain in L*; definitions in docs/operators.md."
     if output.suffix.lower() == ".html":

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from relgloss_view.gloss.meter.meter import Reading
     from relgloss_view.material.material import Material
 
-MATERIAL, TABLE, HYPOTHETICAL = "material", "table", "hypothetical"
+MATERIAL, TABLE, HYPOTHETICAL, ESTIMATED = "material", "table", "hypothetical", "estimated"
 MOST_REFLECTED = 1.2  #: of the light received; fits of bright samples may pass 1 by noise
 
 
@@ -69,7 +69,7 @@ class SampleReadings:
 
     name: str
     source: str
-    kind: str  #: MATERIAL, TABLE or HYPOTHETICAL
+    kind: str  #: MATERIAL, TABLE, HYPOTHETICAL or ESTIMATED
     readings: tuple[Reading, ...]
     warnings: tuple[str, ...]
     lobe_widths_deg: tuple[float, ...] | None = None  #: of the material that --reading makes
@@ -157,6 +157,7 @@ def _of_material(place: str, material: Material) -> SampleReadings:
         )
         warnings = (*warnings, text)
     kind = HYPOTHETICAL if material.hypothetical else MATERIAL
+    kind = ESTIMATED if material.estimate else kind
     return SampleReadings(material.name, material.source, kind, readings, warnings)
 
 
@@ -206,7 +207,8 @@ COLUMNS = (
 
 def _table(sample: SampleReadings) -> str:
     """A sample's readings in columns."""
-    lines = [printable(sample.name), f"  {printable(sample.source)}"]
+    mark = " [estimated]" if sample.kind == ESTIMATED else ""
+    lines = [f"{printable(sample.name)}{mark}", f"  {printable(sample.source)}"]
     if sample.lobe_widths_deg is not None:
         widths = ", ".join(f"{width:.4g}" for width in sample.lobe_widths_deg)
         lines.append(f"  lobe widths {widths} degrees; no one has measured such a sample")

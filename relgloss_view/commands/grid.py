@@ -184,7 +184,8 @@ def _sheet_words(
         title += f": sigma_N down, c / c_max across{_c_max(stimuli)}"
     else:
         title += f", {operator.name}: sigma_N across"
-    note = "synthetic sample" if scene.material.synthetic else ""
+    marks = scene.material.marks
+    note = f"{marks} sample" if marks else ""
     if reference is not None and any(s["of_match"] for s in stimuli):
         note += ". " if note else ""
         note += f"> <: nearest to the gloss that is matched to {reference.sample.label}"

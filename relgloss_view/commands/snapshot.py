@@ -86,7 +86,8 @@ def run(args: argparse.Namespace) -> int:
     else:
         settings += f"operator {operator.name}"
     sample = printable(scene.material.name, 80)
-    sample += " (synthetic)" if scene.material.synthetic else ""
+    marks = scene.material.marks
+    sample += f" ({marks})" if marks else ""
     print(f"{printable(output)}: {sample}, {settings}")
     if picture is not None:
         print(f"  {match_words(picture, frame)}")

@@ -13,6 +13,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.json_files import parse_json
 from relgloss_view.base.reading import printable, read_text, refuse, text
 from relgloss_view.base.writing import whole_file
+from relgloss_view.material.estimated import estimate_record
 from relgloss_view.material.material import MAX_LOBES, Diffuse, FitRecord, Lobe, Material, Quality
 from relgloss_view.measure.bands import RGB, WIDE_RGB, Bands
 from relgloss_view.measure.table import source_is_synthetic
@@ -64,6 +65,8 @@ def material_to_dict(material: Material) -> dict[str, Any]:
             for name, value in dataclasses.asdict(material.fit).items()
             if name in _FIT_FIELDS
         }
+    if material.estimate is not None:
+        content["estimate"] = material.estimate.as_json()
     for name, reading in _MARKS.items():
         if getattr(material, name) != reading(material.source):
             content[name] = getattr(material, name)
@@ -86,7 +89,9 @@ def save_material(material: Material, path: str | os.PathLike[str]) -> None:
         content = material_to_dict(material)
         written = _written(content)
     except (ValueError, TypeError, RecursionError) as error:
-        raise InputError(f"{path}: {material.name}: the fit can't be written ({error})") from error
+        raise InputError(
+            f"{path}: {material.name}: its evidence can't be written ({error})"
+        ) from error
     _refuse_surrogates(content, written, f"{path}: ")
     with whole_file(path) as temporary:
         temporary.write_text(written + "\n", encoding="utf-8")
@@ -185,13 +190,13 @@ def material_from_dict(content: object) -> Material:
     if not isinstance(lobes, list) or len(lobes) > MAX_LOBES:
         refuse("specular", f"a list of at most {MAX_LOBES} lobes", lobes)
     specular = tuple(_lobe(value, f"specular[{k}]", bands) for k, value in enumerate(lobes))
-    fit = _fit(top.get("fit"))
+    fit, estimate = _fit(top.get("fit")), estimate_record(top.get("estimate"))
     name, source = text(top.get("name"), "name"), text(top.get("source"), "source")
     marks = {mark: top.get(mark, reading(source)) for mark, reading in _MARKS.items()}
     for mark, value in marks.items():
         if not isinstance(value, bool):
             refuse(mark, "true or false", value)
-    return Material(name, source, bands, diffuse, specular, fit, **marks)
+    return Material(name, source, bands, diffuse, specular, fit, estimate=estimate, **marks)
 
 
 def _lobe(value: object, place: str, bands: Bands) -> Lobe:

@@ -15,6 +15,7 @@ from relgloss_view.base.notebook import html_table, span
 from relgloss_view.base.reading import printable, refuse
 from relgloss_view.material import brdf
 from relgloss_view.material.band_coverage import coverage_warnings
+from relgloss_view.material.estimated import EstimateRecord
 from relgloss_view.material.spectra import Illuminant, light_weights
 from relgloss_view.measure.bands import Bands
 
@@ -232,6 +233,7 @@ class Material:
     fit: FitRecord | None = None
     synthetic: bool = False  #: computed from invented parameters, not measured
     hypothetical: bool = False  #: made from another material by changing it
+    estimate: EstimateRecord | None = None  #: where it was estimated from a few readings
 
     def __post_init__(self) -> None:
         reading.text(self.name, "name")
@@ -256,6 +258,7 @@ class Material:
     def warnings(self) -> tuple[str, ...]:
         """The warnings that go with every picture of this material."""
         texts = list(self.fit.warnings) if self.fit else []
+        texts += self.estimate.warnings if self.estimate else ()
         if self.fit and self.fit.quality != Quality.GOOD and not self.fit.grounds:
             texts.append(_UNEXPLAINED[self.fit.quality])
         for k, lobe in enumerate(self.specular):
@@ -305,8 +308,8 @@ class Material:
     def __repr__(self) -> str:
         lobes = f"{len(self.specular)} lobe{'' if len(self.specular) == 1 else 's'}"
         return (
-            f"<Material {printable(self.name, 60)!r}{', synthetic' if self.synthetic else ''}: "
-            f"{self.bands.words}, {self.diffuse.model} and {lobes}, {self._fit_words()}>"
+            f"<Material {printable(self.name, 60)!r}{f', {self.marks}' if self.marks else ''}: "
+            f"{self.bands.words}, {self.diffuse.model} and {lobes}, {self.evidence_words}>"
         )
 
     def _repr_html_(self) -> str:
@@ -316,7 +319,8 @@ class Material:
             ("source", self.source),
             ("synthetic", "yes, nothing was measured" if self.synthetic else "no"),
             *([("hypothetical", "yes, made from another material")] if self.hypothetical else []),
-            ("quality", self._fit_words()),
+            *([("estimated", "yes, from a few readings")] if self.estimate else []),
+            ("quality", self.evidence_words),
             ("bands", self.bands.words),
             ("diffuse: model", diffuse.model),
             ("diffuse: albedo", span(diffuse.albedo)),
@@ -332,7 +336,17 @@ class Material:
             ]
         return html_table(f"Material: {self.name}", rows, self.warnings)
 
-    def _fit_words(self) -> str:
+    @property
+    def marks(self) -> str:
+        """What a caption must state of the material's origin: '', 'synthetic', 'estimated'."""
+        marks = [("synthetic", self.synthetic), ("estimated", self.estimate is not None)]
+        return ", ".join(word for word, holds in marks if holds)
+
+    @property
+    def evidence_words(self) -> str:
+        """What the material rests on: 'fit good', 'estimated' or 'not fitted', for captions."""
+        if self.estimate:
+            return self.estimate.words
         return f"fit {self.fit.quality}" if self.fit else "not fitted"
 
 

@@ -278,6 +278,7 @@ def hypothetical(material: Material, angle_deg: float, reading: float) -> Materi
         source=f"{kind}: width of lobe {main + 1} set from {material.specular[main].s_deg:.4g} to "
         f"{s_deg:.4g} degrees to read {wanted}; made from {material.name} ({material.source})",
         fit=None,
+        estimate=None,
         hypothetical=True,
     )
 

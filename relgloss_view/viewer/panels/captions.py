@@ -113,9 +113,9 @@ def _texts(model: Model, side: str, faults: dict[str, str], room: float, free: i
 
 
 def _title(model: Model, side: str, room: float) -> str:
-    """Side, quality of the fit and name: the name shortened, then the quality left out."""
+    """Side, what the material rests on, and name: the name shortened, then the quality left out."""
     material = model.state.side(side).sample.material
-    quality = f"fit {material.fit.quality}" if material.fit else "not fitted"
+    quality = material.evidence_words
     if material.synthetic:
         quality = f"synthetic, {quality}"
     if material.hypothetical:

@@ -48,6 +48,8 @@ def show(model: Model) -> None:
         imgui.align_text_to_frame_padding()
         if material.fit is None:
             text = f"{printable(material.name, 60)}: not fitted; the file gives its parameters."
+            if material.estimate is not None:
+                text = f"{printable(material.name, 60)}: {material.estimate.range_words}."
             widgets.wrapped(text, dim=True)
         else:
             _heading(material, material.fit)

@@ -91,7 +91,9 @@ def _evidence(model: Model) -> None:
     material = sample.material
     imgui.separator_text("Fit")
     fit = material.fit
-    if fit is None:
+    if material.estimate is not None:
+        widgets.wrapped(widgets.sentence(material.estimate.range_words))
+    elif fit is None:
         widgets.wrapped("Not fitted: the file gives the parameters of the reflection.")
     else:
         error = fit.residuals.get("median_relative_error")
