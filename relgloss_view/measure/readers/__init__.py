@@ -10,7 +10,7 @@ from relgloss_view.base.decoding import wide_encoding
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.foreign import HEAD_BYTES, foreign_format
 from relgloss_view.base.reading import decoding, read_beginning
-from relgloss_view.measure.readers import csv_table, gcms, generic, merl, rgl, tensor_file
+from relgloss_view.measure.readers import arrange, csv_table, gcms, generic, merl, rgl, tensor_file
 from relgloss_view.measure.readers.built_in import table_file
 from relgloss_view.measure.readers.options import ReadOptions
 from relgloss_view.measure.table import Measurement
@@ -113,6 +113,7 @@ def _refuse_no_table(path: Path, head: bytes) -> None:
 def _read_text(path: Path, head: bytes, options: ReadOptions) -> Measurement:
     _refuse_no_table(path, head[:4096])
     table = csv_table.parse(path, (gcms.COLUMNS.keys(), generic.COLUMNS.keys()))
+    table, options = arrange.arranged(table, options)
     names = {name.lower() for name in table.columns}
     if names & gcms.COLUMNS.keys():
         return gcms.read(table, options)

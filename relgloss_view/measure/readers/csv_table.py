@@ -19,7 +19,17 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.text_lines import TextLines
 from relgloss_view.measure.readers.cells import is_number
-from relgloss_view.measure.readers.headings import RADIANS, AngleHeading, angle_heading, is_band
+from relgloss_view.measure.readers.headings import (
+    RADIANS,
+    AngleHeading,
+    angle_heading,
+    has_percent,
+    is_band,
+    is_beside,
+    is_sample,
+    is_wavelength,
+    value_quantity,
+)
 from relgloss_view.measure.readers.rows import Header, RowReader, Rows, has_decimal_commas, split
 
 #: Beyond these a table is not a gonio scan, and reading it would exhaust the memory.
@@ -42,8 +52,16 @@ DECLARATIONS = (
     "name", "source", "quantity", "gamma_s_deg", "aperture_sd_deg", "saturation", "angle_unit",
 )  # fmt: skip
 _ONCE = DECLARATIONS[2:]
-_DELIMITERS = (",", ";", "\t", None)
-_PADDING = " \t,;"  #: what a spreadsheet appends to a line of one cell
+_DELIMITERS = (",", ";", "\t", "|", None)
+_PADDING = " \t,;|"  #: what a spreadsheet appends to a line of one cell
+#: A header in a comment, as numpy.savetxt writes it.
+_COMMENT = re.compile(r'^(\s*"?)[#%]+\s*')
+#: What other programs begin a comment with.
+_MARKS = re.compile(r"^(?:[%!*;']+|//+)\s*")
+_EMPTY_CELLS = re.compile(r'(?:[,;\t|]\s*"")+$')
+_OPEN_QUOTE = re.compile(r'(?:^|[,;\t|])\s*"[^"]*$')
+_CLOSED_QUOTE = re.compile(r'[^"]*"\s*(?:$|[,;\t|])')
+MOST_LINES_OF_CELL = 8
 _SEPARATOR_LINE = re.compile(r'"?sep=.?"?', re.IGNORECASE)
 
 
@@ -60,6 +78,10 @@ class TextTable:
     numbers: tuple[int, ...] = ()  #: (C,), number of each column in the file, from 1
     radians: frozenset[str] = frozenset()  #: angle columns whose heading or row of units says so
     decimal_comma: bool = False
+    percent: bool = False  #: whether headings, row of units or cells have percent
+    heading: str = ""  #: of a column of single readings
+    samples: tuple[str, ...] = ()  #: names in a column that names the sample of each row
+    sample_of: Ints | None = None  #: (N,), which of them, where there are several
     notes: tuple[str, ...] = ()  #: what was passed over
 
     def at(self, row: int, column: int) -> str:
@@ -85,36 +107,69 @@ def parse(path: Path, layouts: Sequence[Collection[str]] = ()) -> TextTable:
         start, delimiter = _find_header(path, _lines(text), layouts)
         lines = _lines(text)
         comments, titles = _above(path, itertools.islice(lines, start))
-        header, units, renamed = _header(path, start + 1, next(lines), delimiter)
+        head = _uncommented(next(lines), layouts)
+        following = list(itertools.islice((ln for ln in lines if ln.strip(_PADDING)), 2))
+        header, units, renamed = _header(path, start + 1, head, delimiter, following)
         if layouts:
             _check_columns(path, header, layouts)
         comma = delimiter != "," or text.has_quotes
         if comma:
             comma = has_decimal_commas(itertools.islice(_lines(text), start + 1, None), delimiter)
-            lines = itertools.islice(_lines(text), start + 1, None)
+        lines = itertools.islice(_lines(text), start + 1, None)
         below = _declared_once(path, lines, start + 2, comments)
         rows = RowReader(path, header, comma, MAX_ROWS, MAX_VALUES).read(below)
         note = text.note
     columns, values, numbers, unnamed = _named_columns(path, header, rows)
     _check_rows(path, columns, numbers, values, rows)
     radians = {header.columns[k] for k in rows.radians} | units
-    notes = [*([note] if note else []), *renamed, *_passed_over(titles, rows, unnamed)]
+    percent = rows.percent or all(
+        has_percent(word) for k, word in enumerate(header.words)
+        if header.columns[k] and k not in header.keys and k not in header.beside
+    )  # fmt: skip
+    beside = [header.columns[k] for k in sorted(header.beside)]
+    notes = [*([note] if note else []), *renamed, *_passed_over(titles, rows, unnamed, beside)]
+    # One name for each row is the name of a reading, not of a sample.
+    several = 1 < len(rows.samples) < len(values)
     return TextTable(
         path, comments, columns, start + 1, values, rows.lines, numbers, frozenset(radians), comma,
-        tuple(notes),
+        percent, "", tuple(rows.samples), np.array(rows.sample_of) if several else None, tuple(notes),
     )  # fmt: skip
 
 
 def _lines(text: TextLines) -> Iterator[str]:
-    """The lines of a file; those that a spreadsheet wrote as one quoted cell without its quotes."""
+    """The lines of a file; those that a spreadsheet wrote as one quoted cell without its quotes.
+
+    A quoted cell may go over several lines: they come as one, and empty ones for the others.
+    """
     if not text.has_quotes:
         return text.lines()
-    return (_unquoted(line) if '"' in line else line for line in text.lines())
+    return (_unquoted(line) if '"' in line else line for line in _whole(text.lines()))
+
+
+def _whole(lines: Iterator[str]) -> Iterator[str]:
+    pending: list[str] = []
+    for line in lines:
+        if not pending:
+            if _OPEN_QUOTE.search(line) and line.count('"') % 2:
+                pending = [line]
+            else:
+                yield line
+            continue
+        pending.append(line)
+        if line.count('"') % 2 == 0 and len(pending) <= MOST_LINES_OF_CELL:
+            continue
+        if line.count('"') % 2 and _CLOSED_QUOTE.match(line):
+            yield " ".join(pending)
+            yield from [""] * (len(pending) - 1)
+        else:
+            yield from pending
+        pending = []
+    yield from pending
 
 
 def _unquoted(line: str) -> str:
     """A line that a spreadsheet wrote as one quoted cell, without its quotes."""
-    cell = line.strip(_PADDING)
+    cell = _EMPTY_CELLS.sub("", line.strip(_PADDING))
     if len(cell) > 1 and cell[0] == cell[-1] == '"':
         inner = cell[1:-1].replace('""', "\0")
         if '"' not in inner:
@@ -132,7 +187,12 @@ def _find_header(
     looked_at = headings = 0
     for index, line in enumerate(lines):
         stripped = line.strip()
-        if not stripped.strip(_PADDING) or stripped.startswith("#"):
+        if not stripped.strip(_PADDING):
+            continue
+        if stripped.startswith(("#", '"#')):
+            looked_at += 1
+            if looked_at <= MOST_TITLES and _holds_layout(line, layouts):
+                return index, _delimiter_of(line, layouts)
             continue
         if index < 2 and _SEPARATOR_LINE.fullmatch(stripped):
             continue
@@ -159,6 +219,26 @@ def _find_header(
     return first, first_delimiter
 
 
+def _delimiter_of(line: str, layouts: Sequence[Collection[str]]) -> str | None:
+    """The delimiter by which a commented line is the header of one of the layouts; else a blank."""
+    text = _COMMENT.sub(r"\1", line, count=1)
+    for delimiter in _DELIMITERS:
+        fields = split(text, delimiter, MOST_LOOKED_AT)
+        names = {a.name for a in map(angle_heading, fields) if a is not None}
+        if len(fields) > 4 and any(set(layout) <= names for layout in layouts):
+            return delimiter
+    return ""
+
+
+def _holds_layout(line: str, layouts: Sequence[Collection[str]]) -> bool:
+    return _COMMENT.match(line) is not None and _delimiter_of(line, layouts) != ""
+
+
+def _uncommented(line: str, layouts: Sequence[Collection[str]]) -> str:
+    """A header without the sign of a comment before it."""
+    return _COMMENT.sub(r"\1", line, count=1) if _holds_layout(line, layouts) else line
+
+
 def _above(path: Path, lines: Iterable[str]) -> tuple[dict[str, tuple[int, str]], list[int]]:
     """The declarations above the header, and the lines there that are neither they nor empty."""
     comments: dict[str, tuple[int, str]] = {}
@@ -168,7 +248,7 @@ def _above(path: Path, lines: Iterable[str]) -> tuple[dict[str, tuple[int, str]]
         if not text or (index < 2 and _SEPARATOR_LINE.fullmatch(text)):
             continue
         if not text.startswith("#"):
-            key, value = _title(text)
+            key, value = _title(_MARKS.sub("", text.replace('"', "")))
             if key not in DECLARATIONS or not value:
                 titles.append(index + 1)
                 continue
@@ -219,10 +299,13 @@ def _declared_once(
 
 
 def _header(
-    path: Path, line: int, text: str, delimiter: str | None
+    path: Path, line: int, text: str, delimiter: str | None, following: Sequence[str]
 ) -> tuple[Header, set[str], list[str]]:
     """The header, the angles that it declares in radians, and a note on other words for angles."""
     names = [name.strip().strip('"').strip() for name in split(text.strip("\r\n"), delimiter)]
+    below = [split(row.strip("\r\n"), delimiter) for row in following]
+    if _has_row_names(names, below):
+        names.insert(0, "")
     if len(names) > MAX_COLUMNS:
         raise InputError(
             f"{path}: line {line}: {len(names)} columns, at most {MAX_COLUMNS} are read; "
@@ -236,6 +319,11 @@ def _header(
             "name the columns in the first line that is not a # comment"
         )
     angles = [angle_heading(name) for name in names]
+    if below and below[0] and _runs_along(names, below[0]):
+        raise InputError(
+            f"{path}: line {line}: the angles run along the rows; transpose the table: one row a "
+            "geometry, one column an angle or a wavelength"
+        )
     columns = tuple(
         angle.name if angle else printable(name, 40)
         for angle, name in zip(angles, names, strict=True)
@@ -250,7 +338,29 @@ def _header(
     keys = tuple(k for k, angle in enumerate(angles) if angle)
     radians = {angle.name for angle in angles if angle and angle.unit == RADIANS}
     words = tuple(name.lower() for name in names)
-    return Header(line, columns, words, keys, delimiter), radians, _renamed(names, angles)
+    beside = [k for k, name in enumerate(columns) if name and k not in keys and is_beside(name)]
+    if not keys:
+        beside = []
+    sample = next((k for k in beside if is_sample(columns[k])), None)
+    header = Header(line, columns, words, keys, delimiter, frozenset(beside), sample)
+    return header, radians, _renamed(names, angles)
+
+
+def _has_row_names(names: list[str], below: list[list[str]]) -> bool:
+    """Whether rows have the number of the row before the first column, as R writes them."""
+    firsts = [fields[0].strip().strip('"') for fields in below if fields]
+    return firsts == ["1", "2"] and all(
+        len(fields) == len(names) + 1 and is_number(fields[-1]) for fields in below
+    )
+
+
+def _runs_along(names: list[str], fields: list[str]) -> bool:
+    """Whether header and next line hold an angle each, and its numbers."""
+    return all(
+        len(line) > 2 and angle_heading(line[0].strip().strip('"')) is not None
+        and all(is_number(cell.strip().strip('"')) for cell in line[1:] if cell.strip())
+        for line in (names, fields)
+    )  # fmt: skip
 
 
 def _check_columns(path: Path, header: Header, layouts: Sequence[Collection[str]]) -> None:
@@ -259,11 +369,24 @@ def _check_columns(path: Path, header: Header, layouts: Sequence[Collection[str]
     if not header.keys:
         first = next(name for name in header.columns if name)
         expected = " or ".join(",".join(layout) for layout in layouts)
+        if is_wavelength(first):
+            raise InputError(
+                f"{where}: the wavelengths run down the table; transpose it: one row a geometry, "
+                f"columns {expected}, then the wavelengths"
+            )
         raise InputError(f"{where}: found column {first!r}; the header should begin {expected}")
     if not any(set(layout) <= set(header.columns) for layout in layouts):
         return  # the column that is missing is named later
-    for k, name in enumerate(header.columns, start=1):
-        if name and k - 1 not in header.keys and not is_band(name):
+    rest = {
+        k + 1: name for k, name in enumerate(header.columns)
+        if name and k not in header.keys and k not in header.beside
+    }  # fmt: skip
+    values = [k for k, name in rest.items() if value_quantity(name) is not None]
+    waves = [k for k, name in rest.items() if is_wavelength(name)]
+    if len(values) == 1 and len(rest) == 1 + len(waves) and len(waves) <= 1:
+        return  # one reading a row
+    for k, name in rest.items():
+        if not is_band(header.words[k - 1]):
             raise InputError(
                 f"{where}, column {k}: {name!r} is neither an angle, a wavelength in nm, nor R, G, "
                 "B; rename or remove it"
@@ -300,7 +423,7 @@ def _named_columns(
             raise InputError(
                 f"{path}: line {header.line}, column {k + 1}: no name; name it or remove it"
             )
-    kept = [k for k, name in enumerate(header.columns) if name]
+    kept = [k for k, name in enumerate(header.columns) if name and k not in header.beside]
     names = tuple(header.columns[k] for k in kept)
     values = rows.values if len(kept) == header.width else rows.values[:, kept]
     return names, values, tuple(k + 1 for k in kept), [k + 1 for k in unnamed]
@@ -325,13 +448,15 @@ def _check_rows(
         )
 
 
-def _passed_over(titles: list[int], rows: Rows, unnamed: list[int]) -> list[str]:
+def _passed_over(
+    titles: list[int], rows: Rows, unnamed: list[int], beside: list[str]
+) -> list[str]:
     """What was passed over, as at most two sentences."""
     parts = []
     if titles:
         parts.append(f"{_numbered('line', titles)} above the header")
     if rows.units:
-        parts.append(f"the units in line {rows.units}")
+        parts.append(f"the units in {_numbered('line', rows.units)}")
     if rows.empty:
         parts.append(f"{_numbered('line', rows.empty)} without values")
     if rows.repeated:
@@ -345,6 +470,10 @@ def _passed_over(titles: list[int], rows: Rows, unnamed: list[int]) -> list[str]
         parts.append(f"{where} ({word!r})" if word else where)
     if unnamed:
         parts.append(f"{_numbered('column', unnamed)} without a name")
+    if beside:
+        more = f" and {len(beside) - 3} more" if len(beside) > 3 else ""
+        names = ", ".join(repr(printable(name, 30)) for name in beside[:3])
+        parts.append(f"the column{'s' if len(beside) > 1 else ''} {names}{more}")
     notes = [f"passed over: {'; '.join(parts)}"] if parts else []
     if rows.signs.count:
         more = f" and {rows.signs.count - 1} more like it" if rows.signs.count > 1 else ""
