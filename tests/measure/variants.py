@@ -527,7 +527,11 @@ def _possible(names: dict[str, str]) -> bool:
         return False
     if layout == "reversed bands" and "bands" in names:
         return False
-    if layout.startswith("long") and names.get("declared") == "none":
+    if names.get("declared") == "none" and (
+        layout.startswith(("long", "percent")) or numbers.startswith("percent")
+    ):
+        return False
+    if layout.startswith("long") and numbers.startswith(("percent", "unit", "thousands", "date")):
         return False
     if layout in ("percent [%]", "percent R [%]") and "bands" in names:
         return False

@@ -125,6 +125,7 @@ def parse(path: Path, layouts: Sequence[Collection[str]] = ()) -> TextTable:
     percent = rows.percent or all(
         has_percent(word) for k, word in enumerate(header.words)
         if header.columns[k] and k not in header.keys and k not in header.beside
+        and not is_wavelength(word)
     )  # fmt: skip
     beside = [header.columns[k] for k in sorted(header.beside)]
     notes = [*([note] if note else []), *renamed, *_passed_over(titles, rows, unnamed, beside)]
@@ -210,8 +211,11 @@ def _find_header(
             for layout in layouts:
                 if len(names & set(layout)) == len(layout):
                     return index, delimiter
-                if len(names & set(layout)) > best[0]:
-                    best = (len(names & set(layout)), index, delimiter)
+                count = len(names & set(layout))
+                if count == 1 and len(fields) > 2 and all(map(is_number, fields[1:])):
+                    count = 2  # the angles run along the rows
+                if count > best[0]:
+                    best = (count, index, delimiter)
     if first is None:
         raise InputError(f"{path}: only comments; a table needs a header line and rows")
     if best[0] > 1 or best[1] == first:
@@ -263,7 +267,7 @@ def _above(path: Path, lines: Iterable[str]) -> tuple[dict[str, tuple[int, str]]
 
 def _title(text: str) -> tuple[str, str]:
     """Key and value of a line above the header without #, as 'quantity: brdf' or 'name;x'."""
-    found = re.match(r"([\w ]{1,40}?)\s*[:=,;\t]\s*(.*)", text)
+    found = re.match(r"([\w ]{1,40}?)\s*[:=,;\t|]\s*(.*)", text)
     return (found[1].strip().lower(), found[2].strip(_PADDING)) if found else ("", "")
 
 

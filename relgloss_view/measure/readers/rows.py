@@ -15,7 +15,7 @@ from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.measure.readers import cells
-from relgloss_view.measure.readers.headings import RADIANS, has_percent, unit_of
+from relgloss_view.measure.readers.headings import RADIANS, has_percent, is_wavelength, unit_of
 
 MOST_ODD_LINES = 500  #: in a row, before the first of them is reported
 LONGEST_NOTED = 100  #: characters of a text that is kept for a note
@@ -146,7 +146,7 @@ class RowReader:
         self._first_percent: InputError | None = None
         self._bands = {
             k: None for k, name in enumerate(header.columns)
-            if name and k not in header.keys and k not in header.beside
+            if name and k not in header.keys and k not in header.beside and not is_wavelength(name)
         }  # fmt: skip
 
     def read(self, lines: Iterable[tuple[int, str]]) -> Rows:
