@@ -122,11 +122,12 @@ def parse(path: Path, layouts: Sequence[Collection[str]] = ()) -> TextTable:
     columns, values, numbers, unnamed = _named_columns(path, header, rows)
     _check_rows(path, columns, numbers, values, rows)
     radians = {header.columns[k] for k in rows.radians} | units
-    percent = rows.percent or all(
-        has_percent(word) for k, word in enumerate(header.words)
+    readings = [
+        word for k, word in enumerate(header.words)
         if header.columns[k] and k not in header.keys and k not in header.beside
         and not is_wavelength(word)
-    )  # fmt: skip
+    ]  # fmt: skip
+    percent = rows.percent or (bool(readings) and all(map(has_percent, readings)))
     beside = [header.columns[k] for k in sorted(header.beside)]
     notes = [*([note] if note else []), *renamed, *_passed_over(titles, rows, unnamed, beside)]
     # One name for each row is the name of a reading, not of a sample.
