@@ -18,7 +18,7 @@ FLOOR = 1e-3
 FLOOR_OF_MEDIAN = 0.02
 #: Where readings of a band fall below zero, its floor is this many times their root mean square.
 #: The logarithm is then nearly straight over the noise, and a dark body is not seen too bright.
-FLOOR_OF_NOISE = 10.0
+FLOOR_OF_NOISE = 20.0
 #: Squares of its inverse are formed: a band of 1e-300 beside ordinary ones must not overflow.
 LEAST_FLOOR = 1e-9
 #: No surface's brightest direction is darker: light traps reach 1e-5.
