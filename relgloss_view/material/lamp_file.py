@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import os
 import re
 from collections.abc import Iterable
@@ -106,7 +107,7 @@ def _rows(path: Path, lines: Iterable[str]) -> list[_Row]:
         fields = _fields(line) if len(line) <= LONGEST_LINE else [line[:40]]
         if not any(fields) or fields[0].startswith("#"):
             continue
-        row = _row(path, number, line, fields)
+        row = _row(path, number, line, fields, not rows)
         if row is None:
             if rows:
                 ended = ended or (number, line)
@@ -132,14 +133,17 @@ def _fields(line: str) -> list[str]:
     """The cells of a line, without the empty ones that a spreadsheet appends."""
     text = line.strip().replace("\u2212", "-")
     delimiter = next((d for d in ";\t" if d in text), None)
-    if delimiter is None and '"' in text:  # "450,5","0,25"
-        text = re.sub(r'"\s*,\s*"?|,\s*"', ";", text)
-        delimiter = ";"
+    if '"' in text:
+        text = re.sub(r'"?=""?([^"=]*)""?"?', r"\1", text)  # ="0.25"
+    if delimiter is None and '"' in text:  # "450,5","0,25" or "450" 0.25
+        mark = "," if re.search(r'"\s*,|,\s*"', text) else " "
+        text = ";".join(next(csv.reader([text], delimiter=mark, skipinitialspace=True)))
+        delimiter = ";" if ";" in text else None
     if delimiter is None and "," in text:
         delimiter = ","
         if re.fullmatch(r"\d+,\d+\s+[+-]?\d*,\d+([eE][+-]?\d+)?", text):
             delimiter = None  # spaces, and decimal commas
-    fields = [f.strip(' "\t') for f in text.split(delimiter)]
+    fields = [_as_number(f.strip(' "\t')) for f in text.split(delimiter)]
     if delimiter == "," and len(fields) == 1:
         fields = text.split()
     while len(fields) > 2 and not fields[-1]:
@@ -149,13 +153,22 @@ def _fields(line: str) -> list[str]:
     return fields
 
 
-def _row(path: Path, number: int, line: str, fields: list[str]) -> _Row | None:
+def _as_number(cell: str) -> str:
+    """A cell without what spreadsheets mark a text with, '0.5 or ="0.5", and without nm."""
+    return re.sub(r"""^['=]["']?(?=[\d.,+-])|(?<=[\d.,])\s*nm$""", "", cell)
+
+
+def _row(
+    path: Path, number: int, line: str, fields: list[str], above: bool
+) -> _Row | None:
     """The row of a line, or None where it does not begin with a number."""
     first = fields[0]
     if len(line) > LONGEST_LINE:
         raise _wrong(path, number, line)
     if not _NUMBER.fullmatch(first):
         return None
+    if len(fields) == 1 and first.isdecimal() and above:
+        return None  # how many rows follow
     if len(fields) != 2:
         # "450,0.5 W" and three columns alike: which is meant is not for a program to guess.
         raise InputError(

@@ -1,7 +1,7 @@
 """Variants of one table and of one lamp, as spreadsheets, languages and instruments write them.
 
 Run as a program, it counts what is read rightly, refused with the right remedy, and read wrongly:
-`python -m tests.measure.variants [COUNT]`.
+`PYTHONPATH=. python tests/measure/variants.py [COUNT]`.
 """
 
 from __future__ import annotations
@@ -594,6 +594,82 @@ def combined(count: int, seed: int = 16) -> Iterator[dict[str, str]]:
         if _possible(names):
             made += 1
             yield names
+
+
+#: Sixty whole files, as the programs in the comments write them.
+SIXTY: tuple[dict[str, str], ...] = (
+    # Excel: comma, German, Unicode text, marks of separator and encoding, code pages.
+    {"padding": "same", "ends": "crlf", "encoding": "bom"},
+    {"separator": "german", "ends": "crlf", "encoding": "cp1252", "titles": "sep"},
+    {"separator": "german", "ends": "crlf", "encoding": "cp1252", "padding": "all"},
+    {"separator": "tab", "ends": "crlf", "encoding": "utf-16"},
+    {"separator": "tab, decimal comma", "ends": "crlf", "encoding": "utf-16-le"},
+    {"separator": "comma", "titles": "sep", "ends": "crlf"},
+    {"separator": "semicolon", "titles": "sep", "quotes": "text"},
+    {"encoding": "cp932", "ends": "crlf", "bands": "400nm", "padding": "same"},
+    {"encoding": "mac", "ends": "cr", "angles": "brackets"},
+    {"encoding": "gbk", "ends": "crlf", "angles": "brackets", "units": "degrees"},
+    {"encoding": "utf-32", "titles": "title"},
+    {"separator": "german", "layout": "percent [%]", "ends": "crlf", "encoding": "bom"},
+    {"numbers": "percent cells", "ends": "crlf", "encoding": "bom"},
+    {"separator": "german", "numbers": "percent cells, blank", "ends": "crlf"},
+    {"numbers": "apostrophe", "quotes": "needed"},
+    {"numbers": "formula text", "ends": "crlf"},
+    {"angles": "new line", "bands": "400 [nm]", "ends": "crlf"},
+    {"quotes": "all", "padding": "all", "ends": "crlf"},
+    {"declared": "cells", "padding": "same", "ends": "crlf", "encoding": "bom"},
+    # LibreOffice, Google Sheets, Numbers.
+    {"separator": "comma, quoted decimal comma", "quotes": "text"},
+    {"separator": "comma", "quotes": "text", "declared": "cells"},
+    {"separator": "tab", "quotes": "all", "bands": "R_400"},
+    {"separator": "comma and blank", "numbers": "rounded degrees"},
+    # R, pandas, numpy, MATLAB.
+    {"columns": "R row names"},
+    {"columns": "unnamed index", "numbers": "repr"},
+    {"columns": "Unnamed: 0", "numbers": "repr", "bands": "400.0"},
+    {"angles": "R", "bands": "X400..nm."},
+    {"declared": "hash before header", "numbers": "small exponents"},
+    {"bands": "x400", "numbers": "exponents", "declared": "percent sign"},
+    {"numbers": "fortran", "separator": "comma and blank"},
+    {"layout": "long", "numbers": "repr", "angles": "pandas"},
+    # Origin, JMP, instruments.
+    {"units": "origin", "separator": "tab", "angles": "greek degrees"},
+    {"units": "Units:", "titles": "keys", "below": "end"},
+    {"units": "deg, 1", "bands": "400 nm", "columns": "comment"},
+    {"layout": "percent units", "titles": "section", "separator": "tab"},
+    {"layout": "long, other words", "titles": "keys", "separator": "german"},
+    {"layout": "long, lambda", "angles": "greek"},
+    {"layout": "reversed bands", "below": "statistics"},
+    {"layout": "other order", "columns": "index from 1"},
+    {"columns": "timestamp", "below": "signed", "titles": "date"},
+    {"columns": "date and time last", "separator": "german"},
+    {"columns": "sample", "bands": "SPECTRAL_NM400", "below": "checksum"},
+    {"columns": "repeat", "angles": "round", "bands": "R(400 nm)"},
+    {"columns": "integration", "angles": "slash", "bands": "λ=400"},
+    {"angles": "camel", "bands": "W400", "titles": "long"},
+    {"angles": "words", "bands": "refl 400", "below": "mean"},
+    {"angles": "angle of", "bands": "nm400", "below": "mean without a word"},
+    {"angles": "tex", "bands": "um named", "padding": "rows"},
+    {"numbers": "minus", "padding": "header", "below": "star"},
+    {"numbers": "en dash", "separator": "semicolon", "below": "notes"},
+    {"numbers": "thin", "ends": "blank lines", "below": "blank rows"},
+    {"layout": "percent declared", "separator": "bar", "below": "ctrl-z"},
+    {"layout": "brdf", "declared": "own", "titles": "quoted"},
+    {"layout": "angles last", "padding": "all", "titles": "letter"},
+    # What can't be read, with its remedy.
+    {"bands": "um", "separator": "german"},
+    {"numbers": "date", "ends": "crlf"},
+    {"numbers": "unit cells", "separator": "tab"},
+    {"numbers": "thousands", "layout": "other order"},
+    {"columns": "two samples", "separator": "semicolon"},
+    {"layout": "transposed", "separator": "tab"},
+)  # fmt: skip
+
+
+def sixty() -> Iterator[tuple[Callable[[], Sheet], dict[str, str]]]:
+    """Each of them of one table or the other, in turns."""
+    for k, names in enumerate(SIXTY):
+        yield (gcms, generic)[k % 2], names
 
 
 def outcome(path: Path, sheet: Sheet, expected: Measurement) -> tuple[str, str]:
