@@ -158,9 +158,7 @@ def _as_number(cell: str) -> str:
     return re.sub(r"""^['=]["']?(?=[\d.,+-])|(?<=[\d.,])\s*nm$""", "", cell)
 
 
-def _row(
-    path: Path, number: int, line: str, fields: list[str], above: bool
-) -> _Row | None:
+def _row(path: Path, number: int, line: str, fields: list[str], above: bool) -> _Row | None:
     """The row of a line, or None where it does not begin with a number."""
     first = fields[0]
     if len(line) > LONGEST_LINE:

@@ -167,7 +167,9 @@ class TestBands:
         found = read(text_of(ANGLES, self.values(nm390=seldom)))
         assert found.bands.count == len(BANDS)
         assert found.kept.all()
-        assert "4 single values are filled from neighbouring bands (4 negative)" in found.warnings[0]
+        assert (
+            "4 single values are filled from neighbouring bands (4 negative)" in found.warnings[0]
+        )
 
     def test_bands_that_would_cost_most_samples_together(self, read):
         fourth = np.arange(20) % 4
@@ -239,6 +241,7 @@ class TestBands:
         values = flat(20)
         values[4, :3] = np.nan
         assert read(text_of(ANGLES, values)).left_out() == {"missing": 1}
+
     def test_negative_channels_of_srgb_are_colours_and_stay(self, read):
         text = text_of(ANGLES, flat(20)[:, :3] * [-0.001, 1, 1], bands=(1, 2, 3))
         text = text.replace(",1,2,3\n", ",R,G,B\n")

@@ -27,7 +27,9 @@ def plain(tmp_path):
 def outcomes(tmp_path, plain, cases):
     counts, faults = Counter(), []
     for base, names in cases:
-        result, text = variants.outcome(tmp_path / "t.csv", variants.build(base, names), plain[base])
+        result, text = variants.outcome(
+            tmp_path / "t.csv", variants.build(base, names), plain[base]
+        )
         counts[result] += 1
         if result not in (variants.READ, variants.REFUSED):
             faults.append((result, base.__name__, names, text))

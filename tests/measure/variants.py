@@ -63,7 +63,9 @@ class Sheet:
             most = max(map(len, every))
             every = [line + [""] * (most - len(line)) for line in every]
         if self.pad == "rows":
-            every = [line + [""] if re.match(r"['\"=]*[-+–−]?\d", line[0]) else line for line in every]
+            every = [
+                line + [""] if re.match(r"['\"=]*[-+–−]?\d", line[0]) else line for line in every
+            ]
         if self.pad == "header":
             every = [line + ["", ""] if line == list(self.header) else line for line in every]
         return every
@@ -88,7 +90,11 @@ class Sheet:
 
 
 def _comma(cell: str) -> str:
-    return cell.replace(".", ",") if re.fullmatch(r"[-+–−'=\"]*\d*\.?\d+([eEdD][-+]?\d+)?\"? ?%?", cell) else cell
+    return (
+        cell.replace(".", ",")
+        if re.fullmatch(r"[-+–−'=\"]*\d*\.?\d+([eEdD][-+]?\d+)?\"? ?%?", cell)
+        else cell
+    )
 
 
 def gcms() -> Sheet:
@@ -126,9 +132,7 @@ def _bands(write: Callable[[int], str]) -> Change:
 
 
 def _angles(three: Sequence[str], four: Sequence[str]) -> Change:
-    return lambda s: replace(
-        s, header=(*(three if s.angles == 3 else four), *s.header[s.angles :])
-    )
+    return lambda s: replace(s, header=(*(three if s.angles == 3 else four), *s.header[s.angles :]))
 
 
 def _angle_words(write: Callable[[str], str]) -> Change:
@@ -146,7 +150,11 @@ def _cells(write: Callable[[str], str], which: str = "values", **more: object) -
             first, last = 0, None
 
         def written(row: tuple[str, ...]) -> tuple[str, ...]:
-            return (*row[:first], *(write(c) for c in row[first:last]), *(row[last:] if last else ()))
+            return (
+                *row[:first],
+                *(write(c) for c in row[first:last]),
+                *(row[last:] if last else ()),
+            )
 
         return replace(s, rows=tuple(map(written, s.rows)), **more)  # type: ignore[arg-type]
 
@@ -265,9 +273,7 @@ def _r_table(s: Sheet) -> Sheet:
 
 
 def _each(lines: str) -> Change:
-    return lambda s: replace(
-        s, above=tuple((re.sub(r"^#", lines, a[0]), *a[1:]) for a in s.above)
-    )
+    return lambda s: replace(s, above=tuple((re.sub(r"^#", lines, a[0]), *a[1:]) for a in s.above))
 
 
 def _savetxt(s: Sheet) -> Sheet:
@@ -545,8 +551,9 @@ def _possible(names: dict[str, str]) -> bool:
         return False
     if layout == "percent units" and "units" in names:
         return False
-    if names.get("columns") == "R row names" and (set(names) - {"columns", "layout", "encoding",
-                                                               "ends", "numbers"}):
+    if names.get("columns") == "R row names" and (
+        set(names) - {"columns", "layout", "encoding", "ends", "numbers"}
+    ):
         return False
     if names.get("declared") == "hash before header" and "columns" in names:
         return False
@@ -716,7 +723,7 @@ def main(count: int) -> None:
                 result, text = outcome(path, sheet, plain[base])
                 counts[result] += 1
                 if result not in (READ, REFUSED):
-                    print(f"{result}: {base.__name__} {names}\n    {text[len(folder):][:230]}")
+                    print(f"{result}: {base.__name__} {names}\n    {text[len(folder) :][:230]}")
     print(counts)
 
 

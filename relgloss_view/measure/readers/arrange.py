@@ -138,7 +138,9 @@ def _sorted(table: TextTable, angles: list[int], rest: list[int]) -> TextTable:
     """Wavelengths that fall from column to column in increasing order."""
     found = [band_nm(table.columns[k]) for k in rest]
     nm: Array = np.array([np.nan if x is None else x for x in found])
-    if len(nm) < 2 or not np.all(np.diff(nm) < 0.0):  # False for NaN: what is no wavelength is refused later
+    if len(nm) < 2 or not np.all(
+        np.diff(nm) < 0.0
+    ):  # False for NaN: what is no wavelength is refused later
         return table
     order = [*angles, *rest[::-1]]
     return replace(

@@ -374,6 +374,11 @@ def _check_columns(path: Path, header: Header, layouts: Sequence[Collection[str]
     if not header.keys:
         first = next(name for name in header.columns if name)
         expected = " or ".join(",".join(layout) for layout in layouts)
+        if is_wavelength(first) and sum(map(bool, header.columns)) == 2:
+            raise InputError(
+                f"{where}: this is a spectrum without a geometry; it can serve as a lamp or for the "
+                "colour of a material, and a fit needs a table with columns of angles"
+            )
         if is_wavelength(first):
             raise InputError(
                 f"{where}: the wavelengths run down the table; transpose it: one row a geometry, "
@@ -453,9 +458,7 @@ def _check_rows(
         )
 
 
-def _passed_over(
-    titles: list[int], rows: Rows, unnamed: list[int], beside: list[str]
-) -> list[str]:
+def _passed_over(titles: list[int], rows: Rows, unnamed: list[int], beside: list[str]) -> list[str]:
     """What was passed over, as at most two sentences."""
     parts = []
     if titles:

@@ -34,7 +34,9 @@ _GREEK = {
 }
 _GLUED = re.compile(r"(theta|phi)_?(i|in|inc|o|out|r|refl)")
 #: The degree sign, and what Windows-1252 shows for that of other code pages (Mac OS, DOS, Shift-JIS).
-_DEGREE = re.compile(r"\bdegrees?\b|[°º˚]|(?<=[\s\[(/])(?:[¡øßã\ufffd]|\x81[‹\x8b]|¡ã)(?=$|[\s\])])")
+_DEGREE = re.compile(
+    r"\bdegrees?\b|[°º˚]|(?<=[\s\[(/])(?:[¡øßã\ufffd]|\x81[‹\x8b]|¡ã)(?=$|[\s\])])"
+)
 _RADIAN = re.compile(r"\b(radians?|rads?)\b")
 _BAND = re.compile(
     r"(?:(?:spectral|spec|wavelength|wl|lambda|λ|nm|r|refl|reflectance|reflectance factor|"

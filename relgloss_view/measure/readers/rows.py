@@ -241,10 +241,9 @@ class RowReader:
         units = [unit_of(f) is not None for f in angles]
         if all(units) or (len(units) > 1 and all(units[1:]) and angles[0].isalpha()):
             return not any(cells.is_number(f) and f != "1" for f in fields)
-        return (
-            not any(re.search(r"\d", f) for f in fields if f not in ("1/sr", "sr-1", "sr^-1"))
-            and not all(cells.says_nothing(f) for f in angles)
-        )
+        return not any(
+            re.search(r"\d", f) for f in fields if f not in ("1/sr", "sr-1", "sr^-1")
+        ) and not all(cells.says_nothing(f) for f in angles)
 
     def _whole(self, fields: list[str]) -> bool:
         """Whether every angle of a row is a number."""
