@@ -6,11 +6,9 @@ its neighbours in wavelength suggest stands in for it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from relgloss_view.base.arrays import Array, Mask
+from relgloss_view.base.arrays import Array, Ints, Mask
 
 #: A sample with more bad values than this share of its bands is left out.
 MOST_FILLED = 0.25
@@ -122,7 +120,7 @@ def _off(values: Array, expected: Array) -> Array:
 
 
 def _filled_note(
-    kinds: dict[str, Mask], bad: Mask, rows: Sequence[int] | Array, centres_nm: Array, angles: Array
+    kinds: dict[str, Mask], bad: Mask, rows: Ints, centres_nm: Array, angles: Array
 ) -> str:
     row = int(rows[0])
     band = int(np.argmax(bad[row]))

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
 import sampled
+
 from relgloss_view import fit_material
 from relgloss_view.measure.readers import read_measurement
 

@@ -10,7 +10,7 @@ import pytest
 from files import GCMS, GENERIC, rgl_fields, tensor_file
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.measure.readers import csv_table, merl, read_measurement
+from relgloss_view.measure.readers import csv_table, header, merl, read_measurement
 from relgloss_view.measure.readers import tensor_file as container
 
 
@@ -232,7 +232,7 @@ def test_too_many_rows_and_columns(tmp_path, monkeypatch):
     monkeypatch.setattr(csv_table, "MAX_LINES", 9)
     monkeypatch.setattr(csv_table, "MAX_ROWS", 4)
     assert len(read_measurement(path).reasons) == 4
-    monkeypatch.setattr(csv_table, "MAX_COLUMNS", 5)
+    monkeypatch.setattr(header, "MAX_COLUMNS", 5)
     assert "6 columns" in message_of(path)
 
 

@@ -6,8 +6,8 @@ from collections import Counter
 
 import numpy as np
 import pytest
-
 import variants
+
 from relgloss_view import fit_material
 from relgloss_view.measure.readers import read_measurement
 

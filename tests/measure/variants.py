@@ -4,6 +4,7 @@ Run as a program, it counts what is read rightly, refused with the right remedy,
 `PYTHONPATH=. python tests/measure/variants.py [COUNT]`.
 """
 
+# ruff: noqa: E501 - a line of the table of changes is read as one
 from __future__ import annotations
 
 import random
@@ -64,10 +65,10 @@ class Sheet:
             every = [line + [""] * (most - len(line)) for line in every]
         if self.pad == "rows":
             every = [
-                line + [""] if re.match(r"['\"=]*[-+–−]?\d", line[0]) else line for line in every
+                [*line, ""] if re.match(r"['\"=]*[-+–−]?\d", line[0]) else line for line in every
             ]
         if self.pad == "header":
-            every = [line + ["", ""] if line == list(self.header) else line for line in every]
+            every = [[*line, "", ""] if line == list(self.header) else line for line in every]
         return every
 
     def content(self) -> bytes:

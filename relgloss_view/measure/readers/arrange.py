@@ -1,4 +1,4 @@
-"""Tables in another order than relgloss's: long ones, single readings, falling wavelengths, samples.
+"""Tables in another order: long ones, single readings, falling wavelengths, several samples.
 
 Each becomes a table of one row a geometry and one column a band, with a note of what was done.
 """
@@ -13,7 +13,8 @@ from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.measure.readers.assemble import one_channel
-from relgloss_view.measure.readers.csv_table import MAX_COLUMNS, MAX_VALUES, TextTable
+from relgloss_view.measure.readers.csv_table import MAX_VALUES, TextTable
+from relgloss_view.measure.readers.header import MAX_COLUMNS
 from relgloss_view.measure.readers.headings import (
     angle_heading,
     band_nm,
@@ -32,7 +33,8 @@ def arranged(table: TextTable, options: ReadOptions) -> tuple[TextTable, ReadOpt
     """The table by rows of geometries and columns of bands in increasing order.
 
     options: their part is the sample that is wanted, by name or number from 1, where a column names
-    several; the options that remain to be used come back. Raises InputError where that or a wavelength is not clear.
+    several; the options that remain to be used come back. Raises InputError where that or a
+    wavelength is not clear.
     """
     if table.sample_of is not None:
         table = _one_sample(table, table.sample_of, options.part)

@@ -33,7 +33,7 @@ _GREEK = {
     "γ": "gamma",
 }
 _GLUED = re.compile(r"(theta|phi)_?(i|in|inc|o|out|r|refl)")
-#: The degree sign, and what Windows-1252 shows for that of other code pages (Mac OS, DOS, Shift-JIS).
+#: The degree sign, and what Windows-1252 shows for that of Mac OS, DOS, Shift-JIS, GBK.
 _DEGREE = re.compile(
     r"\bdegrees?\b|[°º˚]|(?<=[\s\[(/])(?:[¡øßã\ufffd]|\x81[‹\x8b]|¡ã)(?=$|[\s\])])"
 )
