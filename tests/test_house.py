@@ -296,7 +296,9 @@ REPLACING = {
     "base/csv_files.py",  # cells that are read back
     "material/lamp_file.py",
     "measure/quantity.py",
+    "measure/readers/cells.py",
     "measure/readers/csv_table.py",
+    "measure/readers/header.py",
     "measure/readers/headings.py",
     "picture/gpu/constants.py",  # the names of our own choices
     "picture/gpu/shader.py",  # the compiler's log

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -69,7 +70,7 @@ def read_rows(
         fields = fields_of(line) if len(line) <= LONGEST_LINE else [line[:40]]
         if not any(fields) or fields[0].startswith("#"):
             continue
-        row = _row(path, number, line, fields, words, chosen)
+        row = _row(path, number, line, fields, words, chosen, not rows)
         if row is None:
             if rows:
                 ended = ended or (number, line)
@@ -95,14 +96,16 @@ def fields_of(line: str) -> list[str]:
     """The cells of a line, without the empty ones that a spreadsheet appends."""
     text = line.strip().replace("\u2212", "-")
     delimiter = next((d for d in ";\t" if d in text), None)
-    if delimiter is None and '"' in text:  # "450,5","0,25"
-        text = re.sub(r'"\s*,\s*"?|,\s*"', ";", text)
-        delimiter = ";"
+    if '"' in text:
+        text = re.sub(r'"?=""?([^"=]*)""?"?', r"\1", text)  # ="0.25"
+    if delimiter is None and '"' in text:  # "450,5","0,25" or "450" 0.25
+        text = ";".join(_quoted_cells(text))
+        delimiter = ";" if ";" in text else None
     if delimiter is None and "," in text:
         delimiter = ","
         if re.fullmatch(r"\d+,\d+\s+[+-]?\d*,\d+([eE][+-]?\d+)?", text):
             delimiter = None  # spaces, and decimal commas
-    fields = [f.strip(' "\t') for f in text.split(delimiter)]
+    fields = [_as_number(f.strip(' "\t')) for f in text.split(delimiter)]
     if delimiter == "," and len(fields) == 1:
         fields = text.split()
     while len(fields) > 2 and not fields[-1]:
@@ -112,6 +115,19 @@ def fields_of(line: str) -> list[str]:
     return fields
 
 
+def _quoted_cells(text: str) -> list[str]:
+    mark = "," if re.search(r'"\s*,|,\s*"', text) else " "
+    try:
+        return next(csv.reader([text], delimiter=mark, skipinitialspace=True))
+    except (csv.Error, StopIteration):
+        return [text]
+
+
+def _as_number(cell: str) -> str:
+    """A cell without what spreadsheets mark a text with, '0.5 or ="0.5", and without nm."""
+    return re.sub(r"""^['=]["']?(?=[\d.,+-])|(?<=[\d.,])\s*nm$""", "", cell)
+
+
 def _row(
     path: Path,
     number: int,
@@ -119,6 +135,7 @@ def _row(
     fields: list[str],
     words: Words,
     chosen: Callable[[list[str]], list[str]] | None,
+    above: bool,
 ) -> Row | None:
     """The row of a line, or None where it does not begin with a number."""
     first = fields[0].removesuffix("nm").strip()
@@ -126,6 +143,8 @@ def _row(
         raise _wrong(path, number, line, words)
     if not NUMBER.fullmatch(first):
         return None
+    if len(fields) == 1 and first.isdecimal() and above:
+        return None  # how many rows follow
     if chosen is not None:
         fields = chosen(fields)
     if len(fields) != 2:

@@ -118,7 +118,8 @@ def departures(
         seen = predicted[rows]
     value = measurement.radiance_factor[rows]
     # A band without a value has the fit's: it adds no departure.
-    usable = np.isfinite(value) & ((value > 0.0) | measurement.bands.is_rgb)
+    # Zero is what an instrument fills in, below zero is noise.
+    usable = np.isfinite(value) & ((value != 0.0) | measurement.bands.is_rgb)
     value = np.where(usable, value, seen)
     bands = measurement.bands
     folded = xyz_weights(bands, illuminant(Lamp().illuminant))

@@ -16,6 +16,9 @@ from relgloss_view.measure.table import NEGATIVE, Measurement
 #: Radiance factor below which an instrument's reading is its own floor. Dark samples lower it.
 FLOOR = 1e-3
 FLOOR_OF_MEDIAN = 0.02
+#: Where readings of a band fall below zero, its floor is this many times their root mean square.
+#: The logarithm is then nearly straight over the noise, and a dark body is not seen too bright.
+FLOOR_OF_NOISE = 20.0
 #: Squares of its inverse are formed: a band of 1e-300 beside ordinary ones must not overflow.
 LEAST_FLOOR = 1e-9
 #: No surface's brightest direction is darker: light traps reach 1e-5.
@@ -38,7 +41,7 @@ class Observations:
     """N samples x B bands in radiance factors (pi times the BRDF), with their geometry."""
 
     geometry: Geometry
-    value: Array  #: (N, B), zero where there is no usable value
+    value: Array  #: (N, B), zero where there is no usable value; below it where noise is
     floor: Array  #: (N, B), added to value and model before the logarithm
     weight: Array  #: (N, B), 0 where there is no usable value, else the band's share
     group: Ints  #: (N,), 0 .. G-1
@@ -116,7 +119,11 @@ def prepare(measurement: Measurement, seed: int = 0) -> Observations:
     finite = np.isfinite(factor)
     value = np.where(finite, factor, 0.0)
     positive = value > 0.0
-    usable = positive if not measurement.bands.is_rgb else finite
+    noisy = np.zeros(value.shape[1], dtype=bool)
+    if not measurement.bands.is_rgb:
+        noisy = np.any(value < 0.0, axis=0)
+    # Zero beside noise to either side of it is a reading; else it is what an instrument fills in.
+    usable = finite if measurement.bands.is_rgb else finite & (positive | noisy)
     enough = np.sum(np.any(positive, axis=1))
     if enough < FEWEST_SAMPLES:
         left_out = _unusable(measurement, rows, positive)
@@ -132,8 +139,9 @@ def prepare(measurement: Measurement, seed: int = 0) -> Observations:
             "any surface; check the quantity and its unit"
         )
     floor = _floors(value, positive)
+    floor[:, noisy] = np.maximum(floor, _noise_floor(value))[:, noisy]
     group, groups = _groups(measurement.group[rows], seed)
-    value = np.where(positive, value, 0.0)
+    value = np.where(positive | (usable & noisy), value, 0.0)
     share = foreshortening(measurement, rows)
     counts = None if measurement.stands_for is None else measurement.stands_for[rows]
     if counts is not None:
@@ -184,6 +192,14 @@ def _floors(value: Array, positive: Mask) -> Array:
     brightness = np.mean(np.maximum(value, 0.0), axis=1, keepdims=True)
     slack = np.maximum(-value, OUT_OF_GAMUT_SLACK * brightness)
     return np.where(positive, floor, np.maximum(floor, slack))
+
+
+def _noise_floor(value: Array) -> Array:
+    """(B,), the floor where readings fall below zero: above each of them by far."""
+    below = np.minimum(value, 0.0)
+    count = np.maximum(np.sum(below < 0.0, axis=0), 1)
+    typical = np.sqrt(np.sum(np.square(below), axis=0) / count)
+    return np.asarray(np.maximum(FLOOR_OF_NOISE * typical, 3.0 * np.max(-below, axis=0)))
 
 
 def _groups(group: Ints, seed: int) -> tuple[Ints, int]:

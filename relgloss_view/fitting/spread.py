@@ -120,9 +120,12 @@ def _shared_states(
     """
     start, ends = candidate.solution.state, []
     for side in (-1.0, 1.0):
-        seen = observations.value > 0.0
-        moved = np.maximum(observations.value + side * OFFSET_SD, _DARKEST)
-        problem = Problem(replace(observations, value=np.where(seen, moved, 0.0)), candidate.rung)
+        value = observations.value
+        moved = np.maximum(value + side * OFFSET_SD, np.where(value > 0.0, _DARKEST, -np.inf))
+        # A value below zero is noise, which moves as others do, as far as its floor reaches.
+        moved = np.where(value < 0.0, np.maximum(moved, -0.9 * observations.floor), moved)
+        moved = np.where(value == 0.0, 0.0, moved)
+        problem = Problem(replace(observations, value=moved), candidate.rung)
         ends.append(refine(problem, [start], FOLD_ROUNDS)[0].state)
     pairs = [(ends[0], ends[1])]
     if candidate.rung.free_index:

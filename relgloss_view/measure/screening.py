@@ -10,6 +10,7 @@ from relgloss_view.measure import table
 from relgloss_view.measure.bands import Bands
 from relgloss_view.measure.gonio import GRAZING_COSINE, OCCLUSION_DEG
 from relgloss_view.measure.quantity import RADIANCE_FACTOR_PERCENT
+from relgloss_view.measure.single_values import MOST_FILLED
 
 #: Values whose half-vector is further from the normal than this show the body of most samples.
 BODY_DEG = 20.0
@@ -17,8 +18,10 @@ BODY_DEG = 20.0
 MOST_BODY = 2.0
 #: With fewer values of the body one may be anything, and the least of them is taken.
 FEWEST_BODY = 5
-#: Readings this far below zero are noise about zero: a thousandth of the perfect diffuser.
+#: Readings this far below zero are noise about zero: a thousandth of the perfect diffuser ...
 NOISE = 1e-3
+#: ... or this many standard deviations of the noise that many of them show, up to a limit.
+NOISE_DEVIATIONS, MOST_NOISE, FEWEST_NEGATIVE = 5.0, 0.02, 8
 #: With fewer samples the shares below mean nothing.
 FEWEST_ROWS = 8
 #: A band is left out where it has no reading above zero in this share of the samples ...
@@ -115,14 +118,37 @@ def percent_warning(
     )
 
 
-def unusable_bands(radiance_factor: Array, above: Mask, bands: Bands) -> tuple[Mask, Mask]:
-    """Bands to leave out, and bands to read as black where they are below zero, (B,) each.
+def noise_limit(radiance_factor: Array, above: Mask) -> float:
+    """How far below zero a reading is noise, as a radiance factor.
+
+    Arrays as in unusable_bands. Where enough readings are negative they show the noise themselves:
+    their median over 0.6745 is its standard deviation where the sample is black (Hampel 1974), and
+    less where it is not. Samples that are negative in most bands are at fault and not looked at.
+    """
+    values = radiance_factor[above]
+    if not values.size or np.min(values) >= 0.0:
+        return NOISE
+    negative = values < 0.0
+    some = negative & (np.mean(values < -NOISE, axis=1) <= 0.5)[:, None]
+    # A band that is negative throughout has an offset, and noise beside it.
+    some &= negative.mean(axis=0) <= 1.0 - ENOUGH_WITHOUT
+    if np.sum(some) < FEWEST_NEGATIVE:
+        return NOISE
+    deviation = float(np.median(-values[some])) / 0.6745
+    return float(np.clip(NOISE_DEVIATIONS * deviation, NOISE, MOST_NOISE))
+
+
+def unusable_bands(
+    radiance_factor: Array, above: Mask, bands: Bands, noise: float = NOISE
+) -> tuple[Mask, Mask]:
+    """Bands to leave out, and dark bands whose values below zero are all noise, (B,) each.
 
     radiance_factor: (N, B), NaN where empty. above: (N,), both directions above the horizon.
+    noise: as noise_limit gives it.
 
-    A band that is empty or negative in most samples says nothing of the sample, and its samples
-    would be left out one and all. So it is left out, and what an instrument fills with zeros
-    though it saw the highlight. Two bands always stay. A run of several bands in the middle of
+    A band that is empty or negative in most samples says nothing of the sample. So it is left out,
+    and what an instrument fills with zeros though it saw the highlight. So are bands without which
+    most samples would lack too much. Two bands always stay. A run of several bands in the middle of
     the spectrum that lie about zero is a dark colour and stays: without it the colour would be that
     of its neighbours. Channels of linear sRGB are negative where a colour is saturated, and stay.
 
@@ -139,13 +165,14 @@ def unusable_bands(radiance_factor: Array, above: Mask, bands: Bands) -> tuple[M
     bad = ~(values >= 0.0)
     always = bad.mean(axis=0) > 1.0 - ENOUGH_WITHOUT
     # A sample that lacks most of the other bands is at fault itself.
-    sound = bad[:, ~always].mean(axis=1) <= 0.5 if not always.all() else np.zeros(len(bad), bool)
+    beyond = ~(values >= -noise)
+    sound = beyond[:, ~always].mean(axis=1) <= 0.5 if not always.all() else np.zeros(len(bad), bool)
     if np.sum(sound) < FEWEST_ROWS:
         return none, none
-    values, bad = values[sound], bad[sound]
-    share = bad.mean(axis=0)
-    out = share > MOST_WITHOUT
-    while np.any(bad[:, ~out], axis=1).mean() > MOST_WITHOUT:
+    values, bad, beyond = values[sound], bad[sound], beyond[sound]
+    out = bad.mean(axis=0) > MOST_WITHOUT
+    share = beyond.mean(axis=0)
+    while np.mean(_lacking(beyond[:, ~out])) > MOST_WITHOUT:
         worst = int(np.argmax(np.where(out, -1.0, share)))
         if share[worst] < ENOUGH_WITHOUT:
             break
@@ -153,15 +180,22 @@ def unusable_bands(radiance_factor: Array, above: Mask, bands: Bands) -> tuple[M
     filled = np.all(np.nan_to_num(values) == 0.0, axis=0)
     if np.nanmax(values[:, ~filled], initial=0.0) > HIGHLIGHT:
         out |= filled
-    dark = _dark_runs(values, out, bands.centres_nm())
+    dark = _dark_runs(values, out, bands.centres_nm(), noise)
     out &= ~dark
     return (out, dark) if np.sum(~out) >= 2 else (none, none)
 
 
-def _dark_runs(values: Array, out: Mask, centres_nm: Array) -> Mask:
+def _lacking(bad: Mask) -> Mask:
+    """(N,), the samples with more bad values than are filled."""
+    if not bad.shape[1]:
+        return np.zeros(len(bad), dtype=bool)
+    return np.asarray(bad.mean(axis=1) > MOST_FILLED)
+
+
+def _dark_runs(values: Array, out: Mask, centres_nm: Array, noise: float) -> Mask:
     """The bands in `out` that lie about zero, in runs with two and more in the seen spectrum."""
     level = np.abs(np.median(np.where(np.isnan(values), np.inf, values), axis=0))
-    about_zero = out & (level <= NOISE) & np.any(values > 0.0, axis=0)
+    about_zero = out & (level <= noise) & np.any(values > 0.0, axis=0)
     dark = np.zeros_like(out)
     low, high = SEEN_NM
     edges = np.flatnonzero(np.diff(np.r_[False, about_zero, False].astype(int)))
@@ -169,22 +203,6 @@ def _dark_runs(values: Array, out: Mask, centres_nm: Array) -> Mask:
         seen = (centres_nm[first:end] >= low) & (centres_nm[first:end] <= high)
         dark[first:end] = np.sum(seen) >= 2
     return dark
-
-
-def read_above_zero(radiance_factor: Array, dark: Mask) -> tuple[Array, str | None]:
-    """Values with noise below zero read as zero, and a note where that is any.
-
-    dark: (B,), bands whose values below zero are all noise.
-    """
-    below = (radiance_factor < 0.0) & ((radiance_factor >= -NOISE) | dark)
-    if not np.any(below):
-        return radiance_factor, None
-    count, lowest = int(np.sum(below)), float(np.min(radiance_factor[below]))
-    note = (
-        f"{count} reading{'s' if count > 1 else ''} down to {lowest:.2g} "
-        f"{'are' if count > 1 else 'is'} read as 0: noise about zero"
-    )
-    return np.where(below, 0.0, radiance_factor), note
 
 
 def bands_note(radiance_factor: Array, out: Mask, bands: Bands) -> str | None:

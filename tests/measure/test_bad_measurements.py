@@ -10,7 +10,7 @@ import pytest
 from files import GCMS, GENERIC, rgl_fields, tensor_file
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.measure.readers import csv_table, merl, read_measurement
+from relgloss_view.measure.readers import csv_table, header, merl, read_measurement
 from relgloss_view.measure.readers import tensor_file as container
 
 
@@ -57,9 +57,6 @@ BAD = {
     "micrometres": (swap("400", "0.4"), "line 5, column 4", "correct it"),
     "infrared": (swap("600", "3001"), "line 5, column 6: wavelength 3001", "correct it"),
     "nm too close": (swap("500", "400.4"), "line 5, column 5: 400.4 nm follows", "at least 0.5"),
-    "one wavelength": (
-        "# quantity: brdf\nalpha_deg,beta_deg,gamma_deg,550\n0,45,0,1", "line 2, column 4: 550",
-        "two or more"),
     "a material": ('{"format": "relgloss-material"}', "a material, not a measurement", "snapshot"),
     "nan nm": (swap("400", "nan"), "line 5, column 4", "correct it"),
     "nm go down": (swap("400,500", "500,400"), "line 5, column 5: 400 nm", "increasing order"),
@@ -236,7 +233,7 @@ def test_too_many_rows_and_columns(tmp_path, monkeypatch):
     monkeypatch.setattr(csv_table, "MAX_LINES", 9)
     monkeypatch.setattr(csv_table, "MAX_ROWS", 4)
     assert len(read_measurement(path).reasons) == 4
-    monkeypatch.setattr(csv_table, "MAX_COLUMNS", 5)
+    monkeypatch.setattr(header, "MAX_COLUMNS", 5)
     assert "6 columns" in message_of(path)
 
 

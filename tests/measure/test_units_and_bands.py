@@ -166,11 +166,17 @@ class TestBands:
         seldom = np.where(np.arange(20) % 5 == 0, -0.01, 0.01)
         found = read(text_of(ANGLES, self.values(nm390=seldom)))
         assert found.bands.count == len(BANDS)
-        assert found.left_out() == {"negative": 4}
+        assert found.kept.all()
+        assert (
+            "4 single values are filled from neighbouring bands (4 negative)" in found.warnings[0]
+        )
 
     def test_bands_that_would_cost_most_samples_together(self, read):
-        third = np.arange(20) % 3
-        columns = {f"nm{nm:g}": np.where(third == k, -0.01, 0.01) for k, nm in enumerate(BANDS[:3])}
+        fourth = np.arange(20) % 4
+        columns = {
+            f"nm{nm:g}": np.where((k - fourth) % 4 < 3, -0.05, 0.01)
+            for k, nm in enumerate(BANDS[:4])
+        }
         found = read(text_of(ANGLES, self.values(**columns)))
         assert found.bands.count < len(BANDS)
         assert found.kept.sum() >= 10
@@ -199,15 +205,42 @@ class TestBands:
         assert set(BANDS[1:5]) <= set(found.bands.wavelengths_nm)
         assert found.kept.all()
         assert found.radiance_factor[:, :4].max() < 1e-3
-        assert any("read as 0" in w for w in found.warnings)
+        assert found.radiance_factor[:, :4].min() < 0.0
+        assert any("kept as noise about zero" in w for w in found.warnings)
 
-    def test_noise_about_zero_counts_as_zero_with_a_note(self, read):
+    def test_noise_about_zero_is_kept_and_a_single_fault_is_filled(self, read):
         values = self.values(nm390=0.01)
         values[4, 0], values[5, 0] = -0.0009, -0.0011
         found = read(text_of(ANGLES, values))
-        assert found.radiance_factor[4, 0] == 0.0
-        assert found.left_out() == {"negative": 1}
-        assert found.warnings == ("1 reading down to -0.0009 is read as 0: noise about zero",)
+        assert found.radiance_factor[4, 0] == -0.0009
+        assert found.radiance_factor[5, 0] == pytest.approx(0.01, rel=1e-6)
+        assert found.kept.all()
+        assert found.warnings == (
+            "1 single value is filled from neighbouring bands (1 negative): the first at 390 nm, "
+            + ", ".join(f"{x:g}" for x in ANGLES[5]) + " deg",
+            "1 reading down to -0.0009 is kept as noise about zero",
+        )  # fmt: skip
+
+    @pytest.mark.parametrize("fault", [np.nan, -0.4, 25.0, 0.0])
+    def test_one_bad_value_drops_none_of_thirty_good_ones(self, read, fault):
+        bands = np.arange(400.0, 701.0, 10.0)
+        # An ink's edge: the spectrum grows eightfold within 60 nm.
+        right = 0.05 + 0.4 / (1.0 + np.exp(-(bands - 570.0) / 12.0))
+        values = np.tile(right, (20, 1)) * np.linspace(0.9, 1.1, 20)[:, None]
+        values[3] += 1.0  # a highlight is white
+        expected = read(text_of(ANGLES, values, bands=bands))
+        assert expected.warnings == ()
+        for row, band in ((7, 17), (3, 17), (12, 0)):
+            values[row, band] = fault
+        found = read(text_of(ANGLES, values, bands=bands))
+        assert found.kept.all()
+        np.testing.assert_allclose(found.radiance_factor, expected.radiance_factor, rtol=0.08)
+        assert "3 single values are filled" in found.warnings[0]
+
+    def test_too_many_bad_values_leave_the_sample_out(self, read):
+        values = flat(20)
+        values[4, :3] = np.nan
+        assert read(text_of(ANGLES, values)).left_out() == {"missing": 1}
 
     def test_negative_channels_of_srgb_are_colours_and_stay(self, read):
         text = text_of(ANGLES, flat(20)[:, :3] * [-0.001, 1, 1], bands=(1, 2, 3))

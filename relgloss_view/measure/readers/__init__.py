@@ -13,6 +13,7 @@ from relgloss_view.base.reading import decoding, read_beginning
 from relgloss_view.measure.quantity import BRDF
 from relgloss_view.measure.readers import (
     alta,
+    arrange,
     astm_e1392,
     bsdf_xml,
     cgats,
@@ -140,6 +141,7 @@ def _read_text(path: Path, head: bytes, options: ReadOptions) -> Measurement:
     if spectrum_text.is_samples_table(head):
         return multi_angle.measurement(path, spectrum_text.read_samples(path, "1"), options)
     table = csv_table.parse(path, (gcms.COLUMNS.keys(), generic.COLUMNS.keys()))
+    table, options = arrange.arranged(table, options)
     names = {name.lower() for name in table.columns}
     if names & gcms.COLUMNS.keys():
         return replace(gcms.read(table, options), format="a GCMS-style table")

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from relgloss_view.base.arrays import Array, Ints, Mask
 from relgloss_view.base.errors import InputError
 from relgloss_view.measure import screening as screen
+from relgloss_view.measure import single_values
 from relgloss_view.measure.bands import RGB, Bands
 from relgloss_view.measure.gonio import GRAZING_COSINE, spherical, tabulated_grid
 from relgloss_view.measure.quantity import to_radiance_factor
@@ -68,23 +69,28 @@ def assemble(
     to_lamp, to_receiver = directions
     factor = to_radiance_factor(readings, facts.quantity, to_receiver[:, 2])
     above = np.minimum(to_lamp[:, 2], to_receiver[:, 2]) > GRAZING_COSINE
-    out, dark = screen.unusable_bands(factor, above, bands)
+    limit = screen.noise_limit(factor, above)
+    out, dark = screen.unusable_bands(factor, above, bands, limit)
     left_out = screen.bands_note(factor[above], out, bands)
     if left_out is not None and bands.wavelengths_nm is not None:
         centres = zip(bands.wavelengths_nm, out, strict=True)
         bands = Bands(tuple(nm for nm, left in centres if not left))
         factor, readings, dark = factor[:, ~out], readings[:, ~out], dark[~out]
-    noise = None
-    if not bands.is_rgb:  # a negative channel of linear sRGB is a saturated colour
-        factor, noise = screen.read_above_zero(factor, dark)
-        readings = np.where((readings < 0.0) & (factor == 0.0), 0.0, readings)
+    mended: list[str] = []
+    # A negative channel of linear sRGB is a saturated colour.
+    if not bands.is_rgb and len(factor):
+        noise = np.where(dark, np.inf, limit)
+        factor, fine, mended = single_values.mended(
+            factor, noise, bands.centres_nm(), angles, above
+        )
+        readings = np.where(fine, 0.0, readings)
     reasons = screen.reasons(
         to_lamp, to_receiver, readings, saturation=facts.saturation, arms_occlude=arms_occlude
     )
     percent = screen.percent_warning(to_lamp, to_receiver, factor, reasons == KEPT)
     if percent is not None and not facts.quantity_insisted:
         raise InputError(f"{path}: {percent}")
-    doubts = (left_out, noise, percent, contradictions(angles, factor, reasons == KEPT))
+    doubts = (left_out, *mended, percent, contradictions(angles, factor, reasons == KEPT))
     measurement = Measurement(
         name=facts.name,
         source=facts.source,
@@ -136,7 +142,7 @@ def contradictions(angles: Array, radiance_factor: Array, kept: Mask) -> str | N
     order = np.lexsort(angles.T)
     same = (angles[order[1:]] == angles[order[:-1]]).all(axis=1)
     a, b = level[order[1:]][same], level[order[:-1]][same]
-    count = int(np.sum(np.abs(a - b) > CONTRADICTION * np.maximum(a, b)))
+    count = int(np.sum(np.abs(a - b) > CONTRADICTION * np.maximum(a, b) + screen.NOISE))
     if not count:
         return None
     pair = np.flatnonzero(same)[np.argmax(np.abs(a - b))]

@@ -8,9 +8,15 @@ from relgloss_view.base.errors import InputError
 
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _COMMA_NUMBER = re.compile(r"[+-]?(\d+,?\d*|,\d+)([eE][+-]?\d+)?", re.ASCII)
-_FORTRAN = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)[dD][+-]?\d+", re.ASCII)
+_FORTRAN = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)[dD][+-]?\d+", re.ASCII)
+#: Signs that typesetters and spreadsheets put for a minus before a digit.
+_MINUS = re.compile(r"^[\u2010-\u2014\u2212\ufe58\ufe63\uff0d](?=[\d.,])")
+#: A cell that a spreadsheet keeps as text: '0.5 or ="0.5".
+_AS_TEXT = re.compile(r"""['\u2019](?=[\d+.,\u2010-\u2014\u2212-])(.*)|="+([^"=]*)"*""")
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}([ ,.'’\u00a0\u202f]\d{3})+([.,]\d+)?", re.ASCII)
-_WITH_UNIT = re.compile(r"([+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?)\s*[^\W\d_].*|.*\d\s*°.*")
+_WITH_UNIT = re.compile(
+    r"([+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?)\s*([^\W\d_].*|[^\x00-\x7f].*|\[.*|1\s*/\s*sr)|.*\d\s*°.*"
+)
 _DATE = re.compile(
     r"\d{1,4}[./ -]+(\w{3,9}[./ -]*(\d{2,4})?|\d{1,2}[./-]\d{1,4})|[a-z]{3,9}[./ -]+\d{2,4}",
     re.IGNORECASE,
@@ -45,7 +51,7 @@ def number(cell: str, decimal_comma: bool = False) -> float | None:
     ...
     relgloss_view.base.errors.InputError: write the number without thousands separators
     """
-    text = cell.strip().replace("\u2212", "-")
+    text = _plain(cell)
     if len(text) > LONGEST:
         raise InputError("write a number with a decimal point, or leave the field empty")
     if NUMBER.fullmatch(text):
@@ -54,17 +60,29 @@ def number(cell: str, decimal_comma: bool = False) -> float | None:
         return None
     if decimal_comma and _COMMA_NUMBER.fullmatch(text):
         return float(text.replace(",", "."))
-    if _FORTRAN.fullmatch(text):
-        return float(text.lower().replace("d", "e"))
+    if _FORTRAN.fullmatch(text) and (decimal_comma or "," not in text):
+        return float(text.lower().replace("d", "e").replace(",", "."))
     raise InputError(_remedy(text))
 
 
 def is_number(cell: str) -> bool:
     """Whether a cell holds a number with decimal point or comma."""
-    text = cell.strip().replace("\u2212", "-")
+    text = _plain(cell)
     if len(text) > LONGEST:
         return False
     return bool(NUMBER.fullmatch(text) or _COMMA_NUMBER.fullmatch(text))
+
+
+def _plain(cell: str) -> str:
+    """A cell with an ASCII minus, without what a spreadsheet marks a text with."""
+    text = cell.strip()
+    if text.isascii() and text[:1] not in ("'", "="):
+        return text
+    if len(text) <= LONGEST:
+        marked = _AS_TEXT.fullmatch(text)
+        if marked:
+            text = (marked[1] if marked[1] is not None else marked[2]).strip()
+    return _MINUS.sub("-", text)
 
 
 def _remedy(text: str) -> str:

@@ -18,21 +18,24 @@ from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.text_lines import TextLines
-from relgloss_view.measure.readers.cells import is_number
-from relgloss_view.measure.readers.headings import RADIANS, AngleHeading, angle_heading, is_band
-from relgloss_view.measure.readers.rows import Header, RowReader, Rows, has_decimal_commas, split
+from relgloss_view.measure.readers.header import (
+    PADDING,
+    SEPARATOR_LINE,
+    check_columns,
+    find_header,
+    read_header,
+    uncommented,
+)
+from relgloss_view.measure.readers.headings import has_percent, is_wavelength
+from relgloss_view.measure.readers.rows import Header, RowReader, Rows, has_decimal_commas
 
 #: Beyond these a table is not a gonio scan, and reading it would exhaust the memory.
 MAX_BYTES = 1_000_000_000
 MAX_ROWS = 5_000_000
 MAX_LINES = 6_000_000  #: with comments and blank lines
-MAX_COLUMNS = 10_000
 MAX_VALUES = 100_000_000  #: rows times columns: 0.8 GB, and a measurement takes that a few times
 #: No reading comes near: a mirror-like lobe of 0.1 degrees at grazing incidence reaches 1e5.
 MAX_MAGNITUDE = 1e12
-MOST_TITLES = 200  #: lines above the header
-MOST_LOOKED_AT = 500  #: columns of a line that may be the header
-MOST_HEADINGS = 50_000  #: of all such lines together
 MOST_COMMENTS = 10_000  #: keys of comments that are kept
 VALUES_AT_ONCE = 1 << 20
 EXPECTED = "a measured table"
@@ -42,9 +45,12 @@ DECLARATIONS = (
     "name", "source", "quantity", "gamma_s_deg", "aperture_sd_deg", "saturation", "angle_unit",
 )  # fmt: skip
 _ONCE = DECLARATIONS[2:]
-_DELIMITERS = (",", ";", "\t", None)
-_PADDING = " \t,;"  #: what a spreadsheet appends to a line of one cell
-_SEPARATOR_LINE = re.compile(r'"?sep=.?"?', re.IGNORECASE)
+#: What other programs begin a comment with.
+_MARKS = re.compile(r"^(?:[%!*;']+|//+)\s*")
+_EMPTY_CELLS = re.compile(r'(?:[,;\t|]\s*"")+$')
+_OPEN_QUOTE = re.compile(r'(?:^|[,;\t|])\s*"[^"]*$')
+_CLOSED_QUOTE = re.compile(r'[^"]*"\s*(?:$|[,;\t|])')
+MOST_LINES_OF_CELL = 8
 
 
 @dataclass(frozen=True)
@@ -60,6 +66,10 @@ class TextTable:
     numbers: tuple[int, ...] = ()  #: (C,), number of each column in the file, from 1
     radians: frozenset[str] = frozenset()  #: angle columns whose heading or row of units says so
     decimal_comma: bool = False
+    percent: bool = False  #: whether headings, row of units or cells have percent
+    heading: str = ""  #: of a column of single readings
+    samples: tuple[str, ...] = ()  #: names in a column that names the sample of each row
+    sample_of: Ints | None = None  #: (N,), which of them, where there are several
     notes: tuple[str, ...] = ()  #: what was passed over
 
     def at(self, row: int, column: int) -> str:
@@ -82,39 +92,75 @@ def parse(path: Path, layouts: Sequence[Collection[str]] = ()) -> TextTable:
     with TextLines(path, EXPECTED, most_bytes=MAX_BYTES, most_lines=MAX_LINES) as text:
         if text.empty:
             raise InputError(f"{path}: the file is empty; a table needs a header line and rows")
-        start, delimiter = _find_header(path, _lines(text), layouts)
+        start, delimiter = find_header(path, _lines(text), layouts)
         lines = _lines(text)
         comments, titles = _above(path, itertools.islice(lines, start))
-        header, units, renamed = _header(path, start + 1, next(lines), delimiter)
+        head = uncommented(next(lines), layouts)
+        following = list(itertools.islice((ln for ln in lines if ln.strip(PADDING)), 2))
+        header, units, renamed = read_header(path, start + 1, head, delimiter, following)
         if layouts:
-            _check_columns(path, header, layouts)
+            check_columns(path, header, layouts)
         comma = delimiter != "," or text.has_quotes
         if comma:
             comma = has_decimal_commas(itertools.islice(_lines(text), start + 1, None), delimiter)
-            lines = itertools.islice(_lines(text), start + 1, None)
+        lines = itertools.islice(_lines(text), start + 1, None)
         below = _declared_once(path, lines, start + 2, comments)
         rows = RowReader(path, header, comma, MAX_ROWS, MAX_VALUES).read(below)
         note = text.note
     columns, values, numbers, unnamed = _named_columns(path, header, rows)
     _check_rows(path, columns, numbers, values, rows)
     radians = {header.columns[k] for k in rows.radians} | units
-    notes = [*([note] if note else []), *renamed, *_passed_over(titles, rows, unnamed)]
+    readings = [
+        word for k, word in enumerate(header.words)
+        if header.columns[k] and k not in header.keys and k not in header.beside
+        and not is_wavelength(word)
+    ]  # fmt: skip
+    percent = rows.percent or (bool(readings) and all(map(has_percent, readings)))
+    beside = [header.columns[k] for k in sorted(header.beside)]
+    notes = [*([note] if note else []), *renamed, *_passed_over(titles, rows, unnamed, beside)]
+    # One name for each row is the name of a reading, not of a sample.
+    several = 1 < len(rows.samples) < len(values)
     return TextTable(
         path, comments, columns, start + 1, values, rows.lines, numbers, frozenset(radians), comma,
+        percent, "", tuple(rows.samples), np.array(rows.sample_of) if several else None,
         tuple(notes),
     )  # fmt: skip
 
 
 def _lines(text: TextLines) -> Iterator[str]:
-    """The lines of a file; those that a spreadsheet wrote as one quoted cell without its quotes."""
+    """The lines of a file; those that a spreadsheet wrote as one quoted cell without its quotes.
+
+    A quoted cell may go over several lines: they come as one, and empty ones for the others.
+    """
     if not text.has_quotes:
         return text.lines()
-    return (_unquoted(line) if '"' in line else line for line in text.lines())
+    return (_unquoted(line) if '"' in line else line for line in _whole(text.lines()))
+
+
+def _whole(lines: Iterator[str]) -> Iterator[str]:
+    pending: list[str] = []
+    for line in lines:
+        if not pending:
+            if _OPEN_QUOTE.search(line) and line.count('"') % 2:
+                pending = [line]
+            else:
+                yield line
+            continue
+        pending.append(line)
+        if line.count('"') % 2 == 0 and len(pending) <= MOST_LINES_OF_CELL:
+            continue
+        if line.count('"') % 2 and _CLOSED_QUOTE.match(line):
+            yield " ".join(pending)
+            yield from [""] * (len(pending) - 1)
+        else:
+            yield from pending
+        pending = []
+    yield from pending
 
 
 def _unquoted(line: str) -> str:
     """A line that a spreadsheet wrote as one quoted cell, without its quotes."""
-    cell = line.strip(_PADDING)
+    cell = _EMPTY_CELLS.sub("", line.strip(PADDING))
     if len(cell) > 1 and cell[0] == cell[-1] == '"':
         inner = cell[1:-1].replace('""', "\0")
         if '"' not in inner:
@@ -122,59 +168,22 @@ def _unquoted(line: str) -> str:
     return line
 
 
-def _find_header(
-    path: Path, lines: Iterable[str], layouts: Sequence[Collection[str]]
-) -> tuple[int, str | None]:
-    """The index of the header line and its delimiter."""
-    first: int | None = None
-    first_delimiter = ","
-    best: tuple[int, int, str | None] = (0, -1, None)
-    looked_at = headings = 0
-    for index, line in enumerate(lines):
-        stripped = line.strip()
-        if not stripped.strip(_PADDING) or stripped.startswith("#"):
-            continue
-        if index < 2 and _SEPARATOR_LINE.fullmatch(stripped):
-            continue
-        if first is None:
-            first, first_delimiter = index, max(",;\t", key=line.count)
-        looked_at += 1
-        if looked_at > MOST_TITLES or headings > MOST_HEADINGS:
-            break
-        for delimiter in _DELIMITERS:
-            if delimiter is not None and delimiter not in line:
-                continue
-            fields = split(line, delimiter, MOST_LOOKED_AT)
-            headings += len(fields)
-            names = {a.name for a in map(angle_heading, fields) if a is not None}
-            for layout in layouts:
-                if len(names & set(layout)) == len(layout):
-                    return index, delimiter
-                if len(names & set(layout)) > best[0]:
-                    best = (len(names & set(layout)), index, delimiter)
-    if first is None:
-        raise InputError(f"{path}: only comments; a table needs a header line and rows")
-    if best[0] > 1 or best[1] == first:
-        return best[1], best[2]
-    return first, first_delimiter
-
-
 def _above(path: Path, lines: Iterable[str]) -> tuple[dict[str, tuple[int, str]], list[int]]:
     """The declarations above the header, and the lines there that are neither they nor empty."""
     comments: dict[str, tuple[int, str]] = {}
     titles = []
     for index, line in enumerate(lines):
-        text = line.strip().strip(_PADDING)
-        if not text or (index < 2 and _SEPARATOR_LINE.fullmatch(text)):
+        text = line.strip().strip(PADDING)
+        if not text or (index < 2 and SEPARATOR_LINE.fullmatch(text)):
             continue
         if not text.startswith("#"):
-            key, value = _title(text)
+            key, value = _title(_MARKS.sub("", text.replace('"', "")))
             if key not in DECLARATIONS or not value:
                 titles.append(index + 1)
                 continue
         else:
             key, colon, value = text.lstrip("#").partition(":")
-            key, value = key.strip().lower(), value.strip().strip(_PADDING)
+            key, value = key.strip().lower(), value.strip().strip(PADDING)
             if not colon or not key:
                 continue
         _declare(path, comments, key, index + 1, value)
@@ -183,8 +192,8 @@ def _above(path: Path, lines: Iterable[str]) -> tuple[dict[str, tuple[int, str]]
 
 def _title(text: str) -> tuple[str, str]:
     """Key and value of a line above the header without #, as 'quantity: brdf' or 'name;x'."""
-    found = re.match(r"([\w ]{1,40}?)\s*[:=,;\t]\s*(.*)", text)
-    return (found[1].strip().lower(), found[2].strip(_PADDING)) if found else ("", "")
+    found = re.match(r"([\w ]{1,40}?)\s*[:=,;\t|]\s*(.*)", text)
+    return (found[1].strip().lower(), found[2].strip(PADDING)) if found else ("", "")
 
 
 def _declare(
@@ -213,71 +222,9 @@ def _declared_once(
             key, colon, value = line.strip().lstrip("#").partition(":")
             key = key.strip().lower()
             if colon and key in _ONCE and key in seen:
-                _declare(path, seen, key, number, value.strip().strip(_PADDING))
+                _declare(path, seen, key, number, value.strip().strip(PADDING))
             continue
         yield number, line
-
-
-def _header(
-    path: Path, line: int, text: str, delimiter: str | None
-) -> tuple[Header, set[str], list[str]]:
-    """The header, the angles that it declares in radians, and a note on other words for angles."""
-    names = [name.strip().strip('"').strip() for name in split(text.strip("\r\n"), delimiter)]
-    if len(names) > MAX_COLUMNS:
-        raise InputError(
-            f"{path}: line {line}: {len(names)} columns, at most {MAX_COLUMNS} are read; "
-            "is this the header of a table?"
-        )
-    if not any(names):
-        raise InputError(f"{path}: line {line}: no column has a name; name the columns")
-    if all(is_number(name) for name in names if name):
-        raise InputError(
-            f"{path}: line {line}: numbers where the header should be; "
-            "name the columns in the first line that is not a # comment"
-        )
-    angles = [angle_heading(name) for name in names]
-    columns = tuple(
-        angle.name if angle else printable(name, 40)
-        for angle, name in zip(angles, names, strict=True)
-    )
-    first: dict[str, int] = {}
-    for k, name in enumerate(columns, start=1):
-        if name and first.setdefault(name.lower(), k) != k:
-            raise InputError(
-                f"{path}: line {line}, column {k}: {name!r} is already column "
-                f"{first[name.lower()]}; rename or remove one"
-            )
-    keys = tuple(k for k, angle in enumerate(angles) if angle)
-    radians = {angle.name for angle in angles if angle and angle.unit == RADIANS}
-    words = tuple(name.lower() for name in names)
-    return Header(line, columns, words, keys, delimiter), radians, _renamed(names, angles)
-
-
-def _check_columns(path: Path, header: Header, layouts: Sequence[Collection[str]]) -> None:
-    """InputError where the header is that of no table, before any row is parsed."""
-    where = f"{path}: line {header.line}"
-    if not header.keys:
-        first = next(name for name in header.columns if name)
-        expected = " or ".join(",".join(layout) for layout in layouts)
-        raise InputError(f"{where}: found column {first!r}; the header should begin {expected}")
-    if not any(set(layout) <= set(header.columns) for layout in layouts):
-        return  # the column that is missing is named later
-    for k, name in enumerate(header.columns, start=1):
-        if name and k - 1 not in header.keys and not is_band(name):
-            raise InputError(
-                f"{where}, column {k}: {name!r} is neither an angle, a wavelength in nm, nor R, G, "
-                "B; rename or remove it"
-            )
-
-
-def _renamed(names: list[str], angles: list[AngleHeading | None]) -> list[str]:
-    """A note where columns of angles have other words than relgloss's, for the reader to check."""
-    pairs = [
-        f"{printable(name, 30)!r} as {angle.name}"
-        for name, angle in zip(names, angles, strict=True)
-        if angle and angle.name.removesuffix("_deg") not in re.sub(r"[\s_.-]+", "_", name.lower())
-    ]
-    return [f"read {', '.join(pairs)}"] if pairs else []
 
 
 def _named_columns(
@@ -300,7 +247,7 @@ def _named_columns(
             raise InputError(
                 f"{path}: line {header.line}, column {k + 1}: no name; name it or remove it"
             )
-    kept = [k for k, name in enumerate(header.columns) if name]
+    kept = [k for k, name in enumerate(header.columns) if name and k not in header.beside]
     names = tuple(header.columns[k] for k in kept)
     values = rows.values if len(kept) == header.width else rows.values[:, kept]
     return names, values, tuple(k + 1 for k in kept), [k + 1 for k in unnamed]
@@ -325,13 +272,13 @@ def _check_rows(
         )
 
 
-def _passed_over(titles: list[int], rows: Rows, unnamed: list[int]) -> list[str]:
+def _passed_over(titles: list[int], rows: Rows, unnamed: list[int], beside: list[str]) -> list[str]:
     """What was passed over, as at most two sentences."""
     parts = []
     if titles:
         parts.append(f"{_numbered('line', titles)} above the header")
     if rows.units:
-        parts.append(f"the units in line {rows.units}")
+        parts.append(f"the units in {_numbered('line', rows.units)}")
     if rows.empty:
         parts.append(f"{_numbered('line', rows.empty)} without values")
     if rows.repeated:
@@ -345,6 +292,10 @@ def _passed_over(titles: list[int], rows: Rows, unnamed: list[int]) -> list[str]
         parts.append(f"{where} ({word!r})" if word else where)
     if unnamed:
         parts.append(f"{_numbered('column', unnamed)} without a name")
+    if beside:
+        more = f" and {len(beside) - 3} more" if len(beside) > 3 else ""
+        names = ", ".join(repr(printable(name, 30)) for name in beside[:3])
+        parts.append(f"the column{'s' if len(beside) > 1 else ''} {names}{more}")
     notes = [f"passed over: {'; '.join(parts)}"] if parts else []
     if rows.signs.count:
         more = f" and {rows.signs.count - 1} more like it" if rows.signs.count > 1 else ""

@@ -5,18 +5,28 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.measure import quantity as quantities
 from relgloss_view.measure.gonio import GAMMA_S_DEG
 from relgloss_view.measure.readers.csv_table import TextTable
-from relgloss_view.measure.readers.headings import DEGREES, RADIANS, unit_of
+from relgloss_view.measure.readers.headings import (
+    DEGREES,
+    RADIANS,
+    angle_heading,
+    unit_of,
+    value_quantity,
+)
 from relgloss_view.measure.readers.options import ReadOptions
 
 MAX_APERTURE_SD_DEG = 45.0
 #: Where the mirror direction lies: beta = -alpha or opposite azimuths, or on the lamp's side.
 OPPOSITE, SAME_SIDE = "opposite", "same-side"
 MIRRORS = (SAME_SIDE, OPPOSITE)
+#: Percent of a perfect diffuser that some reading of any sample exceeds.
+LEAST_PERCENT = 2.0
 MAX_TEXT = 2000  #: characters of a name or a source
 
 
@@ -100,13 +110,46 @@ def _quantity(table: TextTable, argument: str | None, warnings: list[str]) -> st
         if in_file not in (None, chosen):
             warnings.append(f"the file declares quantity {in_file}, but it is read as {chosen}")
         return chosen
+    heading = value_quantity(table.heading) if table.heading else None
+    if in_file is None and heading:
+        in_file = heading
+    if table.percent:
+        return _in_percent(table, in_file, warnings)
     if in_file is None:
         raise InputError(
             f"{table.path}: the quantity of the numbers is not declared; add the line "
             "'# quantity: radiance-factor' (or brdf, brdf-cos, radiance-factor-percent) on top, "
             "or pass --quantity"
         )
+    if heading and heading != in_file:
+        warnings.append(
+            f"the heading {printable(table.heading, 30)!r} names another quantity than the "
+            f"declared {in_file}, which is taken"
+        )
     return in_file
+
+
+def _in_percent(table: TextTable, in_file: str | None, warnings: list[str]) -> str:
+    """The quantity where headings, units or cells have percent. InputError where that is not so."""
+    percent, factor = quantities.RADIANCE_FACTOR_PERCENT, quantities.RADIANCE_FACTOR
+    if in_file not in (None, percent, factor):
+        raise InputError(
+            f"{table.path}: the numbers are in percent, but the file declares quantity {in_file}; "
+            f"correct the one or the other, or pass --quantity"
+        )
+    if in_file == percent:
+        return percent
+    names = [name.lower() for name in table.columns]
+    readings = [k for k, name in enumerate(names) if angle_heading(name) is None]
+    values = table.values[:, readings]
+    most = float(np.max(values, initial=0.0, where=np.isfinite(values)))
+    if most <= LEAST_PERCENT:
+        raise InputError(
+            f"{table.path}: the headings or units have percent, but no number is above {most:.3g}; "
+            f"pass --quantity {percent} if they are percent, --quantity {factor} if 1 is white"
+        )
+    warnings.append(f"the numbers have percent: they are read as {percent}")
+    return percent
 
 
 def _angle_unit(table: TextTable, argument: str | None, warnings: list[str]) -> str | None:

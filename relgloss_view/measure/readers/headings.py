@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from decimal import Decimal
 
 RADIANS, DEGREES = "radians", "degrees"
 
@@ -32,12 +33,45 @@ _GREEK = {
     "γ": "gamma",
 }
 _GLUED = re.compile(r"(theta|phi)_?(i|in|inc|o|out|r|refl)")
-_DEGREE = re.compile(r"\bdegrees?\b|[°º˚]")
+#: The degree sign, and what Windows-1252 shows for that of Mac OS, DOS, Shift-JIS, GBK.
+_DEGREE = re.compile(
+    r"\bdegrees?\b|[°º˚]|(?<=[\s\[(/])(?:[¡øßã\ufffd]|\x81[‹\x8b]|¡ã)(?=$|[\s\])])"
+)
 _RADIAN = re.compile(r"\b(radians?|rads?)\b")
 _BAND = re.compile(
-    r"(?:(?:spectral|spec|wavelength|wl|lambda|λ|nm|r|refl|rho|brdf|w)[ _=:.-]*)?"
-    r"(\d+(?:[.,]\d*)?)\s*(nm|nanometers?|nanometres?)?",
+    r"(?:(?:spectral|spec|wavelength|wl|lambda|λ|nm|r|refl|reflectance|reflectance factor|"
+    r"radiance factor|rho|brdf|w|x)[ _=:.-]*){0,2}"
+    r"(\d+(?:[.,]\d*)?(?:e[+-]?\d\d?)?)[ .]*"
+    r"(nm|nanometers?|nanometres?|µm|μm|um|micrometers?|micrometres?|microns?|å|angstroms?)?[ .]*",
     re.ASCII,
+)
+_PERCENT = re.compile(r"[\[(/ ]\s*(?:%|percent|pct)\s*[\])]?$|%$")
+_UNIT = re.compile(r"\s*[\[(/]\s*(?:-|1|a\.?u\.?|1\s*/\s*sr|sr\s*\^?\s*-1)\s*[\])]?$")
+_WAVELENGTH = re.compile(
+    r"(?:wavelengths?|wave ?length|lambda|λ|wl|wellenlänge|longueur d'onde|band)"
+    r"(?: nm| nanomet(?:er|re)s?)?|nm"
+)
+#: Columns of one reading a row, with the quantity where the word is one.
+_VALUES = {
+    "brdf": "brdf", "ccbrdf": "brdf-cos", "brdf cos": "brdf-cos", "brdfcos": "brdf-cos",
+    "radiance factor": "radiance-factor", "reflectance factor": "radiance-factor",
+    "luminance factor": "radiance-factor", "brf": "radiance-factor",
+    **dict.fromkeys(("value", "values", "reading", "reflectance", "refl", "r", "y"), ""),
+}  # fmt: skip
+#: Columns beside the readings that are passed over by their name.
+_BESIDE = re.compile(
+    r"(?:unnamed \d+|index|idx|id|row|row (?:no|number|id)|no|nr|number|n|line|point|"
+    r"(?:measurement|meas|point|scan|record|run|sequence|seq|file|position|pos)"
+    r"(?: ?(?:no|nr|number|id|index|name))?|"
+    r"date|time|date ?time|timestamp|time stamp|(?:measurement|meas|scan) (?:date|time)|"
+    r"comments?|remarks?|notes?|operator|user|instrument|device|serial(?: ?(?:no|number))?|"
+    r"repeat|repeats|repetition|replicate|rep|repeat (?:no|number|id)|"
+    r"file ?name|path|temp|temperature|humidity|integration(?: time)?|exposure(?: time)?|gain|"
+    r"averages|quality|status|flags?)(?: (?:ms|s|us|µs|c|°c|k|%|utc|iso))?"
+)
+_SAMPLE = re.compile(
+    r"(?:sample|specimen|material|surface|patch|colou?r|ink|substrate|board)"
+    r"(?: ?(?:no|nr|number|id|name|code))?"
 )
 _COLOURS = {"r": "R", "g": "G", "b": "B", "red": "R", "green": "G", "blue": "B"}
 
@@ -58,17 +92,24 @@ def angle_heading(heading: str) -> AngleHeading | None:
     >>> angle_heading("φ_out (rad)"), angle_heading("550 nm")
     (AngleHeading(name='phi_r_deg', unit='radians'), None)
     """
-    text = heading.strip().lower()
+    text = heading.strip()
     if not text or len(text) > 60 or text[0] in "0123456789+-.":
         return None
+    # thetaIn, ThetaR: the capital begins a word.
+    text = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text).lower() if not text.isupper() else text.lower()
+    text = text.replace("$", " ").replace("\\", " ")
     for letter, word in _GREEK.items():
         text = text.replace(letter, f" {word} ")
     text = " ".join(re.sub(r"[\[\](){}<>,;:/|_.\-]", " ", text).split())
     unit = unit_of(text)
+    text = re.sub(r"\bin (?=deg|rad|[°º˚])", " ", text)
     words = _RADIAN.sub(" ", _DEGREE.sub(" ", text)).split()
     if "deg" in words:
         unit = unit or DEGREES
+    some_angle = "angle" in words
     words = [part for word in words if word not in _IDLE for part in _parts(word)]
+    if some_angle and words and all(word in _DIRECTIONS for word in words):
+        words.append("polar")  # "angle of incidence": from the normal, as in optics
     name = _name(words)
     return None if name is None else AngleHeading(f"{name}_deg", unit)
 
@@ -105,11 +146,17 @@ def band_nm(heading: str) -> float | None:
     >>> band_nm("X") is None
     True
     """
-    text = re.sub(r"[\[\]()]", " ", heading.strip().lower())
+    text = _UNIT.sub("", _PERCENT.sub("", heading.strip().lower()))
+    text = re.sub(r"[\[\]()]", " ", text)
     text = " ".join(text.replace("_nm", " nm").split())
     text = re.sub(r"^(spectral|spec) ?nm ?", "nm", text)
     found = _BAND.fullmatch(text)
-    return float(found[1].replace(",", ".")) if found else None
+    if not found:
+        return None
+    unit = (found[2] or "n")[0]
+    # Through decimals, so that 0.46 micrometres are the number that 460 is.
+    nm = Decimal(found[1].replace(",", ".")).scaleb({"n": 0, "a": -1, "å": -1}.get(unit, 3))
+    return float(nm)
 
 
 def is_band(heading: str) -> bool:
@@ -122,3 +169,48 @@ def is_band(heading: str) -> bool:
 def colour_name(heading: str) -> str | None:
     """'R', 'G' or 'B' where a heading names a channel of linear sRGB, else None."""
     return _COLOURS.get(heading.strip().lower())
+
+
+def has_percent(heading: str) -> bool:
+    """Whether a heading or a cell of a row of units names percent.
+
+    >>> has_percent("R400 [%]"), has_percent("%"), has_percent("400 nm")
+    (True, True, False)
+    """
+    text = heading.strip().lower()
+    return text == "percent" or _PERCENT.search(text) is not None
+
+
+def is_wavelength(heading: str) -> bool:
+    """Whether a heading is that of a column of wavelengths in nm.
+
+    >>> is_wavelength("Wavelength [nm]"), is_wavelength("λ"), is_wavelength("400 nm")
+    (True, True, False)
+    """
+    return _WAVELENGTH.fullmatch(_plain(heading)) is not None
+
+
+def value_quantity(heading: str) -> str | None:
+    """The quantity of a column of single readings, '' where it names none; None for no such column.
+
+    >>> value_quantity("BRDF [1/sr]"), value_quantity("Value"), value_quantity("400")
+    ('brdf', '', None)
+    """
+    text = _UNIT.sub("", _PERCENT.sub("", heading.strip().lower()))
+    return _VALUES.get(_plain(text))
+
+
+def is_beside(heading: str) -> bool:
+    """Whether a heading is that of a column beside the readings, such as a time or a remark."""
+    return _BESIDE.fullmatch(_plain(heading)) is not None or is_sample(heading)
+
+
+def is_sample(heading: str) -> bool:
+    """Whether a heading is that of a column that names the sample of each row."""
+    return _SAMPLE.fullmatch(_plain(heading)) is not None
+
+
+def _plain(heading: str) -> str:
+    """Lower-case words of a heading without brackets and marks."""
+    text = heading[:80].lower()
+    return " ".join(re.sub(r"[\[\](){}:;/|_.,#-]", " ", text).split())

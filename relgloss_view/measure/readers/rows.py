@@ -15,7 +15,7 @@ from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.measure.readers import cells
-from relgloss_view.measure.readers.headings import RADIANS, unit_of
+from relgloss_view.measure.readers.headings import RADIANS, has_percent, is_wavelength, unit_of
 
 MOST_ODD_LINES = 500  #: in a row, before the first of them is reported
 LONGEST_NOTED = 100  #: characters of a text that is kept for a note
@@ -25,9 +25,12 @@ _SUMMARY = re.compile(
     r"count|mittelwert|standardabweichung|moyenne|media)\b.*",
     re.IGNORECASE,
 )
-_WITH_COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
-_WITH_POINT = re.compile(r"[+-]?(\d+\.\d*|\.\d+)([eE][+-]?\d+)?")
-_DATA = re.compile(r"[\s;,\"+\u2212.-]*\d")
+_WITH_COMMA = re.compile(r"['=\"]*[+-]?\d*,\d+([eEdD][+-]?\d+)?\"?\s*%?")
+_WITH_POINT = re.compile(r"['=\"]*[+-]?(\d+\.\d*|\.\d+)([eEdD][+-]?\d+)?\"?\s*%?")
+_DATA = re.compile(r"[\s;,='\"+\u2010-\u2014\u2212\uff0d.-]*\d")
+FEWEST_NUMBERS = 3  #: in a row
+MOST_UNITS = 5  #: rows of units, long names and remarks between header and numbers
+MOST_SAMPLES = 1000  #: names of samples that are kept
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,8 @@ class Header:
     words: tuple[str, ...]  #: as the file has them, lower case
     keys: tuple[int, ...]  #: columns of angles, which every row must hold
     delimiter: str | None  #: None: any run of spaces
+    beside: frozenset[int] = frozenset()  #: columns that may hold text, as they are passed over
+    sample: int | None = None  #: the one of them that names the sample
 
     @property
     def width(self) -> int:
@@ -71,8 +76,12 @@ class Rows:
     lines: Ints  #: (N,), from 1
     empty: array[int] = field(default_factory=lambda: array("q"))  #: lines of separators alone
     repeated: array[int] = field(default_factory=lambda: array("q"))  #: the header again
-    units: int | None = None  #: the line of units below the header
-    radians: frozenset[int] = frozenset()  #: columns that this line declares
+    units: list[int] = field(default_factory=list)  #: lines of units below the header
+    radians: frozenset[int] = frozenset()  #: columns that these lines declare
+    percent: bool = False  #: whether those lines or all cells have percent
+    #: Name of the sample -> its number, and that of each row, where a column names samples.
+    samples: dict[str, int] = field(default_factory=dict)
+    sample_of: array[int] = field(default_factory=lambda: array("q"))
     summaries: Noted = field(default_factory=Noted)  #: averages and the like
     below: Noted = field(default_factory=Noted)  #: after the last row
     signs: Noted = field(default_factory=Noted)  #: 'n/a' and the like, for empty
@@ -84,9 +93,10 @@ def split(line: str, delimiter: str | None, most: int = -1) -> list[str]:
 
     most: fields that are wanted from the beginning; -1 for all.
     """
-    if delimiter is not None and '"' in line:
+    if '"' in line and (delimiter is not None or "\t" not in line):
         try:
-            fields = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
+            mark, text = (delimiter, line) if delimiter else (" ", line.strip())
+            fields = next(csv.reader([text], delimiter=mark, skipinitialspace=True))
             return fields if most < 0 else fields[:most]
         except (csv.Error, StopIteration):
             pass
@@ -98,10 +108,16 @@ def has_decimal_commas(lines: Iterable[str], delimiter: str | None) -> bool:
     """Whether numbers of the lines have decimal commas and none has a point."""
 
     def holds(line: str, mark: str, number: re.Pattern[str]) -> bool:
-        if mark not in line or not _DATA.match(line):
+        if mark not in line:
             return False
         fields = split(line, delimiter)
-        return len(fields) > 2 and any(number.fullmatch(f.strip()) for f in fields)
+        if len(fields) < 3 or not any(number.fullmatch(f.strip()) for f in fields):
+            return False
+        # A line may begin with the name of the sample; one of averages is no row.
+        return _DATA.match(line) is not None or (
+            _SUMMARY.fullmatch(fields[0].strip('" ')) is None
+            and sum(map(cells.is_number, fields)) >= FEWEST_NUMBERS
+        )
 
     commas = False
     for line in lines:
@@ -126,17 +142,24 @@ class RowReader:
         self._rows = Rows(np.empty((0, header.width)), np.empty(0, np.int64))
         #: Line, fault, and the text of a remark where the line is one and no row with a fault.
         self._odd: list[tuple[int, InputError, str | None]] = []
+        self._percents = 0
+        self._first_percent: InputError | None = None
+        self._bands = {
+            k: None for k, name in enumerate(header.columns)
+            if name and k not in header.keys and k not in header.beside and not is_wavelength(name)
+        }  # fmt: skip
 
     def read(self, lines: Iterable[tuple[int, str]]) -> Rows:
         """All rows of numbered lines, those below the header. Raises InputError."""
         delimiter, width = self._header.delimiter, self._header.width
         plain_commas = self._comma and delimiter != ","
+        plain = self._header.sample is None
         for number, line in lines:
             if not line or line.isspace():
                 continue
             # float() also takes 1_000, nan, infinity and digits of other scripts: such lines, and
             # those with empty or odd fields, are parsed field by field.
-            if line.isascii() and "_" not in line and "n" not in line and "N" not in line:
+            if plain and line.isascii() and "_" not in line and "n" not in line and "N" not in line:
                 text = line.replace(",", ".") if plain_commas else line
                 fields = text.split(delimiter)
                 if len(fields) == width:
@@ -152,6 +175,10 @@ class RowReader:
         rows = self._rows
         rows.values = np.frombuffer(self._flat, dtype=np.float64).reshape(-1, width)
         rows.lines = np.frombuffer(self._numbers, dtype=np.int64)
+        if self._first_percent is not None:
+            if self._percents != np.sum(np.isfinite(rows.values[:, list(self._bands)])):
+                raise self._first_percent
+            rows.percent = True
         return rows
 
     def _take(self, line: int, numbers: list[float]) -> None:
@@ -180,11 +207,14 @@ class RowReader:
         if tuple(lower[: header.width]) == header.words[: header.width]:
             rows.repeated.append(line)
             return
-        if not self._numbers and not self._odd and rows.units is None and self._is_units(fields):
-            rows.units = line
-            rows.radians = frozenset(
+        above = not self._numbers and not self._odd and len(rows.units) < MOST_UNITS
+        if above and self._is_units(fields):
+            rows.units.append(line)
+            rows.radians |= {
                 k for k in header.keys if k < len(fields) and unit_of(fields[k]) == RADIANS
-            )
+            }
+            bands = [fields[k] for k in self._bands if k < len(fields)]
+            rows.percent = rows.percent or (bool(bands) and all(map(has_percent, bands)))
             return
         if _SUMMARY.fullmatch(fields[0]) and not self._whole(fields):
             rows.summaries.add(line, fields[0][:LONGEST_NOTED])
@@ -199,14 +229,21 @@ class RowReader:
             self._take(line, numbers)
 
     def _is_units(self, fields: list[str]) -> bool:
-        """Whether a first row holds words instead of numbers in each field of angles and more."""
+        """Whether a line above the first row holds words alone: units, long names, remarks.
+
+        Beside units of angles, 1 is the unit of a number.
+        """
+        if not 2 <= len(fields) <= len(self._header.columns):
+            return False
         angles = [fields[k] for k in self._header.keys if k < len(fields)]
-        return (
-            2 <= len(fields) <= len(self._header.columns)
-            and bool(angles)
-            and all(f and unit_of(f) is not None for f in angles)
-            and not any(cells.is_number(f) for f in fields)
-        )
+        if not angles or any(cells.is_number(f) for f in angles):
+            return False
+        units = [unit_of(f) is not None for f in angles]
+        if all(units) or (len(units) > 1 and all(units[1:]) and angles[0].isalpha()):
+            return not any(cells.is_number(f) and f != "1" for f in fields)
+        return not any(
+            re.search(r"\d", f) for f in fields if f not in ("1/sr", "sr-1", "sr^-1")
+        ) and not all(cells.says_nothing(f) for f in angles)
 
     def _whole(self, fields: list[str]) -> bool:
         """Whether every angle of a row is a number."""
@@ -223,7 +260,19 @@ class RowReader:
             raise InputError(f"{where}: {self._wrong_count(fields)}")
         numbers: list[float] = []
         signs: list[str] = []
+        percents = 0
         for k, text in enumerate(named):
+            if k in header.beside:
+                numbers.append(float("nan"))
+                continue
+            if text.endswith("%") and k in self._bands and cells.is_number(text[:-1]):
+                percents += 1
+                self._first_percent = self._first_percent or InputError(
+                    f"{self._place(line, k)}: found {printable(text, 30)!r}, expected a finite "
+                    "number; write the number without %, and "
+                    f"'# quantity: {cells.PERCENT}' on top"
+                )
+                text = text[:-1].rstrip()
             try:
                 value = cells.number(text, self._comma)
             except InputError as error:
@@ -253,6 +302,14 @@ class RowReader:
             )
         for text in signs:
             self._rows.signs.add(line, text[:LONGEST_NOTED])
+        self._percents += percents
+        if header.sample is not None:
+            names = self._rows.samples
+            name = named[header.sample][:LONGEST_NOTED]
+            last = names.get(name, MOST_SAMPLES)
+            if last == MOST_SAMPLES and len(names) < MOST_SAMPLES:
+                last = names[name] = len(names)
+            self._rows.sample_of.append(last)
         return numbers
 
     def _place(self, line: int, column: int) -> str:
