@@ -294,8 +294,10 @@ def test_csv_is_written_in_one_place():
 #: Modules that search in a text and put something else there: all of them read, or name a file.
 REPLACING = {
     "base/csv_files.py",  # cells that are read back
-    "material/lamp_file.py",
+    "base/two_columns.py",
     "measure/quantity.py",
+    "measure/readers/aspecular.py",
+    "measure/readers/spectral_columns.py",
     "measure/readers/cells.py",
     "measure/readers/csv_table.py",
     "measure/readers/header.py",

@@ -35,7 +35,7 @@ def measurement(path: Path, file: SampleFile, options: ReadOptions) -> Measureme
     groups = series(file.samples)
     measured = {name: s for name, s in groups.items() if any(x.angle is not None for x in s)}
     if not measured:
-        raise InputError(_single_geometry(path, file, options))
+        raise InputError(_single_geometry(path, file))
     names = list(measured)
     name = names[chosen_part(path, names, options.part) if len(names) > 1 else 0]
     samples = [sample for sample in measured[name] if sample.angle is not None]
@@ -60,15 +60,15 @@ def measurement(path: Path, file: SampleFile, options: ReadOptions) -> Measureme
     return replace(result, file=str(path))
 
 
-def _single_geometry(path: Path, file: SampleFile, options: ReadOptions) -> str:
+def _single_geometry(path: Path, file: SampleFile) -> str:
     count = len(file.samples)
     if not count:
         return f"{path}: the file holds no reflectance spectrum; export the spectra with it"
     what = "one spectrum" if count == 1 else f"{count} spectra"
-    part = "" if count == 1 else f" --part {printable(options.part or 'NAME', 30)}"
+    part = "" if count == 1 else ", with --part NAME"
     return (
         f"{path}: {what} in a single geometry, no multi-angle readings; a fit needs 12 geometries. "
-        f"For the colour of a material: `relgloss estimate --spectrum FILE{part}`"
+        "For the colour of a material: `relgloss estimate --spectrum FILE`" + part
     )
 
 

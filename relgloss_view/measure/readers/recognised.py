@@ -11,7 +11,7 @@ from relgloss_view.base.foreign import HEAD_BYTES, foreign_format
 from relgloss_view.base.reading import read_beginning
 from relgloss_view.measure.readers import EXPECTED, FORMATS, gcms, generic, merl, tensor_file
 from relgloss_view.measure.readers.cells import is_number
-from relgloss_view.measure.readers.csv_table import MOST_LOOKED_AT, MOST_TITLES
+from relgloss_view.measure.readers.header import MOST_LOOKED_AT, MOST_TITLES
 from relgloss_view.measure.readers.headings import angle_heading, is_band
 from relgloss_view.measure.readers.rows import split
 
