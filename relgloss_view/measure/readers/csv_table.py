@@ -134,10 +134,11 @@ def _lines(text: TextLines) -> Iterator[str]:
     """
     if not text.has_quotes:
         return text.lines()
-    return (_unquoted(line) if '"' in line else line for line in _whole(text.lines()))
+    return (_unquoted(line) if '"' in line else line for line in whole_lines(text.lines()))
 
 
-def _whole(lines: Iterator[str]) -> Iterator[str]:
+def whole_lines(lines: Iterable[str]) -> Iterator[str]:
+    """Lines in which a quoted cell goes over no line end; the lines that it took come as empty."""
     pending: list[str] = []
     for line in lines:
         if not pending:

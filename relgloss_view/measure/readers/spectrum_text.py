@@ -29,6 +29,7 @@ from relgloss_view.base.two_columns import (
 from relgloss_view.measure.quantity import canonical_quantity
 from relgloss_view.measure.readers import cells
 from relgloss_view.measure.readers.aspecular import split_aspecular
+from relgloss_view.measure.readers.csv_table import whole_lines
 from relgloss_view.measure.readers.headings import angle_heading
 from relgloss_view.measure.readers.rows import split
 from relgloss_view.measure.readers.samples import (
@@ -145,7 +146,7 @@ def is_samples_table(head: bytes) -> bool:
     pairs: list[float] = []
     lines = [
         line
-        for line in text.splitlines()[: MOST_TITLES + 4]
+        for line in whole_lines(text.splitlines()[: MOST_TITLES + 4])
         if line.strip(" \t,;") and not line.lstrip().startswith("#")
     ]
     for line, following in itertools.zip_longest(lines, lines[1:], fillvalue=""):
