@@ -110,7 +110,8 @@ def _read(path: Path, options: ReadOptions) -> Measurement:
         if foreign is None:
             return _read_text(path, head, options)
         if foreign.key in FORMATS:
-            return replace(FORMATS[foreign.key](path, options), format=foreign.name)
+            measurement = FORMATS[foreign.key](path, options)
+            return replace(measurement, format=foreign.name, in_time_order=False)
         raise InputError(f"{path}: this looks like {foreign.name}; {foreign.remedy}")
     unused = options.unused("quantity", "gamma_s_deg", "angle_unit", "mirror", "part")
     return replace(measurement, warnings=(*measurement.warnings, *unused))
