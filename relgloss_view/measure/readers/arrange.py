@@ -22,11 +22,11 @@ from relgloss_view.measure.readers.headings import (
     value_quantity,
 )
 from relgloss_view.measure.readers.options import ReadOptions
+from relgloss_view.measure.readers.parts import chosen_part
 
 #: Readings of one geometry and wavelength that stand in for one each at least, on average; fewer
 #: mean that the geometries do not share their wavelengths.
 LEAST_FILLED = 0.2
-MOST_LISTED = 6
 
 
 def arranged(table: TextTable, options: ReadOptions) -> tuple[TextTable, ReadOptions]:
@@ -55,18 +55,7 @@ def _by_columns(table: TextTable) -> TextTable:
 
 
 def _one_sample(table: TextTable, sample_of: Ints, part: str | None) -> TextTable:
-    names = [name.lower() for name in table.samples]
-    wanted = (part or "").strip().lower()
-    number = int(wanted) - 1 if wanted.isdecimal() and len(wanted) < 6 else -1
-    if wanted in names:
-        number = names.index(wanted)
-    if not 0 <= number < len(names) or not wanted:
-        more = f" and {len(names) - MOST_LISTED} more" if len(names) > MOST_LISTED else ""
-        listed = ", ".join(repr(printable(n, 30)) for n in table.samples[:MOST_LISTED])
-        raise InputError(
-            f"{table.path}: the table holds {len(names)} samples ({listed}{more}); choose one by "
-            "--part NAME, or split the file"
-        )
+    number = chosen_part(table.path, table.samples, part)
     rows = sample_of == number
     name = printable(table.samples[number], 60)
     comments = {"name": (0, name), **table.comments}

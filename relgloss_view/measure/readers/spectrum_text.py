@@ -31,13 +31,13 @@ from relgloss_view.measure.readers import cells
 from relgloss_view.measure.readers.aspecular import split_aspecular
 from relgloss_view.measure.readers.csv_table import whole_lines
 from relgloss_view.measure.readers.headings import angle_heading
+from relgloss_view.measure.readers.parts import chosen_part
 from relgloss_view.measure.readers.rows import split
 from relgloss_view.measure.readers.samples import (
     LONGEST_NAME,
     Sample,
     SampleFile,
     add_sample,
-    chosen_part,
     distinguish,
 )
 from relgloss_view.measure.readers.spectral_columns import (

@@ -17,8 +17,8 @@ from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.measure.bands import Bands
-from relgloss_view.measure.gonio import spherical
-from relgloss_view.measure.quantity import BRDF, canonical_quantity
+from relgloss_view.measure.gonio import from_normal, spherical
+from relgloss_view.measure.quantity import BRDF
 from relgloss_view.measure.readers import half_difference
 from relgloss_view.measure.readers.assemble import assemble, one_channel
 from relgloss_view.measure.readers.declared import Declared
@@ -101,9 +101,7 @@ def read(path: Path, options: ReadOptions) -> Measurement:
         Declared(
             name=block.text("NAME") or path.stem,
             source=_source(path, block),
-            quantity=BRDF
-            if options.quantity is None
-            else canonical_quantity(options.quantity, "--quantity"),
+            quantity=options.quantity_or(BRDF),
             quantity_insisted=options.quantity is not None,
             warnings=(*warnings, *remarks),
         ),
@@ -111,7 +109,7 @@ def read(path: Path, options: ReadOptions) -> Measurement:
         bands,
         readings,
         (lamp, receiver),
-        np.rint(np.degrees(np.arccos(np.clip(lamp[:, 2], -1.0, 1.0)))),
+        np.rint(from_normal(lamp)),
     )
     unused = options.unused("gamma_s_deg", "angle_unit", "mirror", "part")
     return replace(

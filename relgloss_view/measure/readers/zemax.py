@@ -20,7 +20,7 @@ from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.base.decoding import decoded
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import named, printable, read_bytes
-from relgloss_view.measure.gonio import spherical
+from relgloss_view.measure.gonio import from_normal, spherical
 from relgloss_view.measure.quantity import BRDF
 from relgloss_view.measure.readers.assemble import assemble, one_channel
 from relgloss_view.measure.readers.declared import Declared
@@ -85,12 +85,12 @@ def read(path: Path, options: ReadOptions) -> Measurement:
     facts = Declared(
         name=path.stem,
         source=f"{path.name}, Zemax BSDF format (Rykowski 2008)",
-        quantity=options.quantity or BRDF,
+        quantity=options.quantity_or(BRDF),
         quantity_insisted=options.quantity is not None,
         warnings=tuple(notes),
     )
     measurement = assemble(path, facts, angles, bands, values, (lamp, receiver), angles[:, 1])
-    unused = options.unused("quantity", "gamma_s_deg", "angle_unit", "mirror", "part")
+    unused = options.unused("gamma_s_deg", "angle_unit", "mirror", "part")
     return replace(measurement, warnings=(*measurement.warnings, *unused))
 
 
@@ -101,7 +101,7 @@ def _unread(values: Array, receiver: Array) -> tuple[Mask, list[str]]:
     what lies just within is mixed with them.
     """
     unread = np.asarray((values == 0.0).all(axis=1))
-    polar = np.degrees(np.arccos(np.clip(receiver[:, 2], -1.0, 1.0)))
+    polar = from_normal(receiver)
     outer = polar[unread & (polar < 90.0)]
     if not len(outer):
         return unread, []
