@@ -6,6 +6,7 @@ import argparse
 import json
 import math
 import os
+import re
 from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.decoration import decoration
@@ -41,7 +42,7 @@ def add(commands: Any) -> None:
     )
     colour = parser.add_mutually_exclusive_group()
     colour.add_argument(
-        "--lab", metavar="L,A,B", help="Colour as L*, a*, b* of the 2 degree observer"
+        "--lab", metavar="L,a,b", help="Colour as CIELAB L*, a*, b* of the 2 degree observer"
     )
     colour.add_argument(
         "--spectrum",
@@ -49,9 +50,9 @@ def add(commands: Any) -> None:
         help="Colour as a reflectance spectrum, as a spectrophotometer exports it",
     )
     parser.add_argument(
-        "--illuminant",
+        "--lab-illuminant",
         metavar="NAME|FILE",
-        help="Illuminant of --lab: D50 (default), D65, A, C, another name or a file",
+        help="Lamp of --lab, a name or a file (default D50)",
     )
     parser.add_argument(
         "--part", metavar="NAME", help="Sample of a spectrum file that holds several"
@@ -87,8 +88,8 @@ def add(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Read, estimate, write, then draw and print."""
     _check_places(args)
-    if args.illuminant is not None and args.lab is None:
-        raise InputError("--illuminant: belongs to --lab, which is missing")
+    if args.lab_illuminant is not None and args.lab is None:
+        raise InputError("--lab-illuminant: belongs to --lab, which is missing")
     if args.part is not None and args.spectrum is None:
         raise InputError("--part: belongs to --spectrum, which is missing")
     readings = gloss_readings_of(args.gloss, args.gloss_error)
@@ -169,14 +170,14 @@ def _colour(args: argparse.Namespace) -> LabColour | ColourReading | None:
         return None
     from relgloss_view.fitting.estimate.colour import LIGHTNESS_ERROR, LabColour
 
-    words = [word.strip() for word in args.lab.replace(";", ",").split(",")]
+    words = re.split(r"[,;\s]+", args.lab.strip())
     if len(words) != 3 or not all(_is_number(word) for word in words):
         raise InputError(
             f"--lab {printable(args.lab, 60)}: expected three numbers L,a,b such as 46,-50,25"
         )
     lightness, a, b = (float(word) for word in words)
     error = math.hypot(LIGHTNESS_ERROR, _last_digit(words[0]) / math.sqrt(12.0))
-    return LabColour((lightness, a, b), args.illuminant or "D50", error)
+    return LabColour((lightness, a, b), args.lab_illuminant or "D50", error)
 
 
 def _check_places(args: argparse.Namespace) -> None:
