@@ -12,7 +12,7 @@ from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.fitting.estimate import model, prior
 from relgloss_view.fitting.estimate.colour import LabColour, colour_of
-from relgloss_view.fitting.estimate.contradiction import contradiction_of
+from relgloss_view.fitting.estimate.contradiction import contradiction_of, high_near_grazing
 from relgloss_view.fitting.estimate.given import GlossReading, readings_of
 from relgloss_view.fitting.estimate.problem import Problem
 from relgloss_view.fitting.estimate.sampler import Draws, posterior
@@ -83,7 +83,8 @@ def estimate(
         posed = posed.with_errors(contradiction.factors)
         drawn = posterior(posed.log_likelihood, np.random.default_rng(seed))
     words = "" if contradiction is None else contradiction.words
-    return _summed_up(posed, drawn, words, name, seed)
+    note = "" if contradiction else high_near_grazing(posed, drawn.surfaces, seed)
+    return _summed_up(posed, drawn, (words, note), name, seed)
 
 
 def estimate_material(
@@ -124,7 +125,11 @@ def estimate_material(
     return estimate(gloss, colour, geometry=geometry, name=name, seed=seed).material
 
 
-def _summed_up(posed: Problem, drawn: Draws, contradiction: str, name: str, seed: int) -> Estimate:
+def _summed_up(
+    posed: Problem, drawn: Draws, words: tuple[str, str], name: str, seed: int
+) -> Estimate:
+    """words: of a contradiction, and of a high reading near grazing; '' where there is none."""
+    contradiction = words[0]
     surfaces = drawn.surfaces
     gray = posed.gray(surfaces)
     body = posed.diffuse_y(gray)
@@ -133,9 +138,7 @@ def _summed_up(posed: Problem, drawn: Draws, contradiction: str, name: str, seed
     intervals = _intervals(posed, surfaces, centre, body, peaks, seed)
     density = drawn.fit + prior.log_density(surfaces)
     low, high = (_standing_for(share, peaks, density) for share in TAILS)
-    warnings = list(posed.colour.notes)
-    if contradiction:
-        warnings.insert(0, contradiction)
+    warnings = [*filter(None, words), *posed.colour.notes]
     chosen = np.linspace(0, len(surfaces) - 1, KEPT_DRAWS).astype(int)
     rows = np.column_stack([surfaces, body, peaks])[chosen]
     record = EstimateRecord(
@@ -221,6 +224,7 @@ def _central(posed: Problem, surfaces: Array) -> Array:
     middle, spread = np.mean(surfaces, axis=0), np.std(surfaces, axis=0)
     step = 1e-4 * (prior.UPPER - prior.LOWER)
     second = [prior.RATIO, prior.SHARE]
+    facets_alone = posed.share_beyond_facets(surfaces) <= 0.5
 
     def residual(group: Array) -> Array:
         strength = group[:, prior.STRENGTH] - 1.0
@@ -232,7 +236,7 @@ def _central(posed: Problem, surfaces: Array) -> Array:
             axis=1,
         )
         broad = (group - middle)[:, second] / (spread[second] + step[second])
-        return np.concatenate([posed.misfit(group), preferred, broad], axis=1)
+        return np.concatenate([posed.misfit(group, facets_alone=facets_alone), preferred, broad], axis=1)
 
     def held(surface: Array) -> Array:
         return np.asarray(np.clip(surface, prior.LOWER + step, prior.UPPER - step))
