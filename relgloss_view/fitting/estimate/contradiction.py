@@ -96,18 +96,17 @@ def _odd_one(each: list[_Without]) -> _Without | None:
 def high_near_grazing(posed: Problem, surfaces: Array, seed: int) -> str:
     """One line where the reading at 85 degrees lies above what facets give at the others; or ''."""
     k = posed.grazing
-    if k is None or len(posed.readings) == 1 or posed.share_beyond_facets(surfaces) <= 0.5:
+    if k is None or len(posed.readings) == 1 or not posed.beyond_facets(surfaces):
         return ""
     one = _without(posed, k, seed)
     if one.reading.value <= one.high:
         return ""
-    several = len(posed.readings) > 2
-    rest = f"the other reading{'s' * several}"
+    rest = "other readings" if len(posed.readings) > 2 else "other reading"
     return (
-        f"gloss {one.reading.words} is above the {one.range_words} that the model allows beside "
-        f"{rest}: near grazing most prints mirror more than the model does. The estimate rests on "
-        f"{rest}. Trust its pictures while the lamp's azimuth is at most "
-        f"{TRUSTED_AZIMUTH_DEG:g} degrees; beyond, the print shines more than its picture"
+        f"gloss {one.reading.words} is left out: with the {rest} the model gives "
+        f"{one.range_words} there. Many prints read more, since near grazing they mirror as smoother "
+        "surfaces do. Trust pictures while the lamp's azimuth is at most "
+        f"{TRUSTED_AZIMUTH_DEG:g} degrees; beyond, the print is glossier"
     )
 
 

@@ -22,8 +22,11 @@ from relgloss_view.gloss.meter.geometry import SPECULAR
 from relgloss_view.material import brdf
 
 GRAZING_DEG = 85.0
-#: What is believed before the reading: as often facets alone as anything up to a smooth surface.
-FACETS_ALONE = 0.5
+#: What is believed before the reading: in a quarter of the prints facets alone; else anything from
+#: there up to a smooth surface.
+FACETS_ALONE = 0.25
+#: From this probability on a reading is taken to hold more than facets give.
+CLEARLY = 0.9
 NEAR_SMOOTH = 0.05  #: errors; a range from facets to smooth that is narrower counts as this wide
 
 

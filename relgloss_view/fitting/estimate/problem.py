@@ -107,12 +107,13 @@ class Problem:
         log_grazing = np.where(total > LEAST_LIKELIHOOD, np.log(total), far)
         return np.asarray(log_grazing - 0.5 * np.sum(misfit**2, axis=1))
 
-    def share_beyond_facets(self, surfaces: Array) -> float:
-        """How probable it is that the reading at 85 degrees holds more than facets give, 0 to 1."""
+    def beyond_facets(self, surfaces: Array) -> bool:
+        """Whether the reading at 85 degrees clearly holds more than facets give."""
         if self.grazing is None:
-            return 0.0
+            return False
         alone, more = grazing.parts(*self._grazing_parts(surfaces, self.predicted(surfaces)))
-        return float(np.mean(more / np.maximum(alone + more, LEAST_LIKELIHOOD)))
+        share = np.mean(more / np.maximum(alone + more, LEAST_LIKELIHOOD))
+        return bool(share > grazing.CLEARLY)
 
     def material(self, surface: Array, name: str, record: EstimateRecord | None) -> Material:
         """The material of one surface (5,)."""
