@@ -7,6 +7,7 @@ import json
 import math
 import os
 import re
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.decoration import decoration
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
     from relgloss_view.fitting.estimate.given import GlossReading
     from relgloss_view.measure.spectrum import ColourReading
 
+#: A reading, with the units that people write: degrees, gloss units, or percent (JIS Z 8741).
+_READING = re.compile(r"(\S+?)\s*(?:°|deg|degrees)?\s*=\s*(\S+?)\s*(?:GU|%)?", re.IGNORECASE)
+#: The space before another reading.
+_NEXT_READING = re.compile(r"\s+(?=[\d.]+\s*(?:°|deg|degrees)?\s*=)", re.IGNORECASE)
 GEOMETRIES = ("45-0", "d-8-sci", "d-8-sce")  #: measure.spectrum, which need not be loaded for help
 
 
@@ -67,7 +72,7 @@ def add(commands: Any) -> None:
         "--gloss-error",
         metavar="UNITS",
         type=float,
-        help="Standard error of each gloss reading (default 0.1 units and 0.25 %% of the reading)",
+        help="Standard error of each gloss reading (default 0.3 units and 1 %% of the reading)",
     )
     parser.add_argument(
         "-o", "--output", metavar="MATERIAL.json", required=True, help="File of the material"
@@ -132,13 +137,14 @@ def gloss_readings_of(text: str, error: float | None = None) -> tuple[GlossReadi
     from relgloss_view.fitting.estimate.given import reading_of
 
     readings: dict[float, GlossReading] = {}
-    for word in filter(None, (part.strip() for part in text.replace(";", ",").split(","))):
-        angle, mark, value = (part.strip() for part in word.partition("="))
-        if not mark or not _is_number(angle) or not _is_number(value):
+    for word in _reading_words(text):
+        parts = _READING.fullmatch(word)
+        if parts is None or not all(_is_number(part) for part in parts.groups()):
             raise InputError(
                 f"--gloss {printable(word, 60)}: expected ANGLE=VALUE such as 60=45, with a "
-                "decimal point"
+                "decimal point and a comma between readings: 20=12.3,60=45"
             )
+        angle, value = parts.groups()
         reading = reading_of(float(angle), float(value), error=error, step=_last_digit(value))
         if reading.angle_deg in readings:
             raise InputError(f"--gloss {angle}: appears twice; give each angle once")
@@ -146,6 +152,28 @@ def gloss_readings_of(text: str, error: float | None = None) -> tuple[GlossReadi
     if not readings:
         raise InputError("--gloss: expected at least one reading such as 60=45")
     return tuple(readings[angle] for angle in sorted(readings))
+
+
+def _reading_words(text: str) -> list[str]:
+    """The readings of a text, each a word. Between semicolons a comma is a decimal one."""
+    if ";" in text:
+        pieces = [
+            piece.replace(",", ".") if piece.count("=") == 1 else piece
+            for part in text.split(";")
+            for piece in ([part] if part.count("=") == 1 else part.split(","))
+        ]
+    else:
+        pieces = text.split(",")
+        for before, piece in pairwise(pieces):
+            if piece.strip().isdigit() and "=" in before:
+                comma = f"{before.strip()},{piece.strip()}"
+                raise InputError(
+                    f"--gloss {printable(comma, 60)}: has no angle after the comma; write decimals "
+                    f"with a point ({printable(comma.replace(',', '.'), 60)}) and a reading as "
+                    "ANGLE=VALUE"
+                )
+    words = [word.strip() for piece in pieces for word in _NEXT_READING.split(piece)]
+    return [word for word in words if word]
 
 
 def _is_number(text: str) -> bool:
