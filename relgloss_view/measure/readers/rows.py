@@ -7,6 +7,7 @@ import re
 from array import array
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -45,7 +46,7 @@ class Header:
     beside: frozenset[int] = frozenset()  #: columns that may hold text, as they are passed over
     sample: int | None = None  #: the one of them that names the sample
 
-    @property
+    @cached_property
     def width(self) -> int:
         """Number of columns up to the last one with a name."""
         return max((k + 1 for k, name in enumerate(self.columns) if name), default=0)
@@ -160,8 +161,10 @@ class RowReader:
             # float() also takes 1_000, nan, infinity and digits of other scripts: such lines, and
             # those with empty or odd fields, are parsed field by field.
             if plain and line.isascii() and "_" not in line and "n" not in line and "N" not in line:
-                text = line.replace(",", ".") if plain_commas else line
-                fields = text.split(delimiter)
+                fields = self._quoted(line)
+                if not fields:
+                    text = line.replace(",", ".") if plain_commas else line
+                    fields = text.split(delimiter)
                 if len(fields) == width:
                     try:
                         numbers = list(map(float, fields))
@@ -180,6 +183,14 @@ class RowReader:
                 raise self._first_percent
             rows.percent = True
         return rows
+
+    def _quoted(self, line: str) -> list[str]:
+        """The fields of a line of which each is quoted, with decimal points; else none."""
+        line = line.rstrip()
+        if not self._header.delimiter or len(line) < 2 or line[0] != '"' or line[-1] != '"':
+            return []
+        text = line[1:-1].split(f'"{self._header.delimiter}"')
+        return [field.replace(",", ".") for field in text] if self._comma else text
 
     def _take(self, line: int, numbers: list[float]) -> None:
         """Append a row; what lies before it must be something that a table may hold."""
