@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
 from relgloss_view.base.allocator import give_back
 from relgloss_view.base.errors import RelglossError
+from relgloss_view.material.material import Material
 from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.gpu.context import collect, max_texture_size
@@ -181,13 +182,20 @@ class PairRenderer:
         self._edged_view = view
         return state
 
-    def warm(self, state: State) -> bool:
-        """Compile what the sliders of a state can reach; returns whether anything was to do."""
+    def warm(self, state: State, more: Iterable[tuple[str, Material]] = ()) -> bool:
+        """Compile what the sliders of a state can reach; returns whether anything was to do.
+
+        more: sides and materials that are about to be put there, and drawn small.
+        """
         reachable: set[object] = set()
         missing: dict[tuple[object, Method], tuple[Scene, Look, Method]] = {}
         for side in SIDES:
             scene, look = state.scene(side), state.side(side).look
-            for method in self._reachable(side, look):
+            wanted = [(scene, method) for method in self._reachable(side, look)]
+            for material in (other for place, other in more if place == side):
+                scene = Scene(material, state.setup)
+                wanted += [(scene, m) for m in {*self._reachable(side, look), EXACT}]
+            for scene, method in wanted:
                 variant = _variant(scene, look), method
                 reachable.add(variant)
                 if not self._programs.use(self._warmed.get(variant, NOT_WARMED)):
@@ -240,6 +248,16 @@ class PairRenderer:
         contrasts = [(frame.c, frame.c_max) for frame in frames]
         factor = common_factor(contrasts)
         return self._warm.render(state.scene(side), state.side(side).look, size, factor=factor)
+
+    def small(
+        self, state: State, side: str, material: Material, size: Size, factor: float
+    ) -> Frame:
+        """A small picture of another material in a side's place, at its setting, drawn exactly.
+
+        Fetch its numbers before the next one is asked for.
+        """
+        look = dataclasses.replace(state.side(side).look, quality="exact")
+        return self._warm.render(Scene(material, state.setup), look, size, factor=factor)
 
     def with_uploads(
         self, pictures: dict[str, SidePicture], displayed: dict[str, Displayed]
