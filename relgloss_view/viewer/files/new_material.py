@@ -45,6 +45,7 @@ class NewMaterial:
 
     def __init__(self, model: Model, wake: Callable[[], None]) -> None:
         self.model = model
+        self._wake = wake
         self.active = False
         self.side = "test"
         self.name = NAME
@@ -232,7 +233,7 @@ class NewMaterial:
             model.change(matching.with_sample(model.state, self.side, sample, keep=self._kept_look))
             self._steps += 1
         self._placed, self._made = sample, model.state
-        model.hold()
+        self._wake()
 
     def _restore(self) -> None:
         """Bring the former sample and its look back, where this has put another in their place."""

@@ -25,7 +25,7 @@ PIXELS_IN_A_DRAG = 50_000
 LEAST_SHARE = 0.01  #: %, the histogram's foot
 LEFT_OF_PLOT_EM = 3.0  #: the values of the vertical axis and its label
 BAND = "dullest to glossiest"
-BAND_ALPHA = 0.22
+BAND_ALPHA = 0.4
 NARROW_EM = 28.0  #: below this width the plots lie in tabs
 
 

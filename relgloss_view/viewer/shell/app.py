@@ -297,6 +297,8 @@ class App:
         pitch = self._window.pixel_pitch_m()
         model.pixel_pitch_m = pitch
         before = self.pair_renderer.drawn
+        new = self.files.new_material
+        self.pair_renderer.whole_side = new.side if new.active else ""
         pair = self.pair_renderer.draw(
             state, arrangement, self.draft_scale.scale, pitch, moving=model.dragging
         )
