@@ -134,7 +134,7 @@ def gloss_readings_of(text: str, error: float | None = None) -> tuple[GlossReadi
     error: standard error in gloss units, None for the usual one. The digits as typed are a
     reading's precision: 45 may be 44.5 to 45.5.
     """
-    from relgloss_view.fitting.estimate.given import reading_of
+    from relgloss_view.fitting.estimate.given import last_digit, reading_of
 
     readings: dict[float, GlossReading] = {}
     for word in _reading_words(text):
@@ -145,7 +145,7 @@ def gloss_readings_of(text: str, error: float | None = None) -> tuple[GlossReadi
                 "decimal point and a comma between readings: 20=12.3,60=45"
             )
         angle, value = parts.groups()
-        reading = reading_of(float(angle), float(value), error=error, step=_last_digit(value))
+        reading = reading_of(float(angle), float(value), error=error, step=last_digit(value))
         if reading.angle_deg in readings:
             raise InputError(f"--gloss {angle}: appears twice; give each angle once")
         readings[reading.angle_deg] = reading
@@ -183,12 +183,6 @@ def _is_number(text: str) -> bool:
         return False
 
 
-def _last_digit(text: str) -> float:
-    """The unit of the last digit that is typed, 1 for 45 and 0.1 for 12.3; at most 1."""
-    mantissa = text.lower().partition("e")[0]
-    return float(10.0 ** -len(mantissa.partition(".")[2]))
-
-
 def _colour(args: argparse.Namespace) -> LabColour | ColourReading | None:
     if args.spectrum is not None:
         from relgloss_view.measure.readers.spectrum import read_spectrum
@@ -197,6 +191,7 @@ def _colour(args: argparse.Namespace) -> LabColour | ColourReading | None:
     if args.lab is None:
         return None
     from relgloss_view.fitting.estimate.colour import LIGHTNESS_ERROR, LabColour
+    from relgloss_view.fitting.estimate.given import last_digit
 
     words = re.split(r"[,;\s]+", args.lab.strip())
     if len(words) != 3 or not all(_is_number(word) for word in words):
@@ -204,7 +199,7 @@ def _colour(args: argparse.Namespace) -> LabColour | ColourReading | None:
             f"--lab {printable(args.lab, 60)}: expected three numbers L,a,b such as 46,-50,25"
         )
     lightness, a, b = (float(word) for word in words)
-    error = math.hypot(LIGHTNESS_ERROR, _last_digit(words[0]) / math.sqrt(12.0))
+    error = math.hypot(LIGHTNESS_ERROR, last_digit(words[0]) / math.sqrt(12.0))
     return LabColour((lightness, a, b), args.lab_illuminant or "D50", error)
 
 

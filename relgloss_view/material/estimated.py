@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,6 +12,8 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import number, refuse, text
 
 LARGEST = 1e12
+#: Names of intervals that do not depend on the diffuse part.
+OF_THE_LOBES = ("s_deg", "strength", "refractive_index", "second_s_deg", "second_strength")
 MOST_ENTRIES = 1000  #: of a list of readings, draws, warnings or intervals
 #: Key of a reading that the estimate does not rest on.
 LEFT_OUT = "left_out"
@@ -69,6 +72,16 @@ class EstimateRecord:
         if width is not None:
             text += f"; lobe width {width.value:.3g} deg, {width.lower:.3g} to {width.upper:.3g}"
         return text
+
+    def for_another_body(self) -> EstimateRecord:
+        """What stays true of a material whose diffuse part was changed: the lobes' numbers.
+
+        Gloss, peak and diffuse reflectance contain the body, and so do the draws. A contradiction
+        is one of the lobes' evidence; other warnings are about the colour.
+        """
+        lobes = {k: v for k, v in self.intervals.items() if k in OF_THE_LOBES}
+        warnings = tuple(text for text in self.warnings if text == self.contradiction)
+        return dataclasses.replace(self, intervals=lobes, draws={}, warnings=warnings)
 
     def as_json(self) -> dict[str, Any]:
         """The object of a material file."""

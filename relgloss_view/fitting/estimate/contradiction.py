@@ -104,8 +104,8 @@ def high_near_grazing(posed: Problem, surfaces: Array, seed: int) -> str:
     rest = "other readings" if len(posed.readings) > 2 else "other reading"
     return (
         f"gloss {one.reading.words} is left out: with the {rest} the model gives "
-        f"{one.range_words} there. Many prints read more, since near grazing they mirror as smoother "
-        "surfaces do. Trust pictures while the lamp's azimuth is at most "
+        f"{one.range_words} there. Many prints read more, since near grazing they mirror as "
+        "smoother surfaces do. Trust pictures while the lamp's azimuth is at most "
         f"{TRUSTED_AZIMUTH_DEG:g} degrees; beyond, the print is glossier"
     )
 

@@ -79,3 +79,13 @@ def readings_of(
     if not gloss:
         raise InputError("no gloss reading: give at least one, such as 60=45")
     return tuple(reading_of(angle, gloss[angle], error=error) for angle in sorted(gloss))
+
+
+def last_digit(text: str) -> float:
+    """The unit of the last digit that is typed, 1 for 45 and 0.1 for 12.3; at most 1.
+
+    >>> last_digit("45"), last_digit("12.3")
+    (1.0, 0.1)
+    """
+    mantissa = text.lower().partition("e")[0]
+    return float(10.0 ** -len(mantissa.partition(".")[2]))
