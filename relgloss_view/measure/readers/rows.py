@@ -16,7 +16,13 @@ from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.measure.readers import cells
-from relgloss_view.measure.readers.headings import RADIANS, has_percent, is_wavelength, unit_of
+from relgloss_view.measure.readers.headings import (
+    RADIANS,
+    angle_heading,
+    has_percent,
+    is_wavelength,
+    unit_of,
+)
 
 MOST_ODD_LINES = 500  #: in a row, before the first of them is reported
 LONGEST_NOTED = 100  #: characters of a text that is kept for a note
@@ -28,6 +34,7 @@ _SUMMARY = re.compile(
 )
 _WITH_COMMA = re.compile(r"['=\"]*[+-]?\d*,\d+([eEdD][+-]?\d+)?\"?\s*%?")
 _WITH_POINT = re.compile(r"['=\"]*[+-]?(\d+\.\d*|\.\d+)([eEdD][+-]?\d+)?\"?\s*%?")
+_RULER = re.compile(r"[=_*~+|\u2500-\u257f-]{3,}")  #: a line drawn with signs
 _DATA = re.compile(r"[\s;,='\"+\u2010-\u2014\u2212\uff0d.-]*\d")
 FEWEST_NUMBERS = 3  #: in a row
 MOST_UNITS = 5  #: rows of units, long names and remarks between header and numbers
@@ -143,6 +150,7 @@ class RowReader:
         self._rows = Rows(np.empty((0, header.width)), np.empty(0, np.int64))
         #: Line, fault, and the text of a remark where the line is one and no row with a fault.
         self._odd: list[tuple[int, InputError, str | None]] = []
+        self._words_first = False  #: whether the first of them holds no number
         self._percents = 0
         self._first_percent: InputError | None = None
         self._bands = {
@@ -211,7 +219,7 @@ class RowReader:
     def _careful(self, line: int, fields: list[str]) -> None:
         header, rows = self._header, self._rows
         fields = [f.strip().strip('"').strip() for f in fields]
-        if not any(fields):
+        if all(cells.says_nothing(f) or _RULER.fullmatch(f) for f in fields):
             rows.empty.append(line)
             return
         lower = [f.lower() for f in fields]
@@ -233,11 +241,28 @@ class RowReader:
         try:
             numbers = self._numbers_of(line, fields)
         except InputError as error:
-            self._odd.append((line, error, self._remark(fields)))
+            words = self._of_words(line, fields)
+            self._words_first = self._words_first if self._odd else words is not None
+            self._odd.append((line, words or error, self._remark(fields)))
             if len(self._odd) > MOST_ODD_LINES:
                 raise self._odd[0][1] from None
         else:
             self._take(line, numbers)
+
+    def _of_words(self, line: int, fields: list[str]) -> InputError | None:
+        """The fault of a line without a number: what it is, and not what its first cell lacks."""
+        where = f"{self._path}: line {line}"
+        if sum(angle_heading(field) is not None for field in fields) > 1:
+            return InputError(
+                f"{where}: another table begins; save each table as a file of its own"
+            )
+        first = next(field for field in fields if field)
+        if any(map(cells.is_number, fields)) or not first[:1].isalpha():
+            return None
+        return InputError(
+            f"{where}: words among the rows ({printable(first, 30)!r}); remove the line or begin it "
+            "with #, and save readings of another sample as a file of their own"
+        )
 
     def _is_units(self, fields: list[str]) -> bool:
         """Whether a line above the first row holds words alone: units, long names, remarks.
@@ -280,8 +305,8 @@ class RowReader:
                 percents += 1
                 self._first_percent = self._first_percent or InputError(
                     f"{self._place(line, k)}: found {printable(text, 30)!r}, expected a finite "
-                    "number; write the number without %, and "
-                    f"'# quantity: {cells.PERCENT}' on top"
+                    "number; other numbers have no %: write all of them alike, in percent with "
+                    f"'# quantity: {cells.PERCENT}' on top, or as fractions"
                 )
                 text = text[:-1].rstrip()
             try:
@@ -348,7 +373,8 @@ class RowReader:
         """Pass over what lies below the last row, if it is no row with a fault."""
         for line, error, remark in self._odd:
             if not self._numbers or remark is None:
-                raise error
+                # What follows words below the data is another table, and no faulty row.
+                raise self._odd[0][1] if self._words_first else error
             self._rows.below.add(line, remark)
 
     def _remark(self, fields: list[str]) -> str | None:
