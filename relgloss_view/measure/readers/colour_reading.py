@@ -61,6 +61,35 @@ def colour_reading(
     )
 
 
+def quantity_of_level(path: Path, level: float, notes: list[str], where: str = "") -> str:
+    """What values that nothing declares can only be: fractions or percent; a note joins.
+
+    level: the largest away from the mirror direction. where: these words, where there are others.
+    Raises InputError, which names the remedy, where both or neither is possible.
+    """
+    if level <= MOST_FRACTION:
+        notes.append(
+            f"the values, up to {level:.3g}{where}, are read as fractions of the perfect diffuser "
+            f"(--quantity {RADIANCE_FACTOR_PERCENT} reads percent)"
+        )
+        return RADIANCE_FACTOR
+    if MOST_BODY < level <= MOST_PERCENT:
+        notes.append(
+            f"the values, up to {level:.3g}{where}, are read as percent: no surface reflects more "
+            "than it receives"
+        )
+        return RADIANCE_FACTOR_PERCENT
+    if level <= MOST_BODY:
+        raise InputError(
+            f"{path}: the values reach {level:.3g}{where}: percent of a black, or fractions of a "
+            f"fluorescent white? Pass --quantity {RADIANCE_FACTOR_PERCENT} or {RADIANCE_FACTOR}"
+        )
+    raise InputError(
+        f"{path}: the values reach {level:.3g}{where}, beyond any reflectance in percent; give "
+        "reflectance, as fractions or percent, and no raw signal"
+    )
+
+
 def _span(nm: Array) -> str:
     if len(nm) < 2:
         return "one wavelength"
@@ -131,28 +160,8 @@ def _factor(
         quantity = declared
     elif percent is not None:
         quantity = RADIANCE_FACTOR_PERCENT if percent else RADIANCE_FACTOR
-    elif most <= MOST_FRACTION:
-        quantity = RADIANCE_FACTOR
-        notes.append(
-            f"the values, up to {most:.3g}, are read as fractions of the perfect diffuser "
-            f"(--quantity {RADIANCE_FACTOR_PERCENT} reads percent)"
-        )
-    elif MOST_BODY < most <= MOST_PERCENT:
-        quantity = RADIANCE_FACTOR_PERCENT
-        notes.append(
-            f"the values, up to {most:.3g}, are read as percent: no surface reflects more than "
-            "it receives"
-        )
-    elif most <= MOST_BODY:
-        raise InputError(
-            f"{path}: the values reach {most:.3g}: percent of a black, or fractions of a "
-            f"fluorescent white? Pass --quantity {RADIANCE_FACTOR_PERCENT} or {RADIANCE_FACTOR}"
-        )
     else:
-        raise InputError(
-            f"{path}: the values reach {most:.3g}, beyond any reflectance in percent; give "
-            "reflectance, as fractions or percent, and no raw signal"
-        )
+        quantity = quantity_of_level(path, most, notes)
     # A reading at 45/0 and one of a sphere see the sample from the normal, or 8 degrees beside it.
     factor: Array = to_radiance_factor(values[None, :], quantity, np.ones(1))[0]
     if argument is None and float(np.max(factor)) > MOST_BODY:
