@@ -37,13 +37,13 @@ def colour_reading(
     quantity: the caller's, which replaces what the file declares. notes: of the file; what is
     found here joins them. Raises InputError that names wavelength and remedy.
     """
-    said = list(notes)
+    notes = list(notes)
     nm, values = _sorted(path, sample)
-    values = _filled(path, nm, values, said)
-    nm, values = _seen(path, nm, values, said)
-    factor = _factor(path, values, sample.percent, declared, quantity, said)
-    nm, factor = _above_zero(path, nm, factor, said)
-    nm, factor = _averaged(nm, factor, said)
+    values = _filled(path, nm, values, notes)
+    nm, values = _seen(path, nm, values, notes)
+    factor = _factor(path, values, sample.percent, declared, quantity, notes)
+    nm, factor = _above_zero(path, nm, factor, notes)
+    nm, factor = _averaged(nm, factor, notes)
     wide = float(np.max(np.diff(nm), initial=0.0)) if len(nm) > 1 else np.inf
     if nm[0] > NEEDED_NM[0] or nm[-1] < NEEDED_NM[1] or wide > WIDEST_NM:
         raise InputError(
@@ -56,7 +56,7 @@ def colour_reading(
         bands=Bands(tuple(map(float, nm))),
         radiance_factor=factor,
         geometry=geometry_of(sample.geometry),
-        notes=tuple(said),
+        notes=tuple(notes),
         file=str(path),
     )
 
