@@ -50,7 +50,7 @@ class Row:
 
     line: int  #: from 1
     nm: float
-    value: float  #: NaN where the cell is empty
+    value: float  #: NaN where the cell says nothing
 
 
 def read_rows(
