@@ -135,12 +135,6 @@ def _held_out(problem: Problem, states: States) -> Array:
     return np.concatenate(errors)
 
 
-def with_state(candidate: Candidate, observations: Observations, state: State) -> Candidate:
-    """The candidate at another state, whose error it is on the observations."""
-    error = mean_error(observations, predict(observations.geometry, state))
-    return replace(candidate, solution=replace(candidate.solution, state=state), error=error)
-
-
 def climb(
     observations: Observations,
     rungs: tuple[Rung, ...],

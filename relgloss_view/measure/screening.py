@@ -146,7 +146,7 @@ def unusable_bands(
     radiance_factor: (N, B), NaN where empty. above: (N,), both directions above the horizon.
     noise: as noise_limit gives it.
 
-    A band that is empty or negative in most samples says nothing of the sample. So it is left out,
+    A band that is empty or negative in most samples does not show the sample. So it is left out,
     and what an instrument fills with zeros though it saw the highlight. So are bands without which
     most samples would lack too much. Two bands always stay. A run of several bands in the middle of
     the spectrum that lie about zero is a dark colour and stays: without it the colour would be that

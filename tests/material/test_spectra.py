@@ -11,7 +11,8 @@ import pytest
 from relgloss_view.base.errors import InputError
 from relgloss_view.material import lamp_names, spectra
 from relgloss_view.material.material import Diffuse, Lobe, Material
-from relgloss_view.measure.bands import RGB, WIDE_RGB, Bands
+from relgloss_view.measure.bands import REC2020, RGB, SRGB, WIDE_RGB, Bands
+from relgloss_view.measure.readers import tristimulus
 from relgloss_view.picture.scene.scene_file import load_scene
 
 colour = pytest.importorskip("colour")
@@ -162,6 +163,17 @@ def test_srgb_matrix_and_primaries():
     np.testing.assert_allclose(
         matrix, colour.models.RGB_COLOURSPACE_sRGB.matrix_RGB_to_XYZ, atol=2e-4
     )
+
+
+def test_readers_and_pictures_have_one_srgb_and_one_rec2020():
+    # measure/ is below material/, so the readers have the published digits of their own.
+    to_xyz = {name: spectra.rgb_to_xyz_matrix(xy, spectra.D65_XY)
+              for name, xy in spectra.PRIMARIES_XY.items()}  # fmt: skip
+    # The digits of IEC 61966-2-1 are those of the inverse of a matrix of four digits.
+    np.testing.assert_allclose(tristimulus.SRGB_FROM_XYZ @ to_xyz[SRGB], np.eye(3), atol=5e-4)
+    wide = np.linalg.solve(to_xyz[REC2020], to_xyz[SRGB])
+    np.testing.assert_allclose(tristimulus.REC2020_FROM_SRGB, wide, atol=5e-5)
+    np.testing.assert_allclose(tristimulus.LUMINANCE, to_xyz[SRGB][1], atol=5e-5)
 
 
 def test_other_lamps_by_name_and_by_file(tmp_path):

@@ -10,6 +10,7 @@ import pytest
 from relgloss_view.base.errors import InputError
 from relgloss_view.measure.readers import cxf, read_measurement
 from relgloss_view.measure.readers.aspecular import directions, split_aspecular
+from relgloss_view.measure.readers.recognised import is_table
 from relgloss_view.measure.readers.spectrum import read_spectrum
 
 CXF = Path(__file__).resolve().parents[3] / "shared" / "data" / "formats" / "sample.cxf"
@@ -109,6 +110,7 @@ def test_the_geometries_of_a_byk_mac_become_directions(file, content):
     assert measured.to_lamp == pytest.approx(np.tile([-(0.5**0.5), 0.0, 0.5**0.5], (6, 1)))
     assert measured.radiance_factor == pytest.approx(np.array([READ[g] for g in BYK]), rel=1e-5)
     assert measured.name == "deep red"
+    assert is_table(file(content))
     along_the_normal = read_spectrum(file(content))
     assert along_the_normal.geometry == "45-0"
     assert along_the_normal.radiance_factor == pytest.approx(READ["45as45"], rel=1e-5)

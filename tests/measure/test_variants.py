@@ -10,6 +10,8 @@ import variants
 
 from relgloss_view import fit_material
 from relgloss_view.measure.readers import read_measurement
+from relgloss_view.measure.readers.recognised import is_table
+from relgloss_view.picture.scene.file_kinds import MEASUREMENT, likely_kind
 
 BASES = (variants.gcms, variants.generic)
 
@@ -42,6 +44,21 @@ def test_sixty_files_of_programs(tmp_path, plain):
     assert faults == []
     assert sum(counts.values()) == 60
     assert counts[variants.READ] >= 54
+
+
+def test_what_is_read_is_no_stranger_in_a_folder_or_the_window(tmp_path):
+    path = tmp_path / "t.csv"
+    bars = (variants.generic, {"separator": "bar"})
+    for base, names in [*variants.sixty(), bars]:
+        sheet = variants.build(base, names)
+        path.write_bytes(sheet.content())
+        if sheet.remedy is None:
+            assert is_table(path), names
+            assert likely_kind(path) == MEASUREMENT
+    # A program that writes a table, and a lamp, are none.
+    for content in (f"HEAD = {sheet.header}\nprint(HEAD)\n", "nm,W\n400,1\n410,2\n420,3\n"):
+        path.write_text(content)
+        assert not is_table(path)
 
 
 def test_a_wrong_number_or_row_is_seen(tmp_path, plain):

@@ -37,13 +37,13 @@ def colour_reading(
     quantity: the caller's, which replaces what the file declares. notes: of the file; what is
     found here joins them. Raises InputError that names wavelength and remedy.
     """
-    said = list(notes)
+    notes = list(notes)
     nm, values = _sorted(path, sample)
-    values = _filled(path, nm, values, said)
-    nm, values = _seen(path, nm, values, said)
-    factor = _factor(path, values, sample.percent, declared, quantity, said)
-    nm, factor = _above_zero(path, nm, factor, said)
-    nm, factor = _averaged(nm, factor, said)
+    values = _filled(path, nm, values, notes)
+    nm, values = _seen(path, nm, values, notes)
+    factor = _factor(path, values, sample.percent, declared, quantity, notes)
+    nm, factor = _above_zero(path, nm, factor, notes)
+    nm, factor = _averaged(nm, factor, notes)
     wide = float(np.max(np.diff(nm), initial=0.0)) if len(nm) > 1 else np.inf
     if nm[0] > NEEDED_NM[0] or nm[-1] < NEEDED_NM[1] or wide > WIDEST_NM:
         raise InputError(
@@ -56,8 +56,37 @@ def colour_reading(
         bands=Bands(tuple(map(float, nm))),
         radiance_factor=factor,
         geometry=geometry_of(sample.geometry),
-        notes=tuple(said),
+        notes=tuple(notes),
         file=str(path),
+    )
+
+
+def quantity_of_level(path: Path, level: float, notes: list[str], where: str = "") -> str:
+    """What values that nothing declares can only be: fractions or percent; a note joins.
+
+    level: the largest away from the mirror direction. where: these words, where there are others.
+    Raises InputError, which names the remedy, where both or neither is possible.
+    """
+    if level <= MOST_FRACTION:
+        notes.append(
+            f"the values, up to {level:.3g}{where}, are read as fractions of the perfect diffuser "
+            f"(--quantity {RADIANCE_FACTOR_PERCENT} reads percent)"
+        )
+        return RADIANCE_FACTOR
+    if MOST_BODY < level <= MOST_PERCENT:
+        notes.append(
+            f"the values, up to {level:.3g}{where}, are read as percent: no surface reflects more "
+            "than it receives"
+        )
+        return RADIANCE_FACTOR_PERCENT
+    if level <= MOST_BODY:
+        raise InputError(
+            f"{path}: the values reach {level:.3g}{where}: percent of a black, or fractions of a "
+            f"fluorescent white? Pass --quantity {RADIANCE_FACTOR_PERCENT} or {RADIANCE_FACTOR}"
+        )
+    raise InputError(
+        f"{path}: the values reach {level:.3g}{where}, beyond any reflectance in percent; give "
+        "reflectance, as fractions or percent, and no raw signal"
     )
 
 
@@ -131,28 +160,8 @@ def _factor(
         quantity = declared
     elif percent is not None:
         quantity = RADIANCE_FACTOR_PERCENT if percent else RADIANCE_FACTOR
-    elif most <= MOST_FRACTION:
-        quantity = RADIANCE_FACTOR
-        notes.append(
-            f"the values, up to {most:.3g}, are read as fractions of the perfect diffuser "
-            f"(--quantity {RADIANCE_FACTOR_PERCENT} reads percent)"
-        )
-    elif MOST_BODY < most <= MOST_PERCENT:
-        quantity = RADIANCE_FACTOR_PERCENT
-        notes.append(
-            f"the values, up to {most:.3g}, are read as percent: no surface reflects more than "
-            "it receives"
-        )
-    elif most <= MOST_BODY:
-        raise InputError(
-            f"{path}: the values reach {most:.3g}: percent of a black, or fractions of a "
-            f"fluorescent white? Pass --quantity {RADIANCE_FACTOR_PERCENT} or {RADIANCE_FACTOR}"
-        )
     else:
-        raise InputError(
-            f"{path}: the values reach {most:.3g}, beyond any reflectance in percent; give "
-            "reflectance, as fractions or percent, and no raw signal"
-        )
+        quantity = quantity_of_level(path, most, notes)
     # A reading at 45/0 and one of a sphere see the sample from the normal, or 8 degrees beside it.
     factor: Array = to_radiance_factor(values[None, :], quantity, np.ones(1))[0]
     if argument is None and float(np.max(factor)) > MOST_BODY:

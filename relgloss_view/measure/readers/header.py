@@ -28,7 +28,7 @@ MOST_LOOKED_AT = 500  #: columns of a line that may be the header
 MOST_HEADINGS = 50_000  #: of all such lines together
 PADDING = " \t,;|"  #: what a spreadsheet appends to a line of one cell
 SEPARATOR_LINE = re.compile(r'"?sep=.?"?', re.IGNORECASE)
-_DELIMITERS = (",", ";", "\t", "|", None)
+DELIMITERS = (",", ";", "\t", "|", None)
 #: A header in a comment, as numpy.savetxt writes it.
 _COMMENT = re.compile(r'^(\s*"?)[#%]+\s*')
 
@@ -57,7 +57,7 @@ def find_header(
         looked_at += 1
         if looked_at > MOST_TITLES or headings > MOST_HEADINGS:
             break
-        for delimiter in _DELIMITERS:
+        for delimiter in DELIMITERS:
             if delimiter is not None and delimiter not in line:
                 continue
             fields = split(line, delimiter, MOST_LOOKED_AT)
@@ -78,10 +78,19 @@ def find_header(
     return first, first_delimiter
 
 
+def without_comment_sign(line: str) -> str:
+    """A line without the sign of a comment before it.
+
+    >>> without_comment_sign("# alpha_deg,beta_deg")
+    'alpha_deg,beta_deg'
+    """
+    return _COMMENT.sub(r"\1", line, count=1)
+
+
 def _delimiter_of(line: str, layouts: Sequence[Collection[str]]) -> str | None:
     """The delimiter by which a commented line is the header of one of the layouts; else a blank."""
-    text = _COMMENT.sub(r"\1", line, count=1)
-    for delimiter in _DELIMITERS:
+    text = without_comment_sign(line)
+    for delimiter in DELIMITERS:
         fields = split(text, delimiter, MOST_LOOKED_AT)
         names = {a.name for a in map(angle_heading, fields) if a is not None}
         if len(fields) > 4 and any(set(layout) <= names for layout in layouts):
@@ -94,8 +103,8 @@ def _holds_layout(line: str, layouts: Sequence[Collection[str]]) -> bool:
 
 
 def uncommented(line: str, layouts: Sequence[Collection[str]]) -> str:
-    """A header without the sign of a comment before it."""
-    return _COMMENT.sub(r"\1", line, count=1) if _holds_layout(line, layouts) else line
+    """A line, without the sign of a comment where it is the header of one of the layouts."""
+    return without_comment_sign(line) if _holds_layout(line, layouts) else line
 
 
 def read_header(

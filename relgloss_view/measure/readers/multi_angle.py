@@ -14,16 +14,14 @@ from relgloss_view.measure.bands import Bands
 from relgloss_view.measure.quantity import (
     RADIANCE_FACTOR,
     RADIANCE_FACTOR_PERCENT,
-    canonical_quantity,
 )
 from relgloss_view.measure.readers.aspecular import directions
 from relgloss_view.measure.readers.assemble import assemble
-from relgloss_view.measure.readers.colour_reading import MOST_FRACTION
+from relgloss_view.measure.readers.colour_reading import quantity_of_level
 from relgloss_view.measure.readers.declared import Declared
 from relgloss_view.measure.readers.options import ReadOptions
 from relgloss_view.measure.readers.parts import chosen_part
 from relgloss_view.measure.readers.samples import Sample, SampleFile, series
-from relgloss_view.measure.screening import MOST_BODY
 from relgloss_view.measure.table import Measurement
 
 
@@ -106,10 +104,8 @@ def _quantity(
     notes: list[str],
 ) -> str:
     """What the numbers are: declared, or what the geometry furthest from the mirror shows."""
-    if options.quantity is not None:
-        return canonical_quantity(options.quantity, "--quantity")
-    if file.quantity is not None:
-        return file.quantity
+    if options.quantity is not None or file.quantity is not None:
+        return options.quantity_or(file.quantity or "")
     declared = {sample.percent for sample in samples}
     if declared == {True}:
         return RADIANCE_FACTOR_PERCENT
@@ -120,18 +116,4 @@ def _quantity(
         return RADIANCE_FACTOR
     away = np.abs(angles[:, 1]) >= min(40.0, float(np.max(np.abs(angles[filled, 1])))) - 1e-9
     level = float(np.nanmax(readings[away & filled], initial=0.0))
-    if level <= MOST_FRACTION:
-        notes.append(
-            f"the values are read as fractions of the perfect diffuser ({level:.3g} away from the "
-            f"mirror direction; --quantity {RADIANCE_FACTOR_PERCENT} reads percent)"
-        )
-        return RADIANCE_FACTOR
-    if level > MOST_BODY:
-        notes.append(
-            f"the values are read as percent: they reach {level:.3g} away from the mirror direction"
-        )
-        return RADIANCE_FACTOR_PERCENT
-    raise InputError(
-        f"{path}: the values reach {level:.3g} away from the mirror direction: percent of a black, "
-        f"or fractions? Pass --quantity {RADIANCE_FACTOR_PERCENT} or {RADIANCE_FACTOR}"
-    )
+    return quantity_of_level(path, level, notes, " away from the mirror direction")

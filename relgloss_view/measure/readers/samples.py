@@ -31,7 +31,7 @@ class Sample:
     wavelengths_nm: Array  #: (B,)
     values: Array  #: (B,), NaN where nothing was read
     geometry: str = ""  #: the file's words for it
-    percent: bool | None = None  #: whether the values are percent; None where nothing says so
+    percent: bool | None = None  #: whether the values are percent; None where nothing states it
     angle: Aspecular | None = None  #: of a multi-angle instrument
 
 

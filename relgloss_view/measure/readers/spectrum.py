@@ -22,9 +22,8 @@ from relgloss_view.measure.readers import (
     tensor_file,
 )
 from relgloss_view.measure.readers.colour_reading import MOST_PERCENT, colour_reading
-from relgloss_view.measure.readers.headings import angle_heading
 from relgloss_view.measure.readers.parts import chosen_part
-from relgloss_view.measure.readers.rows import split
+from relgloss_view.measure.readers.recognised import is_table_of_angles
 from relgloss_view.measure.readers.samples import Sample, SampleFile, series
 from relgloss_view.measure.readers.spectrum_text import EXPECTED
 from relgloss_view.measure.screening import MOST_BODY
@@ -34,7 +33,6 @@ from relgloss_view.measure.table import Measurement
 __all__ = ["read_spectrum"]
 
 TIE_DEG = 0.5  #: geometries of a gonio table that are this much farther from 45/0 are averaged
-MOST_TITLES = 200
 #: Readers of the spectra in formats of other programs, by the key in base.foreign.
 _FORMATS: Mapping[str, Callable[[Path], SampleFile]] = {
     "cgats": cgats.read_samples,
@@ -125,15 +123,7 @@ def _is_gonio(head: bytes) -> bool:
     """Whether a file begins as a table of angles or a binary BRDF."""
     if head.startswith((tensor_file.MAGIC, merl.HEADER)):
         return True
-    if foreign_format(head) is not None:
-        return False
-    text = head.replace(b"\x00", b"").decode("utf-8", errors="replace")
-    for line in text.splitlines()[:MOST_TITLES]:
-        for delimiter in (",", ";", "\t", None):
-            angles = [angle_heading(field) for field in split(line, delimiter, 12)]
-            if sum(angle is not None for angle in angles) >= 3:
-                return True
-    return False
+    return foreign_format(head) is None and is_table_of_angles(head)
 
 
 def _of_table(measurement: Measurement) -> ColourReading:

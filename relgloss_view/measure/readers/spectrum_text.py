@@ -170,6 +170,30 @@ def is_samples_table(head: bytes) -> bool:
     return False
 
 
+def is_multi_angle_table(head: bytes) -> bool:
+    """Whether a file begins as a table of spectra that names geometries as instruments do."""
+    if not is_samples_table(head):
+        return False
+    lines = decoded_beginning(head).splitlines()[: MOST_TITLES + 4]
+    lines = [t for t in whole_lines(lines) if t.strip(" \t,;") and not t.lstrip().startswith("#")]
+    for line, following in itertools.pairwise(lines):
+        for delimiter in _DELIMITERS:
+            if (delimiter is not None and delimiter not in line) or not _is_header(line, delimiter):
+                continue
+            headings, row = (
+                [f.strip(' "') for f in split(text, delimiter)] for text in (line, following)
+            )
+            layout = spectral_columns(headings)
+            numbers = sum(cells.is_number(row[k]) for k in layout.used if k < len(row))
+            others = [k for k in range(len(headings)) if k not in layout.used]
+            named = any(angle is not None for angle, _, _ in layout.spectra) or any(
+                _GEOMETRY.fullmatch(headings[k]) or (k < len(row) and split_aspecular(row[k])[0])
+                for k in others
+            )
+            return named and 2 * numbers > len(layout.used)
+    return False
+
+
 def _has_unknown_angles(headings: list[str], row: list[str]) -> bool:
     """Whether numbers stand in two columns or more that name neither a wavelength nor a sample."""
     used = spectral_columns([heading.strip(' "') for heading in headings]).used

@@ -14,12 +14,12 @@ from relgloss_view.base.toml import parse_toml
 from relgloss_view.material.files import FORMAT
 from relgloss_view.material.files import MAX_BYTES as MAX_MATERIAL_BYTES
 from relgloss_view.measure.readers import FORMATS, read_measurement
+from relgloss_view.measure.readers.header import MOST_TITLES
 from relgloss_view.picture.scene.scene_file import MAX_BYTES as MAX_SCENE_BYTES
 from relgloss_view.picture.scene.scene_file import PAIR_TABLES, TABLES
 
 SCENE, MATERIAL, MEASUREMENT = "scene", "material", "measurement"
 EXPECTED = "a scene (TOML), a material (JSON) or a measurement (CSV, .bsdf, .binary)"
-MOST_TITLES = 200  #: lines of words above the header of a table
 FEWEST_DELIMITERS = 3  #: three angles and a band
 _SCENE_TABLES = ("sample", *TABLES, *PAIR_TABLES)
 #: A line that only a scene has, so that a scene with a mistake is reported as a scene.
@@ -107,7 +107,7 @@ def _check_table(file: Path) -> None:
     for line in head.lstrip(b"\xef\xbb\xbf").splitlines():
         if not line.strip() or line.lstrip(b'" \t').startswith(b"#"):
             continue
-        if max(line.count(delimiter) for delimiter in b",;\t") >= FEWEST_DELIMITERS:
+        if max(line.count(delimiter) for delimiter in b",;\t|") >= FEWEST_DELIMITERS:
             return
         # Columns set apart by spaces alone have at least one number in a row.
         words = line.split()
