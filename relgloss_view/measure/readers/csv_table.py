@@ -308,9 +308,7 @@ def _without_marks(values: Array, readings: list[int]) -> tuple[int, str] | None
     """
     at_once = max(VALUES_AT_ONCE // values.shape[1], 1)
     tops = range(0, len(values), at_once)
-    marked = [
-        (top, np.isin(np.abs(values[top : top + at_once, readings]), MARKS)) for top in tops
-    ]
+    marked = [(top, np.isin(np.abs(values[top : top + at_once, readings]), MARKS)) for top in tops]
     count = sum(int(np.sum(where)) for _, where in marked)
     if not count:
         return None
