@@ -15,6 +15,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import WARNING_LENGTH
 from relgloss_view.base.writing import check_writable
+from relgloss_view.commands.lab_text import lab_words
 
 if TYPE_CHECKING:
     from relgloss_view.fitting.estimate.colour import LabColour
@@ -41,7 +42,6 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--gloss",
         metavar="ANGLE=VALUE,...",
-        required=True,
         help="Gloss units at one or more of 20, 60, 85 degrees (ISO 2813, ASTM D523) and 75 "
         "(TAPPI T 480), such as 20=12.3,60=45",
     )
@@ -92,6 +92,11 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read, estimate, write, then draw and print."""
+    if args.gloss is None:
+        raise InputError(
+            "--gloss is missing: give at least one reading such as 60=45. For another colour on "
+            "the gloss of a built-in paper: `relgloss snapshot --sample art-coated --lab L,a,b`"
+        )
     _check_places(args)
     if args.lab_illuminant is not None and args.lab is None:
         raise InputError("--lab-illuminant: belongs to --lab, which is missing")
@@ -193,7 +198,7 @@ def _colour(args: argparse.Namespace) -> LabColour | ColourReading | None:
     from relgloss_view.fitting.estimate.colour import LIGHTNESS_ERROR, LabColour
     from relgloss_view.fitting.estimate.given import last_digit
 
-    words = re.split(r"[,;\s]+", args.lab.strip())
+    words = lab_words(args.lab)
     if len(words) != 3 or not all(_is_number(word) for word in words):
         raise InputError(
             f"--lab {printable(args.lab, 60)}: expected three numbers L,a,b such as 46,-50,25"

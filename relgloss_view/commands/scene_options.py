@@ -12,6 +12,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.shell import command_line
 from relgloss_view.base.toml import AUTO
 from relgloss_view.base.words import sentence_case
+from relgloss_view.commands.lab_text import lab_words
 from relgloss_view.material.recolour import DEFAULT_ILLUMINANT, Colour
 from relgloss_view.picture.model.lamp_placement import lit_for_gloss
 from relgloss_view.picture.model.view import check_size
@@ -168,7 +169,7 @@ def colour_from(args: argparse.Namespace) -> Colour | None:
 def _lab_of_text(word: str) -> tuple[float, ...]:
     """L, a, b of words such as 50,60,20."""
     try:
-        values = tuple(float(part) for part in re.split(r"[,;\s]+", word.strip()))
+        values = tuple(float(part) for part in lab_words(word))
     except ValueError:
         values = ()
     if len(values) != 3:

@@ -11,8 +11,9 @@ import pytest
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.cli import main
+from relgloss_view.commands.estimate import gloss_readings_of
 from relgloss_view.fitting.derived import peak
-from relgloss_view.fitting.estimate import model, prior
+from relgloss_view.fitting.estimate import grazing, model, prior
 from relgloss_view.fitting.estimate.colour import BANDS, LabColour
 from relgloss_view.fitting.estimate.estimate import estimate, estimate_material
 from relgloss_view.fitting.estimate.given import readings_of
@@ -116,7 +117,7 @@ class TestAnswers:
         assert not found.contradiction
         index = found.intervals["refractive_index"]
         assert index.lower < 1.567 < index.upper
-        assert index.upper - index.lower < 0.03
+        assert index.upper - index.lower < 0.08
         assert found.intervals["s_deg"].upper < 0.2
         assert found.intervals["strength"].lower < 1.0 < found.intervals["strength"].upper + 0.02
 
@@ -154,7 +155,7 @@ class TestAnswers:
             assert width.lower < 2.505 < width.upper
             ratio.append(width.upper / width.lower)
         assert ratio[0] > 5.0
-        assert ratio[2] < 1.3
+        assert ratio[2] < 1.5
         assert ratio[0] > ratio[1] > ratio[2]
 
     def test_dullest_and_glossiest_lie_at_the_ends(self):
@@ -199,14 +200,18 @@ class TestContradictions:
         assert "20=95" in found.contradiction
         assert "60=10" in found.contradiction
 
-    def test_a_high_reading_near_grazing_is_explained(self):
-        found = estimate({20: 12.3, 60: 45.0, 85: 80.0}, GREEN)
-        assert "85=80 contradicts" in found.contradiction
-        assert "grazing" in found.contradiction
-
-    def test_so_it_is_beside_one_other(self):
-        found = estimate({60: 45.0, 85: 80.0}, GREEN)
-        assert "85=80 contradicts the other reading, which allows" in found.contradiction
+    @pytest.mark.parametrize("gloss", [{20: 12.3, 60: 45.0, 85: 80.0}, {60: 45.0, 85: 80.0}])
+    def test_a_high_reading_near_grazing_is_usual(self, gloss):
+        found = estimate(gloss, GREEN)
+        record = found.material.estimate
+        assert record.words == "estimated"
+        assert record.warnings[0].startswith("gloss 85=80 is left out: with the other reading")
+        assert "azimuth is at most 120" in record.warnings[0]
+        assert record.reading_words.endswith("60=45, 85=80 (left out)")
+        assert specular_gloss(found.material, 60) == pytest.approx(45.0, abs=1.0)
+        # Controls: a low one is no usual one, nor one above a smooth surface's.
+        for value in (20.0, 104.0):
+            assert "85=" in estimate({20: 12.3, 60: 45.0, 85: value}, GREEN).contradiction
 
     def test_a_reading_below_what_the_colour_alone_gives(self):
         found = estimate({60: 0.3}, LabColour((95.0, 0.0, 0.0)))
@@ -242,12 +247,29 @@ def random_material(random, two_lobes):
     return Material("random", "synthetic", BANDS, body, tuple(lobes))
 
 
-def holds(material, random, seed):
-    """Which intervals of one estimate hold the truth, from readings with the meters' noise."""
+def mirrored(material, random):
+    """What is added at 85 degrees, as the coherent share of Beckmann and Spizzichino 1963.
+
+    Heights deviate by 0.1 to 2 um; the share is exp(-(4 pi sigma cos(85 deg) / 0.55 um)^2).
+    """
+    sigma = math.exp(random.uniform(math.log(0.1), math.log(2.0)))
+    share = math.exp(-((4.0 * math.pi * sigma * math.cos(math.radians(85.0)) / 0.55) ** 2))
+    index = np.array([material.specular[0].refractive_index])
+    smooth = float(grazing.smooth_units(index)[0])
+    return share * max(smooth - specular_gloss(material, 85), 0.0)
+
+
+def holds(material, random, seed, near_grazing):
+    """Which intervals of one estimate hold the truth, from readings with noise of meter and sheet.
+
+    near_grazing: whether the surface mirrors more at 85 degrees than its facets do.
+    """
     gloss = {}
     for angle in THREE:
         true = specular_gloss(material, angle)
-        error = math.hypot(0.1, 0.0025 * true)
+        if near_grazing and angle == 85:
+            true += mirrored(material, random)
+        error = math.hypot(0.3, 0.01 * true)
         gloss[angle] = max(round(true + error * random.standard_normal(), 1), 0.0)
     lab = lab_at_45_0(material) + 0.3 * random.standard_normal(3)
     found = estimate(gloss, rounded(lab), seed=seed)
@@ -272,9 +294,11 @@ def holds(material, random, seed):
     return inside
 
 
-def coverage(count, two_lobes, seed):
+def coverage(count, two_lobes, seed, near_grazing=False):
     random = np.random.default_rng(seed)
-    each = [holds(random_material(random, two_lobes), random, k) for k in range(count)]
+    each = [
+        holds(random_material(random, two_lobes), random, k, near_grazing) for k in range(count)
+    ]
     return {name: float(np.mean([one[name] for one in each])) for name in each[0]}
 
 
@@ -286,12 +310,36 @@ def test_intervals_hold_the_truth_of_some_random_materials():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("near_grazing", [False, True])
 @pytest.mark.parametrize("two_lobes", [True, False])
-def test_intervals_hold_the_truth_of_200_random_materials(two_lobes):
-    held = coverage(200, two_lobes, 7)
+def test_intervals_hold_the_truth_of_200_random_materials(two_lobes, near_grazing):
+    held = coverage(200, two_lobes, 7, near_grazing)
     control = held.pop("control")
-    assert all(0.90 <= share <= 0.995 for share in held.values()), held
-    assert control < 0.5
+    assert all(0.87 <= share <= 0.995 for share in held.values()), held
+    assert np.mean(list(held.values())) > 0.9
+    assert control < 0.6
+
+
+class TestGrazing:
+    def test_the_likelihood_is_the_integral_over_surfaces(self):
+        """A quarter Gaussian, the rest its mean from facets to smooth, by the trapezoidal rule."""
+        value, error = 60.0, 2.0
+        for facets, smooth in ((45.0, 95.0), (59.0, 62.0), (70.0, 95.0), (30.0, 50.0)):
+            shares = np.linspace(facets, smooth, 20001)
+            wanted = np.trapezoid(np.exp(-0.5 * ((value - shares) / error) ** 2), shares)
+            alone, more = grazing.parts(value, error, np.array([facets]), np.array([smooth]))
+            assert more[0] == pytest.approx(0.75 * wanted / (smooth - facets), rel=1e-4)
+            gaussian = math.exp(-0.5 * ((value - facets) / error) ** 2)
+            assert alone[0] == pytest.approx(0.25 * gaussian, rel=1e-9)
+
+    def test_where_nothing_lies_between_it_is_the_gaussian(self):
+        same = np.array([48.0])
+        total = sum(grazing.parts(50.0, 1.0, same, same))
+        assert total[0] == pytest.approx(math.exp(-2.0), rel=0.1)
+
+    def test_smooth_glass_reads_100(self):
+        assert grazing.smooth_units(np.array([1.567]))[0] == pytest.approx(100.0)
+        assert grazing.smooth_units(np.array([1.5]))[0] < 99.0
 
 
 class TestFiles:
@@ -358,6 +406,8 @@ class TestBadInput:
         [
             (["--gloss", "60=45,60=46"], "appears twice"),
             (["--gloss", "60:45"], "expected ANGLE=VALUE"),
+            (["--gloss", "60=45,5"], "has no angle after the comma"),
+            (["--gloss", "60=nan"], "expected ANGLE=VALUE"),
             (["--gloss", ""], "at least one reading"),
             (["--gloss", "60=45", "--lab", "46,-50"], "expected three numbers"),
             (["--gloss", "60=45", "--lab", "146,-50,25"], "L from 0 to 100"),
@@ -385,6 +435,20 @@ class TestBadInput:
 
 
 class TestCommand:
+    @pytest.mark.parametrize(
+        "text",
+        [
+            "20=12.3,60=45.5",
+            "60 = 45.5 , 20 = 12.3",
+            "20=12,3;60=45,5",
+            "20=12.3 60=45.5",
+            "20° = 12.3 GU, 60 deg=45.5%",
+        ],
+    )
+    def test_readings_as_people_type_them(self, text):
+        found = gloss_readings_of(text)
+        assert [(one.angle_deg, one.value) for one in found] == [(20.0, 12.3), (60.0, 45.5)]
+
     def test_it_writes_a_material_and_a_report(self, tmp_path, capsys, monkeypatch):
         monkeypatch.chdir(tmp_path)
         words = ["estimate", "--gloss", "20=12.3,60=45", "--lab", "46,-50,25", "-o", "art.json"]
@@ -410,6 +474,6 @@ class TestCommand:
             content = json.loads(capsys.readouterr().out)
             errors.append(content["estimate"]["readings"][0]["standard_error"])
             assert "a gray" in content["estimate"]["warnings"][0]
-        usual = math.hypot(0.1, 0.0025 * 45.0)
+        usual = math.hypot(0.3, 0.01 * 45.0)
         assert errors[0] == pytest.approx(math.hypot(usual, 1 / math.sqrt(12.0)), rel=1e-3)
         assert errors[1] == pytest.approx(math.hypot(usual, 0.1 / math.sqrt(12.0)), rel=1e-3)

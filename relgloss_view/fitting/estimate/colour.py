@@ -126,7 +126,10 @@ def _of_spectrum(colour: ColourReading, geometry: str | None) -> Colour:
     if geometry is not None and stated is not None and geometry != stated:
         notes.append(f"{place}: states the geometry {stated}; it is taken as {geometry}, as asked")
     if geometry is None and stated is None:
-        notes.append(f"{place}: does not state its geometry; it is taken as {AT_45_0}")
+        notes.append(
+            f"{place}: does not state its geometry; it is taken as {AT_45_0}; for a sphere give "
+            "--measured d-8-sci or d-8-sce"
+        )
     where = geometry or stated or AT_45_0
     largest = float(np.max(factor))
     if not np.all(np.isfinite(factor)) or float(np.min(factor)) < -0.02:

@@ -31,10 +31,14 @@ TRUSTED_AZIMUTH_DEG = 120.0
 
 @dataclass(frozen=True)
 class Contradiction:
-    """One line that names the readings, and the factors (R,) by which their errors are enlarged."""
+    """One line that names the readings, and the factors (R,) by which their errors are enlarged.
+
+    of_colour: whether it is the colour that does not agree, and gives way.
+    """
 
     words: str
     factors: tuple[float, ...]
+    of_colour: bool = False
 
 
 class _Without(NamedTuple):
@@ -62,6 +66,9 @@ def contradiction_of(posed: Problem, surfaces: Array, seed: int) -> Contradictio
     if least <= LARGEST_STRAIN:
         return None
     readings = posed.readings
+    of_colour = _of_colour(posed, seed)
+    if of_colour is not None:
+        return of_colour
     # Errors as large as the readings show them to be (Birge 1932).
     enlarged = (math.sqrt(least / len(readings)),) * len(readings)
     each = [_without(posed, k, seed) for k in range(len(readings))]
@@ -80,6 +87,22 @@ def contradiction_of(posed: Problem, surfaces: Array, seed: int) -> Contradictio
     ]
     text = f"gloss readings contradict one another: {', '.join(parts or ['all of them'])}"
     return Contradiction(f"{text}; read them again", enlarged)
+
+
+def _of_colour(posed: Problem, seed: int) -> Contradiction | None:
+    """The contradiction of a colour that is darker than what such gloss adds to it."""
+    free = posed.with_any_colour()
+    drawn = posterior(free.log_likelihood, np.random.default_rng([seed, 3]), COUNT)
+    if float(free.strain(drawn.surfaces).min()) > LARGEST_STRAIN:
+        return None
+    low, high = (float(q) for q in np.quantile(free.gray(drawn.surfaces), REACH))
+    where = posed.colour.geometry
+    words = (
+        f"the colour contradicts the gloss: at {where} the surface alone reflects "
+        f"{100.0 * low:.2g} to {100.0 * high:.2g} %, and the darkest part of the colour only "
+        f"{100.0 * posed.colour.room:.2g} %; check --measured, and read the colour again"
+    )
+    return Contradiction(words, (1.0,) * len(posed.readings), of_colour=True)
 
 
 def _odd_one(each: list[_Without]) -> _Without | None:

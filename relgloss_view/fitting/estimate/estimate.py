@@ -33,8 +33,8 @@ KEPT_DRAWS = 50  #: in the file
 REFINING_STEPS = 12
 #: How the likeliest surface prefers a strength of 1: one standard deviation below it.
 STRENGTH_BELOW = 0.15
-#: How closely its second lobe keeps to the middle of the draws, in their standard deviations: else a
-#: broad halo would be drawn only to bring the strength nearer to 1.
+#: How closely its second lobe keeps to the middle of the draws, in their standard deviations: else
+#: a broad halo would be drawn only to bring the strength nearer to 1.
 SECOND_HELD = 2.0
 DAMPING = 0.1
 DRAWN_WEIGHT = 0.1  #: of a draw's misfit, where a start is chosen
@@ -88,6 +88,8 @@ def estimate(
     contradiction = contradiction_of(posed, drawn.surfaces, seed)
     if contradiction is not None:
         posed = posed.with_errors(contradiction.factors)
+        if contradiction.of_colour:
+            posed = posed.with_any_colour()
         drawn = posterior(posed.log_likelihood, np.random.default_rng(seed))
     words = "" if contradiction is None else contradiction.words
     note = "" if contradiction else high_near_grazing(posed, drawn.surfaces, seed)

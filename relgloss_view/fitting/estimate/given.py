@@ -12,7 +12,7 @@ from relgloss_view.material import brdf
 
 #: How far a reading may be off, one standard deviation: a constant and a share of the reading. It
 #: joins the meters' (makers of meters for ISO 2813 state reproducibilities of 0.2 units for matte
-#: samples and 0.5 at 100) and the sheet's, whose gloss varies by a few per cent from place to place.
+#: samples and 0.5 at 100) and the sheet's, whose gloss varies by a few per cent across it.
 ERROR_UNITS, ERROR_SHARE = 0.3, 0.01
 STEP = 0.1  #: gloss units that a meter shows (ISO 2813); a typed number may be coarser
 LARGEST = 2000.0  #: units; a mirror at 20 degrees, the end of any meter's range

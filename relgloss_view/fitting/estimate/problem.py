@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -40,6 +41,11 @@ class Problem:
     def with_errors(self, factors: tuple[float, ...]) -> Problem:
         """The same with errors that are larger by a factor each."""
         return Problem(self.readings, self.colour, factors)
+
+    def with_any_colour(self) -> Problem:
+        """The same where the lobes may add more than the colour holds; no body is left then."""
+        colour = dataclasses.replace(self.colour, room=math.inf)
+        return Problem(self.readings, colour, self.factors)
 
     def without(self, k: int) -> Problem:
         """The same without one reading."""
