@@ -41,6 +41,7 @@ class ChosenFit:
     spread: Candidate  #: the best candidate where what its samples may leave open is otherwise
     serious: tuple[str, ...] = ()  #: what the table shows by itself, for which no fit is good
     misread: bool = False  #: whether the table shows its mirror direction elsewhere
+    part: str = ""  #: how much of a large table it was refined on; '': all
 
 
 def judge(fit: ChosenFit) -> Verdict:
@@ -116,7 +117,8 @@ def record_fit(fit: ChosenFit, judged: Verdict, seed: int) -> FitRecord:
     part = selection.words(fit.choice.measurement)
     if part:
         residuals["selected"] = part
-        errors = replace(errors, method=f"{errors.method}, from {part}")
+    if fit.part:
+        errors = replace(errors, method=f"{errors.method}, from {fit.part}")
     return FitRecord(
         candidates=tuple(asdict(evidence) for evidence in _evidence(fit)),
         chosen=fit.choice.best.name,

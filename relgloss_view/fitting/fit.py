@@ -16,7 +16,7 @@ from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.room import MB, Need, check_room
 from relgloss_view.base.terminal import ProgressReport
-from relgloss_view.fitting import ladder, metal, verdict
+from relgloss_view.fitting import ladder, metal, selection, verdict
 from relgloss_view.fitting.choice import Choice, Options, choose
 from relgloss_view.fitting.derived import with_derived
 from relgloss_view.fitting.descent import refine
@@ -141,11 +141,12 @@ def fit_material(
 
 def _judged(choice: Choice, options: Options, examined: Examined) -> Material:
     """The material of a choice with all that is known of how good it is."""
-    spread = spread_of(choice, errors=options.free_errors, index=options.free_index)
+    whole = _whole(choice, options, examined.measurement)
+    spread = spread_of(choice, whole, errors=options.free_errors, index=options.free_index)
     measurement, full, best = choice.measurement, choice.full, choice.best
     misread = any(f.serious and f.kind == MIRROR for f in examined.findings)
-    whole = _whole(choice, options, examined.measurement)
-    fit = ChosenFit(choice, _all_bands(whole, best), spread, examined.serious, misread)
+    part = selection.counted(whole.counts)
+    fit = ChosenFit(choice, _all_bands(whole, best), spread, examined.serious, misread, part)
     judged = judge(fit)
     state = fit.state
     width = judged.width

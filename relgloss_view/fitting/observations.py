@@ -209,22 +209,25 @@ def _groups(group: Ints, seed: int) -> tuple[Ints, int]:
     return (order % count).astype(np.int64), count
 
 
-def compress(observations: Observations, most: int = SEARCH_BANDS) -> Observations:
-    """Means over neighbouring bands, at most `most` of them.
+def compress(
+    observations: Observations, most: int = SEARCH_BANDS, like: Observations | None = None
+) -> Observations:
+    """Means over neighbouring bands, at most `most` of them; the same runs of bands as of `like`.
 
     The model is linear in the albedos and strengths, so the mean over bands is again of the
     model's form (but for rho^2 in Oren-Nayar, where neighbouring bands hardly differ); the
     nonlinear unknowns are shared by all bands, so the search may run on the means. Bands are cut
     into runs of about equal total variation of the spectrum, so that each run is of one colour.
     """
-    if observations.bands <= most:
+    like = observations if like is None else like
+    if like.bands <= most:
         return observations
-    seen = np.sum(observations.weight > 0.0, axis=0)
+    seen = np.sum(like.weight > 0.0, axis=0)
     bands = np.flatnonzero(seen > 0.5 * np.max(seen))
     if len(bands) <= most:
         return observations
     spectrum = np.array(
-        [np.median(observations.value[observations.weight[:, b] > 0.0, b]) for b in bands]
+        [np.median(like.value[like.weight[:, b] > 0.0, b]) for b in bands]
     )
     change = np.abs(np.diff(np.log(spectrum + FLOOR)))
     # Half of the cut follows the spectrum, half the number of bands: flat spectra stay in runs too.

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.fitting.observations import usable_rows
 from relgloss_view.measure.table import Measurement
 from relgloss_view.measure.thinning import thinned
@@ -41,5 +42,9 @@ def selected(measurement: Measurement, seed: int, most: int = MOST_GEOMETRIES) -
 
 def words(measurement: Measurement) -> str:
     """'8000 of 300000 geometries' where a measurement is a part of a larger one, else ''."""
-    counts = measurement.stands_for
+    return counted(measurement.stands_for)
+
+
+def counted(counts: Array | None) -> str:
+    """The same of how many geometries each of a part stands for; None: it is no part."""
     return "" if counts is None else f"{len(counts)} of {int(np.sum(counts))} geometries"

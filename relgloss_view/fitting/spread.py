@@ -15,11 +15,11 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.fitting.choice import Choice
-from relgloss_view.fitting.descent import refine
+from relgloss_view.fitting.descent import gauss_newton_step, refine
 from relgloss_view.fitting.ladder import FOLD_ROUNDS, Candidate, Held, evaluate
-from relgloss_view.fitting.model import State, States
-from relgloss_view.fitting.observations import Observations
-from relgloss_view.fitting.problem import Problem
+from relgloss_view.fitting.model import Rung, State, States, influence
+from relgloss_view.fitting.observations import Observations, compress
+from relgloss_view.fitting.problem import Equations, Problem
 
 #: Of a prior's standard deviation: where the unknowns are found again.
 HELD_SD = np.array([-2.0, -1.0, 1.0, 2.0])
@@ -32,13 +32,19 @@ DISPERSION_SD = 0.012  #: of an index that is fitted as one to all bands
 _DARKEST = 1e-6
 
 
-def spread(choice: Choice, *, errors: bool, index: bool) -> Candidate:
+def spread(choice: Choice, whole: Observations, *, errors: bool, index: bool) -> Candidate:
     """The chosen candidate with what its samples may leave open.
 
+    whole: what it was refined on, which is more than its choice was made on where that was a part.
     errors: whether those of the instrument are uncertain; index: whether a held refractive index
     is. Where the choice found errors, its folds find their own.
     """
     observations, candidate = choice.few, choice.best
+    part = choice.measurement.stands_for is not None
+    few = compress(whole, like=choice.full) if part else observations
+    few = replace(few, prior_centre=observations.prior_centre)
+    if part:
+        candidate = replace(candidate, fold_states=without_each_group(candidate, few))
     if not candidate.rung.lobes:
         return replace(candidate, shared_states=_shared_states(observations, candidate))
     metal = candidate.rung.metals > 0  # which has no index, and whose errors none has worked out
@@ -58,7 +64,9 @@ def spread(choice: Choice, *, errors: bool, index: bool) -> Candidate:
     rival = choice.rival
     if rival is not None and rival.candidate.rung.lobes == candidate.rung.lobes and not metal:
         held = (*held, Held(at_rest([rival.candidate.solution.state]), (rival.likelihood,)))
-    if count and choice.errors.size:
+    if count and choice.errors.size and part:
+        folds = without_each_group(resting, few)
+    elif count and choice.errors.size:
         folds = evaluate(choice.folds, rung, resting.solution).fold_states
     else:
         folds = at_rest(candidate.fold_states)
@@ -68,6 +76,45 @@ def spread(choice: Choice, *, errors: bool, index: bool) -> Candidate:
         fold_states=folds,
         held=held,
         shared_states=tuple((low, high) for low, high in pairs),
+    )
+
+
+def without_each_group(candidate: Candidate, whole: Observations) -> tuple[State, ...]:
+    """States of a chosen model without each group of a table that is larger than its own samples.
+
+    whole: all that the model was refined on. Each state is one step of Newton from the candidate's,
+    with equations that are summed group by group (the infinitesimal jackknife's finite form;
+    Giordano et al. 2019): one pass over the whole instead of one fit for each group.
+    """
+    rung, solution = candidate.rung, candidate.solution.state
+    problem = Problem(whole, rung)
+    start = States.of([solution])
+    start, _ = problem.reweighted(problem.columns_of(start), start)
+    parts = []
+    for group in range(whole.groups):
+        rows = whole.group == group
+        if np.any(whole.weight[rows] > 0.0):
+            parts.append(_newton(whole.subset(rows), rung, start))
+    states = []
+    total = [sum(arrays) for arrays in zip(*parts, strict=True)]
+    for part in parts:
+        rest = Equations(*(a - b for a, b in zip(total, part, strict=True)))
+        none = np.zeros(1)
+        states.append(gauss_newton_step(problem.unknowns, start, rest, none)[0])
+    return tuple(states)
+
+
+def _newton(observations: Observations, rung: Rung, states: States) -> Equations:
+    """Equations of a step from one state, with the curvature of the loss instead of its weights."""
+    problem = Problem(observations, rung)
+    columns = problem.columns_of(states)
+    misfit = problem.misfit(problem.model(columns, states.kd, states.ks))
+    slopes = problem.equations(columns, misfit, states)
+    # Of soft-L1, whose slope over r is w = (1 + (r / TAU)^2)^(-1/2), the second derivative is w^3.
+    weight = observations.weight.T[None] * influence(misfit.residual) ** 2
+    bent = Problem(observations, rung, weight=weight).equations(columns, misfit, states)
+    return bent._replace(
+        own_gradient=slopes.own_gradient, shared_gradient=slopes.shared_gradient
     )
 
 
