@@ -271,9 +271,7 @@ class PairRenderer:
         samples = max(look.samples, SMALL_SAMPLES)
         method = EXACT if look.quality == "exact" else WHOLE
         look = dataclasses.replace(look, samples=samples)
-        return self._warm.render(
-            Scene(material, state.setup), look, size, method, factor=factor
-        )
+        return self._warm.render(Scene(material, state.setup), look, size, method, factor=factor)
 
     def with_uploads(
         self, pictures: dict[str, SidePicture], displayed: dict[str, Displayed]
