@@ -275,7 +275,8 @@ def _new_material(shown, name, entry):
 
 
 SCREENS = {
-    "panels": _panels, "export": _export, "new": _new_material, "compared": _compared, "controls": _controls,
+    "panels": _panels, "export": _export, "new": _new_material, "compared": _compared,
+    "controls": _controls,
 }  # fmt: skip
 
 

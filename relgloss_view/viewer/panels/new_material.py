@@ -10,7 +10,12 @@ from imgui_bundle import ImVec2, imgui
 from relgloss_view.base.reading import printable
 from relgloss_view.measure.spectrum import AT_45_0, GEOMETRIES, SPHERE_EXCLUDED, SPHERE_INCLUDED
 from relgloss_view.viewer.files.new_material import NewMaterial
-from relgloss_view.viewer.panels import colour_fields, estimate_table, floating
+from relgloss_view.viewer.panels import (
+    colour_fields,
+    estimate_table,
+    floating,
+    ghost_outlines,
+)
 from relgloss_view.viewer.panels.file_dialogs import FileDialogs
 from relgloss_view.viewer.panels.list_rows import fitting
 from relgloss_view.viewer.panels.own_dialog import Question
@@ -211,6 +216,7 @@ class NewMaterialPanel:
         """The dullest and the glossiest material side by side."""
         if not ghosts:
             return
+        lines = self.model.ghost_outlines
         gap = em(0.6)
         most = (
             min(0.5 * (imgui.get_content_region_avail().x - gap), em(GHOST_EM[0])),
@@ -221,12 +227,19 @@ class NewMaterialPanel:
                 imgui.same_line(0.0, gap)
             imgui.begin_group()
             _picture(ghost, most)
-            imgui.text_unformatted(name.capitalize())
+            line = "broken line" if name == ghost_outlines.BROKEN else "line"
+            imgui.text_unformatted(f"{name.capitalize()} ({line})" if lines else name.capitalize())
             imgui.end_group()
             widgets.tooltip(
                 f"The {name} material that the readings allow, at the same setting: 2.5 % of "
                 f"those that agree are {'duller' if name == 'dullest' else 'glossier'}."
             )
+        if widgets.checkbox(
+            "Outline their highlights on the picture",
+            lines,
+            "marks where each one's highlight has half of its strength",
+        ):
+            self.model.ghost_outlines = not lines
 
     def _buttons(self) -> bool:
         """Keep and cancel; returns whether to cancel."""
