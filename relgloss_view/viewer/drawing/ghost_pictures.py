@@ -16,7 +16,7 @@ from relgloss_view.viewer.plots.outline import highlight_edge
 from relgloss_view.viewer.state.model import GhostPicture
 from relgloss_view.viewer.state.state import State
 
-MOST_PIXELS = 30_000  #: of a small picture
+MOST_PIXELS = 24_000  #: of a small picture
 
 
 class GhostPictures:

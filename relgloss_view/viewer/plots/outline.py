@@ -31,7 +31,7 @@ def highlight_edge(y_diffuse: AnyArray, y_specular: AnyArray, c: float, *, grain
             break
         segments = level_lines(mean, EDGE_SHARE * highest)
         if len(segments) <= MOST_SEGMENTS:
-            return (segments + 0.5) / np.array([width, height])
+            return np.asarray((segments + 0.5) / np.array([width, height]))
     return np.zeros((0, 2, 2))
 
 
