@@ -135,6 +135,16 @@ def test_the_other_side_gets_its_sample_back(desk):
     assert desk.model.state.reference.sample.material.marks == "estimated"
 
 
+def test_it_goes_with_its_sample_when_sides_are_swapped(desk):
+    desk.type(g60="45")
+    desk.model.change(matching.swapped(desk.model.state))
+    desk.type(g60="50")
+    assert desk.making.side == "reference"
+    assert desk.material.estimate.readings[0]["value"] == 50.0
+    desk.making.cancel()
+    assert desk.model.state.reference.sample == INITIAL.test.sample
+
+
 def test_bad_readings_are_named_and_the_last_good_picture_stays(desk):
     desk.type(g60="45")
     good = desk.model.state

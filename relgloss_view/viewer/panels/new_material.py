@@ -52,6 +52,7 @@ class NewMaterialPanel:
         self.model = making.model
         self.dialogs = dialogs
         self._raised = False
+        self._listing = False  #: whether a list or the colour picker was open in the last frame
         self._focus = False  #: whether the first field gets the keyboard
 
     def open(self) -> None:
@@ -64,7 +65,8 @@ class NewMaterialPanel:
         making = self.making
         if not making.active:
             return
-        typing = imgui.is_any_item_active()  # Escape ends the typing first
+        # Escape first ends the typing, or closes a list.
+        busy = imgui.is_any_item_active() or self._listing or self.dialogs.open
         opened, stays = floating.begin(
             TITLE, WIDTH_EM, top_em=TOP_EM, right=True, raised=self._raised
         )
@@ -75,8 +77,9 @@ class NewMaterialPanel:
                 self._fields()
             self._outcome()
             cancelled = self._buttons() or cancelled
-            cancelled = cancelled or (floating.escaped() and not (typing or self.dialogs.open))
+            cancelled = cancelled or (floating.escaped() and not busy)
         imgui.end()
+        self._listing = imgui.is_popup_open("", imgui.PopupFlags_.any_popup)
         if cancelled:
             making.cancel()
         making.each_frame()  # what was typed now is computed from now on

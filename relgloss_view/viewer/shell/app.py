@@ -230,7 +230,7 @@ class App:
         assert self.pair_renderer is not None
         ctx = self.pair_renderer.ctx
         self.pair_renderer.abandon()
-        self.model.frames = {}
+        self.model.frames, self.model.ghosts = {}, {}
         self._ghost_pictures = GhostPictures()
         self.pair_renderer = PairRenderer(ctx)
         self.model.report("the graphics device lost its objects; everything was made again")
