@@ -257,8 +257,26 @@ def _controls(shown, name, entry):
     yield from _frames(2)
 
 
+def _new_material(shown, name, entry):
+    """A reading that leaves much open."""
+    import dataclasses
+
+    files = shown.program.files
+    files.make_material()
+    making = files.new_material
+    making.typed = dataclasses.replace(making.typed, gloss=("", "45", "", ""))
+    yield from _frames(2)
+    while not making.complete:
+        yield from _frames(1)
+    yield from _frames(SETTLING)
+    yield from _note(shown, name, entry, "new material", (making.name,))
+    making.cancel()
+    yield from _frames(2)
+
+
 SCREENS = {
-    "panels": _panels, "export": _export, "compared": _compared, "controls": _controls,
+    "panels": _panels, "export": _export, "new": _new_material, "compared": _compared,
+    "controls": _controls,
 }  # fmt: skip
 
 

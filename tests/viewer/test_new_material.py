@@ -12,12 +12,12 @@ from relgloss_view.fitting.estimate.colour import LabColour
 from relgloss_view.fitting.estimate.estimate import estimate
 from relgloss_view.material.files import load_material
 from relgloss_view.material.recolour import Colour, colour_of
+from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.viewer.files.new_material import NewMaterial
 from relgloss_view.viewer.state import matching
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.readings_typed import ANGLES_DEG, ReadingsTyped
 from relgloss_view.viewer.state.state import State
-from relgloss_view.viewer.state.state_file import load_state, save_state
 
 INITIAL = State.initial()
 
@@ -135,6 +135,16 @@ def test_the_other_side_gets_its_sample_back(desk):
     assert desk.model.state.reference.sample.material.marks == "estimated"
 
 
+def test_it_goes_with_its_sample_when_sides_are_swapped(desk):
+    desk.type(g60="45")
+    desk.model.change(matching.swapped(desk.model.state))
+    desk.type(g60="50")
+    assert desk.making.side == "reference"
+    assert desk.material.estimate.readings[0]["value"] == 50.0
+    desk.making.cancel()
+    assert desk.model.state.reference.sample == INITIAL.test.sample
+
+
 def test_bad_readings_are_named_and_the_last_good_picture_stays(desk):
     desk.type(g60="45")
     good = desk.model.state
@@ -172,8 +182,7 @@ def test_keep_writes_a_file_that_a_scene_can_name(desk, tmp_path):
     assert file.name == "fine-satin-1.json"
     assert load_material(file) == desk.model.state.test.sample.material
     assert desk.material.estimate.intervals["s_deg"].lower < desk.material.specular[0].s_deg
-    save_state(tmp_path / "pair.toml", desk.model.state)
-    assert load_state(tmp_path / "pair.toml") == desk.model.state
+    assert desk.model.state.test.sample == Sample.from_file(str(file))  # as a scene opens it
     assert desk.model.history.undo()
     assert desk.model.state == INITIAL
 

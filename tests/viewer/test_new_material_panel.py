@@ -38,6 +38,9 @@ def readings_are_typed(hand, found):
     hand.click(f"{WINDOW}/x##clear 20")
     hand.until(lambda: making.complete)
     found["cleared"] = list(making.typed.gloss)
+    hand.ctx.item_click(f"{WINDOW}/##Measured at")
+    hand.key(imgui.Key.escape)  # closes the list alone
+    found["open after a list"] = making.active
     hand.click(f"{WINDOW}/Cancel")
     found["cancelled"] = [model.state == before, making.active, model.history.can_undo]
     (hand.folder / "gray.csv").write_text(
@@ -74,6 +77,7 @@ def test_the_picture_follows_and_undo_restores_it(got):
     assert got["drawn"] == "estimated"
     assert got["undone"]
     assert got["cleared"] == ["", "45", "", ""]
+    assert got["open after a list"]
     assert got["cancelled"] == [True, False, False]
     assert [fault for _, fault in got["said"]] == [False] * len(got["said"])
 

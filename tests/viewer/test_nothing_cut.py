@@ -13,7 +13,7 @@ SMALL = ((800, 500), (640, 400))
 FONTS = (1.0, 2.0)
 
 
-def case(size, font, language, screens=("panels", "compared", "export")):
+def case(size, font, language, screens=("panels", "compared", "export", "new")):
     name = f"{size[0]} x {size[1]}, text {font:g}, {language}"
     return {"name": name, "size": size, "font": font, "language": language, "screens": screens}
 
@@ -23,7 +23,7 @@ CASES += [case(size, font, "Japanese") for size in SMALL for font in FONTS]
 FIRST = [
     case(SIZES[0], 1.0, "Japanese"),
     case(SIZES[0], 2.0, "German"),
-    case(SMALL[0], 1.0, "Korean", ("panels",)),
+    case(SMALL[0], 1.0, "Korean", ("panels", "new")),
     case(SMALL[0], 2.0, "Chinese", ("panels",)),
 ]
 

@@ -12,10 +12,11 @@ from relgloss_view.material.material import Material
 from relgloss_view.picture.model.view import Size, View
 from relgloss_view.viewer.drawing.pair_renderer import PairRenderer
 from relgloss_view.viewer.plots.lightness import Lightness
+from relgloss_view.viewer.plots.outline import highlight_edge
 from relgloss_view.viewer.state.model import GhostPicture
 from relgloss_view.viewer.state.state import State
 
-MOST_PIXELS = 30_000  #: of a small picture
+MOST_PIXELS = 24_000  #: of a small picture
 
 
 class GhostPictures:
@@ -69,4 +70,8 @@ def _drawn(
     lightness = Lightness.of(frame)
     left, bottom, right, top = View.of(frame.scene, size).bounds
     box = (left / size[0], bottom / size[1], right / size[0], top / size[1])
-    return GhostPicture(renderer.uploads.texture(f"ghost {name}", digital), size, box, lightness)
+    edge = highlight_edge(
+        lightness.y_diffuse, lightness.y_specular, frame.c, grainy=frame.look.sigma_n_deg > 0.0
+    )
+    texture = renderer.uploads.texture(f"ghost {name}", digital)
+    return GhostPicture(texture, size, box, lightness, edge)

@@ -39,7 +39,7 @@ from relgloss_view.viewer.state.state import DIFFERENCE, SIDES, State
 #: All that the sliders of both sides can reach, warmed up, are 40 to 50.
 MOST_PROGRAMS = 56
 MOST_WARMED = 1000  #: variants that are remembered
-SMALL_SAMPLES = 3  #: along each side of a pixel of a small picture: its highlights are thin
+SMALL_SAMPLES = 2  #: along each side of a pixel of a small picture: its highlights are thin
 NOT_WARMED: frozenset[Key] = frozenset({()})  #: of no program
 WORTH_GIVING_BACK = 4_000_000  #: bytes: less would take longer to give back than it is worth
 
@@ -268,7 +268,7 @@ class PairRenderer:
         Fetch its numbers before the next one is asked for.
         """
         look = state.side(side).look
-        samples = max(look.samples, SMALL_SAMPLES)
+        samples = max(look.samples or SMALL_SAMPLES, SMALL_SAMPLES)
         method = EXACT if look.quality == "exact" else WHOLE
         look = dataclasses.replace(look, samples=samples)
         return self._warm.render(Scene(material, state.setup), look, size, method, factor=factor)

@@ -23,7 +23,7 @@ from relgloss_view.viewer.files.own_materials import keep_material
 from relgloss_view.viewer.state import matching
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.readings_typed import ReadingsTyped, SpectrumRead
-from relgloss_view.viewer.state.state import Side, State
+from relgloss_view.viewer.state.state import SIDES, Side, State
 
 NAME = "new material"
 #: One for each number of lobes that an estimate can have: what the shaders need to be ready for.
@@ -162,6 +162,7 @@ class NewMaterial:
         read = self._reader.take()
         if not self.active:
             return
+        self._follow()
         if read is not None:
             self._take_spectrum(read)
         if self._to_read is not None and not self._reader.busy:
@@ -234,6 +235,13 @@ class NewMaterial:
             self._steps += 1
         self._placed, self._made = sample, model.state
         self._wake()
+
+    def _follow(self) -> None:
+        """Go with the sample to the other side, where the sides were swapped."""
+        other = SIDES[1 - SIDES.index(self.side)]
+        placed = self._placed
+        if placed is not None and self.model.state.side(other).sample is placed:
+            self.side = other
 
     def _restore(self) -> None:
         """Bring the former sample and its look back, where this has put another in their place."""

@@ -18,7 +18,7 @@ ROWS = (
     ("gloss-60", "Gloss at 60°", 1, True),
     ("gloss-75", "Gloss at 75°", 1, True),
     ("gloss-85", "Gloss at 85°", 1, True),
-    ("peak", "Peak at 45°, times white", 2, False),
+    ("peak", "Peak at 45° (x white)", 2, False),
     ("refractive_index", "Refractive index (n)", 3, False),
     ("diffuse_y", "Diffuse reflectance (Y)", 3, False),
     ("second_s_deg", "Second lobe: width", 1, False),

@@ -10,7 +10,12 @@ from imgui_bundle import ImVec2, imgui
 from relgloss_view.base.reading import printable
 from relgloss_view.measure.spectrum import AT_45_0, GEOMETRIES, SPHERE_EXCLUDED, SPHERE_INCLUDED
 from relgloss_view.viewer.files.new_material import NewMaterial
-from relgloss_view.viewer.panels import colour_fields, estimate_table, floating
+from relgloss_view.viewer.panels import (
+    colour_fields,
+    estimate_table,
+    floating,
+    ghost_outlines,
+)
 from relgloss_view.viewer.panels.file_dialogs import FileDialogs
 from relgloss_view.viewer.panels.list_rows import fitting
 from relgloss_view.viewer.panels.own_dialog import Question
@@ -47,6 +52,7 @@ class NewMaterialPanel:
         self.model = making.model
         self.dialogs = dialogs
         self._raised = False
+        self._listing = False  #: whether a list or the colour picker was open in the last frame
         self._focus = False  #: whether the first field gets the keyboard
 
     def open(self) -> None:
@@ -59,7 +65,8 @@ class NewMaterialPanel:
         making = self.making
         if not making.active:
             return
-        typing = imgui.is_any_item_active()  # Escape ends the typing first
+        # Escape first ends the typing, or closes a list.
+        busy = imgui.is_any_item_active() or self._listing or self.dialogs.open
         opened, stays = floating.begin(
             TITLE, WIDTH_EM, top_em=TOP_EM, right=True, raised=self._raised
         )
@@ -70,8 +77,9 @@ class NewMaterialPanel:
                 self._fields()
             self._outcome()
             cancelled = self._buttons() or cancelled
-            cancelled = cancelled or (floating.escaped() and not (typing or self.dialogs.open))
+            cancelled = cancelled or (floating.escaped() and not busy)
         imgui.end()
+        self._listing = imgui.is_popup_open("", imgui.PopupFlags_.any_popup)
         if cancelled:
             making.cancel()
         making.each_frame()  # what was typed now is computed from now on
@@ -211,6 +219,7 @@ class NewMaterialPanel:
         """The dullest and the glossiest material side by side."""
         if not ghosts:
             return
+        lines = self.model.ghost_outlines
         gap = em(0.6)
         most = (
             min(0.5 * (imgui.get_content_region_avail().x - gap), em(GHOST_EM[0])),
@@ -221,12 +230,19 @@ class NewMaterialPanel:
                 imgui.same_line(0.0, gap)
             imgui.begin_group()
             _picture(ghost, most)
-            imgui.text_unformatted(name.capitalize())
+            line = "broken line" if name == ghost_outlines.BROKEN else "line"
+            imgui.text_unformatted(f"{name.capitalize()} ({line})" if lines else name.capitalize())
             imgui.end_group()
             widgets.tooltip(
                 f"The {name} material that the readings allow, at the same setting: 2.5 % of "
                 f"those that agree are {'duller' if name == 'dullest' else 'glossier'}."
             )
+        if widgets.checkbox(
+            "Outline their highlights on the picture",
+            lines,
+            "marks where each one's highlight has half of its strength",
+        ):
+            self.model.ghost_outlines = not lines
 
     def _buttons(self) -> bool:
         """Keep and cancel; returns whether to cancel."""

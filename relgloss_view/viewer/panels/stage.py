@@ -13,7 +13,7 @@ from relgloss_view.viewer.drawing import camera
 from relgloss_view.viewer.drawing.arrangement import Arrangement, Rect, as_shown
 from relgloss_view.viewer.drawing.canvas import Canvas, canvas_of
 from relgloss_view.viewer.drawing.pair_renderer import DrawnPair
-from relgloss_view.viewer.panels import captions
+from relgloss_view.viewer.panels import captions, ghost_outlines
 from relgloss_view.viewer.shell import sliders
 from relgloss_view.viewer.shell.theme import em, gray
 from relgloss_view.viewer.state.model import Model, Pixel
@@ -53,6 +53,7 @@ def show(model: Model, draw: Callable[[Size], DrawnPane | None]) -> Canvas:
         _line(painter, origin, edge, pane[1])
     _take_hand(model, origin, pane, drawn, edge)
     if not presentation.haploscopic:
+        ghost_outlines.show(model, painter, origin, drawn.arrangement)
         captions.show(model, painter, origin, drawn.arrangement, drawn.pair.faults)
     return canvas.moved(int(origin.x), int(origin.y))
 

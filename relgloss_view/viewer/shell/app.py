@@ -230,7 +230,7 @@ class App:
         assert self.pair_renderer is not None
         ctx = self.pair_renderer.ctx
         self.pair_renderer.abandon()
-        self.model.frames = {}
+        self.model.frames, self.model.ghosts = {}, {}
         self._ghost_pictures = GhostPictures()
         self.pair_renderer = PairRenderer(ctx)
         self.model.report("the graphics device lost its objects; everything was made again")
@@ -334,6 +334,8 @@ class App:
         """Draw the ends of the interval of a material that is being estimated, small."""
         assert self.pair_renderer is not None
         model, new = self.model, self.files.new_material
+        if new.waiting and new.ghosts and model.ghosts and model.ghost_side == new.side:
+            return  # the next ones are soon there
         shown = as_shown(state, model.picture_size, model.pixel_pitch_m)
         ghosts = {}
         try:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from relgloss_view.base.arrays import Bytes
+from relgloss_view.base.arrays import Array, Bytes
 from relgloss_view.base.decoration import fault_line
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.base.reading import printable
@@ -41,12 +41,14 @@ class GhostPicture:
 
     texture: its name on the device. object_box: the part of it (left, bottom, right, top) that can
     show the object, in shares of its size from the lower left. lightness: to plot it.
+    edge: of its highlight (plots.outline).
     """
 
     texture: int
     size: Size
     object_box: tuple[float, float, float, float]
     lightness: Lightness
+    edge: Array
 
 
 class DrawnPass(NamedTuple):
@@ -88,6 +90,7 @@ class Model:
         #: The dullest and the glossiest material of a side whose material is being estimated.
         self.ghosts: dict[str, GhostPicture] = {}
         self.ghost_side = "test"
+        self.ghost_outlines = True  #: whether the large picture has their outlines
         self.notes: list[Note] = []
         #: Tables read in this window, by file, so that plots can show their points.
         self.measurements: dict[str, Measurement] = {}
