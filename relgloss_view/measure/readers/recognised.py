@@ -16,7 +16,7 @@ from relgloss_view.measure.readers.headings import angle_heading, is_band
 from relgloss_view.measure.readers.rows import split
 
 _LINES_BELOW = 30  #: a header, in which the first row of numbers is looked for
-_DELIMITERS = (",", ";", "\t", None)
+_DELIMITERS = (",", ";", "\t", "|", None)
 
 
 def is_table(path: Path) -> bool:
