@@ -100,11 +100,11 @@ _XML: tuple[tuple[str, Foreign], ...] = (
 #: Formats of text with binary numbers below; every expression of an entry must be met.
 _MIXED: tuple[tuple[tuple[bytes, ...], Foreign], ...] = (
     (
-        (rb"^VERSION\s+\d", rb"^DATA_TYPE\s+\w"),
+        (rb"^[ \t]*VERSION[ \t:=]+\d", rb"^[ \t]*DATA_TYPE[ \t:=]+\w"),
         Foreign("an SSDD file (surface scattering data)", _FIT, "ssdd"),
     ),
     (
-        (rb"^#\s*FORMAT\s+binary", rb"^#\s*PARAM_IN\b"),
+        (rb"^[ \t]*#\s*FORMAT\s+binary", rb"^[ \t]*#\s*PARAM_IN\b"),
         Foreign("a binary data file of ALTA", "save it as text with ALTA's data2data, or as CSV"),
     ),
 )
@@ -178,8 +178,10 @@ def foreign_format(head: bytes) -> Foreign | None:
         return _PICTURE
     if head.startswith(b"BM") and head[6:10] == b"\x00\x00\x00\x00":
         return _PICTURE
+    lines = decoded_beginning(head).encode() if wide_encoding(head) is not None else head
+    lines = lines.removeprefix(b"\xef\xbb\xbf").replace(b"\r", b"\n")
     for patterns, foreign in _MIXED:
-        if all(re.search(pattern, head, re.MULTILINE) for pattern in patterns):
+        if all(re.search(pattern, lines, re.MULTILINE | re.IGNORECASE) for pattern in patterns):
             return foreign
     if head[:1] and b"\x00" in head and wide_encoding(head) is None:
         return None
@@ -217,6 +219,7 @@ def _of_text(text: str) -> Foreign | None:
         return Foreign("a LightTools BSDF file", _LATER, "lighttools")
     if len(words & set(_ZEMAX_WORDS)) >= 3:
         return Foreign("a Zemax BSDF file", _FIT, "zemax")
+    text = "\n".join(line.strip() for line in text.splitlines())
     for patterns, foreign in _TEXTS:
         if all(re.search(pattern, text, _GROUND) for pattern in patterns):
             return foreign
