@@ -95,6 +95,12 @@ def usable_rows(measurement: Measurement) -> Mask:
     return np.asarray(rows & facing)
 
 
+def _of_format(measurement: Measurement) -> str:
+    """The format of another program that a file was read as, so that nobody doubts it."""
+    name = measurement.format
+    return "" if not name or name.endswith((" table", "azimuths")) else f", read as {name}"
+
+
 def _what_few_serve_for(measurement: Measurement, enough: int) -> str:
     """What can be done with too few samples for a fit, as a part of a sentence."""
     if enough == 0:
@@ -130,7 +136,7 @@ def prepare(measurement: Measurement, seed: int = 0) -> Observations:
         why = f" ({left_out})" if left_out else ""
         raise InputError(
             f"{measurement.place}: {enough} usable sample{'' if enough == 1 else 's'} of "
-            f"{len(rows)}{why}; {_what_few_serve_for(measurement, int(enough))}; a fit needs at "
+            f"{len(rows)}{why}{_of_format(measurement)}; {_what_few_serve_for(measurement, int(enough))}; a fit needs at "
             f"least {FEWEST_SAMPLES} geometries, at and beside the mirror direction"
         )
     if float(np.max(value)) < DARKEST:

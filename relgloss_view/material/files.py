@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterator
 from typing import Any, NoReturn
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.json_files import parse_json
 from relgloss_view.base.foreign import HEAD_BYTES, refuse_foreign
+from relgloss_view.base.json_files import parse_json
 from relgloss_view.base.reading import printable, read_beginning, read_text, refuse, text
 from relgloss_view.base.writing import whole_file
 from relgloss_view.material.estimated import estimate_record

@@ -21,7 +21,9 @@ _WITH_UNIT = re.compile(
     r"([+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?)\s*([^\W\d_].*|[^\x00-\x7f].*|\[.*|1\s*/\s*sr)|.*\d\s*°.*"
 )
 #: Months begin so in English and its neighbours: 'Mar', 'März', 'Okt', 'déc'.
-_MONTH = r"(jan|feb|f[ée]v|mar|mär|mrz|apr|avr|ma[iy]|ju[nli]|jul|aug|ao[uû]|sep|o[ck]t|nov|d[eé][cz])"
+_MONTH = (
+    r"(jan|feb|f[ée]v|mar|mär|mrz|apr|avr|ma[iy]|ju[nli]|jul|aug|ao[uû]|sep|o[ck]t|nov|d[eé][cz])"
+)
 _DATE = re.compile(
     rf"\d{{1,4}}[./ -]+({_MONTH}\w{{0,6}}[./ -]*(\d{{2,4}})?|\d{{1,2}}[./-]\d{{1,4}})"
     rf"|{_MONTH}\w{{0,6}}[./ -]+\d{{2,4}}",

@@ -127,8 +127,8 @@ def parse(path: Path, layouts: Sequence[Collection[str]] = ()) -> TextTable:
     beside = [header.columns[k] for k in sorted(header.beside)]
     notes = [*([note] if note else []), *renamed, *_passed_over(titles, rows, unnamed, beside)]
     if marks is not None:
-        row, text = marks
-        notes.append(f"read {text} in line {rows.lines[row]} as empty: a mark, and no reading")
+        row, mark = marks
+        notes.append(f"read {mark} in line {rows.lines[row]} as empty: a mark, and no reading")
     # One name for each row is the name of a reading, not of a sample.
     several = 1 < len(rows.samples) < len(values)
     return TextTable(
@@ -307,9 +307,7 @@ def _without_marks(values: Array, readings: list[int]) -> tuple[int, str] | None
     """
     at_once = max(VALUES_AT_ONCE // values.shape[1], 1)
     tops = range(0, len(values), at_once)
-    marked = [
-        (top, np.isin(np.abs(values[top : top + at_once, readings]), MARKS)) for top in tops
-    ]
+    marked = [(top, np.isin(np.abs(values[top : top + at_once, readings]), MARKS)) for top in tops]
     count = sum(int(np.sum(where)) for _, where in marked)
     if not count:
         return None

@@ -58,12 +58,15 @@ class NumberRows:
         fields = self._fields(text)
         if len(fields) != self.width or self._below:
             # Words below the rows, such as END; rows that follow them are none of this table.
-            if self._values and not self._below and not any(map(cells.is_number, fields)):
+            if self._values and not any(map(cells.is_number, fields)):
                 self._below = True
                 return
-            if self._below and not any(map(cells.is_number, fields)):
-                return
-            if self._below or len(fields) < self.width or not self.extra:
+            if self._below:
+                raise InputError(
+                    f"{self.path}: line {line}: numbers below a line of words; remove the line, or "
+                    "give each table a file of its own"
+                )
+            if len(fields) < self.width or not self.extra:
                 raise InputError(
                     f"{self.path}: line {line}: {len(fields)} fields, expected {self.width}; "
                     "the file is damaged or cut off"

@@ -213,7 +213,10 @@ def _in_columns(
     def chosen(fields: list[str]) -> list[str]:
         if not headings or (len(fields) <= 2 and not wave):
             return fields
-        return [fields[wave] if wave < len(fields) else "", fields[column] if column < len(fields) else ""]
+        return [
+            fields[wave] if wave < len(fields) else "",
+            fields[column] if column < len(fields) else "",
+        ]
 
     rows = read_rows(path, text.lines(), WORDS, chosen)
     if len(rows) < 3:
