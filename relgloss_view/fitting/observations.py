@@ -136,8 +136,9 @@ def prepare(measurement: Measurement, seed: int = 0) -> Observations:
         why = f" ({left_out})" if left_out else ""
         raise InputError(
             f"{measurement.place}: {enough} usable sample{'' if enough == 1 else 's'} of "
-            f"{len(rows)}{why}{_of_format(measurement)}; {_what_few_serve_for(measurement, int(enough))}; a fit needs at "
-            f"least {FEWEST_SAMPLES} geometries, at and beside the mirror direction"
+            f"{len(rows)}{why}{_of_format(measurement)}; "
+            f"{_what_few_serve_for(measurement, int(enough))}; a fit needs at least "
+            f"{FEWEST_SAMPLES} geometries, at and beside the mirror direction"
         )
     if float(np.max(value)) < DARKEST:
         raise InputError(
