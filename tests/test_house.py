@@ -297,6 +297,7 @@ REPLACING = {
     "base/two_columns.py",
     "measure/quantity.py",
     "measure/readers/aspecular.py",
+    "measure/readers/astm_e1392.py",
     "measure/readers/spectral_columns.py",
     "measure/readers/cells.py",
     "measure/readers/csv_table.py",

@@ -44,6 +44,10 @@ _PICTURE = Foreign("a picture", _TABLE)
 _PACKED = Foreign("a packed archive", "unpack it and give the table inside")
 _DATA = Foreign("a container of binary data", _CSV)
 _PROGRAM = Foreign("a program", _TABLE)
+_HDF5 = Foreign(
+    "an AxF or other HDF5 file",
+    "export its readings as CSV; for AxF, X-Rite's own programs do that (docs/files.md)",
+)
 
 #: The first bytes of binary formats. Those of .zip and OLE files are looked into first.
 _MAGIC: tuple[tuple[bytes, Foreign], ...] = (
@@ -62,13 +66,10 @@ _MAGIC: tuple[tuple[bytes, Foreign], ...] = (
     (b"\xfd7zXZ\x00", _PACKED),
     (b"7z\xbc\xaf\x27\x1c", _PACKED),
     (b"Rar!\x1a", _PACKED),
-    (
-        b"\x89HDF\r\n",
-        Foreign(
-            "an AxF or other HDF5 file",
-            "export its readings as CSV; for AxF, X-Rite's own programs do that (docs/files.md)",
-        ),
-    ),
+    (b"\x89HDF\r\n", _HDF5),
+    # Their reader looks at them first; here they are named where a lamp or a material is wanted.
+    (b"tensor_file\x00", Foreign("a BRDF of RGL (.bsdf) or a polarised one (.pbsdf)", _FIT)),
+    (b"Z\x00\x00\x00Z\x00\x00\x00\xb4\x00\x00\x00", Foreign("a MERL .binary", _FIT)),
     (b"CDF\x01", _DATA),
     (b"CDF\x02", _DATA),
     (b"MATLAB 5.0", Foreign("a MATLAB file", "export the table with writetable as CSV")),
@@ -99,11 +100,11 @@ _XML: tuple[tuple[str, Foreign], ...] = (
 #: Formats of text with binary numbers below; every expression of an entry must be met.
 _MIXED: tuple[tuple[tuple[bytes, ...], Foreign], ...] = (
     (
-        (rb"^VERSION\s+\d", rb"^DATA_TYPE\s+\w"),
+        (rb"^[ \t]*VERSION[ \t:=]+\d", rb"^[ \t]*DATA_TYPE[ \t:=]+\w"),
         Foreign("an SSDD file (surface scattering data)", _FIT, "ssdd"),
     ),
     (
-        (rb"^#\s*FORMAT\s+binary", rb"^#\s*PARAM_IN\b"),
+        (rb"^[ \t]*#\s*FORMAT\s+binary", rb"^[ \t]*#\s*PARAM_IN\b"),
         Foreign("a binary data file of ALTA", "save it as text with ALTA's data2data, or as CSV"),
     ),
 )
@@ -171,12 +172,16 @@ def foreign_format(head: bytes) -> Foreign | None:
     for magic, foreign in _MAGIC:
         if head.startswith(magic):
             return foreign
+    if any(head[at:].startswith(b"\x89HDF\r\n") for at in (512, 1024, 2048)):
+        return _HDF5  # below a block of the user's
     if head.startswith(b"RIFF") and head[8:12] == b"WEBP":
         return _PICTURE
     if head.startswith(b"BM") and head[6:10] == b"\x00\x00\x00\x00":
         return _PICTURE
+    lines = decoded_beginning(head).encode() if wide_encoding(head) is not None else head
+    lines = lines.removeprefix(b"\xef\xbb\xbf").replace(b"\r", b"\n")
     for patterns, foreign in _MIXED:
-        if all(re.search(pattern, head, re.MULTILINE) for pattern in patterns):
+        if all(re.search(pattern, lines, re.MULTILINE | re.IGNORECASE) for pattern in patterns):
             return foreign
     if head[:1] and b"\x00" in head and wide_encoding(head) is None:
         return None
@@ -214,6 +219,7 @@ def _of_text(text: str) -> Foreign | None:
         return Foreign("a LightTools BSDF file", _LATER, "lighttools")
     if len(words & set(_ZEMAX_WORDS)) >= 3:
         return Foreign("a Zemax BSDF file", _FIT, "zemax")
+    text = "\n".join(line.strip() for line in text.splitlines())
     for patterns, foreign in _TEXTS:
         if all(re.search(pattern, text, _GROUND) for pattern in patterns):
             return foreign

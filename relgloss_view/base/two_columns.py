@@ -19,11 +19,24 @@ MOST_TITLES = 200  #: lines of words above the numbers
 LONGEST_LINE = 4000  #: characters
 MOST_ROWS = 100_000  #: wavelengths; from 200 to 1200 nm in steps of 0.01
 MOST_LINES = 1_000_000
+FEWEST_WAVES = 5
 
 NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eEdD][+-]?\d+)?", re.ASCII)
+#: How programs write that nothing was read.
 _NOTHING = frozenset(
-    ("", "-", "--", "nan", "n/a", "na", "#n/a", "#value!", "#div/0!", "null", "none", "missing")
-)
+    ("", "-", "\u2013", "\u2014", "nan", "+nan", "-nan", "1.#qnan", "-1.#ind", "n/a", "na", "n.a.",
+     "null", "none", "nil", "missing", "void", "n.d.", "nd", ".")
+)  # fmt: skip
+#: Errors of spreadsheets in any language (#N/A, #NV, #DIV/0!, #¡VALOR!), and a line for a value.
+_NO_VALUE = re.compile(r"#¡?[^\W\d_]{1,12}(/(0|[^\W\d_]{1,3}))?[!?]?|[-\u2013\u2014]{2,40}")
+#: Numbers that mark what an instrument could not read, where no other number comes near.
+MARKS, MARK_RATIO = (999.0, 9999.0, 99999.0, 999999.0), 20.0
+
+
+def says_nothing(cell: str) -> bool:
+    """Whether a cell is empty or holds a sign for it, such as 'n/a', '#DIV/0!' or a dash."""
+    text = cell.strip()
+    return text.lower() in _NOTHING or _NO_VALUE.fullmatch(text) is not None
 
 
 @dataclass(frozen=True)
@@ -51,6 +64,7 @@ class Row:
     line: int  #: from 1
     nm: float
     value: float  #: NaN where the cell says nothing
+    percent: bool = False  #: whether the value has a % sign
 
 
 def read_rows(
@@ -89,13 +103,43 @@ def read_rows(
         rows.append(row)
     if ended is not None and NUMBER.fullmatch(fields_of(ended[1])[0]):
         raise _wrong(path, *ended, words)
+    _check_alike(path, rows, words)
+    _check_exchanged(path, rows, words)
     return rows
+
+
+def _check_alike(path: Path, rows: list[Row], words: Words) -> None:
+    """InputError where some values have a % sign and others have none."""
+    signs = {row.percent for row in rows if not np.isnan(row.value)}
+    if len(signs) > 1:
+        line = next(row.line for row in rows if row.percent)
+        raise InputError(
+            f"{path}: line {line}: this {words.value} has a % sign and others have none; write all "
+            "of them alike"
+        )
+
+
+def _check_exchanged(path: Path, rows: list[Row], words: Words) -> None:
+    """InputError where the second column can be the wavelengths, and the first one can't."""
+    if len(rows) < FEWEST_WAVES:
+        return
+    first, second = (np.array([getattr(row, name) for row in rows]) for name in ("nm", "value"))
+    if _like_wavelengths(second) and not _like_wavelengths(first):
+        raise InputError(
+            f"{path}: the wavelengths are in the second column; put them first: {words.columns}"
+        )
+
+
+def _like_wavelengths(numbers: Array) -> bool:
+    steps = np.diff(numbers)
+    visible = np.min(numbers) <= 430.0 and np.max(numbers) >= 670.0 and np.min(numbers) >= 100.0
+    return bool(visible and (np.all(steps > 0.0) or np.all(steps < 0.0)))
 
 
 def fields_of(line: str) -> list[str]:
     """The cells of a line, without the empty ones that a spreadsheet appends."""
     text = line.strip().replace("\u2212", "-")
-    delimiter = next((d for d in ";\t" if d in text), None)
+    delimiter = next((d for d in ";\t|" if d in text), None)
     if '"' in text:
         text = re.sub(r'"?=""?([^"=]*)""?"?', r"\1", text)  # ="0.25"
     if delimiter is None and '"' in text:  # "450,5","0,25" or "450" 0.25
@@ -103,13 +147,15 @@ def fields_of(line: str) -> list[str]:
         delimiter = ";" if ";" in text else None
     if delimiter is None and "," in text:
         delimiter = ","
-        if re.fullmatch(r"\d+,\d+\s+[+-]?\d*,\d+([eE][+-]?\d+)?", text):
+        if re.fullmatch(r"\d+(,\d+)?\s+[+-]?\d*,\d+([eE][+-]?\d+)?", text):
             delimiter = None  # spaces, and decimal commas
     fields = [_as_number(f.strip(' "\t')) for f in text.split(delimiter)]
     if delimiter == "," and len(fields) == 1:
         fields = text.split()
     while len(fields) > 2 and not fields[-1]:
         fields.pop()
+    while len(fields) > 2 and not fields[0] and NUMBER.fullmatch(fields[1].removesuffix("nm")):
+        del fields[0]  # a blank column before the wavelengths
     if len(fields) == 1 and delimiter is not None:
         fields.append("")
     return fields
@@ -147,6 +193,15 @@ def _row(
         return None  # how many rows follow
     if chosen is not None:
         fields = chosen(fields)
+        first = fields[0].removesuffix("nm").strip()
+        if not NUMBER.fullmatch(first):
+            raise _wrong(path, number, line, words)
+    if 3 <= len(fields) <= 4 and ";" not in line and all(f.isdecimal() for f in fields):
+        raise InputError(
+            f"{path}: line {number}: expected {words.columns}, found {len(fields)} fields, "
+            f"{printable(line, 40)!r}; if the numbers have decimal commas, separate the columns by "
+            "semicolons or tabs, else keep two columns"
+        )
     if len(fields) != 2:
         # "450,0.5 W" and three columns alike: which is meant is not for a program to guess.
         raise InputError(
@@ -154,17 +209,19 @@ def _row(
             f"field{'s' if len(fields) > 1 else ''}, {printable(line, 40)!r}; keep two columns"
         )
     second = fields[1].removesuffix("%").strip()
-    if second.lower() in _NOTHING:
+    if says_nothing(second):
         return Row(number, _float(first), float("nan"))
     if not NUMBER.fullmatch(second):
-        raise _wrong(path, number, line, words)
+        raise InputError(
+            f"{_wrong(path, number, line, words)}; leave the cell empty where nothing was read"
+        )
     nm, value = _float(first), _float(second)
     if not (0.0 < nm < np.inf and abs(value) <= VALUE_MAX):
         raise InputError(
             f"{path}: line {number}: expected a wavelength above 0 and a {words.value} from 0 "
             f"to {VALUE_MAX:g}, found {nm:g} and {value:g}"
         )
-    return Row(number, nm, value)
+    return Row(number, nm, value, fields[1].endswith("%"))
 
 
 def _float(text: str) -> float:
@@ -178,6 +235,7 @@ def in_order(path: Path, rows: list[Row], words: Words, notes: list[str]) -> tup
     """
     nm = np.array([row.nm for row in rows])
     value = np.array([row.value for row in rows])
+    _empty_marks(rows, value, notes)
     steps = np.diff(nm)
     if np.any(steps <= 0.0):
         order = np.argsort(nm, kind="stable")
@@ -197,6 +255,18 @@ def in_order(path: Path, rows: list[Row], words: Words, notes: list[str]) -> tup
     once = np.r_[True, np.diff(nm) != 0.0]
     rows[:] = [row for row, kept in zip(rows, once, strict=True) if kept]
     return nm[once], value[once]
+
+
+def _empty_marks(rows: list[Row], value: Array, notes: list[str]) -> None:
+    """Nines such as 9999, which no other value comes near, as empty."""
+    size = np.abs(value)
+    marks = np.isin(size, MARKS)
+    others = size[~marks & ~np.isnan(size)]
+    marks &= size > MARK_RATIO * float(np.max(others, initial=0.0))
+    if len(others) and np.any(marks):
+        k = int(np.argmax(marks))
+        notes.append(f"read {value[k]:g} in line {rows[k].line} as empty: a mark, and no reading")
+        value[marks] = np.nan
 
 
 def check_unit(path: Path, nm: Array) -> None:

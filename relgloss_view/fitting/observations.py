@@ -95,6 +95,12 @@ def usable_rows(measurement: Measurement) -> Mask:
     return np.asarray(rows & facing)
 
 
+def _of_format(measurement: Measurement) -> str:
+    """The format of another program that a file was read as, so that nobody doubts it."""
+    name = measurement.format
+    return "" if not name or name.endswith((" table", "azimuths")) else f", read as {name}"
+
+
 def _what_few_serve_for(measurement: Measurement, enough: int) -> str:
     """What can be done with too few samples for a fit, as a part of a sentence."""
     if enough == 0:
@@ -127,8 +133,9 @@ def prepare(measurement: Measurement, seed: int = 0) -> Observations:
         why = f" ({left_out})" if left_out else ""
         raise InputError(
             f"{measurement.place}: {enough} usable sample{'' if enough == 1 else 's'} of "
-            f"{len(rows)}{why}; {_what_few_serve_for(measurement, int(enough))}; a fit needs at "
-            f"least {FEWEST_SAMPLES} geometries, at and beside the mirror direction"
+            f"{len(rows)}{why}{_of_format(measurement)}; "
+            f"{_what_few_serve_for(measurement, int(enough))}; a fit needs at least "
+            f"{FEWEST_SAMPLES} geometries, at and beside the mirror direction"
         )
     if float(np.max(value)) < DARKEST:
         raise InputError(
@@ -226,9 +233,7 @@ def compress(
     bands = np.flatnonzero(seen > 0.5 * np.max(seen))
     if len(bands) <= most:
         return observations
-    spectrum = np.array(
-        [np.median(like.value[like.weight[:, b] > 0.0, b]) for b in bands]
-    )
+    spectrum = np.array([np.median(like.value[like.weight[:, b] > 0.0, b]) for b in bands])
     change = np.abs(np.diff(np.log(spectrum + FLOOR)))
     # Half of the cut follows the spectrum, half the number of bands: flat spectra stay in runs too.
     position = np.concatenate([[0.0], np.cumsum(change / max(np.sum(change), 1e-9))])

@@ -10,8 +10,9 @@ from collections.abc import Callable, Iterator
 from typing import Any, NoReturn
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.foreign import HEAD_BYTES, refuse_foreign
 from relgloss_view.base.json_files import parse_json
-from relgloss_view.base.reading import printable, read_text, refuse, text
+from relgloss_view.base.reading import printable, read_beginning, read_text, refuse, text
 from relgloss_view.base.writing import whole_file
 from relgloss_view.material.estimated import estimate_record
 from relgloss_view.material.material import MAX_LOBES, Diffuse, FitRecord, Lobe, Material, Quality
@@ -21,6 +22,7 @@ from relgloss_view.measure.table import source_is_synthetic
 FORMAT = "relgloss-material"
 VERSION = 1
 MAX_BYTES = 8 * 1024 * 1024  #: the finest bands with a whole fit take less than one
+EXPECTED = "a material file (JSON)"
 MOST_VALUES = 10_000  #: of a list of bands; at their finest there are 5,801
 MOST_ENTRIES = 1000  #: of a list of candidates or warnings
 RGB_BASES = {"rgb": RGB, "rec2020": WIDE_RGB}
@@ -106,7 +108,8 @@ def load_material(path: str | os.PathLike[str]) -> Material:
     >>> load_material(asset("materials", "uncoated.json")).name
     'uncoated, green ink'
     """
-    read = read_text(path, MAX_BYTES, "a material file (JSON)")
+    refuse_foreign(read_beginning(path, HEAD_BYTES, EXPECTED), path)
+    read = read_text(path, MAX_BYTES, EXPECTED)
     remedy = "a material is written by `relgloss fit`"
     try:
         content = parse_json(

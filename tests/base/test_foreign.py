@@ -120,3 +120,18 @@ def test_nothing_that_comes_with_relgloss_is_foreign():
 )
 def test_what_is_not_foreign(content):
     assert foreign_format(content) is None
+
+
+def test_binary_brdfs_and_hdf5_below_a_block_of_the_users():
+    assert "RGL (.bsdf) or a polarised one (.pbsdf)" in foreign_format(b"tensor_file\0\1\0").name
+    merl = bytes([90, 0, 0, 0, 90, 0, 0, 0, 180, 0, 0, 0])
+    assert foreign_format(merl).name == "a MERL .binary"
+    hdf = b"\x89HDF\r\n\x1a\n"
+    assert foreign_format(bytes(512) + hdf).name == "an AxF or other HDF5 file"
+    assert foreign_format(bytes(500) + hdf) is None
+
+
+@pytest.mark.parametrize("end", ["\r", "\r\n"])
+def test_lines_of_any_end_are_recognised(end):
+    text = "TITLE x\nVARS theta_i,phi_i,theta_s,phi_s,R,G,B\n"
+    assert foreign_format(text.replace("\n", end).encode()).key == "e1392"

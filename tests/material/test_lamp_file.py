@@ -59,6 +59,10 @@ FORMS = {
     "utf-16 without a mark": PLAIN.encode("utf-16-le"),
     "byte order mark": PLAIN.encode("utf-8-sig"),
     "twice the same": [*lines(), lines()[-1]],
+    "bars": lines("{} | {:.5f}"),
+    "whole wavelengths, spaces, decimal commas": [
+        line.replace(".", ",") for line in lines("{:.0f} {:.5f}")
+    ],
 }
 
 
@@ -75,12 +79,18 @@ def test_percent_of_the_peak(read):
     np.testing.assert_allclose(np.array(found.power) / 100, POWER, atol=1e-5)
 
 
-@pytest.mark.parametrize("cell", ["", "n/a", "nan", "-", "#N/A"])
+@pytest.mark.parametrize("cell", ["", "n/a", "nan", "-", "#N/A", "#NV", "---"])
 def test_an_empty_cell_is_interpolated_and_named(read, cell):
     found = read(changed(500, f"500,{cell}"))
     k = list(NM).index(500)
     assert found.power[k] == pytest.approx((found.power[k - 1] + found.power[k + 1]) / 2)
     assert "500 nm (line 25)" in found.notes[0]
+
+
+def test_a_mark_of_nines_is_no_power(read):
+    found = read(changed(500, "500,9999"))
+    assert max(found.power) == pytest.approx(max(POWER), abs=1e-5)
+    assert "read 9999 in line 25 as empty" in found.notes[0]
 
 
 def test_unsorted_wavelengths_are_sorted_with_a_note(read):

@@ -360,3 +360,20 @@ def test_a_colour_outside_srgb_keeps_its_basis(tmp_path):
         Bands(primaries="adobe")
     with pytest.raises(InputError, match="none beside wavelengths"):
         Bands((400.0, 500.0), primaries="rec2020")
+
+
+@pytest.mark.parametrize(
+    ("content", "name"),
+    [
+        (b"Source Measured\nSymmetry PlaneSymmetrical\nSpectralContent Monochrome\n", "Zemax BSDF"),
+        (b"<?xml version='1.0'?><WindowElement/>", "BSDF in XML"),
+        (b"\x89HDF\r\n\x1a\n", "AxF"),
+        (b"tensor_file\0\1\0", "RGL"),
+        (b"PK\x03\x04xl/workbook.xml", "spreadsheet"),
+    ],
+)
+def test_a_file_of_another_program_is_named(tmp_path, content, name):
+    path = tmp_path / "art.json"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=f"this looks like .*{name}"):
+        load_material(path)

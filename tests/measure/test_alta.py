@@ -104,3 +104,11 @@ def test_one_line_names_the_fault(read, fault):
     with pytest.raises(InputError) as caught:
         read(text)
     assert words in str(caught.value)
+
+
+def test_what_other_writers_vary(read):
+    text = file_of("SPHERICAL_TL_PL_TV_PV .3 .4 .5 .7")
+    plain = read(text)
+    for other in (text.replace("\n", "\r"), text.lower(), text + "end\n"):
+        np.testing.assert_array_equal(read(other).radiance_factor, plain.radiance_factor)
+        np.testing.assert_array_equal(read(other).to_lamp, plain.to_lamp)

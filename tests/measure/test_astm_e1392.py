@@ -84,6 +84,31 @@ def test_what_instruments_vary(read):
     np.testing.assert_allclose(m.radiance_factor[0] / np.pi, 1 / np.cos(0.5))
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda text: text.replace("\n", "\r"),
+        lambda text: text.replace(",", ";"),
+        lambda text: text.replace(",", ";").replace(".", ","),
+        lambda text: text.upper(),
+        lambda text: text.replace("nm", "[nm]"),
+        lambda text: text.replace("_", "").replace("NUMPOINTS", "NUM_POINTS"),
+        lambda text: text + "END\n",
+    ],
+)
+def test_what_other_writers_vary(read, change):
+    text = HEAD.format("450nm,550nm") + rows("1.5,2", "1,2", "1,2")
+    plain, other = read(text), read(change(text))
+    assert other.bands == plain.bands
+    np.testing.assert_array_equal(other.radiance_factor, plain.radiance_factor)
+    np.testing.assert_array_equal(other.to_receiver, plain.to_receiver)
+
+
+def test_rows_below_words_are_refused(read):
+    with pytest.raises(InputError, match="line 9: numbers below a line of words"):
+        read(HEAD.format("BRDF") + rows("1", "1", "1") + "END\n0.5,3.1,0.5,0.0,1\n")
+
+
 BAD = {
     "no phi_s": ("VARS theta_i,theta_s,BRDF\n1,1,1\n", "no column phi_s"),
     "twice": ("VARS theta_i,theta_i,theta_s,phi_s,BRDF\n1,1,1,1,1\n", "two columns theta_i"),

@@ -44,6 +44,13 @@ FORMS = {
     "titles, blanks, footer": [
         "Report 5,,,", "Date: 2024-01-01,,,", "nm,R,,", *column("{},{:.5f},,"), ",,,", "mean,0.3,,",
     ],
+    "declared percent, no header": ["# quantity: radiance-factor-percent", *PERCENT],
+    "bars": ["nm | R", *column("{} | {:.5f}")],
+    "bars around, decimal commas": comma(column("| {} | {:.5f} |")),
+    "spaces, decimal commas": comma(column("{} {:.5f}")),
+    "a blank column before": ["nm,R", *column(",{},{:.5f}")],
+    "an index before": [",nm,R", *[f"{k},{line}" for k, line in enumerate(column())]],
+    "wavelengths last": ["R,nm", *[",".join(reversed(line.split(","))) for line in column()]],
     "downwards": column()[::-1],
     "windows-1252": "\n".join(["Wellenlänge;R", *column("{};{:.5f}")]).encode("cp1252"),
     "utf-16": "\n".join(["nm\tR", *column("{}\t{:.5f}")]).encode("utf-16"),
@@ -152,3 +159,26 @@ def test_what_measure_announces_as_45_0_is_read_as_45_0(tmp_path, receiver, take
     else:
         with pytest.raises(InputError, match="no geometry 45/0"):
             read_spectrum(path)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ([*column()[:20], *PERCENT[20:30], *[f"{p}%" for p in PERCENT[30:]]], "write all of them"),
+        (["name," + HEADER, row("red", values=RED) + "%"], "write all of them alike"),
+        ([line.replace(".", ",") for line in column()], "semicolons or tabs"),
+        ([",".join(reversed(line.split(","))) for line in column()], "put them first"),
+        (["nm,R", *column()[:5], "450,OL", *column()[6:]], "leave the cell empty"),
+    ],
+)
+def test_what_is_asked_about(read, content, message):
+    with pytest.raises(InputError, match=message):
+        read(content)
+
+
+@pytest.mark.parametrize("sign", ["---", "#NV", "-1.#IND", "9999"])
+def test_signs_of_no_reading(read, sign):
+    lines = column()
+    lines[5] = f"{NM[5]},{sign}"
+    assert np.delete(read(lines).radiance_factor - RED, 5) == pytest.approx(0.0, abs=1e-5)
+    assert read(lines).radiance_factor[5] == pytest.approx((RED[4] + RED[6]) / 2, abs=1e-5)

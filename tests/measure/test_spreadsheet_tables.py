@@ -48,6 +48,16 @@ def read(tmp_path):
     return from_content
 
 
+def renamed(*headings, table=TABLE):
+    """The table with other words for its four angles."""
+    return table.replace("theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg", ",".join(headings))
+
+
+def recoloured(table=TABLE):
+    """Readings of another sample in the same geometries."""
+    return re.sub(r"0\.\d+(,0\.\d+,)0\.5$", r"0.9\g<1>0.1", table, flags=re.MULTILINE)
+
+
 #: Another form of the same table -> what the one warning must name; None: no warning at all.
 FORMS = {
     "padded": (padded(), None),
@@ -186,3 +196,76 @@ def test_a_plain_table_of_another_subject_has_no_header_to_look_for(tmp_path):
     table = parse(tmp_path / "t.csv")
     assert table.columns == ("a", "b")
     np.testing.assert_array_equal(table.values, [[1, 2], [3, 4]])
+
+
+@pytest.mark.parametrize(
+    "headings",
+    [
+        ("theta_i", "phi_i", "theta_s", "phi_s"),  # ASTM E1392
+        ("theta_l", "phi_l", "theta_v", "phi_v"),  # light and view
+        ("thi", "phii", "ths", "phis"),
+        ("AOI", "Inc. Azimuth", "Det. Polar", "Det. Azimuth"),
+        ("SZA", "SAA", "VZA", "VAA"),  # sun and sensor
+        ("theta_i [\xa1\xeb]", "phi_i [\xa1\xeb]", "theta_r", "phi_r"),  # EUC-JP's degree sign
+    ],
+)
+def test_words_for_angles(read, headings):
+    plain, other = read(TABLE), read(renamed(*headings))
+    np.testing.assert_array_equal(other.to_lamp, plain.to_lamp)
+    np.testing.assert_array_equal(other.to_receiver, plain.to_receiver)
+    np.testing.assert_array_equal(other.radiance_factor, plain.radiance_factor)
+
+
+ASKED = {
+    "gon": (renamed("theta_i [gon]", "phi_i [gon]", "a", "b"), "unit of angle 'gon'; give degrees"),
+    "two meanings": (renamed("theta_s", "phi_s", "theta_v", "phi_v"), "already column 1"),
+    "another sample, named": (
+        TABLE + TABLE.replace("a card", "b"), r"line 17: another sample begins \('b'\)"),
+    "another sample, same header": (TABLE + recoloured(), "line 18: another table.*contradict"),
+    "other bands below": (TABLE + TABLE.replace("650", "660"), "line 18: another table begins"),
+    "title of a group": (
+        with_row(6, "Series 2" + "\n" + ROWS[2]), r"line 6: words among the rows \('Series 2'\)"),
+    "some cells in percent": (TABLE.replace("0.5\n", "50%\n", 3), "write all of them alike"),
+    "a unit and no date": (with_row(4, "15 deg" + ROWS[0][1:]), "number without its unit"),
+    "too narrow": (with_row(4, ROWS[0].replace("0.5", "####")), "widen the column"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("fault", ASKED)
+def test_what_is_asked_about(read, fault):
+    content, message = ASKED[fault]
+    with pytest.raises(InputError, match=message):
+        read(content)
+
+
+def test_parts_of_one_scan_and_a_repeated_scan_are_joined(read):
+    plain = read(TABLE)
+    parts = TABLE.split("\n")
+    joined = read("\n".join([*parts[:9], HEADER, *parts[9:]]))
+    np.testing.assert_array_equal(joined.radiance_factor, plain.radiance_factor)
+    # The negative control of a contradiction: noise of 1 % makes no other sample.
+    again = TABLE.replace(",0.5\n", ",0.505\n").split("\n", 2)[2]
+    assert len(read(TABLE + again).to_lamp) == 2 * len(plain.to_lamp)
+
+
+@pytest.mark.parametrize("sign", ["#NV", "#ZAHL!", "#NAME?", "-----", ".", "9999", "-999"])
+def test_signs_of_no_reading(read, sign):
+    m = read(with_row(5, ROWS[1].rsplit(",", 1)[0] + "," + sign))
+    assert m.left_out() == {"missing": 1}
+    assert any(f"read {sign!r}" in w or f"read {sign} " in w for w in m.warnings)
+
+
+def test_nines_that_other_readings_come_near_are_readings(read):
+    large = TABLE.replace(",0.5", ",900")
+    m = read(with_row(5, ROWS[1].replace(",0.5", ",999"), large), quantity="radiance-factor")
+    assert m.radiance_factor[1, 2] == 999.0
+
+
+@pytest.mark.parametrize("line", ["# quantity = brdf", "#,quantity,brdf", "# quantity;brdf"])
+def test_declarations_with_other_marks(read, line):
+    assert read(TABLE.replace("# quantity: radiance-factor", line)).quantity == "brdf"
+
+
+def test_channels_in_percent(read):
+    table = TABLE.replace("450,550,650", "R (%),G (%),B (%)").replace("0.", "20.")
+    assert read(table).radiance_factor[0] == pytest.approx([0.20250, 0.20350, 0.205])

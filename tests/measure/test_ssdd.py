@@ -267,3 +267,27 @@ def test_one_line_names_the_fault(read, fault):
         read(content)
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+OTHER_WRITERS = {
+    "carriage returns": LAMBERTIAN.replace("\n", "\r"),
+    "indented": LAMBERTIAN.replace("\n", "\n  "),
+    "tabs": LAMBERTIAN.replace(" ", "\t"),
+    "lower case": LAMBERTIAN.lower(),
+    "colons": LAMBERTIAN.replace("_TYPE ", "_TYPE: ").replace("VERSION ", "VERSION: "),
+    "remarks": LAMBERTIAN.replace("brdf", "brdf # of a card"),
+    "another order": LAMBERTIAN.replace("DATA_TYPE brdf\nCOLOR_MODEL monochrome",
+                                        "COLOR_MODEL monochrome\nDATA_TYPE brdf"),
+    "byte order mark": "\ufeff" + LAMBERTIAN,
+    "utf-16": LAMBERTIAN.encode("utf-16"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("form", OTHER_WRITERS)
+def test_what_other_writers_vary(tmp_path, form):
+    content = OTHER_WRITERS[form]
+    path = tmp_path / "x"  # recognised by its content, before a row is parsed
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    m = read_measurement(path)
+    assert m.format.startswith("an SSDD file")
+    np.testing.assert_allclose(m.radiance_factor, np.pi * 0.3183)

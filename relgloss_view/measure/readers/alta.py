@@ -105,9 +105,9 @@ def _header(lines: Iterator[str]) -> dict[str, str]:
     """The entries above the first row of numbers."""
     header: dict[str, str] = {}
     for count, text in enumerate(lines):
-        entry = re.match(r"\s*#\s*([A-Z_]{2,40})\s+(.{1,200})", text)
+        entry = re.match(r"\s*#\s*([A-Za-z_]{2,40})\s+(.{1,200})", text)
         if entry is not None:
-            header.setdefault(entry[1], printable(entry[2].strip(), 80))
+            header.setdefault(entry[1].upper(), printable(entry[2].strip(), 80))
         elif text.strip() and not text.lstrip().startswith("#"):
             break
         if count > MAX_HEADER_LINES:
@@ -126,7 +126,7 @@ def _dimensions(path: Path, header: dict[str, str]) -> tuple[int, int]:
 
 
 def _coordinates(path: Path, header: dict[str, str], inputs: int) -> Directions:
-    name = header.setdefault("PARAM_IN", "UNKNOWN_INPUT").split()[0]
+    name = header.setdefault("PARAM_IN", "UNKNOWN_INPUT").split()[0].upper()
     if name not in COORDINATES:
         raise InputError(
             f"{path}: the coordinates '#PARAM_IN {name}' do not give both directions, or not as "
@@ -139,7 +139,7 @@ def _coordinates(path: Path, header: dict[str, str], inputs: int) -> Directions:
 
 
 def _kind(path: Path, header: dict[str, str], options: ReadOptions) -> str:
-    kind = header.get("PARAM_OUT", "UNKNOWN_OUTPUT").split()[0]
+    kind = header.get("PARAM_OUT", "UNKNOWN_OUTPUT").split()[0].upper()
     if kind not in QUANTITIES and (options.quantity is None or kind != "UNKNOWN_OUTPUT"):
         raise InputError(
             f"{path}: the quantity of the values is '#PARAM_OUT {kind}'; read are "

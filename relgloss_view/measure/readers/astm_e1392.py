@@ -116,7 +116,9 @@ def _header(path: Path, lines: Iterator[tuple[int, str]]) -> _Header:
         key, rest = ([*re.split(r"\s*[=:\s]\s*", text.strip(), maxsplit=1), ""])[:2]
         key = key.upper()[:40]
         if key == "VARS":
-            header.names = [name.strip().strip('"') for name in rest.strip(" ,").split(",")]
+            header.names = [
+                name.strip().strip('"') for name in re.split("[,;\t]", rest.strip(" ,;\t"))
+            ]
             if len(header.names) == 1:
                 header.names = rest.split()
             return header
@@ -134,6 +136,7 @@ def _columns(path: Path, header: _Header) -> dict[str, int]:
     columns: dict[str, int] = {}
     for place, name in enumerate(header.names):
         word = re.split(r"[\[(]", name)[0].strip().lower().replace(" ", "_")
+        word = re.sub(r"^(theta|phi)(?=[isro]$)", r"\1_", word)
         word = _SAME.get(word, word)
         if word in ANGLES:
             if word in columns:
@@ -159,7 +162,7 @@ def _values(
         return "rgb", places, names
     if words == ("x", "y", "z"):
         return "xyz", places, names
-    matched = [_WAVELENGTH.fullmatch(name) for name in names]
+    matched = [_WAVELENGTH.fullmatch(re.sub(r"[\[\]()]", "", word)) for word in words]
     spectral = [(k, m[1]) for k, m in zip(places, matched, strict=True) if m is not None]
     if len(spectral) >= 2:
         return "spectrum", [k for k, _ in spectral], [nm for _, nm in spectral]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.two_columns import says_nothing
 
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _COMMA_NUMBER = re.compile(r"[+-]?(\d+,?\d*|,\d+)([eE][+-]?\d+)?", re.ASCII)
@@ -28,27 +29,11 @@ _DATE = re.compile(
     rf"|{_MONTH}\w{{0,6}}[./ -]+\d{{2,4}}",
     re.IGNORECASE,
 )
-#: How programs write that nothing was read.
-_NOTHING = frozenset(
-    ("", "-", "--", "---", "\u2013", "\u2014", "nan", "+nan", "-nan", "1.#qnan", "-1.#ind", "n/a",
-     "na", "n.a.", "null", "none", "nil", "missing", "void", "n.d.", "nd", ".")
-)  # fmt: skip
-#: Errors of spreadsheets in any language (#N/A, #NV, #DIV/0!, #¡VALOR!), and a line for a value.
-_NO_VALUE = re.compile(r"#¡?[^\W\d_]{1,12}(/(0|[^\W\d_]{1,3}))?[!?]?|[-\u2013\u2014]{2,40}")
-
 #: No number is as long, and expressions that try every way to split digits stay quick.
 LONGEST = 400
 
 PERCENT = "radiance-factor-percent"
-
-
-def says_nothing(cell: str) -> bool:
-    """Whether a cell is empty or holds a sign for it, such as 'n/a'."""
-    return _is_nothing(cell.strip())
-
-
-def _is_nothing(text: str) -> bool:
-    return text.lower() in _NOTHING or _NO_VALUE.fullmatch(text) is not None
+__all__ = ["PERCENT", "is_number", "number", "says_nothing"]
 
 
 def number(cell: str, decimal_comma: bool = False) -> float | None:
@@ -68,7 +53,7 @@ def number(cell: str, decimal_comma: bool = False) -> float | None:
         raise InputError("write a number with a decimal point, or leave the field empty")
     if NUMBER.fullmatch(text):
         return float(text)
-    if _is_nothing(text):
+    if says_nothing(text):
         return None
     if decimal_comma and _COMMA_NUMBER.fullmatch(text):
         return float(text.replace(",", "."))

@@ -18,6 +18,7 @@ from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.text_lines import TextLines
+from relgloss_view.base.two_columns import MARK_RATIO, MARKS
 from relgloss_view.measure.readers.header import (
     PADDING,
     SEPARATOR_LINE,
@@ -37,8 +38,6 @@ MAX_LINES = 6_000_000  #: with comments and blank lines
 MAX_VALUES = 100_000_000  #: rows times columns: 0.8 GB, and a measurement takes that a few times
 #: No reading comes near: a mirror-like lobe of 0.1 degrees at grazing incidence reaches 1e5.
 MAX_MAGNITUDE = 1e12
-#: Numbers that mark what an instrument could not read, where no other number comes near.
-MARKS, MARK_RATIO = (999.0, 9999.0, 99999.0, 999999.0), 20.0
 MOST_COMMENTS = 10_000  #: keys of comments that are kept
 VALUES_AT_ONCE = 1 << 20
 EXPECTED = "a measured table"
@@ -128,8 +127,8 @@ def parse(path: Path, layouts: Sequence[Collection[str]] = ()) -> TextTable:
     beside = [header.columns[k] for k in sorted(header.beside)]
     notes = [*([note] if note else []), *renamed, *_passed_over(titles, rows, unnamed, beside)]
     if marks is not None:
-        row, text = marks
-        notes.append(f"read {text} in line {rows.lines[row]} as empty: a mark, and no reading")
+        row, mark = marks
+        notes.append(f"read {mark} in line {rows.lines[row]} as empty: a mark, and no reading")
     # One name for each row is the name of a reading, not of a sample.
     several = 1 < len(rows.samples) < len(values)
     return TextTable(

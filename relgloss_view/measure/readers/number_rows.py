@@ -32,6 +32,7 @@ class NumberRows:
         self.path, self.width, self.extra = path, width, extra
         self.passed_over = 0  #: rows with more fields than are kept
         self._values = array("d")
+        self._below = False
 
     def read(self, lines: Iterable[tuple[int, str]]) -> Array:
         """The rows as (N, width), NaN where a field is empty. Blank lines and '#' are passed over.
@@ -55,7 +56,16 @@ class NumberRows:
 
     def _take(self, line: int, text: str) -> None:
         fields = self._fields(text)
-        if len(fields) != self.width:
+        if len(fields) != self.width or self._below:
+            # Words below the rows, such as END; rows that follow them are none of this table.
+            if self._values and not any(map(cells.is_number, fields)):
+                self._below = True
+                return
+            if self._below:
+                raise InputError(
+                    f"{self.path}: line {line}: numbers below a line of words; remove the line, or "
+                    "give each table a file of its own"
+                )
             if len(fields) < self.width or not self.extra:
                 raise InputError(
                     f"{self.path}: line {line}: {len(fields)} fields, expected {self.width}; "
@@ -80,6 +90,8 @@ class NumberRows:
             self._values.extend(self._number(line, k, field) for k, field in enumerate(fields))
 
     def _fields(self, text: str) -> list[str]:
+        if ";" in text and "." not in text:
+            return text.replace(",", ".").split(";")  # decimal commas
         if "," in text:
             fields = text.split(",")
             if len(fields) > self.width and not fields[-1].strip():  # a comma ends the line

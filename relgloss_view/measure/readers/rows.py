@@ -260,8 +260,8 @@ class RowReader:
         if any(map(cells.is_number, fields)) or not first[:1].isalpha():
             return None
         return InputError(
-            f"{where}: words among the rows ({printable(first, 30)!r}); remove the line or begin it "
-            "with #, and save readings of another sample as a file of their own"
+            f"{where}: words among the rows ({printable(first, 30)!r}); remove the line or begin "
+            "it with #, and save readings of another sample as a file of their own"
         )
 
     def _is_units(self, fields: list[str]) -> bool:

@@ -30,7 +30,7 @@ from relgloss_view.measure.quantity import canonical_quantity
 from relgloss_view.measure.readers import cells
 from relgloss_view.measure.readers.aspecular import split_aspecular
 from relgloss_view.measure.readers.csv_table import whole_lines
-from relgloss_view.measure.readers.headings import angle_heading
+from relgloss_view.measure.readers.headings import angle_heading, is_wavelength
 from relgloss_view.measure.readers.parts import chosen_part
 from relgloss_view.measure.readers.rows import split
 from relgloss_view.measure.readers.samples import (
@@ -51,7 +51,7 @@ WORDS = Words("a sample", "reflectance")
 MAX_BYTES = 32 * 1024 * 1024
 MOST_COLUMNS = 10_000
 MOST_LOOKED_AT = 400_000  #: characters of lines that may be the header
-_DELIMITERS = (";", "\t", ",", None)
+_DELIMITERS = (";", "\t", "|", ",", None)
 _PERCENT = re.compile(
     r"%\s*(r|rfl|refl\w*)\b|\b(r|rfl|refl\w*|radiance factor)\s*[\[(,;:]*\s*(in\s*)?(%|percent\b)"
     r"|\[\s*%\s*\]|\(\s*%\s*\)",
@@ -60,10 +60,12 @@ _PERCENT = re.compile(
 _FRACTION = re.compile(r"\brefl\w*\s*[\[(]?\s*(0\s*(\.\.|-|to)\s*1|fraction)\b", re.IGNORECASE)
 #: What columns beside wavelengths may hold instead of a reflectance.
 _OTHER = re.compile(
-    r"\b(transmi\w+|absor\w+|optical density|k/s|counts?|irradiance|radiance(?! factor)|power|"
+    r"\b(transmi\w+|absor\w+|optical density|k/s|counts?|irradiance|radiance(?![ _-]?factor)|power|"
     r"intensity|W/nm|W/m2|SPD|illuminance|energy)\b",
     re.IGNORECASE,
 )
+#: Headings of a column that counts the rows, before one of wavelengths.
+_INDEX = frozenset(("", "index", "no", "no.", "nr", "nr.", "#", "n", "row", "id", "point", "pixel"))
 _NAME = re.compile(r".*(name|sample|label|specimen|patch|colou?r|\bink\b|\bid\b).*", re.IGNORECASE)
 _GEOMETRY = re.compile(r".*(geometry|angle|aspecular).*", re.IGNORECASE)
 _QUANTITY = re.compile(r"#?\s*\"?quantity\"?\s*[:=,;\t]\s*(.+)", re.IGNORECASE)
@@ -209,12 +211,20 @@ def _has_unknown_angles(headings: list[str], row: list[str]) -> bool:
 def _in_columns(
     path: Path, text: TextLines, beginning: _Beginning, result: SampleFile, part: str | None
 ) -> None:
-    titles, first = beginning.titles, beginning.first
+    titles = [title for title in beginning.titles if not _QUANTITY.match(title)]
+    first = beginning.first
     headings = fields_of(titles[-1]) if titles else []
     if len(first) < 2 or len(headings) != len(first):
         headings = []
-    column, name = 1, _keyword(_TITLE, titles) or path.stem
-    columns = [k for k in range(1, len(first)) if first[k]]
+    # An index before the wavelengths, or the wavelengths last.
+    waves = [k for k, heading in enumerate(headings) if is_wavelength(heading)]
+    wave = waves[0] if len(waves) == 1 else 0
+    name = _keyword(_TITLE, titles) or path.stem
+    columns = [
+        k for k in range(len(first))
+        if first[k] and k != wave and not (wave and headings[k].lower() in _INDEX)
+    ]  # fmt: skip
+    column = columns[0] if columns else 1
     if len(columns) > 1 and headings:
         names = [headings[k] or f"column {k + 1}" for k in columns]
         column = columns[chosen_part(path, names, part)]
@@ -225,9 +235,12 @@ def _in_columns(
     _refuse_other(path, heading or (titles[-1] if titles else ""))
 
     def chosen(fields: list[str]) -> list[str]:
-        if not headings or len(fields) <= 2:
+        if not headings or (len(fields) <= 2 and not wave):
             return fields
-        return [fields[0], fields[column] if column < len(fields) else ""]
+        return [
+            fields[wave] if wave < len(fields) else "",
+            fields[column] if column < len(fields) else "",
+        ]
 
     rows = read_rows(path, text.lines(), WORDS, chosen)
     if len(rows) < 3:
@@ -293,16 +306,21 @@ def _in_rows(path: Path, text: TextLines, beginning: _Beginning, result: SampleF
             angle, name = split_aspecular(name)
         for column_angle, nm, columns in layout.spectra:
             texts = [fields[k] if k < len(fields) else "" for k in columns]
-            signs = any(t.endswith("%") for t in texts)
+            signs = {t.endswith("%") for t in texts if cells.is_number(t.removesuffix("%"))}
             texts = [t.removesuffix("%").strip() for t in texts]
-            if not any(cells.is_number(t) for t in texts):
+            if not signs:
                 continue
+            if len(signs) > 1:
+                raise InputError(
+                    f"{path}: line {number}: some values have a % sign and others have none; write "
+                    "all of them alike"
+                )
             sample = Sample(
                 printable(name, LONGEST_NAME) or f"row {len(result.samples) + 1}",
                 nm,
                 _values(path, number, texts, comma),
                 at or where,
-                True if signs else declared,
+                True if True in signs else declared,
                 column_angle or angle,
             )
             add_sample(path, result, sample)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 from array import array
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,7 +12,9 @@ from pathlib import Path
 import numpy as np
 
 from relgloss_view.base.arrays import AnyArray, Array
+from relgloss_view.base.decoding import decoded, wide_encoding
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.foreign import HEAD_BYTES
 from relgloss_view.base.reading import printable, read_bytes
 
 MAX_BYTES = 300_000_000
@@ -23,6 +26,7 @@ MAX_MAGNITUDE = 1e12
 MOST_IN_LIST = 100_000
 KINDS = ("brdf", "btdf", "specular_reflectance", "specular_transmittance")
 _MARK = b"\xef\xbb\xbf"
+_BEGINS = re.compile(rb"\n[ \t]*DATA_TYPE\b", re.IGNORECASE)  #: a block
 
 
 @dataclass
@@ -47,7 +51,7 @@ class Block:
         if len(words) > MOST_IN_LIST:
             raise InputError(f"{self.path}: {name} has more than {MOST_IN_LIST} numbers")
         try:
-            numbers = np.array([float(word) for word in words])
+            numbers = np.array([float(word.removesuffix("nm")) for word in words])
         except ValueError:
             numbers = np.array([np.nan])
         if not np.isfinite(numbers).all():
@@ -88,7 +92,7 @@ class Block:
         while rows < count:
             line, place = _line(self.path, data, place)
             lines += 1
-            if line is None or line.startswith(b"DATA_TYPE") or lines > 3 * count + MAX_LINES:
+            if line is None or _BEGINS.match(b"\n" + line[:80]) or lines > 3 * count + MAX_LINES:
                 raise self._short(f"{rows} rows", count)
             words = line.split(b"#", 1)[0].split()
             if not words:
@@ -101,7 +105,8 @@ class Block:
                 raise InputError(
                     f"{self.path}: row {rows + 1} of the {self.kind} is "
                     f"{printable(line[:200].decode('utf-8', 'replace'), 60)!r}; expected "
-                    f"{channels} number{'s' if channels > 1 else ''}"
+                    f"{channels} number{'s' if channels > 1 else ''}, with decimal points and "
+                    "separated by spaces"
                 )
             rows += 1
         return np.frombuffer(values, dtype=np.float64).reshape(count, channels)
@@ -115,7 +120,7 @@ class Block:
 
 def read_blocks(path: Path) -> tuple[list[Block], bytes]:
     """The blocks of a file in their order, and its bytes. Raises InputError."""
-    data = read_bytes(path, MAX_BYTES, EXPECTED)
+    data = _plain(path, read_bytes(path, MAX_BYTES, EXPECTED))
     place = len(_MARK) if data.startswith(_MARK) else 0
     blocks: list[Block] = []
     properties: dict[str, str] = {}  # of the file's own header
@@ -125,8 +130,7 @@ def read_blocks(path: Path) -> tuple[list[Block], bytes]:
             break
         if count > MAX_LINES:
             raise InputError(f"{path}: more than {MAX_LINES} lines of properties; give {EXPECTED}")
-        name, _, value = line.decode("utf-8", "replace").strip().partition(" ")
-        value = value.strip()
+        name, value = _property(line.decode("utf-8", "replace"))
         if not name or name.startswith("#"):
             continue
         if name == "DATA_TYPE":
@@ -135,7 +139,8 @@ def read_blocks(path: Path) -> tuple[list[Block], bytes]:
                     f"{path}: DATA_TYPE {printable(value, 40)!r}; a file has one of each of "
                     f"{', '.join(KINDS)}"
                 )
-            blocks.append(Block(path, value.lower()))
+            # What precedes it belongs to it too, where a writer has another order.
+            blocks.append(Block(path, value.lower(), dict(properties)))
             properties = blocks[-1].properties
         elif name == "DATA" and blocks:
             place = _skip(blocks[-1], value.lower(), data, place)
@@ -166,8 +171,27 @@ def _skip(block: Block, mode: str, data: bytes, place: int) -> int:
         if model == "spectrum":
             channels = max(len(block.properties.get("WAVELENGTH_LIST", "").split()), 1)
         place = min(place + 4 * math.prod(sizes) * channels, len(data))
-    following = data.find(b"\nDATA_TYPE", max(place - 1, 0))
-    return following + 1 if following >= 0 else len(data)
+    following = _BEGINS.search(data, max(place - 1, 0))
+    return following.start() + 1 if following else len(data)
+
+
+def _plain(path: Path, data: bytes) -> bytes:
+    """The bytes with line feeds as ends of lines, in UTF-8, where they are text in another form."""
+    if wide_encoding(data[:HEAD_BYTES]) is not None:
+        data = decoded(data, str(path)).text.encode()
+    if b"\r" in data[:HEAD_BYTES] and b"\n" not in data[:HEAD_BYTES]:
+        data = data.replace(b"\r", b"\n")
+    return data
+
+
+def _property(line: str) -> tuple[str, str]:
+    """Name in capitals and value of a line; a remark is no part of a keyword or of a list."""
+    name, *rest = re.split(r"\s*[:=\s]\s*", line.strip(), maxsplit=1)
+    value = rest[0].strip() if rest else ""
+    name = name.upper()
+    if name.endswith(("_TYPE", "_MODEL", "_LIST", "DATA")):
+        value = value.partition("#")[0].strip()
+    return name, value
 
 
 def _line(path: Path, data: bytes, place: int) -> tuple[bytes | None, int]:
