@@ -229,9 +229,7 @@ def compress(
     bands = np.flatnonzero(seen > 0.5 * np.max(seen))
     if len(bands) <= most:
         return observations
-    spectrum = np.array(
-        [np.median(like.value[like.weight[:, b] > 0.0, b]) for b in bands]
-    )
+    spectrum = np.array([np.median(like.value[like.weight[:, b] > 0.0, b]) for b in bands])
     change = np.abs(np.diff(np.log(spectrum + FLOOR)))
     # Half of the cut follows the spectrum, half the number of bands: flat spectra stay in runs too.
     position = np.concatenate([[0.0], np.cumsum(change / max(np.sum(change), 1e-9))])

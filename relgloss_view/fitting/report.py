@@ -52,9 +52,7 @@ def write_fit_report(material: Material, measurement: Measurement, path: str | P
             height_ratios=(1.15, 1.0, 0.95),
         )
         measurement = as_fitted(measurement, material)
-        measured = slices.prepare(
-            material, measurement, usable_rows(measurement), MOST_RESIDUALS
-        )
+        measured = slices.prepare(material, measurement, usable_rows(measurement), MOST_RESIDUALS)
         _heading(figure, material, lines, height)
         _plane(figure.add_subplot(grid[0, :4]), material, measured)
         _spectra(figure.add_subplot(grid[0, 4:]), material)

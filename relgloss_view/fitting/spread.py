@@ -113,9 +113,7 @@ def _newton(observations: Observations, rung: Rung, states: States) -> Equations
     # Of soft-L1, whose slope over r is w = (1 + (r / TAU)^2)^(-1/2), the second derivative is w^3.
     weight = observations.weight.T[None] * influence(misfit.residual) ** 2
     bent = Problem(observations, rung, weight=weight).equations(columns, misfit, states)
-    return bent._replace(
-        own_gradient=slopes.own_gradient, shared_gradient=slopes.shared_gradient
-    )
+    return bent._replace(own_gradient=slopes.own_gradient, shared_gradient=slopes.shared_gradient)
 
 
 def _held_errors(observations: Observations, candidate: Candidate) -> tuple[Held, ...]:
