@@ -213,15 +213,38 @@ def test_readme_python_runs(tmp_path):
     assert (tmp_path / "matte.png").is_file()
 
 
-def test_readme_commands_run(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)  # a fresh folder: what pip installed is enough
+#: Commands that take most of the time; the tests of each command run them on less.
+LONG = ("compare", "experiment simulate", "experiment analyse", "bench")
+
+
+def readme_commands():
+    """The words of each command in the README."""
     lines = [line for text in blocks(README, "sh") for line in text.splitlines()]
-    commands = [shlex.split(line) for line in lines if line.startswith("relgloss ")]
-    assert {words[1] for words in commands} == set(cli.COMMANDS)
+    return [shlex.split(line)[1:] for line in lines if line.startswith("relgloss ")]
+
+
+def test_readme_commands_run(tmp_path, monkeypatch, capsys):
+    """All but LONG, whose options are read alone."""
+    monkeypatch.chdir(tmp_path)  # a fresh folder: what pip installed is enough
+    commands = readme_commands()
+    assert {words[0] for words in commands} == set(cli.COMMANDS)
     for words in commands:
-        assert cli.main(words[1:]) == 0, words
+        if " ".join(words).startswith(LONG):
+            cli._parser(words).parse_args(words)
+        else:
+            assert cli.main(words) == 0, words
     assert "written" in capsys.readouterr().out
     assert len(list((tmp_path / "stimuli").glob("*.png"))) == 43
+    with pytest.raises(SystemExit):  # control
+        cli._parser(["bench", "--quickly"]).parse_args(["bench", "--quickly"])
+
+
+@pytest.mark.slow
+def test_readme_commands_that_take_long_run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for words in readme_commands():
+        if " ".join(words).startswith((*LONG, "experiment new")):
+            assert cli.main(words) == 0, words
 
 
 @pytest.fixture

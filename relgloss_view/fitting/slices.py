@@ -12,9 +12,7 @@ from relgloss_view.material.material import Material
 from relgloss_view.measure.table import Measurement
 
 _ANGLE_DEG = 0.3  #: angles nearer than this are the same
-_ASIDE_DEG = (
-    0.6  #: how far a half-vector may lie beside the mirror plane; it does so most at grazing
-)
+_ASIDE_DEG = 0.6  #: how far a half-vector of the mirror plane may lie beside it
 _DIGITS = 1  #: of an angle that stands for its neighbours, well within _ANGLE_DEG
 
 

@@ -131,6 +131,7 @@ class TestScreenshot:
         assert head.startswith(PNG_HEAD)
         assert [int.from_bytes(head[at : at + 4], "big") for at in (16, 20)] == [side, side]
 
+    @pytest.mark.slow
     def test_replaces_a_file_of_that_name(self, folder):
         (folder / "w.png").write_text("old")
         words = ("--screenshot", "w.png", *SMALL, "--frames", 1)
@@ -138,6 +139,7 @@ class TestScreenshot:
         assert (folder / "w.png").read_bytes().startswith(PNG_HEAD)
         assert os.listdir(folder) == ["w.png"]
 
+    @pytest.mark.slow
     def test_text_of_another_size(self, folder):
         plain, same, larger = (
             shot(folder, *words) for words in ((), ("--font-scale", 1), ("--font-scale", 1.5))
@@ -195,6 +197,7 @@ class TestFiles:
         save_state(folder / "uncoated.toml", state)
         np.testing.assert_array_equal(pictures_of(shot(folder, "uncoated.toml"))[1], second)
 
+    @pytest.mark.slow
     def test_two_materials_are_reference_and_test(self, folder, plain):
         save_material(materials.flat(0.2), folder / "a.json")
         save_material(materials.flat(0.6), folder / "b.json")
@@ -222,6 +225,7 @@ class TestFiles:
         ):
             assert (got != before).any(axis=-1).mean() > 0.05
 
+    @pytest.mark.slow
     def test_order_of_scene_and_sample_does_not_matter(self, folder):
         save_material(materials.flat(0.2), folder / "m.json")
         (folder / "s.toml").write_text('[sample]\nname = "uncoated"\n[shape]\nkind = "sphere"\n')

@@ -208,7 +208,7 @@ class TestAnyStudy:
         assert "<i>near</i> | $far$" in page.text
         assert not {"b", "i", "script"} & set(page.tags)
 
-    @pytest.mark.parametrize("made", [with_grain, adaptive])
+    @pytest.mark.parametrize("made", [with_grain, pytest.param(adaptive, marks=pytest.mark.slow)])
     def test_other_kinds_of_studies(self, made, tmp_path):
         written = report(tmp_path / "out", made())
         assert {f"matte{end}" for end in OF_SAMPLE} <= set(written)
@@ -222,7 +222,10 @@ class TestAnyStudy:
             Grid((0.0,), (0.25, 0.5, 0.75, 1.0)),
             Grid((0.0, 0.5, 3.0), (0.5,)),
             Grid((0.0, 1.0), (0.0, 1.0)),
-            Grid(tuple(np.linspace(0.0, 5.0, 15)), tuple(np.linspace(0.0, 1.0, 15))),
+            pytest.param(
+                Grid(tuple(np.linspace(0.0, 5.0, 15)), tuple(np.linspace(0.0, 1.0, 15))),
+                marks=pytest.mark.slow,
+            ),
         ],
         ids=["one sigma", "one c", "two by two", "large"],
     )

@@ -132,7 +132,7 @@ def check(folder, design, kills, seed):
     return done
 
 
-@pytest.mark.parametrize("design", ["full", "adaptive"])
+@pytest.mark.parametrize("design", ["full", pytest.param("adaptive", marks=pytest.mark.slow)])
 def test_nothing_is_lost(tmp_path, design):
     assert check(tmp_path, design, 8, seed=1) == 8
 
