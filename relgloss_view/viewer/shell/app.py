@@ -258,7 +258,9 @@ class App:
         now_s = time.monotonic()
         if self._rested(now_s) and not active and not model.held:
             model.history.end_gesture()
-        if pressed or (active and not imgui.get_io().want_text_input):
+        # Shaders get ready while readings are typed, whose fields have the keyboard all the time.
+        typing = self.files.new_material.active and imgui.get_io().want_text_input
+        if pressed or (active and not typing):
             self._held_at_s = now_s
         model.dragging = (pressed and active) or model.held
         if model.dragging:
