@@ -269,3 +269,14 @@ def test_declarations_with_other_marks(read, line):
 def test_channels_in_percent(read):
     table = TABLE.replace("450,550,650", "R (%),G (%),B (%)").replace("0.", "20.")
     assert read(table).radiance_factor[0] == pytest.approx([0.20250, 0.20350, 0.205])
+
+
+@pytest.mark.parametrize(
+    ("angle", "band"), [(" [deg]", " nm"), (" (°)", " [nm]"), (" [ deg ]", "")]
+)
+def test_units_between_spaces_belong_to_the_name_before_them(read, angle, band):
+    angles = [f"{name}{angle}" for name in ("theta_i", "phi_i", "theta_r", "phi_r")]
+    header = [*angles, *(f"{nm}{band}" for nm in (450, 550, 650))]
+    plain, other = read(TABLE), read(TABLE.replace(HEADER, ",".join(header)).replace(",", "   "))
+    assert other.bands == plain.bands
+    np.testing.assert_array_equal(other.radiance_factor, plain.radiance_factor)

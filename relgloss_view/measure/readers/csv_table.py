@@ -306,26 +306,24 @@ def _without_marks(values: Array, readings: list[int]) -> tuple[int, str] | None
     the others. Nines that another reading comes near are readings.
     """
     at_once = max(VALUES_AT_ONCE // values.shape[1], 1)
-    tops = range(0, len(values), at_once)
-    marked = [(top, np.isin(np.abs(values[top : top + at_once, readings]), MARKS)) for top in tops]
-    count = sum(int(np.sum(where)) for _, where in marked)
-    if not count:
-        return None
-    most = 0.0
-    for top, where in marked:
+    most, count, tops = 0.0, 0, []
+    for top in range(0, len(values), at_once):  # by parts, as a table may fill the memory
         some = np.abs(values[top : top + at_once, readings])
-        some[where | np.isnan(some)] = 0.0
-        most = max(most, float(np.max(some, initial=0.0)))
+        marks = np.isin(some, MARKS)
+        if np.any(marks):
+            tops.append(top)
+        most = max(most, float(np.max(some, initial=0.0, where=~marks & np.isfinite(some))))
     first = None
-    for top, where in marked:
+    for top in tops:
         some = values[top : top + at_once, readings]
-        beyond = where & (np.abs(some) > MARK_RATIO * most)
-        if not np.any(beyond):
+        marks = np.isin(np.abs(some), MARKS) & (np.abs(some) > MARK_RATIO * most)
+        if not np.any(marks):
             continue
         if first is None:
-            row, column = np.unravel_index(int(np.argmax(beyond)), beyond.shape)
+            row, column = np.unravel_index(int(np.argmax(marks)), marks.shape)
             first = top + int(row), f"{some[row, column]:g}"
-        some[beyond] = np.nan
+        count += int(np.sum(marks))
+        some[marks] = np.nan
         values[top : top + at_once, readings] = some
     if first is None:
         return None

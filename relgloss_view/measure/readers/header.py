@@ -29,8 +29,19 @@ MOST_HEADINGS = 50_000  #: of all such lines together
 PADDING = " \t,;|"  #: what a spreadsheet appends to a line of one cell
 SEPARATOR_LINE = re.compile(r'"?sep=.?"?', re.IGNORECASE)
 DELIMITERS = (",", ";", "\t", "|", None)
+#: A unit in brackets, and the space before one.
+_INSIDE = re.compile(r"[\[(][^\[\]()]{1,20}[\])]")
+_BEFORE_UNIT = re.compile(r"(?<=\S)[ \t]{1,3}(?=[\[(]\S{1,20}[\])](?:\s|$)|(?:nm|µm|um)\b)")
 #: A header in a comment, as numpy.savetxt writes it.
 _COMMENT = re.compile(r'^(\s*"?)[#%]+\s*')
+
+
+def split_headings(line: str, delimiter: str | None, most: int = -1) -> list[str]:
+    """The headings of a line. Between spaces, a unit belongs to the name before it."""
+    if delimiter is None and '"' not in line:
+        line = _INSIDE.sub(lambda unit: "".join(unit[0].split()), line)
+        line = _BEFORE_UNIT.sub("", line)
+    return split(line, delimiter, most)
 
 
 def find_header(
@@ -60,7 +71,7 @@ def find_header(
         for delimiter in DELIMITERS:
             if delimiter is not None and delimiter not in line:
                 continue
-            fields = split(line, delimiter, MOST_LOOKED_AT)
+            fields = split_headings(line, delimiter, MOST_LOOKED_AT)
             headings += len(fields)
             names = {a.name for a in map(angle_heading, fields) if a is not None}
             for layout in layouts:
@@ -91,7 +102,7 @@ def _delimiter_of(line: str, layouts: Sequence[Collection[str]]) -> str | None:
     """The delimiter by which a commented line is the header of one of the layouts; else a blank."""
     text = without_comment_sign(line)
     for delimiter in DELIMITERS:
-        fields = split(text, delimiter, MOST_LOOKED_AT)
+        fields = split_headings(text, delimiter, MOST_LOOKED_AT)
         names = {a.name for a in map(angle_heading, fields) if a is not None}
         if len(fields) > 4 and any(set(layout) <= names for layout in layouts):
             return delimiter
@@ -111,7 +122,9 @@ def read_header(
     path: Path, line: int, text: str, delimiter: str | None, following: Sequence[str]
 ) -> tuple[Header, set[str], list[str]]:
     """The header, the angles that it declares in radians, and a note on other words for angles."""
-    names = [name.strip().strip('"').strip() for name in split(text.strip("\r\n"), delimiter)]
+    names = [
+        name.strip().strip('"').strip() for name in split_headings(text.strip("\r\n"), delimiter)
+    ]
     below = [split(row.strip("\r\n"), delimiter) for row in following]
     if _has_row_names(names, below):
         names.insert(0, "")

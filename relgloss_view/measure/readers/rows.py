@@ -37,6 +37,7 @@ _WITH_POINT = re.compile(r"['=\"]*[+-]?(\d+\.\d*|\.\d+)([eEdD][+-]?\d+)?\"?\s*%?
 _RULER = re.compile(r"[=_*~+|\u2500-\u257f-]{3,}")  #: a line drawn with signs
 _DATA = re.compile(r"[\s;,='\"+\u2010-\u2014\u2212\uff0d.-]*\d")
 FEWEST_NUMBERS = 3  #: in a row
+LOOKED_AT = 20  #: fields of a line that may be another header
 MOST_UNITS = 5  #: rows of units, long names and remarks between header and numbers
 MOST_SAMPLES = 1000  #: names of samples that are kept
 
@@ -252,12 +253,12 @@ class RowReader:
     def _of_words(self, line: int, fields: list[str]) -> InputError | None:
         """The fault of a line without a number: what it is, and not what its first cell lacks."""
         where = f"{self._path}: line {line}"
-        if sum(angle_heading(field) is not None for field in fields) > 1:
+        if sum(angle_heading(field) is not None for field in fields[:LOOKED_AT]) > 1:
             return InputError(
                 f"{where}: another table begins; save each table as a file of its own"
             )
         first = next(field for field in fields if field)
-        if any(map(cells.is_number, fields)) or not first[:1].isalpha():
+        if not first[:1].isalpha() or any(map(cells.is_number, fields[: 50 * LOOKED_AT])):
             return None
         return InputError(
             f"{where}: words among the rows ({printable(first, 30)!r}); remove the line or begin "
