@@ -24,6 +24,7 @@ from relgloss_view.measure.readers.header import (
     DELIMITERS,
     MOST_LOOKED_AT,
     MOST_TITLES,
+    split_headings,
     without_comment_sign,
 )
 from relgloss_view.measure.readers.headings import (
@@ -70,7 +71,7 @@ def is_table_of_angles(head: bytes) -> bool:
         for delimiter in DELIMITERS:
             if delimiter is not None and delimiter not in text:
                 continue
-            fields = [field for field in split(text, delimiter, MOST_LOOKED_AT) if field.strip()]
+            fields = list(filter(str.strip, split_headings(text, delimiter, MOST_LOOKED_AT)))
             names = {angle.name for angle in map(angle_heading, fields) if angle is not None}
             known = len(names) + sum(map(_is_known, fields))
             if 2 * known > len(fields) and any(len(names & layout) > 1 for layout in layouts):
