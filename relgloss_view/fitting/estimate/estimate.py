@@ -149,7 +149,8 @@ def _summed_up(
     low, high = (_standing_for(share, peaks, density) for share in TAILS)
     warnings = [*filter(None, words), *posed.colour.notes]
     left_out = {k for k, factor in enumerate(posed.factors) if factor >= IGNORED}
-    left_out |= {posed.grazing} if words[1] else set()
+    if words[1] and posed.grazing is not None:
+        left_out.add(posed.grazing)
     chosen = np.linspace(0, len(surfaces) - 1, KEPT_DRAWS).astype(int)
     rows = np.column_stack([surfaces, body, peaks])[chosen]
     record = EstimateRecord(

@@ -7,8 +7,9 @@ becomes depends on heights that no gloss meter reports, so a reading at 85 degre
 from what the facets give to what a smooth surface of the same index gives.
 
 It is common: the Master Painters Institute's level 4 asks for 20 to 35 units at 60 degrees and 35
-or more at 85, and of its eggshell latexes most read below 5 at 60 degrees and nearly all above 10
-at 85 (Wendt 2003, PaintPRO 5(5)); facets give 21 to 35, and at most 7.
+or more at 85; of 32 eggshell latexes that it measured all read below 10 at 60 degrees, most below
+5, and 29 above 10 at 85 (Wendt, PaintPRO 5(5)). Facets give 21 to 35 for the former, and at most 7
+where 60 degrees read 5.
 """
 
 from __future__ import annotations
