@@ -108,6 +108,8 @@ def fields_of(line: str) -> list[str]:
     fields = [_as_number(f.strip(' "\t')) for f in text.split(delimiter)]
     if delimiter == "," and len(fields) == 1:
         fields = text.split()
+    if not fields:  # white space that only Unicode knows
+        return [""]
     while len(fields) > 2 and not fields[-1]:
         fields.pop()
     if len(fields) == 1 and delimiter is not None:

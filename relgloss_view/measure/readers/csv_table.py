@@ -18,6 +18,7 @@ from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.text_lines import TextLines
+from relgloss_view.measure.readers.cells import MAX_MAGNITUDE
 from relgloss_view.measure.readers.header import (
     PADDING,
     SEPARATOR_LINE,
@@ -34,8 +35,6 @@ MAX_BYTES = 1_000_000_000
 MAX_ROWS = 5_000_000
 MAX_LINES = 6_000_000  #: with comments and blank lines
 MAX_VALUES = 100_000_000  #: rows times columns: 0.8 GB, and a measurement takes that a few times
-#: No reading comes near: a mirror-like lobe of 0.1 degrees at grazing incidence reaches 1e5.
-MAX_MAGNITUDE = 1e12
 MOST_COMMENTS = 10_000  #: keys of comments that are kept
 VALUES_AT_ONCE = 1 << 20
 EXPECTED = "a measured table"

@@ -129,7 +129,7 @@ def _is_gonio(head: bytes) -> bool:
     text = head.replace(b"\x00", b"").decode("utf-8", errors="replace")
     for line in text.splitlines()[:MOST_TITLES]:
         for delimiter in (",", ";", "\t", None):
-            angles = [angle_heading(field) for field in split(line, delimiter, 12)]
+            angles = [angle_heading(field) for field in split(line, delimiter, 40)]
             if sum(angle is not None for angle in angles) >= 3:
                 return True
     return False
