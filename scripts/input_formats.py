@@ -11,16 +11,18 @@ import re
 _ANGLES = "theta_i_deg phi_i_deg theta_r_deg phi_r_deg alpha_deg beta_deg gamma_deg"
 _TABLE = (
     f"{_ANGLES} theta_i phi_o R G B 400 500nm R600 wavelength_nm brdf radiance-factor sample value "
-    "quantity brdf-cos radiance-factor-percent deg rad % name source gamma_s_deg angle_unit radians "
-    "aperture_sd_deg saturation mean sep=,"
+    "quantity brdf-cos radiance-factor-percent deg rad % name source gamma_s_deg angle_unit "
+    "radians aperture_sd_deg saturation mean sep=,"
 )
 _SAMPLES = (
-    "NUMBER_OF_FIELDS NUMBER_OF_SETS BEGIN_DATA_FORMAT END_DATA_FORMAT BEGIN_DATA END_DATA CGATS.17 "
-    "CTI3 SAMPLE_NAME SAMPLE_ID GEOMETRY LAB_L LAB_A LAB_B SPECTRAL_NM_400 SPECTRAL_NM SPECTRAL_PCT "
-    "SPEC_450 SPECTRAL_BANDS SPECTRAL_START_NM SPECTRAL_END_NM SPECTRAL_NORM DEVICE_CLASS DISPLAY "
+    "NUMBER_OF_FIELDS NUMBER_OF_SETS BEGIN_DATA_FORMAT END_DATA_FORMAT BEGIN_DATA END_DATA "
+    "CGATS.17 CTI3 SAMPLE_NAME SAMPLE_ID GEOMETRY LAB_L LAB_A LAB_B SPECTRAL_NM_400 SPECTRAL_NM "
+    "SPECTRAL_PCT SPEC_450 SPECTRAL_BANDS SPECTRAL_START_NM SPECTRAL_END_NM SPECTRAL_NORM "
+    "DEVICE_CLASS DISPLAY "
     "MEASUREMENT_GEOMETRY 45as15 45as-15 45as45 15as45 CxF Object ObjectCollection ColorValues "
-    "ReflectanceSpectrum CustomSpectrum SpectralPoint ColorSpecification MeasurementSpec MultiAngle "
-    "BRDFAngle Aspecular Azimuth IlluminationAngle WavelengthRange StartWL Increment WL Notation "
+    "ReflectanceSpectrum CustomSpectrum SpectralPoint ColorSpecification MeasurementSpec "
+    "MultiAngle BRDFAngle Aspecular Azimuth IlluminationAngle WavelengthRange StartWL Increment "
+    "WL Notation "
     "Name Id ColorCIELab Spectrum_Reflectance Spectrum_Transmittance SingleAngle SphereGeometry"
 )
 #: The words of each reader's formats, any of which may stand in another's place.
@@ -39,8 +41,8 @@ VOCABULARY = {
     "monochrome PARAM_TYPE spherical_coordinate_system specular_coordinate_system "
     "half_difference_coordinate_system REDUCTION_TYPE bilateral_symmetry reciprocity PARAM0_LIST "
     "PARAM1_LIST PARAM2_LIST PARAM3_LIST PARAM4_LIST WAVELENGTH_LIST NAME DEVICE DATA ascii binary",
-    "astm-e1392": "VARS theta_i phi_i theta_s phi_s theta_r R G B X Y Z 450nm BRDF CCBRDF NUM_POINTS "
-    "ANGLE_UNIT degrees radians TITLE SAMPLE",
+    "astm-e1392": "VARS theta_i phi_i theta_s phi_s theta_r R G B X Y Z 450nm BRDF CCBRDF "
+    "NUM_POINTS ANGLE_UNIT degrees radians TITLE SAMPLE",
     "alta": "#DIM #PARAM_IN #PARAM_OUT #VS #FORMAT binary RUSIN_TH_TD_PD RUSIN_TH_TD STARK_3D "
     "SPHERICAL_TL_PL_TV_PV CARTESIAN COS_TH COS_TH_TD ISOTROPIC_TV_TL_DPHI RGB_COLOR XYZ_COLOR "
     "INV_STERADIAN INV_STERADIAN_COSINE_FACTOR UNKNOWN_INPUT UNKNOWN_OUTPUT",

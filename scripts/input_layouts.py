@@ -68,7 +68,7 @@ def _numbers(result: object) -> list[AnyArray]:
         rows = np.column_stack(
             [result.to_lamp, result.to_receiver, np.nan_to_num(factor, nan=-9.0)]
         )
-        found += [rows[np.lexsort(np.round(rows.T, 9))], np.array(getattr(result, "kept")).sum()]
+        found += [rows[np.lexsort(np.round(rows.T, 9))], np.sum(result.kept)]
     elif factor is not None:
         found.append(factor)
     for name in ("wavelengths_nm", "power", "values"):

@@ -154,7 +154,7 @@ def _estimate(path: Path) -> object:
     from relgloss_view.fitting.estimate.colour import colour_of
 
     gloss, error, lab = (*path.read_text("utf-8", "replace").split("\n"), "", "")[:3]
-    args = argparse.Namespace(lab=lab, spectrum=None, illuminant=None, part=None)
+    args = argparse.Namespace(lab=lab, spectrum=None, lab_illuminant=None, part=None)
     try:
         readings = gloss_readings_of(gloss, float(error) if error else None)
         return readings, colour_of(_colour(args))

@@ -6,6 +6,8 @@ import argparse
 import json
 import math
 import os
+import re
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.decoration import decoration
@@ -19,6 +21,10 @@ if TYPE_CHECKING:
     from relgloss_view.fitting.estimate.given import GlossReading
     from relgloss_view.measure.spectrum import ColourReading
 
+#: A reading, with the units that people write: degrees, gloss units, or percent (JIS Z 8741).
+_READING = re.compile(r"(\S+?)\s*(?:°|deg|degrees)?\s*=\s*(\S+?)\s*(?:GU|%)?", re.IGNORECASE)
+#: The space before another reading.
+_NEXT_READING = re.compile(r"\s+(?=[\d.]+\s*(?:°|deg|degrees)?\s*=)", re.IGNORECASE)
 GEOMETRIES = ("45-0", "d-8-sci", "d-8-sce")  #: measure.spectrum, which need not be loaded for help
 
 
@@ -41,7 +47,7 @@ def add(commands: Any) -> None:
     )
     colour = parser.add_mutually_exclusive_group()
     colour.add_argument(
-        "--lab", metavar="L,A,B", help="Colour as L*, a*, b* of the 2 degree observer"
+        "--lab", metavar="L,a,b", help="Colour as CIELAB L*, a*, b* of the 2 degree observer"
     )
     colour.add_argument(
         "--spectrum",
@@ -49,9 +55,9 @@ def add(commands: Any) -> None:
         help="Colour as a reflectance spectrum, as a spectrophotometer exports it",
     )
     parser.add_argument(
-        "--illuminant",
+        "--lab-illuminant",
         metavar="NAME|FILE",
-        help="Illuminant of --lab: D50 (default), D65, A, C, another name or a file",
+        help="Lamp of --lab, a name or a file (default D50)",
     )
     parser.add_argument(
         "--part", metavar="NAME", help="Sample of a spectrum file that holds several"
@@ -66,7 +72,7 @@ def add(commands: Any) -> None:
         "--gloss-error",
         metavar="UNITS",
         type=float,
-        help="Standard error of each gloss reading (default 0.1 units and 0.25 %% of the reading)",
+        help="Standard error of each gloss reading (default 0.3 units and 1 %% of the reading)",
     )
     parser.add_argument(
         "-o", "--output", metavar="MATERIAL.json", required=True, help="File of the material"
@@ -87,8 +93,8 @@ def add(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Read, estimate, write, then draw and print."""
     _check_places(args)
-    if args.illuminant is not None and args.lab is None:
-        raise InputError("--illuminant: belongs to --lab, which is missing")
+    if args.lab_illuminant is not None and args.lab is None:
+        raise InputError("--lab-illuminant: belongs to --lab, which is missing")
     if args.part is not None and args.spectrum is None:
         raise InputError("--part: belongs to --spectrum, which is missing")
     readings = gloss_readings_of(args.gloss, args.gloss_error)
@@ -128,17 +134,18 @@ def gloss_readings_of(text: str, error: float | None = None) -> tuple[GlossReadi
     error: standard error in gloss units, None for the usual one. The digits as typed are a
     reading's precision: 45 may be 44.5 to 45.5.
     """
-    from relgloss_view.fitting.estimate.given import reading_of
+    from relgloss_view.fitting.estimate.given import last_digit, reading_of
 
     readings: dict[float, GlossReading] = {}
-    for word in filter(None, (part.strip() for part in text.replace(";", ",").split(","))):
-        angle, mark, value = (part.strip() for part in word.partition("="))
-        if not mark or not _is_number(angle) or not _is_number(value):
+    for word in _reading_words(text):
+        parts = _READING.fullmatch(word)
+        if parts is None or not all(_is_number(part) for part in parts.groups()):
             raise InputError(
                 f"--gloss {printable(word, 60)}: expected ANGLE=VALUE such as 60=45, with a "
-                "decimal point"
+                "decimal point and a comma between readings: 20=12.3,60=45"
             )
-        reading = reading_of(float(angle), float(value), error=error, step=_last_digit(value))
+        angle, value = parts.groups()
+        reading = reading_of(float(angle), float(value), error=error, step=last_digit(value))
         if reading.angle_deg in readings:
             raise InputError(f"--gloss {angle}: appears twice; give each angle once")
         readings[reading.angle_deg] = reading
@@ -147,17 +154,33 @@ def gloss_readings_of(text: str, error: float | None = None) -> tuple[GlossReadi
     return tuple(readings[angle] for angle in sorted(readings))
 
 
+def _reading_words(text: str) -> list[str]:
+    """The readings of a text, each a word. Between semicolons a comma is a decimal one."""
+    if ";" in text:
+        pieces = [
+            piece.replace(",", ".") if piece.count("=") == 1 else piece
+            for part in text.split(";")
+            for piece in ([part] if part.count("=") == 1 else part.split(","))
+        ]
+    else:
+        pieces = text.split(",")
+        for before, piece in pairwise(pieces):
+            if piece.strip().isdigit() and "=" in before:
+                comma = f"{before.strip()},{piece.strip()}"
+                raise InputError(
+                    f"--gloss {printable(comma, 60)}: has no angle after the comma; write decimals "
+                    f"with a point ({printable(comma.replace(',', '.'), 60)}) and a reading as "
+                    "ANGLE=VALUE"
+                )
+    words = [word.strip() for piece in pieces for word in _NEXT_READING.split(piece)]
+    return [word for word in words if word]
+
+
 def _is_number(text: str) -> bool:
     try:
         return math.isfinite(float(text))
     except ValueError:
         return False
-
-
-def _last_digit(text: str) -> float:
-    """The unit of the last digit that is typed, 1 for 45 and 0.1 for 12.3; at most 1."""
-    mantissa = text.lower().partition("e")[0]
-    return float(10.0 ** -len(mantissa.partition(".")[2]))
 
 
 def _colour(args: argparse.Namespace) -> LabColour | ColourReading | None:
@@ -168,15 +191,16 @@ def _colour(args: argparse.Namespace) -> LabColour | ColourReading | None:
     if args.lab is None:
         return None
     from relgloss_view.fitting.estimate.colour import LIGHTNESS_ERROR, LabColour
+    from relgloss_view.fitting.estimate.given import last_digit
 
-    words = [word.strip() for word in args.lab.replace(";", ",").split(",")]
+    words = re.split(r"[,;\s]+", args.lab.strip())
     if len(words) != 3 or not all(_is_number(word) for word in words):
         raise InputError(
             f"--lab {printable(args.lab, 60)}: expected three numbers L,a,b such as 46,-50,25"
         )
     lightness, a, b = (float(word) for word in words)
-    error = math.hypot(LIGHTNESS_ERROR, _last_digit(words[0]) / math.sqrt(12.0))
-    return LabColour((lightness, a, b), args.illuminant or "D50", error)
+    error = math.hypot(LIGHTNESS_ERROR, last_digit(words[0]) / math.sqrt(12.0))
+    return LabColour((lightness, a, b), args.lab_illuminant or "D50", error)
 
 
 def _check_places(args: argparse.Namespace) -> None:

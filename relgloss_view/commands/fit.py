@@ -23,9 +23,9 @@ def add(commands: Any) -> None:
 
     parser = commands.add_parser(
         "fit",
-        description="Fit the Torrance-Sparrow and Oren-Nayar models to a goniophotometer table "
-        "(CSV), an RGL .bsdf or a MERL .binary file. Cross-validation over incidence planes "
-        "chooses the smallest model that is enough; the material file keeps the evidence.",
+        description="Fit the Torrance-Sparrow and Oren-Nayar models to measured tables of "
+        "reflectance, in any format that docs/files.md lists. Cross-validation over incidence "
+        "planes chooses the smallest model that is enough; the material file keeps the evidence.",
         epilog="example: relgloss fit paper.csv -o paper.json --report paper.png; "
         "a folder of tables: relgloss fit scans/ -o materials/ --report reports/",
     )
@@ -33,7 +33,7 @@ def add(commands: Any) -> None:
         "tables",
         nargs="+",
         metavar="TABLE|FOLDER|SAMPLE",
-        help="Measured tables, whose format is recognised, folders of them, or built-in papers "
+        help="Measured tables of any format that is read, folders of them, or built-in papers "
         f"({', '.join(built_in_tables())}) for their synthetic tables",
     )
     parser.add_argument(

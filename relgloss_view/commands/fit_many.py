@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from relgloss_view.material.material import Material
 
 FITTED, FAILED, NOT_FITTED = "fitted", "failed", "not fitted"
-LESS = "thin out the table"
 GLOSS_DEG = 60.0
 LONGEST_WARNING = 90  #: characters of the first warning in the summary
 COLUMNS = (
@@ -113,7 +112,7 @@ def _fit_all(
             with Progress(f"fit {k + 1} of {len(places)}") as progress:
                 _fit(args, outcome, output, report, _Share(progress, k, outcomes), fit_options)
         except Exception as error:
-            outcome.state, outcome.fault = FAILED, table_places.fault_of(outcome.place, error, LESS)
+            outcome.state, outcome.fault = FAILED, table_places.fault_of(outcome.place, error)
             table_places.print_fault(outcome.fault)
 
 
@@ -163,8 +162,8 @@ def _check_ours(output: str) -> None:
 
     if os.path.lexists(output) and read_mark(output).get("format") != FORMAT:
         raise InputError(
-            f"{output}: is there already and is no material of relgloss; choose another folder, or "
-            "move that file away"
+            f"{output}: exists and is no material of relgloss; choose another folder, or move "
+            "that file away"
         )
 
 

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from relgloss_view.fitting.purpose import Purpose
     from relgloss_view.measure.overview import Overview
 
-LESS = "thin out the table"
-
 
 def add(commands: Any) -> None:
     """Declare the command."""
@@ -36,14 +34,15 @@ def add(commands: Any) -> None:
         "tables",
         nargs="+",
         metavar="TABLE|FOLDER|SAMPLE",
-        help="Measured tables, whose format is recognised, folders of them, or built-in papers "
+        help="Measured tables of any format that is read, folders of them, or built-in papers "
         f"({', '.join(built_in_tables())})",
     )
     parser.add_argument(
         "-o",
         "--report",
         metavar="OUT.png|FOLDER",
-        help="Draw it into this file; with several tables, into a file for each in this folder",
+        help="Draw the table into this file; with several tables, into a file for each in this "
+        "folder",
     )
     add_table_options(parser)
     parser.add_argument("--json", action="store_true", help="Print the numbers as JSON")
@@ -82,7 +81,7 @@ def run(args: argparse.Namespace) -> int:
             shown = True
             status = status if drawn else 1
         except Exception as error:
-            fault = table_places.fault_of(place, error, LESS)
+            fault = table_places.fault_of(place, error)
             table_places.print_fault(fault)
             entry, status = {"table": place, "fault": fault}, 1
         entries.append(entry)

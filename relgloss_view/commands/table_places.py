@@ -184,16 +184,16 @@ def check_folder(option: str, name: str, ending: str) -> None:
         raise InputError(f"{option} {name}: is a file; give the name of a folder")
 
 
-def fault_of(place: str, error: Exception, remedy: str) -> str:
+def fault_of(place: str, error: Exception) -> str:
     """What went wrong with one table, on one line that names it.
 
-    remedy: where memory ran out. A mistake of the program is raised with RELGLOSS_FAULTS=raise.
+    A mistake of the program is raised with RELGLOSS_FAULTS=raise.
     """
     if isinstance(error, RelglossError):
         text = str(error)
         return text if place in text else f"{place}: {text}"
     if isinstance(error, MemoryError):
-        return f"{place}: out of memory; {remedy}"
+        return f"{place}: out of memory; thin out the table"
     return f"{place}: {fault_line(error)}"
 
 

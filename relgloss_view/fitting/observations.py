@@ -11,6 +11,8 @@ from relgloss_view.base.arrays import Array, Ints, Mask
 from relgloss_view.base.errors import InputError
 from relgloss_view.fitting.instrument import instrument_of
 from relgloss_view.fitting.shapes import Geometry, geometry
+from relgloss_view.measure.gonio import from_normal
+from relgloss_view.measure.spectrum import is_45_0
 from relgloss_view.measure.table import NEGATIVE, Measurement
 
 #: Radiance factor below which an instrument's reading is its own floor. Dark samples lower it.
@@ -26,8 +28,6 @@ DARKEST = 1e-6
 #: A channel of linear sRGB at or below zero means "outside the gamut", not "nothing": it is
 #: compared with the brightness of the same sample.
 OUT_OF_GAMUT_SLACK = 0.1
-#: A geometry this near to 45/0 can serve for the colour of a material
-NEAR_DEG, NORMAL_COSINE = 2.5, 0.999
 FEWEST_SAMPLES = 12
 SEARCH_BANDS = 5
 FOLDS_WITHOUT_GROUPS = 10
@@ -100,11 +100,8 @@ def _what_few_serve_for(measurement: Measurement, enough: int) -> str:
     if enough == 0:
         return "check the angles, the quantity and the empty fields"
     estimate = "`relgloss estimate --spectrum FILE` with the readings of a gloss meter"
-    if enough == 1 and not measurement.bands.is_rgb:
-        return f"it can serve for the colour of a material: {estimate}"
-    angle = np.degrees(np.arccos(np.clip(measurement.to_lamp[:, 2], -1.0, 1.0)))
-    normal = (np.abs(angle - 45.0) <= NEAR_DEG) & (measurement.to_receiver[:, 2] > NORMAL_COSINE)
-    if np.any(normal & measurement.kept) and not measurement.bands.is_rgb:
+    lamp, receiver = from_normal(measurement.to_lamp), from_normal(measurement.to_receiver)
+    if np.any(is_45_0(lamp, receiver) & measurement.kept) and not measurement.bands.is_rgb:
         return f"`relgloss measure FILE` shows them, and 45/0 gives the colour: {estimate}"
     return "`relgloss measure FILE` shows them"
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from relgloss_view.fitting.observations import DARKEST, FEWEST_SAMPLES, usable_rows
 from relgloss_view.measure.findings import Finding
-from relgloss_view.measure.overview.directions import is_45_0
 from relgloss_view.measure.overview.polar import Polar
+from relgloss_view.measure.spectrum import is_45_0
 from relgloss_view.measure.table import Measurement
 
 FIT, ESTIMATE, NOTHING = "fit", "estimate", "nothing"
@@ -46,7 +46,7 @@ def purpose_of(measurement: Measurement, findings: tuple[Finding, ...] = ()) -> 
         )
     few = f"{count} usable {noun}, and a fit needs {FEWEST_SAMPLES}"
     polar = Polar.of(measurement)
-    colour = np.flatnonzero(usable & is_45_0(polar))
+    colour = np.flatnonzero(usable & is_45_0(polar.lamp_deg, polar.receiver_deg))
     if len(colour) and not measurement.bands.is_rgb:
         return Purpose(
             ESTIMATE,

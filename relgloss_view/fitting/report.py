@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,8 @@ SMALLEST_SPAN = 1.5  #: of an axis of radiance factors, from its middle up
 SMALLEST_PERCENT = 1e-4  #: of the axis of errors
 PAGE_INCHES, LINE_INCHES = 9.0, 0.144  #: height of a page with two warnings, and of each further
 MOST_WARNINGS = 8
-MOST_POINTS = 60_000  #: of residuals: more hide one another
+MOST_RESIDUALS = 60_000  #: more hide one another
+FACTS_CHARACTERS, FACTS_LINES = 66, 14  #: of a line of facts, and lines that fit widely spaced
 BADGE = {Quality.GOOD: GOOD, Quality.POOR: ACCENT, Quality.UNIDENTIFIABLE: "#b26a00"}
 
 
@@ -50,7 +52,7 @@ def write_fit_report(material: Material, measurement: Measurement, path: str | P
             height_ratios=(1.15, 1.0, 0.95),
         )
         measurement = as_fitted(measurement, material)
-        measured = slices.prepare(material, measurement, usable_rows(measurement))
+        measured = slices.prepare(material, measurement, usable_rows(measurement), MOST_RESIDUALS)
         _heading(figure, material, lines, height)
         _plane(figure.add_subplot(grid[0, :4]), material, measured)
         _spectra(figure.add_subplot(grid[0, 4:]), material)
@@ -188,12 +190,9 @@ def _tilt(axis: Any, material: Material, measured: slices.Slices) -> None:
 
 def _residuals(axis: Any, measured: slices.Slices) -> None:
     x, y = measured.residuals()
-    title = "Residuals, all bands"
-    if len(x) > MOST_POINTS:
-        title += f" ({MOST_POINTS} of {len(x)} drawn)"
-        drawn = np.linspace(0, len(x) - 1, MOST_POINTS).astype(int)
-        x, y = x[drawn], y[drawn]
-    axis.set_title(title)
+    drawn, count = len(measured.compared), len(measured.value)
+    part = f" ({drawn} of {count} drawn)" if drawn < count else ""
+    axis.set_title(f"Residuals, all bands{part}")
     axis.axhspan(-5.0, 5.0, color=GOOD, alpha=0.08, lw=0)
     axis.plot(x, np.clip(y, -60.0, 60.0), ".", ms=1.6, color=INK, alpha=0.25, rasterized=True)
     axis.axhline(0.0, lw=0.7, color=INK)
@@ -285,8 +284,9 @@ def _facts(axis: Any, material: Material) -> None:
     near, far = (r[k]["median_relative_error"] for k in ("near_mirror", "far"))
     parts = [f"{n} {v:.1%}" for n, v in (("near mirror", near), ("elsewhere", far)) if v]
     lines.append(", ".join(parts))
-    samples = printable(str(r.get("selected") or f"{r['samples']} samples"), 60)
-    lines.append(f"{samples}; aperture sd {r['aperture_sd_deg']} deg")
+    selected = r.get("selected")
+    used = f"chosen by {printable(str(selected), 60)}" if selected else f"{r['samples']} samples"
+    lines.append(f"{used}; aperture sd {r['aperture_sd_deg']} deg")
     lines += [f"{count} left out: {reason}" for reason, count in r["left_out"].items()]
     lines += [
         f"{label}: {words}"
@@ -295,4 +295,6 @@ def _facts(axis: Any, material: Material) -> None:
     ]
     if "method" in se:
         lines.append(f"±: {se['method']}")
-    axis.text(0.0, 1.0, "\n".join(lines), va="top", fontsize=7.6, linespacing=1.5, color=INK)
+    lines = [part for line in lines for part in textwrap.wrap(line, FACTS_CHARACTERS)]
+    spacing = 1.5 * min(1.0, FACTS_LINES / len(lines))
+    axis.text(0.0, 1.0, "\n".join(lines), va="top", fontsize=7.6, linespacing=spacing, color=INK)

@@ -6,12 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array, Mask
+from relgloss_view.base.arrays import Array, Ints, Mask
 from relgloss_view.fitting import curves
 from relgloss_view.material.material import Material
 from relgloss_view.measure.table import Measurement
 
 _ANGLE_DEG = 0.3  #: angles nearer than this are the same
+_ASIDE_DEG = (
+    0.6  #: how far a half-vector may lie beside the mirror plane; it does so most at grazing
+)
+_DIGITS = 1  #: of an angle that stands for its neighbours, well within _ANGLE_DEG
 
 
 @dataclass(frozen=True)
@@ -19,7 +23,8 @@ class Slices:
     """The usable samples of a measurement and the fit at the same directions."""
 
     value: Array  #: (N, B), zero where there is none
-    fitted: Array  #: (N, B)
+    compared: Ints  #: (M,), the samples whose residuals are drawn
+    fitted: Array  #: (M, B)
     incidence_deg: Array  #: (N,)
     receiver_deg: Array  #: (N,), positive on the mirror side
     half_deg: Array  #: (N,), half-vector from the normal
@@ -33,7 +38,7 @@ class Slices:
     def incidences(self) -> Array:
         """Angles of incidence in the mirror plane that have a sample near the mirror direction."""
         near = self.planar & (np.abs(self.receiver_deg - self.incidence_deg) < 1.5)
-        angles = np.unique(np.round(self.incidence_deg[near]))
+        angles, _ = _common(self.incidence_deg[near])
         return angles[angles > 0.0] if np.any(angles > 0.0) else angles
 
     def plane(self, incidence_deg: float) -> tuple[Array, Array]:
@@ -55,8 +60,7 @@ class Slices:
 
     def tilt_angles(self) -> Array:
         """Angles for which samples leave the mirror direction across the plane."""
-        keys = np.round(self._tilt_key()[self._symmetric() & ~self.planar])
-        angles, count = np.unique(keys, return_counts=True)
+        angles, count = _common(self._tilt_key()[self._symmetric() & ~self.planar])
         return angles[(count >= 2) & (angles > 0.0)]
 
     def tilt(self, theta_deg: float) -> tuple[Array, Array]:
@@ -73,13 +77,19 @@ class Slices:
 
     def residuals(self) -> tuple[Array, Array]:
         """Half-vector angles and fitted over measured minus one in percent, all bands."""
-        seen = self.value > 0.0
-        half = np.broadcast_to(self.half_deg[:, None], seen.shape)[seen]
-        return half, 100.0 * (self.fitted[seen] / self.value[seen] - 1.0)
+        value = self.value[self.compared]
+        seen = value > 0.0
+        half = np.broadcast_to(self.half_deg[self.compared, None], seen.shape)[seen]
+        return half, 100.0 * (self.fitted[seen] / value[seen] - 1.0)
 
 
-def prepare(material: Material, measurement: Measurement, rows: Mask) -> Slices:
-    """Slices of the marked samples, in the band of green light or the brightest one."""
+def prepare(
+    material: Material, measurement: Measurement, rows: Mask, most_residuals: int = 60_000
+) -> Slices:
+    """Slices of the marked samples, in the band of green light or the brightest one.
+
+    most_residuals: of all bands, that are computed: those of samples picked evenly.
+    """
     lamp, receiver = measurement.to_lamp[rows], measurement.to_receiver[rows]
     value = np.nan_to_num(measurement.radiance_factor[rows], nan=0.0, posinf=0.0, neginf=0.0)
     f = curves.facing(lamp, receiver)
@@ -88,19 +98,39 @@ def prepare(material: Material, measurement: Measurement, rows: Mask) -> Slices:
     sines = np.sin(np.radians(incidence)) * np.sin(np.radians(outgoing))
     bands = measurement.bands
     band = 1 if bands.is_rgb else int(np.argmin(np.abs(bands.centres_nm() - 540.0)))
+    half, receiver_deg = np.degrees(np.sqrt(f.delta2)), side * outgoing
+    aside2 = half**2 - 0.25 * (incidence - receiver_deg) ** 2
+    count = min(max(most_residuals // bands.count, 1), len(value))
+    compared = np.linspace(0, len(value) - 1, count).astype(np.int64)
     return Slices(
         value=np.maximum(value, 0.0),
-        fitted=curves.seen(material, lamp, receiver, measurement.aperture_sd_deg),
+        compared=compared,
+        fitted=curves.seen(
+            material, lamp[compared], receiver[compared], measurement.aperture_sd_deg
+        ),
         incidence_deg=incidence,
-        receiver_deg=side * outgoing,
-        half_deg=np.degrees(np.sqrt(f.delta2)),
+        receiver_deg=receiver_deg,
+        half_deg=half,
         difference_deg=np.degrees(np.arccos(np.clip(f.cos_d, 0.0, 1.0))),
-        planar=np.asarray(np.abs(np.abs(f.t) - sines) < 1e-4),
+        planar=np.asarray((np.abs(np.abs(f.t) - sines) < 1e-4) & (aside2 < _ASIDE_DEG**2)),
         band=band,
         label=bands.labels[band],
         goniometer=measurement.gamma_s_deg is not None,
         aperture_sd_deg=measurement.aperture_sd_deg,
     )
+
+
+def _common(angles_deg: Array) -> tuple[Array, Ints]:
+    """The commonest angle of each whole degree, (K,), and how many angles there are near it.
+
+    A table may be measured at 41.38 degrees and nowhere near 41.
+    """
+    near, count = np.unique(np.round(angles_deg, _DIGITS), return_counts=True)
+    _, first = np.unique(np.round(near), return_index=True)
+    last = [*first[1:].tolist(), len(near)]
+    picked = [a + int(np.argmax(count[a:b])) for a, b in zip(first.tolist(), last, strict=True)]
+    total = [int(np.sum(count[a:b])) for a, b in zip(first.tolist(), last, strict=True)]
+    return near[picked], np.array(total, dtype=np.int64)
 
 
 def some(values: Array, count: int) -> list[float]:

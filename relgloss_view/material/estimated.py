@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,7 +12,11 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import number, refuse, text
 
 LARGEST = 1e12
+#: Names of intervals that do not depend on the diffuse part.
+OF_THE_LOBES = ("s_deg", "strength", "refractive_index", "second_s_deg", "second_strength")
 MOST_ENTRIES = 1000  #: of a list of readings, draws, warnings or intervals
+#: Key of a reading that the estimate does not rest on.
+LEFT_OUT = "left_out"
 
 
 class Interval(NamedTuple):
@@ -26,7 +31,8 @@ class Interval(NamedTuple):
 class EstimateRecord:
     """The evidence of a material that was estimated from a few readings (docs/estimate.md).
 
-    readings: of gloss: `angle_deg`, `value`, `standard_error` each. colour: how it was stated.
+    readings: of gloss: `angle_deg`, `value`, `standard_error` each, and `left_out` where the
+    estimate does not rest on it. colour: how it was stated.
     intervals: by name, holding `level` of the draws. draws: `names` of columns and `rows`.
     contradiction: the line that names readings which no material gives; '' where all agree.
     """
@@ -46,6 +52,14 @@ class EstimateRecord:
         return "estimated, poor" if self.contradiction else "estimated"
 
     @property
+    def reading_words(self) -> str:
+        """The readings as they are typed, such as '20=12.3, 60=45, 85=80 (left out)'."""
+        return ", ".join(
+            f"{r['angle_deg']:g}={r['value']:g}" + " (left out)" * bool(r.get(LEFT_OUT))
+            for r in self.readings
+        )
+
+    @property
     def range_words(self) -> str:
         """What it was estimated from, and how wide the answer is, in one line.
 
@@ -53,12 +67,21 @@ class EstimateRecord:
         >>> EstimateRecord(gloss, {}, {"s_deg": Interval(1.5, 0.1, 1.9)}).range_words
         'estimated from gloss 60=45; lobe width 1.5 deg, 0.1 to 1.9'
         """
-        gloss = ", ".join(f"{r['angle_deg']:g}={r['value']:g}" for r in self.readings)
-        text = f"{self.words} from gloss {gloss}"
+        text = f"{self.words} from gloss {self.reading_words}"
         width = self.intervals.get("s_deg")
         if width is not None:
             text += f"; lobe width {width.value:.3g} deg, {width.lower:.3g} to {width.upper:.3g}"
         return text
+
+    def for_another_body(self) -> EstimateRecord:
+        """What stays true of a material whose diffuse part was changed: the lobes' numbers.
+
+        Gloss, peak and diffuse reflectance contain the body, and so do the draws. A contradiction
+        is one of the lobes' evidence; other warnings are about the colour.
+        """
+        lobes = {k: v for k, v in self.intervals.items() if k in OF_THE_LOBES}
+        warnings = tuple(text for text in self.warnings if text == self.contradiction)
+        return dataclasses.replace(self, intervals=lobes, draws={}, warnings=warnings)
 
     def as_json(self) -> dict[str, Any]:
         """The object of a material file."""

@@ -187,6 +187,7 @@ def _named(material: Material, colour: Colour, albedo: tuple[float, ...], name: 
     fit = material.fit
     if fit is not None:  # its quality and warnings are those of the lobes; these are of the colour
         fit = dataclasses.replace(fit, derived={}, judgement={}, covariance={})
+    estimate = material.estimate
     return dataclasses.replace(
         material,
         name=f"{name}, colour {colour.words}",
@@ -194,6 +195,7 @@ def _named(material: Material, colour: Colour, albedo: tuple[float, ...], name: 
         f"({material.source})",
         diffuse=dataclasses.replace(material.diffuse, albedo=albedo),
         fit=fit,
+        estimate=None if estimate is None else estimate.for_another_body(),
         hypothetical=True,
     )
 

@@ -42,6 +42,16 @@ def spherical(theta_deg: ArrayLike, phi_deg: ArrayLike) -> Array:
     )
 
 
+def from_normal(directions: Array) -> Array:
+    """Angles (N,) of vectors (N, 3) of any length from the normal, degrees; exact near 0.
+
+    >>> from_normal(np.array([[0.0, 1.0, 1.0], [0.0, 0.0, 2.0]])).round(6).tolist()
+    [45.0, 0.0]
+    """
+    across = np.hypot(directions[:, 0], directions[:, 1])
+    return np.asarray(np.degrees(np.arctan2(across, directions[:, 2])))
+
+
 def gcms_directions(
     alpha_deg: ArrayLike,
     beta_deg: ArrayLike,

@@ -38,7 +38,7 @@ def canonical_quantity(quantity: str, where: str) -> str:
     'radiance-factor-percent'
     """
     words = " ".join(quantity.split())[:100].strip('"').lower()
-    words = re.sub(r"[\[(]?\s*(%|\bpercent)\s*[\])]?$", " percent", words)
+    words = re.sub(r"[\[(]?\s*(\bin\s+)?(%|\bpercent)\s*[\])]?$", " percent", words)
     words = re.sub(r"[\s_*-]+", "-", _UNITS.sub("", words).strip()).strip("-")
     canonical = _SYNONYMS.get(words, words)
     if canonical not in QUANTITIES:

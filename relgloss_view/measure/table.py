@@ -68,6 +68,9 @@ class Measurement:
     synthetic: bool = False  #: computed from invented parameters, not measured
     #: Resampled by those who publish it: its directions are exact, no instrument's
     tabulated: bool = False
+    #: Whether rows are in the order in which they were read, as instruments write text tables; the
+    #: order of other formats is that of their angles
+    in_time_order: bool = True
     #: (N,), how many rows of a larger table each row stands for (measure.thinning); None: itself
     stands_for: Array | None = None
 

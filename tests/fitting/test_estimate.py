@@ -362,7 +362,7 @@ class TestBadInput:
             (["--gloss", "60=45", "--lab", "46,-50"], "expected three numbers"),
             (["--gloss", "60=45", "--lab", "146,-50,25"], "L from 0 to 100"),
             (["--gloss", "60=45", "--lab", "46,-190,25"], "no reflectance has this colour"),
-            (["--gloss", "60=45", "--illuminant", "A"], "belongs to --lab"),
+            (["--gloss", "60=45", "--lab-illuminant", "A"], "belongs to --lab"),
             (["--gloss", "60=45", "--part", "2"], "belongs to --spectrum"),
             (["--gloss", "60=45", "--spectrum", "none.csv"], "none.csv"),
             (["--gloss", "60=45", "--gloss-error", "0"], "gloss error"),

@@ -278,6 +278,9 @@ class TestDrift:
             return values * np.linspace(1.0, 0.7, len(values))[:, None]
 
         assert "lamp drifts" in the_text(with_values(sample(gcms), fading), "drift", serious=True)
+        # The rows of a matrix are in the order of their angles, which shows no time.
+        of_a_matrix = replace(with_values(sample(gcms), fading), in_time_order=False)
+        assert "drift" not in kinds(of_a_matrix)
 
     def test_noise_of_the_planes_is_no_drift(self):
         angles = in_plane()

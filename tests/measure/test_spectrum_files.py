@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.fitting.purpose import ESTIMATE, purpose_of
+from relgloss_view.measure.readers import read_measurement
 from relgloss_view.measure.readers.spectrum import read_spectrum
 
 NM = np.arange(400, 701, 10)
@@ -132,3 +134,21 @@ def test_fine_and_wide_scans_are_thinned_to_what_the_eye_sees(read):
     assert reading.bands.wavelengths_nm == tuple(range(360, 831))
     assert reading.radiance_factor == pytest.approx(0.5)
     assert len(reading.notes) == 3
+
+
+@pytest.mark.parametrize(("receiver", "taken"), [(0, True), (9.9, True), (10.2, False)])
+def test_what_measure_announces_as_45_0_is_read_as_45_0(tmp_path, receiver, taken):
+    """CIE 15:2004 allows the receiver 10 degrees; a nearer row that is left out does not count."""
+    path = tmp_path / "table.csv"
+    rows = [
+        row(f"45,180,{receiver},0", values=RED),
+        row("45,180,0,0", values=np.full(len(NM), np.nan)),
+    ]
+    head = ["# quantity: radiance-factor", "theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg," + HEADER]
+    path.write_text("\n".join([*head, *rows]) + "\n")
+    assert (purpose_of(read_measurement(path)).use == ESTIMATE) == taken
+    if taken:
+        assert read_spectrum(path).radiance_factor == pytest.approx(RED, abs=1e-5)
+    else:
+        with pytest.raises(InputError, match="no geometry 45/0"):
+            read_spectrum(path)

@@ -146,3 +146,12 @@ def test_real_file_gives_its_own_total_scatter():
     assert max(ratios) < 1.02
     assert total(12, 180.0) / written[12] < 0.5
     assert m.left_out()["missing"] < 0.21 * len(m.reasons)
+
+
+def test_a_quantity_replaces_the_brdf(tmp_path):
+    path = made(tmp_path, text([0.25]))
+    factor, insisted = read_measurement(path), read_measurement(path, quantity="Radiance factor")
+    assert insisted.radiance_factor[0] == pytest.approx(factor.radiance_factor[0] / np.pi)
+    assert not any("not used" in warning for warning in insisted.warnings)
+    with pytest.raises(InputError, match="unknown quantity 'nits'"):
+        read_measurement(path, quantity="nits")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, table
-from relgloss_view.material.estimated import EstimateRecord, Interval
+from relgloss_view.material.estimated import LEFT_OUT, EstimateRecord, Interval
 from relgloss_view.material.material import Material
 
 #: Rows of the table: key of an interval, its name and unit, and the digits after the point.
@@ -54,5 +54,5 @@ def _numbers(interval: Interval, digits: int) -> tuple[str, str, str]:
 def _given(record: EstimateRecord, key: str) -> str:
     for reading in record.readings:
         if key == f"gloss-{reading['angle_deg']:g}":
-            return f"read as {reading['value']:g}"
+            return f"read as {reading['value']:g}" + ", left out" * bool(reading.get(LEFT_OUT))
     return ""

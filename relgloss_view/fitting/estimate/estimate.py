@@ -12,12 +12,16 @@ from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.fitting.estimate import model, prior
 from relgloss_view.fitting.estimate.colour import LabColour, colour_of
-from relgloss_view.fitting.estimate.contradiction import contradiction_of
+from relgloss_view.fitting.estimate.contradiction import (
+    IGNORED,
+    contradiction_of,
+    high_near_grazing,
+)
 from relgloss_view.fitting.estimate.given import GlossReading, readings_of
 from relgloss_view.fitting.estimate.problem import Problem
 from relgloss_view.fitting.estimate.sampler import Draws, posterior
 from relgloss_view.gloss.meter.geometry import SPECULAR
-from relgloss_view.material.estimated import EstimateRecord, Interval
+from relgloss_view.material.estimated import LEFT_OUT, EstimateRecord, Interval
 from relgloss_view.material.material import Material
 from relgloss_view.measure.spectrum import ColourReading
 
@@ -29,6 +33,9 @@ KEPT_DRAWS = 50  #: in the file
 REFINING_STEPS = 12
 #: How the likeliest surface prefers a strength of 1: one standard deviation below it.
 STRENGTH_BELOW = 0.15
+#: How closely its second lobe keeps to the middle of the draws, in their standard deviations: else a
+#: broad halo would be drawn only to bring the strength nearer to 1.
+SECOND_HELD = 2.0
 DAMPING = 0.1
 DRAWN_WEIGHT = 0.1  #: of a draw's misfit, where a start is chosen
 LARGEST_SEED = 2**32 - 1
@@ -83,7 +90,8 @@ def estimate(
         posed = posed.with_errors(contradiction.factors)
         drawn = posterior(posed.log_likelihood, np.random.default_rng(seed))
     words = "" if contradiction is None else contradiction.words
-    return _summed_up(posed, drawn, words, name, seed)
+    note = "" if contradiction else high_near_grazing(posed, drawn.surfaces, seed)
+    return _summed_up(posed, drawn, (words, note), name, seed)
 
 
 def estimate_material(
@@ -124,7 +132,11 @@ def estimate_material(
     return estimate(gloss, colour, geometry=geometry, name=name, seed=seed).material
 
 
-def _summed_up(posed: Problem, drawn: Draws, contradiction: str, name: str, seed: int) -> Estimate:
+def _summed_up(
+    posed: Problem, drawn: Draws, words: tuple[str, str], name: str, seed: int
+) -> Estimate:
+    """words: of a contradiction, and of a high reading near grazing; '' where there is none."""
+    contradiction = words[0]
     surfaces = drawn.surfaces
     gray = posed.gray(surfaces)
     body = posed.diffuse_y(gray)
@@ -133,9 +145,9 @@ def _summed_up(posed: Problem, drawn: Draws, contradiction: str, name: str, seed
     intervals = _intervals(posed, surfaces, centre, body, peaks, seed)
     density = drawn.fit + prior.log_density(surfaces)
     low, high = (_standing_for(share, peaks, density) for share in TAILS)
-    warnings = list(posed.colour.notes)
-    if contradiction:
-        warnings.insert(0, contradiction)
+    warnings = [*filter(None, words), *posed.colour.notes]
+    left_out = {k for k, factor in enumerate(posed.factors) if factor >= IGNORED}
+    left_out |= {posed.grazing} if words[1] else set()
     chosen = np.linspace(0, len(surfaces) - 1, KEPT_DRAWS).astype(int)
     rows = np.column_stack([surfaces, body, peaks])[chosen]
     record = EstimateRecord(
@@ -144,8 +156,9 @@ def _summed_up(posed: Problem, drawn: Draws, contradiction: str, name: str, seed
                 "angle_deg": r.angle_deg,
                 "value": r.value,
                 "standard_error": _rounded(r.standard_error),
+                **({LEFT_OUT: True} if k in left_out else {}),
             }
-            for r in posed.readings
+            for k, r in enumerate(posed.readings)
         ),
         colour=posed.colour.record,
         level=LEVEL,
@@ -221,6 +234,7 @@ def _central(posed: Problem, surfaces: Array) -> Array:
     middle, spread = np.mean(surfaces, axis=0), np.std(surfaces, axis=0)
     step = 1e-4 * (prior.UPPER - prior.LOWER)
     second = [prior.RATIO, prior.SHARE]
+    facets_alone = not posed.beyond_facets(surfaces)
 
     def residual(group: Array) -> Array:
         strength = group[:, prior.STRENGTH] - 1.0
@@ -231,8 +245,10 @@ def _central(posed: Problem, surfaces: Array) -> Array:
             ],
             axis=1,
         )
-        broad = (group - middle)[:, second] / (spread[second] + step[second])
-        return np.concatenate([posed.misfit(group), preferred, broad], axis=1)
+        broad = SECOND_HELD * (group - middle)[:, second] / (spread[second] + step[second])
+        return np.concatenate(
+            [posed.misfit(group, facets_alone=facets_alone), preferred, broad], axis=1
+        )
 
     def held(surface: Array) -> Array:
         return np.asarray(np.clip(surface, prior.LOWER + step, prior.UPPER - step))

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from relgloss_view.base.arrays import Array
-from relgloss_view.fitting.estimate import model, prior
+from relgloss_view.fitting.estimate import grazing, model, prior
 from relgloss_view.fitting.estimate.colour import DARK_ERROR, Colour
 from relgloss_view.fitting.estimate.given import GlossReading
 from relgloss_view.material.estimated import EstimateRecord
@@ -15,6 +15,7 @@ from relgloss_view.material.material import Diffuse, Lobe, Material
 
 #: A second lobe of a smaller share of the main one's strength is left out.
 LEAST_SHARE = 0.003
+LEAST_LIKELIHOOD = 1e-200
 
 
 class Problem:
@@ -33,6 +34,8 @@ class Problem:
         self.errors = np.array([reading.standard_error for reading in readings]) * self.factors
         self._diffuse_units = model.diffuse_units(self.angles) if readings else np.zeros(0)
         self._luminous = colour.luminous
+        near = [k for k, angle in enumerate(self.angles) if angle == grazing.GRAZING_DEG]
+        self.grazing = near[0] if near else None  #: index of the reading at 85 degrees
 
     def with_errors(self, factors: tuple[float, ...]) -> Problem:
         """The same with errors that are larger by a factor each."""
@@ -57,22 +60,60 @@ class Problem:
         lobes = model.lobe_readings(surfaces, self.angles)
         return np.asarray(lobes + y[:, None] * self._diffuse_units)
 
-    def misfit(self, surfaces: Array) -> Array:
-        """Differences (N, R + 1) to the readings, and the lobe beyond the colour, over errors."""
-        gray = self.gray(surfaces)
+    def misfit(self, surfaces: Array, *, facets_alone: bool) -> Array:
+        """Differences (N, R + 1) to the readings, and the lobe beyond the colour, over errors.
+
+        facets_alone: whether the reading at 85 degrees is taken as one of facets; otherwise its
+        difference is what lies beyond facets and smooth surfaces (grazing).
+        """
+        return self._misfit(surfaces, self.gray(surfaces), facets_alone)[0]
+
+    def _misfit(self, surfaces: Array, gray: Array, facets_alone: bool) -> tuple[Array, Array]:
+        """The differences, and the readings (N, R) that facets give."""
         lobes = model.lobe_readings(surfaces, self.angles)
         predicted = lobes + self.diffuse_y(gray)[:, None] * self._diffuse_units
+        misfit = (predicted - self.values) / self.errors
+        if self.grazing is not None and not facets_alone:
+            k = self.grazing
+            misfit[:, k] = grazing.beyond(*self._grazing_parts(surfaces, predicted))
         beyond = np.maximum(gray - self.colour.room, 0.0) / DARK_ERROR
-        return np.concatenate([(predicted - self.values) / self.errors, beyond[:, None]], axis=1)
+        return np.concatenate([misfit, beyond[:, None]], axis=1), predicted
+
+    def _grazing_parts(
+        self, surfaces: Array, predicted: Array
+    ) -> tuple[float, float, Array, Array]:
+        """Value and error of the reading at 85 degrees; what facets and smooth surfaces give."""
+        k = self.grazing
+        assert k is not None
+        smooth = grazing.smooth_units(surfaces[:, prior.INDEX])
+        return float(self.values[k]), float(self.errors[k]), predicted[:, k], smooth
 
     def strain(self, surfaces: Array) -> Array:
         """Sum (N,) of the squares of misfits and of the index's distance from usual ones."""
         index = (surfaces[:, prior.INDEX] - prior.INDEX_MEAN) / prior.INDEX_SD
-        return np.asarray(np.sum(self.misfit(surfaces) ** 2, axis=1) + index**2)
+        misfit = self.misfit(surfaces, facets_alone=False)
+        return np.asarray(np.sum(misfit**2, axis=1) + index**2)
 
     def log_likelihood(self, surfaces: Array) -> Array:
         """(N,), but for a constant."""
-        return np.asarray(-0.5 * np.sum(self.misfit(surfaces) ** 2, axis=1))
+        misfit, predicted = self._misfit(surfaces, self.gray(surfaces), True)
+        if self.grazing is None:
+            return np.asarray(-0.5 * np.sum(misfit**2, axis=1))
+        parts = grazing.parts(*self._grazing_parts(surfaces, predicted))
+        misfit[:, self.grazing] = 0.0
+        total = np.maximum(parts[0] + parts[1], LEAST_LIKELIHOOD)
+        # Far beyond both, the logarithm goes on as the Gaussian's does.
+        far = -0.5 * grazing.beyond(*self._grazing_parts(surfaces, predicted)) ** 2
+        log_grazing = np.where(total > LEAST_LIKELIHOOD, np.log(total), far)
+        return np.asarray(log_grazing - 0.5 * np.sum(misfit**2, axis=1))
+
+    def beyond_facets(self, surfaces: Array) -> bool:
+        """Whether the reading at 85 degrees clearly holds more than facets give."""
+        if self.grazing is None:
+            return False
+        alone, more = grazing.parts(*self._grazing_parts(surfaces, self.predicted(surfaces)))
+        share = np.mean(more / np.maximum(alone + more, LEAST_LIKELIHOOD))
+        return bool(share > grazing.CLEARLY)
 
     def material(self, surface: Array, name: str, record: EstimateRecord | None) -> Material:
         """The material of one surface (5,)."""

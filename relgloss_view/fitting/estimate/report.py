@@ -71,19 +71,15 @@ HEADS = (
 
 def _title(material: Material) -> str:
     assert material.estimate is not None
-    readings = ", ".join(
-        f"{reading['value']:g} at {reading['angle_deg']:g} deg"
-        for reading in material.estimate.readings
-    )
-    words = material.estimate.words
-    return f"{printable(material.name, 40)} [{words}]: materials that read {readings}"
+    record = material.estimate
+    return f"{printable(material.name, 40)} [{record.words}] from gloss {record.reading_words}"
 
 
 def _caption(head: str, material: Material, frame: Frame) -> list[str]:
     main = material.specular[0]
     second = material.specular[1:]
     gloss = ", ".join(
-        f"{angle}: {specular_gloss(material, angle):.1f}" for angle in (20, 60, 85, 75)
+        f"{angle}: {specular_gloss(material, angle):.1f}" for angle in (20, 60, 75, 85)
     )
     return [
         head,

@@ -27,7 +27,8 @@ def check(measurement: Measurement, rows: Rows, core: Lobe | None) -> list[Findi
     cosines and of the angle between the directions. What goes with the row's number beside it is
     the instrument's.
     """
-    if measurement.tabulated or (core is not None and core.width_deg > WIDEST_DEG):
+    ordered = measurement.in_time_order and not measurement.tabulated
+    if not ordered or (core is not None and core.width_deg > WIDEST_DEG):
         return []
     away = rows.kept & (rows.delta_deg > BODY_DEG) & (rows.level < 2.0 * rows.body_level)
     away &= rows.phase_deg > 12.0

@@ -17,7 +17,8 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.measure import ridge
 from relgloss_view.measure.findings.finding import MIRROR, Finding
-from relgloss_view.measure.findings.rows import Rows, facet_density, tilt_of
+from relgloss_view.measure.findings.rows import Rows, facet_density
+from relgloss_view.measure.gonio import from_normal
 from relgloss_view.measure.table import Measurement
 
 #: The peak must exceed the body by this factor, or the order of the rows is that of noise.
@@ -124,7 +125,7 @@ def _tops(rows: Rows, to_lamp: Array, to_receiver: Array) -> bool:
     few = FEWEST_TOPS <= np.sum(clear) < MOST_TOPS * len(rows)
     if not few or np.min(rows.delta_deg[top]) < FAR_DEG:
         return False
-    return bool(np.max(tilt_of((to_lamp + to_receiver)[top])) < NEAR_DEG)
+    return bool(np.max(from_normal((to_lamp + to_receiver)[top])) < NEAR_DEG)
 
 
 def _upright() -> tuple[Array, Array]:

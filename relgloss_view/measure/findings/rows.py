@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Ints, Mask
+from relgloss_view.measure.gonio import from_normal
 from relgloss_view.measure.table import KEPT, NEGATIVE, OCCLUDED, Measurement
 from relgloss_view.measure.thinning import thinned
 
@@ -92,7 +93,7 @@ class Rows:
     @cached_property
     def delta_deg(self) -> Array:
         """(N,), angle between the normal and the half-vector."""
-        return tilt_of(self.half)
+        return from_normal(self.half)
 
     @cached_property
     def cos_d(self) -> Array:
@@ -142,11 +143,6 @@ class Rows:
         by Fresnel's equations (form of Schlick 1994) and by the cosines is divided out.
         """
         return facet_density(self.level - self.body_level, self.to_lamp, self.to_receiver)
-
-
-def tilt_of(half: Array) -> Array:
-    """Angles (N,) between unit vectors and the normal, degrees; exact near zero."""
-    return np.asarray(np.degrees(np.arctan2(np.hypot(half[:, 0], half[:, 1]), half[:, 2])))
 
 
 def facet_density(excess: Array, to_lamp: Array, to_receiver: Array) -> Array:

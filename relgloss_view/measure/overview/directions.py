@@ -8,15 +8,13 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.measure.overview.polar import Polar
+from relgloss_view.measure.spectrum import from_45_0
 
 BODY, MIRROR, STEEP_MIRROR, GRAZING = (
     "body", "near the mirror", "near the mirror, steep", "grazing",
 )  # fmt: skip
 #: Half-vectors further from the normal show the body of most samples, nearer ones the highlight.
 BODY_DEG, NEAR_DEG = 15.0, 5.0
-#: A geometry counts as 45/0 within this, degrees. CIE 15:2004 allows 2 for the lamp and 10 for the
-#: receiver.
-LAMP_45_DEG, RECEIVER_0_DEG = 2.0, 10.0
 TIE = 0.01  #: between 45/0 and 0/45 the first is shown, and what lies in the plane
 GRAZING_FROM_DEG = 60.0
 
@@ -34,7 +32,8 @@ def directions(polar: Polar, used: Mask) -> tuple[Direction, ...]:
 
     polar: the angles of all rows of a table.
     """
-    off_45_0 = from_45_0(polar) + TIE * (polar.lamp_deg < polar.receiver_deg)
+    off_45_0 = from_45_0(polar.lamp_deg, polar.receiver_deg)
+    off_45_0 += TIE * (polar.lamp_deg < polar.receiver_deg)
     body = used & (polar.half_deg > BODY_DEG)
     near = used & (polar.half_deg <= max(NEAR_DEG, _least(polar.half_deg, used) + 0.5))
     near &= polar.half_deg < BODY_DEG
@@ -54,21 +53,6 @@ def directions(polar: Polar, used: Mask) -> tuple[Direction, ...]:
             row = int(np.argmin(np.where(rows, cost, np.inf)))
             result.setdefault(row, Direction(part, row))
     return tuple(result.values())
-
-
-def from_45_0(polar: Polar) -> Array:
-    """(N,), how far each geometry is from 45/0 or 0/45, degrees: the sum over both directions."""
-    lamp, receiver = polar.lamp_deg, polar.receiver_deg
-    return np.minimum(np.abs(lamp - 45.0) + receiver, np.abs(receiver - 45.0) + lamp)
-
-
-def is_45_0(polar: Polar) -> Mask:
-    """(N,), whether each geometry is one of a 45/0 or 0/45 spectrophotometer (CIE 15:2004)."""
-    one, other = polar.lamp_deg, polar.receiver_deg
-    result = np.zeros(len(one), dtype=bool)
-    for a, b in ((one, other), (other, one)):
-        result |= (np.abs(a - 45.0) <= LAMP_45_DEG) & (b <= RECEIVER_0_DEG)
-    return result
 
 
 def _least(values: Array, rows: Mask) -> float:

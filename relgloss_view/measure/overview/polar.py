@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Ints, Mask
+from relgloss_view.measure.gonio import from_normal
 from relgloss_view.measure.table import Measurement
 
 #: Nearer to the normal than this a direction has no azimuth, degrees.
@@ -66,13 +67,3 @@ class Polar:
         words = f"lamp {self.lamp_deg[row]:.4g}, receiver {self.signed_receiver_deg[row]:.4g} deg"
         out = float(self.out_of_plane_deg[row])
         return f"{words}, azimuth {out:.3g} deg out of the plane" if out > IN_PLANE_DEG else words
-
-
-def from_normal(directions: Array) -> Array:
-    """Angles (N,) of vectors (N, 3) of any length from the normal, degrees; exact near 0.
-
-    >>> from_normal(np.array([[0.0, 1.0, 1.0], [0.0, 0.0, 2.0]])).round(6).tolist()
-    [45.0, 0.0]
-    """
-    across = np.hypot(directions[:, 0], directions[:, 1])
-    return np.asarray(np.degrees(np.arctan2(across, directions[:, 2])))

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Ints, Mask
-from relgloss_view.measure.overview.polar import POLE_DEG, Polar, from_normal
+from relgloss_view.measure.gonio import from_normal
+from relgloss_view.measure.overview.polar import POLE_DEG, Polar
 
 #: Readings below this hold more noise than sample: a thousandth of the perfect diffuser.
 DARKEST = 1e-3

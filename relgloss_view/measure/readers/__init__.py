@@ -61,27 +61,37 @@ def read_measurement(
     mirror: str | None = None,
     part: str | None = None,
 ) -> Measurement:
-    """Read an instrument's file: RGL .bsdf, MERL .binary, GCMS-style or generic CSV.
+    """Read a measured table in any of the formats below.
+
+    GCMS-style and generic tables as text (CSV), ASTM E1392, SSDD, ALTA, Zemax BSDF, BSDF XML of
+    WINDOW and Radiance, RGL .bsdf, MERL .binary, and multi-angle readings in CGATS, CxF3 or CSV.
 
     path: the file; its content decides the format (docs/files.md). The name of a built-in paper,
     such as 'art-coated', reads its synthetic table, unless there is a file of that name.
     quantity: 'radiance-factor' (pi f_r), 'brdf' (f_r, 1/sr), 'brdf-cos' (f_r cos theta_r, 1/sr) or
-    'radiance-factor-percent' (100 pi f_r). It replaces what a text table declares, and is required
-    where the table declares none. A table whose values can't be the declared quantity is refused,
-    unless this argument insists on it.
+    'radiance-factor-percent' (100 pi f_r). It replaces what the file declares, and is required
+    where a text table declares none. A table whose values can't be the declared quantity is
+    refused, unless this argument insists on it. RGL and MERL hold BRDFs whatever it is.
     gamma_s_deg: tilt at which a GCMS table sees the mirror direction, degrees, -90 to 90; replaces
     the declared one.
-    angle_unit: 'degrees' or 'radians' of a text table's angles; replaces the declared one.
+    angle_unit: 'degrees' or 'radians' of the angles of a text table or of ASTM E1392; replaces the
+    declared one.
     mirror: 'opposite' where the receiver is counted so that the mirror direction is at
     beta = -alpha or at opposite azimuths; 'same-side' where it is at beta = +alpha or at equal
-    azimuths. Replaces what a text table declares; opposite is the default.
+    azimuths. Replaces what a text table declares, and serves for ASTM E1392; opposite is the
+    default.
     part: name or number, from 1, of the sample or surface that is wanted of a file that holds
-    several.
+    several: samples of a text table, CGATS or CxF3; 'front' or 'back' of BSDF XML.
 
     Returns the Measurement in radiance factors, with its warnings. Raises InputError, one line
     that names file, place and remedy, for everything that is wrong with the file.
 
-    Sources of the formats: Dupuy and Jakob 2018 (RGL), Matusik et al. 2003 (MERL).
+    An argument that a format has no use for gives a warning.
+
+    Sources of the formats: Dupuy and Jakob 2018 (RGL), Matusik et al. 2003 (MERL), libbsdf's
+    specification of SSDD (Kimura 2023), ASTM E1392 as Cornell and libbsdf write it, Belcour et al.
+    2014 (ALTA), Rykowski 2008 (Zemax), LBNL's BSDF-v1.7.7.xsd and Ward's bsdf_m.c (BSDF XML),
+    ANSI CGATS.17, ISO 17972-1 (CxF3), ASTM E2194 (multi-angle geometries).
 
     >>> read_measurement("uncoated").bands.count
     35
@@ -110,7 +120,8 @@ def _read(path: Path, options: ReadOptions) -> Measurement:
         if foreign is None:
             return _read_text(path, head, options)
         if foreign.key in FORMATS:
-            return replace(FORMATS[foreign.key](path, options), format=foreign.name)
+            measurement = FORMATS[foreign.key](path, options)
+            return replace(measurement, format=foreign.name, in_time_order=False)
         raise InputError(f"{path}: this looks like {foreign.name}; {foreign.remedy}")
     unused = options.unused("quantity", "gamma_s_deg", "angle_unit", "mirror", "part")
     return replace(measurement, warnings=(*measurement.warnings, *unused))

@@ -19,6 +19,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.text_lines import TextLines
 from relgloss_view.measure import quantity as quantities
+from relgloss_view.measure.gonio import from_normal
 from relgloss_view.measure.readers import number_rows
 from relgloss_view.measure.readers.alta_coordinates import COORDINATES, Directions
 from relgloss_view.measure.readers.assemble import assemble, one_channel
@@ -69,7 +70,8 @@ def read(path: Path, options: ReadOptions) -> Measurement:
         notes.append(f"passed over the intervals (#VS) of {rows.passed_over} rows")
     angles, values = table[:, :inputs], table[:, inputs:]
     lamp, receiver = _unit(path, *directions(angles))
-    quantity = _quantity(kind, options)
+    # A kind that is not among them is read where the caller has a quantity alone.
+    quantity = options.quantity_or(QUANTITIES.get(kind, ""))
     if outputs == 1:
         bands, values, gray = one_channel(values, kind)
         remarks: tuple[str, ...] = (gray,)
@@ -93,7 +95,7 @@ def read(path: Path, options: ReadOptions) -> Measurement:
         bands,
         values,
         (lamp, receiver),
-        np.rint(np.degrees(np.arccos(np.clip(lamp[:, 2], -1.0, 1.0)))),
+        np.rint(from_normal(lamp)),
     )
     unused = options.unused("gamma_s_deg", "angle_unit", "mirror", "part")
     return replace(measurement, warnings=(*measurement.warnings, *unused))
@@ -144,12 +146,6 @@ def _kind(path: Path, header: dict[str, str], options: ReadOptions) -> str:
             f"{', '.join(QUANTITIES)}, and files without it with --quantity"
         )
     return kind
-
-
-def _quantity(kind: str, options: ReadOptions) -> str:
-    if options.quantity is not None:
-        return quantities.canonical_quantity(options.quantity, "--quantity")
-    return QUANTITIES[kind]
 
 
 def _unit(path: Path, lamp: Array, receiver: Array) -> tuple[Array, Array]:

@@ -20,10 +20,10 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.text_lines import TextLines
 from relgloss_view.measure.bands import Bands
 from relgloss_view.measure.gonio import spherical
-from relgloss_view.measure.quantity import BRDF, canonical_quantity
+from relgloss_view.measure.quantity import BRDF, BRDF_COS
 from relgloss_view.measure.readers import number_rows
 from relgloss_view.measure.readers.assemble import assemble, one_channel
-from relgloss_view.measure.readers.declared import MIRRORS, SAME_SIDE, Declared
+from relgloss_view.measure.readers.declared import Declared, canonical_unit, is_same_side
 from relgloss_view.measure.readers.headings import DEGREES, RADIANS, unit_of
 from relgloss_view.measure.readers.options import ReadOptions
 from relgloss_view.measure.readers.tristimulus import readable_rgb, srgb_from_xyz
@@ -68,7 +68,7 @@ def read(path: Path, options: ReadOptions) -> Measurement:
         notes = [] if text.note is None else [text.note]
     columns = _columns(path, header)
     kind, value_columns, labels = _values(path, header, columns)
-    quantity = _quantity(path, header, options, labels)
+    quantity = options.quantity_or(_quantity(labels))
     angles = np.stack(
         [table[:, columns[name]] if name in columns else np.zeros(len(table)) for name in ANGLES],
         axis=1,
@@ -88,7 +88,9 @@ def read(path: Path, options: ReadOptions) -> Measurement:
         notes.append(f"passed over {np.sum(~complete)} rows without an angle")
         angles, readings = angles[complete], readings[complete]
     theta_i, phi_i, theta_s, phi_s = angles.T
-    turned = 180.0 if _same_side(options) else 0.0
+    turned = 0.0
+    if options.mirror is not None and is_same_side(options.mirror, "--mirror"):
+        turned = 180.0
     measurement = assemble(
         path,
         Declared(
@@ -173,12 +175,10 @@ def _values(
     )
 
 
-def _quantity(path: Path, header: _Header, options: ReadOptions, labels: list[str]) -> str:
-    if options.quantity is not None:
-        return canonical_quantity(options.quantity, "--quantity")
-    if len(labels) == 1 and re.match(r"ccbrdf|brdf ?\*? ?cos", labels[0].lower()):
-        return canonical_quantity("ccbrdf", str(path))
-    return BRDF
+def _quantity(labels: list[str]) -> str:
+    """What the columns of the values hold by their names."""
+    cosine = len(labels) == 1 and re.match(r"ccbrdf|brdf ?\*? ?cos", labels[0].lower())
+    return BRDF_COS if cosine else BRDF
 
 
 def _degrees(path: Path, header: _Header, angles: Array, options: ReadOptions) -> tuple[Array, str]:
@@ -186,11 +186,7 @@ def _degrees(path: Path, header: _Header, angles: Array, options: ReadOptions) -
     polar, azimuth = np.abs(angles[:, [0, 2]]), np.abs(angles[:, [1, 3]])
     unit, origin = None, "--angle-unit"
     if options.angle_unit is not None:
-        unit = unit_of(options.angle_unit)
-        if unit is None:
-            raise InputError(
-                f"--angle-unit: {printable(options.angle_unit, 40)!r}; give {DEGREES} or {RADIANS}"
-            )
+        unit = canonical_unit(options.angle_unit, "--angle-unit")
     else:
         in_header = [unit_of(value) for key, value in header.entries.items() if "ANG" in key]
         unit, origin = next((found for found in in_header if found), None), "the header has it"
@@ -215,17 +211,6 @@ def _counted(header: _Header, rows: int) -> list[str]:
     if not re.fullmatch(r"\d{1,9}", declared) or int(declared) == rows:
         return []
     return [f"the file declares {int(declared)} points and holds {rows}: is it cut off?"]
-
-
-def _same_side(options: ReadOptions) -> bool:
-    if options.mirror is None:
-        return False
-    word = "-".join(options.mirror.lower().replace("_", " ").replace("-", " ").split())
-    if word not in MIRRORS:
-        raise InputError(
-            f"--mirror: {printable(options.mirror, 40)!r}; expected {' or '.join(MIRRORS)}"
-        )
-    return word == SAME_SIDE
 
 
 def _bands(

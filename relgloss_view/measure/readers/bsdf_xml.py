@@ -114,7 +114,7 @@ def read(path: Path, options: ReadOptions) -> Measurement:
     facts = Declared(
         name=name or path.stem,
         source=f"{path.name}, BSDF XML (WINDOW, Radiance), {surface}",
-        quantity=options.quantity or BRDF,
+        quantity=options.quantity_or(BRDF),
         quantity_insisted=options.quantity is not None,
         aperture_sd_deg=(min(spread[0], MAX_APERTURE_SD_DEG), min(spread[1], MAX_APERTURE_SD_DEG)),
         warnings=tuple(notes),
@@ -122,7 +122,7 @@ def read(path: Path, options: ReadOptions) -> Measurement:
     theta_i, phi_i, theta_r, phi_r = angles.T
     to_lamp, to_receiver = spherical(theta_i, phi_i + 180.0), spherical(theta_r, phi_r)
     measurement = assemble(path, facts, angles, bands, readings, (to_lamp, to_receiver), theta_i)
-    unused = options.unused("quantity", "gamma_s_deg", "angle_unit", "mirror")
+    unused = options.unused("gamma_s_deg", "angle_unit", "mirror")
     return replace(measurement, warnings=(*measurement.warnings, *unused))
 
 

@@ -11,22 +11,30 @@ _COMMA_NUMBER = re.compile(r"[+-]?(\d+,?\d*|,\d+)([eE][+-]?\d+)?", re.ASCII)
 _FORTRAN = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)[dD][+-]?\d+", re.ASCII)
 #: Signs that typesetters and spreadsheets put for a minus before a digit.
 _MINUS = re.compile(r"^[\u2010-\u2014\u2212\ufe58\ufe63\uff0d](?=[\d.,])")
+#: Marks without a shape: of byte order, where files were joined, and of writing direction.
+_UNSEEN = "\ufeff\u200b\u200e\u200f"
 #: A cell that a spreadsheet keeps as text: '0.5 or ="0.5".
 _AS_TEXT = re.compile(r"""['\u2019](?=[\d+.,\u2010-\u2014\u2212-])(.*)|="+([^"=]*)"*""")
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}([ ,.'’\u00a0\u202f]\d{3})+([.,]\d+)?", re.ASCII)
 _WITH_UNIT = re.compile(
     r"([+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?)\s*([^\W\d_].*|[^\x00-\x7f].*|\[.*|1\s*/\s*sr)|.*\d\s*°.*"
 )
+#: Months begin so in English and its neighbours: 'Mar', 'März', 'Okt', 'déc'.
+_MONTH = (
+    r"(jan|feb|f[ée]v|mar|mär|mrz|apr|avr|ma[iy]|ju[nli]|jul|aug|ao[uû]|sep|o[ck]t|nov|d[eé][cz])"
+)
 _DATE = re.compile(
-    r"\d{1,4}[./ -]+(\w{3,9}[./ -]*(\d{2,4})?|\d{1,2}[./-]\d{1,4})|[a-z]{3,9}[./ -]+\d{2,4}",
+    rf"\d{{1,4}}[./ -]+({_MONTH}\w{{0,6}}[./ -]*(\d{{2,4}})?|\d{{1,2}}[./-]\d{{1,4}})"
+    rf"|{_MONTH}\w{{0,6}}[./ -]+\d{{2,4}}",
     re.IGNORECASE,
 )
 #: How programs write that nothing was read.
 _NOTHING = frozenset(
     ("", "-", "--", "---", "\u2013", "\u2014", "nan", "+nan", "-nan", "1.#qnan", "-1.#ind", "n/a",
-     "na", "n.a.", "#n/a", "#na", "#value!", "#div/0!", "#num!", "#ref!", "null", "none", "nil",
-     "missing", "void", "n.d.", "nd")
+     "na", "n.a.", "null", "none", "nil", "missing", "void", "n.d.", "nd", ".")
 )  # fmt: skip
+#: Errors of spreadsheets in any language (#N/A, #NV, #DIV/0!, #¡VALOR!), and a line for a value.
+_NO_VALUE = re.compile(r"#¡?[^\W\d_]{1,12}(/(0|[^\W\d_]{1,3}))?[!?]?|[-\u2013\u2014]{2,40}")
 
 #: No number is as long, and expressions that try every way to split digits stay quick.
 LONGEST = 400
@@ -38,7 +46,11 @@ PERCENT = "radiance-factor-percent"
 
 def says_nothing(cell: str) -> bool:
     """Whether a cell is empty or holds a sign for it, such as 'n/a'."""
-    return cell.strip().lower() in _NOTHING
+    return _is_nothing(cell.strip())
+
+
+def _is_nothing(text: str) -> bool:
+    return text.lower() in _NOTHING or _NO_VALUE.fullmatch(text) is not None
 
 
 def number(cell: str, decimal_comma: bool = False) -> float | None:
@@ -58,7 +70,7 @@ def number(cell: str, decimal_comma: bool = False) -> float | None:
         raise InputError("write a number with a decimal point, or leave the field empty")
     if NUMBER.fullmatch(text):
         return float(text)
-    if text.lower() in _NOTHING:
+    if _is_nothing(text):
         return None
     if decimal_comma and _COMMA_NUMBER.fullmatch(text):
         return float(text.replace(",", "."))
@@ -93,7 +105,7 @@ def is_number(cell: str) -> bool:
 
 def _plain(cell: str) -> str:
     """A cell with an ASCII minus, without what a spreadsheet marks a text with."""
-    text = cell.strip()
+    text = cell.strip().strip(_UNSEEN)
     if text.isascii() and text[:1] not in ("'", "="):
         return text
     if len(text) <= LONGEST:
@@ -111,6 +123,8 @@ def _remedy(text: str) -> str:
         return "write a number with a decimal point, as the other numbers have"
     if _THOUSANDS.fullmatch(text):
         return "write the number without thousands separators"
+    if re.fullmatch(r"#+", text):
+        return "widen the column in the spreadsheet, so that it saves numbers"
     if text.startswith("="):
         return "save the values of the spreadsheet and not its formulas"
     if text.endswith("%"):

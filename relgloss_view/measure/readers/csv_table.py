@@ -27,14 +27,18 @@ from relgloss_view.measure.readers.header import (
     read_header,
     uncommented,
 )
-from relgloss_view.measure.readers.headings import has_percent, is_wavelength
-from relgloss_view.measure.readers.rows import Header, RowReader, Rows, has_decimal_commas
+from relgloss_view.measure.readers.headings import angle_heading, has_percent, is_wavelength
+from relgloss_view.measure.readers.joined import refuse_contradiction
+from relgloss_view.measure.readers.quick_rows import Header
+from relgloss_view.measure.readers.rows import RowReader, Rows, has_decimal_commas
 
 #: Beyond these a table is not a gonio scan, and reading it would exhaust the memory.
-MAX_BYTES = 1_000_000_000
-MAX_ROWS = 5_000_000
-MAX_LINES = 6_000_000  #: with comments and blank lines
-MAX_VALUES = 100_000_000  #: rows times columns: 0.8 GB, and a measurement takes that a few times
+MAX_BYTES = 400_000_000
+MAX_ROWS = 1_000_000
+MAX_LINES = 1_500_000  #: with comments and blank lines
+MAX_VALUES = 16_000_000  #: rows times columns: 128 MB, and a measurement takes that a few times
+#: Numbers that mark what an instrument could not read, where no other number comes near.
+MARKS, MARK_RATIO = (999.0, 9999.0, 99999.0, 999999.0), 20.0
 MOST_COMMENTS = 10_000  #: keys of comments that are kept
 VALUES_AT_ONCE = 1 << 20
 EXPECTED = "a measured table"
@@ -44,6 +48,7 @@ DECLARATIONS = (
     "name", "source", "quantity", "gamma_s_deg", "aperture_sd_deg", "saturation", "angle_unit",
 )  # fmt: skip
 _ONCE = DECLARATIONS[2:]
+_NAMES = ("name", "sample", "specimen")
 #: What other programs begin a comment with.
 _MARKS = re.compile(r"^(?:[%!*;']+|//+)\s*")
 _EMPTY_CELLS = re.compile(r'(?:[,;\t|]\s*"")+$')
@@ -108,15 +113,23 @@ def parse(path: Path, layouts: Sequence[Collection[str]] = ()) -> TextTable:
         note = text.note
     columns, values, numbers, unnamed = _named_columns(path, header, rows)
     _check_rows(path, columns, numbers, values, rows)
+    readings = [k for k, name in enumerate(columns) if angle_heading(name) is None]
+    marks = _without_marks(values, readings)
+    if rows.repeated:
+        angles = np.delete(values, readings, axis=1)
+        refuse_contradiction(path, rows.repeated, rows.lines, angles, values[:, readings])
     radians = {header.columns[k] for k in rows.radians} | units
-    readings = [
+    headings = [
         word for k, word in enumerate(header.words)
         if header.columns[k] and k not in header.keys and k not in header.beside
         and not is_wavelength(word)
     ]  # fmt: skip
-    percent = rows.percent or (bool(readings) and all(map(has_percent, readings)))
+    percent = rows.percent or (bool(headings) and all(map(has_percent, headings)))
     beside = [header.columns[k] for k in sorted(header.beside)]
     notes = [*([note] if note else []), *renamed, *_passed_over(titles, rows, unnamed, beside)]
+    if marks is not None:
+        row, mark = marks
+        notes.append(f"read {mark} in line {rows.lines[row]} as empty: a mark, and no reading")
     # One name for each row is the name of a reading, not of a sample.
     several = 1 < len(rows.samples) < len(values)
     return TextTable(
@@ -141,7 +154,7 @@ def whole_lines(lines: Iterable[str]) -> Iterator[str]:
     pending: list[str] = []
     for line in lines:
         if not pending:
-            if _OPEN_QUOTE.search(line) and line.count('"') % 2:
+            if line.count('"') % 2 and _OPEN_QUOTE.search(line):
                 pending = [line]
             else:
                 yield line
@@ -160,7 +173,10 @@ def whole_lines(lines: Iterable[str]) -> Iterator[str]:
 
 def _unquoted(line: str) -> str:
     """A line that a spreadsheet wrote as one quoted cell, without its quotes."""
-    cell = _EMPTY_CELLS.sub("", line.strip(PADDING))
+    cell = line.strip(PADDING)
+    if cell[:1] != '"':
+        return line
+    cell = _EMPTY_CELLS.sub("", cell)
     if len(cell) > 1 and cell[0] == cell[-1] == '"':
         inner = cell[1:-1].replace('""', "\0")
         if '"' not in inner:
@@ -182,12 +198,23 @@ def _above(path: Path, lines: Iterable[str]) -> tuple[dict[str, tuple[int, str]]
                 titles.append(index + 1)
                 continue
         else:
-            key, colon, value = text.lstrip("#").partition(":")
-            key, value = key.strip().lower(), value.strip().strip(PADDING)
-            if not colon or not key:
+            key, value = _comment(text)
+            if not key:
                 continue
         _declare(path, comments, key, index + 1, value)
     return comments, titles
+
+
+def _comment(text: str) -> tuple[str, str]:
+    """Key and value of a # comment; '' where it holds none."""
+    text = text.lstrip("#")
+    key, colon, value = text.partition(":")
+    if not colon or key.strip().lower() not in DECLARATIONS:
+        # '# quantity = brdf' and '#,quantity,brdf'; of other keys the colon alone counts.
+        name, named = _title(text.strip(PADDING))
+        if name in DECLARATIONS:
+            return name, named
+    return (key.strip().lower(), value.strip().strip(PADDING)) if colon else ("", "")
 
 
 def _title(text: str) -> tuple[str, str]:
@@ -219,10 +246,14 @@ def _declared_once(
     seen = dict(comments)
     for number, line in enumerate(lines, first):
         if "#" in line and line.lstrip().startswith("#"):
-            key, colon, value = line.strip().lstrip("#").partition(":")
-            key = key.strip().lower()
-            if colon and key in _ONCE and key in seen:
-                _declare(path, seen, key, number, value.strip().strip(PADDING))
+            key, value = _comment(line.strip())
+            if key in _ONCE and key in seen:
+                _declare(path, seen, key, number, value)
+            elif key in _NAMES and seen.get(key, (0, value))[1] != value:
+                raise InputError(
+                    f"{path}: line {number}: another sample begins ({printable(value, 40)!r}); "
+                    "save each as a file of its own"
+                )
             continue
         yield number, line
 
@@ -270,6 +301,39 @@ def _check_rows(
             f"{path}: line {rows.lines[row]}, column {numbers[column]} ({columns[column]}): "
             f"{values[row, column]:g} is beyond any reading; correct it or leave the field empty"
         )
+
+
+def _without_marks(values: Array, readings: list[int]) -> tuple[int, str] | None:
+    """Empty the readings that are a row of nines, as instruments mark what they can't read.
+
+    values: (N, C), changed in place. Returns the row and the text of the first, with the count of
+    the others. Nines that another reading comes near are readings.
+    """
+    at_once = max(VALUES_AT_ONCE // values.shape[1], 1)
+    tops = range(0, len(values), at_once)
+    marked = [(top, np.isin(np.abs(values[top : top + at_once, readings]), MARKS)) for top in tops]
+    count = sum(int(np.sum(where)) for _, where in marked)
+    if not count:
+        return None
+    most = 0.0
+    for top, where in marked:
+        some = np.abs(values[top : top + at_once, readings])
+        some[where | np.isnan(some)] = 0.0
+        most = max(most, float(np.max(some, initial=0.0)))
+    first = None
+    for top, where in marked:
+        some = values[top : top + at_once, readings]
+        beyond = where & (np.abs(some) > MARK_RATIO * most)
+        if not np.any(beyond):
+            continue
+        if first is None:
+            row, column = np.unravel_index(int(np.argmax(beyond)), beyond.shape)
+            first = top + int(row), f"{some[row, column]:g}"
+        some[beyond] = np.nan
+        values[top : top + at_once, readings] = some
+    if first is None:
+        return None
+    return first[0], first[1] + (f" and {count - 1} more like it" if count > 1 else "")
 
 
 def _passed_over(titles: list[int], rows: Rows, unnamed: list[int], beside: list[str]) -> list[str]:

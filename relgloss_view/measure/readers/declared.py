@@ -87,6 +87,11 @@ def same_side(table: TextTable, argument: str | None = None) -> bool:
     if word is None:
         line, word = table.comments.get("mirror", (0, OPPOSITE))
         where = f"{table.path}: line {line}"
+    return is_same_side(word, where)
+
+
+def is_same_side(word: str, where: str) -> bool:
+    """Whether a word is 'same-side' and not 'opposite'; InputError, naming `where`, if neither."""
     word = "-".join(word.lower().replace("_", " ").replace("-", " ").split())
     if word not in MIRRORS:
         raise InputError(f"{where}: {printable(word, 40)!r}; expected {' or '.join(MIRRORS)}")
@@ -156,16 +161,17 @@ def _angle_unit(table: TextTable, argument: str | None, warnings: list[str]) -> 
     in_file = None
     if "angle_unit" in table.comments:
         line, text = table.comments["angle_unit"]
-        in_file = _canonical_unit(text, f"{table.path}: line {line}")
+        in_file = canonical_unit(text, f"{table.path}: line {line}")
     if argument is None:
         return in_file
-    chosen = _canonical_unit(argument, "--angle-unit")
+    chosen = canonical_unit(argument, "--angle-unit")
     if in_file not in (None, chosen):
         warnings.append(f"the file declares angles in {in_file}, but they are read as {chosen}")
     return chosen
 
 
-def _canonical_unit(text: str, where: str) -> str:
+def canonical_unit(text: str, where: str) -> str:
+    """'degrees' or 'radians'; InputError, naming `where`, for any other unit of angles."""
     unit = unit_of(text)
     if unit is None:
         raise InputError(

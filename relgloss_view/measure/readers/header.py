@@ -10,6 +10,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.measure.readers.cells import is_number
 from relgloss_view.measure.readers.headings import (
+    DEGREES,
     RADIANS,
     AngleHeading,
     angle_heading,
@@ -19,9 +20,10 @@ from relgloss_view.measure.readers.headings import (
     is_wavelength,
     value_quantity,
 )
-from relgloss_view.measure.readers.rows import Header, split
+from relgloss_view.measure.readers.quick_rows import Header
+from relgloss_view.measure.readers.rows import split
 
-MAX_COLUMNS = 10_000
+MAX_COLUMNS = 6_000  #: 100 to 3000 nm in the finest steps, and some beside them
 MOST_TITLES = 200  #: lines above the header
 MOST_LOOKED_AT = 500  #: columns of a line that may be the header
 MOST_HEADINGS = 50_000  #: of all such lines together
@@ -123,6 +125,12 @@ def read_header(
             f"{path}: line {line}: the angles run along the rows; transpose the table: one row a "
             "geometry, one column an angle or a wavelength"
         )
+    for k, angle in enumerate(angles, start=1):
+        if angle and angle.unit not in (None, RADIANS, DEGREES):
+            raise InputError(
+                f"{path}: line {line}, column {k}: {printable(names[k - 1], 40)!r}: unknown unit "
+                f"of angle {printable(angle.unit, 20)!r}; give {DEGREES} or {RADIANS}"
+            )
     columns = tuple(
         angle.name if angle else printable(name, 40)
         for angle, name in zip(angles, names, strict=True)

@@ -11,18 +11,27 @@ RADIANS, DEGREES = "radians", "degrees"
 #: Words of an angle and of a direction, as programs and instruments write them.
 _ANGLES = {
     "theta": "theta", "polar": "theta", "zenith": "theta", "th": "theta",
-    "phi": "phi", "azimuth": "phi", "azimuthal": "phi", "az": "phi", "azi": "phi",
+    "phi": "phi", "ph": "phi", "azimuth": "phi", "azimuthal": "phi", "az": "phi", "azi": "phi",
 }  # fmt: skip
 _DIRECTIONS = {
     **dict.fromkeys(
         ("i", "in", "inc", "incident", "incidence", "incoming", "lamp", "light", "source",
-         "illumination", "illuminant"), "i"),
+         "illumination", "illuminant", "illum", "l"), "i"),
     **dict.fromkeys(
         ("r", "o", "out", "outgoing", "reflected", "reflection", "refl", "receiver", "detector",
-         "view", "viewing", "observer", "observation", "scatter", "scattered", "exitant"), "r"),
+         "view", "viewing", "observer", "observation", "scatter", "scattered", "scattering",
+         "exitant", "det", "detection", "sensor", "camera", "sca", "s", "v"), "r"),
 }  # fmt: skip
 _ARMS = ("alpha", "beta", "gamma")
 _IDLE = {"angle", "of", "the", "direction", "deg"}
+#: Angles in one word; of remote sensing, those of sun and sensor.
+_WHOLE = {
+    "aoi": ("theta", "i"),
+    "sza": ("theta", "i"),
+    "saa": ("phi", "i"),
+    "vza": ("theta", "r"),
+    "vaa": ("phi", "r"),
+}
 _GREEK = {
     "θ": "theta",
     "ϑ": "theta",
@@ -32,10 +41,10 @@ _GREEK = {
     "β": "beta",
     "γ": "gamma",
 }
-_GLUED = re.compile(r"(theta|phi)_?(i|in|inc|o|out|r|refl)")
-#: The degree sign, and what Windows-1252 shows for that of Mac OS, DOS, Shift-JIS, GBK.
+_GLUED = re.compile(r"(theta|phi|th|ph)_?(i|in|inc|o|out|r|refl|s|sca|v|l)")
+#: The degree sign, and what Windows-1252 shows for that of Mac OS, DOS, Shift-JIS, GBK, EUC-JP.
 _DEGREE = re.compile(
-    r"\bdegrees?\b|[°º˚]|(?<=[\s\[(/])(?:[¡øßã\ufffd]|\x81[‹\x8b]|¡ã)(?=$|[\s\])])"
+    r"\bdegrees?\b|[°º˚]|(?<=[\s\[(/])(?:[¡øßã\ufffd]|\x81[‹\x8b]|¡[ãë])(?=$|[\s\])])"
 )
 _RADIAN = re.compile(r"\b(radians?|rads?)\b")
 _BAND = re.compile(
@@ -81,7 +90,7 @@ class AngleHeading:
     """An angle column: its name in relgloss, its unit if the heading has one."""
 
     name: str  #: such as 'theta_i_deg'
-    unit: str | None  #: RADIANS, DEGREES or None
+    unit: str | None  #: RADIANS, DEGREES, None, or what else stands in brackets
 
 
 def angle_heading(heading: str) -> AngleHeading | None:
@@ -92,7 +101,7 @@ def angle_heading(heading: str) -> AngleHeading | None:
     >>> angle_heading("φ_out (rad)"), angle_heading("550 nm")
     (AngleHeading(name='phi_r_deg', unit='radians'), None)
     """
-    text = heading.strip()
+    text = heading.strip().strip("\ufeff")
     if not text or len(text) > 60 or text[0] in "0123456789+-.":
         return None
     # thetaIn, ThetaR: the capital begins a word.
@@ -111,7 +120,12 @@ def angle_heading(heading: str) -> AngleHeading | None:
     if some_angle and words and all(word in _DIRECTIONS for word in words):
         words.append("polar")  # "angle of incidence": from the normal, as in optics
     name = _name(words)
-    return None if name is None else AngleHeading(f"{name}_deg", unit)
+    if name is None:
+        # 'theta_i [gon]': an angle in a unit that is refused where the header is read.
+        bracket = re.fullmatch(r"(.*?)\s*[\[(]\s*([^\[\]()]+?)\s*[\])]", heading.strip())
+        inner = angle_heading(bracket[1]) if bracket else None
+        return AngleHeading(inner.name, bracket[2]) if bracket and inner else None
+    return AngleHeading(f"{name}_deg", unit)
 
 
 def unit_of(text: str) -> str | None:
@@ -123,7 +137,9 @@ def unit_of(text: str) -> str | None:
 
 
 def _parts(word: str) -> list[str]:
-    glued = _GLUED.fullmatch(word)
+    if word in _WHOLE:
+        return [*_WHOLE[word]]
+    glued = _GLUED.fullmatch(word) if word not in _ANGLES else None
     return [glued[1], glued[2]] if glued else [word]
 
 
@@ -168,7 +184,7 @@ def is_band(heading: str) -> bool:
 
 def colour_name(heading: str) -> str | None:
     """'R', 'G' or 'B' where a heading names a channel of linear sRGB, else None."""
-    return _COLOURS.get(heading.strip().lower())
+    return _COLOURS.get(_UNIT.sub("", _PERCENT.sub("", heading.strip().lower())).strip())
 
 
 def has_percent(heading: str) -> bool:

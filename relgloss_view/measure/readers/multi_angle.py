@@ -18,10 +18,11 @@ from relgloss_view.measure.quantity import (
 )
 from relgloss_view.measure.readers.aspecular import directions
 from relgloss_view.measure.readers.assemble import assemble
+from relgloss_view.measure.readers.colour_reading import MOST_FRACTION
 from relgloss_view.measure.readers.declared import Declared
 from relgloss_view.measure.readers.options import ReadOptions
-from relgloss_view.measure.readers.reflectance import MOST_FRACTION
-from relgloss_view.measure.readers.samples import Sample, SampleFile, chosen_part, series
+from relgloss_view.measure.readers.parts import chosen_part
+from relgloss_view.measure.readers.samples import Sample, SampleFile, series
 from relgloss_view.measure.screening import MOST_BODY
 from relgloss_view.measure.table import Measurement
 

@@ -22,6 +22,18 @@ class ReadOptions:
     #: Name or number, from 1, of the sample or surface that is wanted of a file that holds several
     part: str | None = None
 
+    def quantity_or(self, declared: str) -> str:
+        """The caller's quantity in its canonical spelling, or what the file declares.
+
+        Raises InputError for a word that is no quantity.
+
+        >>> ReadOptions().quantity_or("brdf"), ReadOptions("BRDF cos").quantity_or("brdf")
+        ('brdf', 'brdf-cos')
+        """
+        if self.quantity is None:
+            return declared
+        return canonical_quantity(self.quantity, "--quantity")
+
     def unused(self, *names: str) -> tuple[str, ...]:
         """A warning for each of some options that is given, though the format has no use for it.
 

@@ -14,8 +14,15 @@ import numpy as np
 from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
-from relgloss_view.measure.readers import cells
-from relgloss_view.measure.readers.headings import RADIANS, has_percent, is_wavelength, unit_of
+from relgloss_view.measure.readers import cells, quick_rows
+from relgloss_view.measure.readers.headings import (
+    RADIANS,
+    angle_heading,
+    has_percent,
+    is_wavelength,
+    unit_of,
+)
+from relgloss_view.measure.readers.quick_rows import Header
 
 MOST_ODD_LINES = 500  #: in a row, before the first of them is reported
 LONGEST_NOTED = 100  #: characters of a text that is kept for a note
@@ -27,28 +34,11 @@ _SUMMARY = re.compile(
 )
 _WITH_COMMA = re.compile(r"['=\"]*[+-]?\d*,\d+([eEdD][+-]?\d+)?\"?\s*%?")
 _WITH_POINT = re.compile(r"['=\"]*[+-]?(\d+\.\d*|\.\d+)([eEdD][+-]?\d+)?\"?\s*%?")
+_RULER = re.compile(r"[=_*~+|\u2500-\u257f-]{3,}")  #: a line drawn with signs
 _DATA = re.compile(r"[\s;,='\"+\u2010-\u2014\u2212\uff0d.-]*\d")
 FEWEST_NUMBERS = 3  #: in a row
 MOST_UNITS = 5  #: rows of units, long names and remarks between header and numbers
 MOST_SAMPLES = 1000  #: names of samples that are kept
-
-
-@dataclass(frozen=True)
-class Header:
-    """The header of a table."""
-
-    line: int  #: from 1
-    columns: tuple[str, ...]  #: '' where a column has no name
-    words: tuple[str, ...]  #: as the file has them, lower case
-    keys: tuple[int, ...]  #: columns of angles, which every row must hold
-    delimiter: str | None  #: None: any run of spaces
-    beside: frozenset[int] = frozenset()  #: columns that may hold text, as they are passed over
-    sample: int | None = None  #: the one of them that names the sample
-
-    @property
-    def width(self) -> int:
-        """Number of columns up to the last one with a name."""
-        return max((k + 1 for k, name in enumerate(self.columns) if name), default=0)
 
 
 @dataclass
@@ -142,6 +132,7 @@ class RowReader:
         self._rows = Rows(np.empty((0, header.width)), np.empty(0, np.int64))
         #: Line, fault, and the text of a remark where the line is one and no row with a fault.
         self._odd: list[tuple[int, InputError, str | None]] = []
+        self._words_first = False  #: whether the first of them holds no number
         self._percents = 0
         self._first_percent: InputError | None = None
         self._bands = {
@@ -160,8 +151,10 @@ class RowReader:
             # float() also takes 1_000, nan, infinity and digits of other scripts: such lines, and
             # those with empty or odd fields, are parsed field by field.
             if plain and line.isascii() and "_" not in line and "n" not in line and "N" not in line:
-                text = line.replace(",", ".") if plain_commas else line
-                fields = text.split(delimiter)
+                fields = quick_rows.quoted(line, delimiter, self._comma)
+                if not fields:
+                    text = line.replace(",", ".") if plain_commas else line
+                    fields = text.split(delimiter)
                 if len(fields) == width:
                     try:
                         numbers = list(map(float, fields))
@@ -170,7 +163,8 @@ class RowReader:
                     else:
                         self._take(number, numbers)
                         continue
-            self._careful(number, split(line, delimiter))
+            if not self._quick(number, line):
+                self._careful(number, split(line, delimiter))
         self._end()
         rows = self._rows
         rows.values = np.frombuffer(self._flat, dtype=np.float64).reshape(-1, width)
@@ -180,6 +174,18 @@ class RowReader:
                 raise self._first_percent
             rows.percent = True
         return rows
+
+    def _quick(self, number: int, line: str) -> bool:
+        """Take a row by quick_rows; False where it must be read with care."""
+        found = quick_rows.row(line, self._header, self._comma) if self._numbers else None
+        if found is None:
+            return False
+        for sign in found.signs:
+            self._rows.signs.add(number, sign[:LONGEST_NOTED])
+        if found.sample is not None:
+            self._of_sample(found.sample[:LONGEST_NOTED])
+        self._take(number, found.numbers)
+        return True
 
     def _take(self, line: int, numbers: list[float]) -> None:
         """Append a row; what lies before it must be something that a table may hold."""
@@ -200,7 +206,7 @@ class RowReader:
     def _careful(self, line: int, fields: list[str]) -> None:
         header, rows = self._header, self._rows
         fields = [f.strip().strip('"').strip() for f in fields]
-        if not any(fields):
+        if all(cells.says_nothing(f) or _RULER.fullmatch(f) for f in fields):
             rows.empty.append(line)
             return
         lower = [f.lower() for f in fields]
@@ -222,11 +228,28 @@ class RowReader:
         try:
             numbers = self._numbers_of(line, fields)
         except InputError as error:
-            self._odd.append((line, error, self._remark(fields)))
+            words = self._of_words(line, fields)
+            self._words_first = self._words_first if self._odd else words is not None
+            self._odd.append((line, words or error, self._remark(fields)))
             if len(self._odd) > MOST_ODD_LINES:
                 raise self._odd[0][1] from None
         else:
             self._take(line, numbers)
+
+    def _of_words(self, line: int, fields: list[str]) -> InputError | None:
+        """The fault of a line without a number: what it is, and not what its first cell lacks."""
+        where = f"{self._path}: line {line}"
+        if sum(angle_heading(field) is not None for field in fields) > 1:
+            return InputError(
+                f"{where}: another table begins; save each table as a file of its own"
+            )
+        first = next(field for field in fields if field)
+        if any(map(cells.is_number, fields)) or not first[:1].isalpha():
+            return None
+        return InputError(
+            f"{where}: words among the rows ({printable(first, 30)!r}); remove the line or begin "
+            "it with #, and save readings of another sample as a file of their own"
+        )
 
     def _is_units(self, fields: list[str]) -> bool:
         """Whether a line above the first row holds words alone: units, long names, remarks.
@@ -269,8 +292,8 @@ class RowReader:
                 percents += 1
                 self._first_percent = self._first_percent or InputError(
                     f"{self._place(line, k)}: found {printable(text, 30)!r}, expected a finite "
-                    "number; write the number without %, and "
-                    f"'# quantity: {cells.PERCENT}' on top"
+                    "number; other numbers have no %: write all of them alike, in percent with "
+                    f"'# quantity: {cells.PERCENT}' on top, or as fractions"
                 )
                 text = text[:-1].rstrip()
             try:
@@ -304,13 +327,16 @@ class RowReader:
             self._rows.signs.add(line, text[:LONGEST_NOTED])
         self._percents += percents
         if header.sample is not None:
-            names = self._rows.samples
-            name = named[header.sample][:LONGEST_NOTED]
-            last = names.get(name, MOST_SAMPLES)
-            if last == MOST_SAMPLES and len(names) < MOST_SAMPLES:
-                last = names[name] = len(names)
-            self._rows.sample_of.append(last)
+            self._of_sample(named[header.sample][:LONGEST_NOTED])
         return numbers
+
+    def _of_sample(self, name: str) -> None:
+        """Note the sample of a row."""
+        names = self._rows.samples
+        last = names.get(name, MOST_SAMPLES)
+        if last == MOST_SAMPLES and len(names) < MOST_SAMPLES:
+            last = names[name] = len(names)
+        self._rows.sample_of.append(last)
 
     def _place(self, line: int, column: int) -> str:
         name = self._header.columns[column]
@@ -337,7 +363,8 @@ class RowReader:
         """Pass over what lies below the last row, if it is no row with a fault."""
         for line, error, remark in self._odd:
             if not self._numbers or remark is None:
-                raise error
+                # What follows words below the data is another table, and no faulty row.
+                raise self._odd[0][1] if self._words_first else error
             self._rows.below.add(line, remark)
 
     def _remark(self, fields: list[str]) -> str | None:

@@ -11,6 +11,7 @@ import numpy as np
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.foreign import HEAD_BYTES, foreign_format
 from relgloss_view.base.reading import decoding, read_beginning
+from relgloss_view.measure.gonio import from_normal
 from relgloss_view.measure.quantity import canonical_quantity
 from relgloss_view.measure.readers import (
     cgats,
@@ -20,19 +21,19 @@ from relgloss_view.measure.readers import (
     spectrum_text,
     tensor_file,
 )
+from relgloss_view.measure.readers.colour_reading import MOST_PERCENT, colour_reading
 from relgloss_view.measure.readers.headings import angle_heading
-from relgloss_view.measure.readers.reflectance import MOST_PERCENT, colour_reading
+from relgloss_view.measure.readers.parts import chosen_part
 from relgloss_view.measure.readers.rows import split
-from relgloss_view.measure.readers.samples import Sample, SampleFile, chosen_part, series
+from relgloss_view.measure.readers.samples import Sample, SampleFile, series
 from relgloss_view.measure.readers.spectrum_text import EXPECTED
 from relgloss_view.measure.screening import MOST_BODY
-from relgloss_view.measure.spectrum import AT_45_0, ColourReading
+from relgloss_view.measure.spectrum import AT_45_0, ColourReading, from_45_0, is_45_0
 from relgloss_view.measure.table import Measurement
 
 __all__ = ["read_spectrum"]
 
-#: Lamp and receiver of a gonio table are at 45 and 0 degrees within this many degrees.
-NEAR_DEG = 2.5
+TIE_DEG = 0.5  #: geometries of a gonio table that are this much farther from 45/0 are averaged
 MOST_TITLES = 200
 #: Readers of the spectra in formats of other programs, by the key in base.foreign.
 _FORMATS: Mapping[str, Callable[[Path], SampleFile]] = {
@@ -140,14 +141,10 @@ def _of_table(measurement: Measurement) -> ColourReading:
     place = measurement.place
     if measurement.bands.is_rgb:
         raise InputError(f"{place}: the table holds R, G, B and no spectrum; give wavelengths")
-    lamp, receiver = (
-        np.degrees(np.arccos(np.clip(d[:, 2], -1.0, 1.0)))
-        for d in (measurement.to_lamp, measurement.to_receiver)
-    )
-    off = np.minimum(
-        np.maximum(np.abs(lamp - 45.0), receiver), np.maximum(np.abs(receiver - 45.0), lamp)
-    )
-    rows = measurement.kept & (off <= min(NEAR_DEG, float(np.min(off)) + 0.5))
+    lamp, receiver = (from_normal(d) for d in (measurement.to_lamp, measurement.to_receiver))
+    off = from_45_0(lamp, receiver)
+    rows = measurement.kept & is_45_0(lamp, receiver)
+    rows &= off <= np.min(off, where=rows, initial=np.inf) + TIE_DEG
     if not np.any(rows):
         raise InputError(
             f"{place}: no geometry 45/0 (lamp at 45 degrees, receiver along the normal) among "

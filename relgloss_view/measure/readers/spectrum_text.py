@@ -31,13 +31,13 @@ from relgloss_view.measure.readers import cells
 from relgloss_view.measure.readers.aspecular import split_aspecular
 from relgloss_view.measure.readers.csv_table import whole_lines
 from relgloss_view.measure.readers.headings import angle_heading
+from relgloss_view.measure.readers.parts import chosen_part
 from relgloss_view.measure.readers.rows import split
 from relgloss_view.measure.readers.samples import (
     LONGEST_NAME,
     Sample,
     SampleFile,
     add_sample,
-    chosen_part,
     distinguish,
 )
 from relgloss_view.measure.readers.spectral_columns import (
@@ -64,7 +64,7 @@ _OTHER = re.compile(
     r"intensity|W/nm|W/m2|SPD|illuminance|energy)\b",
     re.IGNORECASE,
 )
-_NAME = re.compile(r".*(name|sample|label|specimen|patch|colou?r|ink|\bid\b).*", re.IGNORECASE)
+_NAME = re.compile(r".*(name|sample|label|specimen|patch|colou?r|\bink\b|\bid\b).*", re.IGNORECASE)
 _GEOMETRY = re.compile(r".*(geometry|angle|aspecular).*", re.IGNORECASE)
 _QUANTITY = re.compile(r"#?\s*\"?quantity\"?\s*[:=,;\t]\s*(.+)", re.IGNORECASE)
 _SOURCE = re.compile(
@@ -155,6 +155,9 @@ def is_samples_table(head: bytes) -> bool:
             return False  # a table of angles, whose columns are looked for elsewhere
         for delimiter in _DELIMITERS:
             if (delimiter is None or delimiter in line) and _is_header(line, delimiter):
+                below = [angle_heading(f.strip(' "')) for f in split(following, delimiter, 8)]
+                if sum(angle is not None for angle in below) > 1:
+                    return False  # wavelengths above a header of angles
                 return not _has_unknown_angles(split(line, delimiter), split(following, delimiter))
         fields = fields_of(line[:LONGEST_LINE])
         if len(fields) == 2 and all(NUMBER.fullmatch(f.removesuffix("nm")) for f in fields):

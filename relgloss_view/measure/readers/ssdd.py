@@ -17,8 +17,8 @@ from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.measure.bands import Bands
-from relgloss_view.measure.gonio import spherical
-from relgloss_view.measure.quantity import BRDF, canonical_quantity
+from relgloss_view.measure.gonio import from_normal, spherical
+from relgloss_view.measure.quantity import BRDF
 from relgloss_view.measure.readers import half_difference
 from relgloss_view.measure.readers.assemble import assemble, one_channel
 from relgloss_view.measure.readers.declared import Declared
@@ -40,6 +40,7 @@ ROUNDING_DEG = 1e-3  #: writers print 90 degrees from float32 radians
 #: Directions that are kept of a table: generated ones have a million, and a fit needs no more.
 MOST_SAMPLES = 150_000
 MAX_NUMBERS = 20_000_000
+MAX_TEXT = 10_000_000  #: numbers of a table in text, which takes longer
 MAX_DIRECTIONS = 3_000_000
 
 
@@ -83,6 +84,11 @@ def read(path: Path, options: ReadOptions) -> Measurement:
     labels, wavelengths = _channels(path, block)
     warnings = _passed_over(blocks, block)
     grid = _grid(path, block, kind, len(labels))
+    if not block.binary and grid.count * len(labels) > MAX_TEXT:
+        raise InputError(
+            f"{path}: a text table of {grid.count * len(labels)} numbers, at most {MAX_TEXT} are "
+            "read; save it with 'DATA binary', or thin out its lists"
+        )
     values = block.numbers(data, grid.count, len(labels))
     grid, thinned = _thinned(grid)
     rows = grid.rows()
@@ -101,9 +107,7 @@ def read(path: Path, options: ReadOptions) -> Measurement:
         Declared(
             name=block.text("NAME") or path.stem,
             source=_source(path, block),
-            quantity=BRDF
-            if options.quantity is None
-            else canonical_quantity(options.quantity, "--quantity"),
+            quantity=options.quantity_or(BRDF),
             quantity_insisted=options.quantity is not None,
             warnings=(*warnings, *remarks),
         ),
@@ -111,7 +115,7 @@ def read(path: Path, options: ReadOptions) -> Measurement:
         bands,
         readings,
         (lamp, receiver),
-        np.rint(np.degrees(np.arccos(np.clip(lamp[:, 2], -1.0, 1.0)))),
+        np.rint(from_normal(lamp)),
     )
     unused = options.unused("gamma_s_deg", "angle_unit", "mirror", "part")
     return replace(

@@ -8,16 +8,13 @@ from functools import lru_cache
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.material.cielab import bradford
 from relgloss_view.material.spectra import rgb_to_xyz_matrix, white_from_xy
 from relgloss_view.picture.scene.setup import Display
 
 VERSION = 0x04300000
 DATE = (2026, 1, 1, 0, 0, 0)  #: fixed, so that the same display has the same bytes
 D50_XYZ = np.array([0.9642, 1.0, 0.8249])  #: of the connection space (ICC.1:2010, 7.2.16)
-#: From XYZ to the cones of Bradford's transform (ICC.1:2010, annex E).
-BRADFORD = np.array(
-    [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]]
-)
 RELATIVE_COLORIMETRIC = 1
 
 
@@ -82,8 +79,7 @@ def adaptation_to_d50(white_xyz: Array) -> Array:
     >>> bool(np.allclose(adaptation_to_d50(D50_XYZ), np.eye(3)))
     True
     """
-    gain = (BRADFORD @ D50_XYZ) / (BRADFORD @ white_xyz)
-    return np.linalg.solve(BRADFORD, gain[:, None] * BRADFORD)
+    return bradford(white_xyz, D50_XYZ)
 
 
 def _curve(display: Display) -> bytes:

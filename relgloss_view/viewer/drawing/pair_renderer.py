@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
 from relgloss_view.base.allocator import give_back
 from relgloss_view.base.errors import RelglossError
+from relgloss_view.material.material import Material
 from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.gpu.context import collect, max_texture_size
@@ -38,6 +39,7 @@ from relgloss_view.viewer.state.state import DIFFERENCE, SIDES, State
 #: All that the sliders of both sides can reach, warmed up, are 40 to 50.
 MOST_PROGRAMS = 56
 MOST_WARMED = 1000  #: variants that are remembered
+SMALL_SAMPLES = 3  #: along each side of a pixel of a small picture: its highlights are thin
 NOT_WARMED: frozenset[Key] = frozenset({()})  #: of no program
 WORTH_GIVING_BACK = 4_000_000  #: bytes: less would take longer to give back than it is worth
 
@@ -71,6 +73,9 @@ class PairRenderer:
         self._full = {side: self._renderer(side) for side in SIDES}
         self._draft = {side: self._renderer(side) for side in SIDES}
         self._warm = Renderer(ctx, self._programs, MethodChooser().method)
+        #: One that quality "auto" does not simplify: its material is another one with each key, and
+        #: each might be drawn by other programs.
+        self.whole_side = ""
         #: The programs of each variant that was warmed up.
         self._warmed: dict[object, set[Key]] = {}
         self._reached: set[object] = set()  #: variants of the last state that was warmed up
@@ -86,7 +91,12 @@ class PairRenderer:
         self.largest: Size = (limit, limit)
 
     def _renderer(self, side: str) -> Renderer:
-        return Renderer(self.ctx, self._programs, self._choosers[side].method)
+        def method(scene: Scene, look: Look, size: Size) -> Method:
+            if side == self.whole_side and look.quality != "exact":
+                return WHOLE
+            return self._choosers[side].method(scene, look, size)
+
+        return Renderer(self.ctx, self._programs, method)
 
     @property
     def drawn(self) -> dict[str, dict[str, int]]:
@@ -181,13 +191,20 @@ class PairRenderer:
         self._edged_view = view
         return state
 
-    def warm(self, state: State) -> bool:
-        """Compile what the sliders of a state can reach; returns whether anything was to do."""
+    def warm(self, state: State, more: Iterable[tuple[str, Material]] = ()) -> bool:
+        """Compile what the sliders of a state can reach; returns whether anything was to do.
+
+        more: sides, drawn whole, and materials that are about to be put there.
+        """
         reachable: set[object] = set()
         missing: dict[tuple[object, Method], tuple[Scene, Look, Method]] = {}
         for side in SIDES:
             scene, look = state.scene(side), state.side(side).look
-            for method in self._reachable(side, look):
+            wanted = [(scene, method) for method in self._reachable(side, look)]
+            for material in (other for place, other in more if place == side):
+                scene = Scene(material, state.setup)
+                wanted += [(scene, method) for method in self._reachable(side, look)]
+            for scene, method in wanted:
                 variant = _variant(scene, look), method
                 reachable.add(variant)
                 if not self._programs.use(self._warmed.get(variant, NOT_WARMED)):
@@ -229,6 +246,8 @@ class PairRenderer:
         """The methods that a drag can draw a side with: MethodChooser holds its choice."""
         if look.quality == "exact":
             return (EXACT,)
+        if side == self.whole_side:
+            return (WHOLE,)
         return tuple({WHOLE: None, self._methods.get(side, WHOLE): None})
 
     def render_at(self, state: State, side: str, size: Size) -> Frame:
@@ -240,6 +259,19 @@ class PairRenderer:
         contrasts = [(frame.c, frame.c_max) for frame in frames]
         factor = common_factor(contrasts)
         return self._warm.render(state.scene(side), state.side(side).look, size, factor=factor)
+
+    def small(
+        self, state: State, side: str, material: Material, size: Size, factor: float
+    ) -> Frame:
+        """A small picture of another material in a side's place, at its setting, drawn whole.
+
+        Fetch its numbers before the next one is asked for.
+        """
+        look = state.side(side).look
+        samples = max(look.samples, SMALL_SAMPLES)
+        method = EXACT if look.quality == "exact" else WHOLE
+        look = dataclasses.replace(look, samples=samples)
+        return self._warm.render(Scene(material, state.setup), look, size, method, factor=factor)
 
     def with_uploads(
         self, pictures: dict[str, SidePicture], displayed: dict[str, Displayed]

@@ -6,15 +6,16 @@ from typing import Any
 
 import numpy as np
 
+from relgloss_view.base.arrays import Bytes
 from relgloss_view.picture.displayed import Displayed
 
 
 class _Upload:
-    def __init__(self, ctx: Any, displayed: Displayed) -> None:
-        height, width = displayed.digital.shape[:2]
+    def __init__(self, ctx: Any, of: object, digital: Bytes) -> None:
+        height, width = digital.shape[:2]
         pixels = np.full((height, width, 4), 255, dtype=np.uint8)
-        pixels[..., :3] = displayed.digital[::-1]  # row 0 of a texture is the lowest
-        self.of = displayed
+        pixels[..., :3] = digital[::-1]  # row 0 of a texture is the lowest
+        self.of = of
         self.texture = ctx.texture((width, height), 4, pixels)
         self.framebuffer = ctx.framebuffer([self.texture])
 
@@ -32,12 +33,19 @@ class TextureUploads:
 
     def framebuffer(self, side: str, displayed: Displayed) -> int:
         """The name of a framebuffer that holds a picture."""
-        upload = self._of.get(side)
-        if upload is None or upload.of is not displayed:
+        return int(self._upload(side, displayed, displayed.digital).framebuffer.glo)
+
+    def texture(self, name: str, digital: Bytes) -> int:
+        """The name of a texture that holds digital values (H, W, 3)."""
+        return int(self._upload(name, digital, digital).texture.glo)
+
+    def _upload(self, name: str, of: object, digital: Bytes) -> _Upload:
+        upload = self._of.get(name)
+        if upload is None or upload.of is not of:
             if upload is not None:
                 upload.release()
-            self._of[side] = upload = _Upload(self._ctx, displayed)
-        return int(upload.framebuffer.glo)
+            self._of[name] = upload = _Upload(self._ctx, of, digital)
+        return upload
 
     def names(self) -> list[int]:
         """The textures' names on the device."""

@@ -10,7 +10,7 @@ from imgui_bundle import ImVec2, imgui
 from relgloss_view.base.reading import printable
 from relgloss_view.base.words import sentence_case
 from relgloss_view.material.material import FitRecord, Material, Quality
-from relgloss_view.viewer.panels import plot_widgets
+from relgloss_view.viewer.panels import estimate_table, plot_widgets
 from relgloss_view.viewer.panels.list_rows import fitting
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import em
@@ -51,6 +51,10 @@ def show(model: Model) -> None:
             if material.estimate is not None:
                 text = f"{printable(material.name, 60)}: {material.estimate.range_words}."
             widgets.wrapped(text, dim=True)
+            if material.estimate is not None:
+                for warning in material.warnings:
+                    widgets.wrapped(f"! {printable(warning, 2 * LONGEST)}")
+                estimate_table.show(material.estimate, whole=True)
         else:
             _heading(material, material.fit)
             _body(material, material.fit)

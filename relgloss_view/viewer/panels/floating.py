@@ -16,9 +16,12 @@ def begin(
     *,
     flags: int = 0,
     top_em: float = 0.0,
+    right: bool = False,
     raised: bool = False,
 ) -> tuple[bool, bool]:
     """Begin a window in the middle, or `top_em` below the upper edge; imgui.end() goes with it.
+
+    `right`: along the right edge of the program's window, so that the pictures can be seen.
 
     Without a height it is as high as what is in it. `raised` brings it to the front. Returns
     whether to draw into it and whether it was left open.
@@ -30,6 +33,8 @@ def begin(
     place, pivot = viewport.get_center(), ImVec2(0.5, 0.5)
     if top_em:
         place, pivot = ImVec2(place.x, viewport.pos.y + em(top_em)), ImVec2(0.5, 0.0)
+    if right:
+        place, pivot = ImVec2(viewport.pos.x + viewport.size.x, place.y), ImVec2(1.0, pivot.y)
     imgui.set_next_window_pos(place, imgui.Cond_.appearing, pivot)
     if height_em:
         imgui.set_next_window_size(size, imgui.Cond_.appearing)

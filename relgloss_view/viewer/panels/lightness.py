@@ -10,12 +10,13 @@ from imgui_bundle import imgui, implot
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.picture.frame import Frame
+from relgloss_view.picture.model.view import Size
 from relgloss_view.viewer.panels import plot_widgets
 from relgloss_view.viewer.plots.caches import PerFrame, light_of
 from relgloss_view.viewer.plots.lightness import BINS, Histogram, Lightness, Line
 from relgloss_view.viewer.shell import sliders, widgets
 from relgloss_view.viewer.shell.theme import em
-from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.model import GhostPicture, Model
 from relgloss_view.viewer.state.state import SIDES
 
 TOP_LSTAR = 120.0
@@ -23,6 +24,8 @@ TOP_LSTAR = 120.0
 PIXELS_IN_A_DRAG = 50_000
 LEAST_SHARE = 0.01  #: %, the histogram's foot
 LEFT_OF_PLOT_EM = 3.0  #: the values of the vertical axis and its label
+BAND = "dullest to glossiest"
+BAND_ALPHA = 0.4
 NARROW_EM = 28.0  #: below this width the plots lie in tabs
 
 
@@ -85,24 +88,26 @@ def _show(model: Model) -> None:
         if faint is not None:
             frame = model.frames[beside]
             curves[beside] = _curves(memory.sides[beside], faint, frame, row, model.dragging)
-    _legend(side, curves)
+    _legend(side, curves, with_band=model.ghost_side == side and len(model.ghosts) > 1)
     plot_widgets.note_if_waiting(current)
     plot_widgets.note_split(model)
     room = imgui.get_content_region_avail()
     if room.x < em(NARROW_EM):
-        _in_tabs(memory, side, curves, room.x)
+        _in_tabs(model, memory, side, curves, room.x)
         return
     left = 0.62 * room.x
-    _line_plot(memory, side, curves, left, room.y)
+    _line_plot(model, memory, side, curves, left, room.y)
     imgui.same_line(0.0, 0.0)
     _histogram_plot(side, curves, room.x - left, room.y)
 
 
-def _in_tabs(memory: _Memory, side: str, by_side: dict[str, _Curves], width: float) -> None:
+def _in_tabs(
+    model: Model, memory: _Memory, side: str, by_side: dict[str, _Curves], width: float
+) -> None:
     if not imgui.begin_tab_bar("plots"):
         return
     if imgui.begin_tab_item("Across the highlight")[0]:
-        _line_plot(memory, side, by_side, width, imgui.get_content_region_avail().y)
+        _line_plot(model, memory, side, by_side, width, imgui.get_content_region_avail().y)
         imgui.end_tab_item()
     if imgui.begin_tab_item("Distribution")[0]:
         _histogram_plot(side, by_side, width, imgui.get_content_region_avail().y)
@@ -140,7 +145,7 @@ def _curves(side: _Side, light: Lightness, frame: Frame, row: int, dragging: boo
     return _Curves(side.line, side.histogram, frame.c)
 
 
-def _legend(side: str, by_side: dict[str, _Curves]) -> None:
+def _legend(side: str, by_side: dict[str, _Curves], *, with_band: bool) -> None:
     curves = by_side[side]
     on_object = curves.line.on_object
     top = float(np.max(curves.line.plain[on_object])) if np.any(on_object) else 0.0
@@ -151,13 +156,20 @@ def _legend(side: str, by_side: dict[str, _Curves]) -> None:
         ("specular (L_s*)", plot_widgets.SPECULAR),
         (f"unscaled (c = 1){beyond}", plot_widgets.PLAIN),
     ]
+    if with_band:
+        entries.append((BAND, plot_widgets.BAND))
     if plot_widgets.other(side) in by_side:
         entries.append((plot_widgets.other(side), plot_widgets.OTHER))
     plot_widgets.legend(entries)
 
 
 def _line_plot(
-    memory: _Memory, side: str, by_side: dict[str, _Curves], width: float, height: float
+    model: Model,
+    memory: _Memory,
+    side: str,
+    by_side: dict[str, _Curves],
+    width: float,
+    height: float,
 ) -> None:
     count = len(by_side[side].line.l_d)
     if plot_widgets.begin("line", width, height):
@@ -167,12 +179,37 @@ def _line_plot(
         low = plot_widgets.axes(across, ("lightness (L*)", 0.0, TOP_LSTAR), follow=follow)
         plot_widgets.lightness_ticks(implot.ImAxis_.y1)
         plot_widgets.level("limit", 100.0)
+        if model.ghost_side == side:
+            _draw_band(model.ghosts, by_side[side], model.picture_size)
         for name in (plot_widgets.other(side), side):
             if name in by_side:
                 _draw_line(by_side[name], faint=name != side)
         if low:
             plot_widgets.label_inside("L* by column")
         plot_widgets.end()
+
+
+def _draw_band(ghosts: dict[str, GhostPicture], curves: _Curves, full: Size) -> None:
+    """The band between the dullest and the glossiest material that the readings allow."""
+    if len(ghosts) < 2:
+        return
+    low, high = band(ghosts, curves, full[1])
+    x = (np.arange(len(low), dtype=np.float64) + 0.5) * len(curves.line.l_d) / len(low)
+    spec = implot.Spec(fill_color=plot_widgets.TOTAL, fill_alpha=BAND_ALPHA, line_weight=0.0)
+    implot.plot_shaded(f"##{BAND}", x, low, high, spec)
+
+
+def band(ghosts: dict[str, GhostPicture], curves: _Curves, height: int) -> tuple[Array, Array]:
+    """Least and largest L* by column of the small pictures (W,), along the same row of the object.
+
+    height: of the full picture, pixels.
+    """
+    lines = []
+    for ghost in ghosts.values():
+        row = int((curves.line.row + 0.5) * ghost.size[1] / height)
+        line = ghost.lightness.line(row)
+        lines.append(np.where(line.on_object, np.minimum(line.scaled(curves.c), 2 * TOP_LSTAR), 0))
+    return np.min(lines, axis=0), np.max(lines, axis=0)
 
 
 def _draw_line(curves: _Curves, *, faint: bool) -> None:

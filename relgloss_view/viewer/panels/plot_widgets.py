@@ -22,6 +22,7 @@ T = TypeVar("T")
 TOTAL, DIFFUSE, SPECULAR, PLAIN = CURVES[0], CURVES[1], CURVES[2], CURVES[4]
 OTHER = gray(0.45)  #: the other side's curves
 LIMIT = gray(QUIET)
+BAND = gray(0.36)  #: as a translucent band looks on a panel
 SMALLEST_PLOT_EM = (8.0, 4.5)
 LOW_EM = 11.0  #: in a lower plot the labels of the axes are inside
 ROOMY_EM = 12.0  #: with this height left, the legend may take a line of its own

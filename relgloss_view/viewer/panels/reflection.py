@@ -21,6 +21,7 @@ NARROW_EM = 28.0  #: below this width the plots lie in tabs
 #: 1/sr, the foot of a logarithmic plot: a black of 0.3 %.
 FAINTEST = 1e-3
 SNAP_DEG = 1.5  #: an incidence this near to a measured one becomes it
+MOST_LISTED = 16  #: angles of a table, in the explanation of the slider
 
 
 @dataclass
@@ -137,6 +138,8 @@ def _controls(memory: _Memory, measurement: Measurement | None) -> None:
     meaning = f"Angle between the lamp and the normal. {sliders.HOW}"
     if measured is not None and len(measured):
         angles = ", ".join(f"{a:g}" for a in measured)
+        if len(measured) > MOST_LISTED:
+            angles = f"{len(measured)} angles from {measured[0]:g} to {measured[-1]:g}"
         meaning += f" Measured at {angles} deg; the slider snaps to these."
     widgets.tooltip(meaning)
     plot_widgets.beside(plot_widgets.checkbox_width("Polar"), 0.5)

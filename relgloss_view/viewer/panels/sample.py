@@ -9,7 +9,12 @@ from imgui_bundle import imgui
 
 from relgloss_view.base.reading import printable
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
-from relgloss_view.viewer.panels import colour_fields, presets
+from relgloss_view.viewer.panels import (
+    colour_fields,
+    estimate_table,
+    plot_widgets,
+    presets,
+)
 from relgloss_view.viewer.panels.list_rows import preview
 from relgloss_view.viewer.panels.look import side_tabs
 from relgloss_view.viewer.shell import widgets
@@ -53,6 +58,14 @@ def _choose(model: Model, files: FileActions) -> None:
         widgets.tooltip("The built-in papers, which are synthetic. Open a file for another sample.")
     if widgets.button("Open file...", "opens a material, or a measurement, which is then fitted"):
         files.open()
+    _new_material(files)
+
+
+def _new_material(files: FileActions) -> None:
+    text = "New material..."
+    plot_widgets.beside(plot_widgets.button_width(text), gap_em=0.5)
+    if widgets.button(text, "makes a material from gloss readings and a colour"):
+        files.make_material()
 
 
 def _locked(model: Model, files: FileActions) -> None:
@@ -64,6 +77,7 @@ def _locked(model: Model, files: FileActions) -> None:
         "chooses another reference; files that you open or drop become the test sample",
     ):
         imgui.open_popup(REPLACING)
+    _new_material(files)
     if imgui.begin_popup(REPLACING):
         _built_in(model, "reference")
         imgui.separator()
@@ -93,6 +107,7 @@ def _evidence(model: Model) -> None:
     fit = material.fit
     if material.estimate is not None:
         widgets.wrapped(widgets.sentence(material.estimate.range_words))
+        estimate_table.show(material.estimate)
     elif fit is None:
         widgets.wrapped("Not fitted: the file gives the parameters of the reflection.")
     else:

@@ -189,6 +189,10 @@ ACTIONS: tuple[Action, ...] = (
         "opens a scene, or a measurement or material as the test sample",
     ),
     Action(
+        "File", "New material...", "Ctrl+N", lambda app: app.files.make_material(),
+        "makes a material from gloss readings and a colour, where there is no measured table",
+    ),
+    Action(
         "File", "Replace reference...", "Ctrl+R", lambda app: app.files.replace_reference(),
         "opens a measurement or a material as the reference, which nothing else replaces",
     ),

@@ -9,12 +9,14 @@ from typing import Any
 from imgui_bundle import imgui
 
 from relgloss_view.base import fonts
+from relgloss_view.base.errors import RelglossError
 from relgloss_view.base.writing import make_folder
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model.view import Size
 from relgloss_view.viewer.drawing.arrangement import arranged, as_shown
 from relgloss_view.viewer.drawing.canvas import surround_gray
 from relgloss_view.viewer.drawing.draft_scale import DraftScale
+from relgloss_view.viewer.drawing.ghost_pictures import GhostPictures
 from relgloss_view.viewer.drawing.operator_pictures import OperatorPictures
 from relgloss_view.viewer.drawing.pair_renderer import DrawnPair, PairRenderer, passes_since
 from relgloss_view.viewer.files.measurement_tables import MeasurementTables
@@ -66,6 +68,7 @@ class App:
         self._tables = MeasurementTables(self.model, self.wake)
         self._operator_pictures = OperatorPictures(self.wake)
         self._gloss_readings = GlossReadings(self.wake)
+        self._ghost_pictures = GhostPictures()
         self.draft_scale = DraftScale()
         self.layout: Layout = Layout(
             [
@@ -153,7 +156,7 @@ class App:
         self._warming_waits = not self._rested(now_s)
         if self._warming_waits:
             return False
-        warmed = self.pair_renderer.warm(self.model.state)
+        warmed = self.pair_renderer.warm(self.model.state, self.files.new_material.about_to_show)
         if not warmed:
             self.pair_renderer.tidy()
         assert self._window is not None
@@ -162,12 +165,14 @@ class App:
 
     def wait_s(self) -> float | None:
         """How long nothing needs to be drawn."""
-        return 0.05 if self.model.held or self._warming_waits else self.files.due_s()
+        typing = imgui.get_io().want_text_input  # its cursor blinks
+        soon = self.model.held or self._warming_waits or typing
+        return 0.05 if soon else self.files.due_s()
 
     def dropped(self, paths: list[str]) -> None:
         """Files were dropped on the window."""
         for path in paths:
-            self.files.open_path(path)
+            self.files.dropped(path)
 
     def finish(self) -> None:
         """The context is about to go."""
@@ -226,6 +231,7 @@ class App:
         ctx = self.pair_renderer.ctx
         self.pair_renderer.abandon()
         self.model.frames = {}
+        self._ghost_pictures = GhostPictures()
         self.pair_renderer = PairRenderer(ctx)
         self.model.report("the graphics device lost its objects; everything was made again")
 
@@ -252,7 +258,7 @@ class App:
         now_s = time.monotonic()
         if self._rested(now_s) and not active and not model.held:
             model.history.end_gesture()
-        if pressed or active:
+        if pressed or (active and not imgui.get_io().want_text_input):
             self._held_at_s = now_s
         model.dragging = (pressed and active) or model.held
         if model.dragging:
@@ -291,6 +297,8 @@ class App:
         pitch = self._window.pixel_pitch_m()
         model.pixel_pitch_m = pitch
         before = self.pair_renderer.drawn
+        new = self.files.new_material
+        self.pair_renderer.whole_side = new.side if new.active else ""
         pair = self.pair_renderer.draw(
             state, arrangement, self.draft_scale.scale, pitch, moving=model.dragging
         )
@@ -315,11 +323,26 @@ class App:
         }
         for fault in pair.faults.values():
             model.report_once(fault, fault=True)
+        self._draw_ghosts(state)
         pictures = self.pair_renderer.with_uploads(pair.pictures, displayed)
         self.drawn_pane = stage.DrawnPane(
             arrangement, DrawnPair(pictures, pair.faults, pair.factor)
         )
         return self.drawn_pane
+
+    def _draw_ghosts(self, state: State) -> None:
+        """Draw the ends of the interval of a material that is being estimated, small."""
+        assert self.pair_renderer is not None
+        model, new = self.model, self.files.new_material
+        shown = as_shown(state, model.picture_size, model.pixel_pitch_m)
+        ghosts = {}
+        try:
+            ghosts = self._ghost_pictures.of(
+                self.pair_renderer, shown, new.side, new.ghosts, model.picture_size, model.factor
+            )
+        except RelglossError as error:
+            model.report_once(str(error), fault=True)
+        model.ghosts, model.ghost_side = ghosts, new.side
 
     def _pin(self, pair: DrawnPair) -> None:
         """Keep c as a number from now on, where a file gave it as a share of a picture's c_max."""

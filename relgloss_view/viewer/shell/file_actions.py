@@ -14,12 +14,14 @@ from imgui_bundle import ImVec2, imgui
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.reading import printable
 from relgloss_view.viewer.drawing.arrangement import as_shown
+from relgloss_view.viewer.files.new_material import NewMaterial
 from relgloss_view.viewer.files.open_job import Opened, OpenJob
 from relgloss_view.viewer.files.own_materials import safe_name
 from relgloss_view.viewer.files.scene_saving import save_scene
 from relgloss_view.viewer.panels import floating
 from relgloss_view.viewer.panels.export import Export
 from relgloss_view.viewer.panels.file_dialogs import FileDialogs
+from relgloss_view.viewer.panels.new_material import NewMaterialPanel
 from relgloss_view.viewer.panels.own_dialog import Question
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.state.command_line import snapshot_command
@@ -44,6 +46,8 @@ class FileActions:
         self.scene_path: str | None = None  #: of the scene that was opened or saved last
         self.dialogs = FileDialogs()
         self._export = Export(model, self.dialogs)
+        self.new_material = NewMaterial(model, wake)
+        self._new_material_panel = NewMaterialPanel(self.new_material, self.dialogs)
         self._wake = wake
         self._waiting: list[tuple[str, str]] = []  #: paths, and the side each is for
         self._job: OpenJob | None = None
@@ -67,6 +71,20 @@ class FileActions:
             "Replace reference", lambda path: self.open_path(path, "reference"), SAMPLE_SUFFIXES
         )
         self._ask(question)
+
+    def make_material(self) -> None:
+        """Show the window that makes a material from readings, for the active side."""
+        self._leave_haploscopic()
+        self._new_material_panel.open()
+
+    def dropped(self, path: str) -> None:
+        """Open a file that was dropped; while a material is being made, spectra are its colour."""
+        is_other = path.lower().endswith((*SCENE_SUFFIXES, ".json"))
+        if self.new_material.active and not is_other:
+            self.new_material.read_spectrum(path)
+            self._wake()
+        else:
+            self.open_path(path)
 
     def save(self) -> None:
         """Save the scene where it was opened or saved last, or ask where."""
@@ -135,6 +153,7 @@ class FileActions:
             path, self._job_side = self._waiting.pop(0)
             self._began_s = time.monotonic()
             self._job = OpenJob(path, self._wake)
+        self.new_material.each_frame()
         if self.session is not None:
             self.session.note(self.model.state)
             if self.session.due(time.monotonic()):
@@ -144,13 +163,14 @@ class FileActions:
         """Draw dialogs, progress and the export window."""
         self.dialogs.show()
         self._export.show()
+        self._new_material_panel.show()
         if self._job is not None and time.monotonic() - self._began_s >= QUICK_S:
             self._show_progress(self._job)
 
     def due_s(self) -> float | None:
         """Seconds until a frame is needed without an event; None if nothing is under way."""
         waits = [self.dialogs.due_s(), self._export.due_s()]
-        if self._job is not None or self._waiting:
+        if self._job is not None or self._waiting or self.new_material.waiting:
             waits.append(TICK_S)
         if self.session is not None:
             waits.append(self.session.due_in(time.monotonic()))
@@ -159,6 +179,7 @@ class FileActions:
     def close(self) -> None:
         """End what runs and keep the session; the window is about to close."""
         self._waiting.clear()
+        self.new_material.cancel()  # what is in no file would be lost
         self.dialogs.close()
         if self._job is not None:
             self._job.close()

@@ -17,6 +17,7 @@ from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model.view import Size
 from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.picture.scene.setting import Setting
+from relgloss_view.viewer.plots.lightness import Lightness
 from relgloss_view.viewer.state import matching
 from relgloss_view.viewer.state.history import History
 from relgloss_view.viewer.state.state import State
@@ -32,6 +33,20 @@ class OperatorPicture:
 
     displayed: Displayed | None
     reason: str = ""
+
+
+@dataclass(frozen=True)
+class GhostPicture:
+    """A small picture of a material that the readings of a new one allow, beside the likeliest.
+
+    texture: its name on the device. object_box: the part of it (left, bottom, right, top) that can
+    show the object, in shares of its size from the lower left. lightness: to plot it.
+    """
+
+    texture: int
+    size: Size
+    object_box: tuple[float, float, float, float]
+    lightness: Lightness
 
 
 class DrawnPass(NamedTuple):
@@ -70,6 +85,9 @@ class Model:
         self.frames: dict[str, Frame] = {}
         #: Those by operators other than the split, by side; none for a side of the split.
         self.operator_pictures: dict[str, OperatorPicture] = {}
+        #: The dullest and the glossiest material of a side whose material is being estimated.
+        self.ghosts: dict[str, GhostPicture] = {}
+        self.ghost_side = "test"
         self.notes: list[Note] = []
         #: Tables read in this window, by file, so that plots can show their points.
         self.measurements: dict[str, Measurement] = {}
