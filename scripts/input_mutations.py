@@ -12,7 +12,10 @@ import struct
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
+from input_formats import VOCABULARY, fault_of
+
 MOST_BYTES = 1_000_000  #: of an input
+OWN_FAULTS = 0.35  #: share of faults that know the format
 
 _NUMBER = re.compile(rb"[+-]?\d+\.?\d*(?:[eE][+-]?\d+)?")
 _WORD = re.compile(rb"[A-Za-z_]{2,}")
@@ -35,12 +38,18 @@ _TEXTS = (
 _WHOLE = (0, 1, 2, 0x7F, 0x80, 0xFF, 0x7FFF, 0xFFFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF)
 
 
-def mutated(seeds: Sequence[bytes], rng: random.Random) -> bytes:
-    """One of the files with one to four faults, at most MOST_BYTES long."""
+def mutated(seeds: Sequence[bytes], rng: random.Random, name: str = "") -> bytes:
+    """One of the files with one to four faults, at most MOST_BYTES long.
+
+    name: of a reader, whose own faults are a third of all.
+    """
     data = rng.choice(seeds)
     other = rng.choice(seeds)
     for _ in range(rng.choice((1, 1, 1, 2, 2, 3, 4))):
-        data = rng.choice(_FAULTS)(data, other, rng)[:MOST_BYTES]
+        if name in VOCABULARY and rng.random() < OWN_FAULTS:
+            data = fault_of(name, data, rng)[:MOST_BYTES]
+        else:
+            data = rng.choice(_FAULTS)(data, other, rng)[:MOST_BYTES]
     return data
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import json
+import re
 import struct
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,8 +20,9 @@ import numpy as np
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.resources import asset
 
-SHARED = Path(__file__).resolve().parents[2] / "shared" / "data"
-LARGEST_REAL = 100_000  #: bytes of a real file that is mutated; larger ones take long to read
+SHARED = Path(__file__).resolve().parents[2] / "shared"
+LONGEST_TABLE = 20_000  #: bytes of a real table, of which the first lines are enough
+LARGEST_REAL = 130_000  #: bytes of a real file that is mutated; larger ones take long to read
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,7 @@ def readers() -> dict[str, Reader]:
     """All readers by name."""
     listed = (
         Reader("measurement", ".csv", _measurement, _tables, 4.0),
+        Reader("declared", ".csv", _declared, _tables, 2.0),
         Reader("bsdf", ".bsdf", _measurement, _bsdf, 1.0),
         Reader("zemax", ".bsdf", _measurement, _zemax, 1.0),
         Reader("bsdf-xml", ".xml", _measurement, _bsdf_xml, 1.0),
@@ -50,6 +53,7 @@ def readers() -> dict[str, Reader]:
         Reader("lamp", ".csv", _lamp, _lamps, 2.0),
         Reader("spectrum", ".csv", _spectrum, _spectra, 2.0),
         Reader("samples", ".txt", _samples, _sample_files, 2.0),
+        Reader("estimate", ".txt", _estimate, _estimates, 0.5),
         Reader("material", ".json", _material, _materials, 3.0),
         Reader("scene", ".toml", _scene, _scenes, 3.0),
         Reader("study", ".toml", _study, _studies, 2.0),
@@ -69,20 +73,35 @@ def readers() -> dict[str, Reader]:
 def sound(result: object) -> str | None:
     """What is wrong with what a reader returned, or None: numbers that are not finite."""
     from relgloss_view.material.material import Material
-    from relgloss_view.measure.spectrum import ColourReading
+    from relgloss_view.measure.screening import MOST_BODY, MOST_NOISE
+    from relgloss_view.measure.spectrum import GEOMETRIES, ColourReading
     from relgloss_view.measure.table import Measurement
 
     if isinstance(result, ColourReading):
-        factor = result.radiance_factor
-        if not (np.isfinite(factor).all() and (factor >= 0.0).all()):
-            return "a reflectance is negative or not finite"
+        factor, nm = result.radiance_factor, np.array(result.bands.wavelengths_nm)
+        if not (np.isfinite(factor).all() and (factor >= 0.0).all() and factor.max() <= MOST_BODY):
+            return "a reflectance is negative, not finite or above that of any surface"
+        if factor.shape != nm.shape or (np.diff(nm) <= 0.0).any() or len(nm) < 2:
+            return "the wavelengths do not fit the reflectances"
+        if nm[0] < 360.0 or nm[-1] > 830.0 or np.diff(nm).max() > 50.0:
+            return "the wavelengths are not those of a colour"
+        if result.geometry not in (*GEOMETRIES, None):
+            return "a geometry that there is not"
     if isinstance(result, Measurement):
         kept = result.radiance_factor[result.kept]
-        if not (np.isfinite(kept).all() and (kept >= 0.0).all() and len(kept)):
+        # Readings this far below zero are noise about zero; a channel of linear RGB has none.
+        least = 0.0 if result.bands.is_rgb else -MOST_NOISE
+        if not (np.isfinite(kept).all() and (kept >= least).all() and len(kept)):
             return "a kept reading is negative or not finite"
-        directions = np.linalg.norm(result.to_lamp, axis=1)
-        if not np.allclose(directions, 1.0):
-            return "a direction is no unit vector"
+        if kept.max() > 1e14:
+            return "a kept reading is beyond any surface"
+        for directions in (result.to_lamp, result.to_receiver):
+            if not np.allclose(np.linalg.norm(directions, axis=1), 1.0):
+                return "a direction is no unit vector"
+            if not (directions[result.kept, 2] > 0.0).all():
+                return "a kept direction is below the horizon"
+        if kept.shape[1] != result.bands.count or len(result.group) != len(result.reasons):
+            return "the arrays of a measurement do not fit each other"
     if isinstance(result, Material):
         numbers = [*result.diffuse.albedo, *(s for lobe in result.specular for s in lobe.strength)]
         if not np.isfinite(numbers).all():
@@ -96,7 +115,13 @@ def sound(result: object) -> str | None:
 def _measurement(path: Path) -> object:
     from relgloss_view.measure.readers import read_measurement
 
-    return read_measurement(path, quantity="brdf-cos")
+    return read_measurement(path, quantity="brdf-cos", part="1")
+
+
+def _declared(path: Path) -> object:
+    from relgloss_view.measure.readers import read_measurement
+
+    return read_measurement(path)
 
 
 def _lamp(path: Path) -> object:
@@ -119,6 +144,26 @@ def _samples(path: Path) -> object:
         return read_measurement(path, part="1")
     except InputError:
         return read_spectrum(path, part="1")
+
+
+def _estimate(path: Path) -> object:
+    """The arguments of `relgloss estimate`, one a line: --gloss, --gloss-error, --lab."""
+    import argparse
+
+    from relgloss_view.commands.estimate import _colour, gloss_readings_of
+    from relgloss_view.fitting.estimate.colour import colour_of
+
+    gloss, error, lab = (*path.read_text("utf-8", "replace").split("\n"), "", "")[:3]
+    args = argparse.Namespace(lab=lab, spectrum=None, lab_illuminant=None, part=None)
+    try:
+        readings = gloss_readings_of(gloss, float(error) if error else None)
+        return readings, colour_of(_colour(args))
+    except InputError as error_of_word:
+        raise InputError(f"{path}: {error_of_word}") from None
+    except ValueError as error_of_number:
+        if "could not convert" not in str(error_of_number):
+            raise
+        raise InputError(f"{path}: argparse refuses it") from None
 
 
 def _material(path: Path) -> object:
@@ -215,8 +260,15 @@ def _session(path: Path) -> object:
 
 
 def _real(*patterns: str) -> list[bytes]:
-    files = (file for pattern in patterns for file in sorted(SHARED.glob(pattern)))
-    return [file.read_bytes() for file in files if file.stat().st_size <= LARGEST_REAL]
+    """Files below SHARED, where it is present; of large tables the first lines."""
+    made = []
+    for file in (file for pattern in patterns for file in sorted(SHARED.glob(pattern))):
+        data = file.read_bytes()
+        if file.suffix == ".csv" and len(data) > LONGEST_TABLE:
+            data = b"\n".join(data.split(b"\n")[:60])
+        if len(data) <= LARGEST_REAL:
+            made.append(data)
+    return made
 
 
 def _tables() -> list[bytes]:
@@ -224,11 +276,14 @@ def _tables() -> list[bytes]:
     head = "# name: made\n# source: made\n# quantity: radiance-factor\n# gamma_s_deg: 15\n"
     gcms = head + "alpha_deg,beta_deg,gamma_deg,400,500,600,700\n"
     gcms += "".join(f"{a},{b},{g},0.1,0.25,{0.3 + 0.01 * g:g},0.4\n" for a, b, g in angles)
-    generic = "theta_i_deg\tphi_i_deg\ttheta_r_deg\tphi_r_deg\tR\tG\tB\n" + "".join(
-        f"{i}\t0\t{r}\t{p}\t0.2\t0.3\t{0.1 + r / 500:g}\n"
-        for i in (0, 20, 45, 70)
-        for r in (5, 25, 45, 65)
-        for p in (0, 90, 180)
+    generic = (
+        "# quantity: brdf\ntheta_i_deg\tphi_i_deg\ttheta_r_deg\tphi_r_deg\tR\tG\tB\n"
+        + "".join(
+            f"{i}\t0\t{r}\t{p}\t0.2\t0.3\t{0.1 + r / 500:g}\n"
+            for i in (0, 20, 45, 70)
+            for r in (5, 25, 45, 65)
+            for p in (0, 90, 180)
+        )
     )
     spaces = "Measured by hand\n\n" + generic.replace("\t", "   ")
     commas = generic.replace("\t", ";").replace(".", ",")
@@ -236,7 +291,40 @@ def _tables() -> list[bytes]:
     beginning = b"\n".join(asset("papers", "uncoated.csv").read_bytes().splitlines()[:60])
     texts = [text.encode() for text in (gcms, generic, spaces, commas, quoted)]
     wide = [generic.encode("utf-16"), gcms.encode("utf-16-le"), ("°µ\n" + gcms).encode("cp1252")]
-    return [*texts, *wide, beginning, *_real("gonio/*.csv", "mlcm/*.csv", "formats/*.bsdf")]
+    real = _real("data/gonio/*.csv", "cases/c*.csv", "cases/c*.txt")
+    return [*texts, *wide, *_other_tables(gcms, generic), beginning, *real]
+
+
+def _other_tables(gcms: str, generic: str) -> list[bytes]:
+    """The tables as R, pandas and spreadsheets write them, and one reading a row."""
+    head, *rows = generic.replace("\t", ",").splitlines()[1:]
+    pandas = f"# quantity: brdf\n,{head}\n" + "".join(f"{k},{row}\n" for k, row in enumerate(rows))
+    names = ",".join(f'"{name}"' for name in head.split(","))
+    r = f"# quantity: brdf\n{names}\n" + "".join(
+        f'"{k}",{row}\n' for k, row in enumerate(rows, start=1)
+    )
+    angles = "Theta_i [deg];Phi_i [deg];Theta_r [deg];Phi_r [deg]"
+    long = f"# quantity: brdf\n{angles.replace(';', ',')},Wavelength [nm],BRDF [1/sr]\n"
+    long += "".join(
+        f"{row.rsplit(',', 3)[0]},{nm},{0.1 + nm / 4000:g}\n"
+        for row in rows
+        for nm in (450, 550, 650)
+    )
+    one = f"# quantity: brdf\n{angles.replace(';', ',')},BRDF\n"
+    one += "".join(f"{row.rsplit(',', 2)[0]}\n" for row in rows)
+    data = [row for row in gcms.splitlines() if row.startswith("-")]
+    percent = (
+        "# gamma_s_deg: 15\nalpha_deg,beta_deg,gamma_deg,R400 [%],R500 [%],R600 [%],R700 [%]\n"
+    )
+    percent += "".join(f"{row}\n" for row in data).replace(",0.", ",")
+    units = "Report;of a scan;;\n;;\nquantity;brdf;;\n" + angles.replace(" [deg]", "")
+    units += ";400;500;600\ndeg;deg;deg;deg;1/sr;1/sr;1/sr\n"
+    units += "".join(f"{row};;\n".replace(",", ";").replace(".", ",") for row in rows)
+    units += ";;;;;;;\nmean;;;;0,1;0,2;0,3\nMeasured by X\n"
+    several = f"# quantity: brdf\nsample,date,{head.replace('R,G,B', '400nm,500nm,600nm')}\n"
+    several += "".join(f"{name},2024-05-01,{row}\n" for name in ("a", "b") for row in rows[:24])
+    texts = [pandas, r, long, one, percent, units, several]
+    return [text.encode() for text in texts] + [units.encode("utf-16"), r.encode("utf-16-le")]
 
 
 def bsdf_of(fields: dict[str, np.ndarray[Any, Any]]) -> bytes:
@@ -334,7 +422,8 @@ def _zemax() -> list[bytes]:
     data = "\nDataBegin\n" + 2 * rows + "DataEnd\n"
     colour = "".join(f"Tristimulus{c}{data}" for c in "XYZ")
     texts = [head.format("Monochrome") + "Monochrome" + data, head.format("XYZ") + colour]
-    return [text.encode() for text in texts]
+    made = [text.encode() for text in texts]
+    return [*made, *_real("data/formats/*zemax.bsdf", "cases/*zemax.bsdf")]
 
 
 def _bsdf_xml() -> list[bytes]:
@@ -357,7 +446,9 @@ def _bsdf_xml() -> list[bytes]:
         f"</AngleBasisName>{rings}</AngleBasis></DataDefinition>{blocks}</Layer></Optical>"
         "</WindowElement>"
     )
-    return [text.format("UTF-8").encode(), text.format("UTF-16").encode("utf-16")]
+    made = [text.format("UTF-8").encode(), text.format("UTF-16").encode("utf-16")]
+    real = _real("data/formats/*.XML")
+    return [*made, *real[:1], *(data.replace(b"Transmission", b"Reflection") for data in real)]
 
 
 def _merl() -> list[bytes]:
@@ -369,7 +460,8 @@ def _lamps() -> list[bytes]:
     lines = [line for line in spectra[0].decode().splitlines() if line[:1].isdigit()]
     commas = "".join(line.replace(",", ";").replace(".", ",") + "\n" for line in lines)
     spaces = "Instrument X\nWavelength Power\n" + "\n".join(lines).replace(",", "  ")
-    return [*spectra, commas.encode(), spaces.encode("utf-16"), ("µW\n" + spaces).encode("cp1252")]
+    made = [commas.encode(), spaces.encode("utf-16"), ("µW\n" + spaces).encode("cp1252")]
+    return [*spectra, *made, *_real("cases/c21*.csv")]
 
 
 def _spectra() -> list[bytes]:
@@ -381,7 +473,7 @@ def _spectra() -> list[bytes]:
     rows = f"name,{','.join(f'R{w}' for w in nm)}\nred,{row}\nblue,{row}\n"
     semicolons = rows.replace(",", ";").replace(".", ",").encode("utf-16")
     table = "# quantity: brdf\ntheta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,"
-    table += ",".join(map(str, nm)) + f"\n45,180,0,0,{row}\n"
+    table += ",".join(map(str, nm)) + f"\n45,180,0,0,{row.replace('0.', '0.0')}\n"
     percent = "nm,R%\n" + pairs
     return [text.encode() for text in (pairs, columns, rows, table, percent)] + [semicolons]
 
@@ -424,7 +516,22 @@ def _sample_files() -> list[bytes]:
         "</ColorSpecificationCollection></Resources></CxF>"
     )
     made = [text.encode() for text in (chart, argyll, table, cxf)]
-    return [*made, chart.encode("utf-16"), *_real("formats/*.cxf")]
+    return [*made, chart.encode("utf-16"), *map(_few_objects, _real("data/formats/*.cxf"))]
+
+
+def _few_objects(cxf: bytes) -> bytes:
+    """A CxF file with the first of its objects alone, so that a mutation soon meets each part."""
+    objects = list(re.finditer(rb"<(\w+:)?Object .*?</(\w+:)?Object>\s*", cxf, re.DOTALL))
+    return cxf if len(objects) < 8 else cxf[: objects[8].start()] + cxf[objects[-1].end() :]
+
+
+def _estimates() -> list[bytes]:
+    lines = (
+        "20=3.8,60=30.3,85=30.9\n0.2\n59,-58,45\n",
+        "60=45\n\n46; -50; 25\n",
+        "75=8e1\n\n5,0,0",
+    )
+    return [line.encode() for line in lines]
 
 
 def _materials() -> list[bytes]:

@@ -2,11 +2,15 @@
 
     python scripts/mutated_inputs.py --count 100000 --workers 2
     python scripts/mutated_inputs.py --bombs
+    python scripts/mutated_inputs.py --large --workers 1
+    python scripts/mutated_inputs.py --layouts
 
 Inputs of at most 1 MB are made from valid files (input_readers.py, input_mutations.py) and read in
 processes of their own. Reported are outcomes other than a result or one InputError line: another
 exception, a crash, a hang, a warning, text that a terminal would obey, a message without the file's
-name, more than 2 s of processor time, more than 300 MB of memory. Input K of a seed is always the
+name, more than 2 s of processor time, more than 300 MB of memory. With --large files have up to
+64 MB, and may take 5 s and 1 GB. --layouts writes valid files in other ways that mean the same, and
+reports where a reader finds other values. Input K of a seed is always the
 same: --only READER:K makes it again, and --keep FOLDER keeps those that failed. The exit status is
 1 where any failed.
 """
@@ -34,6 +38,10 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any
 
+import input_large
+from input_formats import VOCABULARY
+from input_large import LARGE
+from input_layouts import differences
 from input_mutations import MOST_BYTES, bombs, mutated
 from input_readers import Reader, readers, sound, structured_bombs
 
@@ -85,9 +93,19 @@ class Tally:
 
 
 def attempt(
-    reader: Reader, number: int | str, data: bytes, path: Path, *, timed: bool = True
+    reader: Reader,
+    number: int | str,
+    data: bytes,
+    path: Path,
+    *,
+    timed: bool = True,
+    most: tuple[float, float] | None = None,
 ) -> Outcome:
-    """Read an input, and judge how that went; without `timed` not how long it took."""
+    """Read an input, and judge how that went; without `timed` not how long it took.
+
+    most: seconds and MB; None: MOST_S and MOST_MB.
+    """
+    most_s, most_mb = most or (MOST_S, MOST_MB)
     path.write_bytes(data)
     outcome = Outcome(reader.name, number)
     before = _memory_mb(reset=True)
@@ -115,10 +133,10 @@ def attempt(
             outcome.fault = f"warning: {warned[0].message}"[:80]
         elif printed.getvalue():
             outcome.fault = f"printed: {printed.getvalue()}"[:80]
-        elif timed and outcome.seconds > MOST_S:
-            outcome.fault = f"slow: more than {MOST_S:g} s"
-        elif timed and outcome.megabytes > MOST_MB:
-            outcome.fault = f"large: more than {MOST_MB:g} MB"
+        elif timed and outcome.seconds > most_s:
+            outcome.fault = f"slow: more than {most_s:g} s"
+        elif timed and outcome.megabytes > most_mb:
+            outcome.fault = f"large: more than {most_mb:g} MB"
     with contextlib.suppress(OSError):
         path.unlink()
     return outcome
@@ -153,7 +171,7 @@ def _memory_mb(*, reset: bool = False) -> float:
 def input_of(reader: Reader, seeds: list[bytes], seed: int, number: int) -> bytes:
     """Input `number` of a reader: the same each time."""
     rng = random.Random(f"{seed} {reader.name} {number}")
-    return mutated(seeds, rng)
+    return mutated(seeds, rng, reader.name)
 
 
 def _work(pipe: Connection, seed: int, folder: str) -> None:
@@ -168,8 +186,11 @@ def _work(pipe: Connection, seed: int, folder: str) -> None:
         name, number = task
         reader = every[name]
         path = Path(folder) / f"input{reader.suffix}"
+        most = None
         if isinstance(number, str):
-            data = made[number]
+            large = LARGE.get(number)
+            data = made[number] if large is None else large()
+            most = None if large is None else (input_large.MOST_S, input_large.MOST_MB)
             if trim:
                 trim(0)  # what one input has freed is no credit of the next
         else:
@@ -179,7 +200,7 @@ def _work(pipe: Connection, seed: int, folder: str) -> None:
                     attempt(reader, -1, seeds[name][0], path)  # imports are paid here
             data = input_of(reader, seeds[name], seed, number)
         pipe.send(None)  # from now on its time is counted
-        pipe.send(attempt(reader, number, data, path))
+        pipe.send(attempt(reader, number, data, path, most=most))
 
 
 def all_bombs(size: int = MOST_BYTES) -> dict[str, bytes]:
@@ -290,6 +311,8 @@ def run(names: list[str], args: argparse.Namespace) -> int:
             for bomb in listed
             if bomb.startswith(f"{name}: ") or bomb.partition(": ")[0] not in names
         )
+    elif args.large:
+        tasks = ((name, large) for name in names for large in LARGE if large.startswith(f"{name}:"))
     else:
         tasks = tasks_of(names, args.count)
     slowest: list[Outcome] = []
@@ -314,6 +337,19 @@ def run(names: list[str], args: argparse.Namespace) -> int:
             f"{outcome.reader}:{outcome.number}"
         )
     return sum(tally.faults for tally in tallies.values())
+
+
+def run_layouts(names: list[str]) -> int:
+    """Compare what readers find in valid files and in the same in other layouts; count faults."""
+    faults = 0
+    for name in names:
+        found = list(differences(readers()[name]))
+        wrong = [(place, fault) for place, fault in found if fault]
+        for place, fault in wrong:
+            print(f"{place}: {visible(fault)}", flush=True)
+        print(f"{name:12} {len(found):8} {len(wrong):7}", flush=True)
+        faults += len(wrong)
+    return faults
 
 
 def _worst(found: list[Outcome]) -> list[Outcome]:
@@ -352,6 +388,8 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="Processes")
     parser.add_argument("--reader", action="append", choices=names, help="Only this reader")
     parser.add_argument("--bombs", action="store_true", help="Inputs of 1 MB made by hand")
+    parser.add_argument("--large", action="store_true", help="Inputs of 64 MB made by hand")
+    parser.add_argument("--layouts", action="store_true", help="Valid files in other layouts")
     parser.add_argument("--keep", metavar="FOLDER", help="Keep the inputs that failed here")
     parser.add_argument("--only", metavar="READER:K", help="Read one input, here")
     args = parser.parse_args(words)
@@ -361,6 +399,8 @@ def main(words: Sequence[str] | None = None) -> int:
         data = (
             input_of(reader, reader.seeds(), args.seed, int(number))
             if number.isdigit()
+            else LARGE[f"{name}:{number}"]()
+            if f"{name}:{number}" in LARGE
             else all_bombs()[number]
         )
         with tempfile.TemporaryDirectory() as folder:
@@ -368,6 +408,8 @@ def main(words: Sequence[str] | None = None) -> int:
             path.write_bytes(data)
             print(reader.read(path))
         return 0
+    if args.layouts:
+        return int(run_layouts(args.reader or list(VOCABULARY)) > 0)
     return int(run(args.reader or names, args) > 0)
 
 

@@ -97,11 +97,13 @@ _XML: tuple[tuple[str, Foreign], ...] = (
     (r"<(\w+:)?materialx\b", Foreign("a MaterialX document", _TABLE)),
 )
 
+_SSDD = Foreign("an SSDD file (surface scattering data)", _FIT, "ssdd")
+
 #: Formats of text with binary numbers below; every expression of an entry must be met.
 _MIXED: tuple[tuple[tuple[bytes, ...], Foreign], ...] = (
     (
         (rb"^[ \t]*VERSION[ \t:=]+\d", rb"^[ \t]*DATA_TYPE[ \t:=]+\w"),
-        Foreign("an SSDD file (surface scattering data)", _FIT, "ssdd"),
+        _SSDD,
     ),
     (
         (rb"^[ \t]*#\s*FORMAT\s+binary", rb"^[ \t]*#\s*PARAM_IN\b"),
@@ -118,7 +120,7 @@ _GROUND = re.MULTILINE | re.IGNORECASE
 #: What the lines of text formats begin with; every expression of an entry must be met.
 _TEXTS: tuple[tuple[tuple[str, ...], Foreign], ...] = (
     (
-        (r"^VARS\b[ \t=:].*\btheta_?[iso]",),
+        (r"^[ \t]*VARS\b[ \t=:].*\btheta_?[iso]",),
         Foreign("a BRDF in the format of ASTM E1392", _FIT, "e1392"),
     ),
     (
@@ -130,9 +132,11 @@ _TEXTS: tuple[tuple[tuple[str, ...], Foreign], ...] = (
         Foreign("an Integra .ddr or .ddt file", _TO_SSDD),
     ),
     (
-        (r"^#\s*PARAM_IN\b", r"^#\s*DIM\b"),
+        (r"^[ \t]*#\s*PARAM_IN\b", r"^[ \t]*#\s*DIM\b"),
         Foreign("a data file of ALTA", _FIT, "alta"),
     ),
+    # In bytes it is found above, with a binary table; here in UTF-16 or with other line ends.
+    ((r"^[ \t]*VERSION\s+\d", r"^[ \t]*DATA_TYPE\s+\w"), _SSDD),
     (
         (r"\AIESNA|^TILT *=",),
         Foreign(
@@ -185,7 +189,8 @@ def foreign_format(head: bytes) -> Foreign | None:
             return foreign
     if head[:1] and b"\x00" in head and wide_encoding(head) is None:
         return None
-    return _of_text(decoded_beginning(head).lstrip())
+    text = decoded_beginning(head).replace("\r\n", "\n").replace("\r", "\n")
+    return _of_text(text.lstrip())
 
 
 def refuse_foreign(head: bytes, path: object) -> None:

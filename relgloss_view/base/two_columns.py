@@ -152,6 +152,8 @@ def fields_of(line: str) -> list[str]:
     fields = [_as_number(f.strip(' "\t')) for f in text.split(delimiter)]
     if delimiter == "," and len(fields) == 1:
         fields = text.split()
+    if not fields:  # white space that only Unicode knows
+        return [""]
     while len(fields) > 2 and not fields[-1]:
         fields.pop()
     while len(fields) > 2 and not fields[0] and NUMBER.fullmatch(fields[1].removesuffix("nm")):

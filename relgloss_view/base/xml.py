@@ -137,7 +137,9 @@ class _Builder:
 
 
 def _as_utf8(data: bytes, place: str) -> bytes:
-    """The bytes of an XML text as UTF-8 without a mark."""
+    """The bytes of an XML text as UTF-8 without a mark, and without an end of file of DOS."""
+    if data.endswith(b"\x1a"):
+        data = data.rstrip(b"\x1a")
     declared = _DECLARED.match(data.lstrip(b"\xef\xbb\xbf"))
     if wide_encoding(data[:4096]) is None and declared is not None:
         name = declared[1].decode("ascii").lower()

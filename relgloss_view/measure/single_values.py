@@ -46,7 +46,9 @@ def mended(
         filled = radiance_factor.copy()
         typical = _typical(radiance_factor)
         for row in rows:
-            filled[row] = _completed(filled[row], ~bad[row], typical, centres_nm)
+            done = _completed(filled[row], ~bad[row], typical, centres_nm)
+            # The body of a dark sample extrapolates to below zero, where no reflectance is.
+            filled[row] = np.where(bad[row], np.maximum(done, 0.0), done)
         radiance_factor = filled
         notes.append(_filled_note(kinds, bad, rows, centres_nm, angles))
     if np.any(is_noise):

@@ -105,7 +105,7 @@ def _header(lines: Iterator[str]) -> dict[str, str]:
     """The entries above the first row of numbers."""
     header: dict[str, str] = {}
     for count, text in enumerate(lines):
-        entry = re.match(r"\s*#\s*([A-Za-z_]{2,40})\s+(.{1,200})", text)
+        entry = re.match(r"\s*#\s*([A-Za-z_]{2,40})\s+(\S.{0,199})", text)
         if entry is not None:
             header.setdefault(entry[1].upper(), printable(entry[2].strip(), 80))
         elif text.strip() and not text.lstrip().startswith("#"):

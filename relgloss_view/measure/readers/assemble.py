@@ -21,6 +21,8 @@ from relgloss_view.measure.table import KEPT, Measurement, source_is_synthetic
 #: Two readings of one geometry that differ by more than this contradict each other: noise of gonio
 #: instruments is a few percent.
 CONTRADICTION = 0.10
+#: Readers refuse numbers above 1e12; a BRDF times pi, over the cosine at grazing angles.
+MOST_FACTOR = 1e14
 
 
 def tabulated_directions() -> tuple[Array, Array, Ints]:
@@ -124,8 +126,17 @@ def one_channel(readings: Array, label: str) -> tuple[Bands, Array, str]:
 
 
 def require_samples(measurement: Measurement, path: object) -> Measurement:
-    """Return the measurement; raises InputError where no sample is left."""
-    if measurement.kept.any():
+    """Return the measurement; raises InputError where no sample is left, or one is absurd."""
+    kept = measurement.kept
+    if kept.any():
+        # Column by column: a copy of the kept rows would take as much as the table.
+        for column in measurement.radiance_factor.T:
+            for most in (column.max(where=kept, initial=0.0), column.min(where=kept, initial=0.0)):
+                if not abs(most) <= MOST_FACTOR:
+                    raise InputError(
+                        f"{path}: a reading is {most:.3g} times the perfect diffuser's, beyond any "
+                        "surface; the file is damaged, or its unit is another"
+                    )
         return measurement
     why = ", ".join(f"{count} {reason}" for reason, count in measurement.left_out().items())
     raise InputError(

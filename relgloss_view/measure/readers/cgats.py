@@ -248,13 +248,13 @@ class _RowReader:
         for k in columns:
             text = words[k].strip()
             try:
-                value = cells.number(text.replace(",", ".") if text.count(",") == 1 else text)
+                text = text.replace(",", ".") if text.count(",") == 1 else text
+                values.append(cells.reading(text))
             except InputError as error:
                 raise InputError(
                     f"{self._path}: line {line}, field {self._table.fields[k][:30]}: found "
                     f"{printable(words[k], 30)!r}, expected a number; {error}"
                 ) from None
-            values.append(np.nan if value is None else value)
         return np.array(values)
 
 

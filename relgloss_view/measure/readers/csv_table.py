@@ -19,6 +19,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.text_lines import TextLines
 from relgloss_view.base.two_columns import MARK_RATIO, MARKS
+from relgloss_view.measure.readers.cells import MAX_MAGNITUDE
 from relgloss_view.measure.readers.header import (
     PADDING,
     SEPARATOR_LINE,
@@ -29,15 +30,14 @@ from relgloss_view.measure.readers.header import (
 )
 from relgloss_view.measure.readers.headings import angle_heading, has_percent, is_wavelength
 from relgloss_view.measure.readers.joined import refuse_contradiction
-from relgloss_view.measure.readers.rows import Header, RowReader, Rows, has_decimal_commas
+from relgloss_view.measure.readers.quick_rows import Header
+from relgloss_view.measure.readers.rows import RowReader, Rows, has_decimal_commas
 
 #: Beyond these a table is not a gonio scan, and reading it would exhaust the memory.
-MAX_BYTES = 1_000_000_000
-MAX_ROWS = 5_000_000
-MAX_LINES = 6_000_000  #: with comments and blank lines
-MAX_VALUES = 100_000_000  #: rows times columns: 0.8 GB, and a measurement takes that a few times
-#: No reading comes near: a mirror-like lobe of 0.1 degrees at grazing incidence reaches 1e5.
-MAX_MAGNITUDE = 1e12
+MAX_BYTES = 400_000_000
+MAX_ROWS = 1_000_000
+MAX_LINES = 1_500_000  #: with comments and blank lines
+MAX_VALUES = 16_000_000  #: rows times columns: 128 MB, and a measurement takes that a few times
 MOST_COMMENTS = 10_000  #: keys of comments that are kept
 VALUES_AT_ONCE = 1 << 20
 EXPECTED = "a measured table"
@@ -153,7 +153,7 @@ def whole_lines(lines: Iterable[str]) -> Iterator[str]:
     pending: list[str] = []
     for line in lines:
         if not pending:
-            if _OPEN_QUOTE.search(line) and line.count('"') % 2:
+            if line.count('"') % 2 and _OPEN_QUOTE.search(line):
                 pending = [line]
             else:
                 yield line
@@ -172,7 +172,10 @@ def whole_lines(lines: Iterable[str]) -> Iterator[str]:
 
 def _unquoted(line: str) -> str:
     """A line that a spreadsheet wrote as one quoted cell, without its quotes."""
-    cell = _EMPTY_CELLS.sub("", line.strip(PADDING))
+    cell = line.strip(PADDING)
+    if cell[:1] != '"':
+        return line
+    cell = _EMPTY_CELLS.sub("", cell)
     if len(cell) > 1 and cell[0] == cell[-1] == '"':
         inner = cell[1:-1].replace('""', "\0")
         if '"' not in inner:

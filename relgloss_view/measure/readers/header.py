@@ -20,9 +20,10 @@ from relgloss_view.measure.readers.headings import (
     is_wavelength,
     value_quantity,
 )
-from relgloss_view.measure.readers.rows import Header, split
+from relgloss_view.measure.readers.quick_rows import Header
+from relgloss_view.measure.readers.rows import split
 
-MAX_COLUMNS = 10_000
+MAX_COLUMNS = 6_000  #: 100 to 3000 nm in the finest steps, and some beside them
 MOST_TITLES = 200  #: lines above the header
 MOST_LOOKED_AT = 500  #: columns of a line that may be the header
 MOST_HEADINGS = 50_000  #: of all such lines together

@@ -18,7 +18,6 @@ MAX_LINES = 2_000_000
 MAX_ROWS = 1_000_000
 LONGEST_LINE = 200_000  #: characters
 MAX_VALUES = 12_000_000  #: numbers of a table: 96 MB, and a measurement takes that a few times
-MAX_MAGNITUDE = 1e12
 
 
 class NumberRows:
@@ -46,11 +45,11 @@ class NumberRows:
         table = np.frombuffer(self._values, dtype=np.float64).reshape(-1, self.width)
         # Comparisons by blocks: a mask of the whole table would take an eighth of it again.
         for top in range(0, len(table), 100_000):
-            huge = np.abs(table[top : top + 100_000]) > MAX_MAGNITUDE
+            huge = np.abs(table[top : top + 100_000]) > cells.MAX_MAGNITUDE
             if huge.any():
                 raise InputError(
                     f"{self.path}: row {top + int(np.argwhere(huge)[0][0]) + 1} of the numbers: "
-                    f"a value beyond {MAX_MAGNITUDE:g}; the file is damaged"
+                    f"a value beyond {cells.MAX_MAGNITUDE:g}; the file is damaged"
                 )
         return table
 

@@ -7,7 +7,6 @@ import re
 from array import array
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +14,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
-from relgloss_view.measure.readers import cells
+from relgloss_view.measure.readers import cells, quick_rows
 from relgloss_view.measure.readers.headings import (
     RADIANS,
     angle_heading,
@@ -23,6 +22,7 @@ from relgloss_view.measure.readers.headings import (
     is_wavelength,
     unit_of,
 )
+from relgloss_view.measure.readers.quick_rows import Header
 
 MOST_ODD_LINES = 500  #: in a row, before the first of them is reported
 LONGEST_NOTED = 100  #: characters of a text that is kept for a note
@@ -40,24 +40,6 @@ FEWEST_NUMBERS = 3  #: in a row
 LOOKED_AT = 20  #: fields of a line that may be another header
 MOST_UNITS = 5  #: rows of units, long names and remarks between header and numbers
 MOST_SAMPLES = 1000  #: names of samples that are kept
-
-
-@dataclass(frozen=True)
-class Header:
-    """The header of a table."""
-
-    line: int  #: from 1
-    columns: tuple[str, ...]  #: '' where a column has no name
-    words: tuple[str, ...]  #: as the file has them, lower case
-    keys: tuple[int, ...]  #: columns of angles, which every row must hold
-    delimiter: str | None  #: None: any run of spaces
-    beside: frozenset[int] = frozenset()  #: columns that may hold text, as they are passed over
-    sample: int | None = None  #: the one of them that names the sample
-
-    @cached_property
-    def width(self) -> int:
-        """Number of columns up to the last one with a name."""
-        return max((k + 1 for k, name in enumerate(self.columns) if name), default=0)
 
 
 @dataclass
@@ -170,7 +152,7 @@ class RowReader:
             # float() also takes 1_000, nan, infinity and digits of other scripts: such lines, and
             # those with empty or odd fields, are parsed field by field.
             if plain and line.isascii() and "_" not in line and "n" not in line and "N" not in line:
-                fields = self._quoted(line)
+                fields = quick_rows.quoted(line, delimiter, self._comma)
                 if not fields:
                     text = line.replace(",", ".") if plain_commas else line
                     fields = text.split(delimiter)
@@ -182,7 +164,8 @@ class RowReader:
                     else:
                         self._take(number, numbers)
                         continue
-            self._careful(number, split(line, delimiter))
+            if not self._quick(number, line):
+                self._careful(number, split(line, delimiter))
         self._end()
         rows = self._rows
         rows.values = np.frombuffer(self._flat, dtype=np.float64).reshape(-1, width)
@@ -193,13 +176,17 @@ class RowReader:
             rows.percent = True
         return rows
 
-    def _quoted(self, line: str) -> list[str]:
-        """The fields of a line of which each is quoted, with decimal points; else none."""
-        line = line.rstrip()
-        if not self._header.delimiter or len(line) < 2 or line[0] != '"' or line[-1] != '"':
-            return []
-        text = line[1:-1].split(f'"{self._header.delimiter}"')
-        return [field.replace(",", ".") for field in text] if self._comma else text
+    def _quick(self, number: int, line: str) -> bool:
+        """Take a row by quick_rows; False where it must be read with care."""
+        found = quick_rows.row(line, self._header, self._comma) if self._numbers else None
+        if found is None:
+            return False
+        for sign in found.signs:
+            self._rows.signs.add(number, sign[:LONGEST_NOTED])
+        if found.sample is not None:
+            self._of_sample(found.sample[:LONGEST_NOTED])
+        self._take(number, found.numbers)
+        return True
 
     def _take(self, line: int, numbers: list[float]) -> None:
         """Append a row; what lies before it must be something that a table may hold."""
@@ -341,13 +328,16 @@ class RowReader:
             self._rows.signs.add(line, text[:LONGEST_NOTED])
         self._percents += percents
         if header.sample is not None:
-            names = self._rows.samples
-            name = named[header.sample][:LONGEST_NOTED]
-            last = names.get(name, MOST_SAMPLES)
-            if last == MOST_SAMPLES and len(names) < MOST_SAMPLES:
-                last = names[name] = len(names)
-            self._rows.sample_of.append(last)
+            self._of_sample(named[header.sample][:LONGEST_NOTED])
         return numbers
+
+    def _of_sample(self, name: str) -> None:
+        """Note the sample of a row."""
+        names = self._rows.samples
+        last = names.get(name, MOST_SAMPLES)
+        if last == MOST_SAMPLES and len(names) < MOST_SAMPLES:
+            last = names[name] = len(names)
+        self._rows.sample_of.append(last)
 
     def _place(self, line: int, column: int) -> str:
         name = self._header.columns[column]

@@ -310,6 +310,11 @@ def _in_rows(path: Path, text: TextLines, beginning: _Beginning, result: SampleF
             texts = [t.removesuffix("%").strip() for t in texts]
             if not signs:
                 continue
+            if max(columns) >= len(fields):
+                raise InputError(
+                    f"{path}: line {number}: {len(fields)} fields, the header in line {start} has "
+                    f"{len(headings)}; complete the row, or remove it"
+                )
             if len(signs) > 1:
                 raise InputError(
                     f"{path}: line {number}: some values have a % sign and others have none; write "
@@ -367,11 +372,10 @@ def _values(path: Path, number: int, texts: list[str], comma: bool) -> Array:
     values = []
     for k, text in enumerate(texts):
         try:
-            value = cells.number(text, comma)
+            values.append(cells.reading(text, comma))
         except InputError as error:
             raise InputError(
                 f"{path}: line {number}, wavelength {k + 1}: found {printable(text, 30)!r}, "
                 f"expected a reflectance; {error}"
             ) from None
-        values.append(np.nan if value is None else value)
     return np.array(values)

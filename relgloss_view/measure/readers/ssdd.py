@@ -40,6 +40,7 @@ ROUNDING_DEG = 1e-3  #: writers print 90 degrees from float32 radians
 #: Directions that are kept of a table: generated ones have a million, and a fit needs no more.
 MOST_SAMPLES = 150_000
 MAX_NUMBERS = 20_000_000
+MAX_TEXT = 10_000_000  #: numbers of a table in text, which takes longer
 MAX_DIRECTIONS = 3_000_000
 
 
@@ -83,6 +84,11 @@ def read(path: Path, options: ReadOptions) -> Measurement:
     labels, wavelengths = _channels(path, block)
     warnings = _passed_over(blocks, block)
     grid = _grid(path, block, kind, len(labels))
+    if not block.binary and grid.count * len(labels) > MAX_TEXT:
+        raise InputError(
+            f"{path}: a text table of {grid.count * len(labels)} numbers, at most {MAX_TEXT} are "
+            "read; save it with 'DATA binary', or thin out its lists"
+        )
     values = block.numbers(data, grid.count, len(labels))
     grid, thinned = _thinned(grid)
     rows = grid.rows()

@@ -16,13 +16,14 @@ from relgloss_view.base.decoding import decoded, wide_encoding
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.foreign import HEAD_BYTES
 from relgloss_view.base.reading import printable, read_bytes
+from relgloss_view.measure.readers.cells import MAX_MAGNITUDE
 
 MAX_BYTES = 300_000_000
 EXPECTED = "an SSDD file of libbsdf"
+MAX_WIDE = 50_000_000  #: bytes in UTF-16, of which further copies are made
 MAX_PROPERTIES = 200  #: of one block; the format has 18
 LONGEST_LINE = 2_000_000  #: bytes
 MAX_LINES = 10_000  #: outside the tables
-MAX_MAGNITUDE = 1e12
 MOST_IN_LIST = 100_000
 KINDS = ("brdf", "btdf", "specular_reflectance", "specular_transmittance")
 _MARK = b"\xef\xbb\xbf"
@@ -120,7 +121,7 @@ class Block:
 
 def read_blocks(path: Path) -> tuple[list[Block], bytes]:
     """The blocks of a file in their order, and its bytes. Raises InputError."""
-    data = _plain(path, read_bytes(path, MAX_BYTES, EXPECTED))
+    data = _with_line_feeds(path, read_bytes(path, MAX_BYTES, EXPECTED))
     place = len(_MARK) if data.startswith(_MARK) else 0
     blocks: list[Block] = []
     properties: dict[str, str] = {}  # of the file's own header
@@ -158,6 +159,17 @@ def read_blocks(path: Path) -> tuple[list[Block], bytes]:
     return blocks, data
 
 
+def _with_line_feeds(path: Path, data: bytes) -> bytes:
+    """The bytes of a text in UTF-16, or of one without line feeds, as the format has them."""
+    if b"DATA_TYPE" not in data[:HEAD_BYTES] and wide_encoding(data[:4096]) is not None:
+        if len(data) > MAX_WIDE:
+            raise InputError(f"{path}: a file in UTF-16 of {len(data)} bytes; save it as UTF-8")
+        data = decoded(data, str(path)).text.encode()
+    if b"\n" not in data[:HEAD_BYTES] and b"\r" in data[:HEAD_BYTES]:
+        data = data.replace(b"\r", b"\n")
+    return data
+
+
 def _skip(block: Block, mode: str, data: bytes, place: int) -> int:
     """Note where the numbers begin; the place of the next block."""
     if mode not in ("ascii", "binary"):
@@ -173,15 +185,6 @@ def _skip(block: Block, mode: str, data: bytes, place: int) -> int:
         place = min(place + 4 * math.prod(sizes) * channels, len(data))
     following = _BEGINS.search(data, max(place - 1, 0))
     return following.start() + 1 if following else len(data)
-
-
-def _plain(path: Path, data: bytes) -> bytes:
-    """The bytes with line feeds as ends of lines, in UTF-8, where they are text in another form."""
-    if wide_encoding(data[:HEAD_BYTES]) is not None:
-        data = decoded(data, str(path)).text.encode()
-    if b"\r" in data[:HEAD_BYTES] and b"\n" not in data[:HEAD_BYTES]:
-        data = data.replace(b"\r", b"\n")
-    return data
 
 
 def _property(line: str) -> tuple[str, str]:

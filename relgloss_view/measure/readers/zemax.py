@@ -10,6 +10,7 @@ Source: Rykowski 2008, "BSDF Data Interchange File Format Specification" (Radian
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -32,6 +33,7 @@ EXPECTED = "a Zemax BSDF file"
 MOST_BYTES = 64_000_000
 LARGEST = 1e9  #: 1/sr; a perfect mirror seen through the finest instrument stays below
 MOST_LINES = 1_200_000
+SHORT_ROW = 16  #: numbers
 MOST_READINGS = 1_000_000  #: of one channel
 #: Zeros beyond this polar angle show where the instrument's view ends; readings within RIM_DEG of
 #: it are left out, as those are that lie as near to the horizon.
@@ -63,7 +65,7 @@ def read(path: Path, options: ReadOptions) -> Measurement:
     table = _Parser(path).parse(text.text)
     axes = [table.axes[name] for name in AXES]
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
-    stacked = np.stack([np.concatenate(table.values[c]) for c in sorted(table.values)], axis=-1)
+    stacked = np.stack([np.asarray(table.values[c]) for c in sorted(table.values)], axis=-1)
     readings = stacked.reshape(*grid.shape[:-1], -1)
     once = _once(axes, readings)
     angles, values = grid[once], readings[once]
@@ -158,7 +160,7 @@ def _once(axes: list[Array], readings: Array) -> Mask:
 class _Table:
     axes: dict[str, Array] = field(default_factory=dict)
     words: dict[str, str] = field(default_factory=dict)
-    values: dict[str, list[Array]] = field(default_factory=dict)  #: of each channel
+    values: dict[str, array[float]] = field(default_factory=dict)  #: of each channel
     notes: list[str] = field(default_factory=list)
 
 
@@ -256,7 +258,7 @@ class _Parser:
         if self._channel is not None:
             self._check_whole()
         self._channel, self._count, self._in_data = channel, 0, False
-        self._table.values[channel] = []
+        self._table.values[channel] = array("d")
         missing = [name for name in AXES if name not in self._table.axes]
         if "samplerotation" in missing:
             self._table.axes["samplerotation"] = np.zeros(1)
@@ -275,7 +277,7 @@ class _Parser:
     def _row(self, words: list[str]) -> None:
         if self._channel is None or self._count + len(words) > self._expected():
             raise self._fail(f"more numbers than the {self._expected()} that the header declares")
-        self._table.values[self._channel].append(self._numbers(words))
+        self._table.values[self._channel].extend(self._few(words) or self._numbers(words))
         self._count += len(words)
 
     def _check_block(self) -> None:
@@ -303,6 +305,16 @@ class _Parser:
         if channels not in ({""}, {"X", "Y", "Z"}):
             lacking = ", ".join(sorted({"X", "Y", "Z"} - channels))
             raise self._fail(f"the blocks of Tristimulus {lacking} are missing; export all three")
+
+    def _few(self, words: list[str]) -> list[float]:
+        """The numbers of a short row that is sound, [] of any other, for which arrays are slow."""
+        if len(words) > SHORT_ROW:
+            return []
+        try:
+            numbers = list(map(float, words))
+        except ValueError:
+            return []
+        return numbers if all(abs(number) <= LARGEST for number in numbers) else []
 
     def _numbers(self, words: list[str]) -> Array:
         try:
