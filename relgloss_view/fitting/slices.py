@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -125,9 +126,9 @@ def _common(angles_deg: Array) -> tuple[Array, Ints]:
     """
     near, count = np.unique(np.round(angles_deg, _DIGITS), return_counts=True)
     _, first = np.unique(np.round(near), return_index=True)
-    last = [*first[1:].tolist(), len(near)]
-    picked = [a + int(np.argmax(count[a:b])) for a, b in zip(first.tolist(), last, strict=True)]
-    total = [int(np.sum(count[a:b])) for a, b in zip(first.tolist(), last, strict=True)]
+    runs = list(itertools.pairwise([*first.tolist(), len(near)]))
+    picked = np.array([a + int(np.argmax(count[a:b])) for a, b in runs], dtype=np.int64)
+    total = [int(np.sum(count[a:b])) for a, b in runs]
     return near[picked], np.array(total, dtype=np.int64)
 
 
