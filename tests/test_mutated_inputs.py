@@ -1,5 +1,6 @@
 """The harness of damaged inputs: a few of them in every run, and what it finds where a fault is."""
 
+import dataclasses
 import sys
 import warnings
 from pathlib import Path
@@ -9,6 +10,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "scripts"))
 
 import mutated_inputs
+from input_layouts import differences
 from input_readers import Reader, readers, structured_bombs
 
 from relgloss_view.base.errors import InputError
@@ -76,6 +78,23 @@ def test_a_planted_fault_is_found(read, fault, tmp_path, monkeypatch):
     assert fault in mutated_inputs.attempt(reader, 0, b"a", tmp_path / "input.csv").fault
     sane = Reader("sane", ".csv", lambda path: path.read_bytes(), lambda: [b"a"])
     assert mutated_inputs.attempt(sane, 0, b"a", tmp_path / "input.csv").fault == ""
+
+
+@pytest.mark.parametrize("name", ["zemax", "ssdd", "astm-e1392", "alta"])
+def test_other_layouts_of_a_file_have_the_same_values(name):
+    found = list(differences(EVERY[name]))
+    assert len(found) > 20
+    assert [place for place, fault in found if fault] == []
+
+
+def test_a_reader_that_exchanges_columns_is_found():
+    def exchanged(path):
+        reading = EVERY["alta"].read(path)
+        other = b"  \n" in path.read_bytes()
+        return dataclasses.replace(reading, to_lamp=reading.to_receiver) if other else reading
+
+    reader = dataclasses.replace(EVERY["alta"], read=exchanged)
+    assert any("another value" in fault for _, fault in differences(reader))
 
 
 @pytest.mark.slow
