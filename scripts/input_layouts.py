@@ -19,6 +19,7 @@ from input_readers import Reader, sound
 
 from relgloss_view.base.arrays import AnyArray
 from relgloss_view.base.errors import InputError
+from relgloss_view.measure.table import Measurement
 
 SHUFFLES = 5  #: orders of the columns of a table
 
@@ -64,9 +65,9 @@ def _numbers(result: object) -> list[AnyArray]:
     nm = getattr(bands, "wavelengths_nm", None)
     if nm is not None:
         found.append(np.array(nm))
-    if factor is not None and hasattr(result, "to_lamp"):
+    if isinstance(result, Measurement):
         rows = np.column_stack(
-            [result.to_lamp, result.to_receiver, np.nan_to_num(factor, nan=-9.0)]
+            [result.to_lamp, result.to_receiver, np.nan_to_num(result.radiance_factor, nan=-9.0)]
         )
         found += [rows[np.lexsort(np.round(rows.T, 9))], np.sum(result.kept)]
     elif factor is not None:
