@@ -69,7 +69,7 @@ def _numbers(result: object) -> list[AnyArray]:
         rows = np.column_stack(
             [result.to_lamp, result.to_receiver, np.nan_to_num(result.radiance_factor, nan=-9.0)]
         )
-        found += [rows[np.lexsort(np.round(rows.T, 9))], np.sum(result.kept)]
+        found += [rows[np.lexsort(np.round(rows.T, 9))], np.array(result.kept.sum())]
     elif factor is not None:
         found.append(factor)
     for name in ("wavelengths_nm", "power", "values"):
