@@ -105,7 +105,7 @@ class TestScreenshot:
         green = (pixels[..., 1] > 100) & (pixels[..., 1] > 2 * pixels[..., 0])
         assert green[:, :640].mean() > 0.05
         assert green[:, 400:950].mean() > 0.05
-        assert not green[:, 960:].any()
+        assert green[:, 960:].sum() < 1000  # the swatch of the colour picker, a few em wide
 
     @pytest.mark.parametrize(
         ("asked", "got"), [("321x123", (321, 123)), ("0x0", (1, 1)), ("1x1", (1, 1))]

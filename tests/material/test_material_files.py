@@ -365,7 +365,10 @@ def test_a_colour_outside_srgb_keeps_its_basis(tmp_path):
 @pytest.mark.parametrize(
     ("content", "name"),
     [
-        (b"Source Measured\nSymmetry PlaneSymmetrical\nSpectralContent Monochrome\n", "Zemax BSDF"),
+        (
+            b"Symmetry PlaneSymmetrical\nSpectralContent Monochrome\nScatterType BRDF\n",
+            "Zemax BSDF",
+        ),
         (b"<?xml version='1.0'?><WindowElement/>", "BSDF in XML"),
         (b"\x89HDF\r\n\x1a\n", "AxF"),
         (b"tensor_file\0\1\0", "RGL"),

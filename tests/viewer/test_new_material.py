@@ -64,7 +64,9 @@ def test_the_fields_are_the_estimates_readings():
     assert [r.words for r in readings] == ["20=12.3", "60=45"]
     # "45" may be 44.5 to 45.5, "45.0" is nearer
     finer = ReadingsTyped(("", "45.0", "", "")).readings()[0]
-    assert readings[1].standard_error > 1.5 * finer.standard_error
+    rounding = (1.0**2 - 0.1**2) / 12.0  # variances of uniform errors one step wide
+    more = readings[1].standard_error ** 2 - finer.standard_error**2
+    assert more == pytest.approx(rounding, rel=1e-6)
     with pytest.raises(InputError, match="gloss at 85 degrees: expected a number"):
         ReadingsTyped(("", "", "4x", "")).readings()
     with pytest.raises(InputError, match="at least one gloss reading"):

@@ -43,7 +43,7 @@ def reading_of(
     error: standard error in gloss units, None for the usual one. step: unit of the last digit.
 
     >>> round(reading_of(60, 45.0).standard_error, 3)
-    0.153
+    0.542
     """
     if angle_deg not in SPECULAR:
         angles = ", ".join(f"{angle:g}" for angle in sorted(SPECULAR))
