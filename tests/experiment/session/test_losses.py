@@ -367,10 +367,14 @@ class TestFormerVersion:
         ],
     )
     def test_without_it_or_with_a_damaged_one(self, killed, tmp_path, change, cause):
+        # The kill may have come after another answer than the fortieth.
+        (tmp_path / "whole").mkdir()
+        with Store(self.copied(killed, tmp_path / "whole")) as store:
+            whole = len(store.answers())
         file = self.copied(killed, tmp_path, change)
         assert losses_of(file) == (Loss(cause),)
         with Store(file) as store:
-            assert len(store.answers()) < 40  # the control: something is lost
+            assert len(store.answers()) < whole  # the control: something is lost
         # Nothing of it is gone: should the log turn up, the file as it was is there for it.
         (former,) = former_copies(file)
         assert former.read_bytes() == killed.read_bytes()
