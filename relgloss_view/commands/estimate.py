@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 #: A reading, with the units that people write: degrees, gloss units, or percent (JIS Z 8741).
 _READING = re.compile(r"(\S+?)\s*(?:°|deg|degrees)?\s*=\s*(\S+?)\s*(?:GU|%)?", re.IGNORECASE)
 #: The space before another reading.
+LONGEST_GLOSS = 500  #: characters of all readings
 _NEXT_READING = re.compile(r"\s+(?=[\d.]+\s*(?:°|deg|degrees)?\s*=)", re.IGNORECASE)
 GEOMETRIES = ("45-0", "d-8-sci", "d-8-sce")  #: measure.spectrum, which need not be loaded for help
 
@@ -141,6 +142,10 @@ def gloss_readings_of(text: str, error: float | None = None) -> tuple[GlossReadi
     """
     from relgloss_view.fitting.estimate.given import last_digit, reading_of
 
+    if len(text) > LONGEST_GLOSS:
+        raise InputError(
+            f"--gloss {printable(text, 60)}: is too long; give a reading for each angle"
+        )
     readings: dict[float, GlossReading] = {}
     for word in _reading_words(text):
         parts = _READING.fullmatch(word)

@@ -85,6 +85,9 @@ _SAMPLE = re.compile(
 _COLOURS = {"r": "R", "g": "G", "b": "B", "red": "R", "green": "G", "blue": "B"}
 
 
+LONGEST = 80  #: characters of a heading
+
+
 @dataclass(frozen=True)
 class AngleHeading:
     """An angle column: its name in relgloss, its unit if the heading has one."""
@@ -162,7 +165,7 @@ def band_nm(heading: str) -> float | None:
     >>> band_nm("X") is None
     True
     """
-    text = _UNIT.sub("", _PERCENT.sub("", heading.strip().lower()))
+    text = _without_unit(heading)
     text = re.sub(r"[\[\]()]", " ", text)
     text = " ".join(text.replace("_nm", " nm").split())
     text = re.sub(r"^(spectral|spec) ?nm ?", "nm", text)
@@ -184,7 +187,7 @@ def is_band(heading: str) -> bool:
 
 def colour_name(heading: str) -> str | None:
     """'R', 'G' or 'B' where a heading names a channel of linear sRGB, else None."""
-    return _COLOURS.get(_UNIT.sub("", _PERCENT.sub("", heading.strip().lower())).strip())
+    return _COLOURS.get(_without_unit(heading).strip())
 
 
 def has_percent(heading: str) -> bool:
@@ -193,7 +196,7 @@ def has_percent(heading: str) -> bool:
     >>> has_percent("R400 [%]"), has_percent("%"), has_percent("400 nm")
     (True, True, False)
     """
-    text = heading.strip().lower()
+    text = _lower(heading)
     return text == "percent" or _PERCENT.search(text) is not None
 
 
@@ -212,7 +215,7 @@ def value_quantity(heading: str) -> str | None:
     >>> value_quantity("BRDF [1/sr]"), value_quantity("Value"), value_quantity("400")
     ('brdf', '', None)
     """
-    text = _UNIT.sub("", _PERCENT.sub("", heading.strip().lower()))
+    text = _without_unit(heading)
     return _VALUES.get(_plain(text))
 
 
@@ -226,7 +229,17 @@ def is_sample(heading: str) -> bool:
     return _SAMPLE.fullmatch(_plain(heading)) is not None
 
 
+def _without_unit(heading: str) -> str:
+    return _UNIT.sub("", _PERCENT.sub("", _lower(heading)))
+
+
+def _lower(heading: str) -> str:
+    """A heading in lower case; '' for one so long that it is none."""
+    text = heading.strip()
+    return text.lower() if len(text) <= LONGEST else ""
+
+
 def _plain(heading: str) -> str:
     """Lower-case words of a heading without brackets and marks."""
-    text = heading[:80].lower()
+    text = heading[:LONGEST].lower()
     return " ".join(re.sub(r"[\[\](){}:;/|_.,#-]", " ", text).split())
