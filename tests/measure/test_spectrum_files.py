@@ -182,3 +182,18 @@ def test_signs_of_no_reading(read, sign):
     lines[5] = f"{NM[5]},{sign}"
     assert np.delete(read(lines).radiance_factor - RED, 5) == pytest.approx(0.0, abs=1e-5)
     assert read(lines).radiance_factor[5] == pytest.approx((RED[4] + RED[6]) / 2, abs=1e-5)
+
+
+def test_a_bad_value_of_a_gonio_table_is_no_colour(read):
+    """Noise below zero counts as 0, as in every spectrum; what no surface has is refused."""
+    head = ["# quantity: radiance-factor", "theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg," + HEADER]
+
+    def table(value):
+        values = np.full(len(NM), 0.2)
+        values[10] = value
+        return [*head, row("45,180,0,0", values=values)]
+
+    assert read(table(-0.0005)).radiance_factor.min() >= 0.0
+    assert read(table(0.2)).radiance_factor == pytest.approx(0.2)
+    with pytest.raises(InputError, match="the perfect diffuser has 1"):
+        read([*head, row("45,180,0,0", values=np.full(len(NM), 2.5))])

@@ -12,7 +12,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.foreign import HEAD_BYTES, foreign_format
 from relgloss_view.base.reading import decoding, read_beginning
 from relgloss_view.measure.gonio import from_normal
-from relgloss_view.measure.quantity import canonical_quantity
+from relgloss_view.measure.quantity import RADIANCE_FACTOR, canonical_quantity
 from relgloss_view.measure.readers import (
     cgats,
     cxf,
@@ -147,11 +147,8 @@ def _of_table(measurement: Measurement) -> ColourReading:
             f"read the geometry 45/0 of {len(off)}"
             + (f", the mean of {count} readings" if count > 1 else "")
         )
-    return ColourReading(
-        name=measurement.name,
-        bands=measurement.bands,
-        radiance_factor=np.mean(measurement.radiance_factor[rows], axis=0),
-        geometry=AT_45_0,
-        notes=tuple(notes),
-        file=measurement.file,
-    )
+    values = np.mean(measurement.radiance_factor[rows], axis=0)
+    sample = Sample(measurement.name, measurement.bands.centres_nm(), values, AT_45_0)
+    # A row of a table may hold noise below zero, and a bad value that a spectrum may not.
+    reading = colour_reading(Path(place), sample, None, notes, RADIANCE_FACTOR)
+    return replace(reading, geometry=AT_45_0, file=measurement.file)
