@@ -14,7 +14,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import open_regular, unreadable
 
 CHUNK = 1 << 18  #: bytes that are looked at at once
-LONGEST_LINE = 2_000_000  #: characters; 10,000 columns of 200
+LONGEST_LINE = 2_000_000  #: characters; 6,000 columns of 300
 _END_OF_DOS_FILE = "\x1a"
 _NOT_IN_CP1252 = b"\x81\x8d\x8f\x90\x9d"  #: bytes that Windows-1252 leaves open
 _ASCII = bytes(range(128))

@@ -27,11 +27,12 @@ _READING = re.compile(r"(\S+?)\s*(?:°|deg|degrees)?\s*=\s*(\S+?)\s*(?:GU|%)?", 
 #: The space before another reading.
 LONGEST_GLOSS = 500  #: characters of all readings
 _NEXT_READING = re.compile(r"\s+(?=[\d.]+\s*(?:°|deg|degrees)?\s*=)", re.IGNORECASE)
-GEOMETRIES = ("45-0", "d-8-sci", "d-8-sce")  #: measure.spectrum, which need not be loaded for help
 
 
 def add(commands: Any) -> None:
     """Declare the command."""
+    from relgloss_view.measure.spectrum import GEOMETRIES
+
     parser = commands.add_parser(
         "estimate",
         description="Estimate a material from gloss-meter readings and a colour, where there is no "

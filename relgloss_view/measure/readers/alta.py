@@ -17,7 +17,6 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
-from relgloss_view.base.text_lines import TextLines
 from relgloss_view.measure import quantity as quantities
 from relgloss_view.measure.gonio import from_normal
 from relgloss_view.measure.readers import number_rows
@@ -42,13 +41,7 @@ QUANTITIES: Mapping[str, str] = {
 
 def read(path: Path, options: ReadOptions) -> Measurement:
     """Read a text file of ALTA whose coordinates give both directions. Raises InputError."""
-    with TextLines(
-        path,
-        EXPECTED,
-        most_bytes=number_rows.MAX_BYTES,
-        most_lines=number_rows.MAX_LINES,
-        longest_line=number_rows.LONGEST_LINE,
-    ) as text:
+    with number_rows.opened(path, EXPECTED) as text:
         header = _header(text.lines())
         inputs, outputs = _dimensions(path, header)
         directions = _coordinates(path, header, inputs)

@@ -17,7 +17,6 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
-from relgloss_view.base.text_lines import TextLines
 from relgloss_view.measure.bands import Bands
 from relgloss_view.measure.gonio import spherical
 from relgloss_view.measure.quantity import BRDF, BRDF_COS
@@ -55,13 +54,7 @@ def read(path: Path, options: ReadOptions) -> Measurement:
     counted from one axis: the mirror direction is at phi_s = phi_i + 180 degrees, unless the
     caller's `mirror` is 'same-side'.
     """
-    with TextLines(
-        path,
-        EXPECTED,
-        most_bytes=number_rows.MAX_BYTES,
-        most_lines=number_rows.MAX_LINES,
-        longest_line=number_rows.LONGEST_LINE,
-    ) as text:
+    with number_rows.opened(path, EXPECTED) as text:
         lines = enumerate(text.lines(), start=1)
         header = _header(path, lines)
         table = number_rows.NumberRows(path, len(header.names)).read(lines)

@@ -11,6 +11,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
+from relgloss_view.base.text_lines import TextLines
 from relgloss_view.measure.readers import cells
 
 MAX_BYTES = 400_000_000
@@ -18,6 +19,13 @@ MAX_LINES = 2_000_000
 MAX_ROWS = 1_000_000
 LONGEST_LINE = 200_000  #: characters
 MAX_VALUES = 12_000_000  #: numbers of a table: 96 MB, and a measurement takes that a few times
+
+
+def opened(path: Path, expected: str) -> TextLines:
+    """A text file of rows of numbers, to be read line by line within the limits above."""
+    return TextLines(
+        path, expected, most_bytes=MAX_BYTES, most_lines=MAX_LINES, longest_line=LONGEST_LINE
+    )
 
 
 class NumberRows:
