@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from relgloss_view.measure.table import Measurement as Measurement
     from relgloss_view.operators.registry import OPERATORS as OPERATORS
     from relgloss_view.operators.registry import make_operator as make_operator
+    from relgloss_view.pack.shape import Shape as Shape
     from relgloss_view.picture.frame import Frame as Frame
     from relgloss_view.picture.output.export import save_frame as save_frame
     from relgloss_view.picture.scene.look import Look as Look
@@ -47,7 +48,6 @@ if TYPE_CHECKING:
     from relgloss_view.picture.scene.setup import Eye as Eye
     from relgloss_view.picture.scene.setup import Lamp as Lamp
     from relgloss_view.picture.scene.setup import Setup as Setup
-    from relgloss_view.picture.scene.setup import Shape as Shape
     from relgloss_view.quality.backends import open_renderer as open_renderer
 
 _HOMES = {

@@ -7,11 +7,12 @@ import ctypes.util
 
 import numpy as np
 
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.method import FIRST_PASS, Method
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Eye, Lamp, Shape
+from relgloss_view.picture.scene.setup import Eye, Lamp
 
 SIZE = (56, 42)
 IN_PASS_1 = Method(split=FIRST_PASS)

@@ -23,6 +23,7 @@ ROOMS = [
     "base",
     "measure",
     "material",
+    "pack",
     "picture",
     "quality",
     "operators",

@@ -19,13 +19,14 @@ from relgloss_view.base.arrays import Array
 from relgloss_view.material import brdf
 from relgloss_view.material.material import Lobe, Material
 from relgloss_view.material.spectra import illuminant
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.model import shape as shapes
 from relgloss_view.picture.model.drawn import as_drawn, drawn_diffuse, drawn_lobes
 from relgloss_view.picture.model.view import view_of
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Eye, Lamp, Shape
+from relgloss_view.picture.scene.setup import Eye, Lamp
 
 Span = tuple[float, float]
 

@@ -31,11 +31,13 @@ from relgloss_view.gloss.match_plot import write_match_plot
 from relgloss_view.gloss.meter.meter import hypothetical
 from relgloss_view.gloss.pose import pose_of
 from relgloss_view.gloss.samples import SampleLook
+from relgloss_view.pack.shape import ANALYTIC as SHAPES
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import SAMPLES, load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setting import Setting
-from relgloss_view.picture.scene.setup import SHAPES, Eye, Lamp, Setup, Shape
+from relgloss_view.picture.scene.setup import Eye, Lamp, Setup
 
 SIZE = (256, 256)
 NAMES = tuple(SAMPLES)

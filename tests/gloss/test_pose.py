@@ -11,10 +11,11 @@ from materials import paper
 
 from relgloss_view.gloss.pose import Pose
 from relgloss_view.material.material import Lobe
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.reference import ReferenceRenderer
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Eye, Lamp, Setup, Shape
+from relgloss_view.picture.scene.setup import Eye, Lamp, Setup
 
 
 def cie_lightness(y):

@@ -8,11 +8,12 @@ import materials
 import numpy as np
 import pytest
 
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.model.view import View, from_afar
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Eye, Lamp, Setup, Shape
+from relgloss_view.picture.scene.setup import Eye, Lamp, Setup
 
 SIZE = (48, 40)
 #: A ray that begins at the eye, as in usual scenes.

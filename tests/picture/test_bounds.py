@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from pictures import assert_same_pixels
 
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Eye, Shape
+from relgloss_view.picture.scene.setup import Eye
 
 
 class TestBounds:

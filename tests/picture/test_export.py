@@ -14,6 +14,7 @@ from PIL import Image
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.operators.registry import make_operator
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.displayed import cut_out
 from relgloss_view.picture.model.tone import DisplayModel, encode
 from relgloss_view.picture.output.contact_sheet import contact_sheet, thumbnail
@@ -24,7 +25,7 @@ from relgloss_view.picture.output.parameters import parameters
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Shape
+from relgloss_view.picture.scene.setup import Display
 
 OpenEXR = pytest.importorskip("OpenEXR")
 

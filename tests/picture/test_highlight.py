@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from relgloss_view.pack.shape import ANALYTIC as SHAPES
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.model.highlight import best_mirror
-from relgloss_view.picture.scene.setup import SHAPES, Eye, Lamp, Setup, Shape
+from relgloss_view.picture.scene.setup import Eye, Lamp, Setup
 
 FAR_M = 900.0  #: a lamp and an eye as good as at infinity: 0.05 m / 900 m is 0.003 degrees
 

@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 
 from relgloss_view import Look, Scene, load_sample, open_renderer
+from relgloss_view.pack.shape import ANALYTIC as SHAPES
+from relgloss_view.pack.shape import CURVED, Shape
 from relgloss_view.picture.frame import BLACK, NO_GLOSS
 from relgloss_view.picture.model.highlight import best_mirror, peak_share
 from relgloss_view.picture.model.lamp_placement import lit_for_gloss
 from relgloss_view.picture.model.shape import meet
 from relgloss_view.picture.model.view import view_of
-from relgloss_view.picture.scene.setup import CURVED, SHAPES, Eye, Lamp, Setup, Shape
+from relgloss_view.picture.scene.setup import Eye, Lamp, Setup
 
 SIZE = (400, 300)
 

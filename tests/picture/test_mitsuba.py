@@ -6,10 +6,11 @@ import materials
 import numpy as np
 import pytest
 
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.model.view import View
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Eye, Lamp, Shape
+from relgloss_view.picture.scene.setup import Eye, Lamp
 
 mi = pytest.importorskip("mitsuba")
 

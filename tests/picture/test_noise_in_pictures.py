@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from frames import SMALL, delta_e
 
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Eye, Lamp, Shape
+from relgloss_view.picture.scene.setup import Eye, Lamp
 
 
 class TestNoise:

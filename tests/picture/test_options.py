@@ -11,6 +11,7 @@ import pytest
 from relgloss_view.cli import main
 from relgloss_view.commands import snapshot
 from relgloss_view.commands.scene_options import add_scene_options, scene_from, scene_words_of
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.model.lamp_placement import lit_for_gloss
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.options import (
@@ -24,7 +25,7 @@ from relgloss_view.picture.scene.options import (
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.scene_file import TABLES
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Setup, Shape
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Setup
 
 #: Values of tuples and texts, which declare no range.
 OTHERS = {

@@ -7,6 +7,7 @@ import pytest
 
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.operators.registry import make_operator
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture import stages
 from relgloss_view.picture.frame import Extremes
 from relgloss_view.picture.model import tone
@@ -15,7 +16,7 @@ from relgloss_view.picture.output.export import save_frame
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Eye, Shape
+from relgloss_view.picture.scene.setup import Display, Eye
 
 pytest.importorskip("OpenEXR")
 SIZE = (70, 50)

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from relgloss_view import Look, Scene
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.gpu.programs import Programs
 from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.gpu.targets import GEOMETRY, LIGHT, WEIGHTS, XYZ
-from relgloss_view.picture.scene.setup import Shape
 
 ROOT = Path(__file__).resolve().parents[2]
 SIZE = (40, 32)

@@ -13,10 +13,11 @@ from pictures import assert_same_pixels
 from relgloss_view.base.errors import InputError
 from relgloss_view.material.material import Lobe
 from relgloss_view.material.spectra import illuminant, xyz_weights
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Eye, Lamp, Shape
+from relgloss_view.picture.scene.setup import Eye, Lamp
 
 
 class TestScenes:

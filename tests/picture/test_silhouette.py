@@ -9,12 +9,14 @@ import pytest
 
 from relgloss_view import Look, Scene, load_sample, open_renderer
 from relgloss_view.operators.clip import Clip
+from relgloss_view.pack.shape import ANALYTIC as SHAPES
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.lamp_placement import lit_for_gloss
 from relgloss_view.picture.model.silhouette import coverage, edge_pixels, edge_place, edge_tiles
 from relgloss_view.picture.model.view import view_of
 from relgloss_view.picture.output.png import digital
-from relgloss_view.picture.scene.setup import SHAPES, Display, Eye, Lamp, Setup, Shape
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Setup
 
 SIZE = (150, 110)
 SMOOTH = Display(edges="smooth")

@@ -10,13 +10,14 @@ import pytest
 from splits import IN_PASS_1, SIZE, internal_format, scene_of
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.gpu.targets import XYZ
 from relgloss_view.picture.method import EXACT, FIRST_PASS
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import SAMPLES, load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Lamp, Shape
+from relgloss_view.picture.scene.setup import Lamp
 
 
 class TestQualityAuto:

@@ -7,13 +7,14 @@ import pytest
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.material.material import Diffuse
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.method import EXACT
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.difference import delta_e_2000
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import SAMPLES, load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp
 from relgloss_view.quality import planner
 from relgloss_view.quality.domains import outside
 from relgloss_view.quality.planner import (

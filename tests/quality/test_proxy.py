@@ -6,6 +6,7 @@ import pytest
 from pictures import assert_same_pixels
 
 from relgloss_view.bench.speed import methods
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.model import tone
@@ -14,7 +15,7 @@ from relgloss_view.picture.reference import ReferenceRenderer
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import SAMPLES, load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Eye, Lamp, Shape
+from relgloss_view.picture.scene.setup import Eye, Lamp
 from relgloss_view.quality.proxy import HIGHLIGHT_LSTAR, Proxy
 from relgloss_view.quality.sampling import _spans
 

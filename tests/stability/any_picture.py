@@ -19,10 +19,11 @@ from relgloss_view.material.material import (
 )
 from relgloss_view.material.spectra import SHIPPED_ILLUMINANTS
 from relgloss_view.measure.bands import RGB, Bands
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp
 
 #: Few bands: what a picture does depends on them by three sums alone.
 BANDS = (RGB, Bands(tuple(float(w) for w in range(400, 701, 50))))

@@ -26,11 +26,12 @@ from relgloss_view.material.material import (
 )
 from relgloss_view.material.spectra import SHIPPED_ILLUMINANTS
 from relgloss_view.measure.bands import RGB, Bands
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.difference import delta_e_2000
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp
 
 SIZE = (24, 24)
 DECADE = 10.0

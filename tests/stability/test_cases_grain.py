@@ -14,10 +14,11 @@ import pytest
 from both import finite
 
 from relgloss_view.material.material import Lobe
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.model import noise, shape
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Eye, Lamp, Shape
+from relgloss_view.picture.scene.setup import Eye, Lamp
 
 SMALL = (64, 48)
 Z = np.array([0.0, 0.0, 1.0])

@@ -13,12 +13,13 @@ from both import finite
 from relgloss_view.base.errors import InputError
 from relgloss_view.material.material import Lobe
 from relgloss_view.material.spectra import illuminant, xyz_weights
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.frame import Extremes, Scaling
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.model import light, tone
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp
 
 SMALL = (64, 48)
 WHITE = np.array([1.0168, 1.0, 0.6761])

@@ -16,12 +16,13 @@ from relgloss_view.base.resources import data_root
 from relgloss_view.bench.stability import grain_errors, maps
 from relgloss_view.material import approximations, brdf
 from relgloss_view.material.material import Lobe
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Eye, Lamp, Shape
+from relgloss_view.picture.scene.setup import Eye, Lamp
 from relgloss_view.quality import domains
 from relgloss_view.quality.domains import DOMAINS, QUANTITIES, outside, survey
 

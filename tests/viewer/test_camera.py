@@ -15,10 +15,11 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.model.shape import meet
 from relgloss_view.picture.model.view import View
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Eye, Lamp, Shape
+from relgloss_view.picture.scene.setup import Eye, Lamp
 from relgloss_view.viewer.drawing import camera
 
 SIZE = (200, 150)

@@ -9,9 +9,9 @@ from materials import paper
 
 from relgloss_view.gloss.match import Reference, full_c, matched
 from relgloss_view.material.files import save_material
+from relgloss_view.pack.shape import ANALYTIC as SHAPES
 from relgloss_view.picture.scene.look import viewed_look
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
-from relgloss_view.picture.scene.setup import SHAPES
 from relgloss_view.viewer.drawing.arrangement import arranged
 from relgloss_view.viewer.drawing.pair_renderer import PairRenderer
 from relgloss_view.viewer.state.matching import (

@@ -14,12 +14,13 @@ from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material
 from relgloss_view.measure.bands import RGB
 from relgloss_view.measure.gonio import direction, gcms_directions
 from relgloss_view.measure.table import KEPT, NEGATIVE, SATURATED, Measurement
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.frame import Extremes, Frame, Scaling
 from relgloss_view.picture.output.export import save_frame
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Shape
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp
 from relgloss_view.viewer.plots import reflection
 from relgloss_view.viewer.plots.caches import PerFrame, Recent, light_of
 from relgloss_view.viewer.plots.lightness import BINS, Lightness

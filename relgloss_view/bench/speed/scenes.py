@@ -9,12 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.model import shape
 from relgloss_view.picture.model.view import Size, View, check_size
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import SAMPLES, load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Eye, Lamp, Setup, Shape
+from relgloss_view.picture.scene.setup import Eye, Lamp, Setup
 
 AZIMUTHS_DEG = (50.0, 110.0)
 COVERAGE = 0.64  #: share of the frame that the object is made to fill

@@ -171,7 +171,7 @@ class Study:
         return self.look.at(setting)
 
     def _scene(self, sample: Sample) -> Scene:
-        return Scene(sample.material, self.setup)
+        return sample.scene(self.setup)
 
     def with_procedure(self, **changes: object) -> Study:
         """The study with entries of its procedure changed."""

@@ -13,10 +13,11 @@ from functools import lru_cache
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
+from relgloss_view.pack.shape import CURVED
 from relgloss_view.picture.model import shape
 from relgloss_view.picture.model.highlight import SIZE, best_mirror
 from relgloss_view.picture.model.view import Size, float32, view_of
-from relgloss_view.picture.scene.setup import CURVED, Eye, Lamp, Setup
+from relgloss_view.picture.scene.setup import Eye, Lamp, Setup
 
 #: Degrees between normal and lamp; the lower end is a little below the paper's own 24.8.
 INCIDENCE_DEG = (24.0, 35.0)
@@ -56,7 +57,7 @@ def lit_for_gloss(setup: Setup, size: Size = SIZE, *, turn_eye: bool = True) -> 
     that shows one already is returned as it is; so is one where no lamp at this distance would do,
     as where the eye sees nothing.
 
-    >>> from relgloss_view.picture.scene.setup import Shape
+    >>> from relgloss_view.pack.shape import Shape
     >>> lit_for_gloss(Setup()) == Setup()
     True
     >>> turned = lit_for_gloss(Setup(Shape("plane")))

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 
+from relgloss_view.pack.shape import CURVED
 from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import CURVED, Display
+from relgloss_view.picture.scene.setup import Display
 
 MAX_SAMPLES = 16
 #: Samples of a Gaussian lobe this many standard deviations apart sum to its energy within

@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Ints, Mask
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.model import shape
 from relgloss_view.picture.model.view import View, float32
-from relgloss_view.picture.scene.setup import Shape
 
 EDGE_RAYS = 64  #: of a pixel at the silhouette
 ROWS = 64  #: of pixels, at a time

@@ -9,8 +9,9 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array, Floats
 from relgloss_view.base.errors import InputError
+from relgloss_view.pack.shape import CURVED, Shape
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import CURVED, Eye, Shape
+from relgloss_view.picture.scene.setup import Eye
 
 Size = tuple[int, int]  #: width, height in pixels
 #: left, bottom, right, top in pixels, counted from the bottom left as OpenGL does

@@ -23,12 +23,13 @@ from relgloss_view.base.toml import AUTO, plain
 from relgloss_view.base.words import sentence_case
 from relgloss_view.material.recolour import DEFAULT_ILLUMINANT, Colour
 from relgloss_view.material.spectra import is_lamp_name
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.picture.scene.scene_file import TABLES, build
 from relgloss_view.picture.scene.scene_writer import check_sample
 from relgloss_view.picture.scene.setting import Setting
-from relgloss_view.picture.scene.setup import Display, Setup, Shape
+from relgloss_view.picture.scene.setup import Display, Setup
 
 SET = "--set"
 NEW_DISPLAY = Display().for_the_eye()  #: of pictures that no scene file describes

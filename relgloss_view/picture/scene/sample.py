@@ -11,7 +11,10 @@ from relgloss_view.base.resources import asset
 from relgloss_view.material.files import load_material
 from relgloss_view.material.material import Material
 from relgloss_view.material.recolour import Colour, recoloured
+from relgloss_view.pack.pack import Pack
+from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setting import Setting
+from relgloss_view.picture.scene.setup import Setup
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,16 @@ class Sample:
     table: str | None = None  #: the measured table that the material was fitted to
     colour: Colour | None = None  #: in place of the material's own; see `in_colour`
     original: Material | None = None  #: the material in its own colour, where it has another
+    pack: Pack | None = None  #: a pack, whose base finish has the material
+
+    @classmethod
+    def of_pack(cls, pack: Pack) -> Sample:
+        """The sample that a pack is."""
+        return cls(pack.material, pack=pack)
+
+    def scene(self, setup: Setup | None = None) -> Scene:
+        """The sample in a setup; a pack brings its own shape."""
+        return Scene(self.material, setup, pack=self.pack)
 
     @property
     def own_material(self) -> Material:

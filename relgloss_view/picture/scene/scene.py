@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from relgloss_view.material.material import Material
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Setup, Shape
+from relgloss_view.pack.pack import Pack
+from relgloss_view.pack.shape import Shape
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Setup
 
 
 @dataclass(frozen=True, init=False)
@@ -15,7 +17,9 @@ class Scene:
     """The content of one picture: a material and the setup that surrounds it.
 
     material: of the sample. setup: shape, lamp, eye and display; the defaults are the paper's
-    cylinder. shape, lamp, eye, display: each replaces that part of the setup.
+    cylinder. shape, lamp, eye, display: each replaces that part of the setup. pack: a pack in place
+    of one material on one shape; the setup's shape is then the pack's, and `material` is that of
+    its base finish.
 
     >>> from relgloss_view import load_sample
     >>> scene = Scene(load_sample("uncoated"), lamp=Lamp(azimuth_deg=110.0))
@@ -27,6 +31,7 @@ class Scene:
 
     material: Material
     setup: Setup
+    pack: Pack | None
 
     def __init__(
         self,
@@ -37,15 +42,18 @@ class Scene:
         lamp: Lamp | None = None,
         eye: Eye | None = None,
         display: Display | None = None,
+        pack: Pack | None = None,
     ) -> None:
+        shape = shape if pack is None else pack.shape
         parts = {"shape": shape, "lamp": lamp, "eye": eye, "display": display}
         replaced: dict[str, Any] = {k: part for k, part in parts.items() if part is not None}
-        object.__setattr__(self, "material", material)
+        object.__setattr__(self, "material", material if pack is None else pack.material)
         object.__setattr__(self, "setup", dataclasses.replace(setup or Setup(), **replaced))
+        object.__setattr__(self, "pack", pack)
 
     def placed(self, **parts: Shape | Lamp | Eye | Display) -> Scene:
         """The scene with whole parts of its setup replaced, as in `placed(lamp=Lamp())`."""
-        return Scene(self.material, self.setup.placed(**parts))
+        return Scene(self.material, self.setup.placed(**parts), pack=self.pack)
 
     @property
     def shape(self) -> Shape:

@@ -47,7 +47,7 @@ class SceneFile:
 
     def scene(self) -> Scene:
         """The scene of the sample's picture."""
-        return Scene(self.sample.material, self.setup)
+        return self.sample.scene(self.setup)
 
 
 def load_scene(path: str | os.PathLike[str]) -> tuple[Scene, Look]:

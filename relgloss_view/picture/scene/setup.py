@@ -18,65 +18,7 @@ from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.parameters import Checked, choice, parameter
 from relgloss_view.base.reading import refuse
-
-#: The sizes of each shape, by its name.
-SIZES = {
-    "cylinder": ("diameter_m", "height_m"),
-    "sphere": ("diameter_m",),
-    "plane": ("width_m", "height_m"),
-    "box": ("width_m", "height_m", "depth_m"),
-}
-SHAPES = tuple(SIZES)
-CURVED = ("cylinder", "sphere")  #: towards the eye, by half_extent_m()[0]
-
-
-@dataclass(frozen=True)
-class Shape(Checked):
-    """The object: a cylinder about y, a sphere, a plane that faces +z, or a box, at the origin.
-
-    kind: one of SHAPES. diameter_m: of cylinder and sphere. height_m: along y, of cylinder, plane
-    and box. width_m: along x, of plane and box. depth_m: along z, of the box. All in metres, 0.001
-    to 10. Raises InputError where a value is out of its range.
-
-    >>> Shape("box", width_m=0.06, depth_m=0.02).half_extent_m().tolist()
-    [0.03, 0.05, 0.01]
-    >>> Shape("sphere").contains(np.array([0.0, 0.04, 0.0]))
-    True
-    """
-
-    kind: str = choice("cylinder", SHAPES, "the object's form", label="Form")
-    diameter_m: float = parameter(
-        0.085, 1e-3, 10.0, "m", "diameter of the cylinder and the sphere", label="Diameter"
-    )
-    height_m: float = parameter(
-        0.10, 1e-3, 10.0, "m", "height along y of the cylinder, plane and box", label="Height"
-    )
-    width_m: float = parameter(
-        0.085, 1e-3, 10.0, "m", "width along x of the plane and box", label="Width"
-    )
-    depth_m: float = parameter(0.085, 1e-3, 10.0, "m", "depth along z of the box", label="Depth")
-
-    def half_extent_m(self) -> Array:
-        """Half the bounding box, (3,)."""
-        radius = 0.5 * self.diameter_m
-        if self.kind == "cylinder":
-            return np.array([radius, 0.5 * self.height_m, radius])
-        if self.kind == "sphere":
-            return np.array([radius, radius, radius])
-        depth = 0.5 * self.depth_m if self.kind == "box" else 0.0
-        return np.array([0.5 * self.width_m, 0.5 * self.height_m, depth])
-
-    def contains(self, point_m: Array) -> bool:
-        """Whether a point is inside the object (a plane has no inside)."""
-        x, y, z = point_m
-        radius = 0.5 * self.diameter_m
-        if self.kind == "plane":
-            return False
-        if self.kind == "sphere":
-            return bool(x * x + y * y + z * z <= radius * radius)
-        if self.kind == "cylinder":
-            return bool(x * x + z * z <= radius * radius and abs(y) <= 0.5 * self.height_m)
-        return bool(np.all(np.abs(point_m) <= self.half_extent_m()))
+from relgloss_view.pack.shape import Shape
 
 
 def polar_point(azimuth_deg: float, elevation_deg: float, distance_m: float) -> Array:

@@ -7,7 +7,8 @@ import math
 from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.material.spectra import SHIPPED_ILLUMINANTS
-from relgloss_view.picture.scene.setup import SIZES, Display, Eye, Lamp, Shape
+from relgloss_view.pack.shape import SIZES, Shape
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp
 from relgloss_view.viewer.drawing import camera
 from relgloss_view.viewer.shell import sliders, widgets
 from relgloss_view.viewer.shell.theme import em, gray

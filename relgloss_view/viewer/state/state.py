@@ -12,6 +12,7 @@ from typing import Any
 from relgloss_view.base.parameters import Checked, choice, parameter, switch
 from relgloss_view.gloss.match import DEFAULT_REFERENCE, Reference, matched, own_sigma_n_deg
 from relgloss_view.operators.registry import DEFAULT_OPERATOR, OPERATORS
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.gpu import constants
 from relgloss_view.picture.model.lamp_placement import lit_for_gloss
 from relgloss_view.picture.scene.look import Look, viewed_look
@@ -19,7 +20,7 @@ from relgloss_view.picture.scene.match import Match
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, Sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setting import Setting
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Setup, Shape
+from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Setup
 
 SIDES = ("reference", "test")
 
@@ -135,7 +136,7 @@ class State:
 
     def scene(self, name: str) -> Scene:
         """What a side's renderer draws."""
-        return Scene(self.side(name).sample.material, self.setup)
+        return self.side(name).sample.scene(self.setup)
 
     def part(self, name: str) -> Shape | Lamp | Eye | Display | Presentation:
         """One part of the state: shape, lamp, eye, display or presentation."""

@@ -1,0 +1,1 @@
+"""Pack: objects that are more than one ink on one shape: forms, meshes, artwork and finishes."""

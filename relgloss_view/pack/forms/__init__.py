@@ -1,0 +1,1 @@
+"""Forms: the triangles of cans, bottles, cartons, pouches and meshes."""

@@ -1,0 +1,47 @@
+"""Mesh: the triangles of a form, with normals and the place of each point on the label."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from relgloss_view.base.arrays import Array, Ints
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles whose bounding box is centred at the origin; a value: its arrays are not written.
+
+    points_m: (V, 3), metres. normals: (V, 3), unit vectors outwards, of the true surface rather
+    than of its facets. label_m: (V, 2), the place on the label, metres to the right and up from
+    the label's centre, which faces the default eye. part: (V,), number of the part in `parts` that
+    a point belongs to; the three points of a triangle belong to one part.
+    triangles: (T, 3), numbers of points, counter-clockwise seen from outside.
+    parts: names such as 'body', 'neck', 'lid'. printed: whether artwork lies on each part.
+    label_size_m: width and height of the label. around: whether its left edge meets its right one.
+    notes: what a user should know of it, one sentence each.
+
+    Two meshes are equal where they are the same object.
+    """
+
+    points_m: Array
+    normals: Array
+    label_m: Array
+    part: Ints
+    triangles: Ints
+    parts: tuple[str, ...] = ("body",)
+    printed: tuple[bool, ...] = (True,)
+    label_size_m: tuple[float, float] = (0.1, 0.1)
+    around: bool = False
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("points_m", "normals", "label_m", "part", "triangles"):
+            getattr(self, name).setflags(write=False)
+
+    @cached_property
+    def half_extent_m(self) -> Array:
+        """Half the bounding box, (3,)."""
+        return np.asarray(np.max(np.abs(self.points_m), axis=0))
