@@ -27,7 +27,7 @@ from relgloss_view.pack.shape import SHAPES, Shape
 MAX_BYTES = 1024 * 1024
 EXPECTED = "a pack file (TOML)"
 PACK, FINISH = "pack", "finish"
-ARTWORK_ENTRIES = ("profile", "page", "dpi", "width_mm")  #: how the artwork is read
+ARTWORK_ENTRIES = ("profile", "page", "dpi", "width_mm", "intent")  #: how the artwork is read
 PACK_ENTRIES = (
     "name", "form", "artwork", *ARTWORK_ENTRIES, "colour", "measured", "placement",
 )  # fmt: skip
@@ -158,7 +158,8 @@ def open_artwork(
     if isinstance(values.get("profile"), str) and (folder / values["profile"]).is_file():
         values["profile"] = str(folder / values["profile"])
     options = build_part(ArtworkOptions, "pack", values)
-    key = (*_stamp(file), *_stamp(Path(str(values.get("profile", "")))), repr(options))
+    profile = values.get("profile")
+    key = (*_stamp(file), *(_stamp(Path(profile)) if profile else ()), repr(options))
     artwork = _ARTWORKS.get(key)
     if artwork is None:
         artwork = read_artwork(file, options, progress)
