@@ -27,6 +27,7 @@ MOST_REFLECTED = 1.2  #: of the light received; fits of bright samples may pass 
 
 def add(commands: Any) -> None:
     """Declare the command."""
+    from relgloss_view.pack.built_in import FINISHES
     from relgloss_view.picture.scene.sample import SAMPLES
 
     parser = commands.add_parser(
@@ -40,10 +41,11 @@ def add(commands: Any) -> None:
     )
     parser.add_argument(
         "samples",
-        metavar="MATERIAL.json|SAMPLE|TABLE",
+        metavar="MATERIAL.json|SAMPLE|TABLE|PACK",
         nargs="+",
         help="Material that `relgloss fit` wrote, built-in paper "
-        f"({', '.join(SAMPLES)}), or measured table",
+        f"({', '.join(SAMPLES)}), built-in finish ({', '.join(FINISHES)}), measured table, or a "
+        "pack, each of whose finishes is read",
     )
     parser.add_argument(
         "--reading",
@@ -100,7 +102,7 @@ def run(args: argparse.Namespace) -> int:
     if args.output is not None:
         _check_place(args.output, args.samples[0])
     if args.reading is None:
-        samples = [_read(name, args) for name in args.samples]
+        samples = [sample for name in args.samples for sample in _read(name, args)]
     else:
         samples = [_hypothetical(args)]
     if args.json:
@@ -112,26 +114,54 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _read(name: str, args: argparse.Namespace) -> SampleReadings:
-    """The readings of a built-in sample, a material file or a measured table."""
+def _read(name: str, args: argparse.Namespace) -> list[SampleReadings]:
+    """The readings of a built-in sample, a material, a measured table, or a pack's finishes."""
     from relgloss_view.gloss.meter.table import table_readings
     from relgloss_view.measure.findings import examine
     from relgloss_view.measure.readers import read_measurement
     from relgloss_view.picture.scene import file_kinds
-    from relgloss_view.picture.scene.sample import SAMPLES
 
-    kind = file_kinds.MATERIAL if name in SAMPLES else file_kinds.likely_kind(name)
+    kind = file_kinds.MATERIAL if _is_built_in(name) else file_kinds.likely_kind(name)
     if kind == file_kinds.SCENE:
         raise InputError(f"{name}: this is a scene; give a material, a table or a built-in paper")
     if kind == file_kinds.MATERIAL:
-        return _of_material(name, _material(name, args))
+        return [_of_material(name, _material(name, args))]
     if args.lab is not None:
-        raise InputError(f"{name}: a measured table has its own colour; fit it, or leave out --lab")
+        of = "pack has the colours of its artwork; leave"
+        of = (
+            of
+            if kind in file_kinds.OF_PACKS
+            else "measured table has its own colour; fit it, or leave"
+        )
+        raise InputError(f"{name}: a {of} out --lab")
+    if kind in file_kinds.OF_PACKS:
+        return _of_pack(name)
     measured = read_measurement(name, **table_options(args))
     examined = examine(measured)
     readings = table_readings(examined.measurement)
     warnings = (*examined.measurement.warnings, *examined.texts)
-    return SampleReadings(measured.name, measured.source, TABLE, readings, warnings)
+    return [SampleReadings(measured.name, measured.source, TABLE, readings, warnings)]
+
+
+def _of_pack(name: str) -> list[SampleReadings]:
+    """The readings of each finish of a pack, over the material's own diffuse part."""
+    from relgloss_view.picture.scene.sample import Sample
+
+    pack = Sample.from_file(name).pack
+    assert pack is not None
+    read = [_of_material(f"{name}: finish {f.name}", f.material) for f in pack.finishes]
+    return [
+        dataclasses.replace(one, name=f"{printable(finish.name, 60)}: {one.name}")
+        for finish, one in zip(pack.finishes, read, strict=True)
+    ]
+
+
+def _is_built_in(name: str) -> bool:
+    """Whether a word names a built-in paper or finish."""
+    from relgloss_view.pack.built_in import FINISHES
+    from relgloss_view.picture.scene.sample import SAMPLES
+
+    return name in SAMPLES or (name in FINISHES and not os.path.exists(name))
 
 
 def _of_material(place: str, material: Material) -> SampleReadings:
@@ -183,9 +213,15 @@ def _hypothetical(args: argparse.Namespace) -> SampleReadings:
 
 def _material(name: str, args: argparse.Namespace) -> Material:
     """The material of a built-in paper or a file, in the colour of the options."""
+    from relgloss_view.pack.built_in import load_finish
     from relgloss_view.picture.scene.sample import SAMPLES, Sample
 
-    sample = Sample.built_in(name) if name in SAMPLES else Sample.from_file(name)
+    if name not in SAMPLES and _is_built_in(name):
+        sample = Sample(load_finish(name))
+    else:
+        sample = Sample.built_in(name) if name in SAMPLES else Sample.from_file(name)
+    if sample.pack is not None:
+        raise InputError(f"{name}: this is a pack; give one of its materials")
     colour = colour_from(args)
     return sample.material if colour is None else sample.in_colour(colour).material
 

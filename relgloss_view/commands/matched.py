@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from relgloss_view.base.errors import InputError
 from relgloss_view.commands.scene_options import (
     SAMPLE_METAVAR,
+    SOURCES,
     graininess_is_given,
     wants_match,
 )
@@ -85,7 +86,7 @@ def matched_picture(args: argparse.Namespace, scene: Scene, look: Look) -> Match
     name another sample. Raises InputError where the reference has no gloss.
     """
     pair = _pair_of_file(args, look)
-    another_sample = any(x is not None for x in (args.sample, args.material, args.lab))
+    another_sample = any(getattr(args, name) is not None for name in (*SOURCES, "lab"))
     if pair is not None and not another_sample:
         return pair
     if not wants_match(args, look) and pair is None:

@@ -10,10 +10,15 @@ from typing import Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.shell import command_line
+from relgloss_view.base.terminal import Progress
 from relgloss_view.base.toml import AUTO
 from relgloss_view.base.words import sentence_case
 from relgloss_view.commands.lab_text import lab_words
 from relgloss_view.material.recolour import DEFAULT_ILLUMINANT, Colour
+from relgloss_view.pack.masks import check_masks
+from relgloss_view.pack.pack_file import read_pack
+from relgloss_view.pack.quick import quick_pack
+from relgloss_view.pack.shape import SHAPES
 from relgloss_view.picture.model.lamp_placement import lit_for_gloss
 from relgloss_view.picture.model.view import check_size
 from relgloss_view.picture.scene.look import Look
@@ -31,13 +36,23 @@ from relgloss_view.picture.scene.options import (
     with_options,
     with_settings,
 )
+from relgloss_view.picture.scene.pack_settings import pack_settings, with_pack_settings
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, SAMPLES, Sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.scene_file import read_scene_file
 from relgloss_view.picture.scene.setting import FULL_SHARE
+from relgloss_view.picture.scene.setup import Setup
 from relgloss_view.quality.backends import BACKENDS
 
 DEFAULT_SIZE = (512, 512)
+SOURCES = ("sample", "material", "pack", "artwork")  #: options that name the sample
+#: How an --artwork is read: type, metavar and help by the entry of a pack file.
+ARTWORK_OPTIONS: dict[str, tuple[Any, str, str]] = {
+    "profile": (str, "FILE.icc", "Colour profile of an --artwork that has none, such as CMYK"),
+    "page": (int, "N", "Page of an --artwork that is a PDF (default 1)"),
+    "dpi": (float, "DPI", "Resolution of an --artwork"),
+    "width_mm": (float, "MM", "Printed width of an --artwork that is a picture"),
+}
 MATCHED, MAX = "matched", "max"
 SAMPLE_METAVAR = "SAMPLE|MATERIAL.json[=SIGMA_N,C]"
 #: What a command adds to the words of an entry.
@@ -77,8 +92,25 @@ def add_scene_options(
         source.add_argument(
             "--material", metavar="FILE.json", help="Material file that `fit` wrote"
         )
+        source.add_argument(
+            "--pack", metavar="FILE.toml", help="Pack file: a form, an artwork and its finishes"
+        )
+        source.add_argument(
+            "--artwork",
+            metavar="FILE",
+            help="Artwork (PDF, PNG, JPEG, TIFF, PSD) as a pack: --form, and finishes by the names "
+            "of its plates",
+        )
+        what.add_argument(
+            "--form",
+            choices=[kind for kind in SHAPES if kind != "mesh"],
+            help="Form of an --artwork (default can)",
+        )
+        for name, (kind, metavar, text) in ARTWORK_OPTIONS.items():
+            flag = f"--{name.replace('_', '-')}"
+            what.add_argument(flag, metavar=metavar, type=kind, help=text)
     else:
-        parser.set_defaults(sample=None, material=None)
+        parser.set_defaults(**dict.fromkeys((*SOURCES, "form", *ARTWORK_OPTIONS)))
     add_colour_options(what)
     what.add_argument(
         "--scene", metavar="FILE.toml", help="Scene file to draw; the options override its entries"
@@ -180,29 +212,31 @@ def _lab_of_text(word: str) -> tuple[float, ...]:
 def scene_from(args: argparse.Namespace) -> tuple[Scene, Look, tuple[int, int]]:
     """Scene, look and size of parsed options; InputError where they don't fit together."""
     size = check_size(args.size)
-    sample = None
-    if args.material is not None:
-        sample = Sample.from_file(args.material)
-    elif args.sample is not None or args.scene is None:
-        sample = Sample.built_in(args.sample or DEFAULT_SAMPLE)
+    sample = sample_from(args)
     new = args.scene is None and args.for_the_eye
+    setup, look = Setup(), args.default_look
     if args.scene is not None:
         content = read_scene_file(args.scene)
-        scene, look = content.scene(), content.look
-    else:
-        content = None
-        assert sample is not None
-        scene = Scene(sample.material, display=NEW_DISPLAY if new else None)
-        look = args.default_look
+        setup, look = content.setup, content.look
+        sample = content.sample if sample is None else sample
+    elif sample is None:
+        sample = Sample.built_in(DEFAULT_SAMPLE)
+    if new:
+        setup = setup.placed(display=NEW_DISPLAY)
+    assert sample is not None
     colour = colour_from(args)
     if colour is not None and args.sourced:
-        shown = content.sample if sample is None and content is not None else sample
-        assert shown is not None
-        sample = shown.in_colour(colour)
-    material = scene.material if sample is None else sample.material
-    setup, look = with_settings(scene.setup, look, args.set)
+        sample = sample.in_colour(colour)
+    of_pack, others = pack_settings(args.set)
+    if of_pack and sample.pack is None:
+        raise InputError(f"{SET} {of_pack[0]}: the sample is no pack; give --pack or --artwork")
+    pack = None if sample.pack is None else with_pack_settings(sample.pack, of_pack)
+    if pack is not None:
+        setup = setup.placed(shape=pack.shape)
+    setup, look = with_settings(setup, look, others)
     if getattr(args, "published", False):
-        if args.material is not None or (args.scene is not None and args.sample is None):
+        other = any(getattr(args, source) is not None for source in SOURCES[1:])
+        if other or (args.scene is not None and args.sample is None):
             raise InputError(
                 "--published: there are published settings for --sample "
                 f"{', '.join(SAMPLES)} only; give --sigma-n and --c-fraction"
@@ -215,7 +249,41 @@ def scene_from(args: argparse.Namespace) -> tuple[Scene, Look, tuple[int, int]]:
     if wants_auto_lamp(setup, args.set, chosen):
         own_eye = args.scene is not None or any(word.startswith("eye.") for word in args.set)
         setup = lit_for_gloss(setup, size, turn_eye=not own_eye)
-    return Scene(material, setup), look, size
+    if pack is not None and setup.shape != pack.shape:
+        pack = dataclasses.replace(pack, shape=setup.shape)
+        check_masks(pack)
+    return Scene(sample.material, setup, pack=pack), look, size
+
+
+def sample_from(args: argparse.Namespace) -> Sample | None:
+    """The sample that an option names; None without one. Raises InputError."""
+    if args.form is not None and args.artwork is None:
+        raise InputError(
+            f"--form {args.form}: is that of an --artwork; a pack file has its own, and another "
+            f"sample takes {SET} shape.kind={args.form}"
+        )
+    given = artwork_entries(args)
+    if given and args.artwork is None:
+        flag = f"--{next(iter(given)).replace('_', '-')}"
+        raise InputError(f"{flag}: belongs to an --artwork; a pack file has an entry for it")
+    if args.sample is not None:
+        return Sample.built_in(args.sample)
+    if args.material is not None:
+        return Sample.from_file(args.material)
+    if args.pack is not None:
+        with Progress("pack") as progress:
+            return Sample.of_pack(read_pack(args.pack, progress))
+    if args.artwork is not None:
+        with Progress("artwork") as progress:
+            form = args.form or "can"
+            return Sample.of_pack(quick_pack(args.artwork, form, given=given, progress=progress))
+    return None
+
+
+def artwork_entries(args: argparse.Namespace) -> dict[str, Any]:
+    """How an --artwork is read, as the entries of a pack file; those that were given."""
+    values = {name: getattr(args, name) for name in ARTWORK_OPTIONS}
+    return {name: value for name, value in values.items() if value is not None}
 
 
 def scene_words_of(args: argparse.Namespace) -> list[str]:
@@ -227,9 +295,9 @@ def scene_words_of(args: argparse.Namespace) -> list[str]:
     """
     plain = args.scene is None and not args.for_the_eye
     words = []
-    for source in ("sample", "material", "scene"):
+    for source in (*SOURCES, "form", *ARTWORK_OPTIONS, "scene"):
         value = getattr(args, source)
-        words += [f"--{source}", str(value)] if value is not None else []
+        words += [f"--{source.replace('_', '-')}", str(value)] if value is not None else []
     words += colour_words(colour_from(args))
     for setting in args.set:
         words += [SET, setting]

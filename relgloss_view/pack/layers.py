@@ -328,7 +328,8 @@ def halved(texels: npt.NDArray[Any]) -> Singles:
     >>> halved(np.array([[[0.0], [3.0], [6.0]]])).ravel().tolist()  # of 1.5 texels each
     [1.0, 5.0]
     """
-    return _halved_rows(_halved_rows(texels).swapaxes(0, 1)).swapaxes(0, 1)
+    rows = _halved_rows(texels)
+    return np.swapaxes(_halved_rows(np.swapaxes(rows, 0, 1)), 0, 1)
 
 
 def _halved_rows(texels: npt.NDArray[Any]) -> Singles:
@@ -336,7 +337,8 @@ def _halved_rows(texels: npt.NDArray[Any]) -> Singles:
     if height == 1:
         return texels.astype(np.float32)
     if height % 2 == 0:
-        return np.float32(0.5) * (texels[0::2].astype(np.float32) + texels[1::2])
+        pairs = texels[0::2].astype(np.float32) + texels[1::2].astype(np.float32)
+        return np.asarray(np.float32(0.5) * pairs, dtype=np.float32)
     count = (height + 1) // 2
     size = height / count  # of a new texel, 1.5 to 2 old ones
     first = np.arange(count) * size

@@ -22,12 +22,13 @@ def read_mask(path: str | os.PathLike[str]) -> Bytes:
 
     A coloured picture counts by its luma; where it is transparent, nothing lies. Raises InputError.
     """
+    import PIL
     import PIL.Image as pillow
 
     with open_regular(path, EXPECTED) as file, decoding(path, EXPECTED):
         try:
             picture = pillow.open(file, formats=FORMATS)
-        except (pillow.DecompressionBombError, pillow.UnidentifiedImageError):
+        except (pillow.DecompressionBombError, PIL.UnidentifiedImageError):
             raise InputError(f"{named(path)}: no such picture; give {EXPECTED}") from None
         width, height = picture.size
         if width * height > MOST_PIXELS:

@@ -152,7 +152,8 @@ def open_artwork(
 
     An artwork that is held and whose file is unchanged is the same object.
     """
-    from relgloss_view.pack.artwork.read import ArtworkOptions, read_artwork
+    from relgloss_view.pack.artwork.options import ArtworkOptions
+    from relgloss_view.pack.artwork.read import read_artwork
 
     values = dict(given)
     if isinstance(values.get("profile"), str) and (folder / values["profile"]).is_file():
@@ -205,9 +206,8 @@ def finish_of_table(table: Mapping[str, Any], folder: Path, *, first: bool) -> F
     """A finish from the entries of a table [[finish]]; InputError names the entry."""
     _check_entries(table, FINISH_ENTRIES, FINISH)
     if "material" not in table:
-        raise InputError(
-            f"material: expected a material file (JSON), or one of {', '.join((*FINISHES, *PAPERS))}"
-        )
+        names = ", ".join((*FINISHES, *PAPERS))
+        raise InputError(f"material: expected a material file (JSON), or one of {names}")
     source = text(table["material"], "material")
     values = {key: table[key] for key in ("kind", "invert", "sigma_n_deg", "k") if key in table}
     if not isinstance(values.get("invert", False), bool):
@@ -229,7 +229,7 @@ def finish_of_table(table: Mapping[str, Any], folder: Path, *, first: bool) -> F
 
 
 def finish_material(name: str, folder: Path) -> tuple[str, Material]:
-    """The source and the material of a finish: a built-in name, or a file looked for in a folder."""
+    """Source and material of a finish: of a built-in name, or of a file looked for in a folder."""
     if name in FINISHES or name in PAPERS:
         return name, load_finish(name)
     if not name.lower().endswith(".json") and not (folder / name).is_file():

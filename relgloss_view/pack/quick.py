@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import os
 import re
@@ -15,7 +16,7 @@ from relgloss_view.pack.artwork.artwork import Artwork
 from relgloss_view.pack.built_in import FINISHES, load_finish
 from relgloss_view.pack.finish import MAX_FINISHES, Finish
 from relgloss_view.pack.label import label_of
-from relgloss_view.pack.masks import PART, PLATE, check_masks
+from relgloss_view.pack.masks import PART, PLATE, VARNISH, check_masks
 from relgloss_view.pack.pack import Pack, Placement
 from relgloss_view.pack.shape import Shape
 
@@ -78,7 +79,7 @@ def finishes_of_artwork(
             )
     named = [(name, finish_of_plate(name)) for name in (artwork.plates if artwork else ())]
     wanted = [(name, finish) for name, finish in named if finish is not None]
-    wanted.sort(key=lambda pair: list(FINISHES.values())[0] == FINISHES[pair[1]])  # foil below
+    wanted.sort(key=lambda pair: FINISHES[pair[1]] == VARNISH)  # above foils
     room = MAX_FINISHES - len(finishes)
     for name, finish in wanted[:room]:
         kind = FINISHES[finish]
@@ -94,8 +95,6 @@ def finishes_of_artwork(
 
 def _distinct(finishes: list[Finish]) -> tuple[Finish, ...]:
     """The finishes with names that differ: a plate may be called 'ink'."""
-    import dataclasses
-
     made: list[Finish] = []
     for finish in finishes:
         name, n = finish.name.strip() or "finish", 1

@@ -6,9 +6,11 @@ from dataclasses import asdict
 from typing import Any
 
 from relgloss_view.base.version import __version__
+from relgloss_view.pack.pack import Pack
 from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model.pixel_sampling import sample_count
+from relgloss_view.picture.scene.look import Look
 
 SPLIT = "split"  #: name of the operator whose picture a frame itself holds
 
@@ -44,9 +46,46 @@ def parameters(frame: Frame, displayed: Displayed | None = None) -> dict[str, An
         "look": asdict(look),
         "method": frame.method.differences(),
         "fit_quality": scene.material.fit.quality if scene.material.fit else None,
+        "pack": None if scene.pack is None else pack_numbers(scene.pack, look),
         "warnings": list(warnings(frame, displayed)),
         "device": frame.device,
         "version": __version__,
+    }
+
+
+def pack_numbers(pack: Pack, look: Look) -> dict[str, Any]:
+    """A pack as values for JSON: its files, its form, and its finishes from the lowest up."""
+    artwork = pack.artwork
+    return {
+        "name": pack.name,
+        "file": pack.file or None,
+        "form": pack.shape.kind,
+        "artwork": None
+        if artwork is None
+        else {
+            "file": artwork.file or None,
+            "size_px": list(artwork.size_px),
+            "size_mm": [artwork.width_mm, artwork.height_mm],
+            "plates": list(artwork.plates),
+        },
+        "colour": pack.colour,
+        "measured": pack.measured,
+        "placement": asdict(pack.placement),
+        "finishes": [
+            {
+                "name": finish.name,
+                "kind": finish.kind,
+                "material": finish.source or finish.material.name,
+                "mask": finish.mask,
+                "invert": finish.invert,
+                "sigma_n_deg": look.sigma_n_deg
+                if finish.sigma_n_deg is None
+                else finish.sigma_n_deg,
+                "k": finish.k,
+            }
+            for finish in pack.finishes
+        ],
+        "notes": list(pack.notes),
     }
 
 

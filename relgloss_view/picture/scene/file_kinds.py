@@ -1,4 +1,4 @@
-"""The kind of a file - scene, material or measurement - from its content, never its name."""
+"""The kind of a file - scene, material, measurement, pack - from its content, never its name."""
 
 from __future__ import annotations
 
@@ -15,19 +15,21 @@ from relgloss_view.material.files import FORMAT
 from relgloss_view.material.files import MAX_BYTES as MAX_MATERIAL_BYTES
 from relgloss_view.measure.readers import FORMATS, read_measurement
 from relgloss_view.measure.readers.header import MOST_TITLES
+from relgloss_view.pack.kinds import ARTWORK, PACK, kind_of_pack
 from relgloss_view.picture.scene.scene_file import MAX_BYTES as MAX_SCENE_BYTES
-from relgloss_view.picture.scene.scene_file import PAIR_TABLES, TABLES
+from relgloss_view.picture.scene.scene_file import PACK_TABLES, PAIR_TABLES, TABLES
 
 SCENE, MATERIAL, MEASUREMENT = "scene", "material", "measurement"
+OF_PACKS = (PACK, ARTWORK)
 EXPECTED = "a scene (TOML), a material (JSON) or a measurement (CSV, .bsdf, .binary)"
 FEWEST_DELIMITERS = 3  #: three angles and a band
-_SCENE_TABLES = ("sample", *TABLES, *PAIR_TABLES)
+_SCENE_TABLES = ("sample", *TABLES, *PAIR_TABLES, *PACK_TABLES)
 #: A line that only a scene has, so that a scene with a mistake is reported as a scene.
 _SCENE_LINE = re.compile(rf"^[ \t]*\[({'|'.join(_SCENE_TABLES)})(\.look)?\]", re.MULTILINE)
 
 
 def kind_of(path: str | os.PathLike[str]) -> str:
-    """SCENE, MATERIAL or MEASUREMENT; InputError, one line, for anything else.
+    """SCENE, MATERIAL, MEASUREMENT, PACK or ARTWORK; InputError, one line, for anything else.
 
     A measurement is read to the end, because a fault may be in its last row.
     """
@@ -38,12 +40,15 @@ def kind_of(path: str | os.PathLike[str]) -> str:
 
 
 def likely_kind(path: str | os.PathLike[str]) -> str:
-    """The kind of a file from its beginning; InputError for what is none of the three.
+    """The kind of a file from its beginning; InputError for what is none of the kinds.
 
     Whatever is neither scene nor material counts as a measurement; its reader reports the faults.
     """
     head = read_beginning(path, HEAD_BYTES, EXPECTED)
     file = Path(path)
+    of_pack = kind_of_pack(file)
+    if of_pack is not None:
+        return of_pack
     if not head:
         raise InputError(f"{file}: the file is empty; give {EXPECTED}")
     if b"\x00" in head:  # a binary format, or UTF-16: the reader decides

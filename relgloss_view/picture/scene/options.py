@@ -25,6 +25,7 @@ from relgloss_view.material.recolour import DEFAULT_ILLUMINANT, Colour
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.scene.pack_settings import pack_words
 from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.picture.scene.scene_file import TABLES, build
 from relgloss_view.picture.scene.scene_writer import check_sample
@@ -184,6 +185,8 @@ def scene_words(setup: Setup, look: Look) -> list[str]:
 def sample_words(sample: Sample) -> list[str]:
     """Words that name the sample; InputError where no file holds it or the file is gone."""
     check_sample(sample)
+    if sample.pack is not None:
+        return pack_words(sample.pack)
     if sample.name is not None:
         return ["--sample", sample.name, *colour_words(sample.colour)]
     file = pasted_name(str(Path(str(sample.file)).absolute()))

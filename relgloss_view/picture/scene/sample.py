@@ -11,6 +11,7 @@ from relgloss_view.base.resources import asset
 from relgloss_view.material.files import load_material
 from relgloss_view.material.material import Material
 from relgloss_view.material.recolour import Colour, recoloured
+from relgloss_view.pack.kinds import PACK, kind_of_pack
 from relgloss_view.pack.pack import Pack
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setting import Setting
@@ -39,8 +40,8 @@ class Sample:
 
     @classmethod
     def of_pack(cls, pack: Pack) -> Sample:
-        """The sample that a pack is."""
-        return cls(pack.material, pack=pack)
+        """The sample that a pack is, with the file that it came from."""
+        return cls(pack.material, file=pack.file or None, pack=pack)
 
     def scene(self, setup: Setup | None = None) -> Scene:
         """The sample in a setup; a pack brings its own shape."""
@@ -58,6 +59,10 @@ class Sample:
         >>> Sample.built_in("uncoated").in_colour(Colour((50, 60, 20))).material.name
         'uncoated, colour Lab 50 60 20'
         """
+        if self.pack is not None:
+            if colour is None:
+                return self
+            raise InputError("lab: a pack has the colours of its artwork; leave it out")
         own = self.own_material
         if colour is None:
             return dataclasses.replace(self, material=own, colour=None, original=None)
@@ -71,8 +76,21 @@ class Sample:
 
     @classmethod
     def from_file(cls, file: str, table: str | None = None) -> Sample:
-        """The sample of a material file; InputError where it can't be read."""
-        return cls(load_material(file), file=file, table=table)
+        """The sample of a material file, a pack file or an artwork, by the file's content.
+
+        An artwork becomes a can with the finishes that quick_pack chooses. Raises InputError where
+        the file can't be read.
+        """
+        kind = kind_of_pack(file)
+        if kind is None:
+            return cls(load_material(file), file=file, table=table)
+        if kind == PACK:
+            from relgloss_view.pack.pack_file import read_pack
+
+            return cls.of_pack(read_pack(file))
+        from relgloss_view.pack.quick import quick_pack
+
+        return cls.of_pack(quick_pack(file))
 
 
 #: In order of gloss, with the optima of the subjective evaluation (Ishii et al., "Results"). The

@@ -14,6 +14,7 @@ from relgloss_view.base.reading import printable, text
 from relgloss_view.base.toml import build_part, read_toml, table_of
 from relgloss_view.material.recolour import Colour
 from relgloss_view.material.spectra import illuminant, is_lamp_name
+from relgloss_view.pack.pack_file import FINISH, PACK, pack_of_tables
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.match import Match
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, Sample
@@ -28,7 +29,9 @@ TABLES: dict[str, type[Any]] = {
 #: Of a pair of pictures. What [presentation] holds is the window's own business.
 PAIR_TABLES = ("reference", "match", "presentation")
 COLOUR_ENTRIES = tuple(f.name for f in dataclasses.fields(Colour))
-SAMPLE_ENTRIES = ("name", "material", "table", *COLOUR_ENTRIES)
+#: A pack within the scene, which is then the sample. Of a reference: [reference.pack].
+PACK_TABLES = (PACK, FINISH)
+SAMPLE_ENTRIES = ("name", "material", *PACK_TABLES, "table", *COLOUR_ENTRIES)
 MAX_BYTES = 1024 * 1024
 EXPECTED = "a scene file (TOML)"
 
@@ -90,9 +93,9 @@ def read_scene_file(
 def _scene_file(
     content: Mapping[str, Any], folder: Path, replacements: list[str] | None
 ) -> SceneFile:
-    unknown = set(content) - set(TABLES) - set(PAIR_TABLES) - {"sample"}
+    unknown = set(content) - set(TABLES) - set(PAIR_TABLES) - {"sample", *PACK_TABLES}
     if unknown:
-        tables = ", ".join(["sample", *TABLES, *PAIR_TABLES])
+        tables = ", ".join(["sample", *PACK_TABLES, *TABLES, *PAIR_TABLES])
         raise InputError(f"[{printable(min(unknown), 60)}]: no such table; expected {tables}")
     parts = {name: build(name, content.get(name, {})) for name in TABLES}
     presentation = table_of("presentation", content.get("presentation", {}))
@@ -104,9 +107,19 @@ def _scene_file(
         reference_look = Look()
     parts["lamp"] = lamp_beside(parts["lamp"], folder, replacements)
     look = parts.pop("look")
-    sample = read_sample("sample", content.get("sample", {}), folder, replacements)
+    of_sample = content.get("sample", {})
+    of_pack = {name: content[name] for name in PACK_TABLES if name in content}
+    if of_pack:
+        if of_sample:
+            raise InputError("[pack]: expected no [sample] beside it: the pack is the sample")
+        of_sample = of_pack
+    sample = read_sample("sample", of_sample, folder, replacements)
     if sample is None:
         sample = Sample.built_in(DEFAULT_SAMPLE)
+    if sample.pack is not None:
+        if "shape" in content:
+            raise InputError("[shape]: a pack has its own form; give it there, as [pack.form]")
+        parts["shape"] = sample.pack.shape
     return SceneFile(
         sample,
         look,
@@ -126,22 +139,24 @@ def read_sample(
     None where the table names none or, with a list of replacements, one that can't be read.
     Raises InputError.
     """
-    if not isinstance(entries, dict) or {"name", "material"} <= set(entries):
-        raise InputError(f"[{place}]: expected either name or material")
+    if not isinstance(entries, dict) or len({"name", "material", PACK} & set(entries)) > 1:
+        raise InputError(f"[{place}]: expected either name, material or pack")
     for key, value in entries.items():
         if key not in SAMPLE_ENTRIES:
             names = ", ".join(SAMPLE_ENTRIES)
             raise InputError(
                 f"{place}.{printable(key, 60)}: no such entry; expected one of {names}"
             )
-        if key not in COLOUR_ENTRIES:
+        if key not in COLOUR_ENTRIES and not (key in PACK_TABLES and not isinstance(value, str)):
             text(value, f"{place}.{key}")
-    if not {"name", "material"} & set(entries):
+    if not {"name", "material", *PACK_TABLES} & set(entries):
         return None
     table = str(folder / entries["table"]) if "table" in entries else None
     try:
         colour = read_colour(place, entries, folder)
-        if "material" in entries:
+        if set(PACK_TABLES) & set(entries):
+            sample = _pack_sample(place, entries, folder)
+        elif "material" in entries:
             sample = Sample.from_file(str(folder / entries["material"]), table)
         else:
             sample = dataclasses.replace(Sample.built_in(entries["name"]), table=table)
@@ -151,6 +166,21 @@ def read_sample(
             raise
         replacements.append(f"{error} (a built-in sample is used as the {place})")
         return None
+
+
+def _pack_sample(place: str, entries: Mapping[str, Any], folder: Path) -> Sample:
+    """The sample of `pack = "FILE"`, or of the tables of a pack within the scene."""
+    if "table" in entries:
+        raise InputError(f"{place}.table: a pack is fitted to no table; leave it out")
+    if not isinstance(entries.get(PACK), str):
+        return Sample.of_pack(pack_of_tables(entries, folder))
+    if FINISH in entries:
+        raise InputError(f"{place}.{FINISH}: expected none beside a pack file, which holds them")
+    sample = Sample.from_file(str(folder / entries[PACK]))
+    if sample.pack is None:
+        file = printable(entries[PACK])
+        raise InputError(f"{place}.{PACK}: {file} is a material; give a pack file")
+    return sample
 
 
 def read_colour(place: str, entries: Mapping[str, Any], folder: Path) -> Colour | None:

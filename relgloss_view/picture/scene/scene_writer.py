@@ -11,6 +11,8 @@ from relgloss_view.base.reading import printable, text
 from relgloss_view.base.toml import entries, plain, write_toml
 from relgloss_view.material.recolour import DEFAULT_ILLUMINANT
 from relgloss_view.material.spectra import is_lamp_name
+from relgloss_view.pack.pack import Pack
+from relgloss_view.pack.pack_file import PACK, pack_tables, read_pack
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
 from relgloss_view.picture.scene.scene_file import SceneFile
 
@@ -35,7 +37,9 @@ def write_scene_file(
 def check_sample(sample: Sample) -> None:
     """InputError where the sample could not be read again: no name, no file, or a missing one."""
     name = printable(sample.material.name, 60)
-    if sample.name is not None:
+    if sample.pack is not None:
+        pack_tables(sample.pack, Path.cwd())
+    elif sample.name is not None:
         if sample.name not in SAMPLES:
             raise InputError(f"sample {sample.name!r}: expected one of {', '.join(SAMPLES)}")
     elif sample.file is None:
@@ -57,7 +61,13 @@ def _tables(content: SceneFile, folder: Path, forgiving: bool) -> dict[str, Any]
         of_reference["look"] = entries(content.reference_look)
     if of_reference:
         tables["reference"] = of_reference
+    if content.sample.pack is not None and PACK not in tables["sample"]:
+        tables.pop("sample")
+    elif isinstance(tables["sample"].get(PACK), dict):  # the pack is the sample
+        tables |= tables.pop("sample")
     tables |= {name: entries(part) for name, part in content.setup.parts().items()}
+    if content.sample.pack is not None:
+        tables.pop("shape")  # which is the pack's
     lamp = content.setup.lamp.illuminant
     if not is_lamp_name(lamp):
         _put(tables["lamp"], "illuminant", _place(lamp, folder), "lamp", forgiving)
@@ -75,6 +85,8 @@ def _sample(place: str, sample: Sample, folder: Path, forgiving: bool) -> dict[s
     except InputError as error:
         if not forgiving:
             raise InputError(f"[{place}]: {error}") from error
+    if sample.pack is not None:
+        return _pack_entries(place, sample.pack, folder, forgiving)
     if sample.name is not None:
         table["name"] = sample.name
     elif sample.file is not None:
@@ -90,6 +102,27 @@ def _sample(place: str, sample: Sample, folder: Path, forgiving: bool) -> dict[s
     if table and sample.table is not None:
         _put(table, "table", _place(sample.table, folder), place, forgiving)
     return table
+
+
+def _pack_entries(place: str, pack: Pack, folder: Path, forgiving: bool) -> dict[str, Any]:
+    """The pack file that holds the pack as it is, else the pack itself."""
+    try:
+        tables = pack_tables(pack, folder)
+        if pack.file and _is_saved(pack, tables, folder):
+            return {PACK: text(_place(pack.file, folder), f"{place}.{PACK}")}
+        return tables
+    except InputError as error:
+        if not forgiving:
+            raise InputError(f"[{place}]: {error}") from error
+        return {}
+
+
+def _is_saved(pack: Pack, tables: dict[str, Any], folder: Path) -> bool:
+    """Whether the pack's file still holds what the pack is."""
+    try:
+        return pack_tables(read_pack(pack.file), folder) == tables
+    except InputError:
+        return False
 
 
 def _put(table: dict[str, Any], key: str, name: str, place: str, forgiving: bool) -> None:
