@@ -192,7 +192,7 @@ def turned(raster: Raster, orientation: object) -> Raster:
         {name: turn(plate) for name, plate in raster.plates.items()},
         height_mm if swap else width_mm,
         width_mm if swap else height_mm,
-        raster.notes,
+        notes=raster.notes,
     )
 
 
