@@ -11,7 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.base.errors import InputError
 from relgloss_view.base.parameters import Checked, choice, parameter
+from relgloss_view.base.reading import numbers_of, refuse, text
 from relgloss_view.pack.mesh import Mesh
 
 #: The sizes of each shape, by its name.
@@ -29,6 +31,9 @@ SIZES = {
 SHAPES = tuple(SIZES)
 CURVED = ("cylinder", "sphere")  #: towards the eye, by half_extent_m()[0]
 ANALYTIC = ("cylinder", "sphere", "plane", "box")
+PROFILED = ("can", "bottle")  #: may have a profile
+#: Points of a profile, and its size: radii and heights in millimetres.
+FEWEST_POINTS, MOST_POINTS, MOST_MM = 2, 200, 10_000.0
 #: Sizes that a form has where none is given; other sizes and forms have those of the fields.
 #: Can: 330 ml. Bottle: 500 ml PET. Pouch: depth at its thickest.
 USUAL_SIZES: dict[str, dict[str, float]] = {
@@ -98,6 +103,10 @@ class Shape(Checked):
             if getattr(self, name) is None:
                 object.__setattr__(self, name, size)
         super().__post_init__()
+        object.__setattr__(self, "profile_mm", _profile(self.profile_mm))
+        text(self.file, "shape.file")
+        if self.kind == "mesh" and not self.file:
+            raise InputError("shape.file: expected the name of a mesh file, for kind 'mesh'")
 
     def with_kind(self, kind: str) -> Shape:
         """The shape as another form; sizes that are the present form's usual ones change with it.
@@ -142,3 +151,28 @@ class Shape(Checked):
         mesh = mesh_of(self)
         assert mesh is not None
         return mesh
+
+
+def _profile(points: object) -> tuple[tuple[float, float], ...]:
+    """The points of a profile, checked; InputError."""
+    place = "shape.profile_mm"
+    if not isinstance(points, tuple | list):
+        refuse(place, "a list of points [radius, height] in mm", points)
+    if points and not FEWEST_POINTS <= len(points) <= MOST_POINTS:
+        refuse(place, f"{FEWEST_POINTS} to {MOST_POINTS} points", len(points))
+    profile = []
+    for k, point in enumerate(points):
+        expected = f"a number, -{MOST_MM:g} to {MOST_MM:g} mm"
+        pair = numbers_of(point, f"{place}[{k}]", expected, -MOST_MM, MOST_MM)
+        if len(pair) != 2 or pair[0] < 0.0:
+            refuse(f"{place}[{k}]", "[radius, height] with a radius of 0 or more", point)
+        if profile and pair == profile[-1]:
+            refuse(f"{place}[{k}]", "another place than the point before", point)
+        profile.append((pair[0], pair[1]))
+    if profile:
+        radii, heights = zip(*profile, strict=True)
+        if max(radii) < 0.5 or max(heights) - min(heights) < 1.0 or heights[-1] < heights[0]:
+            refuse(place, "points upwards, at least 1 mm wide and high", "less")
+        if 0.0 in radii[1:-1]:
+            refuse(place, "a radius above 0 between the ends", 0.0)
+    return tuple(profile)
