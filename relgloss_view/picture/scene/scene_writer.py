@@ -14,7 +14,7 @@ from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.pack_file import PACK, pack_tables, read_pack
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
-from relgloss_view.picture.scene.scene_file import SceneFile
+from relgloss_view.picture.scene.scene_file import FURTHER_LAMP, SceneFile
 
 
 def write_scene_file(
@@ -68,6 +68,8 @@ def _tables(content: SceneFile, folder: Path, forgiving: bool) -> dict[str, Any]
     tables |= {name: entries(part) for name, part in content.setup.parts().items()}
     if content.sample.pack is not None:
         tables.pop("shape")  # which is the pack's
+    if content.setup.further_lamps:
+        tables[FURTHER_LAMP] = [entries(lamp) for lamp in content.setup.further_lamps]
     lamp = content.setup.lamp.illuminant
     if not is_lamp_name(lamp):
         _put(tables["lamp"], "illuminant", _place(lamp, folder), "lamp", forgiving)
