@@ -72,7 +72,7 @@ def samples_needed(scene: Scene, size: Size) -> int:
     and by the change of both directions. The estimate is for the highlight, where the normal lies
     halfway between eye and lamp.
     """
-    lobes = scene.material.visible_lobes()
+    lobes = [lobe for material in scene.materials for lobe in material.visible_lobes()]
     if not lobes:
         return 1
     eye, lamp = scene.eye.distance_m, scene.lamp.distance_m
