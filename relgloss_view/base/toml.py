@@ -49,11 +49,34 @@ def parse_toml(written: str) -> dict[str, Any]:
 
 def write_toml(path: str | os.PathLike[str], tables: Mapping[str, Any]) -> None:
     """Write tables as TOML, whole or not at all; InputError where that fails."""
-    import tomli_w
-
-    data = tomli_w.dumps(tables).encode("utf-8")
+    data = toml_text(tables).encode("utf-8")
     with whole_file(path) as temporary:
         temporary.write_bytes(data)
+
+
+def toml_text(tables: Mapping[str, Any]) -> str:
+    """Tables as TOML; a list of tables as [[name]] after the others, however short it is.
+
+    >>> print(toml_text({"finish": [{"k": 1}], "pack": {"form": "can"}}))
+    [pack]
+    form = "can"
+    <BLANKLINE>
+    [[finish]]
+    k = 1
+    <BLANKLINE>
+    """
+    import tomli_w
+
+    lists = {
+        name: rows
+        for name, rows in tables.items()
+        if isinstance(rows, list) and rows and all(isinstance(row, dict) for row in rows)
+    }
+    written = tomli_w.dumps({name: v for name, v in tables.items() if name not in lists})
+    for name, rows in lists.items():
+        for row in rows:
+            written += f"\n[[{name}]]\n" + tomli_w.dumps(row)
+    return written.lstrip("\n")
 
 
 def build_part(kind: type[Any], name: str, values: object, within: str = "") -> Any:
