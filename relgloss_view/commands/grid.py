@@ -28,6 +28,7 @@ from relgloss_view.commands.scene_options import (
     scene_from,
     scene_words_of,
 )
+from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setting import Setting
 
 if TYPE_CHECKING:
@@ -35,7 +36,6 @@ if TYPE_CHECKING:
     from relgloss_view.operators.operator import Operator
     from relgloss_view.picture.output.writers import Writers
     from relgloss_view.picture.scene.look import Look
-    from relgloss_view.picture.scene.scene import Scene
     from relgloss_view.quality.backends import FrameRenderer
 
 THUMBNAIL_PX = 200
@@ -112,12 +112,14 @@ def _draw(
     Returns the manifest, and whether there is a contact sheet.
     """
     from relgloss_view.experiment.design.grid import C_SIXTHS, SIGMA_N_DEG
-    from relgloss_view.gloss.match import matched_point
+    from relgloss_view.gloss.match import Reference, matched_point
+    from relgloss_view.gloss.pack_match import match_pack
     from relgloss_view.picture.output.contact_sheet import contact_sheet, thumbnail
     from relgloss_view.picture.output.parameters import parameters
     from relgloss_view.picture.output.png import save_rgb
 
     renderer, writers, operator = by
+    drawn = scene
     scales: tuple[int | None, ...] = C_SIXTHS if operator.uses_c else (None,)
     total = len(SIGMA_N_DEG) * len(scales)
     stimuli: list[dict[str, Any]] = []
@@ -125,7 +127,11 @@ def _draw(
     captions: list[list[str]] = []
     for sigma_n_deg in SIGMA_N_DEG:
         matched_c = None
-        if reference is not None:
+        if scene.pack is not None:  # finishes without a sigma_N of their own have the row's
+            found = match_pack(reference or Reference.default(), scene.pack, sigma_n_deg)
+            matched_c = found.c if reference is not None else None
+            drawn = Scene(scene.material, scene.setup, pack=found.pack)
+        elif reference is not None:
             matched_c = matched_point(reference, scene.material, sigma_n_deg).c
         rows.append([])
         captions.append([])
@@ -134,7 +140,7 @@ def _draw(
             progress(len(stimuli) / total, name)
             variant = look.at(Setting(sigma_n_deg, (sixths or 6) / 6))
             variant = variant if sixths else variant.without_c()
-            frame = renderer.render(scene, variant, size)
+            frame = renderer.render(drawn, variant, size)
             displayed = displayed_by(operator, frame)
             command = _command(args, sigma_n_deg, sixths, name)
             writers.save(frame, folder / name, command, displayed)
@@ -179,12 +185,12 @@ def _sheet_words(
     scene: Scene, operator: Operator, stimuli: list[dict[str, Any]], reference: Reference | None
 ) -> tuple[str, str]:
     """The title and the note of a contact sheet."""
-    title = printable(scene.material.name, 60)
+    title = printable(scene.name, 60)
     if operator.uses_c:
         title += f": sigma_N down, c / c_max across{_c_max(stimuli)}"
     else:
         title += f", {operator.name}: sigma_N across"
-    marks = scene.material.marks
+    marks = scene.marks
     note = f"{marks} sample" if marks else ""
     if reference is not None and any(s["of_match"] for s in stimuli):
         note += ". " if note else ""

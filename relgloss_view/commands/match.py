@@ -14,6 +14,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, Progress, ProgressReport, table, warn
 from relgloss_view.base.writing import check_writable, together
+from relgloss_view.commands.match_pack import run_pack
 from relgloss_view.commands.scene_options import (
     SAMPLE_METAVAR,
     add_scene_options,
@@ -66,6 +67,11 @@ def add(commands: Any) -> None:
         f"{first} at sigma_N 0 and c_max)",
     )
     parser.add_argument(
+        "--pack",
+        metavar="PACK.toml",
+        help="Match every finish of a pack in place of samples: sigma_N and the factor k of each",
+    )
+    parser.add_argument(
         "--grain",
         metavar="DEG",
         type=float,
@@ -87,8 +93,9 @@ def add(commands: Any) -> None:
     parser.add_argument("-o", "--output", metavar="OUT.png", help="Plot the curves into this file")
     parser.add_argument(
         "--write",
-        metavar="SCENE.toml",
-        help="Write the reference and the proposal as a scene file, which `relgloss view` opens",
+        metavar="SCENE.toml|PACK.toml",
+        help="Write the reference and the proposal as a scene file, which `relgloss view` opens; "
+        "with --pack the pack with sigma_N and k of each finish",
     )
     add_scene_options(parser, tuned=False, sourced=False, look=viewed_look())
     parser.add_argument("--json", action="store_true", help="Print the curves as JSON")
@@ -103,6 +110,9 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.picture.scene.sample import SAMPLES
     from relgloss_view.quality.backends import open_renderer
 
+    if args.pack is not None:
+        _check_places(args)
+        return run_pack(args)
     words = args.sample_words or list(SAMPLES)[1:]
     if args.write is not None and len(words) != 1:
         args.wrong_usage("argument --write: expected one sample, whose proposal is written")
@@ -110,6 +120,9 @@ def run(args: argparse.Namespace) -> int:
     scene, look, size = scene_from(args)
     first = sample_argument(args.reference, look)
     samples = sample_arguments(words, look, colour=colour_from(args))
+    for word, argument in zip(words, samples, strict=True):
+        if argument.sample.pack is not None:
+            raise InputError(f"{printable(word)}: a pack; match its finishes with --pack {word}")
     if args.grain is not None:
         dataclasses.replace(look, sigma_n_deg=args.grain)  # raises where it is no sigma_N
     reference = Reference.of(first.sample_look, args.gloss, scene.setup if args.here else None)

@@ -19,7 +19,9 @@ from relgloss_view.picture.scene.scene import Scene
 
 if TYPE_CHECKING:
     from relgloss_view.gloss.match import Reference
+    from relgloss_view.gloss.pack_match import PackMatch
     from relgloss_view.gloss.samples import SampleLook
+    from relgloss_view.pack.pack import Pack
     from relgloss_view.picture.frame import Frame
     from relgloss_view.picture.scene.match import Match
     from relgloss_view.picture.scene.scene_file import SceneFile
@@ -44,6 +46,7 @@ class MatchedPicture:
     look: Look
     reference: Reference
     match: Match
+    pack: PackMatch | None = None  #: of a pack, whose finishes are matched too
 
     @property
     def share(self) -> float:
@@ -57,7 +60,7 @@ class MatchedPicture:
         from relgloss_view.gloss.comparison import factor_in_view
         from relgloss_view.gloss.samples import SampleLook
 
-        test = SampleLook("", scene.material, self.look)
+        test = SampleLook("", scene.material, self.look, scene.pack)
         return factor_in_view(renderer, (self.reference.sample_at_c, test), scene, size)
 
     def as_numbers(self, frame: Frame) -> dict[str, Any]:
@@ -76,7 +79,29 @@ class MatchedPicture:
             "made_by": self.match.made_by,
             "share": self.share,
             "factor": frame.scaling.factor,
+            **({} if self.pack is None else self.pack.as_numbers()),
         }
+
+
+def matched_finishes(args: argparse.Namespace, scene: Scene, look: Look) -> tuple[Scene, Look]:
+    """A pack whose finishes keep their ratio of gloss to each other, whatever c the picture has.
+
+    Each finish gets its sigma_N and, unless it keeps its own, its k; the look has the sigma_N of
+    the finish that c belongs to. A sample that is no pack stays as it is.
+    """
+    if scene.pack is None:
+        return scene, look
+    from relgloss_view.gloss.match import Reference
+    from relgloss_view.gloss.pack_match import match_pack
+
+    found = match_pack(Reference.default(), scene.pack, _given_graininess(args, look))
+    changed = Scene(scene.material, scene.setup, pack=found.pack)
+    return changed, look.with_entries(sigma_n_deg=found.anchor.sigma_n_deg)
+
+
+def _given_graininess(args: argparse.Namespace, look: Look) -> float | None:
+    """The look's sigma_N where words or a scene file decide on it."""
+    return look.sigma_n_deg if graininess_is_given(args) else None
 
 
 def matched_picture(args: argparse.Namespace, scene: Scene, look: Look) -> MatchedPicture | None:
@@ -100,6 +125,8 @@ def matched_picture(args: argparse.Namespace, scene: Scene, look: Look) -> Match
     from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE
 
     reference = Reference.of(reference_look(args, look))
+    if scene.pack is not None:
+        return _matched_pack(reference, scene.pack, look)
     sigma_n_deg = look.sigma_n_deg
     if not graininess_is_given(args) and args.material is None:
         sigma_n_deg = own_sigma_n_deg(args.sample or DEFAULT_SAMPLE)
@@ -108,9 +135,20 @@ def matched_picture(args: argparse.Namespace, scene: Scene, look: Look) -> Match
     return MatchedPicture(changed, reference, match)
 
 
+def _matched_pack(reference: Reference, pack: Pack, look: Look) -> MatchedPicture:
+    """The match of a pack whose finishes were matched among themselves."""
+    from relgloss_view.gloss.pack_match import match_pack
+
+    found = match_pack(reference, pack, look.sigma_n_deg)
+    sigma_n_deg = found.anchor.sigma_n_deg
+    changed = look.with_entries(c=found.c, sigma_n_deg=sigma_n_deg)
+    return MatchedPicture(changed, reference, found.match, found)
+
+
 def _pair_of_file(args: argparse.Namespace, look: Look) -> MatchedPicture | None:
     """The pair that a scene file holds with its match, unless an option gives another c."""
     from relgloss_view.gloss.match import Reference, matched
+    from relgloss_view.gloss.pack_match import match_pack
     from relgloss_view.picture.scene.scene_file import read_scene_file
 
     given = any(getattr(args, name, None) for name in ("c", "c_fraction", "published"))
@@ -129,7 +167,10 @@ def _pair_of_file(args: argparse.Namespace, look: Look) -> MatchedPicture | None
     match, c = content.match, look.c
     if look.sigma_n_deg != content.look.sigma_n_deg:  # another graininess keeps the share
         share = c / (match.ratio * reference.c) if match.ratio > 0.0 else 1.0
-        match = matched(reference, content.sample.material, look.sigma_n_deg)
+        if content.sample.pack is not None:
+            match = match_pack(reference, content.sample.pack, look.sigma_n_deg).match
+        else:
+            match = matched(reference, content.sample.material, look.sigma_n_deg)
         c = share * match.ratio * reference.c
     return MatchedPicture(look.with_entries(c=c), reference, match)
 
@@ -155,13 +196,13 @@ def _reference_of_file(content: SceneFile) -> SampleLook | None:
     if sample is None:
         return None
     label = sample.name or sample.material.name
-    return SampleLook(label, sample.material, content.reference_look or Look())
+    return SampleLook(label, sample.material, content.reference_look or Look(), sample.pack)
 
 
 def match_words(picture: MatchedPicture, frame: Frame) -> str:
     """The match of a drawn picture in a few words."""
     label = picture.reference.sample.label
-    if not frame.scene.material.visible_lobes():
+    if not any(material.visible_lobes() for material in frame.scene.materials):
         return f"it has no highlight, so there is no gloss to match to {label}"
     words = f"matched to {label} (c {picture.reference.c:.4g})"
     if abs(picture.share - 1.0) > 5e-4:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, table
-from relgloss_view.commands.matched import add_reference_option, matched_picture
+from relgloss_view.commands.matched import add_reference_option, matched_finishes, matched_picture
 from relgloss_view.commands.scene_options import add_scene_options, scene_from
 from relgloss_view.picture.scene.look import viewed_look
 
@@ -56,6 +56,7 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.quality.planner import Tolerance, advise
 
     scene, look, size = scene_from(args)
+    scene, look = matched_finishes(args, scene, look)
     picture = matched_picture(args, scene, look)
     look = look if picture is None else picture.look
     limits = {"p95": args.p95, "largest": args.largest}
@@ -65,9 +66,7 @@ def run(args: argparse.Namespace) -> int:
         print(json.dumps(_numbers(advice, tolerance)))
         return 0
     width, height = size
-    print(
-        f"{printable(scene.material.name, 80)}, {width}x{height}, sigma_N {look.sigma_n_deg:g} deg"
-    )
+    print(f"{printable(scene.name, 80)}, {width}x{height}, sigma_N {look.sigma_n_deg:g} deg")
     if advice.note:
         print(advice.note)
         return 0

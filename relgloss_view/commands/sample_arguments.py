@@ -16,6 +16,7 @@ from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
 from relgloss_view.picture.scene.setting import Setting
 
+PACK_SUFFIX = ".toml"
 SYNTAX = re.compile(r"(.+)=([0-9.]+),([0-9.]+)(?:/([0-9.]+))?", re.DOTALL)
 
 
@@ -31,7 +32,7 @@ class SampleArgument:
 def sample_argument(
     word: str, look: Look, *, published: bool = True, colour: Colour | None = None
 ) -> SampleArgument:
-    """A sample from NAME|FILE[=SIGMA_N,C], in a colour; the rest of its look is `look`'s.
+    """A sample or a pack from NAME|FILE[=SIGMA_N,C], in a colour; the rest of its look is `look`'s.
 
     Without a setting a built-in paper has the published one, if `published`; other samples have
     their own sigma_N (0 of a file) and c_max. Raises InputError where there is no such sample or a
@@ -43,7 +44,7 @@ def sample_argument(
     start = name.rpartition("=")[0]
     if not built_in and (start in SAMPLES or (Path(start).is_file() and not Path(name).exists())):
         refuse(printable(name), "SIGMA_N,C after the sample, such as =2.0,1/3", name[len(start) :])
-    sample = Sample.built_in(name) if built_in else Sample.from_file(name)
+    sample = _sample(name)
     sample = sample if colour is None else sample.in_colour(colour)
     setting = Setting(SAMPLES[name].sigma_n_deg) if built_in else Setting()
     if built_in and published:
@@ -52,7 +53,19 @@ def sample_argument(
         setting = _setting(word, match[2], match[3], match[4])
     label = name if built_in else printable(Path(name).stem, 40)
     origin = "given" if match else "published" if built_in and published else ""
-    return SampleArgument(SampleLook(label, sample.material, look.at(setting)), sample, origin)
+    drawn = SampleLook(label, sample.material, look.at(setting), sample.pack)
+    return SampleArgument(drawn, sample, origin)
+
+
+def _sample(name: str) -> Sample:
+    """A built-in paper, the pack of a TOML file, or the material of any other file."""
+    if name in SAMPLES:
+        return Sample.built_in(name)
+    if Path(name).suffix.lower() == PACK_SUFFIX:
+        from relgloss_view.pack.pack_file import read_pack
+
+        return Sample.of_pack(read_pack(name))
+    return Sample.from_file(name)
 
 
 def sample_arguments(

@@ -9,7 +9,12 @@ from typing import Any
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Progress, warn
 from relgloss_view.base.writing import check_writable
-from relgloss_view.commands.matched import add_reference_option, match_words, matched_picture
+from relgloss_view.commands.matched import (
+    add_reference_option,
+    match_words,
+    matched_finishes,
+    matched_picture,
+)
 from relgloss_view.commands.operator_options import (
     add_operator_options,
     displayed_by,
@@ -55,6 +60,7 @@ def run(args: argparse.Namespace) -> int:
         args.wrong_usage(f"argument --bits: {output} is OpenEXR, which holds floats; leave it out")
     operator = operator_from(args)
     scene, look, size = scene_from(args)
+    scene, look = matched_finishes(args, scene, look)
     picture = matched_picture(args, scene, look)
     if picture is not None:
         look = picture.look
@@ -85,8 +91,8 @@ def run(args: argparse.Namespace) -> int:
         settings += f"c {frame.c:.4g} ({c_max})"
     else:
         settings += f"operator {operator.name}"
-    sample = printable(scene.material.name, 80)
-    marks = scene.material.marks
+    sample = printable(scene.name, 80)
+    marks = scene.marks
     sample += f" ({marks})" if marks else ""
     print(f"{printable(output)}: {sample}, {settings}")
     if picture is not None:

@@ -126,12 +126,14 @@ def compare(
     drawn, cells = [], []
     factor = factor_in_view(renderer, [s for s in samples if s.label in matched], scene, size)
     for k, sample in enumerate(samples):
-        of_sample = dataclasses.replace(scene, material=sample.material)
+        of_sample = sample.scene(scene.setup)
         of_pair = factor if sample.label in matched else 1.0
         frame = renderer.render(of_sample, sample.look, size, factor=of_pair)
         rows_kept, columns_kept = _bounds(frame)
         checkpoint()
-        drawn.append(DrawnSample(sample, computed_gloss(sample.material), frame.c, frame.c_max))
+        drawn.append(
+            DrawnSample(sample, computed_gloss(sample.judged_material), frame.c, frame.c_max)
+        )
         by_operator = []
         for n, operator in enumerate(operators):
             progress((k + n / len(operators)) / len(samples), f"{sample.label}, {operator.name}")
@@ -171,8 +173,8 @@ def without_highlight(samples: Sequence[SampleLook], setup: Setup) -> tuple[str,
     return tuple(
         sample.label
         for sample in samples
-        if sample.material.visible_lobes()
-        and pose.peak(sample.material, sample.look.sigma_n_deg) is None
+        if (shining := [part for part in sample.parts(setup) if part[0].visible_lobes()])
+        and all(pose.peak(material, sigma_n_deg) is None for material, sigma_n_deg in shining)
     )
 
 
@@ -182,7 +184,7 @@ def factor_in_view(
     """The common factor of the samples' c with which no picture of this view clips."""
     contrasts = []
     for sample in samples:
-        of_sample = dataclasses.replace(scene, material=sample.material)
+        of_sample = sample.scene(scene.setup)
         frame = renderer.render(of_sample, sample.look, size)
         contrasts.append((frame.c, frame.c_max))
     return common_factor(contrasts)

@@ -92,11 +92,14 @@ class Reference:
 
         setup: match in this one alone. InputError where the sample has no gloss, or shows none.
         """
+        name = printable(sample.label)
+        if sample.pack is not None:
+            raise InputError(f"{name}: a pack has several finishes, so it can't be the reference; "
+                             "choose a paper or a material file as --reference")  # fmt: skip
         reading = gloss_of(sample.material, gloss)
         setups = match_setups(setup)
         peaks = tuple(_peak(s, sample.material, sample.look.sigma_n_deg) for s in setups)
         c = absolute_c(sample.look, sample.material)
-        name = printable(sample.label)
         if reading <= 0.0 or c <= 0.0:
             raise InputError(f"{name}: has no gloss, so no ratio to it can be kept; choose another "
                              "--reference")  # fmt: skip
@@ -114,8 +117,25 @@ class Reference:
         name = DEFAULT_REFERENCE
         return cls.of(SampleLook(name, load_sample(name), Look().at(SAMPLES[name])))
 
+    def as_numbers(self) -> dict[str, Any]:
+        """The reference as JSON holds it."""
+        return {
+            "label": self.sample.label,
+            "name": self.sample.material.name,
+            "sigma_n_deg": self.sample.look.sigma_n_deg,
+            "c": self.c,
+            "gloss": self.reading,
+            "shown": self.displayed_gloss,
+        }
+
     def matched_look(self, sample: SampleLook) -> SampleLook:
         """A sample at its look's sigma_N, with the c that keeps the ratio to this reference."""
+        if sample.pack is not None:
+            from relgloss_view.gloss.pack_match import match_pack
+
+            found = match_pack(self, sample.pack)
+            look = sample.look.with_entries(c=found.c, sigma_n_deg=found.anchor.sigma_n_deg)
+            return dataclasses.replace(sample, look=look, pack=found.pack)
         match = matched(self, sample.material, sample.look.sigma_n_deg)
         return dataclasses.replace(sample, look=sample.look.with_entries(c=match.test_c))
 
@@ -172,14 +192,20 @@ class MatchCurve:
     own_setting: ComparedSetting | None  #: None where the sample came without a setting
 
 
-def matched_point(reference: Reference, material: Material, sigma_n_deg: float) -> CurvePoint:
+def matched_point(
+    reference: Reference, material: Material, sigma_n_deg: float, reading: float | None = None
+) -> CurvePoint:
     """The c at one sigma_N with which a material keeps its ratio of gloss to the reference.
+
+    reading: of the gloss that is kept, where it is not that of the material itself.
 
     >>> point = matched_point(Reference.default(), load_sample("matte-coated"), 2.0)
     >>> round(point.c, 2), point.spread < 1.7
     (0.37, True)
     """
-    wanted = reference.c * gloss_of(material, reference.gloss) / reference.reading
+    if reading is None:
+        reading = gloss_of(material, reference.gloss)
+    wanted = reference.c * reading / reference.reading
     proposals, refused = [], []
     for setup, peak in zip(reference.setups, reference.peaks, strict=True):
         own = None if peak is None else _peak(setup, material, sigma_n_deg)
@@ -289,14 +315,7 @@ def as_numbers(reference: Reference, curves: Sequence[MatchCurve]) -> dict[str, 
     return {
         "gloss": reference.gloss,
         "lamp_azimuths_deg": [setup.lamp.azimuth_deg for setup in reference.setups],
-        "reference": {
-            "label": reference.sample.label,
-            "name": reference.sample.material.name,
-            "sigma_n_deg": reference.sample.look.sigma_n_deg,
-            "c": reference.c,
-            "gloss": reference.reading,
-            "shown": reference.displayed_gloss,
-        },
+        "reference": reference.as_numbers(),
         "samples": [
             {
                 "label": m.sample.label,

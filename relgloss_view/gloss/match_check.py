@@ -6,7 +6,6 @@ sharpness and coverage of highlights. So each pose is drawn, and each measure ra
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -63,11 +62,9 @@ def check_pose(
     values: dict[str, dict[str, float | None]] = {name: {} for name in TIES}
     factor = 1.0
     if seen:
-        scene = Scene(seen[0].material, setup)
-        factor = factor_in_view(renderer, seen, scene, SIZE)
+        factor = factor_in_view(renderer, seen, Scene(seen[0].material, setup), SIZE)
         for sample in seen:
-            of_sample = dataclasses.replace(scene, material=sample.material)
-            frame = renderer.render(of_sample, sample.look, SIZE, factor=factor)
+            frame = renderer.render(sample.scene(setup), sample.look, SIZE, factor=factor)
             measures = measure(frame, Split().draw(frame))
             for name in TIES:
                 values[name][sample.label] = getattr(measures, name)

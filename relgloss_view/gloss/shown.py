@@ -68,7 +68,7 @@ class Regions:
         specular = gaussian_filter(np.asarray(l_s, dtype=np.float64), HIGHLIGHT_GRAINS * grain)
         shines = specular >= HIGHLIGHT_LSTAR
         body = whole & ~shines & (l_d >= LIT_LSTAR)
-        grainy = look.sigma_n_deg > 0.0
+        grainy = any(sigma_n_deg > 0.0 for _, sigma_n_deg in frame.scene.parts(look))
         return cls(whole, body, whole & shines, scale, grain, 60.0 / pixel_arcmin, grainy)
 
 

@@ -27,7 +27,8 @@ class Finish(Checked):
     finish lies there).
     invert: whether the mask says where it does not lie.
     sigma_n_deg: its graininess, degrees, 0 to 10; None follows the look's.
-    k: factor of its L_s* beside the picture's c, 0 to 100.
+    k: factor of its L_s* beside the picture's c, 0 to 100. keeps_k: whether a hand or a file chose
+    k, so that a match keeps it.
 
     Raises InputError where a value is out of its range.
     """
@@ -44,6 +45,7 @@ class Finish(Checked):
     k: float = parameter(
         1.0, 0.0, MAX_K, "", "factor of this finish's contrast gloss", label="Gloss factor (k)"
     )
+    keeps_k: bool = False
 
     def __post_init__(self) -> None:
         super().__post_init__()

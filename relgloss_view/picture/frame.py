@@ -170,7 +170,8 @@ def scene_warnings(
 def _grain_warnings(scene: Scene, look: Look, size: tuple[int, int]) -> tuple[str, ...]:
     """The warning of grain that is smaller than a pixel."""
     pixels = pixels_a_grain(scene, look, size)
-    if look.sigma_n_deg == 0.0 or pixels <= PIXELS_A_GRAIN:
+    grainy = any(sigma_n_deg > 0.0 for _, sigma_n_deg in scene.parts(look))
+    if not grainy or pixels <= PIXELS_A_GRAIN:
         return ()
     needed = min(MAX_SAMPLES, math.ceil(pixels))
     averaged = sample_count(scene, look, size)
@@ -242,7 +243,7 @@ class Frame(Stages):
         count = len(self.warnings)
         warned = f", {count} warning{'' if count == 1 else 's'}" if count else ""
         return (
-            f"<Frame of {printable(self.scene.material.name, 60)!r}: "
+            f"<Frame of {printable(self.scene.name, 60)!r}: "
             f"{self.size[0]} x {self.size[1]} pixels, sigma_N {self.look.sigma_n_deg:g} deg, "
             f"c {self.c:.4g}, c_max {c_max}{warned}>"
         )
@@ -264,18 +265,20 @@ class Frame(Stages):
     @cached_property
     def lacks_gloss(self) -> bool:
         """Whether the sample has gloss, and this view of it shows none."""
-        material = self.scene.material
-        if self.object_pixels == 0 or not material.visible_lobes():
+        shining = [part for part in self.scene.parts(self.look) if part[0].visible_lobes()]
+        if self.object_pixels == 0 or not shining:
             return False
-        sigma_n_deg = self.look.sigma_n_deg
-        return not shows_gloss(material, sigma_n_deg, self.scene.setup, self.size, self.l_s_max)
+        return not any(
+            shows_gloss(material, sigma_n_deg, self.scene.setup, self.size, self.l_s_max)
+            for material, sigma_n_deg in shining
+        )
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """What is wrong or doubtful with the material, the scene or c, one sentence each."""
         scene = self._scene_warnings
         unseen = (NO_GLOSS,) if BLACK not in scene and self.lacks_gloss else ()
-        return (*self.scene.material.warnings, *scene, *unseen, *self.scaling.warnings)
+        return (*self.scene.warnings, *scene, *unseen, *self.scaling.warnings)
 
     @property
     def y_n_cd_m2(self) -> float:

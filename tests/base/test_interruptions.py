@@ -20,17 +20,30 @@ SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
 GRID = ["grid", "--sample", "uncoated", "--size", "64x64", "-o", "g"]
 
 
-def started(folder, words, ignored=()):
-    def signals():
-        for number in SIGNALS:
-            signal.signal(number, signal.SIG_IGN if number in ignored else signal.SIG_DFL)
+@pytest.fixture
+def started():
+    """A function that starts the program; what still runs after a failed assertion is ended."""
+    processes = []
 
-    (folder / "tmp").mkdir(exist_ok=True)
-    return subprocess.Popen(
-        [sys.executable, "-m", "relgloss_view.cli", *words], cwd=folder, preexec_fn=signals,
-        env={**os.environ, "PYTHONPATH": str(ROOT), "TMPDIR": str(folder / "tmp")},
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
+    def start(folder, words, ignored=()):
+        def signals():
+            for number in SIGNALS:
+                signal.signal(number, signal.SIG_IGN if number in ignored else signal.SIG_DFL)
+
+        (folder / "tmp").mkdir(exist_ok=True)
+        process = subprocess.Popen(
+            [sys.executable, "-m", "relgloss_view.cli", *words], cwd=folder, preexec_fn=signals,
+            env={**os.environ, "PYTHONPATH": str(ROOT), "TMPDIR": str(folder / "tmp")},
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        processes.append(process)
+        return process
+
+    yield start
+    for process in processes:
+        if process.poll() is None:
+            process.kill()
+        process.communicate()
 
 
 def wait_for_pictures(folder):
@@ -50,7 +63,7 @@ def wait_for_pictures(folder):
 
 
 @pytest.mark.parametrize("number", SIGNALS)
-def test_in_the_middle_of_the_pictures(tmp_path, number):
+def test_in_the_middle_of_the_pictures(started, tmp_path, number):
     process = started(tmp_path, GRID)
     wait_for_pictures(tmp_path)
     process.send_signal(number)
@@ -61,7 +74,7 @@ def test_in_the_middle_of_the_pictures(tmp_path, number):
     assert os.listdir(tmp_path / "tmp") == []
 
 
-def test_a_second_signal_does_not_stop_the_clean_up(tmp_path):
+def test_a_second_signal_does_not_stop_the_clean_up(started, tmp_path):
     process = started(tmp_path, GRID)
     wait_for_pictures(tmp_path)
     for _ in range(5):
@@ -71,7 +84,7 @@ def test_a_second_signal_does_not_stop_the_clean_up(tmp_path):
     assert os.listdir(tmp_path) == ["tmp"]
 
 
-def test_what_nohup_ignores_stays_ignored(tmp_path):
+def test_what_nohup_ignores_stays_ignored(started, tmp_path):
     process = started(tmp_path, GRID, ignored=[signal.SIGHUP])
     wait_for_pictures(tmp_path)
     process.send_signal(signal.SIGHUP)

@@ -6,6 +6,7 @@ import math
 
 from relgloss_view.pack.shape import CURVED
 from relgloss_view.picture.model.lights import lamps_of
+from relgloss_view.material.material import Lobe
 from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
@@ -73,9 +74,14 @@ def samples_needed(scene: Scene, size: Size) -> int:
     and by the change of both directions. The estimate is for the highlight, where the normal lies
     halfway between eye and lamp.
     """
-    if not scene.material.visible_lobes():
+    if not _lobes(scene):
         return 1
     return max(_needed(scene, size, lamp) for lamp in lamps_of(scene.setup))
+
+
+def _lobes(scene: Scene) -> list[Lobe]:
+    """The lobes of all materials that the scene shows."""
+    return [lobe for material in scene.materials for lobe in material.visible_lobes()]
 
 
 def _needed(scene: Scene, size: Size, lamp: Lamp | FurtherLamp) -> int:
@@ -89,7 +95,7 @@ def _needed(scene: Scene, size: Size, lamp: Lamp | FurtherLamp) -> int:
         cosine = float(scene.eye.position_m @ lamp.position_m) / (eye * away)
         cos_half = math.sqrt(max(0.5 * (1.0 + cosine), 0.01))
         turn += across_m / (float(half[0]) * cos_half)
-    narrowest = min(lobe.s for lobe in scene.material.visible_lobes())
+    narrowest = min(lobe.s for lobe in _lobes(scene))
     if lamp.radius_m > 0.0:
         narrowest = math.hypot(narrowest, 0.25 * math.atan2(lamp.radius_m, away))
     needed = turn / (STEP_SD * narrowest)

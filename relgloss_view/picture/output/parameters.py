@@ -24,7 +24,7 @@ def parameters(frame: Frame, displayed: Displayed | None = None) -> dict[str, An
     scene, look, scaling = frame.scene, frame.look, frame.scaling
     picture = displayed or frame
     return {
-        "sample": scene.material.name,
+        "sample": scene.name,
         "source": scene.material.source,
         "size": list(frame.size),
         "sigma_n_deg": look.sigma_n_deg,

@@ -6,9 +6,11 @@ import dataclasses
 from dataclasses import dataclass
 from typing import Any
 
+from relgloss_view.base.reading import printable
 from relgloss_view.material.material import Material
 from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.shape import Shape
+from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Setup
 
 
@@ -54,6 +56,44 @@ class Scene:
     def placed(self, **parts: Shape | Lamp | Eye | Display) -> Scene:
         """The scene with whole parts of its setup replaced, as in `placed(lamp=Lamp())`."""
         return Scene(self.material, self.setup.placed(**parts), pack=self.pack)
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """The materials of all finishes of a pack; else the sample's one."""
+        if self.pack is None:
+            return (self.material,)
+        return tuple(finish.material for finish in self.pack.finishes)
+
+    def parts(self, look: Look) -> tuple[tuple[Material, float], ...]:
+        """Each material with its sigma_N in a look, degrees; a finish may have its own."""
+        own = look.sigma_n_deg
+        if self.pack is None:
+            return ((self.material, own),)
+        return tuple(
+            (finish.material, own if finish.sigma_n_deg is None else finish.sigma_n_deg)
+            for finish in self.pack.finishes
+        )
+
+    @property
+    def name(self) -> str:
+        """The name of the pack, or of the material."""
+        return self.material.name if self.pack is None else self.pack.name
+
+    @property
+    def marks(self) -> str:
+        """How far the materials are not measured ones, of all finishes together; '' if they are."""
+        return ", ".join(dict.fromkeys(m.marks for m in self.materials if m.marks))
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """The warnings of the materials; those of a pack with the name of the finish in front."""
+        if self.pack is None:
+            return self.material.warnings
+        return tuple(
+            f"finish {printable(finish.name, 60)!r}: {text}"
+            for finish in self.pack.finishes
+            for text in finish.material.warnings
+        )
 
     @property
     def shape(self) -> Shape:
