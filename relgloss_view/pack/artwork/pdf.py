@@ -38,7 +38,7 @@ from relgloss_view.pack.artwork.spaces import srgb
 EXPECTED = "a PDF"
 PROGRAMS = ("gs", "gswin64c", "gswin32c")
 MOST_BYTES = 1_000_000_000  #: of a PDF
-MOST_SPOTS = 58  #: beside the four process colours, Ghostscript's limit being 64
+MOST_SPOTS = 60  #: beside the four process colours, Ghostscript's limit being 64
 MOST_MEMORY_KB = 1_000_000  #: of Ghostscript
 EXAMINED_S = 30.0  #: longest time of the examination
 RENDERED_S, PER_MB_S = 45.0, 1.0  #: longest time of Ghostscript, and what each MB adds
@@ -54,7 +54,9 @@ def read_pdf(
     with open_regular(path, EXPECTED) as file:
         size = os.fstat(file.fileno()).st_size
     if size > MOST_BYTES:
-        raise InputError(f"{named(path)}: larger than {MOST_BYTES // 1_000_000} MB; export it smaller")
+        raise InputError(
+            f"{named(path)}: larger than {MOST_BYTES // 1_000_000} MB; export it smaller"
+        )
     own = profile_of_file(options.profile) if options.profile else None
     has_cmyk = own is not None and own.space == "CMYK"
     with scratch_folder() as folder, decoding(path, EXPECTED):
@@ -180,7 +182,11 @@ def _rendered(
             f"The page is rendered at {dpi:.0f} dpi instead of {wanted:g}, for at most "
             f"{options.most_px} pixels a side."
         )
-    words = [f"-r{dpi:.6f}", f"-dFirstPage={options.page}", f"-dLastPage={options.page}"]
+    words = [
+        f"-r{dpi * page['unit']:.6f}",
+        f"-dFirstPage={options.page}",
+        f"-dLastPage={options.page}",
+    ]
     separate = ["-sDEVICE=tiffsep", f"-dMaxSpots={max(len(page['names']), 1)}", *words]
     if profile is not None:
         # The same profile twice: CMYK stays as it is, and RGB is separated by it.
@@ -198,7 +204,7 @@ def _rendered(
         inks = [_plate(folder / f"plate({name}).tif") for name in PROCESS]
         samples = np.stack(inks, axis=2)
     else:
-        colour = ["-sDEVICE=tiff24nc", "-dOverprint=/simulate", *words]
+        colour = ["-sDEVICE=tiff24nc", *words]
         _run(program, [*colour, "-sOutputFile=colour.tif", "colour.pdf"], folder, allowed_s, path,
              lambda share, text: progress(0.75 + 0.2 * share, text))  # fmt: skip
         samples = _pixels(folder / "colour.tif")
@@ -325,7 +331,9 @@ def _run(
     log = folder / "log.txt"
     with log.open("wb") as output:
         null = subprocess.DEVNULL
-        child = Child([program, *usual, *words], stdin=null, stdout=output, stderr=output, cwd=folder)
+        child = Child(
+            [program, *usual, *words], stdin=null, stdout=output, stderr=output, cwd=folder
+        )
         try:
             start_s = time.monotonic()
             while child.process.poll() is None:
@@ -345,7 +353,9 @@ def _run(
     if status != 0 or not (folder / target).exists():
         with open_regular(log, "a text") as file:
             lines = file.read(4000).decode("utf-8", "replace").strip().splitlines()
-        line = next((one for one in lines if "rror" in one), lines[0] if lines else f"status {status}")
+        line = next(
+            (one for one in lines if "rror" in one), lines[0] if lines else f"status {status}"
+        )
         raise InputError(
             f"{named(path)}: Ghostscript can't render it ({printable(line, 120)}); export it again"
         )

@@ -287,8 +287,8 @@ def output_intent(pdf: Any) -> tuple[Any, str]:
     return None, name
 
 
-def trim(page: Any) -> tuple[float, float]:
-    """Make the trim box the whole page; its printed width and height, points."""
+def trim(page: Any) -> tuple[float, float, float]:
+    """Make the trim box the whole page; its printed width and height, points, and its unit."""
     box = next(
         b
         for b in (page.obj.get("/TrimBox"), inherited(page.obj, "/CropBox"),
@@ -307,7 +307,7 @@ def trim(page: Any) -> tuple[float, float]:
             del page.obj[key]
     page.obj["/MediaBox"] = page.obj["/CropBox"] = [x0, y0, x1, y1]
     turned = int(inherited(page.obj, "/Rotate") or 0) % 180 == 90
-    return (height, width) if turned else (width, height)
+    return (height, width, unit) if turned else (width, height, unit)
 
 
 def _rename(page: Page, keys: dict[str, str]) -> None:
@@ -355,7 +355,7 @@ def examine(path: str, number: int, folder: Path, has_profile: bool) -> dict[str
         page = Page(pdf, source)
         steps = processing_steps(pdf)
         by_layer = steps_of_colorants(page, steps) if steps else {}
-        width, height = trim(source)
+        width, height, unit = trim(source)
         looks = alternates(page, folder)
         names = list(
             dict.fromkeys(
@@ -390,7 +390,7 @@ def examine(path: str, number: int, folder: Path, has_profile: bool) -> dict[str
             pdf.save(folder / "colour.pdf", **save)
         off = _switched_off(pdf, steps)
     return {
-        "pages": count, "size_pt": [width, height], "names": keys, "technical": technical,
+        "pages": count, "size_pt": [width, height], "unit": unit, "names": keys, "technical": technical,
         "layers": by_layer, "alternates": looks, "profile": profile, "condition": condition,
         "cmyk": cmyk, "fonts": sorted(page.fonts), "off": off,
     }  # fmt: skip
@@ -429,7 +429,10 @@ def main(words: list[str]) -> None:
     except InputError as error:
         answer = {"error": str(error)}
     except Exception as error:
-        reason = printable(error, 120).replace(path, "").strip(" :") or type(error).__name__
+        reason = (
+            printable(str(error).partition(">: ")[2] or error, 120).replace(path, "").strip(" :")
+            or type(error).__name__
+        )
         answer = {
             "error": f"{named(path)}: a damaged PDF ({reason}); open it in its program, export again"
         }

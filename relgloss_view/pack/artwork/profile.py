@@ -104,7 +104,9 @@ def lab_space() -> Profile:
 
 def matrix_space(description: str, to_xyz: Array, curve: Curve) -> Profile:
     """An RGB space of one curve and the matrix (3, 3) from its linear light to XYZ under D50."""
-    return Profile("RGB", description, False, D50, (curve,) * 3, None, lambda v: v @ to_xyz.T.astype(v.dtype))
+    return Profile(
+        "RGB", description, False, D50, (curve,) * 3, None, lambda v: v @ to_xyz.T.astype(v.dtype)
+    )
 
 
 def xyz_from_lab(lab: Array) -> Array:
@@ -192,7 +194,13 @@ def _profile(data: bytes, space: str, description: str, output: bool, lab: bool)
         curves = tuple(_curve(tags[t])[0] for t in (b"rTRC", b"gTRC", b"bTRC") if t in tags)
         if len(curves) == 3 and np.abs(to_xyz).max() < 4.0:
             return Profile(
-                space, description, output, white, curves, None, lambda v: v @ to_xyz.T.astype(v.dtype)
+                space,
+                description,
+                output,
+                white,
+                curves,
+                None,
+                lambda v: v @ to_xyz.T.astype(v.dtype),
             )
     raise ValueError("an ICC profile without a table or a matrix from the device to CIELAB or XYZ")
 
