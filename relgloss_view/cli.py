@@ -32,6 +32,7 @@ COMMANDS = {
     "compare": "draw samples under several operators and check whether the gloss order is kept",
     "match": "find settings that keep a sample's gloss ratio to a reference picture",
     "gloss": "compute what gloss meters would read on a material",
+    "pack": "check, write and list packs: a form, an artwork and finishes",
     "experiment": "run, simulate and analyse the subjective evaluation",
     "bench": "chart speed against accuracy of every way to draw",
     "doctor": "check this machine's OpenGL and libraries, and how to get what is missing",

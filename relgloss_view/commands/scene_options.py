@@ -8,8 +8,8 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
-from relgloss_view.base.errors import InputError
 from relgloss_view.base import shell
+from relgloss_view.base.errors import InputError
 from relgloss_view.base.shell import command_line
 from relgloss_view.base.terminal import Progress
 from relgloss_view.base.toml import AUTO
@@ -51,6 +51,7 @@ from relgloss_view.quality.backends import BACKENDS
 
 DEFAULT_SIZE = (512, 512)
 SOURCES = ("sample", "material", "pack", "artwork")  #: options that name the sample
+FORMS = tuple(kind for kind in SHAPES if kind != "mesh")  #: that need no file
 #: How an --artwork is read: type, metavar and help by the entry of a pack file.
 ARTWORK_OPTIONS: dict[str, tuple[Any, str, str]] = {
     "profile": (str, "FILE.icc", "Colour profile of an --artwork that has none, such as CMYK"),
@@ -108,7 +109,7 @@ def add_scene_options(
         )
         what.add_argument(
             "--form",
-            choices=[kind for kind in SHAPES if kind != "mesh"],
+            choices=FORMS,
             help="Form of an --artwork (default can)",
         )
         for name, (kind, metavar, text) in ARTWORK_OPTIONS.items():

@@ -36,11 +36,14 @@ MEANINGS = tuple(
     (finish, re.compile(words, re.IGNORECASE))
     for finish, words in (
         ("soft-touch", r"soft[ _-]*touch|soft[ _-]*feel|velvet|samt"),
-        ("cold-foil-gold", r"\bgold\b|gold[ _-]*foli|foil[ _-]*gold|folie[ _-]*gold|\bdor\u00e9e?\b"),
+        ("cold-foil-gold", r"\bgold\b|gold[ _-]*foli|(foil|folie)[ _-]*gold|\bdor\u00e9e?\b"),
         ("cold-foil-silver", r"\bsil(ver|ber)\b|\bargent|foil|folie|hot[ _-]*stamp|alumini"),
         ("matt-varnish", r"\bmatt?e?\b|\bmatt(?=lack|foli|vernis)"),
         ("satin-varnish", r"satin|silk|seiden"),
-        ("gloss-varnish", r"varnish|vernis|vernice|barniz|(?<!b)lack|\buv\b|uv[ _-]|gloss|glanz|brillan|coating"),
+        (
+            "gloss-varnish",
+            r"varnish|vernis|vernice|barniz|(?<!b)lack|\buv\b|gloss|glanz|brillan|coating",
+        ),
     )
 )  # fmt: skip
 
@@ -51,7 +54,7 @@ def finish_of_plate(name: str) -> str | None:
     >>> [finish_of_plate(n) for n in ("Varnish", "Heissfolie Gold", "UV-Mattlack", "Black")]
     ['gloss-varnish', 'cold-foil-gold', 'matt-varnish', None]
     """
-    words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name).replace("_", " ")
+    words = " ".join(re.split(r"(?<=[a-z])(?=[A-Z])|_", name))
     foil = re.search(r"foil|folie", words, re.IGNORECASE)
     if TECHNICAL.search(words) and not foil:
         return None

@@ -16,13 +16,13 @@ from relgloss_view.material.files import MAX_BYTES as MAX_MATERIAL_BYTES
 from relgloss_view.measure.readers import FORMATS, read_measurement
 from relgloss_view.measure.readers.header import MOST_TITLES
 from relgloss_view.pack.kinds import ARTWORK, PACK, kind_of_pack
-from relgloss_view.picture.scene.scene_file import MAX_BYTES as MAX_SCENE_BYTES
 from relgloss_view.picture.scene.scene_file import (
     FURTHER_LAMP,
     PACK_TABLES,
     PAIR_TABLES,
     TABLES,
 )
+from relgloss_view.picture.scene.scene_file import MAX_BYTES as MAX_SCENE_BYTES
 
 SCENE, MATERIAL, MEASUREMENT = "scene", "material", "measurement"
 OF_PACKS = (PACK, ARTWORK)

@@ -77,9 +77,11 @@ def read_scene_file(
 ) -> SceneFile:
     """Read a scene file; InputError names the file, the entry and what was expected.
 
-    Tables: [sample] with `name` (built in) or `material` (a file, relative to the scene file), and
-    [shape], [lamp], [eye], [display], [look] with the fields of their classes, [[further_lamp]] with
-    those of FurtherLamp; for a pair of pictures [reference] with the entries of [sample], [reference.look], [match] and [presentation].
+    Tables: [sample] with `name` (built in), `material` or `pack` (a file, relative to the scene
+    file), or the tables [pack] and [[finish]] of a pack file in its place; [shape], [lamp], [eye],
+    [display], [look] with the fields of their classes, [[further_lamp]] with those of FurtherLamp;
+    for a pair of pictures [reference] with the entries of [sample], [reference.look], [match] and
+    [presentation]. A pack has its own form, so there is no [shape] beside it.
 
     replacements: a list that collects a message for each material or lamp that can't be read; the
     built-in one (for the reference, None) takes its place. Without the list that is an error.
@@ -142,7 +144,7 @@ def read_sample(
     Raises InputError.
     """
     if not isinstance(entries, dict) or len({"name", "material", PACK} & set(entries)) > 1:
-        raise InputError(f"[{place}]: expected either name, material or pack")
+        raise InputError(f"[{place}]: expected either name or material or pack")
     for key, value in entries.items():
         if key not in SAMPLE_ENTRIES:
             names = ", ".join(SAMPLE_ENTRIES)
