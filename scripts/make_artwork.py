@@ -220,7 +220,7 @@ def bars(sheet: Sheet, x: float, y: float, digits: str, code: str) -> None:
         if wide:
             tall = 15.5 if k in (0, 2, 46, 48, 92, 94) else 14.0
             sheet.box(at + unit * k, y + 9.0 - tall / 2, unit, tall, code)
-    sheet.text(" ".join(digits), x, y - 9.0, 2.0, code, spread=0.1)
+    sheet.text(digits, x, y - 9.0, 1.8, code, spread=0.55)
 
 
 def facts(sheet: Sheet, x: float, y: float, rows: Sequence[tuple[str, str]], code: str) -> None:
@@ -277,8 +277,8 @@ def can(width: float, height: float) -> Sheet:
     sheet.text("KALDRA", 0, -10.5, 10.2, cream, "display", 0.14)
     sheet.on(VARNISH).text("KALDRA", 0, -10.5, 10.2, face="display", spread=0.14)
     sheet.on("").text("TONIC WATER", 0, -17.0, 2.9, cream, "bold", 0.42)
-    sheet.on(FOIL).box(-26, -15.6, 9, 0.45)
-    sheet.box(26, -15.6, 9, 0.45)
+    sheet.on(FOIL).box(-29.5, -15.6, 9, 0.45)
+    sheet.box(29.5, -15.6, 9, 0.45)
     sheet.on("").text("wild lingonberry", 0, -23.2, 3.0, "#f0b9ae", "serif", 0.06)
     for x, y, r in ((-9, -34, 5.6), (3.4, -32.6, 6.4), (-2.8, -41, 5.2), (12.6, -38.6, 5.0)):
         sheet.on("").disc(x, y, r, "#8f1329")
@@ -337,7 +337,7 @@ def carton(width: float, height: float) -> Sheet:
                     sheet.on(VARNISH).polygon(fan)
     sheet.on("").box(0, -101.0, width + 2, 78.0, amber)
     sheet.box(0, -61.6, width + 2, 1.2, cream)
-    sheet.on(FOIL).text("MERIDIAN", 0, 44.0, 7.2, face="display", spread=0.16)
+    sheet.on(FOIL).text("MERIDIAN", 0, 44.0, 6.4, face="display", spread=0.16)
     sheet.box(0, 39.4, 56.0, 0.35)
     sheet.box(0, 55.0, 56.0, 0.35)
     for k in range(25):
@@ -345,7 +345,8 @@ def carton(width: float, height: float) -> Sheet:
         r0, r1 = 16.0, (25.0, 31.0)[k % 2]
         sheet.line([(r0 * math.cos(a), -60.6 + r0 * math.sin(a)),
                     (r1 * math.cos(a), -60.6 + r1 * math.sin(a))], 0.5)  # fmt: skip
-    sheet.ring(0, -60.6, 14.0, 13.2)
+    arc = [math.pi * k / 60 for k in range(61)]
+    sheet.line([(13.6 * math.cos(a), -60.6 + 13.6 * math.sin(a)) for a in arc], 0.8)
     sheet.on("").text("dark chocolate", 0, 33.2, 3.4, cream, "serif", 0.08)
     sheet.text("72", 0, -4.0, 26.0, cream, "display")
     sheet.on(VARNISH).text("72", 0, -4.0, 26.0, face="display")

@@ -6,6 +6,7 @@ import argparse
 import json
 import math
 import platform
+import shutil
 import sys
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
@@ -77,6 +78,7 @@ class Findings:
     further_bytes: Mapping[str, float]  #: a pixel, by what else a picture may hold
     font_paths: tuple[str, ...]  #: of the fonts that names are drawn with
     missing_scripts: Mapping[str, str]  #: that none of them has, each with what mends it
+    ghostscript: str | None = None  #: the program that renders artwork in PDF
 
     @property
     def chosen(self) -> str | None:
@@ -92,6 +94,7 @@ class Findings:
             "libraries": dict(self.libraries),
             "opengl": {name: check.as_json() for name, check in self.contexts.items()},
             "chosen": self.chosen,
+            "ghostscript": self.ghostscript,
             "fonts": {"files": list(self.font_paths), "missing": list(self.missing_scripts)},
             "memory": {
                 "bytes_per_pixel": self.bytes_per_pixel,
@@ -111,6 +114,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _findings() -> Findings:
+    from relgloss_view.pack.artwork.pdf import PROGRAMS
     from relgloss_view.picture.gpu.memory import ON_DEMAND, bytes_per_pixel
 
     least = bytes_per_pixel()
@@ -121,6 +125,7 @@ def _findings() -> Findings:
         {name: bytes_per_pixel((name,)) - least for name in ON_DEMAND},
         tuple(file.path for file in fonts.font_files()),
         fonts.missing_scripts(),
+        next((found for name in PROGRAMS if (found := shutil.which(name))), None),
     )
 
 
@@ -210,6 +215,12 @@ def _print(findings: Findings) -> None:
     print(
         f"memory of the device: {findings.bytes_per_pixel:.1f} bytes a pixel; where asked for, "
         f"{more}"
+    )
+    print(
+        f"artwork in PDF: {printable(findings.ghostscript)}"
+        if findings.ghostscript is not None
+        else "artwork in PDF: Ghostscript is not installed (Debian: apt install ghostscript); "
+        "pictures are read without it"
     )
     if findings.chosen is not None:
         print(f"pictures are drawn with {findings.chosen}")

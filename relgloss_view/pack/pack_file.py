@@ -146,9 +146,16 @@ _ARTWORKS: weakref.WeakValueDictionary[tuple[Any, ...], Artwork] = weakref.WeakV
 
 
 def open_artwork(
-    file: Path, given: Mapping[str, Any], folder: Path, progress: ProgressReport = no_progress
+    file: Path,
+    given: Mapping[str, Any],
+    folder: Path,
+    progress: ProgressReport = no_progress,
+    *,
+    within: str = "pack.",
 ) -> Artwork:
     """The artwork of a file, read with the entries of a pack file; InputError names the entry.
+
+    within: goes before the entry's name in messages.
 
     An artwork that is held and whose file is unchanged is the same object.
     """
@@ -158,7 +165,10 @@ def open_artwork(
     values = dict(given)
     if isinstance(values.get("profile"), str) and (folder / values["profile"]).is_file():
         values["profile"] = str(folder / values["profile"])
-    options = build_part(ArtworkOptions, "pack", values)
+    try:
+        options = build_part(ArtworkOptions, "pack", values)
+    except InputError as error:
+        raise InputError(str(error).replace("artworkoptions.", within, 1)) from None
     profile = values.get("profile")
     key = (*_stamp(file), *(_stamp(Path(profile)) if profile else ()), repr(options))
     artwork = _ARTWORKS.get(key)

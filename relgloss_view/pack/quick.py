@@ -82,7 +82,7 @@ def finishes_of_artwork(
             )
     named = [(name, finish_of_plate(name)) for name in (artwork.plates if artwork else ())]
     wanted = [(name, finish) for name, finish in named if finish is not None]
-    wanted.sort(key=lambda pair: FINISHES[pair[1]] == VARNISH)  # above foils
+    wanted.sort(key=lambda pair: FINISHES[pair[1]] != VARNISH)  # which would hide a foil's lobes
     room = MAX_FINISHES - len(finishes)
     for name, finish in wanted[:room]:
         kind = FINISHES[finish]
@@ -146,7 +146,7 @@ def quick_pack(
 
     shape = Shape(form) if isinstance(form, str) else form
     path = Path(artwork_path)
-    artwork = open_artwork(path, given or {}, Path(), progress)
+    artwork = open_artwork(path, given or {}, Path(), progress, within="")
     finishes, notes = finishes_of_artwork(artwork, shape, material)
     placement, more = usual_placement(artwork, shape)
     pack = Pack(
