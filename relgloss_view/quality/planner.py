@@ -96,6 +96,7 @@ NO_ERROR = Deviation(0.0, 0.0, 0.0)
 
 
 DEFAULT_TOLERANCE = Tolerance()
+PACK_NOTE = "a pack has several finishes: everything is drawn exactly"
 #: What quality "auto" starts from: the whole model, its L* split in pass 1, which draws the same
 #: within the rounding of float32 and costs less.
 WHOLE = Method(split=FIRST_PASS)
@@ -105,6 +106,8 @@ def advise(
     scene: Scene, look: Look, size: Size, tolerance: Tolerance = DEFAULT_TOLERANCE
 ) -> Advice:
     """Choose a method; raises InputError where no c can show the picture, as drawing it does."""
+    if scene.pack is not None:
+        return Advice(WHOLE, (), NO_ERROR, PACK_NOTE)
     proxy = Proxy(scene, look, size)
     note = _only_exact(proxy, size)
     if note:
@@ -242,6 +245,8 @@ class MethodChooser:
         """The method for a picture."""
         if look.quality == "exact":
             return EXACT
+        if scene.pack is not None:  # the thousand pixels of a proxy see one material
+            return WHOLE
         try:
             if self.moving:
                 return self._while_moving(scene, look, size)
@@ -253,6 +258,8 @@ class MethodChooser:
 
     def advice(self, scene: Scene, look: Look, size: Size) -> Advice:
         """The method with its reasons; raises InputError as `advise` does."""
+        if scene.pack is not None:
+            return advise(scene, look, size, self.tolerance)
         lamp = illuminant(scene.lamp.illuminant)  # another one where its file was edited
         key = id(scene.material), id(lamp), scene.setup, look, size
         if key not in self._advice:

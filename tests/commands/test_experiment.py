@@ -171,7 +171,7 @@ class TestSimulate:
 
     def test_both_signs_of_grain_where_none_is_stated(self, folder, capsys):
         words = ("experiment", "simulate", "paper", *SMALL, *GRID, "--truth", "cells")
-        many = ("--studies", 1, "--observers", 5, "--draws", 5)
+        many = ("--studies", 1, "--observers", 2, "--draws", 5)
         found = json.loads(run(capsys, *words, *many, "--json"))
         assert [t["grain_weight"] for t in found["tables"]] == list(BOTH_SIGNS)
         assert [t["all"]["cases"] for t in found["tables"]] == [3, 3]
@@ -387,13 +387,13 @@ class TestExport:
 def test_worked_example(folder, capsys):
     """From design to report: simulated observers whose truth is the paper's optimum.
 
-    Pictures of a quarter of the study's size; the report has to find each paper's setting (Ishii
+    Pictures of a fourteenth of the study's pixels; the report has to find each paper's setting (Ishii
     et al., "Results") among those that are not told apart from the best, at most one step off.
     """
     run(capsys, "experiment", "new", "-o", "study.toml")
-    pictures = ("--set", "screen.width_px=256", "--set", "screen.height_px=256")
+    pictures = ("--set", "screen.width_px=136", "--set", "screen.height_px=136")
     run(capsys, "experiment", "simulate", "study.toml", *pictures, "-o", "answers.sqlite")
-    run(capsys, "experiment", "analyse", "answers.sqlite", "--draws", 200, "-o", "report")
+    run(capsys, "experiment", "analyse", "answers.sqlite", "--draws", 100, "-o", "report")
     found = json.loads(Path("report/results.json").read_text(encoding="utf-8"))
     published = {
         "art-coated": (0.0, 5 / 6),

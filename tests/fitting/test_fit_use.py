@@ -382,7 +382,7 @@ def false_alarms(count: int) -> list[tuple[int, tuple[str, ...]]]:
 
 
 def test_sound_tables_are_not_called_poor() -> None:
-    assert false_alarms(12) == []
+    assert false_alarms(6) == []
 
 
 @pytest.mark.slow

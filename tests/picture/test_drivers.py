@@ -32,12 +32,12 @@ with open_renderer(sys.argv[2]) as renderer:
     for name in ("cast", "uncoated"):
         for sigma in (0.0, 2.0):
             scene, look = Scene(materials.paper(name)), Look(sigma_n_deg=sigma)
-            frame = renderer.render(scene, look, (256, 256))
+            frame = renderer.render(scene, look, (128, 128))
             for stage in ("diffuse", "specular", "lab", "display"):
                 out[f"{name} {sigma} {stage}"] = getattr(frame, stage)
             # What the passes themselves hold, of the exact path and of the one that splits sooner.
             for method in (EXACT, Method(split=FIRST_PASS)):
-                renderer.render(scene, look, (256, 256), method)
+                renderer.render(scene, look, (128, 128), method)
                 pass_1 = WRITTEN[Variant.of(scene, look, 1, method).writes]
                 for target in {*pass_1, "split", "display"}:
                     stage = f"{name} {sigma} {method.split}, target {target}"

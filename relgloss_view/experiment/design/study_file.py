@@ -118,6 +118,19 @@ def _entries(content: Mapping[str, Any], table: str, names: tuple[str, ...]) -> 
     return dict(values)
 
 
+def _study_sample(place: str, entries: dict[str, Any], folder: Path) -> Sample:
+    """A sample whose material goes into the session file; InputError where there is none."""
+    sample = None if "pack" in entries else read_sample(place, entries, folder, None)
+    if "pack" in entries or (sample is not None and sample.pack is not None):
+        raise InputError(
+            f"{place}: a pack can't be a sample of a study, whose session file holds its "
+            "materials; name the material of one finish"
+        )
+    if sample is None:
+        raise InputError(f"{place}: expected a name or a material")
+    return sample
+
+
 def _reference(values: object, folder: Path) -> tuple[Sample, Look]:
     """The sample and look of the reference picture: those of the paper where the file has none."""
     if not isinstance(values, dict):
@@ -126,10 +139,8 @@ def _reference(values: object, folder: Path) -> tuple[Sample, Look]:
     look = build("look", of_sample.pop("look", {}), "reference.")
     if look.c is None and look.c_fraction is None:
         look = dataclasses.replace(look, c_fraction=1.0)
-    sample = read_sample("reference", of_sample or {"name": next(iter(SAMPLES))}, folder, None)
-    if sample is None:
-        raise InputError("[reference]: expected a name or a material")
-    return sample, look
+    of_sample = of_sample or {"name": next(iter(SAMPLES))}
+    return _study_sample("[reference]", of_sample, folder), look
 
 
 def _samples(values: object, folder: Path) -> tuple[StudySample, ...]:
@@ -144,9 +155,7 @@ def _samples(values: object, folder: Path) -> tuple[StudySample, ...]:
             refuse(place, "a table", value)
         of_sample = dict(value)
         label = of_sample.pop("label", None)
-        sample = read_sample(place, of_sample, folder, None)
-        if sample is None:
-            raise InputError(f"{place}: expected a name or a material")
+        sample = _study_sample(place, of_sample, folder)
         if label is None:
             label = sample.name or printable(sample.material.name, 60)
         made.append(StudySample(label, sample))
