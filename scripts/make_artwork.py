@@ -26,7 +26,10 @@ FOLDER = Path(__file__).resolve().parents[1] / "assets" / "packs"
 POINT_MM = 72.0 / 25.4
 VARNISH, FOIL = "Varnish", "Foil Gold"
 #: Of ISO 19593-1: group, and how a viewer shows the plate.
-PLATES = {VARNISH: ("Varnish", (0.55, 0.0, 0.1, 0.0)), FOIL: ("HotFoilStamping", (0.1, 0.3, 0.9, 0.0))}
+PLATES = {
+    VARNISH: ("Varnish", (0.55, 0.0, 0.1, 0.0)),
+    FOIL: ("HotFoilStamping", (0.1, 0.3, 0.9, 0.0)),
+}
 BEZIER = 0.5522847498  #: of a quarter circle
 DPI = 254.0  #: of the pictures: 10 pixels a millimetre
 
@@ -234,7 +237,9 @@ def facts(sheet: Sheet, x: float, y: float, rows: Sequence[tuple[str, str]], cod
     sheet.box(x, y - 4.2 - 3.3 * len(rows) + 2.5, 34.0, 0.12, code)
 
 
-def ridge(girth: float, level: float, tall: float, waves: Sequence[tuple[int, float, float]]) -> list[Point]:
+def ridge(
+    girth: float, level: float, tall: float, waves: Sequence[tuple[int, float, float]]
+) -> list[Point]:
     """A skyline that closes around the girth: sharp tops, from sums of folded waves."""
     xs = np.linspace(-0.5 * girth - 1.0, 0.5 * girth + 1.0, 700)
     y = np.zeros_like(xs)
@@ -270,7 +275,10 @@ def can(width: float, height: float) -> Sheet:
     for k in range(36):
         a = 2.0 * math.pi * k / 36
         r0, r1 = 18.6, 21.6 if k % 3 else 24.0
-        sheet.line([(r0 * math.cos(a), 26 + r0 * math.sin(a)), (r1 * math.cos(a), 26 + r1 * math.sin(a))], 0.45)
+        sheet.line(
+            [(r0 * math.cos(a), 26 + r0 * math.sin(a)), (r1 * math.cos(a), 26 + r1 * math.sin(a))],
+            0.45,
+        )
     sheet.on("").text("K", 0, 19.6, 12.8, night, "display")
     # A letter in the foil is printed ink: the plate leaves it out.
     sheet.layers[FOIL] = _without(sheet, "K", 0, 19.6, 12.8)
@@ -302,7 +310,13 @@ def can(width: float, height: float) -> Sheet:
         sheet.text(line, 59, 1.5 - 2.6 * k, 1.15, cream, anchor=0.0)
     bars(sheet, -76, 24, "0123456789128", "#101010")
     sheet.text("KALDRA", -76, 4, 3.6, cream, "display", 0.14)
-    for k, line in enumerate(("Brewed from snow that nobody", "has measured. Bitter at first,", "then mountain, then berry.")):
+    for k, line in enumerate(
+        (
+            "Brewed from snow that nobody",
+            "has measured. Bitter at first,",
+            "then mountain, then berry.",
+        )
+    ):
         sheet.text(line, -76, -1.5 - 3.2 * k, 1.5, cream, "serif")
     return sheet
 
@@ -376,7 +390,12 @@ def carton(width: float, height: float) -> Sheet:
 
 def pictures(pdf: Path) -> None:
     """The PDF as the program reads it: PNG of its colours, and one a plate."""
-    from relgloss_view.material.spectra import D65_XY, SRGB_PRIMARIES_XY, illuminant, rgb_to_xyz_matrix
+    from relgloss_view.material.spectra import (
+        D65_XY,
+        SRGB_PRIMARIES_XY,
+        illuminant,
+        rgb_to_xyz_matrix,
+    )
     from relgloss_view.pack.artwork.options import ArtworkOptions
     from relgloss_view.pack.artwork.read import read_artwork
 
@@ -384,8 +403,13 @@ def pictures(pdf: Path) -> None:
     matrix = rgb_to_xyz_matrix(SRGB_PRIMARIES_XY, D65_XY)
     xyz = artwork.xyz.astype(np.float64)
     if artwork.alpha is not None:  # on white
-        xyz = xyz + (1.0 - artwork.alpha.astype(np.float64))[..., None] * illuminant("D50").white_xyz()
-    linear = np.clip(xyz / illuminant("D50").white_xyz() * matrix.sum(axis=1) @ np.linalg.inv(matrix).T, 0, 1)
+        xyz = (
+            xyz
+            + (1.0 - artwork.alpha.astype(np.float64))[..., None] * illuminant("D50").white_xyz()
+        )
+    linear = np.clip(
+        xyz / illuminant("D50").white_xyz() * matrix.sum(axis=1) @ np.linalg.inv(matrix).T, 0, 1
+    )
     low = linear <= 0.0031308
     encoded = np.where(low, 12.92 * linear, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055)
     digital = np.rint(255.0 * encoded).astype(np.uint8)
@@ -394,7 +418,9 @@ def pictures(pdf: Path) -> None:
     for name, values in artwork.plates.items():
         slug = name.lower().replace(" ", "-")
         Image.fromarray(values).save(pdf.with_name(f"{pdf.stem}-{slug}.png"), optimize=True)
-    print(pdf.name, artwork.size_px, round(artwork.width_mm, 2), list(artwork.plates), artwork.notes)
+    print(
+        pdf.name, artwork.size_px, round(artwork.width_mm, 2), list(artwork.plates), artwork.notes
+    )
 
 
 def main() -> None:

@@ -16,11 +16,11 @@ from relgloss_view.pack.layers import layers_of
 from relgloss_view.pack.pack import Placement
 from relgloss_view.pack.pack_file import read_pack, write_pack
 from relgloss_view.pack.quick import finish_of_plate, quick_pack
+from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.options import sample_words
 from relgloss_view.picture.scene.pack_settings import with_pack_settings
 from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.picture.scene.scene_file import SceneFile, read_scene_file
-from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene_writer import write_scene_file
 from relgloss_view.picture.scene.setup import Setup
 
@@ -72,7 +72,9 @@ def test_files_are_named_from_the_pack_file(folder):
     (folder / "sub").mkdir()
     write_pack("sub/moved.toml", read_pack("pack.toml"))
     moved = read_pack("sub/moved.toml")
-    assert np.array_equal(next(iter(moved.masks.values())), read_pack("pack.toml").masks["spot.png"])
+    assert np.array_equal(
+        next(iter(moved.masks.values())), read_pack("pack.toml").masks["spot.png"]
+    )
 
 
 @pytest.mark.parametrize(
@@ -159,7 +161,9 @@ def test_the_check_finds_what_would_surprise(folder):
     assert found.artwork_px_per_mm == pytest.approx(5.0, rel=1e-3)
     assert any("looks soft" in text for text in found.warnings)
     assert any("are not printed" in text for text in found.warnings)
-    assert not any("looks soft" in text for text in check_pack(read_pack("pack.toml"), 4.0).warnings)
+    assert not any(
+        "looks soft" in text for text in check_pack(read_pack("pack.toml"), 4.0).warnings
+    )
 
 
 def test_colours_outside_srgb_are_counted():
