@@ -65,6 +65,7 @@ class Sheet:
         return self
 
     def put(self, *words: str) -> None:
+        """Operators of the present layer."""
         self.layers[self.layer] += words
 
     def colour(self, code: str) -> None:
@@ -76,11 +77,13 @@ class Sheet:
         self.put(f"{red:.4f} {green:.4f} {blue:.4f} rg")
 
     def path(self, points: Iterable[Point]) -> None:
+        """A closed path through points, which nothing fills yet."""
         for k, (x, y) in enumerate(points):
             self.put(f"{x:.3f} {y:.3f} {'l' if k else 'm'}")
         self.put("h")
 
     def polygon(self, points: Iterable[Point], code: str = "#000000") -> None:
+        """A filled polygon."""
         self.colour(code)
         self.path(points)
         self.put("f")
@@ -91,6 +94,7 @@ class Sheet:
         self.put(f"{x - width / 2:.3f} {y - height / 2:.3f} {width:.3f} {height:.3f} re f")
 
     def circle_path(self, x: float, y: float, r: float) -> None:
+        """A circle of four Bezier curves, which nothing fills yet."""
         k = BEZIER * r
         self.put(
             f"{x + r:.3f} {y:.3f} m",
@@ -101,11 +105,13 @@ class Sheet:
         )
 
     def disc(self, x: float, y: float, r: float, code: str = "#000000") -> None:
+        """A filled circle."""
         self.colour(code)
         self.circle_path(x, y, r)
         self.put("f")
 
     def ring(self, x: float, y: float, outer: float, inner: float, code: str = "#000000") -> None:
+        """A filled ring."""
         self.colour(code)
         self.circle_path(x, y, outer)
         self.circle_path(x, y, inner)
@@ -130,9 +136,10 @@ class Sheet:
         spread: float = 0.0,
         anchor: float = 0.5,
     ) -> float:
-        """Letters as outlines on the base line y, `cap_mm` high; anchor 0 left, 0.5 middle, 1 right.
+        """Letters as outlines on the base line y, capitals `cap_mm` high.
 
-        spread: further space between letters, in heights. Returns the width, millimetres.
+        anchor: 0 left of the words, 0.5 their middle, 1 their right. spread: further space
+        between letters, in heights. Returns the width, millimetres.
         """
         made = FONTS[face]
         glyphs, names = made.getGlyphSet(), made.getBestCmap()
@@ -295,17 +302,25 @@ def can(width: float, height: float) -> Sheet:
         sheet.on(VARNISH).disc(x, y, r)
     sheet.on("")
     for x, y, a in ((-17, -31, 2.5), (12, -28, 0.7), (20, -34, 0.2)):
-        leaf = [(x + s * 7 * math.cos(a) - w * math.sin(a), y + s * 7 * math.sin(a) + w * math.cos(a))
-                for s, w in [(t, 1.9 * math.sin(math.pi * t)) for t in np.linspace(0, 1, 14)]
-                + [(t, -1.9 * math.sin(math.pi * t)) for t in np.linspace(1, 0, 14)]]  # fmt: skip
+        outline = [(t, 1.9 * math.sin(math.pi * t)) for t in np.linspace(0, 1, 14)]
+        outline += [(t, -w) for t, w in outline[::-1]]
+        turned = math.cos(a), math.sin(a)
+        leaf = [
+            (x + t * 7 * turned[0] - w * turned[1], y + t * 7 * turned[1] + w * turned[0])
+            for t, w in outline
+        ]
         sheet.polygon(leaf, "#8cbf62")
     sheet.text("330 ml", 30, -46.5, 2.3, cream, "bold", anchor=1.0)
     sheet.text("no alcohol", -30, -46.5, 2.3, cream, "bold", anchor=0.0)
     rows = (("Energy", "118 kJ / 28 kcal"), ("Fat", "0 g"), ("Carbohydrate", "6.8 g"),
             ("  of which sugars", "6.8 g"), ("Protein", "0 g"), ("Salt", "0.01 g"))  # fmt: skip
     facts(sheet, 76, 30, rows, cream)
-    small = ("Water, sugar, lingonberry juice 4 %,", "carbon dioxide, citric acid, bitter bark.",
-             "Serve cold. Best before: see base.", "An invented drink for an invented can.")  # fmt: skip
+    small = (
+        "Water, sugar, lingonberry juice 4 %,",
+        "carbon dioxide, citric acid, bitter bark.",
+        "Serve cold. Best before: see base.",
+        "An invented drink for an invented can.",
+    )
     for k, line in enumerate(small):
         sheet.text(line, 59, 1.5 - 2.6 * k, 1.15, cream, anchor=0.0)
     bars(sheet, -76, 24, "0123456789128", "#101010")
@@ -367,7 +382,7 @@ def carton(width: float, height: float) -> Sheet:
     sheet.on("").text("PER CENT CACAO", 0, -12.0, 2.5, amber, "bold", 0.42)
     sheet.text("sea salt & orange", 0, -70.5, 3.0, ground, "serif", 0.05)
     sheet.text("80 g", 0, -76.0, 2.2, ground, "bold")
-    right, back = 0.5 * (front + side), front + side
+    right = 0.5 * (front + side)
     for sign in (-1, 1):
         sheet.on(FOIL).text("MERIDIAN", sign * right, 44.0, 3.6, face="display", spread=0.16)
         for k in range(9):
@@ -380,8 +395,12 @@ def carton(width: float, height: float) -> Sheet:
     for copy in (-1, 1):  # the back is divided by the edges of the sheet
         x = copy * 0.5 * width
         sheet.text("Broken, not cut.", x, 44, 3.6, cream, "serif")
-        for k, line in enumerate(("Cacao mass, sugar, cacao butter, candied orange", "peel 6 %, sea salt 0.6 %. May contain milk, nuts.",
-                                  "Keep cool and dry. An invented bar in an invented box.")):  # fmt: skip
+        small = (
+            "Cacao mass, sugar, cacao butter, candied orange",
+            "peel 6 %, sea salt 0.6 %. May contain milk, nuts.",
+            "Keep cool and dry. An invented bar in an invented box.",
+        )
+        for k, line in enumerate(small):
             sheet.text(line, x, 36 - 3.4 * k, 1.35, cream)
         bars(sheet, x, -40, "0987654321098", "#101010")
     sheet.on(FOIL).text("MERIDIAN", 0, 0.5 * (tall + deep) - 2.0, 5.0, face="display", spread=0.16)
