@@ -45,3 +45,22 @@ class Mesh:
     def half_extent_m(self) -> Array:
         """Half the bounding box, (3,)."""
         return np.asarray(np.max(np.abs(self.points_m), axis=0))
+
+    @cached_property
+    def outline_m(self) -> Array:
+        """(N, 3), the points of its triangles, whose hull is that of the mesh."""
+        used = self.points_m[np.unique(self.triangles)]
+        return used if len(used) else np.zeros((1, 3))
+
+    def winding_number(self, point_m: Array) -> float:
+        """How often the mesh goes around a point: 1 inside a closed mesh, 0 outside it.
+
+        Of a mesh with holes it is the share of all directions that are closed off. It is the sum of
+        the triangles' solid angles (Van Oosterom, Strackee 1983) over 4 pi.
+        """
+        a, b, c = np.moveaxis(self.points_m[self.triangles] - point_m, 1, 0)
+        la, lb, lc = (np.linalg.norm(v, axis=-1) for v in (a, b, c))
+        volume = np.sum(a * np.cross(b, c), axis=-1)
+        products = np.sum(a * b, axis=-1) * lc + np.sum(b * c, axis=-1) * la
+        denominator = la * lb * lc + products + np.sum(c * a, axis=-1) * lb
+        return float(np.sum(np.arctan2(volume, denominator)) / (2.0 * np.pi))
