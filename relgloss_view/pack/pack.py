@@ -45,6 +45,8 @@ class Pack(Checked):
     measured: one of MEASURED. masks: gray pictures by the text of a finish's mask, (h, w) uint8, of
     masks from files.
     file: the pack file that it came from, or ''. artwork_file: as the pack file names it.
+    artwork_entries: how the artwork is read, as the pack file has it: profile, page, dpi, width_mm.
+    notes: how the pack was made, one sentence each.
     Raises InputError where the parts do not fit together.
     """
 
@@ -58,6 +60,8 @@ class Pack(Checked):
     file: str = ""
     artwork_file: str = ""
     measured: str = choice("body", MEASURED, "what the artwork's colours were measured on")
+    artwork_entries: Mapping[str, Any] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         super().__post_init__()
