@@ -23,6 +23,19 @@ COLOUR_RULES = ("lab", "spectral")
 MEASURED = ("body", "45-0")
 
 
+class Masks(dict[str, Bytes]):
+    """Gray pictures by name; two are equal where they hold the same arrays."""
+
+    def _key(self) -> frozenset[tuple[str, int]]:
+        return frozenset((name, id(mask)) for name, mask in self.items())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Masks) and self._key() == other._key()
+
+    def __hash__(self) -> int:  # type: ignore[override]
+        return hash(self._key())
+
+
 @dataclass(frozen=True)
 class Placement(Checked):
     """Where the artwork lies on the label; its centre at the label's centre by default.
@@ -45,7 +58,7 @@ class Pack(Checked):
     measured: one of MEASURED. masks: gray pictures by the text of a finish's mask, (h, w) uint8, of
     masks from files.
     file: the pack file that it came from, or ''. artwork_file: as the pack file names it.
-    artwork_entries: how the artwork is read, as the pack file has it: profile, page, dpi, width_mm.
+    artwork_entries: (entry, value) of how the artwork is read: profile, page, dpi, width_mm.
     notes: how the pack was made, one sentence each.
     Raises InputError where the parts do not fit together.
     """
@@ -60,11 +73,13 @@ class Pack(Checked):
     file: str = ""
     artwork_file: str = ""
     measured: str = choice("body", MEASURED, "what the artwork's colours were measured on")
-    artwork_entries: Mapping[str, Any] = field(default_factory=dict)
+    artwork_entries: tuple[tuple[str, Any], ...] = ()
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        # Arrays have no plain truth: a pack with masks that were read again could not be compared.
+        object.__setattr__(self, "masks", Masks(self.masks))
         if not 1 <= len(self.finishes) <= MAX_FINISHES:
             raise InputError(
                 f"pack: expected 1 to {MAX_FINISHES} finishes, found {len(self.finishes)}"

@@ -86,7 +86,7 @@ def pack_of_tables(
         placement,
         masks=masks,
         artwork_file=artwork_file,
-        artwork_entries=given,
+        artwork_entries=tuple(given.items()),
         notes=notes,
         **{key: table[key] for key in ("colour", "measured") if key in table},
     )
@@ -262,7 +262,7 @@ def pack_tables(pack: Pack, folder: Path) -> dict[str, Any]:
         if not pack.artwork.file:
             raise InputError("pack.artwork: it is in no file; save it first")
         table["artwork"] = _place(pack.artwork.file, folder, "pack.artwork")
-        given = {key: plain(value) for key, value in pack.artwork_entries.items()}
+        given = {key: plain(value) for key, value in pack.artwork_entries}
         profile = given.get("profile")
         origin = beside(pack, str(profile))
         if profile is not None and os.path.isfile(origin):

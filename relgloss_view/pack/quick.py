@@ -154,7 +154,7 @@ def quick_pack(
         artwork,
         placement,
         artwork_file=str(artwork_path),
-        artwork_entries=dict(given or {}),
+        artwork_entries=tuple((given or {}).items()),
         notes=(*notes, *more),
     )
     check_masks(pack)
