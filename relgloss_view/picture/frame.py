@@ -17,6 +17,7 @@ from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.highlight import shows_gloss
+from relgloss_view.picture.model.light import light_warnings
 from relgloss_view.picture.model.pixel_sampling import (
     MAX_SAMPLES,
     PIXELS_A_GRAIN,
@@ -153,9 +154,10 @@ def scene_warnings(
         return ("the eye is inside the object: nothing is seen",)
     if not seen:
         return ("nothing of the object falls on a pixel's sample: the picture is empty",)
-    if not lit:
+    if not lit and scene.lamp.ambient == 0.0:
         return (BLACK,)
     warnings = list(illuminant(scene.lamp.illuminant).notes)
+    warnings += light_warnings(scene.setup, lit=lit)
     needed = samples_needed(scene, size)
     if sample_count(scene, look, size) < needed:
         warnings.append(

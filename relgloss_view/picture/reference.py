@@ -10,12 +10,14 @@ from relgloss_view.base.arrays import Array
 from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.material import brdf
+from relgloss_view.material.albedo_table import ambient_reflection
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.frame import Extremes, Frame, Scaling, scene_warnings
-from relgloss_view.picture.model import shape, tone
+from relgloss_view.picture.model import lights, shape, tone
 from relgloss_view.picture.model.drawn import as_drawn
 from relgloss_view.picture.model.grain import grain_normal
 from relgloss_view.picture.model.light import front_white, lit_white
+from relgloss_view.picture.model.lights import white_seen
 from relgloss_view.picture.model.pixel_sampling import sample_count
 from relgloss_view.picture.model.silhouette import coverage, edge_pixels, smoothed
 from relgloss_view.picture.model.view import Size, View, check_size, float32
@@ -75,9 +77,9 @@ class ReferenceRenderer:
             checkpoint()
             total, covered = np.zeros(1), np.zeros(1)
             for place in _places(samples):
-                hit, _, i, _, distance2 = _meet(scene, view, rows, place)
-                mu_i = np.maximum(np.sum(hit.normal * i, axis=-1), 0.0)
-                total = total + np.where(hit.found, mu_i / distance2, 0.0)
+                hit, _, _ = _meet(scene, view, rows, place)
+                seen_white = white_seen(scene.setup, hit.point_m, hit.normal)
+                total = total + np.where(hit.found, seen_white, 0.0)
                 covered = covered + hit.found
             largest = max(largest, float(np.max(total / np.maximum(covered, 1.0))))
             seen = seen or bool(np.any(covered > 0.0))
@@ -90,6 +92,8 @@ class ReferenceRenderer:
         weights = material.xyz_weights(illuminant(scene.lamp.illuminant))
         places = _places(stages.samples)
         height = view.size[1]
+        ambient = scene.lamp.ambient
+        power = np.pi * (1.0 - ambient)
         extremes, pixels = Extremes.of_nothing(), 0
         for rows in _row_chunks(view, material.bands.count):
             self._progress(rows.start / height, f"row {rows.start} of {height}")
@@ -97,16 +101,27 @@ class ReferenceRenderer:
             covered = np.zeros(diffuse_light.shape[:2])
             for place in places:
                 checkpoint()
-                hit, o, i, n, distance2 = _meet(scene, view, rows, place, look)
-                grain = brdf.facing(n, i, o)
-                smooth = grain if look.noisy_lobes == "both" else brdf.facing(hit.normal, i, o)
-                arriving = np.where(hit.found, np.pi / (white * distance2), 0.0) if white else 0.0
-                diffuse = material.evaluate_facing(smooth)[0] @ weights
-                specular = material.evaluate_facing(grain)[1] @ weights
-                lit_diffuse = arriving * np.maximum(smooth.mu_i, 0.0)
-                lit_specular = arriving * np.maximum(grain.mu_i, 0.0)
-                diffuse_light[..., :3] += lit_diffuse[..., None] * diffuse
-                specular_light += lit_specular[..., None] * specular
+                hit, o, n = _meet(scene, view, rows, place, look)
+                smooth_n = n if look.noisy_lobes == "both" else hit.normal
+                for light in lights.lit(scene.setup, hit.point_m) if white else ():
+                    grain = brdf.facing(n, light.i, o)
+                    smooth = grain if smooth_n is n else brdf.facing(smooth_n, light.i, o)
+                    arriving = np.where(hit.found, power / (white * light.distance2), 0.0)
+                    diffuse = material.evaluate_facing(smooth)[0] @ weights
+                    specular = lights.reflected(material, grain, n, light, o) @ weights
+                    lit_diffuse = arriving * np.maximum(smooth.mu_i, 0.0)
+                    lit_specular = arriving * np.maximum(grain.mu_i, 0.0)
+                    diffuse_light[..., :3] += lit_diffuse[..., None] * diffuse
+                    specular_light += lit_specular[..., None] * specular
+                if ambient > 0.0:
+                    shown = [
+                        ambient * np.where(hit.found[..., None], part @ weights, 0.0)
+                        for part in ambient_reflection(
+                            material, np.sum(smooth_n * o, axis=-1), np.sum(n * o, axis=-1)
+                        )
+                    ]
+                    diffuse_light[..., :3] += shown[0]
+                    specular_light += shown[1]
                 covered += hit.found
             diffuse_light[..., :3] /= np.maximum(covered, 1.0)[..., None]
             specular_light /= np.maximum(covered, 1.0)[..., None]
@@ -124,20 +139,17 @@ class ReferenceRenderer:
 
 def _meet(
     scene: Scene, view: View, rows: slice, place: tuple[float, float], look: Look | None = None
-) -> tuple[shape.Hit, Array, Array, Array, Array]:
-    """Hit, to eye, to lamp, the grain's normal, squared distance to the lamp."""
+) -> tuple[shape.Hit, Array, Array]:
+    """Hit, to eye, the grain's normal."""
     half_extent_m = float32(scene.shape.half_extent_m())
     ray = view.rays(rows, place)
     hit = shape.meet(scene.shape.kind, view.eye_m, ray, half_extent_m)
-    to_lamp = float32(scene.lamp.position_m) - hit.point_m
-    distance2 = np.maximum(np.sum(to_lamp * to_lamp, axis=-1), 1e-30)
-    i = to_lamp / np.sqrt(distance2)[..., None]
     o = -ray / np.linalg.norm(ray, axis=-1, keepdims=True)
     n = hit.normal
     if look is not None:
         y, x = np.mgrid[rows, 0 : view.size[0]]
         n = grain_normal(scene, look, hit, o, np.stack([x, y], axis=-1), place)
-    return hit, o, i, n, distance2
+    return hit, o, n
 
 
 class ReferenceStages:
@@ -199,7 +211,7 @@ class ReferenceStages:
         stages = {name: np.zeros((*covered.shape, 3)) for name in DRAWN_TOGETHER["geometry"]}
         open_ = np.ones(covered.shape, dtype=bool)
         for place in [(0.5, 0.5), *_places(self.samples)]:
-            hit, _, _, n, _ = _meet(scene, view, rows, place, look)
+            hit, _, n = _meet(scene, view, rows, place, look)
             new = open_ & hit.found
             stages["normal"][new] = hit.normal[new]
             stages["tilted_normal"][new] = n[new]

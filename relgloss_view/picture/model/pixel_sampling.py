@@ -9,11 +9,12 @@ import numpy as np
 
 from relgloss_view.pack import forms
 from relgloss_view.pack.shape import ANALYTIC, CURVED, Shape
+from relgloss_view.picture.model.lights import lamps_of
 from relgloss_view.picture.model.sight import meet_view
 from relgloss_view.picture.model.view import Size, View, view_of
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Eye
+from relgloss_view.picture.scene.setup import Display, Eye, FurtherLamp, Lamp
 
 MAX_SAMPLES = 16
 #: Samples of a Gaussian lobe this many standard deviations apart sum to its energy within
@@ -85,21 +86,28 @@ def samples_needed(scene: Scene, size: Size) -> int:
     and by the change of both directions. The estimate is for the highlight, where the normal lies
     halfway between eye and lamp.
     """
-    lobes = scene.material.visible_lobes()
-    if not lobes:
+    if not scene.material.visible_lobes():
         return 1
-    eye, lamp = scene.eye.distance_m, scene.lamp.distance_m
+    return max(_needed(scene, size, lamp) for lamp in lamps_of(scene.setup))
+
+
+def _needed(scene: Scene, size: Size, lamp: Lamp | FurtherLamp) -> int:
+    """The same for the highlight of one lamp, whose size widens the lobe."""
+    eye, away = scene.eye.distance_m, lamp.distance_m
     half = scene.shape.half_extent_m()
     depth = _depth_m(scene)
     across_m = footprint_m(scene, size)
-    turn = 0.5 * across_m * (1.0 / depth + 1.0 / lamp)
+    turn = 0.5 * across_m * (1.0 / depth + 1.0 / away)
     if scene.shape.kind in CURVED:
-        cosine = float(scene.eye.position_m @ scene.lamp.position_m) / (eye * lamp)
+        cosine = float(scene.eye.position_m @ lamp.position_m) / (eye * away)
         cos_half = math.sqrt(max(0.5 * (1.0 + cosine), 0.01))
         turn += across_m / (float(half[0]) * cos_half)
     elif scene.shape.kind not in ANALYTIC:
         turn += _normal_turn(scene.shape, scene.eye, size)
-    needed = turn / (STEP_SD * min(lobe.s for lobe in lobes))
+    narrowest = min(lobe.s for material in scene.materials for lobe in material.visible_lobes())
+    if lamp.radius_m > 0.0:
+        narrowest = math.hypot(narrowest, 0.25 * math.atan2(lamp.radius_m, away))
+    needed = turn / (STEP_SD * narrowest)
     return max(1, min(MAX_SAMPLES, math.ceil(needed)))
 
 
