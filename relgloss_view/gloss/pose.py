@@ -25,7 +25,7 @@ from relgloss_view.picture.model import lights, tone
 from relgloss_view.picture.model.highlight import SIZE, Highlight, best_mirror, each_lamp
 from relgloss_view.picture.model.light import front_white, lamps_irradiance, lit_white
 from relgloss_view.picture.model.sight import sight
-from relgloss_view.picture.model.view import float32, view_of
+from relgloss_view.picture.model.view import view_of
 from relgloss_view.picture.scene.setup import Setup
 
 GRID = 41  #: points along each side of the whole object

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from functools import lru_cache
 
@@ -37,8 +38,17 @@ def sample_count(scene: Scene, look: Look, size: Size) -> int:
     others.
     """
     count = samples_needed(scene, size) if look.samples is None else look.samples
-    grains = eye_grain_samples(scene.display, look)
+    grains = eye_grain_samples(scene.display, grainiest(scene, look))
     return grains * math.ceil(count / grains)
+
+
+def grainiest(scene: Scene, look: Look) -> Look:
+    """The look with the largest sigma_N of a pack's finishes: what its grain needs to be drawn."""
+    if scene.pack is None:
+        return look
+    own = (finish.sigma_n_deg for finish in scene.pack.finishes)
+    largest = max(look.sigma_n_deg if sigma is None else sigma for sigma in own)
+    return look if largest == look.sigma_n_deg else dataclasses.replace(look, sigma_n_deg=largest)
 
 
 def eye_grain_samples(display: Display, look: Look) -> int:
@@ -86,7 +96,7 @@ def samples_needed(scene: Scene, size: Size) -> int:
     and by the change of both directions. The estimate is for the highlight, where the normal lies
     halfway between eye and lamp.
     """
-    if not scene.material.visible_lobes():
+    if not any(material.visible_lobes() for material in scene.materials):
         return 1
     return max(_needed(scene, size, lamp) for lamp in lamps_of(scene.setup))
 
