@@ -16,6 +16,8 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.material import brdf
 from relgloss_view.material.material import Material
+from relgloss_view.pack import forms
+from relgloss_view.pack.mesh import Mesh
 from relgloss_view.pack.shape import ANALYTIC
 from relgloss_view.picture.model.shape import Hit
 from relgloss_view.picture.model.sight import sight
@@ -42,7 +44,6 @@ class Highlight:
     place: tuple[float, float]  #: in the picture, shares of its width and height from the top left
 
 
-@lru_cache(maxsize=64)
 def best_mirror(setup: Setup, size: Size = SIZE) -> Highlight | None:
     """The highlight of a setup, in the part of it that a picture of this shape shows.
 
@@ -56,6 +57,11 @@ def best_mirror(setup: Setup, size: Size = SIZE) -> Highlight | None:
     >>> best_mirror(Setup(lamp=Lamp(azimuth_deg=180.0))) is None
     True
     """
+    return _best_mirror(setup, size, forms.mesh_of(setup.shape))
+
+
+@lru_cache(maxsize=64)
+def _best_mirror(setup: Setup, size: Size, _: Mesh | None) -> Highlight | None:
     view = view_of(setup.shape, setup.eye, size)
     left, bottom, right, top = view.bounds
     places = PLACES if setup.shape.kind in ANALYTIC else TRIANGLE_PLACES

@@ -13,6 +13,8 @@ from functools import lru_cache
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
+from relgloss_view.pack import forms
+from relgloss_view.pack.mesh import Mesh
 from relgloss_view.picture.model.highlight import SIZE, best_mirror
 from relgloss_view.picture.model.sight import sight
 from relgloss_view.picture.model.view import Size, view_of
@@ -64,11 +66,11 @@ def lit_for_gloss(setup: Setup, size: Size = SIZE, *, turn_eye: bool = True) -> 
     >>> best_mirror(turned).tilt_deg < 0.1
     True
     """
-    return _lit(setup, size, turn_eye)
+    return _lit(setup, size, turn_eye, forms.mesh_of(setup.shape))
 
 
 @lru_cache(maxsize=64)
-def _lit(setup: Setup, size: Size, turn_eye: bool) -> Setup:
+def _lit(setup: Setup, size: Size, turn_eye: bool, _: Mesh | None) -> Setup:
     if _lies_well(setup, size):
         return setup
     flat = setup.shape.kind in FLAT

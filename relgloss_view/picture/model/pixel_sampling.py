@@ -9,7 +9,8 @@ from functools import lru_cache
 import numpy as np
 
 from relgloss_view.pack import forms
-from relgloss_view.pack.shape import ANALYTIC, CURVED, Shape
+from relgloss_view.pack.mesh import Mesh
+from relgloss_view.pack.shape import CURVED, Shape
 from relgloss_view.picture.model.lights import lamps_of
 from relgloss_view.picture.model.sight import meet_view
 from relgloss_view.picture.model.view import Size, View, view_of
@@ -26,9 +27,9 @@ STEP_SD = 1.5
 #: too large. Averaging inside the pixel begins above.
 PIXELS_A_GRAIN = 1.1
 SURVEY = 32  #: places along each side of a picture where the turn of normals is looked up
-#: Percentile of that turn over a form: its sharp edges and rims are a small part of the picture,
-#: and highlights on them may stay undersampled.
-TURN_PERCENTILE = 75.0
+#: Percentile of that turn over a form. It is the turn at an ordinary place: sharp edges and rims are
+#: a small part of the picture, and highlights on them may stay undersampled.
+TURN_PERCENTILE = 50.0
 
 
 def sample_count(scene: Scene, look: Look, size: Size) -> int:
@@ -112,8 +113,8 @@ def _needed(scene: Scene, size: Size, lamp: Lamp | FurtherLamp) -> int:
         cosine = float(scene.eye.position_m @ lamp.position_m) / (eye * away)
         cos_half = math.sqrt(max(0.5 * (1.0 + cosine), 0.01))
         turn += across_m / (float(half[0]) * cos_half)
-    elif scene.shape.kind not in ANALYTIC:
-        turn += _normal_turn(scene.shape, scene.eye, size)
+    elif (mesh := forms.mesh_of(scene.shape)) is not None:
+        turn += _normal_turn(scene.shape, scene.eye, size, mesh)
     narrowest = min(lobe.s for material in scene.materials for lobe in material.visible_lobes())
     if lamp.radius_m > 0.0:
         narrowest = math.hypot(narrowest, 0.25 * math.atan2(lamp.radius_m, away))
@@ -122,7 +123,7 @@ def _needed(scene: Scene, size: Size, lamp: Lamp | FurtherLamp) -> int:
 
 
 @lru_cache(maxsize=32)
-def _normal_turn(shape: Shape, eye: Eye, size: Size) -> float:
+def _normal_turn(shape: Shape, eye: Eye, size: Size, _: Mesh) -> float:
     """Angle by which the normals of triangles turn from one pixel to the next, radians."""
     view = view_of(shape, eye, size)
     left, bottom, right, top = view.bounds
