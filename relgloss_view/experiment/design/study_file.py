@@ -25,7 +25,7 @@ from relgloss_view.material.lamp_file import lamp_text
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, SAMPLES, Sample
-from relgloss_view.picture.scene.scene_file import TABLES, build, lamp_beside, read_sample
+from relgloss_view.picture.scene.scene_file import TABLES, build, lamp_beside, read_sample, shape_beside
 from relgloss_view.picture.scene.setup import Setup
 
 MAX_BYTES = 1024 * 1024
@@ -82,6 +82,7 @@ def _study(content: Mapping[str, Any], folder: Path) -> Study:
         words["categories"] = tuple(words["categories"])
     parts = {name: build(name, content.get(name, {})) for name in TABLES}
     parts["lamp"] = lamp_beside(parts["lamp"], folder, None)
+    parts["shape"] = shape_beside(parts["shape"], folder, None)
     for entry in ("sigma_n_deg", "c", "c_fraction"):
         if entry in content.get("look", {}):
             raise InputError(f"look.{entry}: the settings come from [grid]; leave it out here")

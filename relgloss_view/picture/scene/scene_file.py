@@ -14,6 +14,8 @@ from relgloss_view.base.reading import printable, text
 from relgloss_view.base.toml import build_part, read_toml, table_of
 from relgloss_view.material.recolour import Colour
 from relgloss_view.material.spectra import illuminant, is_lamp_name
+from relgloss_view.pack.forms import mesh_of
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.match import Match
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, Sample
@@ -103,6 +105,7 @@ def _scene_file(
     elif of_reference:
         reference_look = Look()
     parts["lamp"] = lamp_beside(parts["lamp"], folder, replacements)
+    parts["shape"] = shape_beside(parts["shape"], folder, replacements)
     look = parts.pop("look")
     sample = read_sample("sample", content.get("sample", {}), folder, replacements)
     if sample is None:
@@ -189,6 +192,20 @@ def lamp_beside(lamp: Lamp, folder: Path, replacements: list[str] | None) -> Lam
         replacements.append(f"{error} ({Lamp().illuminant} is used as the lamp)")
         file = Lamp().illuminant
     return dataclasses.replace(lamp, illuminant=file)
+
+
+def shape_beside(shape: Shape, folder: Path, replacements: list[str] | None) -> Shape:
+    """The shape with its mesh file, if it has one, in the scene's folder. Raises InputError."""
+    if shape.file:
+        shape = dataclasses.replace(shape, file=str(folder / shape.file))
+    try:
+        mesh_of(shape)  # a faulty file or profile is reported with the name of the scene file
+    except InputError as error:
+        if replacements is None:
+            raise
+        replacements.append(f"{error} (a {Shape().kind} is used as the form)")
+        return Shape()
+    return shape
 
 
 def build(name: str, values: object, within: str = "") -> Any:
