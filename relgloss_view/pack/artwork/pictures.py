@@ -17,10 +17,15 @@ from relgloss_view.base.reading import decoding, named, open_regular, read_bytes
 from relgloss_view.base.room import Need, check_room
 from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.pack.artwork.options import ArtworkOptions
-from relgloss_view.pack.artwork.profile import MOST_BYTES, Profile, lab_space, read_profile
+from relgloss_view.pack.artwork.profile import (
+    MOST_BYTES,
+    Profile,
+    lab_space,
+    matrix_space,
+    read_profile,
+)
 from relgloss_view.pack.artwork.raster import MM_PER_INCH, Raster
 from relgloss_view.pack.artwork.spaces import cicp_space, power_light, rgb_to_xyz, srgb
-from relgloss_view.pack.artwork.profile import matrix_space
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -127,7 +132,9 @@ def profile_of_file(path: str | os.PathLike[str]) -> Profile:
 def gray_of(rgb: Profile) -> Profile:
     """Gray values as those of an RGB space whose three channels are equal."""
     white = rgb.after(np.ones((1, 3)))
-    return Profile("GRAY", rgb.description, False, rgb.white, rgb.curves[:1], None, lambda v: v * white)
+    return Profile(
+        "GRAY", rgb.description, False, rgb.white, rgb.curves[:1], None, lambda v: v * white
+    )
 
 
 @contextmanager
@@ -166,7 +173,9 @@ def _read(
     if profile is None:
         profile = profile_for(path, space, image.info.get("icc_profile"), options, notes)
     width_mm, height_mm = _size_mm(image, options)
-    turn = image.getexif().get(ORIENTATION, 1) if image.format != "PNG" or "exif" in image.info else 1
+    turn = (
+        image.getexif().get(ORIENTATION, 1) if image.format != "PNG" or "exif" in image.info else 1
+    )
     raster = Raster(
         samples, profile, alpha, width_mm=width_mm, height_mm=height_mm, notes=tuple(notes)
     )

@@ -188,9 +188,7 @@ def _means(values: Array, edges: Array) -> Array:
     return np.asarray(np.diff(at_edges, axis=0) / widths)
 
 
-def _printed_size(
-    raster: Raster, options: ArtworkOptions, notes: list[str]
-) -> tuple[float, float]:
+def _printed_size(raster: Raster, options: ArtworkOptions, notes: list[str]) -> tuple[float, float]:
     width, height = raster.size_px
     if options.width_mm is not None:
         tall = height / width
