@@ -21,10 +21,11 @@ from relgloss_view.material.approximations import mean_lobe, plain_lobe
 from relgloss_view.material.material import Material
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.frame import Extremes
-from relgloss_view.picture.model import lights, shape, tone
+from relgloss_view.picture.model import lights, tone
 from relgloss_view.picture.model.highlight import SIZE, Highlight, best_mirror, each_lamp
 from relgloss_view.picture.model.light import front_white, lamps_irradiance, lit_white
-from relgloss_view.picture.model.view import float32, view_of
+from relgloss_view.picture.model.sight import sight
+from relgloss_view.picture.model.view import view_of
 from relgloss_view.picture.scene.setup import Setup
 
 GRID = 41  #: points along each side of the whole object
@@ -55,9 +56,7 @@ class Pose:
         seen = [highlight for highlight in highlights if highlight is not None]
         self._tilts_deg = [highlight.tilt_deg for highlight in seen]
         columns, rows = _places(view.bounds, seen)
-        ray = view.rays_at(columns, rows)
-        half_extent_m = float32(setup.shape.half_extent_m())
-        hit = shape.meet(setup.shape.kind, view.eye_m, ray, half_extent_m)
+        hit, ray, _ = sight(setup.shape, view, columns, rows)
         ray, points, normals = ray[hit.found], hit.point_m[hit.found], hit.normal[hit.found]
         o = -ray / np.linalg.norm(ray, axis=-1, keepdims=True)
         self._mu_o = np.sum(normals * o, axis=-1)
@@ -159,9 +158,7 @@ def _shine(light: _Light, material: Material, sigma_n_deg: float, weights: Array
     return specular
 
 
-def _places(
-    bounds: tuple[int, int, int, int], highlights: list[Highlight]
-) -> tuple[Array, Array]:
+def _places(bounds: tuple[int, int, int, int], highlights: list[Highlight]) -> tuple[Array, Array]:
     """Columns and rows of `SIZE`: an even grid, and finer and finer ones about the highlights."""
     left, bottom, right, top = bounds
     low = np.array([left, SIZE[1] - top], dtype=np.float64)

@@ -42,11 +42,6 @@ def diffuse_table(model: str, sigma: float) -> tuple[Array, Array]:
     """The albedos of a diffuse model's two shapes, (STEPS + 1,) each; sigma in radians."""
     if model == "lambert":
         return np.ones(STEPS + 1), np.zeros(STEPS + 1)
-    if model == "eon":
-        # The model's own fit (Portsmouth, Kutz, Hill 2025), within 2e-4 of the integrals: with it the
-        # two shapes of an albedo of one add up to one exactly.
-        first = brdf.fujii_albedo(cosines(), sigma)
-        return _frozen(first), _frozen(1.0 - first)
     parts = [diffuse_albedo(model, sigma, mu) for mu in _parts()]
     first, second = (np.concatenate(shapes) for shapes in zip(*parts, strict=True))
     return _frozen(first), _frozen(second)
@@ -82,8 +77,9 @@ def diffuse_albedo(model: str, sigma: float, mu_o: Array) -> tuple[Array, Array]
     The polar integral is cut at mu_o, where a shape may have a kink.
     """
     x, weight = np.polynomial.legendre.leggauss(POLAR // 2)
-    low, high = 0.5 * (x + 1.0) * mu_o[:, None], mu_o[:, None] + 0.5 * (x + 1.0) * (
-        1.0 - mu_o[:, None]
+    low, high = (
+        0.5 * (x + 1.0) * mu_o[:, None],
+        mu_o[:, None] + 0.5 * (x + 1.0) * (1.0 - mu_o[:, None]),
     )
     mu = np.concatenate([low, high], axis=1)
     area = np.concatenate(

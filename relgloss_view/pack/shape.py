@@ -6,7 +6,9 @@ are met by rays; the others are triangles, which pack.forms.mesh_of makes.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import dataclasses
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -42,6 +44,7 @@ USUAL_SIZES: dict[str, dict[str, float]] = {
     "carton": {"width_m": 0.070, "height_m": 0.160, "depth_m": 0.040, "edge_radius_m": 0.0005},
     "pouch": {"width_m": 0.140, "height_m": 0.190, "depth_m": 0.045},
 }
+OLD_SIZES = ("diameter_m", "height_m", "width_m", "depth_m")  #: of every written scene so far
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
 FALLBACK_SIZES = {
     "diameter_m": 0.085,
@@ -93,9 +96,9 @@ class Shape(Checked):
     edge_radius_m: float = parameter(
         None, 0.0, 0.05, "m", "radius of a carton's edges", label="Edge radius"
     )
-    profile_mm: tuple[tuple[float, float], ...] = ()
-    file: str = ""
-    unit: str = choice("auto", ("auto", *UNITS), "unit of a mesh file", label="Unit")
+    profile_mm: tuple[tuple[float, float], ...] = field(default=(), metadata={"later": True})
+    file: str = field(default="", metadata={"later": True})
+    unit: str = choice("auto", ("auto", *UNITS), "unit of a mesh file", label="Unit", later=True)
 
     def __post_init__(self) -> None:
         usual = {**FALLBACK_SIZES, **USUAL_SIZES.get(self.kind, {})}
@@ -108,15 +111,34 @@ class Shape(Checked):
         if self.kind == "mesh" and not self.file:
             raise InputError("shape.file: expected the name of a mesh file, for kind 'mesh'")
 
+    def at_usual(self) -> frozenset[str]:
+        """Names of the entries that have the usual value of the form.
+
+        >>> sorted(Shape("can", height_m=0.2).at_usual() & set(SIZES["can"]))
+        ['diameter_m', 'neck_diameter_m']
+        """
+        usual = {**FALLBACK_SIZES, **USUAL_SIZES.get(self.kind, {})}
+        usual |= {"profile_mm": (), "file": "", "unit": "auto"}
+        return frozenset(n for n, value in usual.items() if getattr(self, n) == value)
+
+    def unwritten(self) -> frozenset[str]:
+        """Entries that a file leaves out: usual ones, but for those that it always had."""
+        always = OLD_SIZES if self.kind in ANALYTIC else ()
+        return self.at_usual() - set(always)
+
+    def with_entries(self, **entries: Any) -> Shape:
+        """The shape with other entries; sizes that are the present form's usual ones go with it."""
+        own = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+        own = {name: value for name, value in own.items() if name not in self.at_usual()}
+        return Shape(**{**own, **entries})
+
     def with_kind(self, kind: str) -> Shape:
         """The shape as another form; sizes that are the present form's usual ones change with it.
 
         >>> Shape().with_kind("can").height_m, Shape(height_m=0.2).with_kind("can").height_m
         (0.115, 0.2)
         """
-        usual = Shape(self.kind)
-        own = {n: v for n in FALLBACK_SIZES if (v := getattr(self, n)) != getattr(usual, n)}
-        return Shape(kind, **own, profile_mm=self.profile_mm, file=self.file, unit=self.unit)
+        return self.with_entries(kind=kind)
 
     def half_extent_m(self) -> Array:
         """Half the bounding box, (3,)."""

@@ -21,6 +21,7 @@ from relgloss_view.picture.model.light import light_warnings
 from relgloss_view.picture.model.pixel_sampling import (
     MAX_SAMPLES,
     PIXELS_A_GRAIN,
+    grainiest,
     pixels_a_grain,
     sample_count,
     samples_needed,
@@ -169,6 +170,7 @@ def scene_warnings(
 
 def _grain_warnings(scene: Scene, look: Look, size: tuple[int, int]) -> tuple[str, ...]:
     """The warning of grain that is smaller than a pixel."""
+    look = grainiest(scene, look)
     pixels = pixels_a_grain(scene, look, size)
     grainy = any(sigma_n_deg > 0.0 for _, sigma_n_deg in scene.parts(look))
     if not grainy or pixels <= PIXELS_A_GRAIN:

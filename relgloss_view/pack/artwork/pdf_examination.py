@@ -300,7 +300,7 @@ def trim(page: Any) -> tuple[float, float, float]:
     y0, y1 = sorted(numbers[1::2][:2])
     unit = float(page.obj.get("/UserUnit", 1.0))
     width, height = (x1 - x0) * unit, (y1 - y0) * unit
-    if not (0.1 <= min(width, height) and max(width, height) <= MOST_SIDE_PT):
+    if not (min(width, height) >= 0.1 and max(width, height) <= MOST_SIDE_PT):
         raise ValueError("a page without a size that can be printed")
     for key in ("/TrimBox", "/BleedBox", "/ArtBox", "/UserUnit"):
         if key in page.obj:

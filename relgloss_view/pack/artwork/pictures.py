@@ -17,10 +17,15 @@ from relgloss_view.base.reading import decoding, named, open_regular, read_bytes
 from relgloss_view.base.room import Need, check_room
 from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.pack.artwork.options import ArtworkOptions
-from relgloss_view.pack.artwork.profile import MOST_BYTES, Profile, lab_space, read_profile
+from relgloss_view.pack.artwork.profile import (
+    MOST_BYTES,
+    Profile,
+    lab_space,
+    matrix_space,
+    read_profile,
+)
 from relgloss_view.pack.artwork.raster import MM_PER_INCH, Raster
 from relgloss_view.pack.artwork.spaces import cicp_space, power_light, rgb_to_xyz, srgb
-from relgloss_view.pack.artwork.profile import matrix_space
 
 if TYPE_CHECKING:
     from PIL import Image

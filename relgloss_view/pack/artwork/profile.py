@@ -174,7 +174,7 @@ def _profile(data: bytes, space: str, description: str, output: bool, lab: bool)
     for tag, offset, length in struct.iter_unpack(">4sII", data[132 : 132 + 12 * count]):
         tags[tag] = data[offset : offset + length] if offset + length <= len(data) else b""
     white = np.array(_xyz_tag(tags[b"wtpt"])) if b"wtpt" in tags else D50
-    if not (np.isfinite(white).all() and 0.01 <= white.min() and white.max() <= 2.0):
+    if not (np.isfinite(white).all() and white.min() >= 0.01 and white.max() <= 2.0):
         white = D50
     for name in (b"A2B1", b"A2B0"):
         if name in tags:

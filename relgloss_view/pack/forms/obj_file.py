@@ -43,7 +43,9 @@ def _vectors(lines: list[bytes], key: bytes, count: int, name: str) -> Array:
     except ValueError:
         if name == "vt" and all(len(row) == 1 for row in values):
             return np.zeros((len(values), 2))
-        raise InputError(f"a line '{name}' does not hold {count} numbers; export it again") from None
+        raise InputError(
+            f"a line '{name}' does not hold {count} numbers; export it again"
+        ) from None
 
 
 def _faces(lines: list[bytes], points: Array, uv: Array, normals: Array) -> Loose:
@@ -133,7 +135,9 @@ def _fans(
             raise ValueError
         numbers = np.array(pieces).astype(np.int64).reshape(len(words), corners, width)
     except (ValueError, OverflowError):
-        raise InputError("a face does not name its points by whole numbers; export it again") from None
+        raise InputError(
+            "a face does not name its points by whole numbers; export it again"
+        ) from None
     full = np.zeros((len(words), corners, 3), dtype=np.int64)
     full[..., columns] = numbers
     if (full[..., 0] == 0).any():

@@ -63,9 +63,7 @@ def smooth_through(points: Array) -> tuple[Array, Array]:
         + b * t * t * (3 - 2 * t)
         + n * t * t * (t - 1)
     )
-    tangent = (
-        (b - a) * 6 * t * (1 - t) + m * (1 - t) * (1 - 3 * t) + n * t * (3 * t - 2)
-    ) / h
+    tangent = ((b - a) * 6 * t * (1 - t) + m * (1 - t) * (1 - 3 * t) + n * t * (3 * t - 2)) / h
     joined = [at[:, :-1].reshape(-1, 2), points[-1:]]
     tangents = [tangent[:, :-1].reshape(-1, 2), tangent[-1:, -1]]
     return np.concatenate(joined), np.concatenate(tangents)
@@ -147,9 +145,7 @@ def _check_simple(points: Array) -> None:
         rel = point[None] - of[:, None]
         return np.asarray(along[:, None, 0] * rel[..., 1] - along[:, None, 1] * rel[..., 0])
 
-    crosses = (side(a, d, a) * side(a, d, b) < 0.0) & (
-        (side(a, d, a) * side(a, d, b)).T < 0.0
-    )
+    crosses = (side(a, d, a) * side(a, d, b) < 0.0) & ((side(a, d, a) * side(a, d, b)).T < 0.0)
     if crosses.any():
         first = points[int(np.argwhere(crosses)[0, 0])] * 1e3
         raise InputError(

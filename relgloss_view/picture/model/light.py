@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from relgloss_view.base.arrays import Array
-from relgloss_view.picture.model import shape
 from relgloss_view.picture.model.lights import lamps_of, share_of
+from relgloss_view.picture.model.sight import meet_ray
 from relgloss_view.picture.model.view import View
 from relgloss_view.picture.scene.setup import FurtherLamp, Lamp, Setup
 
@@ -45,8 +45,7 @@ def front_white(setup: Setup, view: View) -> float:
 
     The sum of cos_i / (d^2 + R^2) over the lamps, each times its share.
     """
-    half_extent_m = setup.shape.half_extent_m()
-    hit = shape.meet(setup.shape.kind, view.eye_m, view.forward[None, :], half_extent_m)
+    hit = meet_ray(setup.shape, view.eye_m, view.forward[None, :])
     if not hit.found[0]:
         return 0.0
     return sum(_front(lamp, hit.point_m[0], hit.normal[0]) for lamp in lamps_of(setup))

@@ -59,7 +59,7 @@ class Scene:
 
     @property
     def materials(self) -> tuple[Material, ...]:
-        """The materials of all finishes of a pack; else the sample's one."""
+        """The materials that are drawn: the sample's, or those of a pack's finishes."""
         if self.pack is None:
             return (self.material,)
         return tuple(finish.material for finish in self.pack.finishes)

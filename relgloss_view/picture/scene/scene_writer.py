@@ -66,13 +66,16 @@ def _tables(content: SceneFile, folder: Path, forgiving: bool) -> dict[str, Any]
     elif isinstance(tables["sample"].get(PACK), dict):  # the pack is the sample
         tables |= tables.pop("sample")
     tables |= {name: entries(part) for name, part in content.setup.parts().items()}
-    if content.sample.pack is not None:
-        tables.pop("shape")  # which is the pack's
     if content.setup.further_lamps:
         tables[FURTHER_LAMP] = [entries(lamp) for lamp in content.setup.further_lamps]
     lamp = content.setup.lamp.illuminant
     if not is_lamp_name(lamp):
         _put(tables["lamp"], "illuminant", _place(lamp, folder), "lamp", forgiving)
+    mesh = content.setup.shape.file
+    if mesh:
+        _put(tables["shape"], "file", _place(mesh, folder), "shape", forgiving)
+    if content.sample.pack is not None:
+        tables.pop("shape")  # which is the pack's
     if content.match is not None:
         tables["match"] = entries(content.match)
     if content.presentation:
