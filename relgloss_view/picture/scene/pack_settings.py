@@ -21,6 +21,10 @@ from relgloss_view.pack.shape import Shape
 
 FINISH_SETTINGS = ("kind", "material", "mask", "invert", "sigma_n_deg", "k")
 PACK_SETTINGS = ("colour", "measured")
+#: Share of ambient light in a new picture of a pack; and the word that takes it away, which copied
+#: commands begin with.
+PACK_AMBIENT = 0.3
+NO_AMBIENT = "lamp.ambient=0.0"
 _OF_FINISH = re.compile(r"finish\.(.+)\.(\w+)=(.*)", re.DOTALL)
 _OF_PACK = re.compile(r"(pack|placement)\.(\w+)=(.*)", re.DOTALL)
 
@@ -103,7 +107,7 @@ def pack_words(pack: Pack) -> list[str]:
             f"the pack {printable(pack.name, 60)!r} has changed since it was saved; save it again"
         )
     settings = _differences(pack, saved)
-    for setting in settings:
+    for setting in (NO_AMBIENT, *settings):
         words += [SET, setting]
     return words
 
