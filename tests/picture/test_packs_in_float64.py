@@ -45,7 +45,10 @@ def plane(side_m=0.06):
     return Shape("plane", width_m=side_m, height_m=side_m)
 
 
-def drawn(pack, look=Look(samples=1), lamp=FLAT_ON, size=SIZE, eye=Eye()):
+CENTRES = Look(samples=1)
+
+
+def drawn(pack, look=CENTRES, lamp=FLAT_ON, size=SIZE, eye=Eye()):
     setup = Setup(pack.shape, lamp=lamp, eye=eye)
     with open_renderer("reference") as renderer:
         return renderer.render(Scene(pack.material, setup, pack=pack), look, size)
