@@ -46,6 +46,12 @@ class Mesh:
         """Half the bounding box, (3,)."""
         return np.asarray(np.max(np.abs(self.points_m), axis=0))
 
+    @cached_property
+    def outline_m(self) -> Array:
+        """(N, 3), the points of its triangles, whose hull is that of the mesh."""
+        used = self.points_m[np.unique(self.triangles)]
+        return used if len(used) else np.zeros((1, 3))
+
     def contains(self, point_m: Array) -> bool:
         """Whether a point is inside: the triangles fill more than half of what is seen from it.
 

@@ -17,9 +17,11 @@ from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.highlight import shows_gloss
+from relgloss_view.picture.model.light import light_warnings
 from relgloss_view.picture.model.pixel_sampling import (
     MAX_SAMPLES,
     PIXELS_A_GRAIN,
+    grainiest,
     pixels_a_grain,
     sample_count,
     samples_needed,
@@ -153,9 +155,10 @@ def scene_warnings(
         return ("the eye is inside the object: nothing is seen",)
     if not seen:
         return ("nothing of the object falls on a pixel's sample: the picture is empty",)
-    if not lit:
+    if not lit and scene.lamp.ambient == 0.0:
         return (BLACK,)
     warnings = list(illuminant(scene.lamp.illuminant).notes)
+    warnings += light_warnings(scene.setup, lit=lit)
     needed = samples_needed(scene, size)
     if sample_count(scene, look, size) < needed:
         warnings.append(
@@ -167,9 +170,9 @@ def scene_warnings(
 
 def _grain_warnings(scene: Scene, look: Look, size: tuple[int, int]) -> tuple[str, ...]:
     """The warning of grain that is smaller than a pixel."""
+    look = grainiest(scene, look)
     pixels = pixels_a_grain(scene, look, size)
-    grainy = any(sigma_n_deg > 0.0 for _, sigma_n_deg in scene.parts(look))
-    if not grainy or pixels <= PIXELS_A_GRAIN:
+    if look.sigma_n_deg == 0.0 or pixels <= PIXELS_A_GRAIN:
         return ()
     needed = min(MAX_SAMPLES, math.ceil(pixels))
     averaged = sample_count(scene, look, size)

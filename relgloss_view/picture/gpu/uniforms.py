@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from relgloss_view.material import brdf
+from relgloss_view.material.albedo_table import STEPS, diffuse_table, lobe_table
 from relgloss_view.material.approximations import mean_lobe, plain_lobe
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.gpu.programs import Uniforms
@@ -14,11 +16,13 @@ from relgloss_view.picture.method import Method
 from relgloss_view.picture.model.drawn import drawn_diffuse, drawn_facets, drawn_lobes
 from relgloss_view.picture.model.grain import field_step
 from relgloss_view.picture.model.grain_field import FIELD_TILE
+from relgloss_view.picture.model.lights import lamps_of, share_of
 from relgloss_view.picture.model.pixel_sampling import eye_grain_samples
 from relgloss_view.picture.model.tone import DisplayModel
 from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import MOST_FURTHER_LAMPS
 
 WHOLE: Uniforms = {"lowest_row": 0}  #: of rows.glsl, where a target holds the whole picture
 
@@ -39,8 +43,45 @@ def view_uniforms(scene: Scene, view: View, *, afar: bool) -> Uniforms:
         "view_shift": view.shift,
         "size_px": view.size,
         "half_extent_m": scene.shape.half_extent_m(),
-        "lamp_m": scene.lamp.position_m,
+        **lamp_uniforms(scene),
     }
+
+
+#: The numbers of the lamps, on which no point of the object depends.
+LAMP_NAMES = ("lamp_m", "further_lamps", "lamp_radius2")
+
+
+def lamp_uniforms(scene: Scene) -> Uniforms:
+    """The lamps; of further ones and of discs only where there are any."""
+    uniforms: dict[str, Any] = {"lamp_m": scene.lamp.position_m}
+    main, *further = lamps_of(scene.setup)
+    if further:
+        places = np.zeros((MOST_FURTHER_LAMPS, 4))
+        for k, lamp in enumerate(further):
+            places[k] = (*lamp.position_m, share_of(lamp))
+        uniforms["further_lamps"] = places
+    if any(lamp.radius_m > 0.0 for lamp in (main, *further)):
+        radius2 = np.zeros(1 + MOST_FURTHER_LAMPS)
+        radius2[: 1 + len(further)] = [lamp.radius_m**2 for lamp in (main, *further)]
+        uniforms["lamp_radius2"] = radius2
+    return uniforms
+
+
+def ambient_uniforms(scene: Scene, method: Method) -> Uniforms:
+    """The surround's light, and the table that ambient.glsl reads as (2, STEPS + 1, 4) numbers.
+
+    Empty where the scene has no such light.
+    """
+    if scene.lamp.ambient == 0.0:
+        return {}
+    material = scene.material
+    rows = np.zeros((2, STEPS + 1, 4), dtype=np.float32)
+    model = drawn_diffuse(material, method)
+    rows[0, :, :2] = np.stack(diffuse_table(model, material.diffuse.sigma), axis=-1)
+    for k, lobe in enumerate(drawn_lobes(material, method)):
+        for part, column in zip(lobe.parts(material.bands.count), (k, k + 2), strict=False):
+            rows[1, :, column] = lobe_table(lobe.s, part.fresnel)
+    return {"ambient": scene.lamp.ambient, "albedo_rows": rows}
 
 
 def per_size(size: Size) -> Uniforms:

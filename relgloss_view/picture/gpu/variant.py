@@ -12,6 +12,7 @@ from relgloss_view.picture import method
 from relgloss_view.picture.gpu.constants import code
 from relgloss_view.picture.gpu.targets import written
 from relgloss_view.picture.model.drawn import drawn_diffuse, drawn_facets, drawn_lobes
+from relgloss_view.picture.model.lights import lamps_of
 from relgloss_view.picture.model.view import from_afar
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
@@ -36,6 +37,9 @@ class Variant:
     shadowing: str = "v-groove"
     facets: str = "gaussian"
     lamp: str = "point"
+    lamps: int = 1  #: that give light, 1 to 4
+    lamp_size: bool = False  #: one of them is a disc
+    ambient: bool = False  #: there is light from all around
     bands: int = 0  #: drawn one by one; 0 where their spectra are folded into XYZ
     cube_root: str = "householder"
     writes: str = "weights"  #: what pass 1 writes: constants.WRITES
@@ -63,6 +67,9 @@ class Variant:
             shadowing=chosen.shadowing if lobes else "v-groove",
             facets=drawn_facets(look, chosen) if lobes else "gaussian",
             lamp=chosen.lamp,
+            lamps=len(lamps_of(scene.setup)),
+            lamp_size=any(lamp.radius_m > 0.0 for lamp in lamps_of(scene.setup)),
+            ambient=scene.lamp.ambient > 0.0,
             writes=_written(chosen, samples),
         )
         if grainy:
@@ -108,7 +115,8 @@ class Variant:
             "FRESNEL": code("FRESNEL", self.fresnel),
             "SHADOWING": code("SHADOWING", self.shadowing),
             "FACETS": code("FACETS", self.facets),
-            "LAMP": code("LAMP", self.lamp),
+            **self.lamp_defines(),
+            "AMBIENT": int(self.ambient),
             "BANDS": self.bands,
             "CUBE_ROOT": code("CUBE_ROOT", self.cube_root),
             "WRITES": code("WRITES", self.writes),
@@ -132,7 +140,15 @@ class Variant:
         return {
             **self.shape_defines(),
             "SAMPLED": int(self.sampled),
+            **self.lamp_defines(),
+        }
+
+    def lamp_defines(self) -> dict[str, int]:
+        """The constants of the lamps."""
+        return {
             "LAMP": code("LAMP", self.lamp),
+            "LAMPS": self.lamps,
+            "LAMP_SIZE": int(self.lamp_size),
         }
 
     def field_defines(self) -> dict[str, int]:
