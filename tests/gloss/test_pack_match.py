@@ -31,10 +31,10 @@ def finish(name, kind, paper, **entries):
 
 def pack(base="matte-coated", spot="art-coated", **entries):
     """Ink, and a spot varnish over the dark upper half of an artwork that goes around."""
-    xyz = np.full((8, 8, 3), LIGHT, dtype=np.float16)
-    xyz[:4] = DARK
-    mask = np.zeros((8, 8), dtype=np.uint8)
-    mask[:4] = 255
+    xyz = np.full((64, 64, 3), LIGHT, dtype=np.float16)
+    xyz[:32] = DARK
+    mask = np.zeros((64, 64), dtype=np.uint8)
+    mask[:32] = 255
     varnish = finish("spot", "varnish", spot, mask="spot.png", **entries)
     return Pack(
         "two finishes",
