@@ -27,8 +27,8 @@ STEP_SD = 1.5
 #: too large. Averaging inside the pixel begins above.
 PIXELS_A_GRAIN = 1.1
 SURVEY = 32  #: places along each side of a picture where the turn of normals is looked up
-#: Percentile of that turn over a form. It is the turn at an ordinary place: sharp edges and rims are
-#: a small part of the picture, and highlights on them may stay undersampled.
+#: Percentile of that turn over a form: the turn at an ordinary place. Sharp edges and rims are a
+#: small part of the picture, and highlights on them may stay undersampled.
 TURN_PERCENTILE = 50.0
 
 

@@ -133,7 +133,7 @@ class ArtworkPlace(NamedTuple):
         return cls(float32(matrix), float32(offset), float(np.float32(girth_m)), repeats)
 
     def of_label(self, label_m: Array) -> Array:
-        """Shares (N, 2) of places (N, 2) on the label; of copies around it, those of the nearest."""
+        """Shares (N, 2) of places (N, 2) on the label; around it, of the nearest copy."""
         way = label_m - self.offset_m
         if self.girth_m > 0.0:
             way[:, 0] -= self.girth_m * np.round(way[:, 0] / self.girth_m)
