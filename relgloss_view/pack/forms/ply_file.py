@@ -38,7 +38,7 @@ def parse_ply(data: bytes) -> Loose:
     lists: dict[str, tuple[list[Ints], Ints]] = {}
     words: _Words | None = _Words(data[at:]) if order == "" else None
     for element in elements:
-        if element.count > 3 * MOST_TRIANGLES:
+        if element.count > (1 if element.name == "face" else 3) * MOST_TRIANGLES:
             raise InputError(f"declares {element.count} times '{element.name}': {TOO_MANY}")
         if element.name == "face":
             if words is None:
