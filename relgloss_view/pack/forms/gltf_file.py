@@ -237,9 +237,7 @@ class _Document:
             uv = self._accessor(attributes["TEXCOORD_0"], 2) * [1.0, -1.0] + [0.0, 1.0]
         if "NORMAL" in attributes:
             # Cofactors: the inverse transposed but for its size, and for the sign of a mirror.
-            cofactors = np.stack(
-                [np.cross(linear[k - 2], linear[k - 1]) for k in range(3)]
-            )
+            cofactors = np.stack([np.cross(linear[k - 2], linear[k - 1]) for k in range(3)])
             normals = self._accessor(attributes["NORMAL"], 3) @ cofactors.T
             normals = -normals if mirrored else normals
         for values, what in ((uv, "TEXCOORD_0"), (normals, "NORMAL")):

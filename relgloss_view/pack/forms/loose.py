@@ -49,15 +49,15 @@ def packed(loose: Loose, metres_per_unit: float | None) -> Mesh:
     """
     _check_numbers(loose)
     notes = list(loose.notes)
-    centre = 0.5 * (loose.points[loose.corners].min((0, 1)) + loose.points[loose.corners].max((0, 1)))
+    centre = 0.5 * (
+        loose.points[loose.corners].min((0, 1)) + loose.points[loose.corners].max((0, 1))
+    )
     points = loose.points - centre
     scale = _scale(points[loose.corners], metres_per_unit, notes)
     points = points * scale
     kept = _kept_triangles(points, loose.corners, notes)
     corners = loose.corners[kept]
-    part = (
-        np.zeros(len(corners), dtype=np.int64) if loose.part is None else loose.part[kept]
-    )
+    part = np.zeros(len(corners), dtype=np.int64) if loose.part is None else loose.part[kept]
     uv_corners = None if loose.uv_corners is None else loose.uv_corners[kept]
     normal_corners = None if loose.normal_corners is None else loose.normal_corners[kept]
 
@@ -282,7 +282,7 @@ def _label_size(points: Array, uv: Array, has_uv: Mask) -> tuple[float, float] |
     height = np.average(np.linalg.norm(up, axis=1), weights=area)
     share = np.sqrt(area.sum() / (width * height * 0.5 * np.abs(determinant).sum()))
     size = float(width * share), float(height * share)
-    return size if 1e-6 < min(size) and max(size) < 1e3 else None
+    return size if min(size) > 1e-6 and max(size) < 1e3 else None
 
 
 def _indexed(

@@ -51,10 +51,12 @@ def _vectors(lines: list[bytes], key: bytes, count: int, name: str) -> Array:
     rows = [text.split(b"#")[0].split()[:count] for text in texts]
     try:
         # A texture of one dimension has no v.
-        full = [row + [b"0"] if (name, len(row)) == ("vt", 1) else row for row in rows]
+        full = [[*row, b"0"] if (name, len(row)) == ("vt", 1) else row for row in rows]
         return np.array([[float(x) for x in row] for row in full]).reshape(len(rows), count)
     except ValueError:
-        raise InputError(f"a line '{name}' does not hold {count} numbers; export it again") from None
+        raise InputError(
+            f"a line '{name}' does not hold {count} numbers; export it again"
+        ) from None
 
 
 def _faces(lines: list[bytes], points: Array, uv: Array, normals: Array) -> Loose:

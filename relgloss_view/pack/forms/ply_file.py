@@ -34,12 +34,13 @@ class _Element:
 def parse_ply(data: bytes) -> Loose:
     """The triangles of a PLY file; polygons become fans. Raises InputError."""
     order, elements, at = _header(data)
+    for element in elements:
+        if element.count > (1 if element.name == "face" else 3) * MOST_TRIANGLES:
+            raise InputError(f"declares {element.count} times '{element.name}': {TOO_MANY}")
     numbers: dict[str, dict[str, Array]] = {}
     lists: dict[str, tuple[list[Ints], Ints]] = {}
     words: _Words | None = _Words(data[at:]) if order == "" else None
     for element in elements:
-        if element.count > (1 if element.name == "face" else 3) * MOST_TRIANGLES:
-            raise InputError(f"declares {element.count} times '{element.name}': {TOO_MANY}")
         if element.name == "face":
             if words is None:
                 values, at = _binary_lists(data, at, element, order)
@@ -83,9 +84,7 @@ def _header(data: bytes) -> tuple[str, list[_Element], int]:
     return order, elements, begin
 
 
-def _binary(
-    data: bytes, at: int, element: _Element, order: str
-) -> tuple[dict[str, Array], int]:
+def _binary(data: bytes, at: int, element: _Element, order: str) -> tuple[dict[str, Array], int]:
     if any(len(p) == 3 for p in element.properties):
         raise InputError(f"a list in '{element.name}' is not read; export points and faces alone")
     names = [f"{k}" for k in range(len(element.properties))]
@@ -95,9 +94,7 @@ def _binary(
     if not row.itemsize:
         return {}, at
     table = np.frombuffer(data, row, element.count, at)
-    values = {
-        p[0]: table[n].astype(float) for n, p in zip(names, element.properties, strict=True)
-    }
+    values = {p[0]: table[n].astype(float) for n, p in zip(names, element.properties, strict=True)}
     return values, at + element.count * row.itemsize
 
 
@@ -258,9 +255,7 @@ def _loose(vertex: dict[str, Array], lists: dict[str, tuple[list[Ints], Ints]]) 
     return loose
 
 
-def _set_wedges(
-    loose: Loose, texcoord: tuple[list[Array], Ints], rows: Ints, places: Ints
-) -> None:
+def _set_wedges(loose: Loose, texcoord: tuple[list[Array], Ints], rows: Ints, places: Ints) -> None:
     """Texture coordinates that faces hold, two for each of their corners."""
     count = int(rows.max()) + 1
     start = np.full(count, -1, dtype=np.int64)
