@@ -1,4 +1,4 @@
-"""Mesh files: what trimesh writes and reads, scanned packs, and files that are damaged or hostile."""
+"""Mesh files: what trimesh writes and reads, scanned packs, and damaged and hostile files."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ from relgloss_view.pack.shape import Shape
 TRIANGLE = np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]], "<f4")
 
 
-def glb(content, binary=TRIANGLE.tobytes()):
+def glb(content, binary=None):
+    binary = TRIANGLE.tobytes() if binary is None else binary
     text = json.dumps(content).encode()
     text += b" " * (-len(text) % 4)
     parts = struct.pack("<I", len(text)) + b"JSON" + text

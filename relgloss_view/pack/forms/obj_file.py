@@ -61,7 +61,8 @@ def _vectors(lines: list[bytes], key: bytes, count: int, name: str) -> Array:
 
 def _faces(lines: list[bytes], points: Array, uv: Array, normals: Array) -> Loose:
     counts = (len(points), len(uv), len(normals))
-    part, names = 0, {}
+    part = 0
+    names: dict[str, int] = {}
     name_object, name_material = "", ""
     groups: dict[tuple[int, str], list[bytes]] = defaultdict(list)
     parts_of: dict[tuple[int, str], list[int]] = defaultdict(list)
