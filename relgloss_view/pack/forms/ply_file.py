@@ -38,7 +38,8 @@ def parse_ply(data: bytes) -> Loose:
     order, elements, at = _header(data)
     for element in elements:
         if element.count > (1 if element.name == "face" else 3) * MOST_TRIANGLES:
-            raise InputError(f"declares {element.count} times '{element.name}': {TOO_MANY}")
+            name = printable(element.name, 20)
+            raise InputError(f"declares {float(element.count):.4g} times '{name}': {TOO_MANY}")
     numbers: dict[str, dict[str, Array]] = {}
     lists: dict[str, _Lists] = {}
     words: _Words | None = _Words(data[at:]) if order == "" else None
@@ -72,7 +73,7 @@ def _header(data: bytes) -> tuple[str, list[_Element], int]:
             if words[0] == "format":
                 order = _FORMATS[words[1]]
             elif words[0] == "element":
-                elements.append(_Element(words[1], int(words[2])))
+                elements.append(_Element(words[1], int(words[2][:20])))
                 if elements[-1].count < 0:
                     raise ValueError
             elif words[0] == "property" and words[1] == "list":
@@ -88,7 +89,9 @@ def _header(data: bytes) -> tuple[str, list[_Element], int]:
 
 def _binary(data: bytes, at: int, element: _Element, order: str) -> tuple[dict[str, Array], int]:
     if any(len(p) == 3 for p in element.properties):
-        raise InputError(f"a list in '{element.name}' is not read; export points and faces alone")
+        raise InputError(
+            f"a list in '{printable(element.name, 20)}' is not read; export points and faces alone"
+        )
     names = [f"{k}" for k in range(len(element.properties))]
     row = np.dtype([(n, order + p[1]) for n, p in zip(names, element.properties, strict=True)])
     if at + element.count * row.itemsize > len(data):
@@ -198,10 +201,14 @@ class _Words:
 
 def _text(words: _Words, element: _Element) -> dict[str, Array]:
     if any(len(p) == 3 for p in element.properties):
-        raise InputError(f"a list in '{element.name}' is not read; export points and faces alone")
+        raise InputError(
+            f"a list in '{printable(element.name, 20)}' is not read; export points and faces alone"
+        )
     rows = words.rows(element.count)
     if any(len(row) != len(element.properties) for row in rows):
-        raise InputError(f"a line of '{element.name}' has too many or too few numbers")
+        raise InputError(
+            f"a line of '{printable(element.name, 20)}' has too many or too few numbers"
+        )
     table = np.array(rows, dtype=float).reshape(element.count, len(element.properties))
     return {p[0]: table[:, k] for k, p in enumerate(element.properties)}
 
