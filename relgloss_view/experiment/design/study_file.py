@@ -25,7 +25,13 @@ from relgloss_view.material.lamp_file import lamp_text
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, SAMPLES, Sample
-from relgloss_view.picture.scene.scene_file import TABLES, build, lamp_beside, read_sample, shape_beside
+from relgloss_view.picture.scene.scene_file import (
+    TABLES,
+    build,
+    lamp_beside,
+    read_sample,
+    shape_beside,
+)
 from relgloss_view.picture.scene.setup import Setup
 
 MAX_BYTES = 1024 * 1024
