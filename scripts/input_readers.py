@@ -6,6 +6,7 @@ The files are made here, by the program's own writers where it has them. Files o
 
 from __future__ import annotations
 
+import base64
 import functools
 import json
 import re
@@ -22,6 +23,7 @@ from relgloss_view.base.resources import asset
 
 SHARED = Path(__file__).resolve().parents[2] / "shared"
 LONGEST_TABLE = 20_000  #: bytes of a real table, of which the first lines are enough
+MESHES = ("obj", "ply", "stl", "glb", "gltf")
 LARGEST_REAL = 130_000  #: bytes of a real file that is mutated; larger ones take long to read
 
 
@@ -56,6 +58,7 @@ def readers() -> dict[str, Reader]:
         Reader("estimate", ".txt", _estimate, _estimates, 0.5),
         Reader("material", ".json", _material, _materials, 3.0),
         Reader("scene", ".toml", _scene, _scenes, 3.0),
+        *(Reader(f"mesh-{k}", f".{k}", _mesh, functools.partial(_meshes, k)) for k in MESHES),
         Reader("study", ".toml", _study, _studies, 2.0),
         Reader("presets", ".toml", _presets, _preset_files),
         Reader("layout", ".toml", _layout, _layouts, may_ignore=True),
@@ -76,7 +79,18 @@ def sound(result: object) -> str | None:
     from relgloss_view.measure.screening import MOST_BODY, MOST_NOISE
     from relgloss_view.measure.spectrum import GEOMETRIES, ColourReading
     from relgloss_view.measure.table import Measurement
+    from relgloss_view.pack.mesh import Mesh
 
+    if isinstance(result, Mesh):
+        arrays = (result.points_m, result.normals, result.label_m)
+        if not all(np.isfinite(values).all() for values in arrays):
+            return "a number of the mesh is not finite"
+        if not np.allclose(np.linalg.norm(result.normals, axis=1), 1.0):
+            return "a normal is no unit vector"
+        if not (len(result.triangles) and 0.0005 <= result.half_extent_m.max() <= 5.0):
+            return "a mesh without triangles or of a size beyond any pack"
+        if not 0 <= result.triangles.min() <= result.triangles.max() < len(result.points_m):
+            return "a triangle names a point that there is not"
     if isinstance(result, ColourReading):
         factor, nm = result.radiance_factor, np.array(result.bands.wavelengths_nm)
         if not (np.isfinite(factor).all() and (factor >= 0.0).all() and factor.max() <= MOST_BODY):
@@ -134,6 +148,12 @@ def _spectrum(path: Path) -> object:
     from relgloss_view.measure.readers.spectrum import read_spectrum
 
     return read_spectrum(path, part="2")
+
+
+def _mesh(path: Path) -> object:
+    from relgloss_view.pack.forms.mesh_files import read_mesh
+
+    return read_mesh(path)
 
 
 def _samples(path: Path) -> object:
@@ -568,6 +588,58 @@ def _scenes() -> list[bytes]:
 
     written = _written(lambda path: save_state(path, State.initial()))
     return [scene.encode(), small.encode(), written]
+
+
+def _meshes(kind: str) -> list[bytes]:
+    """A tetrahedron with texture coordinates, in one of MESHES."""
+    points = np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]], "<f4")
+    corners = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], "<u4")
+    if kind == "obj":
+        lines = ["mtllib a.mtl", *(f"v {x} {y} {z}" for x, y, z in points)]
+        lines += ["vt 0 0", "vt 1 0", "vt 0 1", "vn 0 0 1", "o body", "usemtl ink"]
+        lines += [f"f {a + 1}/1 {b + 1}/2 {c + 1}/3" for a, b, c in corners]
+        square = "v 0 0 0\nv 70 0 0\nv 70 90 0\nv 0 90 0\nf -4//1 -3//1 -2//1 -1//1\nvn 0 0 1\n"
+        return ["\n".join(lines).encode(), square.encode()]
+    if kind == "stl":
+        rows = [struct.pack("<12fH", 0, 0, 1, *points[c].ravel(), 0) for c in corners]
+        text = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+        return [bytes(80) + struct.pack("<I", 4) + b"".join(rows), text.encode()]
+    if kind == "ply":
+        head = "ply\nformat {} 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+        head += "property float z\nproperty float s\nproperty float t\nelement face 4\n"
+        head += "property list uchar uint vertex_indices\nend_header\n"
+        table = np.concatenate([points, points[:, :2] * 10.0], axis=1)
+        faces = b"".join(b"\x03" + row.tobytes() for row in corners)
+        text = "\n".join(" ".join(map(str, row)) for row in table.tolist())
+        text += "\n" + "\n".join("3 " + " ".join(map(str, row)) for row in corners.tolist())
+        binary = head.format("binary_little_endian").encode() + table.astype("<f4").tobytes()
+        return [binary + faces, (head.format("ascii") + text + "\n").encode()]
+    data = points.tobytes() + corners.tobytes() + (points[:, :2] * 10.0).astype("<f4").tobytes()
+    content: dict[str, Any] = {
+        "asset": {"version": "2.0"}, "buffers": [{"byteLength": len(data)}],
+        "bufferViews": [{"buffer": 0, "byteOffset": at, "byteLength": size}
+                        for at, size in ((0, 48), (48, 48), (96, 32))],
+        "accessors": [
+            {"bufferView": k, "componentType": t, "count": n, "type": name}
+            for k, t, n, name in (
+                (0, 5126, 4, "VEC3"), (1, 5125, 12, "SCALAR"), (2, 5126, 4, "VEC2")
+            )
+        ],
+        "materials": [{"name": "ink"}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 2}, "indices": 1,
+                                    "material": 0}]}],
+        "nodes": [{"children": [1], "scale": [1, 2, 1]}, {"mesh": 0, "rotation": [0, 0, 0, 1]}],
+        "scenes": [{"nodes": [0]}], "scene": 0,
+    }  # fmt: skip
+    if kind == "gltf":
+        uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+        content["buffers"][0]["uri"] = uri
+        return [json.dumps(content).encode()]
+    text = json.dumps(content)
+    coded = text.encode() + b" " * (-len(text) % 4)
+    parts = struct.pack("<I", len(coded)) + b"JSON" + coded
+    parts += struct.pack("<I", len(data)) + b"BIN\0" + data
+    return [b"glTF" + struct.pack("<II", 2, 12 + len(parts)) + parts]
 
 
 def _written(write: Callable[[Path], object], name: str = "seed") -> bytes:
