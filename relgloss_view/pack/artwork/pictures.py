@@ -17,10 +17,15 @@ from relgloss_view.base.reading import decoding, named, open_regular, read_bytes
 from relgloss_view.base.room import Need, check_room
 from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.pack.artwork.options import ArtworkOptions
-from relgloss_view.pack.artwork.profile import MOST_BYTES, Profile, lab_space, read_profile
+from relgloss_view.pack.artwork.profile import (
+    MOST_BYTES,
+    Profile,
+    lab_space,
+    matrix_space,
+    read_profile,
+)
 from relgloss_view.pack.artwork.raster import MM_PER_INCH, Raster
 from relgloss_view.pack.artwork.spaces import cicp_space, power_light, rgb_to_xyz, srgb
-from relgloss_view.pack.artwork.profile import matrix_space
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -108,8 +113,8 @@ def profile_for(
             )
     if space == "CMYK":
         raise InputError(
-            f"{named(path)}: CMYK without a profile; name the ICC profile of its printing condition "
-            "with --profile FILE.icc (in a pack file: profile)"
+            f"{named(path)}: CMYK without a profile; name the ICC profile of its printing "
+            "condition with --profile FILE.icc (in a pack file: profile)"
         )
     notes.append("The file has no colour profile; sRGB is taken.")
     return gray_of(srgb()) if space == "GRAY" else srgb()
@@ -181,7 +186,7 @@ def turned(raster: Raster, orientation: object) -> Raster:
     """The raster as an EXIF orientation asks to show it."""
     if orientation not in TURNS:
         return raster
-    swap, rows, columns = TURNS[orientation]  # type: ignore[index]
+    swap, rows, columns = TURNS[orientation]
 
     def turn(values: AnyArray) -> AnyArray:
         out = np.swapaxes(values, 0, 1) if swap else values
@@ -245,9 +250,10 @@ def _deep_samples(image: Image.Image, file: BinaryIO) -> AnyArray | None:
     The decoder runs twice: with the pairs of bytes as they are, which gives the upper bytes, and
     with their order changed, which gives the lower ones.
     """
-    if image.format != "PNG" or not image.tile:
+    tiles: Any = getattr(image, "tile", None)
+    if image.format != "PNG" or not tiles:
         return None
-    tile: Any = image.tile[0]
+    tile = tiles[0]
     rawmode = tile.args if isinstance(tile.args, str) else tile.args[0]
     others = {"RGB;16B": "RGB;16L", "RGBA;16B": "RGBA;16L"}
     if rawmode == "LA;16B":  # four bytes a pixel, as RGBA has
