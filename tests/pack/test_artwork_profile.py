@@ -75,7 +75,9 @@ def test_fogra39(tmp_path_factory, intent):
     if not path.is_file():
         folder.mkdir(exist_ok=True)
         shutil.copy(data, folder / "F39.ti3")
-        subprocess.run(["colprof", "-qm", "-bn", "F39"], cwd=folder, check=True, capture_output=True)
+        subprocess.run(
+            ["colprof", "-qm", "-bn", "F39"], cwd=folder, check=True, capture_output=True
+        )
     apart = difference(of(path), path, 5000, intent, np.random.default_rng(0))
     assert apart.mean() <= 0.5
     assert apart.max() <= 1.0

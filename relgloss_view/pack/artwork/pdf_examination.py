@@ -274,8 +274,24 @@ def _switched_off(pdf: Any, steps: dict[tuple[int, int], str]) -> list[str]:
     return [printable(str(one.get("/Name", ""))) for one in off if one.objgen in steps]
 
 
+def answer(path: str, number: int, folder: Path, *, has_profile: bool) -> dict[str, Any]:
+    """What examine finds, or 'error' with one line, whatever is wrong with the file."""
+    try:
+        found = examine(path, number, folder, has_profile)
+    except InputError as error:
+        return {"error": str(error)}
+    except Exception as error:
+        words = str(error).partition(">: ")[2] or str(error).replace(path, "").strip(" :")
+        reason = printable(words, 120) or type(error).__name__
+        remedy = "open it in its program, export it again"
+        return {"error": f"{named(path)}: a damaged PDF ({reason}); {remedy}"}
+    if not all(math.isfinite(v) for v in found["size_pt"]):
+        return {"error": f"{named(path)}: a page without a size; export it again"}
+    return found
+
+
 def main(words: list[str]) -> None:
-    """Print what was found, or the error, as JSON."""
+    """Print the answer as JSON."""
     try:
         import resource
 
@@ -283,20 +299,7 @@ def main(words: list[str]) -> None:
     except (ImportError, ValueError, OSError):  # Windows, or a limit that is lower already
         pass
     path, number, folder, profile = words
-    try:
-        answer = examine(path, int(number), Path(folder), profile == "profile")
-    except InputError as error:
-        answer = {"error": str(error)}
-    except Exception as error:
-        reason = (
-            printable(str(error).partition(">: ")[2] or error, 120).replace(path, "").strip(" :")
-            or type(error).__name__
-        )
-        remedy = "open it in its program, export it again"
-        answer = {"error": f"{named(path)}: a damaged PDF ({reason}); {remedy}"}
-    if not all(math.isfinite(v) for v in answer.get("size_pt", [])):
-        answer = {"error": f"{named(path)}: a page without a size"}
-    print(json.dumps(answer))
+    print(json.dumps(answer(path, int(number), Path(folder), has_profile=profile == "profile")))
 
 
 if __name__ == "__main__":
