@@ -148,7 +148,7 @@ def test_rgb_alone_stays_srgb_and_cmyk_wants_a_profile(tmp_path):
     )
     assert artwork.plates["Varnish"][60:, :90].min() == 255
     files.pdf(path, CONTENT, SPOTS)
-    with pytest.raises(InputError, match="CMYK without a profile.*--profile FILE.icc"):
+    with pytest.raises(InputError, match=r"CMYK without a profile.*--profile FILE.icc"):
         read_artwork(path, AT_72)
     given = read_artwork(path, ArtworkOptions(dpi=72.0, profile=str(CMYK)))
     assert len(given.plates) == 3

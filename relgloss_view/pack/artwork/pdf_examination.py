@@ -10,6 +10,7 @@ finishes are /None, which prints nothing (ISO 32000-2:2020, 8.6.6.4).
 from __future__ import annotations
 
 import json
+import logging
 import math
 import re
 import sys
@@ -276,6 +277,9 @@ def _switched_off(pdf: Any, steps: dict[tuple[int, int], str]) -> list[str]:
 
 def answer(path: str, number: int, folder: Path, *, has_profile: bool) -> dict[str, Any]:
     """What examine finds, or 'error' with one line, whatever is wrong with the file."""
+    logger = logging.getLogger("pikepdf")  # it warns of what it mends
+    if not logger.handlers:
+        logger.addHandler(logging.NullHandler())
     try:
         found = examine(path, number, folder, has_profile)
     except InputError as error:

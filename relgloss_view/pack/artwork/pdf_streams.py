@@ -16,8 +16,7 @@ _LONGEST = {"/LZWDecode": 1400, "/RunLengthDecode": 64, "/ASCII85Decode": 4, "/A
 
 def stream_bytes(stream: Any, most: int) -> bytes:
     """The unpacked bytes of a stream; ValueError where they are more than `most`."""
-    made = b"".join(pieces(stream, most))
-    return made
+    return b"".join(pieces(stream, most))
 
 
 def pieces(stream: Any, most: int) -> Iterator[bytes]:

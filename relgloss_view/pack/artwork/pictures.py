@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import logging
 import os
+import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -40,6 +42,7 @@ TURNS = {
     5: (True, False, False), 6: (True, False, True), 7: (True, True, True), 8: (True, True, False),
 }  # fmt: skip
 ORIENTATION = 274
+_SILENCE = threading.RLock()
 
 
 def read_picture(
@@ -139,17 +142,42 @@ def gray_of(rgb: Profile) -> Profile:
 
 @contextmanager
 def quiet_pillow() -> Iterator[None]:
-    """Pillow without its own limit of pixels, which check_size holds, and without its warnings."""
+    """Pillow without its own limit of pixels, which check_size holds, and without its warnings.
+
+    libtiff prints on standard error itself, so that is turned away meanwhile.
+    """
     from PIL import Image
 
+    logger = logging.getLogger("PIL")
+    if not logger.handlers:
+        logger.addHandler(logging.NullHandler())
     most = Image.MAX_IMAGE_PIXELS
     Image.MAX_IMAGE_PIXELS = None
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), _quiet_libraries():
             warnings.simplefilter("ignore")
             yield
     finally:
         Image.MAX_IMAGE_PIXELS = most
+
+
+@contextmanager
+def _quiet_libraries() -> Iterator[None]:
+    """Standard error of the process, on which C libraries print, led to the null device."""
+    with _SILENCE:
+        try:
+            kept = os.dup(2)
+        except OSError:  # there is none
+            yield
+            return
+        try:
+            null = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(null, 2)
+            os.close(null)
+            yield
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
 
 
 def _read(

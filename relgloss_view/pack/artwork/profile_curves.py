@@ -85,7 +85,8 @@ def _parametric(form: int, p: list[float]) -> Curve:
         split, slope, low, high = d, c, f, e
 
     def curve(x: Floats) -> Floats:
-        upper = np.maximum(a * x + b, 0.0) ** g + high
+        with np.errstate(over="ignore"):  # of a damaged profile; it is clipped
+            upper = np.maximum(a * x + b, 0.0) ** g + high
         return np.clip(np.where(x >= split, upper, slope * x + low), 0.0, 1.0).astype(x.dtype)
 
     if not all(math.isfinite(v) for v in p) or g <= 0.0:
