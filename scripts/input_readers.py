@@ -66,6 +66,9 @@ def readers() -> dict[str, Reader]:
         Reader("kind", "", _kind, _any, 2.0),
         Reader("results", ".json", _results, _result_files, may_ignore=True),
         Reader("icc", ".icc", _icc, _profiles, 2.0),
+        Reader("picture", ".png", _artwork, _pictures, 2.0),
+        Reader("pdf", ".pdf", _pdf, _pdfs, 0.3),
+        Reader("profile", ".icc", _profile, _device_profiles),
         Reader("font", ".ttf", _font, _fonts),
         Reader("table", ".csv", _own_table, _own_tables, 0.5),
         Reader("session", ".sqlite", _session, _sessions, 2.0),
@@ -249,6 +252,38 @@ def _icc(path: Path) -> object:
     from relgloss_view.viewer.trials.device import read_profile
 
     return read_profile(path)
+
+
+def _artwork(path: Path) -> object:
+    from relgloss_view.pack.artwork.options import ArtworkOptions
+    from relgloss_view.pack.artwork.read import read_artwork
+
+    if b"%PDF-" in path.read_bytes()[:1024] or path.read_bytes()[:2] == b"%!":
+        raise InputError(f"{path}: a PDF, which starts programs")
+    return read_artwork(path, ArtworkOptions(most_px=64))
+
+
+def _pdf(path: Path) -> object:
+    """What a page holds, in this process; `read_artwork` starts another one and Ghostscript."""
+    import tempfile
+
+    from relgloss_view.pack.artwork import pdf_examination
+
+    with tempfile.TemporaryDirectory() as folder:
+        answer = pdf_examination.answer(str(path), 1, Path(folder), has_profile=False)
+    if "error" in answer:
+        raise InputError(answer["error"])
+    return None
+
+
+def _profile(path: Path) -> object:
+    from relgloss_view.pack.artwork.pictures import profile_of_file
+
+    profile = profile_of_file(path)
+    xyz = profile.xyz(np.full((2, profile.channels), 0.5))
+    if not np.isfinite(xyz).all():
+        raise ValueError("a colour that is not finite")
+    return None
 
 
 def _font(path: Path) -> object:
@@ -682,6 +717,91 @@ def _profiles() -> list[bytes]:
     gamma = matrix_profile(Display(transfer="gain-offset-gamma"))
     lab = ImageCms.ImageCmsProfile(ImageCms.createProfile("LAB")).tobytes()
     return [srgb_profile(), gamma, lab]
+
+
+def _device_profiles() -> list[bytes]:
+    """Profiles of matrices, and of tables mft2 and mAB of three and one channels."""
+    head = bytearray(_profiles()[0][:128])
+    head[20:24] = b"Lab "
+    made = [*_profiles()[:2]]
+    rng = np.random.default_rng(0)
+    grid = rng.integers(0, 65536, 2**4 * 3).astype(">u2").tobytes()
+    ramp = np.array([0, 65535], ">u2").tobytes()
+    for space, count in ((b"CMYK", 4), (b"RGB ", 3)):
+        nodes = grid[: 2**count * 6]
+        old = b"mft2" + bytes(4) + bytes((count, 3, 2, 0)) + bytes(36) + struct.pack(">HH", 2, 2)
+        old += ramp * count + nodes + ramp * 3
+        curve = b"curv" + bytes(8)
+        first = 32 + 12 * 3 + 12 * count
+        new = b"mAB " + bytes(4) + bytes((count, 3, 0, 0))
+        new += struct.pack(">5I", 32, 0, 0, first, 32 + 36) + curve * (3 + count)
+        new += bytes([2] * count).ljust(16, b"\0") + bytes((2, 0, 0, 0)) + nodes
+        for table in (old, new):
+            head[12:20] = b"prtr" + space
+            data = bytes(head) + struct.pack(">I4sII", 1, b"A2B0", 144, len(table)) + table
+            made.append(struct.pack(">I", len(data)) + data[4:])
+    return made
+
+
+def _pictures() -> list[bytes]:
+    import io
+
+    from PIL import Image
+
+    rng = np.random.default_rng(0)
+    colours = rng.integers(0, 256, (9, 11, 4), np.uint8)
+    made = []
+
+    def save(image: Image.Image, kind: str, **options: Any) -> None:
+        file = io.BytesIO()
+        image.save(file, kind, **options)
+        made.append(file.getvalue())
+
+    profile = _profiles()[0]
+    save(Image.fromarray(colours), "PNG", icc_profile=profile, dpi=(300, 300))
+    save(Image.fromarray(colours[..., :3]).quantize(8), "PNG")
+    save(Image.fromarray(colours[..., 0].astype(np.uint16)), "PNG")
+    save(Image.fromarray(colours[..., :3]), "JPEG", icc_profile=profile)
+    cmyk = _device_profiles()[2]
+    save(Image.fromarray(colours, "CMYK"), "JPEG", icc_profile=cmyk)
+    for compression in ("raw", "tiff_lzw", "tiff_adobe_deflate", "packbits", "jpeg"):
+        save(Image.fromarray(colours[..., :3]), "TIFF", compression=compression)
+    save(Image.fromarray(colours, "CMYK"), "TIFF", icc_profile=cmyk, compression="tiff_lzw")
+    names = b"8BIM" + struct.pack(">HHI", 1006, 0, 5) + b"\x04Foil\0"
+    body = b"\0\0" + np.moveaxis(colours, 2, 0).tobytes()
+    head = b"8BPS" + struct.pack(">H6xHIIHH", 1, 4, 9, 11, 8, 3)
+    made.append(head + struct.pack(">II", 0, len(names)) + names + bytes(4) + body)
+    return made
+
+
+def _pdfs() -> list[bytes]:
+    import io
+
+    import pikepdf
+    from pikepdf import Array, Dictionary, Name
+
+    made = []
+    for space in ("Separation", "DeviceN"):
+        pdf = pikepdf.Pdf.new()
+        pdf.add_blank_page(page_size=(20, 10))
+        page = pdf.pages[0].obj
+        tint = pdf.make_stream(b"{dup 0.5 mul exch 0 exch 0 0.1}")
+        tint["/FunctionType"], tint["/Domain"] = 4, [0, 1]
+        tint["/Range"] = [0, 1] * 4
+        name = Name("/Foil") if space == "Separation" else Array([Name("/Foil")])
+        layer = pdf.make_indirect(Dictionary(Type=Name.OCG, Name="x", GTS_Metadata=Dictionary()))
+        layer["/GTS_Metadata"]["/GTS_ProcStepsGroup"] = Name("/Varnish")
+        pdf.Root["/OCProperties"] = Dictionary(OCGs=[layer], D=Dictionary(ON=[layer]))
+        colour = pdf.make_indirect(Array([Name("/" + space), name, Name.DeviceCMYK, tint]))
+        page["/Resources"] = Dictionary(
+            ColorSpace=Dictionary(S=colour), Properties=Dictionary(M=layer)
+        )
+        page["/Contents"] = pdf.make_stream(b"/OC /M BDC /S cs 1 scn 0 0 9 9 re f EMC 1 0 0 rg")
+        page["/TrimBox"] = [1, 1, 19, 9]
+        file = io.BytesIO()
+        pdf.save(file, compress_streams=False)
+        made.append(file.getvalue())
+    return made
 
 
 def _fonts() -> list[bytes]:
