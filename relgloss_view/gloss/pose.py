@@ -88,7 +88,10 @@ class Pose:
         width = math.hypot(material.specular[main].s_deg, sigma_n_deg)
         if min(self._tilts_deg) > width:
             return None
-        brightest = self.extremes(material, sigma_n_deg).l_s_max
+        extremes = self.extremes(material, sigma_n_deg)
+        # Under ambient light L_s* is large at a dark silhouette too, beside every highlight.
+        ambient = self.setup.lamp.ambient > 0.0
+        brightest = extremes.brightest_l_s if ambient else extremes.l_s_max
         return brightest if brightest >= LEAST_LSTAR else None
 
     def extremes(self, material: Material, sigma_n_deg: float = 0.0) -> Extremes:
