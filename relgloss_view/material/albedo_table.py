@@ -19,7 +19,8 @@ from relgloss_view.material.brdf import Fresnel
 from relgloss_view.material.material import Material
 
 #: Steps of a table, even in sqrt(mu_o): albedos change fastest near the horizon. Between its
-#: entries a table is linear. It is within 1e-3 of the integral for every width, 1e-4 above mu_o = 0.1.
+#: entries a table is linear: within 1e-3 of the integral but for the last 0.01 degrees above the
+#: horizon, and within 1e-4 above mu_o = 0.1, for every width of a lobe.
 STEPS = 256
 POLAR, AZIMUTHS = 64, 64  #: nodes of the integrals; half a turn, by symmetry
 REACH_SD = 7.0  #: a Gaussian beyond so many standard deviations holds 1e-11 of its volume

@@ -158,6 +158,9 @@ class TestShaders:
     def test_nothing_but_switches_is_compared_with_a_number(self):
         """What is left in capitals beside a number counts or is on or off; it is no choice."""
         plain = {
+            "LAMPS",
+            "DISCS",
+            "AMBIENT",
             "LOBES",
             "METALS",
             "BANDS",

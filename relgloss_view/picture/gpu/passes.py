@@ -38,7 +38,6 @@ from relgloss_view.picture.gpu.targets import (
     Targets,
 )
 from relgloss_view.picture.gpu.uniforms import (
-    LAMP_NAMES,
     WHOLE,
     display_uniforms,
     field_size,
@@ -282,11 +281,10 @@ class Passes:
 
     def _inputs(self, shading: Shading) -> Uniforms:
         """The uniforms, with the textures that the variant reads."""
-        inputs = {**shading.uniforms, **self._field(shading.variant)}
+        albedos = self.targets.albedo_table(shading.uniforms.get("albedo_rows"))
+        inputs = {**shading.uniforms, **self._field(shading.variant), **albedos}
         if shading.variant.cube_root == "table":
             inputs["cube_root_table"] = self.targets.cube_root_table()
-        if shading.variant.ambient:
-            inputs["albedo_table"] = self.targets.albedo_table(shading.uniforms["albedo_rows"])
         return inputs
 
     def _shading(self, request: Request) -> Shading:
@@ -386,7 +384,7 @@ class Passes:
         variant = Variant.of(request.scene, request.look, chosen=request.method)
         uniforms = view_uniforms(request.scene, view, afar=variant.afar)
         defines = variant.shape_defines()
-        seen_from = {name: value for name, value in uniforms.items() if name not in LAMP_NAMES}
+        seen_from = {name: value for name, value in uniforms.items() if "lamp" not in name}
         if self.held.renew("coverage", tuple(defines.items()), seen_from):
             self.silhouette.fill_tiles(edge_tiles(request.scene.shape, view), view.size[1])
             self.around.pop("coverage", None)  # so that it is cleared: the tiles are others
