@@ -150,7 +150,6 @@ TWINS = {
     "tone.glsl": ("picture/model/tone.py", {"on_object"}),
     "approximations.glsl": ("material/approximations.py", set()),
     "lamp_size.glsl": ("picture/model/lights.py", {"sized"}),
-    "ambient.glsl": ("material/albedo_table.py", set()),
     "difference.glsl": ("picture/model/difference.py", set()),
 }
 

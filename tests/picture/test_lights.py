@@ -178,16 +178,16 @@ class TestMitsuba:
         white = np.max(
             lights.white_seen(scene.setup, frame.point_m, frame.normal)[frame.on_object]
         )
-        surround = 0.35 / 0.65 * white / np.pi
+        surround = float(0.35 / 0.65 * white / np.pi)
         emitters = [
             {
                 "type": "point",
                 "position": [float(v) for v in place.position_m],
-                "intensity": {"type": "rgb", "value": share},
+                "intensity": {"type": "rgb", "value": [share] * 3},
             }
             for place, share in ((lamp, 1.0), (further[0], 0.25))
         ]
-        emitters.append({"type": "constant", "radiance": {"type": "rgb", "value": surround}})
+        emitters.append({"type": "constant", "radiance": {"type": "rgb", "value": [surround] * 3}})
         bsdf = {"type": "diffuse", "reflectance": {"type": "spectrum", "value": 0.4}}
         # One emitter a world, sampled so that nothing is left to chance.
         worlds = [
