@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
+import json
 
 import pytest
 
@@ -125,5 +126,5 @@ def test_a_study_keeps_its_lamps(tmp_path):
     plain = study_to_dict(study)
     assert "further_lamp" not in plain and "ambient" not in plain["lamp"]
     rich = study_to_dict(dataclasses.replace(study, setup=RICH))
-    assert study_from_dict(rich, tmp_path).setup == RICH
+    assert study_from_dict(json.loads(json.dumps(rich)), tmp_path).setup == RICH
     assert study_digest(rich) != study_digest(plain)
