@@ -2,8 +2,8 @@
 
 Mitsuba's `disk` with an `area` emitter faces a point of a mirror-like rough conductor (Beckmann,
 alpha = sqrt(2) s, 100 % reflectance), and a radiance meter sees the point at angles off the mirror
-direction. Both profiles are over their own peak under a disc too small to matter, and what is compared
-is the change that the size makes: Beckmann's facets and Smith's shadowing are not ours.
+direction. Both profiles are over their own peak under a disc too small to matter, and what is
+compared is the change that the size makes: Beckmann's facets and Smith's shadowing are not ours.
 """
 
 from __future__ import annotations

@@ -2,9 +2,9 @@
 
 A surround of radiance L all around shows rho(theta_o) L on a surface. By reciprocity rho is the
 directional albedo, the integral of f cos_i over the hemisphere of i (Nicodemus et al. 1977). The
-shapes of the models are free of wavelength, so a material needs one table of numbers for each of its
-diffuse shapes and for each part of its lobes, times its spectra. shaders/ambient.glsl reads the same
-tables.
+shapes of the models are free of wavelength, so a material needs one table of numbers for each of
+its diffuse shapes and for each part of its lobes, times its spectra. shaders/ambient.glsl reads the
+same tables.
 """
 
 from __future__ import annotations

@@ -91,14 +91,17 @@ class TestFoils:
             name: lab_from_xyz(np.array(foil_material(name).specular[0].f0) @ weights, white)
             for name in FOILS
         }
-        assert labs["silver"][0] > 94.0 and np.hypot(*labs["silver"][1:]) < 2.0
+        assert labs["silver"][0] > 94.0
+        assert np.hypot(*labs["silver"][1:]) < 2.0
         assert 80.0 < labs["gold"][0] < 92.0
-        assert 0.0 < labs["gold"][1] < 10.0 and 40.0 < labs["gold"][2] < 55.0
+        assert 0.0 < labs["gold"][1] < 10.0
+        assert 40.0 < labs["gold"][2] < 55.0
 
     def test_they_are_marked(self):
         for name in FOILS:
             material = foil_material(name)
-            assert material.synthetic and material.specular[0].is_metal
+            assert material.synthetic
+            assert material.specular[0].is_metal
             assert material.warnings == ()
 
     @pytest.mark.parametrize(

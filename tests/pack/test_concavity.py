@@ -7,6 +7,9 @@ import pytest
 
 from relgloss_view.pack.concavity import concavity, concavity_note
 from relgloss_view.pack.mesh import Mesh
+from relgloss_view.pack.shape import Shape
+from relgloss_view.picture.model.light import light_warnings
+from relgloss_view.picture.scene.setup import Setup
 
 
 def revolved(radius_m, height_m, turns=96):
@@ -25,7 +28,9 @@ def revolved(radius_m, height_m, turns=96):
     k = np.arange(len(r) * turns).reshape(len(r), turns)
     low, right = k[:-1].ravel(), np.roll(k, -1, axis=1)[:-1].ravel()
     high, across = k[1:].ravel(), np.roll(k, -1, axis=1)[1:].ravel()
-    triangles = np.concatenate([np.stack(t, -1) for t in ((low, right, high), (right, across, high))])
+    triangles = np.concatenate(
+        [np.stack(t, -1) for t in ((low, right, high), (right, across, high))]
+    )
     points, normals = points.reshape(-1, 3), normals.reshape(-1, 3)
     label = np.zeros((len(points), 2))
     return Mesh(points, normals, label, np.zeros(len(points), dtype=int), triangles)
@@ -42,13 +47,21 @@ def sphere(outwards=True):
 def waisted():
     """Two cylinders of radius 50 mm with a groove of radius 10 mm and 20 mm of height between."""
     r = [0.05] * 20 + [0.01] * 20 + [0.05] * 20
-    y = [*np.linspace(-0.06, -0.01, 20), *np.linspace(-0.01, 0.01, 20), *np.linspace(0.01, 0.06, 20)]
+    y = [
+        *np.linspace(-0.06, -0.01, 20),
+        *np.linspace(-0.01, 0.01, 20),
+        *np.linspace(0.01, 0.06, 20),
+    ]
     return revolved(r, y)
 
 
 def test_convex_forms_see_nothing_of_themselves():
     y = np.linspace(-0.06, 0.06, 40)
-    for mesh in (sphere(), revolved(np.full(40, 0.03), y), revolved(np.linspace(0.05, 0.01, 40), y)):
+    for mesh in (
+        sphere(),
+        revolved(np.full(40, 0.03), y),
+        revolved(np.linspace(0.05, 0.01, 40), y),
+    ):
         assert concavity(mesh) == 0.0
         assert concavity_note(mesh) is None
 
@@ -70,6 +83,18 @@ def test_a_groove_sees_its_walls():
 
 def test_nothing_has_no_concavity():
     empty = Mesh(
-        np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 2)), np.zeros(3, int), np.array([[0, 1, 2]])
+        np.zeros((3, 3)),
+        np.zeros((3, 3)),
+        np.zeros((3, 2)),
+        np.zeros(3, int),
+        np.array([[0, 1, 2]]),
     )
     assert concavity(empty) == 0.0
+
+
+def test_a_picture_is_warned_about():
+    """A bottle of a deep groove has the note, and the usual one has none."""
+    groove = ((40.0, 0.0), (40.0, 40.0), (8.0, 42.0), (8.0, 58.0), (40.0, 60.0), (40.0, 100.0))
+    deep = Setup(shape=Shape("bottle", profile_mm=groove))
+    assert any("faces other parts" in text for text in light_warnings(deep, lit=True))
+    assert light_warnings(Setup(shape=Shape("bottle")), lit=True) == []

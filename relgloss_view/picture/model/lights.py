@@ -6,11 +6,11 @@ point it has the angular radius r, and its light is taken from its centre:
 - The irradiance of a facing disc is I cos_i / (d^2 + R^2), exact where the whole disc is above the
   horizon: the projected solid angle of a cone of half-angle r is pi sin^2 r cos_i.
 - A half-vector turns by half of what the light's direction turns in the plane of incidence, and by
-  half of it over cos th_d across the plane (Torrance, Sparrow 1967; the Jacobian: Walter et al. 2007,
-  eq. 14). So a lobe of facet sd s is seen as a Gaussian averaged over an ellipse of the radii r/2
-  and r / (2 cos th_d). Its variances are s^2 + (r/4)^2 and s^2 + (r / (4 cos th_d))^2, since a uniform
-  disc of radius 1 has the variance 1/4 along each axis. Where the ellipse is wider than the lobe it
-  has a flat top, so the lobe is drawn as `spread_by_lamp` has it.
+  half of it over cos th_d across the plane (the Jacobian: Walter et al. 2007, eq. 14). So a lobe of
+  facet sd s is seen as a Gaussian averaged over an ellipse of the radii r/2 and r / (2 cos th_d).
+  Its variances are s^2 + (r/4)^2 and s^2 + (r / (4 cos th_d))^2, since a uniform disc of radius 1
+  has the variance 1/4 along each axis. Where the ellipse is wider than the lobe it has a flat top,
+  so the lobe is drawn as `spread_by_lamp` has it.
 
 docs/light.md shows where this holds, against Mitsuba's disc.
 """
@@ -18,7 +18,7 @@ docs/light.md shows where this holds, against Mitsuba's disc.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -125,7 +125,7 @@ def spread_by_lamp(
     radius. It is drawn as peak exp(-u^exponent): the peak is exact, u is scaled so that the volume
     is, and the exponent is fitted: within 1 % of the peak for discs up to three times as wide as
     the lobe, 7 % for wider ones, at their edge. Small discs make it the Gaussian of the variances above.
-    Of an ellipse the peak is the geometric mean of those of discs of its two radii, and the exponent
+    Of an ellipse the peak is the geometric mean of those of discs of its radii, and the exponent
     goes from one axis to the other with the direction.
     """
     cos2 = np.maximum(f.cos_d**2, brdf.COSINE_EPSILON)
@@ -152,12 +152,10 @@ def widened(lobe: Lobe, cos_d: Array, sin2_r: Array | float) -> Lobe:
     wider2 = s2 / disc_peak(np.asarray(sin2_r) / (4.0 * s2 * cosine))
     tilt2 = total - s2
     wide = wider2 + tilt2
-    return Lobe(
-        0.5 / wide,
-        lobe.amplitude * np.sqrt(total * s2 / (wide * wider2)),
-        lobe.refractive_index,
-        tilt2 / (4.0 * wider2 * wide),
-    )
+    amplitude: Any = lobe.amplitude * np.sqrt(total * s2 / (wide * wider2))
+    sharpness: Any = 0.5 / wide  # as Lobe's numbers are, but one a point
+    spread: Any = tilt2 / (4.0 * wider2 * wide)
+    return Lobe(sharpness, amplitude, lobe.refractive_index, spread)
 
 
 def specular(material: Material, f: Facing, share_across: Array, sin2_r: Array | float) -> Array:

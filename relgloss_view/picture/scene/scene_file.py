@@ -77,8 +77,9 @@ def read_scene_file(
     """Read a scene file; InputError names the file, the entry and what was expected.
 
     Tables: [sample] with `name` (built in) or `material` (a file, relative to the scene file), and
-    [shape], [lamp], [eye], [display], [look] with the fields of their classes, [[further_lamp]] with
-    those of FurtherLamp; for a pair of pictures [reference] with the entries of [sample], [reference.look], [match] and [presentation].
+    [shape], [lamp], [eye], [display], [look] with the fields of their classes, [[further_lamp]]
+    with those of FurtherLamp; for a pair of pictures [reference] with the entries of [sample],
+    [reference.look], [match] and [presentation].
 
     replacements: a list that collects a message for each material or lamp that can't be read; the
     built-in one (for the reference, None) takes its place. Without the list that is an error.

@@ -48,7 +48,7 @@ def check_sample(sample: Sample) -> None:
 
 
 def _tables(content: SceneFile, folder: Path, forgiving: bool) -> dict[str, Any]:
-    tables = {"sample": _sample("sample", content.sample, folder, forgiving)}
+    tables: dict[str, Any] = {"sample": _sample("sample", content.sample, folder, forgiving)}
     tables["look"] = entries(content.look)
     of_reference: dict[str, Any] = {}
     if content.reference is not None:
