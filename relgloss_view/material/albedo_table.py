@@ -35,7 +35,7 @@ def cosines() -> Array:
 def looked_up(table: Array, mu_o: Array) -> Array:
     """A table's value at cosines (...), from 0 below the horizon's; the twin of ambient.glsl's."""
     place = np.sqrt(np.clip(mu_o, 0.0, 1.0)) * STEPS
-    return np.interp(place, np.arange(STEPS + 1.0), table)
+    return np.asarray(np.interp(place, np.arange(STEPS + 1.0), table))
 
 
 @lru_cache(maxsize=64)
@@ -44,8 +44,8 @@ def diffuse_table(model: str, sigma: float) -> tuple[Array, Array]:
     if model == "lambert":
         return np.ones(STEPS + 1), np.zeros(STEPS + 1)
     if model == "eon":
-        # The model's own fit (Portsmouth, Kutz, Hill 2025), within 2e-4 of the integrals: with it the
-        # two shapes of an albedo of one add up to one exactly.
+        # The model's own fit (Portsmouth, Kutz, Hill 2025), within 2e-4 of the integrals: with it
+        # the two shapes of an albedo of one add up to one exactly.
         first = brdf.fujii_albedo(cosines(), sigma)
         return _frozen(first), _frozen(1.0 - first)
     parts = [diffuse_albedo(model, sigma, mu) for mu in _parts()]

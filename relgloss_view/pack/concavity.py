@@ -33,9 +33,9 @@ def concavity(mesh: Mesh) -> float:
     """Share of a form's surface that sees the form itself, 0 to 1; 0 for every convex form.
 
     A point of the surface sees it where SEEN_SHARE of its sky (weighted by the cosine to its
-    normal, as light is) is covered. By depth maps along DIRECTIONS of points spread evenly over the area,
-    so dents below a fortieth of the object's size are not found. The same mesh has the same
-    number, remembered.
+    normal, as light is) is covered. By depth maps along DIRECTIONS of points spread evenly over
+    the area, so dents below a fortieth of the object's size are not found. The same mesh has the
+    same number, remembered.
     """
     if mesh not in _known:
         _known[mesh] = _concavity(mesh)

@@ -1,4 +1,4 @@
-"""Lamps of a size, further lamps and ambient light, held against Mitsuba and against quadratures."""
+"""Lamps of a size, further lamps and ambient light, against Mitsuba and quadratures."""
 
 from __future__ import annotations
 

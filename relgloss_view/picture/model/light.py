@@ -70,7 +70,9 @@ def _front(lamp: Lamp | FurtherLamp, point_m: Array, normal: Array) -> float:
     if distance2 <= 0.0:
         return 0.0
     seen = share_of(lamp) * max(float(normal @ to_lamp) / distance2**1.5, 0.0)
-    return seen * distance2 / (distance2 + lamp.radius_m**2) if lamp.radius_m > 0.0 else seen
+    if lamp.radius_m > 0.0:
+        seen *= distance2 / (distance2 + lamp.radius_m**2)
+    return float(seen)
 
 
 def lamps_irradiance(white: float, setup: Setup) -> float:

@@ -90,7 +90,7 @@ def across(n: Array, i: Array, o: Array, f: Facing) -> Array:
 
 
 #: exponent = 1 + a t^4 / (t^3 + b t^2 + c t + d), t the radius of a disc in sd of the Gaussian that
-#: is averaged over it: fitted here to the non-central chi-squared distribution (see spread_by_lamp).
+#: is averaged over it: fitted to the non-central chi-squared distribution (see spread_by_lamp).
 EXPONENT = (0.61656425, 3.33675464, -6.02685123, 51.47644039)
 #: Gamma(1 + x), 0 <= x <= 1, within 5e-5 (Abramowitz, Stegun 1964, 6.1.35), highest power first.
 GAMMA = (-0.1010678, 0.4245549, -0.6998588, 0.9512363, -0.5748646, 1.0)
@@ -124,7 +124,8 @@ def spread_by_lamp(
     The average of a Gaussian over a disc is the non-central chi-squared distribution of the disc's
     radius. It is drawn as peak exp(-u^exponent): the peak is exact, u is scaled so that the volume
     is, and the exponent is fitted: within 1 % of the peak for discs up to three times as wide as
-    the lobe, 7 % for wider ones, at their edge. Small discs make it the Gaussian of the variances above.
+    the lobe, 7 % for wider ones, at their edge. Small discs make it the Gaussian of the variances
+    above.
     Of an ellipse the peak is the geometric mean of those of discs of its radii, and the exponent
     goes from one axis to the other with the direction.
     """
