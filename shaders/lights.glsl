@@ -1,11 +1,11 @@
 // The lamps of a scene: what arrives at a point from each. Twin: relgloss_view/picture/model/lights.py `lit`.
-// Constants: LAMPS, 1 to 4; DISCS, whether a lamp is a disc.
+// Constants: LAMPS, 1 to 4; LAMP_SIZE, whether a lamp is a disc.
 
 #ifndef LAMPS
 #define LAMPS 1
 #endif
-#ifndef DISCS
-#define DISCS 0
+#ifndef LAMP_SIZE
+#define LAMP_SIZE 0
 #endif
 
 #include "lamp.glsl"
@@ -13,7 +13,7 @@
 #if LAMPS > 1
 uniform vec4 further_lamps[3];  // place, metres; intensity over the main lamp's
 #endif
-#if DISCS == 1
+#if LAMP_SIZE == 1
 uniform float lamp_radius2[4];  // squared, of each lamp
 #endif
 
@@ -39,7 +39,7 @@ Arriving light_of(int lamp, vec3 point_m) {
     }
 #endif
     float sin2_r = 0.0;
-#if DISCS == 1
+#if LAMP_SIZE == 1
     float tan2_r = lamp_radius2[lamp] * per_distance2;
     sin2_r = tan2_r / (1.0 + tan2_r);
     per_distance2 /= 1.0 + tan2_r;

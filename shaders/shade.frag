@@ -10,7 +10,7 @@
 //   WRITES_SPLIT          (L_d*, L_s*, a*, b*); where the object is not seen, L_d* is OFF_OBJECT
 //   WRITES_XYZ_AND_SPLIT  both, where several samples share a pixel
 //
-// Constants: SHAPE, CAPS, AFAR, LAMP, LAMPS, DISCS, AMBIENT, DIFFUSE, LOBES, METALS (see colours.glsl), FRESNEL, SHADOWING, FACETS,
+// Constants: SHAPE, CAPS, AFAR, LAMP, LAMPS, LAMP_SIZE, AMBIENT, DIFFUSE, LOBES, METALS (see colours.glsl), FRESNEL, SHADOWING, FACETS,
 // NOISE, NOISY_DIFFUSE, GRAIN,
 // SAMPLED, CUBE_ROOT, BANDS, WRITES.
 
@@ -32,7 +32,7 @@ uniform vec4 diffuse_terms;  // of the roughness: brdf.diffuse_terms
 uniform vec4 lobe_shape[2];  // sharpness, amplitude, refractive index, spread: struct Lobe
 
 #include "grain.glsl"
-#if DISCS == 1
+#if LAMP_SIZE == 1
 #include "lamp_size.glsl"
 #endif
 #ifndef AMBIENT
@@ -84,14 +84,14 @@ Light lit_by(int lamp, Hit hit, vec3 n, vec3 o) {
     float arriving = irradiance * from.per_distance2;
     vec2 shapes = diffuse_shapes(DIFFUSE, smooth_surface, diffuse_terms);
     LOBE_WEIGHTS reflected = LOBE_WEIGHTS(0.0);  // by each lobe, at unit strength
-#if DISCS == 1
+#if LAMP_SIZE == 1
     float share_across = across(n, from.i, o, grain);
 #endif
     for (int k = 0; k < LOBES; ++k) {
         vec4 shape = lobe_shape[k];
         Lobe lobe = Lobe(shape.x, shape.y, shape.z, shape.w);
         Facing at = grain;
-#if DISCS == 1
+#if LAMP_SIZE == 1
         sized(at, lobe, share_across, from.sin2_r);
 #endif
 #if METALS == 0

@@ -3,7 +3,7 @@
 // What the perfect diffuser would show in the object's place under lamps of power pi: its largest Y in
 // one BLOCK x BLOCK tile of a region of the picture, straight from the geometry.
 //   peak = (largest Y, number of pixels on the object, 0, 0)
-// Constants: BLOCK, SHAPE, CAPS, AFAR, LAMP, LAMPS, DISCS, SAMPLED.
+// Constants: BLOCK, SHAPE, CAPS, AFAR, LAMP, LAMPS, LAMP_SIZE, SAMPLED.
 
 #include "view.glsl"
 #include "shape.glsl"

@@ -50,10 +50,10 @@ def test_a_point_lamp_alone_costs_nothing():
     """The constants are those of one point lamp, so the compiled shader is the former one."""
     material = materials.paper("art")
     plain = Variant.of(Scene(material), Look()).defines()
-    assert (plain["LAMPS"], plain["DISCS"], plain["AMBIENT"]) == (1, 0, 0)
+    assert (plain["LAMPS"], plain["LAMP_SIZE"], plain["AMBIENT"]) == (1, 0, 0)
     rich = lit_scene(material, Lamp(radius_m=0.01, ambient=0.1), THREE)
     more = Variant.of(rich, Look()).defines()
-    assert (more["LAMPS"], more["DISCS"], more["AMBIENT"]) == (4, 1, 1)
+    assert (more["LAMPS"], more["LAMP_SIZE"], more["AMBIENT"]) == (4, 1, 1)
     dark = lit_scene(material, Lamp(), (FurtherLamp(share=0.0),))
     assert Variant.of(dark, Look()).defines() == plain
 

@@ -38,6 +38,7 @@ from relgloss_view.picture.gpu.targets import (
     Targets,
 )
 from relgloss_view.picture.gpu.uniforms import (
+    LAMP_NAMES,
     WHOLE,
     display_uniforms,
     field_size,
@@ -384,7 +385,7 @@ class Passes:
         variant = Variant.of(request.scene, request.look, chosen=request.method)
         uniforms = view_uniforms(request.scene, view, afar=variant.afar)
         defines = variant.shape_defines()
-        seen_from = {name: value for name, value in uniforms.items() if "lamp" not in name}
+        seen_from = {name: value for name, value in uniforms.items() if name not in LAMP_NAMES}
         if self.held.renew("coverage", tuple(defines.items()), seen_from):
             self.silhouette.fill_tiles(edge_tiles(request.scene.shape, view), view.size[1])
             self.around.pop("coverage", None)  # so that it is cleared: the tiles are others

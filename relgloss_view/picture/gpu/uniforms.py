@@ -47,8 +47,12 @@ def view_uniforms(scene: Scene, view: View, *, afar: bool) -> Uniforms:
     }
 
 
+#: The numbers of the lamps, on which no point of the object depends.
+LAMP_NAMES = ("lamp_m", "further_lamps", "lamp_radius2")
+
+
 def lamp_uniforms(scene: Scene) -> Uniforms:
-    """The lamps; of further ones and of discs only where there are any. All names have "lamp"."""
+    """The lamps; of further ones and of discs only where there are any."""
     uniforms: dict[str, Any] = {"lamp_m": scene.lamp.position_m}
     main, *further = lamps_of(scene.setup)
     if further:

@@ -148,7 +148,7 @@ class Variant:
         return {
             "LAMP": code("LAMP", self.lamp),
             "LAMPS": self.lamps,
-            "DISCS": int(self.lamp_size),
+            "LAMP_SIZE": int(self.lamp_size),
         }
 
     def field_defines(self) -> dict[str, int]:
