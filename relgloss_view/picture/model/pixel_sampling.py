@@ -123,7 +123,7 @@ def _needed(scene: Scene, size: Size, lamp: Lamp | FurtherLamp) -> int:
 
 
 @lru_cache(maxsize=32)
-def _normal_turn(shape: Shape, eye: Eye, size: Size, _: Mesh) -> float:
+def _normal_turn(shape: Shape, eye: Eye, size: Size, _mesh: Mesh) -> float:
     """Angle by which the normals of triangles turn from one pixel to the next, radians."""
     view = view_of(shape, eye, size)
     left, bottom, right, top = view.bounds
