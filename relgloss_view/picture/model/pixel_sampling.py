@@ -26,8 +26,8 @@ STEP_SD = 1.5
 #: The draws of neighbours are as good as independent there, and each stands for a grain this much
 #: too large. Averaging inside the pixel begins above.
 PIXELS_A_GRAIN = 1.1
-#: Percentile of the curvature over a form's area: that of an ordinary place. Sharp edges and rims are a
-#: small part of the picture, and highlights on them may stay undersampled.
+#: Percentile of the curvature over a form's area: that of an ordinary place. Sharp edges and rims
+#: are a small part of the picture, and highlights on them may stay undersampled.
 TURN_PERCENTILE = 50.0
 
 
