@@ -264,6 +264,6 @@ def test_cells_of_surface_grain_have_the_area_that_is_asked_for():
         count = len(np.unique(cells, axis=0))
         assert side_m**2 / count == pytest.approx(cell_m**2, rel=0.12)
     assert np.allclose(shapes.LATTICE @ shapes.LATTICE.T, np.eye(3))
-    # Negative control: without the turn a plane along the lattice is cut in squares of another size.
+    # Negative control: without the turn a plane along the lattice is cut in larger squares.
     straight = np.floor(np.stack([u, v], axis=-1) / (shapes.SECTION * cell_m)).reshape(-1, 2)
     assert side_m**2 / len(np.unique(straight, axis=0)) > 1.35 * cell_m**2
