@@ -101,9 +101,7 @@ def material_of(invented: Invented) -> Material:
     if invented.broad is not None:
         strength, s_deg = invented.broad
         lobes.append(Lobe((strength,), s_deg, invented.index, f0))
-    material = Material(
-        invented.name, SOURCE, bands, diffuse, tuple(lobes), synthetic=True
-    )
+    material = Material(invented.name, SOURCE, bands, diffuse, tuple(lobes), synthetic=True)
     width = lobe_width_for(material, invented.angle_deg, invented.gloss)
     lobes[0] = dataclasses.replace(lobes[0], s_deg=round(width, 3))
     return dataclasses.replace(material, specular=tuple(lobes))

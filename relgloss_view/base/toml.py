@@ -85,11 +85,15 @@ def entries(part: Any) -> dict[str, Any]:
     """The fields of a dataclass (Look, Lamp, ...) as entries of a TOML table.
 
     A field that is None is left out where that is its default; elsewhere its entry is "auto". A
-    field that came later (`later` of its declaration) is left out at its default too.
+    field that came later (`later` of its declaration) is left out at its default too, and so are
+    the names of its method `unwritten`.
     """
     table = {}
+    unwritten = part.unwritten() if hasattr(part, "unwritten") else ()
     for f in dataclasses.fields(part):
         value = getattr(part, f.name)
+        if f.name in unwritten:
+            continue
         if f.metadata.get("later") and value == f.default:
             continue  # the digest of a study that began before stays the same
         if value is not None:

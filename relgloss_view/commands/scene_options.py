@@ -8,8 +8,8 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
-from relgloss_view.base.errors import InputError
 from relgloss_view.base import shell
+from relgloss_view.base.errors import InputError
 from relgloss_view.base.shell import command_line
 from relgloss_view.base.toml import AUTO
 from relgloss_view.base.words import sentence_case

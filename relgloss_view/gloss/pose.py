@@ -155,9 +155,7 @@ def _shine(light: _Light, material: Material, sigma_n_deg: float, weights: Array
     return specular
 
 
-def _places(
-    bounds: tuple[int, int, int, int], highlights: list[Highlight]
-) -> tuple[Array, Array]:
+def _places(bounds: tuple[int, int, int, int], highlights: list[Highlight]) -> tuple[Array, Array]:
     """Columns and rows of `SIZE`: an even grid, and finer and finer ones about the highlights."""
     left, bottom, right, top = bounds
     low = np.array([left, SIZE[1] - top], dtype=np.float64)

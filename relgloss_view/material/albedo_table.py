@@ -77,8 +77,9 @@ def diffuse_albedo(model: str, sigma: float, mu_o: Array) -> tuple[Array, Array]
     The polar integral is cut at mu_o, where a shape may have a kink.
     """
     x, weight = np.polynomial.legendre.leggauss(POLAR // 2)
-    low, high = 0.5 * (x + 1.0) * mu_o[:, None], mu_o[:, None] + 0.5 * (x + 1.0) * (
-        1.0 - mu_o[:, None]
+    low, high = (
+        0.5 * (x + 1.0) * mu_o[:, None],
+        mu_o[:, None] + 0.5 * (x + 1.0) * (1.0 - mu_o[:, None]),
     )
     mu = np.concatenate([low, high], axis=1)
     area = np.concatenate(

@@ -6,12 +6,16 @@ are met by rays; the others are triangles, which pack.forms.mesh_of makes.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import dataclasses
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.base.errors import InputError
 from relgloss_view.base.parameters import Checked, choice, parameter
+from relgloss_view.base.reading import numbers_of, refuse, text
 from relgloss_view.pack.mesh import Mesh
 
 #: The sizes of each shape, by its name.
@@ -29,6 +33,9 @@ SIZES = {
 SHAPES = tuple(SIZES)
 CURVED = ("cylinder", "sphere")  #: towards the eye, by half_extent_m()[0]
 ANALYTIC = ("cylinder", "sphere", "plane", "box")
+PROFILED = ("can", "bottle")  #: may have a profile
+#: Points of a profile, and its size: radii and heights in millimetres.
+FEWEST_POINTS, MOST_POINTS, MOST_MM = 2, 200, 10_000.0
 #: Sizes that a form has where none is given; other sizes and forms have those of the fields.
 #: Can: 330 ml. Bottle: 500 ml PET. Pouch: depth at its thickest.
 USUAL_SIZES: dict[str, dict[str, float]] = {
@@ -37,6 +44,7 @@ USUAL_SIZES: dict[str, dict[str, float]] = {
     "carton": {"width_m": 0.070, "height_m": 0.160, "depth_m": 0.040, "edge_radius_m": 0.0005},
     "pouch": {"width_m": 0.140, "height_m": 0.190, "depth_m": 0.045},
 }
+OLD_SIZES = ("diameter_m", "height_m", "width_m", "depth_m")  #: of every written scene so far
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
 FALLBACK_SIZES = {
     "diameter_m": 0.085,
@@ -88,9 +96,9 @@ class Shape(Checked):
     edge_radius_m: float = parameter(
         None, 0.0, 0.05, "m", "radius of a carton's edges", label="Edge radius"
     )
-    profile_mm: tuple[tuple[float, float], ...] = ()
-    file: str = ""
-    unit: str = choice("auto", ("auto", *UNITS), "unit of a mesh file", label="Unit")
+    profile_mm: tuple[tuple[float, float], ...] = field(default=(), metadata={"later": True})
+    file: str = field(default="", metadata={"later": True})
+    unit: str = choice("auto", ("auto", *UNITS), "unit of a mesh file", label="Unit", later=True)
 
     def __post_init__(self) -> None:
         usual = {**FALLBACK_SIZES, **USUAL_SIZES.get(self.kind, {})}
@@ -98,6 +106,31 @@ class Shape(Checked):
             if getattr(self, name) is None:
                 object.__setattr__(self, name, size)
         super().__post_init__()
+        object.__setattr__(self, "profile_mm", _profile(self.profile_mm))
+        text(self.file, "shape.file")
+        if self.kind == "mesh" and not self.file:
+            raise InputError("shape.file: expected the name of a mesh file, for kind 'mesh'")
+
+    def at_usual(self) -> frozenset[str]:
+        """Names of the entries that have the usual value of the form.
+
+        >>> sorted(Shape("can", height_m=0.2).at_usual() & set(SIZES["can"]))
+        ['diameter_m', 'neck_diameter_m']
+        """
+        usual = {**FALLBACK_SIZES, **USUAL_SIZES.get(self.kind, {})}
+        usual |= {"profile_mm": (), "file": "", "unit": "auto"}
+        return frozenset(n for n, value in usual.items() if getattr(self, n) == value)
+
+    def unwritten(self) -> frozenset[str]:
+        """Entries that a file leaves out: usual ones, but for those that it always had."""
+        always = OLD_SIZES if self.kind in ANALYTIC else ()
+        return self.at_usual() - set(always)
+
+    def with_entries(self, **entries: Any) -> Shape:
+        """The shape with other entries; sizes that are the present form's usual ones go with it."""
+        own = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+        own = {name: value for name, value in own.items() if name not in self.at_usual()}
+        return Shape(**{**own, **entries})
 
     def with_kind(self, kind: str) -> Shape:
         """The shape as another form; sizes that are the present form's usual ones change with it.
@@ -105,9 +138,7 @@ class Shape(Checked):
         >>> Shape().with_kind("can").height_m, Shape(height_m=0.2).with_kind("can").height_m
         (0.115, 0.2)
         """
-        usual = Shape(self.kind)
-        own = {n: v for n in FALLBACK_SIZES if (v := getattr(self, n)) != getattr(usual, n)}
-        return Shape(kind, **own, profile_mm=self.profile_mm, file=self.file, unit=self.unit)
+        return self.with_entries(kind=kind)
 
     def half_extent_m(self) -> Array:
         """Half the bounding box, (3,)."""
@@ -142,3 +173,28 @@ class Shape(Checked):
         mesh = mesh_of(self)
         assert mesh is not None
         return mesh
+
+
+def _profile(points: object) -> tuple[tuple[float, float], ...]:
+    """The points of a profile, checked; InputError."""
+    place = "shape.profile_mm"
+    if not isinstance(points, tuple | list):
+        refuse(place, "a list of points [radius, height] in mm", points)
+    if points and not FEWEST_POINTS <= len(points) <= MOST_POINTS:
+        refuse(place, f"{FEWEST_POINTS} to {MOST_POINTS} points", len(points))
+    profile = []
+    for k, point in enumerate(points):
+        expected = f"a number, -{MOST_MM:g} to {MOST_MM:g} mm"
+        pair = numbers_of(point, f"{place}[{k}]", expected, -MOST_MM, MOST_MM)
+        if len(pair) != 2 or pair[0] < 0.0:
+            refuse(f"{place}[{k}]", "[radius, height] with a radius of 0 or more", point)
+        if profile and pair == profile[-1]:
+            refuse(f"{place}[{k}]", "another place than the point before", point)
+        profile.append((pair[0], pair[1]))
+    if profile:
+        radii, heights = zip(*profile, strict=True)
+        if max(radii) < 0.5 or max(heights) - min(heights) < 1.0 or heights[-1] < heights[0]:
+            refuse(place, "points upwards, at least 1 mm wide and high", "less")
+        if 0.0 in radii[1:-1]:
+            refuse(place, "a radius above 0 between the ends", 0.0)
+    return tuple(profile)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import shlex
+from pathlib import Path
 
 import pytest
 
@@ -32,6 +33,8 @@ OTHERS = {
     "illuminant": ("D65",),
     "primaries_xy": (((0.68, 0.32), (0.265, 0.69), (0.15, 0.06)),),
     "white_xy": ((0.31, 0.32),),
+    "profile_mm": (((30.0, 0.0), (32.5, 100.0)),),
+    "file": (str(Path("pack.obj").absolute()),),
 }
 
 
@@ -87,6 +90,8 @@ def changed(table, entry, value):
         entries["gain"] = 2.0
     if entry == "gain":
         entries["offset"] = 0.05
+    if value == "mesh":
+        entries["file"] = OTHERS["file"][0]
     return setup.with_entries(table, **entries), look
 
 

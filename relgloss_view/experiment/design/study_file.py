@@ -32,6 +32,7 @@ from relgloss_view.picture.scene.scene_file import (
     further_lamps,
     lamp_beside,
     read_sample,
+    shape_beside,
 )
 from relgloss_view.picture.scene.setup import Setup
 
@@ -89,6 +90,7 @@ def _study(content: Mapping[str, Any], folder: Path) -> Study:
         words["categories"] = tuple(words["categories"])
     parts = {name: build(name, content.get(name, {})) for name in TABLES}
     parts["lamp"] = lamp_beside(parts["lamp"], folder, None)
+    parts["shape"] = shape_beside(parts["shape"], folder, None)
     for entry in ("sigma_n_deg", "c", "c_fraction"):
         if entry in content.get("look", {}):
             raise InputError(f"look.{entry}: the settings come from [grid]; leave it out here")

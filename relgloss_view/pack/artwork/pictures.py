@@ -127,7 +127,9 @@ def profile_of_file(path: str | os.PathLike[str]) -> Profile:
 def gray_of(rgb: Profile) -> Profile:
     """Gray values as those of an RGB space whose three channels are equal."""
     white = rgb.after(np.ones((1, 3)))
-    return Profile("GRAY", rgb.description, False, rgb.white, rgb.curves[:1], None, lambda v: v * white)
+    return Profile(
+        "GRAY", rgb.description, False, rgb.white, rgb.curves[:1], None, lambda v: v * white
+    )
 
 
 @contextmanager
@@ -166,7 +168,9 @@ def _read(
     if profile is None:
         profile = profile_for(path, space, image.info.get("icc_profile"), options, notes)
     width_mm, height_mm = _size_mm(image, options)
-    turn = image.getexif().get(ORIENTATION, 1) if image.format != "PNG" or "exif" in image.info else 1
+    turn = (
+        image.getexif().get(ORIENTATION, 1) if image.format != "PNG" or "exif" in image.info else 1
+    )
     raster = Raster(
         samples, profile, alpha, width_mm=width_mm, height_mm=height_mm, notes=tuple(notes)
     )
@@ -192,7 +196,7 @@ def turned(raster: Raster, orientation: object) -> Raster:
         {name: turn(plate) for name, plate in raster.plates.items()},
         height_mm if swap else width_mm,
         width_mm if swap else height_mm,
-        raster.notes,
+        notes=raster.notes,
     )
 
 

@@ -104,7 +104,9 @@ def lab_space() -> Profile:
 
 def matrix_space(description: str, to_xyz: Array, curve: Curve) -> Profile:
     """An RGB space of one curve and the matrix (3, 3) from its linear light to XYZ under D50."""
-    return Profile("RGB", description, False, D50, (curve,) * 3, None, lambda v: v @ to_xyz.T)
+    return Profile(
+        "RGB", description, False, D50, (curve,) * 3, None, lambda v: v @ to_xyz.T.astype(v.dtype)
+    )
 
 
 def xyz_from_lab(lab: Array) -> Array:
@@ -184,7 +186,7 @@ def _profile(data: bytes, space: str, description: str, output: bool, lab: bool)
         def tone(v: Array) -> Array:
             if lab:
                 return xyz_from_lab(np.concatenate([v * 100.0, 0.0 * v, 0.0 * v], axis=1))
-            return v * D50
+            return v * D50.astype(v.dtype)
 
         return Profile(space, description, output, white, (gray,), None, tone)
     if space == "RGB" and all(t in tags for t in (b"rXYZ", b"gXYZ", b"bXYZ", b"rTRC")):
@@ -192,7 +194,13 @@ def _profile(data: bytes, space: str, description: str, output: bool, lab: bool)
         curves = tuple(_curve(tags[t])[0] for t in (b"rTRC", b"gTRC", b"bTRC") if t in tags)
         if len(curves) == 3 and np.abs(to_xyz).max() < 4.0:
             return Profile(
-                space, description, output, white, curves, None, lambda v: v @ to_xyz.T
+                space,
+                description,
+                output,
+                white,
+                curves,
+                None,
+                lambda v: v @ to_xyz.T.astype(v.dtype),
             )
     raise ValueError("an ICC profile without a table or a matrix from the device to CIELAB or XYZ")
 
@@ -232,8 +240,17 @@ def _power(gamma: float) -> Curve:
 def _sampled(values: Array) -> Curve:
     if np.allclose(values, np.linspace(0.0, 1.0, len(values)), rtol=0.0, atol=1e-6):
         return _identity
-    places = np.linspace(0.0, 1.0, len(values))
-    return lambda x: np.interp(x, places, values).astype(x.dtype)
+    rises = np.append(np.diff(values), 0.0)
+    last = len(values) - 1
+    tables = {np.dtype(t): (values.astype(t), rises.astype(t)) for t in (np.float32, np.float64)}
+
+    def curve(x: Array) -> Array:  # a third of the time of numpy.interp, and float32 stays so
+        place = np.clip(x, 0.0, 1.0) * last
+        whole = place.astype(np.int32)
+        at, rise = tables[x.dtype]
+        return np.asarray(at[whole] + (place - whole).astype(x.dtype) * rise[whole])
+
+    return curve
 
 
 def _parametric(form: int, p: list[float]) -> Curve:

@@ -16,7 +16,7 @@ from relgloss_view.pack.artwork.artwork import Artwork
 from relgloss_view.pack.artwork.options import ArtworkOptions
 from relgloss_view.pack.artwork.profile import Profile, cell_polynomials
 
-AT_ONCE = 1 << 16  #: pixels of one step of the conversion
+AT_ONCE = 1 << 14  #: pixels of one step of the conversion
 USUAL_DPI = 300.0  #: of a picture that names no resolution
 MM_PER_INCH = 25.4
 _THREADS = 2
@@ -29,7 +29,8 @@ class Raster:
     samples: (H, W, channels of `profile`), 8 or 16 bits, of which the largest value is 1; ink of
     CMYK counts upwards. alpha: (H, W) of 8 or 16 bits. premultiplied: whether the samples, as
     values of the device, are times alpha. plates: (H, W) uint8 by name. width_mm, height_mm: 0
-    where the file names no resolution.
+    where the file names no resolution. inks: plates whose colour is not in the samples, each with
+    (256, 3) factors of XYZ by its digital value.
     """
 
     samples: Digital
@@ -39,6 +40,7 @@ class Raster:
     plates: Mapping[str, Bytes] = field(default_factory=dict)
     width_mm: float = 0.0
     height_mm: float = 0.0
+    inks: Mapping[str, Array] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
     @property
@@ -92,7 +94,7 @@ class Conversion:
             cell = cell + cells[samples[:, k]] if k else cell
             part = parts[samples[:, k]][:, None]
             monomials = np.concatenate([monomials, monomials * part], axis=1)
-        mixed = np.matmul(monomials[:, None, :], self._table[cell])[:, 0, :]
+        mixed = np.matmul(monomials[:, None, :], np.take(self._table, cell, axis=0))[:, 0, :]
         return (self._profile.after(mixed) * self._scale).astype(np.float32)
 
 
@@ -155,7 +157,12 @@ def _colours(raster: Raster, conversion: Conversion, rows: slice) -> Array:
     samples = raster.samples[rows]
     height, width, channels = samples.shape
     if raster.alpha is None:
-        return conversion(samples.reshape(-1, channels)).reshape(height, width, 3)
+        xyz = conversion(samples.reshape(-1, channels)).reshape(height, width, 3)
+        for name, factors in raster.inks.items():
+            plate = raster.plates[name][rows]
+            if plate.any():
+                xyz *= factors[plate]
+        return xyz
     part = raster.alpha[rows]
     alpha = part.astype(np.float32) / np.float32(np.iinfo(part.dtype).max)
     if raster.premultiplied:
@@ -188,9 +195,7 @@ def _means(values: Array, edges: Array) -> Array:
     return np.asarray(np.diff(at_edges, axis=0) / widths)
 
 
-def _printed_size(
-    raster: Raster, options: ArtworkOptions, notes: list[str]
-) -> tuple[float, float]:
+def _printed_size(raster: Raster, options: ArtworkOptions, notes: list[str]) -> tuple[float, float]:
     width, height = raster.size_px
     if options.width_mm is not None:
         tall = height / width

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 
 from relgloss_view.pack.mesh import Mesh
-from relgloss_view.pack.shape import ANALYTIC, Shape
+from relgloss_view.pack.shape import ANALYTIC, PROFILED, Shape
 
 KEPT = 16  #: meshes in memory
 
@@ -35,7 +35,10 @@ def mesh_of(shape: Shape) -> Mesh | None:
 def _made(shape: Shape) -> Mesh:
     from relgloss_view.pack.forms import vessels
     from relgloss_view.pack.forms.carton import carton
+    from relgloss_view.pack.forms.outline import outlined
     from relgloss_view.pack.forms.pouch import pouch
 
+    if shape.profile_mm and shape.kind in PROFILED:
+        return outlined(shape)
     makers = {"can": vessels.can, "bottle": vessels.bottle, "carton": carton, "pouch": pouch}
     return makers[shape.kind](shape)

@@ -1,37 +1,70 @@
-"""Mesh files."""
+"""Mesh files of a pack: .glb, .gltf, .obj, .ply and .stl, read within bounds.
+
+A file gives points, triangles, texture coordinates, normals and names of parts. Its materials and
+pictures are never opened: finishes and artwork come from the pack.
+"""
 
 from __future__ import annotations
 
-import numpy as np
 import functools
 import os
-from relgloss_view.base.reading import check_regular
+from collections.abc import Callable
+from pathlib import Path
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import check_regular, decoding, named, read_bytes
+from relgloss_view.pack.forms.gltf_file import parse_glb, parse_gltf
+from relgloss_view.pack.forms.loose import Loose, packed
+from relgloss_view.pack.forms.obj_file import parse_obj
+from relgloss_view.pack.forms.ply_file import parse_ply
+from relgloss_view.pack.forms.stl_file import parse_stl
 from relgloss_view.pack.mesh import Mesh
 from relgloss_view.pack.shape import UNITS
 
+EXPECTED = "a mesh (.glb, .gltf, .obj, .ply or .stl)"
+MOST_BYTES = 100 * 1024 * 1024
+KEPT = 4  #: files in memory
 
-def read_mesh(file: str, unit: str) -> Mesh:
-    """A mesh file's triangles."""
-    check_regular(file, "a mesh (.glb, .gltf, .obj, .ply, .stl)")
+_PARSERS: dict[str, Callable[[bytes], Loose]] = {
+    ".obj": parse_obj,
+    ".ply": parse_ply,
+    ".stl": parse_stl,
+    ".glb": parse_glb,
+}
+MESH_SUFFIXES = (*_PARSERS, ".gltf")
+
+
+def read_mesh(file: str | os.PathLike[str], unit: str = "auto") -> Mesh:
+    """The mesh of a file, centred, in metres; the same object until the file changes.
+
+    unit: of its coordinates, one of UNITS. 'auto' takes metres, as glTF prescribes; a file whose
+    longest side would be above 10 m is taken as millimetres, which its notes state.
+    Label: texture coordinates (u, v), about the middle of the unit square, times the metres that a
+    unit of u and of v spans on the surface, weighted by area. Parts: the file's materials, or
+    objects where it has none; all are printed where the file has texture coordinates.
+    Raises InputError, one line that names the file.
+    """
+    if not os.fspath(file):
+        raise InputError("shape.file: expected the name of " + EXPECTED)
+    check_regular(file, EXPECTED)
     stamp = os.stat(file)
     return _read(os.path.abspath(file), unit, stamp.st_mtime_ns, stamp.st_size)
 
 
-@functools.lru_cache(maxsize=4)
-def _read(file: str, unit: str, stamp: int, size: int) -> Mesh:
-    import trimesh
-
-    loaded = trimesh.load(file, process=False, force="mesh")
-    scale = UNITS.get(unit, 1.0)
-    points = np.array(loaded.vertices, dtype=float) * scale
-    points -= 0.5 * (points.min(0) + points.max(0))
-    uv = getattr(loaded.visual, "uv", None)
-    label = np.zeros((len(points), 2)) if uv is None else (np.array(uv, dtype=float) - 0.5) * 0.2
-    return Mesh(
-        points,
-        np.array(loaded.vertex_normals, dtype=float),
-        label,
-        np.zeros(len(points), dtype=int),
-        np.array(loaded.faces, dtype=int),
-        label_size_m=(0.2, 0.2),
-    )
+@functools.lru_cache(maxsize=KEPT)
+def _read(file: str, unit: str, _stamp: int, _size: int) -> Mesh:
+    suffix = Path(file).suffix.lower()
+    if suffix not in MESH_SUFFIXES:
+        raise InputError(f"{named(file)}: expected {EXPECTED}")
+    data = read_bytes(file, MOST_BYTES, EXPECTED)
+    with decoding(file, EXPECTED):
+        try:
+            if suffix == ".gltf":
+                loose = parse_gltf(data, Path(file).parent)
+            else:
+                loose = _PARSERS[suffix](data)
+            return packed(loose, None if unit == "auto" else UNITS[unit])
+        except InputError as error:
+            if str(error).startswith(named(file)):
+                raise
+            raise InputError(f"{named(file)}: {error}") from error

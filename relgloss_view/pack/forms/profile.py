@@ -66,10 +66,10 @@ def arc(
     return Piece(part, points, outwards if turn > 0 else -outwards, along)
 
 
-def curve(part: str, points: Array, tangents: Array) -> Piece:
+def curve(part: str, points: Array, tangents: Array, always: Sequence[int] = ()) -> Piece:
     """A piece of a smooth curve, from many points (n, 2) of it and its derivative there.
 
-    As few of the points are kept as its turning allows.
+    As few of the points are kept as its turning allows, and those numbered in `always`.
     """
     length = np.hypot(*tangents.T)
     directions = tangents / length[:, None]
@@ -81,7 +81,7 @@ def curve(part: str, points: Array, tangents: Array) -> Piece:
     along = np.concatenate([[0.0], np.cumsum(chord * (1.0 + turn**2 / 24.0))])
     turned = np.concatenate([[0.0], np.cumsum(turn)]) / TURN + 4.0 * along / along[-1]
     kept = np.unique(np.searchsorted(turned, np.arange(np.ceil(turned[-1])), side="left"))
-    kept = np.unique(np.append(kept, len(points) - 1))
+    kept = np.unique([*kept, *always, len(points) - 1])
     normals = np.stack([directions[:, 1], -directions[:, 0]], axis=-1)
     return Piece(part, points[kept], normals[kept], along[kept])
 

@@ -15,8 +15,8 @@ from relgloss_view.material.files import FORMAT
 from relgloss_view.material.files import MAX_BYTES as MAX_MATERIAL_BYTES
 from relgloss_view.measure.readers import FORMATS, read_measurement
 from relgloss_view.measure.readers.header import MOST_TITLES
-from relgloss_view.picture.scene.scene_file import MAX_BYTES as MAX_SCENE_BYTES
 from relgloss_view.picture.scene.scene_file import FURTHER_LAMP, PAIR_TABLES, TABLES
+from relgloss_view.picture.scene.scene_file import MAX_BYTES as MAX_SCENE_BYTES
 
 SCENE, MATERIAL, MEASUREMENT = "scene", "material", "measurement"
 EXPECTED = "a scene (TOML), a material (JSON) or a measurement (CSV, .bsdf, .binary)"

@@ -130,11 +130,17 @@ def with_settings(setup: Setup, look: Look, settings: Sequence[str]) -> tuple[Se
                 f"--set {setting}: expected TABLE.ENTRY=VALUE with a table of {', '.join(TABLES)}"
             )
         table, entry, text = match.groups()
-        present = {f.name: getattr(parts[table], f.name) for f in dataclasses.fields(parts[table])}
-        changed.setdefault(table, present)[entry] = read_value(text)
+        changed.setdefault(table, _present(parts[table]))[entry] = read_value(text)
     parts |= {table: build(table, values) for table, values in changed.items()}
     look = parts.pop("look")
     return dataclasses.replace(setup, **parts), look
+
+
+def _present(part: Any) -> dict[str, Any]:
+    """Entries of a part of the scene; without the sizes that follow the form."""
+    left_out = part.at_usual() if isinstance(part, Shape) else ()
+    names = [f.name for f in dataclasses.fields(part) if f.name not in left_out]
+    return {name: getattr(part, name) for name in names}
 
 
 def with_options(setup: Setup, look: Look, values: Mapping[str, Any]) -> tuple[Setup, Look]:
@@ -165,7 +171,7 @@ def scene_words(setup: Setup, look: Look) -> list[str]:
     """Words of a command line that make this setup and look, exactly.
 
     Entries with an option are always stated; of the others, those that are not the default. A
-    lamp's file is named in full. Raises InputError where its name is not UTF-8.
+    lamp's or a mesh's file is named in full. Raises InputError where its name is not UTF-8.
     """
     parts = {**setup.parts(), "look": look}
     words: list[str] = []
@@ -177,7 +183,8 @@ def scene_words(setup: Setup, look: Look) -> list[str]:
     for table, part in parts.items():
         for f in dataclasses.fields(part):
             value = getattr(part, f.name)
-            if value != f.default and (table, f.name) not in stated:
+            usual = isinstance(part, Shape) and f.name in part.at_usual()
+            if value != f.default and not usual and (table, f.name) not in stated:
                 words += [SET, f"{table}.{f.name}={written_value(value, f.name)}"]
     for lamp in setup.further_lamps:
         words += shell.option(FURTHER, further_lamp_text(lamp))
@@ -263,10 +270,10 @@ def read_value(text: str) -> object:
 
 
 def written_value(value: object, entry: str = "") -> str:
-    """A value as `read_value` reads it back; a lamp's file is named in full."""
+    """A value as `read_value` reads it back; a lamp's or a mesh's file is named in full."""
     if not isinstance(value, str):
         return AUTO if value is None else repr(plain(value))
-    if entry == "illuminant" and not is_lamp_name(value):
+    if entry == "file" or (entry == "illuminant" and not is_lamp_name(value)):
         value = pasted_name(str(Path(value).absolute()))
     return value if read_value(value) is value else repr(value)
 

@@ -14,6 +14,8 @@ from relgloss_view.base.reading import printable, refuse, text
 from relgloss_view.base.toml import build_part, read_toml, table_of
 from relgloss_view.material.recolour import Colour
 from relgloss_view.material.spectra import illuminant, is_lamp_name
+from relgloss_view.pack.forms import mesh_of
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.match import Match
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, Sample
@@ -104,6 +106,7 @@ def _scene_file(
     elif of_reference:
         reference_look = Look()
     parts["lamp"] = lamp_beside(parts["lamp"], folder, replacements)
+    parts["shape"] = shape_beside(parts["shape"], folder, replacements)
     look = parts.pop("look")
     sample = read_sample("sample", content.get("sample", {}), folder, replacements)
     if sample is None:
@@ -198,6 +201,20 @@ def further_lamps(content: Mapping[str, Any]) -> tuple[FurtherLamp, ...]:
     if not isinstance(tables, list):
         refuse(FURTHER_LAMP, f"[[{FURTHER_LAMP}]], a table for each lamp", tables)
     return tuple(build_part(FurtherLamp, FURTHER_LAMP, table) for table in tables)
+
+
+def shape_beside(shape: Shape, folder: Path, replacements: list[str] | None) -> Shape:
+    """The shape with its mesh file, if it has one, in the scene's folder. Raises InputError."""
+    if shape.file:
+        shape = dataclasses.replace(shape, file=str(folder / shape.file))
+    try:
+        mesh_of(shape)  # a faulty file or profile is reported with the name of the scene file
+    except InputError as error:
+        if replacements is None:
+            raise
+        replacements.append(f"{error} (a {Shape().kind} is used as the form)")
+        return Shape()
+    return shape
 
 
 def build(name: str, values: object, within: str = "") -> Any:

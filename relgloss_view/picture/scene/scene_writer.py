@@ -63,6 +63,9 @@ def _tables(content: SceneFile, folder: Path, forgiving: bool) -> dict[str, Any]
     lamp = content.setup.lamp.illuminant
     if not is_lamp_name(lamp):
         _put(tables["lamp"], "illuminant", _place(lamp, folder), "lamp", forgiving)
+    mesh = content.setup.shape.file
+    if mesh:
+        _put(tables["shape"], "file", _place(mesh, folder), "shape", forgiving)
     if content.match is not None:
         tables["match"] = entries(content.match)
     if content.presentation:

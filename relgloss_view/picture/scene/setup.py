@@ -383,7 +383,10 @@ class Setup:
 
         Raises InputError where a value is out of its range.
         """
-        changed: dict[str, Any] = {part: dataclasses.replace(getattr(self, part), **entries)}
+        present = getattr(self, part)
+        if isinstance(present, Shape):
+            return dataclasses.replace(self, shape=present.with_entries(**entries))
+        changed: dict[str, Any] = {part: dataclasses.replace(present, **entries)}
         return dataclasses.replace(self, **changed)
 
     def placed(self, **parts: Shape | Lamp | Eye | Display) -> Setup:

@@ -90,5 +90,6 @@ def _elsewhere(state: State, folder: Path) -> tuple[Path, ...]:
     files = [state.side(side).sample.file for side in SIDES]
     lamp = state.setup.lamp.illuminant
     files += [] if is_lamp_name(lamp) else [lamp]
+    files += [state.setup.shape.file] if state.setup.shape.file else []
     paths = [Path(file).absolute() for file in files if file is not None]
     return tuple(dict.fromkeys(path for path in paths if not path.is_relative_to(folder)))

@@ -1,0 +1,152 @@
+"""OBJ files (Wavefront): v, vt, vn, f, o, g, usemtl. Materials and textures are not opened."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+
+import numpy as np
+
+from relgloss_view.base.arrays import Array, Ints
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
+from relgloss_view.pack.forms.loose import MOST_TRIANGLES, TOO_MANY, Loose
+
+MOST_LINES = 6_000_000
+MOST_CORNERS = 256  #: of one polygon
+MOST_PARTS = 1000
+
+
+def parse_obj(data: bytes) -> Loose:
+    """The triangles of an OBJ file; polygons become fans. Raises InputError."""
+    if data.count(b"\n") + data.count(b"\r") > 2 * MOST_LINES:
+        raise InputError("has too many lines; save it as .glb")
+    if data.count(b"\nf ") > MOST_TRIANGLES:
+        raise InputError(f"holds {TOO_MANY}")
+    text = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").replace(b"\t", b" ")
+    lines = [line.strip() for line in text.splitlines()]
+    points = _vectors(lines, b"v ", 3, "v")
+    uv = _vectors(lines, b"vt ", 2, "vt")
+    normals = _vectors(lines, b"vn ", 3, "vn")
+    return _faces(lines, points, uv, normals)
+
+
+def _vectors(lines: list[bytes], key: bytes, count: int, name: str) -> Array:
+    """The first `count` numbers of each line of one kind."""
+    texts = [line[len(key) :] for line in lines if line.startswith(key)]
+    if not texts:
+        return np.zeros((0, count))
+    values = [t.split(b"#")[0].split() for t in texts]
+    try:
+        return np.array([[float(x) for x in row[:count]] for row in values], dtype=float).reshape(
+            len(values), count
+        )
+    except ValueError:
+        if name == "vt" and all(len(row) == 1 for row in values):
+            return np.zeros((len(values), 2))
+        raise InputError(
+            f"a line '{name}' does not hold {count} numbers; export it again"
+        ) from None
+
+
+def _faces(lines: list[bytes], points: Array, uv: Array, normals: Array) -> Loose:
+    counts = (len(points), len(uv), len(normals))
+    part, names = 0, {}
+    name_object, name_material = "", ""
+    groups: dict[tuple[int, str], list[list[bytes]]] = defaultdict(list)
+    parts_of: dict[tuple[int, str], list[int]] = defaultdict(list)
+    before = _counts_before(lines) if any(b"-" in x for x in lines if x[:2] == b"f ") else None
+    places: dict[tuple[int, str], list[int]] = defaultdict(list)
+    changed = True
+    total = 0
+    for number, line in enumerate(lines):
+        key = line[:2]
+        if key == b"f ":
+            if changed:
+                label = name_material or name_object or "body"
+                part = names.setdefault(label, len(names))
+                if len(names) > MOST_PARTS:
+                    raise InputError(f"has more than {MOST_PARTS} groups; join them")
+                changed = False
+            words = line[2:].split(b"#")[0].split()
+            if not 3 <= len(words) <= MOST_CORNERS:
+                raise InputError(
+                    f"line {number + 1}: a face of {len(words)} corners, expected 3 to "
+                    f"{MOST_CORNERS}; triangulate it on export"
+                )
+            total += len(words) - 2
+            kind = words[0]
+            form = "p//n" if b"//" in kind else "p/t/n"[: 1 + 2 * min(kind.count(b"/"), 2)]
+            group = (len(words), form)
+            groups[group].append(words)
+            parts_of[group].append(part)
+            places[group].append(number)
+        elif key in (b"o ", b"g "):
+            name_object, changed = _name(line[2:]), True
+        elif line.startswith(b"usemtl "):
+            name_material, changed = _name(line[7:]), True
+    if total > MOST_TRIANGLES:
+        raise InputError(f"holds {TOO_MANY}")
+    found = [
+        _fans(words, corners, form, counts, parts_of[corners, form],
+              None if before is None else before[places[corners, form]])
+        for (corners, form), words in groups.items()
+    ]  # fmt: skip
+    if not found:
+        return Loose(points, np.zeros((0, 3), dtype=np.int64))
+    indices = np.concatenate([f[0] for f in found])  # (T, 3, 3): point, uv, normal
+    return Loose(
+        points,
+        indices[..., 0],
+        uv,
+        indices[..., 1] if len(uv) else None,
+        normals,
+        indices[..., 2] if len(normals) else None,
+        np.concatenate([f[1] for f in found]),
+        tuple(names),
+    )
+
+
+def _name(raw: bytes) -> str:
+    return printable(raw.decode("utf-8", "replace").strip(), 60) or "body"
+
+
+def _counts_before(lines: list[bytes]) -> Ints:
+    """How many v, vt and vn lie before each line: negative numbers of a face count from there."""
+    kinds = np.array([[x[:2] == b"v ", x[:3] == b"vt ", x[:3] == b"vn "] for x in lines])
+    return np.cumsum(kinds, axis=0).astype(np.int64)
+
+
+def _fans(
+    words: list[list[bytes]],
+    corners: int,
+    form: str,
+    counts: tuple[int, int, int],
+    parts: list[int],
+    before: Ints | None,
+) -> tuple[Ints, Ints]:
+    """Triangles (T, 3, 3) of polygons of one kind, and their parts."""
+    columns = {"p": [0], "p/t": [0, 1], "p//n": [0, 2], "p/t/n": [0, 1, 2]}[form]
+    width = len(columns)
+    joined = b" ".join(b" ".join(row) for row in words)
+    alike = joined.count(b"/") == len(words) * corners * form.count("/")
+    pieces = joined.replace(b"/", b" ").split()
+    try:
+        if not alike or len(pieces) != len(words) * corners * width:
+            raise ValueError
+        numbers = np.array(pieces).astype(np.int64).reshape(len(words), corners, width)
+    except (ValueError, OverflowError):
+        raise InputError(
+            "a face does not name its points by whole numbers; export it again"
+        ) from None
+    full = np.zeros((len(words), corners, 3), dtype=np.int64)
+    full[..., columns] = numbers
+    if (full[..., 0] == 0).any():
+        raise InputError("a face names point 0, but points are counted from 1; export it again")
+    base = np.array(counts) if before is None else before[:, None, :]
+    full = np.where(full < 0, full + base, full - 1)  # 0 becomes -1: none
+    if (full[..., 0] < 0).any():
+        raise InputError("a face names a point before the first one; export it again")
+    k = np.arange(1, corners - 1)
+    fan = np.stack([np.zeros_like(k), k, k + 1], axis=-1)
+    triangles = full[:, fan].reshape(-1, 3, 3)
+    return triangles, np.repeat(np.array(parts, dtype=np.int64), corners - 2)
