@@ -305,6 +305,8 @@ REPLACING = {
     "measure/readers/csv_table.py",
     "measure/readers/header.py",
     "measure/readers/headings.py",
+    "pack/artwork/pdf_page.py",  # the words of a page
+    "pack/artwork/plate_names.py",  # names as they are compared
     "picture/gpu/constants.py",  # the names of our own choices
     "picture/gpu/shader.py",  # the compiler's log
     "viewer/files/own_materials.py",  # the name of a file

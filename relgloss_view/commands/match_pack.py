@@ -94,8 +94,8 @@ def _lines(found: PackMatch) -> list[str]:
         f"{printable(found.pack.name, 80)}: c {found.c:.4g}, that of finish "
         f"{printable(found.anchor.name, 60)!r}",
         table(columns, rows, indent="  "),
-        "c alone: of a picture that shows this finish only; k = c alone / c. shown: displayed gloss "
-        "over the reference's. spread: largest over smallest c that one pose would propose.",
+        "c alone: of a picture that shows this finish only; k = c alone / c. shown: displayed "
+        "gloss over the reference's. spread: largest over smallest c that one pose would propose.",
     ]
     if any(f.kept for f in found.finishes):
         lines.append("*: k is the pack's own and is kept.")
