@@ -10,7 +10,7 @@ import re
 from collections.abc import Mapping
 
 from relgloss_view.material import approximations
-from relgloss_view.pack.shape import SHAPES
+from relgloss_view.pack.shape import ANALYTIC
 from relgloss_view.picture import method
 from relgloss_view.picture.scene.look import GRAINS, NOISE_LAWS
 from relgloss_view.picture.scene.setup import DITHERS, GAMUTS, TRANSFERS
@@ -28,7 +28,7 @@ OVERLAYS = (
 
 #: The names of each table, in the order of their numbers.
 NAMES: Mapping[str, tuple[str, ...]] = {
-    "SHAPE": SHAPES,
+    "SHAPE": ANALYTIC,
     "DIFFUSE": ("lambert", "oren-nayar", "eon", "qualitative"),
     "NOISE": ("none", *NOISE_LAWS),
     "GRAIN": GRAINS,
