@@ -5,14 +5,14 @@
 //   WRITES_WEIGHTS        the weights of the models' shapes, from which colours.glsl makes XYZ; where the
 //                         object is not seen, the first diffuse weight is OFF_OBJECT
 //   WRITES_XYZ            XYZ, the mean over the share of the pixel that the object covers; alpha is that
-//                         share
+//                         share; with finishes, specular's is their factor k of L_s*
 // A cheaper method splits L* here instead of in pass 2 (Ishii et al., eq. 1):
 //   WRITES_SPLIT          (L_d*, L_s*, a*, b*); where the object is not seen, L_d* is OFF_OBJECT
 //   WRITES_XYZ_AND_SPLIT  both, where several samples share a pixel
 //
 // Constants: SHAPE, CAPS, AFAR, LAMP, DIFFUSE, LOBES, METALS (see colours.glsl), FRESNEL, SHADOWING, FACETS,
 // NOISE, NOISY_DIFFUSE, GRAIN,
-// SAMPLED, CUBE_ROOT, BANDS, WRITES.
+// SAMPLED, CUBE_ROOT, BANDS, WRITES, SURFACE, FINISHES (0: one material; else see finishes.glsl).
 
 #include "view.glsl"
 #include "shape.glsl"
@@ -28,13 +28,22 @@ uniform int samples;  // along each side of a pixel
 // pi / (what the perfect diffuser shows at most), so that radiance comes out relative to Y_n.
 uniform float irradiance;
 
+#include "seen.glsl"
+
 uniform vec4 diffuse_terms;  // of the roughness: brdf.diffuse_terms
 uniform vec4 lobe_shape[2];  // sharpness, amplitude, refractive index, spread: struct Lobe
 
 #include "grain.glsl"
 
-// The weights of the lobes: one a lobe; where one is a metal's, two a lobe, the white parts last.
-#if METALS == 0
+// The weights of the lobes: one a lobe; where one is a metal's, two a lobe, the white parts last. With
+// finishes, XYZ of both parts.
+#define DIFFUSE_WEIGHTS vec2
+#if FINISHES > 0
+#include "finishes.glsl"
+#undef DIFFUSE_WEIGHTS
+#define DIFFUSE_WEIGHTS vec3
+#define LOBE_WEIGHTS vec3
+#elif METALS == 0
 #define LOBE_WEIGHTS vec2
 #else
 #define LOBE_WEIGHTS vec4
@@ -61,21 +70,34 @@ uniform vec3 per_white;  // one over the white of the scene's lamp, whose Y is o
 
 // The weights of the diffuse shapes and of the lobes, and the share of the pixel that shows the object.
 struct Light {
-    vec2 diffuse;
+    DIFFUSE_WEIGHTS diffuse;
     LOBE_WEIGHTS specular;
     float share;
+#if FINISHES > 0
+    float k;
+#endif
 };
 
 Light light_through(ivec2 here, vec2 place) {
     vec3 ray = ray_through(here, place);
-    Hit hit = meet(SHAPE, start_m(here, place), ray, half_extent_m);
+    Hit hit = seen(here, place, ray);
     float per_distance2;
     vec3 i = to_lamp(hit.point_m, per_distance2);
     vec3 o = -normalize(ray);
-    Facing grain = facing(grain_normal(hit, o, here, place), i, o);
+#if FINISHES > 0
+    Finishes finishes = finishes_at(surface_at(here, place));
+    Facing grain = facing(grain_normal(hit, o, here, place, finishes.sigma_n), i, o);
+#else
+    Facing grain = facing(grain_normal(hit, o, here, place, sigma_n), i, o);
+#endif
     Facing smooth_surface = grain;
     if (NOISE != NOISE_NONE && NOISY_DIFFUSE == 0) smooth_surface = facing(hit.normal, i, o);
     float arriving = irradiance * per_distance2;
+#if FINISHES > 0
+    vec3 diffuse_light, specular_light;
+    finishes_light(finishes, grain, smooth_surface, hit.found ? arriving : 0.0, diffuse_light, specular_light);
+    return Light(diffuse_light, specular_light, hit.found ? 1.0 : 0.0, hit.found ? finishes.k : 0.0);
+#else
     vec2 shapes = diffuse_shapes(DIFFUSE, smooth_surface, diffuse_terms);
     LOBE_WEIGHTS reflected = LOBE_WEIGHTS(0.0);  // by each lobe, at unit strength
     for (int k = 0; k < LOBES; ++k) {
@@ -94,11 +116,18 @@ Light light_through(ivec2 here, vec2 place) {
     LOBE_WEIGHTS specular_weights = arriving * max(grain.mu_i, 0.0) * reflected;
     return Light(hit.found ? diffuse_weights : vec2(0.0),
                  hit.found ? specular_weights : LOBE_WEIGHTS(0.0), hit.found ? 1.0 : 0.0);
+#endif
 }
+
+#if FINISHES > 0
+const Light DARK = Light(vec3(0.0), vec3(0.0), 0.0, 0.0);
+#else
+const Light DARK = Light(vec2(0.0), LOBE_WEIGHTS(0.0), 0.0);
+#endif
 
 void main() {
     ivec2 here = pixel();
-    Light light = Light(vec2(0.0), LOBE_WEIGHTS(0.0), 0.0);
+    Light light = DARK;
     if (SAMPLED == 0) {
         light = light_through(here, vec2(0.5));
     } else {
@@ -108,24 +137,41 @@ void main() {
             light.diffuse += one.diffuse;
             light.specular += one.specular;
             light.share += one.share;
+#if FINISHES > 0
+            light.k += one.k;
+#endif
         }
         float mean = 1.0 / max(light.share, 1.0);
-        light = Light(mean * light.diffuse, mean * light.specular,
-                      light.share / float(samples * samples));
+#if FINISHES > 0
+        light.k *= mean;
+#endif
+        light.diffuse *= mean;
+        light.specular *= mean;
+        light.share = light.share / float(samples * samples);
     }
 #if WRITES == WRITES_WEIGHTS
     diffuse = light.share > 0.0 ? light.diffuse : vec2(OFF_OBJECT, 0.0);
     specular = light.specular;
 #else
+#if FINISHES > 0
+    vec3 diffuse_light = light.diffuse;
+    vec3 specular_light = light.specular;
+    float k = light.k;
+#else
     vec3 diffuse_light = diffuse_xyz(light.diffuse);
     vec3 specular_light = specular_xyz(light.specular);
+    float k = light.share;
+#endif
 #if WRITES != WRITES_SPLIT
     diffuse = vec4(diffuse_light, light.share);
-    specular = vec4(specular_light, light.share);
+    specular = vec4(specular_light, k);
 #endif
 #if WRITES != WRITES_XYZ
     split = light.share > 0.0 ? split_lab(diffuse_light, specular_light, per_white)
                               : vec4(OFF_OBJECT, 0.0, 0.0, 0.0);
+#if FINISHES > 0
+    split.y *= light.share > 0.0 ? k : 1.0;
+#endif
 #endif
 #endif
 }

@@ -3,7 +3,7 @@
 // What the perfect diffuser would show in the object's place under a lamp of power pi: its largest Y in
 // one BLOCK x BLOCK tile of a region of the picture, straight from the geometry.
 //   peak = (largest Y, number of pixels on the object, 0, 0)
-// Constants: BLOCK, SHAPE, CAPS, AFAR, LAMP, SAMPLED.
+// Constants: BLOCK, SHAPE, CAPS, AFAR, LAMP, SAMPLED, SURFACE.
 
 #include "view.glsl"
 #include "shape.glsl"
@@ -12,6 +12,7 @@ uniform vec3 half_extent_m;
 #include "lamp.glsl"
 
 uniform int samples;  // along each side of a pixel
+#include "seen.glsl"
 uniform ivec4 region;  // left, bottom, right, top: pixels
 
 layout(location = 0) out vec4 peak;
@@ -19,7 +20,7 @@ layout(location = 0) out vec4 peak;
 // Y in x, 1 where the object is met in y.
 vec2 white_through(ivec2 here, vec2 place) {
     vec3 ray = ray_through(here, place);
-    Hit hit = meet(SHAPE, start_m(here, place), ray, half_extent_m);
+    Hit hit = seen(here, place, ray);
     float per_distance2;
     float mu_i = dot(hit.normal, to_lamp(hit.point_m, per_distance2));
     bool faces_eye = dot(hit.normal, ray) < 0.0;

@@ -1,0 +1,104 @@
+// The light of the finishes that share a place: each has lobes and a diffuse part of its own.
+// Constants: FINISHES, LOBES (of a finish, at most), FINISH_METALS (2 bits a finish), FINISH_DIFFUSES (4 bits a
+// finish: 0 without a diffuse part, or one more than the model's number), FINISH_INKS (a bit a finish: its
+// diffuse part is the artwork's), FRESNEL, SHADOWING, FACETS.
+// Its numpy twin is the loop over finishes in relgloss_view/picture/reference.py.
+
+#include "finish_look.glsl"
+
+uniform vec4 finish_lobe[2 * FINISHES];      // struct Lobe
+uniform vec4 finish_strength[2 * FINISHES];  // XYZ of the lobe at unit weight; of a metal's white part
+uniform vec4 finish_terms[FINISHES];         // of the roughness: brdf.diffuse_terms
+uniform vec4 finish_albedo[FINISHES];        // XYZ; of an ink, where nothing is printed
+uniform vec4 finish_second[FINISHES];        // XYZ of the second albedo, and the factor of EON's
+uniform vec2 finish_look[FINISHES];          // sigma_N (radians) and k
+uniform mat3 paint_matrix;                   // XYZ of the artwork under D50 -> under the lamp
+uniform mat3 rgb_from_paint;                 // -> linear sRGB, whose white is D50's
+uniform mat3 paint_from_rgb;
+uniform vec3 lamp_xyz;                       // white of the lamp, whose Y is one
+
+// Second albedo of one linear channel: rho^2, or EON's rho_ms with its factor.
+vec3 second_of(int model, vec3 rho, float mean) {
+    if (model == DIFFUSE_OREN_NAYAR) return rho * rho;
+    return rho * rho * mean / (1.0 - rho * (1.0 - mean));
+}
+
+// Diffuse XYZ of a finish under light that its shapes weigh.
+vec3 finish_diffuse(int f, Finishes finishes, vec2 weights) {
+    int model = ((FINISH_DIFFUSES >> (4 * f)) & 15) - 1;
+    bool ink = ((FINISH_INKS >> f) & 1) == 1;
+    bool second = model == DIFFUSE_OREN_NAYAR || model == DIFFUSE_EON;
+    vec3 bare = weights.x * finish_albedo[f].xyz + (second ? weights.y * finish_second[f].xyz : vec3(0.0));
+    if (!ink) return bare;
+    vec3 paint = finishes.paint.xyz;
+    float alpha = finishes.paint.w;
+    vec3 light = weights.x * paint;
+    if (second) {
+        vec3 rgb = clamp(rgb_from_paint * paint * (alpha > 0.0 ? 1.0 / max(alpha, 1e-6) : 0.0), 0.0, 1.0);
+        light += weights.y * alpha * (paint_from_rgb * second_of(model, rgb, finish_second[f].w));
+    }
+    return paint_matrix * light + (1.0 - alpha) * bare;
+}
+
+// Specular XYZ of a finish at unit arriving light.
+vec3 finish_specular(int f, Facing grain) {
+    vec3 light = vec3(0.0);
+    for (int k = 0; k < LOBES; ++k) {
+        vec4 shape = finish_lobe[2 * f + k];
+        vec4 strength = finish_strength[2 * f + k];
+        Lobe lobe = Lobe(shape.x, shape.y, shape.z, shape.w);
+        if (((FINISH_METALS >> (2 * f + k)) & 1) == 1) {
+            vec2 parts = metal_torrance_sparrow(grain, lobe);
+            light += parts.x * strength.xyz + parts.y * strength.w * lamp_xyz;
+        } else {
+            light += torrance_sparrow(grain, lobe) * strength.xyz;
+        }
+    }
+    return light;
+}
+
+// Adds a finish's light to a place. A software driver runs a loop only where some pixel of a block needs it.
+void add_finish(int f, Finishes finishes, Facing grain, Facing smooth_surface, float arriving,
+                inout vec3 diffuse, inout vec3 specular) {
+    float lobes_share = finish_share(finishes, f);
+    for (int turn = 0; turn < (lobes_share > 0.0 ? 1 : 0); ++turn) {
+        specular += lobes_share * arriving * max(grain.mu_i, 0.0) * finish_specular(f, grain);
+    }
+    if (((FINISH_DIFFUSES >> (4 * f)) & 15) > 0) {
+        float share = finish_share(finishes, FINISHES + f);
+        int model = ((FINISH_DIFFUSES >> (4 * f)) & 15) - 1;
+        for (int turn = 0; turn < (share > 0.0 ? 1 : 0); ++turn) {
+            vec2 shapes = diffuse_shapes(model, smooth_surface, finish_terms[f]);
+            float lit = share * arriving * max(smooth_surface.mu_i, 0.0);
+            diffuse += finish_diffuse(f, finishes, lit * shapes);
+        }
+    }
+}
+
+void finishes_light(Finishes finishes, Facing grain, Facing smooth_surface, float arriving,
+                    out vec3 diffuse, out vec3 specular) {
+    diffuse = vec3(0.0);
+    specular = vec3(0.0);
+    add_finish(0, finishes, grain, smooth_surface, arriving, diffuse, specular);
+#if FINISHES > 1
+    add_finish(1, finishes, grain, smooth_surface, arriving, diffuse, specular);
+#endif
+#if FINISHES > 2
+    add_finish(2, finishes, grain, smooth_surface, arriving, diffuse, specular);
+#endif
+#if FINISHES > 3
+    add_finish(3, finishes, grain, smooth_surface, arriving, diffuse, specular);
+#endif
+#if FINISHES > 4
+    add_finish(4, finishes, grain, smooth_surface, arriving, diffuse, specular);
+#endif
+#if FINISHES > 5
+    add_finish(5, finishes, grain, smooth_surface, arriving, diffuse, specular);
+#endif
+#if FINISHES > 6
+    add_finish(6, finishes, grain, smooth_surface, arriving, diffuse, specular);
+#endif
+#if FINISHES > 7
+    add_finish(7, finishes, grain, smooth_surface, arriving, diffuse, specular);
+#endif
+}
