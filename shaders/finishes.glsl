@@ -11,7 +11,6 @@ uniform vec4 finish_strength[2 * FINISHES];  // XYZ of the lobe at unit weight; 
 uniform vec4 finish_terms[FINISHES];         // of the roughness: brdf.diffuse_terms
 uniform vec4 finish_albedo[FINISHES];        // XYZ; of an ink, where nothing is printed
 uniform vec4 finish_second[FINISHES];        // XYZ of the second albedo, and the factor of EON's
-uniform vec2 finish_look[FINISHES];          // sigma_N (radians) and k
 uniform mat3 paint_matrix;                   // XYZ of the artwork under D50 -> under the lamp
 uniform mat3 rgb_from_paint;                 // -> linear sRGB, whose white is D50's
 uniform mat3 paint_from_rgb;
