@@ -45,3 +45,16 @@ class Mesh:
     def half_extent_m(self) -> Array:
         """Half the bounding box, (3,)."""
         return np.asarray(np.max(np.abs(self.points_m), axis=0))
+
+    def contains(self, point_m: Array) -> bool:
+        """Whether a point is inside: the triangles fill more than half of what is seen from it.
+
+        The winding number of Jacobson, Kavan and Sorkine-Hornung 2013, which stands holes too, of
+        solid angles by Van Oosterom and Strackee 1983.
+        """
+        a, b, c = (self.points_m[self.triangles[:, k]] - np.asarray(point_m) for k in range(3))
+        la, lb, lc = (np.sqrt(np.einsum("ij,ij->i", v, v)) for v in (a, b, c))
+        volume = np.einsum("ij,ij->i", a, np.cross(b, c))
+        ab, bc, ca = (np.einsum("ij,ij->i", *pair) for pair in ((a, b), (b, c), (c, a)))
+        angle = np.arctan2(volume, la * lb * lc + ab * lc + bc * la + ca * lb)
+        return bool(np.sum(angle) > np.pi)
