@@ -20,6 +20,19 @@ from relgloss_view.pack.shape import Shape
 COLOUR_RULES = ("lab", "spectral")
 
 
+class Masks(dict[str, Bytes]):
+    """Gray pictures by name; two are equal where they hold the same arrays."""
+
+    def _key(self) -> frozenset[tuple[str, int]]:
+        return frozenset((name, id(mask)) for name, mask in self.items())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Masks) and self._key() == other._key()
+
+    def __hash__(self) -> int:  # type: ignore[override]
+        return hash(self._key())
+
+
 @dataclass(frozen=True)
 class Placement(Checked):
     """Where the artwork lies on the label; its centre at the label's centre by default.
@@ -55,6 +68,8 @@ class Pack:
     artwork_file: str = ""
 
     def __post_init__(self) -> None:
+        # Arrays have no plain truth: a pack with masks that were read again could not be compared.
+        object.__setattr__(self, "masks", Masks(self.masks))
         if not 1 <= len(self.finishes) <= MAX_FINISHES:
             raise InputError(
                 f"pack: expected 1 to {MAX_FINISHES} finishes, found {len(self.finishes)}"
