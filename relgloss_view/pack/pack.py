@@ -18,6 +18,9 @@ from relgloss_view.pack.shape import Shape
 #: lab: the artwork's Lab is kept under every lamp. spectral: a spectrum of the artwork's RGB
 #: (Mallett, Yuksel 2019) under the lamp.
 COLOUR_RULES = ("lab", "spectral")
+#: body: the artwork's colours are those of the print without its lobes. 45-0: they were measured
+#: 45/0 on the finished surface, so the lobes' part at 45/0 is inside them and is subtracted.
+MEASURED = ("body", "45-0")
 
 
 class Masks(dict[str, Bytes]):
@@ -48,11 +51,12 @@ class Placement(Checked):
 
 
 @dataclass(frozen=True)
-class Pack:
+class Pack(Checked):
     """A pack. The first finish lies everywhere; each later one lies above those before it.
 
     name: for captions. shape: its form. artwork: None without one. colour: one of COLOUR_RULES.
-    masks: gray pictures by the text of a finish's mask, (h, w) uint8, of masks from files.
+    measured: one of MEASURED. masks: gray pictures by the text of a finish's mask, (h, w) uint8, of
+    masks from files.
     file: the pack file that it came from, or ''. artwork_file: as the pack file names it.
     Raises InputError where the parts do not fit together.
     """
@@ -66,10 +70,12 @@ class Pack:
     masks: Mapping[str, Bytes] = field(default_factory=dict)
     file: str = ""
     artwork_file: str = ""
+    measured: str = choice("body", MEASURED, "what the artwork's colours were measured on")
 
     def __post_init__(self) -> None:
         # Arrays have no plain truth: a pack with masks that were read again could not be compared.
         object.__setattr__(self, "masks", Masks(self.masks))
+        super().__post_init__()
         if not 1 <= len(self.finishes) <= MAX_FINISHES:
             raise InputError(
                 f"pack: expected 1 to {MAX_FINISHES} finishes, found {len(self.finishes)}"
