@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 from relgloss_view.picture.frame import Scaling
@@ -21,6 +22,10 @@ PASSES = (
     "counts",
     "overlay",
 )
+
+
+#: A part of a picture -> its tiles, and what reads the surface in each; see surface.py.
+Tiles = Callable[[Box], Iterator[tuple[Box, Uniforms]]]
 
 
 class Drawn(NamedTuple):
@@ -43,8 +48,9 @@ class Drawing(NamedTuple):
     bounds: Box | None  #: of the object, where the pass draws nothing outside
     held: str  #: under which name it holds
     parts: tuple[Any, ...] = ()  #: what it holds as long as they are the same
+    tiles: Tiles | None = None  #: of the surface that it reads
 
     @property
     def arguments(self) -> tuple[Any, ...]:
         """Those of Passes.draw."""
-        return self[:6]
+        return (*self[:6], self.tiles)

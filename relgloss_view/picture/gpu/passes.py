@@ -8,6 +8,7 @@ so that a change of c alone draws the last stage alone. The rest is drawn when i
 from __future__ import annotations
 
 import contextlib
+from functools import partial
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -16,16 +17,19 @@ import numpy as np
 
 from relgloss_view.base.arrays import AnyArray
 from relgloss_view.material.spectra import illuminant
+from relgloss_view.pack.forms import mesh_of
 from relgloss_view.picture.frame import Extremes, Scaling
 from relgloss_view.picture.gpu.context import make_current
-from relgloss_view.picture.gpu.drawing import PASSES, Drawing, Drawn
+from relgloss_view.picture.gpu.drawing import PASSES, Drawing, Drawn, Tiles
 from relgloss_view.picture.gpu.edges import TILE_VERTICES, Silhouette
+from relgloss_view.picture.gpu.finishes import look_uniforms
 from relgloss_view.picture.gpu.held import Held, key_of
 from relgloss_view.picture.gpu.programs import Programs, Uniforms
 from relgloss_view.picture.gpu.reduction import Reduction
 from relgloss_view.picture.gpu.request import Request
 from relgloss_view.picture.gpu.shading import Shading, shading_of
 from relgloss_view.picture.gpu.strip import Strip
+from relgloss_view.picture.gpu.surface import Form, Surface
 from relgloss_view.picture.gpu.targets import (
     CLEARED,
     COVERAGE,
@@ -69,6 +73,7 @@ class Passes:
         self.reduction = Reduction(ctx, programs)
         self.silhouette = Silhouette(ctx)
         self.strip = Strip(ctx, programs)
+        self.surface = Surface(ctx, programs, programs.uploads)
         self.held = Held()
         self.present: Request | None = None  #: what the targets show
         self._drawn: Drawn | None = None  #: with it
@@ -145,20 +150,44 @@ class Passes:
             return None
         variant, inputs = shading.variant.writing("xyz"), self._inputs(shading)
         bounds = View.of(request.scene, request.size).bounds
-        return Drawing("shade", "shade.frag", variant.defines(), inputs, XYZ, bounds, "xyz")
+        tiles = self._tiles(request, variant)
+        return Drawing(
+            "shade", "shade.frag", variant.defines(), inputs, XYZ, bounds, "xyz", (), tiles
+        )
 
     def _geometry(self, request: Request) -> Drawing:
         """Normals and points."""
         scene, look, size = request.scene, request.look, request.size
+        samples = sample_count(scene, look, size)
         variant = Variant.of(scene, look, chosen=request.method)
+        if variant.surface == "read":
+            variant = Variant.of(scene, look, samples, request.method)
+        view = View.of(scene, size)
         uniforms: dict[str, Any] = {
-            **view_uniforms(scene, View.of(scene, size), afar=variant.afar),
+            **view_uniforms(scene, view, afar=variant.afar),
             **grain_uniforms(scene, look, size),
             **self._field(variant),
-            "samples": sample_count(scene, look, size),
+            **({} if scene.pack is None else look_uniforms(scene.pack, look)),
+            "samples": samples,
         }
-        defines = variant.geometry_defines()
-        return Drawing("geometry", "geometry.frag", defines, uniforms, GEOMETRY, None, "geometry")
+        tiles = self._tiles(request, variant)
+        defines, bounds = variant.geometry_defines(), view.bounds if tiles is not None else None
+        return Drawing(
+            "geometry", "geometry.frag", defines, uniforms, GEOMETRY, bounds, "geometry", (), tiles
+        )
+
+    def _tiles(self, request: Request, variant: Variant) -> Tiles | None:
+        """The tiles of the surface that a variant reads; None where rays meet the object."""
+        if variant.surface == "met":
+            return None
+        view = View.of(request.scene, request.size)
+        uniforms = view_uniforms(request.scene, view, afar=variant.afar)
+        del uniforms["lamp_m"]
+        samples = sample_count(request.scene, request.look, request.size)
+        samples = samples if variant.sampled else 1
+        form = Form.of(request.scene)
+        defines = variant.shape_defines()
+        return partial(self.surface.tiles, form, view, samples, defines, uniforms)
 
     def counts(self, request: Request) -> tuple[int, int]:
         """How many pixels are clipped, and how many out of gamut."""
@@ -195,11 +224,13 @@ class Passes:
         uniforms: Uniforms,
         targets: tuple[str, ...],
         bounds: Box | None,
+        tiles: Tiles | None = None,
         vertices: tuple[int, int] = (moderngl.TRIANGLES, 3),
     ) -> None:
         """Draw a pass inside the bounds of the object; None draws the whole picture.
 
-        vertices: mode and count of a stage with vertices of its own.
+        tiles: of the surface that it reads. vertices: mode and count of a stage with vertices of
+        its own.
         """
         framebuffer: Any = self.targets.framebuffer(targets)  # its annotation admits no None
         for target in targets:
@@ -209,17 +240,20 @@ class Passes:
                 cleared.use()  # or the clearing keeps to the scissor of the pass before
                 cleared.clear(*CLEARED[target])
                 self.around[target] = bounds
-        if bounds is None:
-            framebuffer.scissor = None
-        else:
-            left, bottom, right, top = bounds
-            framebuffer.scissor = (left, bottom, right - left, top - bottom)
-        self.programs.draw(stage, defines, uniforms, framebuffer, *vertices)
+        parts = ((bounds, {}),) if tiles is None or bounds is None else tiles(bounds)
+        for part, surface in parts:
+            if part is None:
+                framebuffer.scissor = None
+            else:
+                left, bottom, right, top = part
+                framebuffer.scissor = (left, bottom, right - left, top - bottom)
+            self.programs.draw(stage, defines, {**uniforms, **surface}, framebuffer, *vertices)
         self.draws[name] += 1
 
     def release(self) -> None:
         """Free everything that a size needs."""
         self.strip.release()
+        self.surface.release()
         self.targets.release()  # leaves a framebuffer bound that stays
         self.reduction.release()
         self.silhouette.release()
@@ -247,7 +281,8 @@ class Passes:
         variant, bounds = shading.variant, View.of(request.scene, request.size).bounds
         if variant.reads_field:
             self._draw_field(request, shading)
-        if self.held.renew("shade", variant, request.size, shading.uniforms):
+        form = Form.of(request.scene).key if variant.surface == "read" else ()
+        if self.held.renew("shade", variant, request.size, shading.uniforms, form):
             self._shade(request, shading, variant)
         if not variant.splits and self.held.renew("split"):
             diffuse, specular = map(self.texture, variant.targets)
@@ -263,7 +298,8 @@ class Passes:
     def _shade(self, request: Request, shading: Shading, variant: Variant) -> None:
         bounds, inputs = View.of(request.scene, request.size).bounds, self._inputs(shading)
         self.written = variant.targets
-        self.draw("shade", "shade.frag", variant.defines(), inputs, self.written, bounds)
+        tiles = self._tiles(request, variant)
+        self.draw("shade", "shade.frag", variant.defines(), inputs, self.written, bounds, tiles)
 
     def _draw_field(self, request: Request, shading: Shading) -> None:
         """The tilts of grain that has one size at the eye: neither scene nor sigma_N moves them."""
@@ -290,7 +326,7 @@ class Passes:
         view = View.of(request.scene, request.size)
 
         def white_of(variant: Variant, seen_from: dict[str, Any]) -> float:
-            return self._white_of(request.scene, view, variant, seen_from)
+            return self._white_of(request, view, variant, seen_from)
 
         return shading_of(request, view, white_of)
 
@@ -311,12 +347,20 @@ class Passes:
         self.present, self._drawn = None, None
 
     def _white_of(
-        self, scene: Scene, view: View, variant: Variant, seen_from: dict[str, Any]
+        self, request: Request, view: View, variant: Variant, seen_from: dict[str, Any]
     ) -> float:
         """What the perfect diffuser shows in the object's place, the lamp's power taken as one."""
-        defines = variant.white_defines()
-        if self.held.renew("white", tuple(defines.items()), view.size, seen_from):
-            self._white, self._object_pixels = self.reduction.white(defines, seen_from, view.bounds)
+        scene, defines = request.scene, variant.white_defines()
+        mesh = mesh_of(scene.shape) if variant.surface == "read" else None
+        if self.held.renew("white", tuple(defines.items()), view.size, seen_from, mesh):
+            tiles = self._tiles(request, variant)
+            parts = ((view.bounds, {}),) if tiles is None else tiles(view.bounds)
+            self._white, self._object_pixels = 0.0, 0
+            for bounds, surface in parts:
+                seen = {**seen_from, **surface}
+                white, pixels = self.reduction.white(defines, seen, bounds)
+                self._white = max(self._white, white)
+                self._object_pixels += pixels
             self.draws["white"] += 1
         white = self._white if scene.lamp.y_n == "maximum" else front_white(scene.setup, view)
         return lit_white(white, scene.setup)
@@ -375,7 +419,7 @@ class Passes:
             "c": scaling.c,
         }
         points = moderngl.POINTS, listed.count
-        self.draw("edges", "edge.frag", defines, uniforms, TONE, None, points)
+        self.draw("edges", "edge.frag", defines, uniforms, TONE, None, vertices=points)
 
     def _silhouette_of(self, request: Request) -> Silhouette:
         """The pixels at the silhouette; they are found again where the view has changed."""
@@ -393,7 +437,13 @@ class Passes:
                 triangles = moderngl.TRIANGLES, TILE_VERTICES * tiles.count
                 uniforms = {**uniforms, **listed}
                 self.draw(
-                    "coverage", "coverage.frag", defines, uniforms, COVERAGE, view.bounds, triangles
+                    "coverage",
+                    "coverage.frag",
+                    defines,
+                    uniforms,
+                    COVERAGE,
+                    view.bounds,
+                    vertices=triangles,
                 )
                 coverage = self.targets.read("coverage")[..., 0]
                 self.silhouette.fill_edges(coverage, view.bounds)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections import OrderedDict
 from collections.abc import Collection, Iterator, Mapping
-from typing import Any
+from typing import Any, Protocol
 
 import moderngl
 import numpy as np
@@ -13,6 +13,7 @@ import numpy as np
 from relgloss_view.base.allocator import give_back
 from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.picture.gpu.context import collect, drop_sources
+from relgloss_view.picture.gpu.uploads import Uploads
 from relgloss_view.picture.gpu.shader import HANDED_ON, ShaderError, ShaderSource
 
 Key = tuple[object, ...]  #: a stage and its constants
@@ -29,6 +30,14 @@ ALL_PROGRAMS = 10_000
 FREED_SHARE = 0.25
 
 
+class Geometry(Protocol):
+    """Triangles on the device."""
+
+    def array(self, ctx: moderngl.Context, program: moderngl.Program) -> moderngl.VertexArray:
+        """They, ready to be drawn by a program."""
+        ...
+
+
 class Programs:
     """The programs of one context, the last used ones: `most` of them.
 
@@ -40,6 +49,7 @@ class Programs:
         self.most = most
         self.compiled = 0
         self.freed = 0
+        self.uploads = Uploads(ctx)
         self._asked: set[Key] | None = None  #: while they are noted
         #: By stage and constants, the one that was used last at the end.
         self._arrays: OrderedDict[Key, moderngl.VertexArray] = OrderedDict()
@@ -105,6 +115,7 @@ class Programs:
         for array in self._arrays.values():
             _free(array)
         self._arrays.clear()
+        self.uploads.release()
         give_back()
 
     def draw(
@@ -115,10 +126,12 @@ class Programs:
         target: moderngl.Framebuffer,
         mode: int = moderngl.TRIANGLES,
         vertices: int = 3,
+        geometry: Geometry | None = None,
     ) -> None:
         """Draw a stage into a target: one triangle that fills it, unless it has its own vertices.
 
-        A uniform of the stage that is not given is an error.
+        geometry: triangles, of which the nearest show. A uniform of the stage that is not given is
+        an error.
         """
         checkpoint()  # between passes
         array = self.get(stage, defines)
@@ -143,7 +156,12 @@ class Programs:
                 member.value = value
         target.use()
         self.ctx.disable(moderngl.BLEND | moderngl.DEPTH_TEST | moderngl.CULL_FACE)
-        array.render(mode, vertices=vertices)
+        if geometry is None:
+            array.render(mode, vertices=vertices)
+            return
+        self.ctx.enable(moderngl.DEPTH_TEST)
+        geometry.array(self.ctx, array.program).render(moderngl.TRIANGLES)
+        self.ctx.disable(moderngl.DEPTH_TEST)
 
 
 def _free(array: moderngl.VertexArray) -> None:

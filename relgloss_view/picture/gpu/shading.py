@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from relgloss_view.picture.gpu.finishes import finish_uniforms
 from relgloss_view.picture.gpu.programs import Uniforms
 from relgloss_view.picture.gpu.request import Request
 from relgloss_view.picture.gpu.uniforms import (
@@ -41,11 +42,15 @@ def shading_of(
         "samples": samples,
     }
     white = white_of(variant, seen_from)
+    if scene.pack is None:
+        material = {**material_uniforms(scene, look, method), **colour_uniforms(scene, method)}
+    else:
+        blurred = variant.facets == "mean-gaussian"
+        material = finish_uniforms(scene.pack, look, method, scene.lamp.illuminant, blurred)
     uniforms: dict[str, Any] = {
         **seen_from,
         **(grain_uniforms(scene, look, size) if variant.noise != "none" else NO_GRAIN),
-        **material_uniforms(scene, look, method),
-        **colour_uniforms(scene, method),
+        **material,
         "irradiance": np.pi / white if white > 0.0 else 0.0,
     }
     return Shading(variant, uniforms, white)

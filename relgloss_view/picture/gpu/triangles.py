@@ -12,7 +12,6 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.room import Need, check_room
 from relgloss_view.pack.mesh import Mesh
 from relgloss_view.picture.gpu.context import max_texture_size
-from relgloss_view.picture.gpu.programs import Uniforms
 from relgloss_view.picture.gpu.targets import bytes_of
 from relgloss_view.picture.model.view import Box, View
 
@@ -51,7 +50,7 @@ class Triangles:
         self._corners = self._keep(ctx, ctx.buffer(corners.tobytes()))
         part = np.asarray(mesh.part)[corners[:, 0]] if self.count else np.zeros(0)
         label = np.asarray(mesh.label_m)
-        self.uniforms: Uniforms = {
+        self.uniforms: dict[str, Any] = {
             "mesh_triangles": self._list(ctx, corners, part),
             "mesh_points": self._list(ctx, points, label[:, 0]),
             "mesh_normals": self._list(ctx, np.asarray(mesh.normals), label[:, 1]),
@@ -107,7 +106,7 @@ class Triangles:
         self._held.clear()
 
 
-def projection(mesh: Mesh, view: View, box: Box) -> Uniforms:
+def projection(mesh: Mesh, view: View, box: Box) -> dict[str, Any]:
     """How mesh.vert draws a view into a target that holds a box of the picture's pixels.
 
     Depth grows from -1 to 1 over the ball around the object; where the eye is inside it, from a

@@ -12,13 +12,20 @@ from relgloss_view.picture.scene.scene import Scene
 
 def as_drawn(scene: Scene, look: Look) -> Scene:
     """The scene with the diffuse model that the look forces, if it forces one."""
-    diffuse = scene.material.diffuse
-    if look.diffuse_model in ("fitted", diffuse.model):
+    material = in_model(scene.material, look)
+    if material is scene.material or scene.pack is not None:  # a pack's finishes: see in_model
         return scene
-    material = dataclasses.replace(
-        scene.material, diffuse=dataclasses.replace(diffuse, model=look.diffuse_model)
-    )
     return dataclasses.replace(scene, material=material)
+
+
+def in_model(material: Material, look: Look) -> Material:
+    """The material with the diffuse model that the look forces, if it forces one."""
+    diffuse = material.diffuse
+    if look.diffuse_model in ("fitted", diffuse.model):
+        return material
+    return dataclasses.replace(
+        material, diffuse=dataclasses.replace(diffuse, model=look.diffuse_model)
+    )
 
 
 def drawn_diffuse(material: Material, chosen: method.Method) -> str:
