@@ -19,9 +19,10 @@ from relgloss_view.material.approximations import mean_lobe, plain_lobe
 from relgloss_view.material.material import Material
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.frame import Extremes
-from relgloss_view.picture.model import shape, tone
+from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.highlight import SIZE, Highlight, best_mirror
 from relgloss_view.picture.model.light import front_white, lit_white
+from relgloss_view.picture.model.sight import sight
 from relgloss_view.picture.model.view import float32, view_of
 from relgloss_view.picture.scene.setup import Setup
 
@@ -50,9 +51,7 @@ class Pose:
         self.highlight: Highlight | None = best_mirror(setup)
         view = view_of(setup.shape, setup.eye, SIZE)
         columns, rows = _places(view.bounds, self.highlight)
-        ray = view.rays_at(columns, rows)
-        half_extent_m = float32(setup.shape.half_extent_m())
-        hit = shape.meet(setup.shape.kind, view.eye_m, ray, half_extent_m)
+        hit, ray, _ = sight(setup.shape, view, columns, rows)
         ray, points, normals = ray[hit.found], hit.point_m[hit.found], hit.normal[hit.found]
         way = float32(setup.lamp.position_m) - points
         distance2 = np.maximum(np.sum(way * way, axis=-1), 1e-30)

@@ -21,8 +21,8 @@ from relgloss_view.material.material import Lobe, Material
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.method import Method
-from relgloss_view.picture.model import shape as shapes
 from relgloss_view.picture.model.drawn import as_drawn, drawn_diffuse, drawn_lobes
+from relgloss_view.picture.model.sight import meet_view
 from relgloss_view.picture.model.view import view_of
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
@@ -224,8 +224,7 @@ def _facings(shape: Shape, lamp: Lamp, eye: Eye) -> tuple[brdf.Facing, Array, fl
     left, bottom, right, top = view.bounds
     columns = np.linspace(left, right - 1, SURVEY[0])
     rows = np.linspace(SURVEY_PX - top, SURVEY_PX - bottom - 1, SURVEY[1])
-    ray = view.rays_at(*np.broadcast_arrays(columns[None, :], rows[:, None]))
-    hit = shapes.meet(shape.kind, view.eye_m, ray, shape.half_extent_m())
+    hit = meet_view(shape, view, *np.broadcast_arrays(columns[None, :], rows[:, None]))
     point, n = hit.point_m[hit.found], hit.normal[hit.found]
     to_lamp, to_eye = lamp.position_m - point, view.eye_m - point
     distance = _lengths(to_lamp)

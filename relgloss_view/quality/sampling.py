@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.material import brdf
-from relgloss_view.picture.model import shape
-from relgloss_view.picture.model.view import View, float32
+from relgloss_view.picture.model.shape import Hit
+from relgloss_view.picture.model.sight import sight
+from relgloss_view.picture.model.view import View
 from relgloss_view.picture.scene.scene import Scene
 
 ROWS, COLUMNS = 16, 28  #: of the even grid
@@ -23,10 +24,9 @@ EDGE = np.arange(-3, 4)  #: rows about those
 NEAR = np.arange(-6, 7)  #: a finer step about the brightest place, over one step of the coarser
 
 
-def meet(scene: Scene, view: View, columns: Array, rows: Array) -> tuple[shape.Hit, Array]:
+def meet(scene: Scene, view: View, columns: Array, rows: Array) -> tuple[Hit, Array]:
     """Where rays through pixels meet the object, and the directions to the eye."""
-    ray = view.rays_at(columns, rows)
-    hit = shape.meet(scene.shape.kind, view.eye_m, ray, float32(scene.shape.half_extent_m()))
+    hit, ray, _ = sight(scene.shape, view, columns, rows)
     return hit, -ray / np.linalg.norm(ray, axis=-1, keepdims=True)
 
 

@@ -15,13 +15,16 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.material import brdf
 from relgloss_view.material.material import Material
-from relgloss_view.picture.model import shape
+from relgloss_view.pack.shape import ANALYTIC
+from relgloss_view.picture.model.shape import Hit
+from relgloss_view.picture.model.sight import sight
 from relgloss_view.picture.model.tone import NO_LOBE_LSTAR
-from relgloss_view.picture.model.view import Size, float32, view_of
+from relgloss_view.picture.model.view import Size, view_of
 from relgloss_view.picture.scene.setup import Setup
 
 SIZE: Size = (512, 512)
 PLACES = 17  #: along each side of the searched part of the picture
+TRIANGLE_PLACES = 65  #: of forms made of triangles, which may have small parts
 NARROWER = 0.2  #: what each look searches of the one before
 LOOKS = 9  #: the last one is 2.6e-6 of the first: 0.001 px
 #: A view shows gloss where it reaches this share of the highlight's peak, or this L_s* anyway.
@@ -53,14 +56,13 @@ def best_mirror(setup: Setup, size: Size = SIZE) -> Highlight | None:
     True
     """
     view = view_of(setup.shape, setup.eye, size)
-    half_extent_m = float32(setup.shape.half_extent_m())
     left, bottom, right, top = view.bounds
-    columns = np.linspace(left, right, PLACES) - 0.5
-    rows = np.linspace(size[1] - top, size[1] - bottom, PLACES) - 0.5
+    places = PLACES if setup.shape.kind in ANALYTIC else TRIANGLE_PLACES
+    columns = np.linspace(left, right, places) - 0.5
+    rows = np.linspace(size[1] - top, size[1] - bottom, places) - 0.5
 
-    def look(columns: Array, rows: Array) -> tuple[Array, brdf.Facing, shape.Hit]:
-        ray = view.rays_at(columns[None, :] + 0.0 * rows[:, None], rows[:, None] + 0.0 * columns)
-        hit = shape.meet(setup.shape.kind, view.eye_m, ray, half_extent_m)
+    def look(columns: Array, rows: Array) -> tuple[Array, brdf.Facing, Hit]:
+        hit, ray, _ = sight(setup.shape, view, *np.broadcast_arrays(columns, rows[:, None]))
         i = setup.lamp.position_m - hit.point_m
         i = i / np.maximum(np.linalg.norm(i, axis=-1, keepdims=True), 1e-30)
         o = -ray / np.linalg.norm(ray, axis=-1, keepdims=True)

@@ -14,9 +14,9 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.pack.shape import CURVED
-from relgloss_view.picture.model import shape
 from relgloss_view.picture.model.highlight import SIZE, best_mirror
-from relgloss_view.picture.model.view import Size, float32, view_of
+from relgloss_view.picture.model.sight import sight
+from relgloss_view.picture.model.view import Size, view_of
 from relgloss_view.picture.scene.setup import Eye, Lamp, Setup
 
 #: Degrees between normal and lamp; the lower end is a little below the paper's own 24.8.
@@ -144,9 +144,7 @@ def _visible(setup: Setup, size: Size) -> _Places | None:
         return None
     columns = np.linspace(left, right, PLACES) - 0.5
     rows = np.linspace(size[1] - top, size[1] - bottom, PLACES) - 0.5
-    ray = view.rays_at(columns[None, :] + 0.0 * rows[:, None], rows[:, None] + 0.0 * columns)
-    half_extent_m = float32(setup.shape.half_extent_m())
-    hit = shape.meet(setup.shape.kind, view.eye_m, ray, half_extent_m)
+    hit, ray, _ = sight(setup.shape, view, *np.broadcast_arrays(columns, rows[:, None]))
     if not np.any(hit.found):
         return None
     steps = np.zeros(hit.found.shape)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from relgloss_view.picture.model import shape
+from relgloss_view.picture.model.sight import meet_ray
 from relgloss_view.picture.model.view import View
 from relgloss_view.picture.scene.setup import Setup
 
@@ -15,8 +15,7 @@ GRAZING_COSINE = 1e-6
 
 def front_white(setup: Setup, view: View) -> float:
     """cos_i / r^2 of the perfect diffuser at the point that faces the eye; 0 if there is none."""
-    half_extent_m = setup.shape.half_extent_m()
-    hit = shape.meet(setup.shape.kind, view.eye_m, view.forward[None, :], half_extent_m)
+    hit = meet_ray(setup.shape, view.eye_m, view.forward[None, :])
     if not hit.found[0]:
         return 0.0
     to_lamp = setup.lamp.position_m - hit.point_m[0]

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
-from relgloss_view.pack.shape import CURVED
-from relgloss_view.picture.model.view import Size, View
+import numpy as np
+
+from relgloss_view.pack import forms
+from relgloss_view.pack.shape import ANALYTIC, CURVED, Shape
+from relgloss_view.picture.model.sight import meet_view
+from relgloss_view.picture.model.view import Size, View, view_of
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display
+from relgloss_view.picture.scene.setup import Display, Eye
 
 MAX_SAMPLES = 16
 #: Samples of a Gaussian lobe this many standard deviations apart sum to its energy within
@@ -18,6 +23,10 @@ STEP_SD = 1.5
 #: The draws of neighbours are as good as independent there, and each stands for a grain this much
 #: too large. Averaging inside the pixel begins above.
 PIXELS_A_GRAIN = 1.1
+SURVEY = 32  #: places along each side of a picture where the turn of normals is looked up
+#: Percentile of that turn over a form: its sharp edges and rims are a small part of the picture,
+#: and highlights on them may stay undersampled.
+TURN_PERCENTILE = 75.0
 
 
 def sample_count(scene: Scene, look: Look, size: Size) -> int:
@@ -62,6 +71,10 @@ def footprint_m(scene: Scene, size: Size) -> float:
 def _depth_m(scene: Scene) -> float:
     """Distance from the eye to the nearest of the object."""
     eye, half = scene.eye.distance_m, scene.shape.half_extent_m()
+    mesh = forms.mesh_of(scene.shape)
+    if mesh is not None:
+        nearest = float(np.max(mesh.outline_m @ scene.eye.position_m)) / eye
+        return max(eye - nearest, 1e-3 * eye)
     return max(eye - float(half[0] if scene.shape.kind in CURVED else half[2]), 1e-3 * eye)
 
 
@@ -84,5 +97,28 @@ def samples_needed(scene: Scene, size: Size) -> int:
         cosine = float(scene.eye.position_m @ scene.lamp.position_m) / (eye * lamp)
         cos_half = math.sqrt(max(0.5 * (1.0 + cosine), 0.01))
         turn += across_m / (float(half[0]) * cos_half)
+    elif scene.shape.kind not in ANALYTIC:
+        turn += _normal_turn(scene.shape, scene.eye, size)
     needed = turn / (STEP_SD * min(lobe.s for lobe in lobes))
     return max(1, min(MAX_SAMPLES, math.ceil(needed)))
+
+
+@lru_cache(maxsize=32)
+def _normal_turn(shape: Shape, eye: Eye, size: Size) -> float:
+    """Angle by which the normals of triangles turn from one pixel to the next, radians."""
+    view = view_of(shape, eye, size)
+    left, bottom, right, top = view.bounds
+    columns, rows = np.meshgrid(
+        np.linspace(left, right, SURVEY), np.linspace(size[1] - top, size[1] - bottom, SURVEY)
+    )
+    own, *beside = (
+        meet_view(shape, view, columns + x, rows + y)
+        for x, y in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))
+    )
+    if not np.any(own.found):
+        return 0.0
+    turns = np.zeros(own.found.shape)
+    for other in beside:
+        chord = np.linalg.norm(own.normal - other.normal, axis=-1)
+        turns = np.maximum(turns, np.where(other.found & (own.face == other.face), chord, 0.0))
+    return float(np.percentile(turns[own.found], TURN_PERCENTILE))

@@ -10,13 +10,14 @@ from __future__ import annotations
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Ints, Mask
-from relgloss_view.pack.shape import Shape
-from relgloss_view.picture.model import shape
-from relgloss_view.picture.model.view import View, float32
+from relgloss_view.pack.shape import ANALYTIC, Shape
+from relgloss_view.picture.model.sight import meet_view
+from relgloss_view.picture.model.view import View
 
 EDGE_RAYS = 64  #: of a pixel at the silhouette
 ROWS = 64  #: of pixels, at a time
 TILE_PX = 8  #: side of the tiles in which the GPU looks for the silhouette
+TRIANGLE_STEPS = 4  #: of a tile's side, for forms made of triangles
 #: Rows and columns to a pixel's neighbours: beside it before across its corners.
 NEIGHBOURS = ((0, -1), (0, 1), (-1, 0), (1, 0), (-1, -1), (-1, 1), (1, -1), (1, 1))
 
@@ -36,18 +37,17 @@ def edge_place(k: Ints) -> tuple[Array, Array]:
 def coverage(form: Shape, view: View) -> Array:
     """(H, W), the share of each pixel that the object covers, by EDGE_RAYS rays at the edge.
 
-    Objects are convex: a pixel whose corners, sides and middle all meet the object lies inside it.
-    What lies between those nine places of a pixel and touches none of them is not seen: at most a
-    sixteenth of a pixel, at a sharp corner.
+    A pixel whose corners, sides and middle all meet a convex object lies inside it. What lies
+    between those nine places of a pixel and touches none of them is not seen: at most a sixteenth
+    of a pixel, at a sharp corner. Of a form made of triangles, gaps between the places are not seen
+    either: a gap or a spike narrower than half a pixel may be taken as covered or as absent.
     """
     width, height = view.size
-    half_extent_m = float32(form.half_extent_m())
     share = np.zeros((height, width))
     left, bottom, right, top = view.bounds
 
     def met(columns: Array, rows: Array) -> Mask:
-        ray = view.rays_at(columns - 0.5, rows - 0.5)
-        return shape.meet(form.kind, view.eye_m, ray, half_extent_m).found
+        return meet_view(form, view, columns - 0.5, rows - 0.5).found
 
     for first in range(height - top, height - bottom, ROWS):
         last = min(first + ROWS, height - bottom)
@@ -71,19 +71,26 @@ def edge_tiles(form: Shape, view: View) -> Array:
     """(N, 3), left, upper edge and side in pixels of the tiles that hold the silhouette.
 
     Tiles whose corners all meet a convex object lie inside it. One whose corners all miss it can
-    hold a corner of it only beside a tile that is met.
+    hold a corner of it only beside a tile that is met. A form made of triangles is looked at by
+    TRIANGLE_STEPS more places along each side of a tile: of a gap or a spike that is smaller than
+    their distance, two pixels, the tile may be missed, and its pixels keep their one sample.
     """
     left, bottom, right, top = view.bounds
     first = view.size[1] - top
     across, down = -(-(right - left) // TILE_PX), -(-(top - bottom) // TILE_PX)
     if across <= 0 or down <= 0:
         return np.zeros((0, 3))
-    columns = left + TILE_PX * np.arange(across + 1.0) - 0.5
-    rows = first + TILE_PX * np.arange(down + 1.0) - 0.5
-    ray = view.rays_at(columns[None, :] + 0.0 * rows[:, None], rows[:, None] + 0.0 * columns)
-    half_extent_m = float32(form.half_extent_m())
-    met = shape.meet(form.kind, view.eye_m, ray, half_extent_m).found
-    corners = np.stack([met[:-1, :-1], met[1:, :-1], met[:-1, 1:], met[1:, 1:]])
+    steps = 1 if form.kind in ANALYTIC else TRIANGLE_STEPS
+    columns = left + TILE_PX / steps * np.arange(steps * across + 1.0) - 0.5
+    rows = first + TILE_PX / steps * np.arange(steps * down + 1.0) - 0.5
+    met = meet_view(form, view, *np.broadcast_arrays(columns, rows[:, None])).found
+    corners = np.stack(
+        [
+            met[y : y + steps * down : steps, x : x + steps * across : steps]
+            for x in range(steps + 1)
+            for y in range(steps + 1)
+        ]
+    )
     inside, mixed = np.all(corners, axis=0), np.any(corners, axis=0)
     if np.any(mixed):
         padded = np.pad(mixed, 1)

@@ -9,7 +9,8 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array, Floats
 from relgloss_view.base.errors import InputError
-from relgloss_view.pack.shape import CURVED, Shape
+from relgloss_view.pack import forms
+from relgloss_view.pack.shape import ANALYTIC, CURVED, Shape
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Eye
 
@@ -113,7 +114,11 @@ def from_afar(shape: Shape, eye: Eye) -> bool:
 
     >>> from_afar(Shape(), Eye()), from_afar(Shape(), Eye(distance_m=100.0))
     (False, True)
+
+    Triangles are met relative to the eye (model/sight.py), so this question is not theirs.
     """
+    if shape.kind not in ANALYTIC:
+        return False
     place = eye.position_m
     # A plane that is seen edge-on has no point where a ray passes its centre.
     edge_on = shape.kind == "plane" and abs(place[2]) < EDGE_ON * eye.distance_m
@@ -194,7 +199,10 @@ def _extent(
 
 
 def _outline(shape: Shape) -> Array:
-    """Points whose hull is the object: a box's corners, a cylinder's rims."""
+    """Points whose hull is the object: a box's corners, a cylinder's rims, those of triangles."""
+    mesh = forms.mesh_of(shape)
+    if mesh is not None:
+        return mesh.outline_m
     half = shape.half_extent_m()
     if shape.kind == "cylinder":
         turn = np.linspace(0.0, 2.0 * np.pi, 180, endpoint=False)

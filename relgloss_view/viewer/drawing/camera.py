@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 
+from relgloss_view.pack.shape import ANALYTIC
 from relgloss_view.picture.model.shape import meet
 from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.scene import Scene
@@ -110,6 +111,8 @@ def _shifted(eye: Eye, shift: Point, scene: Scene, step: float, size: Size) -> E
     """
     view = View.of(scene.placed(eye=eye), size)
     extent = scene.shape.half_extent_m()
+    # A drag has no time for triangles: their bounding box stands for them.
+    kind = scene.shape.kind if scene.shape.kind in ANALYTIC else "box"
     inner = [0.5 * INNER * count * step for count in size]
 
     def is_in_reach(share: float) -> bool:
@@ -118,7 +121,7 @@ def _shifted(eye: Eye, shift: Point, scene: Scene, step: float, size: Size) -> E
         if right == 0.0 and up == 0.0:
             return max(abs(t) for t in held) <= FARTHEST_SHIFT
         ray = view.forward + right * view.right + up * view.up
-        meets = meet(scene.shape.kind, view.eye_m, ray[None], extent).found[0]
+        meets = meet(kind, view.eye_m, ray[None], extent).found[0]
         return bool(meets) and max(abs(t) for t in held) <= FARTHEST_SHIFT
 
     share = 1.0
