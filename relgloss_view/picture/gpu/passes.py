@@ -24,6 +24,7 @@ from relgloss_view.picture.gpu.drawing import PASSES, Drawing, Drawn, Tiles
 from relgloss_view.picture.gpu.edges import TILE_VERTICES, Silhouette
 from relgloss_view.picture.gpu.finishes import look_uniforms
 from relgloss_view.picture.gpu.held import Held, key_of
+from relgloss_view.picture.gpu.mesh_edges import draw_coverage
 from relgloss_view.picture.gpu.programs import Programs, Uniforms
 from relgloss_view.picture.gpu.reduction import Reduction
 from relgloss_view.picture.gpu.request import Request
@@ -428,7 +429,16 @@ class Passes:
         uniforms = view_uniforms(request.scene, view, afar=variant.afar)
         defines = variant.shape_defines()
         seen_from = {name: value for name, value in uniforms.items() if name != "lamp_m"}
-        if self.held.renew("coverage", tuple(defines.items()), seen_from):
+        mesh = mesh_of(request.scene.shape)
+        if not self.held.renew("coverage", tuple(defines.items()), seen_from, mesh):
+            return self.silhouette
+        if mesh is not None:
+            triangles = self.programs.uploads.triangles(mesh)
+            self.around.pop("coverage", None)
+            draw_coverage(self.programs, self.targets, self.surface.masks, triangles, view)
+            self.silhouette.fill_edges(self.targets.read("coverage")[..., 0], view.bounds)
+            self.draws["coverage"] += 1
+        else:
             self.silhouette.fill_tiles(edge_tiles(request.scene.shape, view), view.size[1])
             self.around.pop("coverage", None)  # so that it is cleared: the tiles are others
             tiles = self.silhouette.tiles

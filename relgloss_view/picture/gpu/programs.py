@@ -127,11 +127,15 @@ class Programs:
         mode: int = moderngl.TRIANGLES,
         vertices: int = 3,
         geometry: Geometry | None = None,
+        depth: str = "",
+        adds: bool = False,
+        instances: int = 1,
     ) -> None:
         """Draw a stage into a target: one triangle that fills it, unless it has its own vertices.
 
-        geometry: triangles, of which the nearest show. A uniform of the stage that is not given is
-        an error.
+        geometry: triangles to draw, so many instances of them. depth: what a depth must be beside
+        the one that is there, such as '<', or '1' for any; '' leaves depths alone. adds: to what
+        is there. A uniform of the stage that is not given is an error.
         """
         checkpoint()  # between passes
         array = self.get(stage, defines)
@@ -156,12 +160,20 @@ class Programs:
                 member.value = value
         target.use()
         self.ctx.disable(moderngl.BLEND | moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+        if depth:
+            self.ctx.enable(moderngl.DEPTH_TEST)
+            self.ctx.depth_func = depth
+        if adds:
+            self.ctx.enable(moderngl.BLEND)
+            self.ctx.blend_func = moderngl.ONE, moderngl.ONE
         if geometry is None:
             array.render(mode, vertices=vertices)
-            return
-        self.ctx.enable(moderngl.DEPTH_TEST)
-        geometry.array(self.ctx, array.program).render(moderngl.TRIANGLES)
-        self.ctx.disable(moderngl.DEPTH_TEST)
+        else:
+            drawn = geometry.array(self.ctx, array.program)
+            drawn.render(moderngl.TRIANGLES, instances=instances)
+        if depth or adds:
+            self.ctx.disable(moderngl.BLEND | moderngl.DEPTH_TEST)
+            self.ctx.depth_func = "<"
 
 
 def _free(array: moderngl.VertexArray) -> None:

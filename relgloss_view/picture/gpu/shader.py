@@ -15,6 +15,7 @@ _UNIFORM = re.compile(r"^uniform\s+((?:float|int|uint|[iu]?vec[234]|mat3))\s+(\w
 VERTEX = "fill.vert"
 #: The vertex stages of what covers less than the picture.
 OWN_VERTEX = {"coverage.frag": "tiles.vert", "edge.frag": "edge.vert", "mesh.frag": "mesh.vert"}
+OWN_VERTEX["mesh_places.frag"] = "mesh_places.vert"
 HANDED_ON = "all_"  #: before the name of a number that the vertex stage hands on
 _INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
 #: Mesa writes 0:12(3): error; NVIDIA 0(12) : error; others ERROR: 0:12:

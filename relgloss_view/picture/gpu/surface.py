@@ -76,6 +76,7 @@ class Surface:
         self.drawn = 0  #: how often a tile was drawn
         self._programs = programs
         self._targets = Targets(ctx)
+        self.masks = Targets(ctx)  #: for mesh_edges.draw_coverage
         self._names: tuple[str, ...] = ()
         self._key: Key | None = None
 
@@ -162,12 +163,17 @@ class Surface:
 
     def _draw_triangles(self, mesh: Mesh, view: View, tile: Box, box: Box) -> Uniforms:
         triangles = self.uploads.triangles(mesh)
-        target: Any = self._targets.framebuffer(TRIANGLE)
+        target: Any = self._targets.framebuffer(TRIANGLE, depth=True)
         target.scissor = box
         target.use()
         target.clear(depth=1.0)
         self._programs.draw(
-            "mesh.frag", {}, projection(mesh, view, tile), target, geometry=triangles
+            "mesh.frag",
+            {},
+            projection(mesh, view, tile),
+            target,
+            geometry=triangles,
+            depth="<",
         )
         return {**triangles.uniforms, "triangle_image": self._targets.texture(*TRIANGLE)}
 
@@ -203,6 +209,7 @@ class Surface:
         """Free the targets; the mesh and the artwork stay with the context."""
         self._key = None
         self._targets.release()
+        self.masks.release()
 
 
 def reached(tile: Box, view: View) -> Box:

@@ -37,6 +37,7 @@ OVERLAY = ("overlay",)
 GRAIN_FIELD = ("grain_field",)  #: of a size of its own
 COVERAGE = ("coverage",)
 TRIANGLE = ("triangle",)  #: drawn with a depth buffer
+MASK = ("mask",)  #: of a mesh at half pixels
 SHARES_A_TARGET = 4
 
 
@@ -66,12 +67,12 @@ CLEARED = {
     "point_m": (0.0, 0.0, 0.0, 0.0),
 }
 #: The targets that hold 8-bit numbers; the others hold floats.
-EIGHT_BIT = ("display", "overlay", "coverage")
+EIGHT_BIT = ("display", "overlay", "coverage", "mask")
 
 
 def components(name: str) -> int:
     """Numbers a pixel of a target."""
-    if name in (*COVERAGE, *TRIANGLE):
+    if name in (*COVERAGE, *TRIANGLE, *MASK):
         return 1
     return 2 if name in (*WEIGHTS, *GRAIN_FIELD) else 4
 
@@ -140,9 +141,13 @@ class Targets:
         """The texture of a target that has been drawn."""
         return self._textures[name]
 
-    def framebuffer(self, names: tuple[str, ...]) -> moderngl.Framebuffer:
-        """What a pass that writes these targets draws into; made when first asked for."""
-        if names not in self._framebuffers:
+    def framebuffer(self, names: tuple[str, ...], depth: bool = False) -> moderngl.Framebuffer:
+        """What a pass that writes these targets draws into; made when first asked for.
+
+        depth: with a depth buffer, which all such framebuffers share.
+        """
+        key = (*names, *(("depth",) if depth else ()))
+        if key not in self._framebuffers:
             assert self.size is not None
             made: dict[str, moderngl.Texture] = {}
             try:
@@ -150,16 +155,15 @@ class Targets:
                     if name not in self._textures:
                         made[name] = self._texture(self.size, name)
                 textures = self._textures | made
-                depth = self._depth(self.size) if names == TRIANGLE else None
-                self._framebuffers[names] = self.ctx.framebuffer(
-                    [textures[name] for name in names], depth
+                self._framebuffers[key] = self.ctx.framebuffer(
+                    [textures[name] for name in names], self._depth(self.size) if depth else None
                 )
             except BaseException:
                 for texture in made.values():
                     texture.release()
                 raise
             self._textures |= made
-        return self._framebuffers[names]
+        return self._framebuffers[key]
 
     def grain_field(self, size: Size) -> moderngl.Framebuffer:
         """What the field of the grain's tilts is drawn into, of a size of its own."""
@@ -225,7 +229,7 @@ class Targets:
         return sum(bytes_of(texture) for texture in self._textures.values())
 
     def _depth(self, size: Size) -> moderngl.Renderbuffer:
-        """The depth buffer of the triangles."""
+        """The depth buffer of those that have one."""
         if self._depth_buffer is None:
             check_memory(size, 4)
             self._depth_buffer = self.ctx.depth_renderbuffer(size)

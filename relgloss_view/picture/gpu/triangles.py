@@ -13,7 +13,7 @@ from relgloss_view.base.room import Need, check_room
 from relgloss_view.pack.mesh import Mesh
 from relgloss_view.picture.gpu.context import max_texture_size
 from relgloss_view.picture.gpu.targets import bytes_of
-from relgloss_view.picture.model.view import Box, View
+from relgloss_view.picture.model.view import View
 
 WIDE = 1024  #: texels of a row of a list; constant MESH_WIDE of triangles.glsl
 MOST_TRIANGLES = 1 << 24  #: whole numbers that float32 holds
@@ -77,14 +77,19 @@ class Triangles:
         """The mesh, ready to be drawn by a program of mesh.vert."""
         if self._array is None or self._array[0] is not program:
             self._drop_array()
-            made = ctx.vertex_array(
-                program,
-                [(self._points, "3f", "place_m")],
-                index_buffer=self._corners,
-                index_element_size=4,
-            )
-            self._array = program, made
+            self._array = program, self.array_of(ctx, program, self._corners)
         return self._array[1]
+
+    def array_of(
+        self, ctx: moderngl.Context, program: moderngl.Program, corners: moderngl.Buffer
+    ) -> moderngl.VertexArray:
+        """Some of its triangles, by the numbers of their points; the caller frees it."""
+        return ctx.vertex_array(
+            program,
+            [(self._points, "3f", "place_m")],
+            index_buffer=corners,
+            index_element_size=4,
+        )
 
     def _drop_array(self) -> None:
         if self._array is not None:
@@ -106,7 +111,7 @@ class Triangles:
         self._held.clear()
 
 
-def projection(mesh: Mesh, view: View, box: Box) -> dict[str, Any]:
+def projection(mesh: Mesh, view: View, box: tuple[float, ...]) -> dict[str, Any]:
     """How mesh.vert draws a view into a target that holds a box of the picture's pixels.
 
     Depth grows from -1 to 1 over the ball around the object; where the eye is inside it, from a
