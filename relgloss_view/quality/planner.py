@@ -101,10 +101,16 @@ DEFAULT_TOLERANCE = Tolerance()
 WHOLE = Method(split=FIRST_PASS)
 
 
+#: A simplification that serves one finish may not serve the next.
+PACK_NOTE = "a pack of several surfaces: everything is drawn exactly"
+
+
 def advise(
     scene: Scene, look: Look, size: Size, tolerance: Tolerance = DEFAULT_TOLERANCE
 ) -> Advice:
     """Choose a method; raises InputError where no c can show the picture, as drawing it does."""
+    if scene.pack is not None:
+        return Advice(WHOLE, (), NO_ERROR, PACK_NOTE)
     proxy = Proxy(scene, look, size)
     note = _only_exact(proxy, size)
     if note:
@@ -240,6 +246,9 @@ class MethodChooser:
         """The method for a picture."""
         if look.quality == "exact":
             return EXACT
+        if scene.pack is not None:
+            self._held = WHOLE
+            return WHOLE
         try:
             if self.moving:
                 return self._while_moving(scene, look, size)
@@ -251,6 +260,8 @@ class MethodChooser:
 
     def advice(self, scene: Scene, look: Look, size: Size) -> Advice:
         """The method with its reasons; raises InputError as `advise` does."""
+        if scene.pack is not None:
+            return advise(scene, look, size, self.tolerance)
         lamp = illuminant(scene.lamp.illuminant)  # another one where its file was edited
         setup = scene.shape, scene.lamp, scene.eye, scene.display
         key = id(scene.material), id(lamp), setup, look, size

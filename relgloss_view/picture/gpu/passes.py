@@ -17,7 +17,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import AnyArray
 from relgloss_view.material.spectra import illuminant
-from relgloss_view.pack.forms import mesh_of
+from relgloss_view.pack import forms
 from relgloss_view.picture.frame import Extremes, Scaling
 from relgloss_view.picture.gpu.context import make_current
 from relgloss_view.picture.gpu.drawing import PASSES, Drawing, Drawn, Tiles
@@ -352,7 +352,7 @@ class Passes:
     ) -> float:
         """What the perfect diffuser shows in the object's place, the lamp's power taken as one."""
         scene, defines = request.scene, variant.white_defines()
-        mesh = mesh_of(scene.shape) if variant.surface == "read" else None
+        mesh = forms.mesh_of(scene.shape) if variant.surface == "read" else None
         if self.held.renew("white", tuple(defines.items()), view.size, seen_from, mesh):
             tiles = self._tiles(request, variant)
             parts = ((view.bounds, {}),) if tiles is None else tiles(view.bounds)
@@ -429,7 +429,7 @@ class Passes:
         uniforms = view_uniforms(request.scene, view, afar=variant.afar)
         defines = variant.shape_defines()
         seen_from = {name: value for name, value in uniforms.items() if name != "lamp_m"}
-        mesh = mesh_of(request.scene.shape)
+        mesh = forms.mesh_of(request.scene.shape)
         if not self.held.renew("coverage", tuple(defines.items()), seen_from, mesh):
             return self.silhouette
         if mesh is not None:

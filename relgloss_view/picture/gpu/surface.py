@@ -15,7 +15,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from relgloss_view.pack.forms import mesh_of
+from relgloss_view.pack import forms
 from relgloss_view.pack.label import label_of
 from relgloss_view.pack.layers import Layers, layers_of
 from relgloss_view.pack.mesh import Mesh
@@ -53,7 +53,7 @@ class Form:
     def of(cls, scene: Scene) -> Form:
         """The form of a scene whose surface is read."""
         layers = None if scene.pack is None else layers_of(scene.pack)
-        return cls(mesh_of(scene.shape), scene.pack, layers)
+        return cls(forms.mesh_of(scene.shape), scene.pack, layers)
 
     @property
     def key(self) -> Key:
