@@ -1,7 +1,10 @@
 // The shares of the finishes at a place, as surface.frag wrote them, with what they make of sigma_N and k.
-// Constant: FINISHES.
+// Constants: FINISHES, INK_SECOND.
 
 uniform sampler2D paint_image;
+#if INK_SECOND >= 0
+uniform sampler2D second_image;
+#endif
 uniform sampler2D shares_0;
 #if FINISHES > 2
 uniform sampler2D shares_1;
@@ -17,6 +20,7 @@ uniform vec2 finish_look[FINISHES];  // sigma_N (radians) and k
 
 struct Finishes {
     vec4 paint;
+    vec3 second;  // of the paint: second_paint.glsl
     vec4 shares[4];
     float sigma_n;
     float k;
@@ -29,6 +33,10 @@ float finish_share(Finishes finishes, int number) {
 Finishes finishes_at(vec2 at) {
     Finishes found;
     found.paint = textureLod(paint_image, at, 0.0);
+    found.second = vec3(0.0);
+#if INK_SECOND >= 0
+    found.second = textureLod(second_image, at, 0.0).xyz;
+#endif
     found.shares[0] = textureLod(shares_0, at, 0.0);
     found.shares[1] = vec4(0.0);
     found.shares[2] = vec4(0.0);

@@ -1,26 +1,25 @@
 // The light of the finishes that share a place: each has lobes and a diffuse part of its own.
 // Constants: FINISHES, LOBES (of a finish, at most), FINISH_METALS (2 bits a finish), FINISH_DIFFUSES (4 bits a
 // finish: 0 without a diffuse part, or one more than the model's number), FINISH_INKS (a bit a finish: its
-// diffuse part is the artwork's), FRESNEL, SHADOWING, FACETS.
+// diffuse part is the artwork's), INK_SECOND (the model of the second albedo of all inks, or -1 where they
+// differ), FRESNEL, SHADOWING, FACETS.
 // Its numpy twin is the loop over finishes in relgloss_view/picture/reference.py.
 
 #include "finish_look.glsl"
 
-uniform vec4 finish_lobe[2 * FINISHES];      // struct Lobe
-uniform vec4 finish_strength[2 * FINISHES];  // XYZ of the lobe at unit weight; of a metal's white part
-uniform vec4 finish_terms[FINISHES];         // of the roughness: brdf.diffuse_terms
-uniform vec4 finish_albedo[FINISHES];        // XYZ; of an ink, where nothing is printed
-uniform vec4 finish_second[FINISHES];        // XYZ of the second albedo, and the factor of EON's
+// Of each finish, written in by Python: see relgloss_view/picture/gpu/finishes.py.
+const vec4 finish_lobe[2 * FINISHES] = FINISH_LOBE;          // struct Lobe
+const vec4 finish_strength[2 * FINISHES] = FINISH_STRENGTH;  // XYZ of the lobe; of a metal's white part
+const vec4 finish_terms[FINISHES] = FINISH_TERMS;            // of the roughness: brdf.diffuse_terms
+const vec4 finish_albedo[FINISHES] = FINISH_ALBEDO;          // XYZ; of an ink, where nothing is printed
+const vec4 finish_second[FINISHES] = FINISH_SECOND;          // XYZ of the second albedo; factor of EON's
+
 uniform mat3 paint_matrix;                   // XYZ of the artwork under D50 -> under the lamp
-uniform mat3 rgb_from_paint;                 // -> linear sRGB, whose white is D50's
-uniform mat3 paint_from_rgb;
 uniform vec3 lamp_xyz;                       // white of the lamp, whose Y is one
 
-// Second albedo of one linear channel: rho^2, or EON's rho_ms with its factor.
-vec3 second_of(int model, vec3 rho, float mean) {
-    if (model == DIFFUSE_OREN_NAYAR) return rho * rho;
-    return rho * rho * mean / (1.0 - rho * (1.0 - mean));
-}
+#if INK_SECOND < 0
+#include "second_paint.glsl"
+#endif
 
 // Diffuse XYZ of a finish under light that its shapes weigh.
 vec3 finish_diffuse(int f, Finishes finishes, vec2 weights) {
@@ -33,8 +32,11 @@ vec3 finish_diffuse(int f, Finishes finishes, vec2 weights) {
     float alpha = finishes.paint.w;
     vec3 light = weights.x * paint;
     if (second) {
-        vec3 rgb = clamp(rgb_from_paint * paint * (alpha > 0.0 ? 1.0 / max(alpha, 1e-6) : 0.0), 0.0, 1.0);
-        light += weights.y * alpha * (paint_from_rgb * second_of(model, rgb, finish_second[f].w));
+#if INK_SECOND < 0
+        light += weights.y * second_paint(model, finishes.paint, finish_second[f].w);
+#else
+        light += weights.y * finishes.second;
+#endif
     }
     return paint_matrix * light + (1.0 - alpha) * bare;
 }

@@ -5,6 +5,8 @@
 //   surface_point  = point (m), part of the object
 //   surface_normal = unit normal, 1 where the object is seen
 //   paint          = artwork: XYZ under D50, times alpha, and alpha
+//   second         = the same for the second albedo of the inks'
+//                    diffuse model, where they have one in common
 //   shares         = specular, then diffuse shares of the finishes, four a target
 // Constants: SHAPE, CAPS, AFAR, FINISHES, CHANNELS (targets of four that hold the shares' channels).
 
@@ -39,16 +41,21 @@ struct Sight {
 
 #if FINISHES > 0
 #include "artwork.glsl"
+#if INK_SECOND >= 0
+#include "second_paint.glsl"
+uniform float ink_mean;  // of all inks: finish_second
+#endif
 layout(location = 2) out vec4 paint;
-layout(location = 3) out vec4 shares_0;
+layout(location = 3) out vec4 second;
+layout(location = 4) out vec4 shares_0;
 #if FINISHES > 2
-layout(location = 4) out vec4 shares_1;
+layout(location = 5) out vec4 shares_1;
 #endif
 #if FINISHES > 4
-layout(location = 5) out vec4 shares_2;
+layout(location = 6) out vec4 shares_2;
 #endif
 #if FINISHES > 6
-layout(location = 6) out vec4 shares_3;
+layout(location = 7) out vec4 shares_3;
 #endif
 #endif
 
@@ -74,6 +81,10 @@ void main() {
                       dot(sight.across, down), dot(sight.upwards, down));
     Print print = print_at(sight.label_m, turns, found, sight.hit.face);
     paint = print.paint;
+    second = vec4(0.0);
+#if INK_SECOND >= 0
+    second = vec4(second_paint(INK_SECOND, print.paint, ink_mean), 0.0);
+#endif
     shares_0 = print.shares[0];
 #if FINISHES > 2
     shares_1 = print.shares[1];

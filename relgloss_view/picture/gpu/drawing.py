@@ -42,7 +42,7 @@ class Drawing(NamedTuple):
 
     name: str  #: of PASSES
     stage: str
-    defines: dict[str, int]
+    defines: Mapping[str, int | str]
     uniforms: Uniforms
     targets: tuple[str, ...]
     bounds: Box | None  #: of the object, where the pass draws nothing outside

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.material import brdf
 from relgloss_view.material.approximations import mean_lobe, plain_lobe
 from relgloss_view.material.material import Lobe
@@ -60,14 +61,20 @@ def finish_constants(finishes: tuple[DrawnFinish, ...]) -> dict[str, int]:
         "FINISH_METALS": metals,
         "FINISH_DIFFUSES": diffuses,
         "FINISH_INKS": inks,
+        "INK_SECOND": code("DIFFUSE", ink_second(finishes)[0]) if ink_second(finishes)[0] else -1,
         "LOBES": max(len(drawn.lobes) for drawn in finishes),
     }
 
 
-def finish_uniforms(
+def finish_tables(
     pack: Pack, look: Look, method: Method, lamp_name: str, blurred: bool
-) -> dict[str, Any]:
-    """The numbers of the finishes. blurred: each lobe is its mean over the finish's tilts."""
+) -> dict[str, str]:
+    """The numbers of the finishes that neither sigma_N nor k moves, as constants of finishes.glsl.
+
+    As constants they cost a software driver nothing, where a uniform is read again in each pixel;
+    a program is compiled where a material or the lamp's spectrum changes. blurred: each lobe is its
+    mean over the finish's tilts.
+    """
     finishes = drawn_finishes(pack, look, method)
     lamp = illuminant(lamp_name)
     count = len(finishes)
@@ -96,20 +103,59 @@ def finish_uniforms(
         of_bare = bare.xyz_weights(lamp)
         albedo[k, :3] = rho @ of_bare
         second[k, :3] = brdf.second_albedo(drawn.diffuse, rho, sigma) @ of_bare
-        second[k, 3] = brdf.fujii_mean_albedo(sigma)
+        second[k, 3] = mean_albedo(drawn)
     return {
-        "finish_lobe": lobe,
-        "finish_strength": strength,
-        "finish_terms": terms,
-        "finish_albedo": albedo,
-        "finish_second": second,
+        "FINISH_LOBE": glsl_rows(lobe),
+        "FINISH_STRENGTH": glsl_rows(strength),
+        "FINISH_TERMS": glsl_rows(terms),
+        "FINISH_ALBEDO": glsl_rows(albedo),
+        "FINISH_SECOND": glsl_rows(second),
+    }
+
+
+def ink_second(finishes: tuple[DrawnFinish, ...]) -> tuple[str, float]:
+    """The model, and its factor, of the second albedo of all inks; ('', 0) where they differ."""
+    kinds = {
+        (one.diffuse, mean_albedo(one))
+        for one in finishes
+        if one.finish.kind == "ink" and one.diffuse in ("oren-nayar", "eon")
+    }
+    return next(iter(kinds)) if len(kinds) == 1 else ("", 0.0)
+
+
+def mean_albedo(drawn: DrawnFinish) -> float:
+    """The factor of EON's second albedo; 0 of other models, which have none."""
+    sigma = drawn.finish.material.diffuse.sigma
+    return brdf.fujii_mean_albedo(sigma) if drawn.diffuse == "eon" else 0.0
+
+
+def glsl_rows(rows: Array) -> str:
+    """Rows of four numbers as an array of GLSL.
+
+    >>> glsl_rows(np.array([[1.0, 0.5, 0.0, -2.0]]))
+    'vec4[1](vec4(1.0, 0.5, 0.0, -2.0))'
+    """
+    vectors = (", ".join(repr(float(v)) for v in row) for row in rows.astype(np.float32))
+    return f"vec4[{len(rows)}]({', '.join(f'vec4({vector})' for vector in vectors)})"
+
+
+def finish_uniforms(pack: Pack, look: Look, lamp_name: str) -> dict[str, Any]:
+    """The numbers of the finishes that are no constants."""
+    lamp = illuminant(lamp_name)
+    return {
         **look_uniforms(pack, look),
+        **RGB_OF_PAINT,
         "paint_matrix": paint_matrix(pack.colour, lamp).T,  # columns first
-        "rgb_from_paint": np.linalg.inv(paint_from_rgb()).T,
-        "paint_from_rgb": paint_from_rgb().T,
         "lamp_xyz": lamp.white_xyz(),
         "per_white": 1.0 / lamp.white_xyz(),
     }
+
+
+#: Linear sRGB of artwork, and back; columns first.
+RGB_OF_PAINT = {
+    "rgb_from_paint": np.linalg.inv(paint_from_rgb()).T,
+    "paint_from_rgb": paint_from_rgb().T,
+}
 
 
 def look_uniforms(pack: Pack, look: Look) -> dict[str, Any]:
@@ -118,3 +164,10 @@ def look_uniforms(pack: Pack, look: Look) -> dict[str, Any]:
         (look.sigma_n_deg if f.sigma_n_deg is None else f.sigma_n_deg, f.k) for f in pack.finishes
     ]
     return {"finish_look": np.array([[math.radians(sigma), k] for sigma, k in looks])}
+
+
+def ink_uniforms(pack: Pack | None, look: Look, method: Method) -> dict[str, Any]:
+    """What the paint of the second albedo follows from, where all inks have it in common."""
+    if pack is None:
+        return {}
+    return {**RGB_OF_PAINT, "ink_mean": ink_second(drawn_finishes(pack, look, method))[1]}

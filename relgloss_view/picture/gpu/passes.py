@@ -22,7 +22,7 @@ from relgloss_view.picture.frame import Extremes, Scaling
 from relgloss_view.picture.gpu.context import make_current
 from relgloss_view.picture.gpu.drawing import PASSES, Drawing, Drawn, Tiles
 from relgloss_view.picture.gpu.edges import TILE_VERTICES, Silhouette
-from relgloss_view.picture.gpu.finishes import look_uniforms
+from relgloss_view.picture.gpu.finishes import ink_uniforms, look_uniforms
 from relgloss_view.picture.gpu.held import Held, key_of
 from relgloss_view.picture.gpu.mesh_edges import draw_coverage
 from relgloss_view.picture.gpu.programs import Programs, Uniforms
@@ -187,7 +187,8 @@ class Passes:
         samples = sample_count(request.scene, request.look, request.size)
         samples = samples if variant.sampled else 1
         form = Form.of(request.scene)
-        defines = variant.shape_defines()
+        defines = variant.surface_defines()
+        uniforms |= ink_uniforms(request.scene.pack, request.look, request.method)
         return partial(self.surface.tiles, form, view, samples, defines, uniforms)
 
     def counts(self, request: Request) -> tuple[int, int]:
@@ -221,7 +222,7 @@ class Passes:
         self,
         name: str,
         stage: str,
-        defines: Mapping[str, int],
+        defines: Mapping[str, int | str],
         uniforms: Uniforms,
         targets: tuple[str, ...],
         bounds: Box | None,

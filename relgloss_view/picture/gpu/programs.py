@@ -59,7 +59,7 @@ class Programs:
         """How many programs there are now."""
         return len(self._arrays)
 
-    def get(self, stage: str, defines: Mapping[str, int]) -> moderngl.VertexArray:
+    def get(self, stage: str, defines: Mapping[str, int | str]) -> moderngl.VertexArray:
         """A stage with its constants, ready to draw; ShaderError names file and line.
 
         It stays so until another one is asked for.
@@ -121,7 +121,7 @@ class Programs:
     def draw(
         self,
         stage: str,
-        defines: Mapping[str, int],
+        defines: Mapping[str, int | str],
         uniforms: Uniforms,
         target: moderngl.Framebuffer,
         mode: int = moderngl.TRIANGLES,

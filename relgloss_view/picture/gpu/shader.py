@@ -36,7 +36,7 @@ class ShaderSource:
     """
 
     def __init__(
-        self, name: str, defines: Mapping[str, int] | None = None, source: str | None = None
+        self, name: str, defines: Mapping[str, int | str] | None = None, source: str | None = None
     ) -> None:
         self.name = name
         self._defines = defines

@@ -45,8 +45,7 @@ def shading_of(
     if scene.pack is None:
         material = {**material_uniforms(scene, look, method), **colour_uniforms(scene, method)}
     else:
-        blurred = variant.facets == "mean-gaussian"
-        material = finish_uniforms(scene.pack, look, method, scene.lamp.illuminant, blurred)
+        material = finish_uniforms(scene.pack, look, scene.lamp.illuminant)
     uniforms: dict[str, Any] = {
         **seen_from,
         **(grain_uniforms(scene, look, size) if variant.noise != "none" else NO_GRAIN),

@@ -85,7 +85,7 @@ class Surface:
         form: Form,
         view: View,
         samples: int,
-        defines: dict[str, int],
+        defines: Mapping[str, int | str],
         uniforms: Uniforms,
         bounds: Box,
     ) -> Iterator[tuple[Box, Uniforms]]:
@@ -122,7 +122,7 @@ class Surface:
         tile: Box,
         inside: Box,
         samples: int,
-        defines: dict[str, int],
+        defines: Mapping[str, int | str],
         uniforms: Uniforms,
     ) -> Uniforms:
         """Draw a tile unless it is held; returns what reads it."""
@@ -189,7 +189,7 @@ class Surface:
     def _draw(
         self,
         form: Form,
-        defines: dict[str, int],
+        defines: Mapping[str, int | str],
         inputs: Uniforms,
         names: tuple[str, ...],
         box: Box,

@@ -46,7 +46,7 @@ def surface_targets(finishes: int) -> tuple[str, ...]:
     names: tuple[str, ...] = ("surface_point", "surface_normal")
     if finishes:
         count = -(-2 * finishes // SHARES_A_TARGET)
-        names = (*names, "paint_image", *(f"shares_{k}" for k in range(count)))
+        names = (*names, "paint_image", "second_image", *(f"shares_{k}" for k in range(count)))
     return names
 
 

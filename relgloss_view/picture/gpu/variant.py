@@ -12,7 +12,7 @@ from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.shape import ANALYTIC
 from relgloss_view.picture import method
 from relgloss_view.picture.gpu.constants import code
-from relgloss_view.picture.gpu.finishes import drawn_finishes, finish_constants
+from relgloss_view.picture.gpu.finishes import drawn_finishes, finish_constants, finish_tables
 from relgloss_view.picture.gpu.targets import written
 from relgloss_view.picture.model.drawn import drawn_diffuse, drawn_facets, drawn_lobes
 from relgloss_view.picture.model.view import from_afar
@@ -42,7 +42,7 @@ class Variant:
     bands: int = 0  #: drawn one by one; 0 where their spectra are folded into XYZ
     cube_root: str = "householder"
     surface: str = "met"  #: constants.SURFACES
-    finishes: tuple[tuple[str, int], ...] = ()  #: finishes.finish_constants, of a pack
+    finishes: tuple[tuple[str, int | str], ...] = ()  #: finishes.finish_constants, of a pack
     writes: str = "weights"  #: what pass 1 writes: constants.WRITES
 
     @classmethod
@@ -89,6 +89,7 @@ class Variant:
         tilted = any(drawn.sigma_n > 0.0 for drawn in finishes)
         grainy = tilted and chosen.noise not in ("mean", "none")
         blurred = tilted and chosen.noise == "mean" and chosen.facets == "gaussian"
+        tables = finish_tables(pack, look, chosen, scene.lamp.illuminant, blurred)
         needed = cls(
             **_met(scene),
             diffuse=finishes[0].diffuse or "lambert",  # each finish has its own
@@ -101,7 +102,7 @@ class Variant:
             noise=look.noise_law if grainy else "none",
             noisy_diffuse=look.noisy_lobes == "both" and chosen.noise == "drawn",
             grain=look.grain if grainy else "screen",
-            finishes=tuple(constants.items()),
+            finishes=(*constants.items(), *tables.items()),
             writes=_written(chosen, samples).replace("weights", "xyz"),
         )
         forced: dict[str, Any] = dict(chosen.variant)
@@ -126,7 +127,7 @@ class Variant:
         """The same, with other numbers in its targets."""
         return dataclasses.replace(self, writes=writes)
 
-    def defines(self) -> dict[str, int]:
+    def defines(self) -> dict[str, int | str]:
         """The constants of the shader variant."""
         return {
             **self.shape_defines(),
@@ -147,7 +148,7 @@ class Variant:
             **self._read_defines(),
         }
 
-    def _read_defines(self) -> dict[str, int]:
+    def _read_defines(self) -> dict[str, int | str]:
         """The constants of what reads a surface; none where rays meet it."""
         if self.surface == "met":
             return {}
@@ -161,7 +162,12 @@ class Variant:
             "AFAR": int(self.afar),
         }
 
-    def split_defines(self) -> dict[str, int]:
+    def surface_defines(self) -> dict[str, int | str]:
+        """The constants of the pass that draws the surface which is read."""
+        ink = {name: value for name, value in self.finishes if name == "INK_SECOND"}
+        return {**self.shape_defines(), **ink}
+
+    def split_defines(self) -> dict[str, int | str]:
         """The constants of the pass that splits what pass 1 wrote."""
         names = ("WRITES", "LOBES", "METALS", "BANDS", "CUBE_ROOT", "FINISHES")
         return {name: value for name, value in self.defines().items() if name in names}
@@ -179,7 +185,7 @@ class Variant:
         """The constants of the pass that draws the field of the grain's tilts."""
         return {"NOISE": code("NOISE", self.noise)}
 
-    def geometry_defines(self) -> dict[str, int]:
+    def geometry_defines(self) -> dict[str, int | str]:
         """The constants of the pass that draws normals and points."""
         defines = {k: self.defines()[k] for k in ("SHAPE", "CAPS", "AFAR", "NOISE", "GRAIN")}
         if self.surface != "met":
