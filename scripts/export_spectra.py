@@ -1,4 +1,4 @@
-"""Write the standard observer and the usual lamps into assets/spectra, from colour-science.
+"""Write the observer, the usual lamps and the spectra of sRGB into assets, from colour-science.
 
 They are shipped as files because importing colour-science takes longer than drawing a picture.
 Run: python scripts/export_spectra.py
@@ -36,6 +36,16 @@ def main() -> None:
         for wavelength, power in zip(lamp.wavelengths, lamp.values, strict=True):
             lines.append(f"{wavelength:g},{power:.12g}")
         (FOLDER / f"{name}.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    basis = colour.recovery.MSDS_BASIS_FUNCTIONS_sRGB_MALLETT2019
+    lines = [
+        "# Reflectances of red, green and blue of linear sRGB, 5 nm (Mallett, Yuksel 2019), "
+        f"{origin}",
+        "# (Copyright 2013 Colour Developers, BSD-3-Clause)",
+        "wavelength_nm,red,green,blue",
+    ]
+    for wavelength, values in zip(basis.wavelengths, basis.values, strict=True):
+        lines.append(",".join(f"{value:.12g}" for value in (wavelength, *values)))
+    (FOLDER / "mallett2019.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -41,13 +41,23 @@ vec3 finish_diffuse(int f, Finishes finishes, vec2 weights) {
     return paint_matrix * light + (1.0 - alpha) * bare;
 }
 
+// What a lamp's size does to lobes: see lamp_size.glsl.
+struct LampSize {
+    float share_across;
+    float sin2_r;
+};
+
 // Specular XYZ of a finish at unit arriving light.
-vec3 finish_specular(int f, Facing grain) {
+vec3 finish_specular(int f, Facing facing_lamp, LampSize size) {
     vec3 light = vec3(0.0);
     for (int k = 0; k < LOBES; ++k) {
         vec4 shape = finish_lobe[2 * f + k];
         vec4 strength = finish_strength[2 * f + k];
         Lobe lobe = Lobe(shape.x, shape.y, shape.z, shape.w);
+        Facing grain = facing_lamp;
+#if LAMP_SIZE == 1
+        sized(grain, lobe, size.share_across, size.sin2_r);
+#endif
         if (((FINISH_METALS >> (2 * f + k)) & 1) == 1) {
             vec2 parts = metal_torrance_sparrow(grain, lobe);
             light += parts.x * strength.xyz + parts.y * strength.w * lamp_xyz;
@@ -60,10 +70,10 @@ vec3 finish_specular(int f, Facing grain) {
 
 // Adds a finish's light to a place. A software driver runs a loop only where some pixel of a block needs it.
 void add_finish(int f, Finishes finishes, Facing grain, Facing smooth_surface, float arriving,
-                inout vec3 diffuse, inout vec3 specular) {
+                LampSize size, inout vec3 diffuse, inout vec3 specular) {
     float lobes_share = finish_share(finishes, f);
     for (int turn = 0; turn < (lobes_share > 0.0 ? 1 : 0); ++turn) {
-        specular += lobes_share * arriving * max(grain.mu_i, 0.0) * finish_specular(f, grain);
+        specular += lobes_share * arriving * max(grain.mu_i, 0.0) * finish_specular(f, grain, size);
     }
     if (((FINISH_DIFFUSES >> (4 * f)) & 15) > 0) {
         float share = finish_share(finishes, FINISHES + f);
@@ -77,29 +87,47 @@ void add_finish(int f, Finishes finishes, Facing grain, Facing smooth_surface, f
 }
 
 void finishes_light(Finishes finishes, Facing grain, Facing smooth_surface, float arriving,
-                    out vec3 diffuse, out vec3 specular) {
+                    LampSize size, out vec3 diffuse, out vec3 specular) {
     diffuse = vec3(0.0);
     specular = vec3(0.0);
-    add_finish(0, finishes, grain, smooth_surface, arriving, diffuse, specular);
+    add_finish(0, finishes, grain, smooth_surface, arriving, size, diffuse, specular);
 #if FINISHES > 1
-    add_finish(1, finishes, grain, smooth_surface, arriving, diffuse, specular);
+    add_finish(1, finishes, grain, smooth_surface, arriving, size, diffuse, specular);
 #endif
 #if FINISHES > 2
-    add_finish(2, finishes, grain, smooth_surface, arriving, diffuse, specular);
+    add_finish(2, finishes, grain, smooth_surface, arriving, size, diffuse, specular);
 #endif
 #if FINISHES > 3
-    add_finish(3, finishes, grain, smooth_surface, arriving, diffuse, specular);
+    add_finish(3, finishes, grain, smooth_surface, arriving, size, diffuse, specular);
 #endif
 #if FINISHES > 4
-    add_finish(4, finishes, grain, smooth_surface, arriving, diffuse, specular);
+    add_finish(4, finishes, grain, smooth_surface, arriving, size, diffuse, specular);
 #endif
 #if FINISHES > 5
-    add_finish(5, finishes, grain, smooth_surface, arriving, diffuse, specular);
+    add_finish(5, finishes, grain, smooth_surface, arriving, size, diffuse, specular);
 #endif
 #if FINISHES > 6
-    add_finish(6, finishes, grain, smooth_surface, arriving, diffuse, specular);
+    add_finish(6, finishes, grain, smooth_surface, arriving, size, diffuse, specular);
 #endif
 #if FINISHES > 7
-    add_finish(7, finishes, grain, smooth_surface, arriving, diffuse, specular);
+    add_finish(7, finishes, grain, smooth_surface, arriving, size, diffuse, specular);
 #endif
 }
+
+#if AMBIENT == 1
+// What the finishes show of a uniform surround: each has two rows of the table.
+void finishes_ambient(Finishes finishes, float mu_o, float smooth_mu_o, inout vec3 diffuse,
+                      inout vec3 specular) {
+    for (int f = 0; f < FINISHES; ++f) {
+        vec4 lobes = finish_share(finishes, f) * ambient * looked_up(2 * f + 1, mu_o);
+        for (int k = 0; k < LOBES; ++k) {
+            vec4 strength = finish_strength[2 * f + k];
+            specular += lobes[k] * strength.xyz + lobes[k + 2] * strength.w * lamp_xyz;
+        }
+        if (((FINISH_DIFFUSES >> (4 * f)) & 15) > 0) {
+            float share = finish_share(finishes, FINISHES + f) * ambient;
+            diffuse += finish_diffuse(f, finishes, share * looked_up(2 * f, smooth_mu_o).xy);
+        }
+    }
+}
+#endif

@@ -10,7 +10,7 @@
 //   WRITES_SPLIT          (L_d*, L_s*, a*, b*); where the object is not seen, L_d* is OFF_OBJECT
 //   WRITES_XYZ_AND_SPLIT  both, where several samples share a pixel
 //
-// Constants: SHAPE, CAPS, AFAR, LAMP, DIFFUSE, LOBES, METALS (see colours.glsl), FRESNEL, SHADOWING, FACETS,
+// Constants: SHAPE, CAPS, AFAR, LAMP, LAMPS, LAMP_SIZE, AMBIENT, DIFFUSE, LOBES, METALS (see colours.glsl), FRESNEL, SHADOWING, FACETS,
 // NOISE, NOISY_DIFFUSE, GRAIN,
 // SAMPLED, CUBE_ROOT, BANDS, WRITES, SURFACE, FINISHES (0: one material; else see finishes.glsl).
 
@@ -22,7 +22,7 @@
 #include "tone.glsl"
 
 uniform vec3 half_extent_m;
-#include "lamp.glsl"
+#include "lights.glsl"
 
 uniform int samples;  // along each side of a pixel
 // pi / (what the perfect diffuser shows at most), so that radiance comes out relative to Y_n.
@@ -34,6 +34,15 @@ uniform vec4 diffuse_terms;  // of the roughness: brdf.diffuse_terms
 uniform vec4 lobe_shape[2];  // sharpness, amplitude, refractive index, spread: struct Lobe
 
 #include "grain.glsl"
+#if LAMP_SIZE == 1
+#include "lamp_size.glsl"
+#endif
+#ifndef AMBIENT
+#define AMBIENT 0
+#endif
+#if AMBIENT == 1
+#include "ambient.glsl"
+#endif
 
 // The weights of the lobes: one a lobe; where one is a metal's, two a lobe, the white parts last. With
 // finishes, XYZ of both parts.
@@ -78,44 +87,97 @@ struct Light {
 #endif
 };
 
-Light light_through(ivec2 here, vec2 place) {
-    vec3 ray = ray_through(here, place);
-    Hit hit = seen(here, place, ray);
-    float per_distance2;
-    vec3 i = to_lamp(hit.point_m, per_distance2);
-    vec3 o = -normalize(ray);
 #if FINISHES > 0
-    Finishes finishes = finishes_at(surface_at(here, place));
-    Facing grain = facing(grain_normal(hit, o, here, place, finishes.sigma_n), i, o);
-#else
-    Facing grain = facing(grain_normal(hit, o, here, place, sigma_n), i, o);
-#endif
+// What a point of the object shows of one lamp; n is the normal of its grain.
+Light lit_by(int lamp, Hit hit, vec3 n, vec3 o, Finishes finishes) {
+    Arriving from = light_of(lamp, hit.point_m);
+    Facing grain = facing(n, from.i, o);
     Facing smooth_surface = grain;
-    if (NOISE != NOISE_NONE && NOISY_DIFFUSE == 0) smooth_surface = facing(hit.normal, i, o);
-    float arriving = irradiance * per_distance2;
-#if FINISHES > 0
+    if (NOISE != NOISE_NONE && NOISY_DIFFUSE == 0) smooth_surface = facing(hit.normal, from.i, o);
     vec3 diffuse_light, specular_light;
-    finishes_light(finishes, grain, smooth_surface, hit.found ? arriving : 0.0, diffuse_light, specular_light);
-    return Light(diffuse_light, specular_light, hit.found ? 1.0 : 0.0, hit.found ? finishes.k : 0.0);
+    LampSize lamp_size = LampSize(0.0, from.sin2_r);
+#if LAMP_SIZE == 1
+    lamp_size.share_across = across(n, from.i, o, grain);
+#endif
+    finishes_light(finishes, grain, smooth_surface, irradiance * from.per_distance2, lamp_size,
+                   diffuse_light, specular_light);
+    return Light(diffuse_light, specular_light, 1.0, finishes.k);
+}
 #else
+// What a point of the object shows of one lamp; n is the normal of its grain.
+Light lit_by(int lamp, Hit hit, vec3 n, vec3 o) {
+    Arriving from = light_of(lamp, hit.point_m);
+    Facing grain = facing(n, from.i, o);
+    Facing smooth_surface = grain;
+    if (NOISE != NOISE_NONE && NOISY_DIFFUSE == 0) smooth_surface = facing(hit.normal, from.i, o);
+    float arriving = irradiance * from.per_distance2;
     vec2 shapes = diffuse_shapes(DIFFUSE, smooth_surface, diffuse_terms);
     LOBE_WEIGHTS reflected = LOBE_WEIGHTS(0.0);  // by each lobe, at unit strength
+#if LAMP_SIZE == 1
+    float share_across = across(n, from.i, o, grain);
+#endif
     for (int k = 0; k < LOBES; ++k) {
         vec4 shape = lobe_shape[k];
-#if METALS == 0
-        reflected[k] = torrance_sparrow(grain, Lobe(shape.x, shape.y, shape.z, shape.w));
-#else
         Lobe lobe = Lobe(shape.x, shape.y, shape.z, shape.w);
-        vec2 parts = ((METALS >> k) & 1) == 1 ? metal_torrance_sparrow(grain, lobe)
-                                              : vec2(torrance_sparrow(grain, lobe), 0.0);
+        Facing at = grain;
+#if LAMP_SIZE == 1
+        sized(at, lobe, share_across, from.sin2_r);
+#endif
+#if METALS == 0
+        reflected[k] = torrance_sparrow(at, lobe);
+#else
+        vec2 parts = ((METALS >> k) & 1) == 1 ? metal_torrance_sparrow(at, lobe)
+                                              : vec2(torrance_sparrow(at, lobe), 0.0);
         reflected[k] = parts.x;
         reflected[k + 2] = parts.y;
 #endif
     }
     vec2 diffuse_weights = arriving * max(smooth_surface.mu_i, 0.0) * shapes;
     LOBE_WEIGHTS specular_weights = arriving * max(grain.mu_i, 0.0) * reflected;
-    return Light(hit.found ? diffuse_weights : vec2(0.0),
-                 hit.found ? specular_weights : LOBE_WEIGHTS(0.0), hit.found ? 1.0 : 0.0);
+    return Light(diffuse_weights, specular_weights, 1.0);
+}
+#endif
+
+Light light_through(ivec2 here, vec2 place) {
+    vec3 ray = ray_through(here, place);
+    Hit hit = seen(here, place, ray);
+    vec3 o = -normalize(ray);
+#if FINISHES > 0
+    Finishes finishes = finishes_at(surface_at(here, place));
+    vec3 n = grain_normal(hit, o, here, place, finishes.sigma_n);
+#define LIT_BY(lamp) lit_by(lamp, hit, n, o, finishes)
+#else
+    vec3 n = grain_normal(hit, o, here, place, sigma_n);
+#define LIT_BY(lamp) lit_by(lamp, hit, n, o)
+#endif
+    Light light = LIT_BY(0);
+#if LAMPS > 1
+    for (int lamp = 1; lamp < LAMPS; ++lamp) {
+        Light further = LIT_BY(lamp);
+        light.diffuse += further.diffuse;
+        light.specular += further.specular;
+    }
+#endif
+#if AMBIENT == 1
+    float smooth_mu_o = NOISE != NOISE_NONE && NOISY_DIFFUSE == 0 ? dot(hit.normal, o) : dot(n, o);
+#if FINISHES > 0
+    finishes_ambient(finishes, dot(n, o), smooth_mu_o, light.diffuse, light.specular);
+#else
+    light.diffuse += ambient * looked_up(0, smooth_mu_o).xy;
+    vec4 lobe_albedos = ambient * looked_up(1, dot(n, o));
+#if METALS == 0
+    light.specular += lobe_albedos.xy;
+#else
+    light.specular += lobe_albedos;
+#endif
+#endif
+#endif
+#if FINISHES > 0
+    return Light(hit.found ? light.diffuse : vec3(0.0), hit.found ? light.specular : vec3(0.0),
+                 hit.found ? 1.0 : 0.0, hit.found ? light.k : 0.0);
+#else
+    return Light(hit.found ? light.diffuse : vec2(0.0),
+                 hit.found ? light.specular : LOBE_WEIGHTS(0.0), hit.found ? 1.0 : 0.0);
 #endif
 }
 

@@ -1,15 +1,15 @@
 #version 330 core
 
-// What the perfect diffuser would show in the object's place under a lamp of power pi: its largest Y in
+// What the perfect diffuser would show in the object's place under lamps of power pi: its largest Y in
 // one BLOCK x BLOCK tile of a region of the picture, straight from the geometry.
 //   peak = (largest Y, number of pixels on the object, 0, 0)
-// Constants: BLOCK, SHAPE, CAPS, AFAR, LAMP, SAMPLED, SURFACE.
+// Constants: BLOCK, SHAPE, CAPS, AFAR, LAMP, LAMPS, LAMP_SIZE, SAMPLED, SURFACE.
 
 #include "view.glsl"
 #include "shape.glsl"
 
 uniform vec3 half_extent_m;
-#include "lamp.glsl"
+#include "lights.glsl"
 
 uniform int samples;  // along each side of a pixel
 #include "seen.glsl"
@@ -21,10 +21,13 @@ layout(location = 0) out vec4 peak;
 vec2 white_through(ivec2 here, vec2 place) {
     vec3 ray = ray_through(here, place);
     Hit hit = seen(here, place, ray);
-    float per_distance2;
-    float mu_i = dot(hit.normal, to_lamp(hit.point_m, per_distance2));
+    float lit = 0.0;
+    for (int lamp = 0; lamp < LAMPS; ++lamp) {
+        Arriving from = light_of(lamp, hit.point_m);
+        lit += max(dot(hit.normal, from.i), 0.0) * from.per_distance2;
+    }
     bool faces_eye = dot(hit.normal, ray) < 0.0;
-    float y = faces_eye ? max(mu_i, 0.0) * per_distance2 : 0.0;
+    float y = faces_eye ? lit : 0.0;
     return hit.found ? vec2(y, 1.0) : vec2(0.0);
 }
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import dataclasses
 import numbers
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 from relgloss_view.base.reading import number, refuse
 
@@ -32,14 +32,16 @@ def parameter(
     *,
     option: str | None = None,
     label: str = "",
+    later: bool = False,
 ) -> Any:
     """A dataclass field for a number of a declared range, `low` to `high` in `unit`.
 
     Where the default is None, the entry may be left out. `option` is its flag on the command line,
-    `label` its name in the window: a plain word, and the symbol behind it.
+    `label` its name in the window: a plain word, and the symbol behind it. later: files were
+    written before there was such a field; at its default it is not written.
     """
     limits = Range(low, high, unit, meaning)
-    return _ranged(default, limits, option, label, optional=default is None)
+    return _ranged(default, limits, option, label, optional=default is None, later=later)
 
 
 def whole_number(
@@ -89,12 +91,17 @@ def switch(default: bool, meaning: str, *, label: str = "") -> Any:
 
 
 class Checked:
-    """Checks every declared range when a value is made."""
+    """Checks every declared range when a value is made.
+
+    TABLE: the name of the values' table in files and messages; "" where it is the class's own.
+    """
+
+    TABLE: ClassVar[str] = ""
 
     def __post_init__(self) -> None:
         for f in dataclasses.fields(self):  # type: ignore[arg-type]
             value = getattr(self, f.name)
-            place = f"{type(self).__name__.lower()}.{f.name}"
+            place = f"{self.TABLE or type(self).__name__.lower()}.{f.name}"
             allowed = f.metadata.get("range")
             if allowed is not None and not (value is None and f.metadata.get("optional", False)):
                 _check_range(place, value, allowed, whole=f.metadata.get("whole", False))

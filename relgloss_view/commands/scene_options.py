@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base import shell
 from relgloss_view.base.shell import command_line
 from relgloss_view.base.toml import AUTO
 from relgloss_view.base.words import sentence_case
@@ -18,16 +19,20 @@ from relgloss_view.picture.model.lamp_placement import lit_for_gloss
 from relgloss_view.picture.model.view import check_size
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.options import (
+    FURTHER,
+    FURTHER_METAVAR,
     GIVEN_LAMP,
     LAMP,
     LAMP_CHOICES,
     NEW_DISPLAY,
+    NO_LAMP,
     OPTIONS,
     SET,
     SETTING_ENTRIES,
     Option,
     colour_words,
     wants_auto_lamp,
+    with_further_lamps,
     with_options,
     with_settings,
 )
@@ -131,6 +136,15 @@ def add_scene_options(
             else "default)"
         ),
     )
+    what.add_argument(
+        FURTHER,
+        metavar=f"{FURTHER_METAVAR}|{NO_LAMP}",
+        action="append",
+        default=[],
+        help="Add a lamp, up to three times: degrees, degrees, metres from the object, metres of "
+        "radius, and intensity over the main lamp's (default 1,0,1). Write --further-lamp=-50,0 "
+        "where the azimuth is negative. These lamps replace those of a --scene; none removes them",
+    )
     how.add_argument(
         "--size",
         metavar="WxH",
@@ -209,6 +223,7 @@ def scene_from(args: argparse.Namespace) -> tuple[Scene, Look, tuple[int, int]]:
             )
         look = look.at(SAMPLES[args.sample or DEFAULT_SAMPLE])
     setup, look = with_options(setup, look, _values(args))
+    setup = with_further_lamps(setup, args.further_lamp)
     if getattr(args, "c", None) == MAX:
         look = look.with_entries(c_fraction=FULL_SHARE)
     chosen = args.lamp if args.lamp is not None or new else GIVEN_LAMP
@@ -233,6 +248,8 @@ def scene_words_of(args: argparse.Namespace) -> list[str]:
     words += colour_words(colour_from(args))
     for setting in args.set:
         words += [SET, setting]
+    for lamp in args.further_lamp:
+        words += shell.option(FURTHER, lamp)
     values = _values(args)
     if args.scene is None and not any(s.startswith("look.grain=") for s in args.set):
         values = {GRAIN_KIND: args.default_look.grain, **values}

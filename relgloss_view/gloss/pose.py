@@ -9,21 +9,23 @@ from __future__ import annotations
 import math
 import weakref
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.gloss.meter.meter import main_lobe
 from relgloss_view.material import approximations, brdf
+from relgloss_view.material.albedo_table import ambient_reflection
 from relgloss_view.material.approximations import mean_lobe, plain_lobe
 from relgloss_view.material.material import Material
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.frame import Extremes
-from relgloss_view.picture.model import tone
-from relgloss_view.picture.model.highlight import SIZE, Highlight, best_mirror
-from relgloss_view.picture.model.light import front_white, lit_white
+from relgloss_view.picture.model import lights, tone
+from relgloss_view.picture.model.highlight import SIZE, Highlight, best_mirror, each_lamp
+from relgloss_view.picture.model.light import front_white, lamps_irradiance, lit_white
 from relgloss_view.picture.model.sight import sight
-from relgloss_view.picture.model.view import float32, view_of
+from relgloss_view.picture.model.view import view_of
 from relgloss_view.picture.scene.setup import Setup
 
 GRID = 41  #: points along each side of the whole object
@@ -50,33 +52,41 @@ class Pose:
         self._known: dict[int, dict[float, Extremes]] = {}  #: by material and sigma_N
         self.highlight: Highlight | None = best_mirror(setup)
         view = view_of(setup.shape, setup.eye, SIZE)
-        columns, rows = _places(view.bounds, self.highlight)
+        highlights = [best_mirror(by_itself) for by_itself in each_lamp(setup)]
+        seen = [highlight for highlight in highlights if highlight is not None]
+        self._tilts_deg = [highlight.tilt_deg for highlight in seen]
+        columns, rows = _places(view.bounds, seen)
         hit, ray, _ = sight(setup.shape, view, columns, rows)
         ray, points, normals = ray[hit.found], hit.point_m[hit.found], hit.normal[hit.found]
-        way = float32(setup.lamp.position_m) - points
-        distance2 = np.maximum(np.sum(way * way, axis=-1), 1e-30)
-        i = way / np.sqrt(distance2)[:, None]
         o = -ray / np.linalg.norm(ray, axis=-1, keepdims=True)
-        self.facing = brdf.facing(normals, i, o)
-        lit = np.maximum(self.facing.mu_i, 0.0) / distance2
-        white = float(np.max(lit * (self.facing.mu_o > 0.0), initial=0.0))
+        self._mu_o = np.sum(normals * o, axis=-1)
+        lamps = list(lights.lit(setup, points))
+        facings = [brdf.facing(normals, light.i, o) for light in lamps]
+        lit = [
+            np.maximum(f.mu_i, 0.0) / light.distance2
+            for f, light in zip(facings, lamps, strict=True)
+        ]
+        white = float(np.max(sum(lit) * (self._mu_o > 0.0), initial=0.0))
         if setup.lamp.y_n == "front":
             white = front_white(setup, view)
-        white = lit_white(white, setup)
-        self._arriving = lit * (math.pi / white) if white > 0.0 else 0.0 * lit
+        power = lamps_irradiance(lit_white(white, setup), setup)
+        self._lights = [
+            _Light(f, lights.across(normals, light.i, o, f), light.sin2_r, power * received)
+            for f, light, received in zip(facings, lamps, lit, strict=True)
+        ]
 
     def peak(self, material: Material, sigma_n_deg: float = 0.0) -> float | None:
         """L_s* at the brightest place of a material's highlight; None where none is seen.
 
-        The mirror's place must be within one width of the lobe with the highest peak, and the
+        The mirror's place of one of the lamps must be within one width of the lobe with the highest peak, and the
         highlight visible: else what is seen is the skirt of a highlight that lies beside the
         object, which is no measure of gloss.
         """
         main = main_lobe(material)
-        if self.highlight is None or main is None:
+        if not self._tilts_deg or main is None:
             return None
         width = math.hypot(material.specular[main].s_deg, sigma_n_deg)
-        if self.highlight.tilt_deg > width:
+        if min(self._tilts_deg) > width:
             return None
         brightest = self.extremes(material, sigma_n_deg).l_s_max
         return brightest if brightest >= LEAST_LSTAR else None
@@ -97,32 +107,63 @@ class Pose:
 
     def _extremes(self, material: Material, sigma_n_deg: float) -> Extremes:
         weights = material.xyz_weights(illuminant(self.setup.lamp.illuminant))[:, 1]
-        f, albedo = self.facing, np.asarray(material.diffuse.albedo)
-        first, second = brdf.diffuse_shapes(material.diffuse.model, f, material.diffuse.sigma)
-        diffuse = first * float(albedo @ weights)
-        diffuse = diffuse + second * float(material.second_albedo() @ weights)
-        specular = np.zeros_like(diffuse)
-        sigma_n, bands = math.radians(sigma_n_deg), material.bands.count
-        for lobe in material.specular:
-            for part in lobe.parts(bands):
-                if sigma_n > 0.0:
-                    terms = mean_lobe(lobe.s, part.fresnel, sigma_n, "paper")
-                    facets = "mean-gaussian"
-                else:
-                    terms, facets = plain_lobe(lobe.s, part.fresnel), "gaussian"
-                reflected = approximations.torrance_sparrow(f, terms, "exact", "v-groove", facets)
-                specular += reflected * float(part.spectrum @ weights)
-        l_d, l_s = tone.split_lightness(self._arriving * diffuse, self._arriving * specular)
-        return Extremes.over(l_d, l_s)
+        albedo, model = np.asarray(material.diffuse.albedo), material.diffuse.model
+        diffuse, specular = np.zeros_like(self._mu_o), np.zeros_like(self._mu_o)
+        for light in self._lights:
+            first, second = brdf.diffuse_shapes(model, light.facing, material.diffuse.sigma)
+            shapes = first * float(albedo @ weights)
+            shapes = shapes + second * float(material.second_albedo() @ weights)
+            diffuse += light.arriving * shapes
+            specular += light.arriving * _shine(light, material, sigma_n_deg, weights)
+        if self.setup.lamp.ambient > 0.0:
+            shown = ambient_reflection(material, self._mu_o, self._mu_o)
+            diffuse += self.setup.lamp.ambient * (shown[0] @ weights)
+            specular += self.setup.lamp.ambient * (shown[1] @ weights)
+        return Extremes.over(*tone.split_lightness(diffuse, specular))
 
 
-def _places(bounds: tuple[int, int, int, int], highlight: Highlight | None) -> tuple[Array, Array]:
-    """Columns and rows of `SIZE`: an even grid, and finer and finer ones about the highlight."""
+class _Light(NamedTuple):
+    """One lamp at the points of a pose."""
+
+    facing: brdf.Facing
+    across: Array
+    sin2_r: Array | float
+    arriving: Array  #: irradiance over pi times that of Y_n
+
+
+def _shine(light: _Light, material: Material, sigma_n_deg: float, weights: Array) -> Array:
+    """What the lobes reflect of a lamp's light, the tilts of grain averaged."""
+    specular = np.zeros_like(light.arriving)
+    sigma_n, sized = math.radians(sigma_n_deg), not isinstance(light.sin2_r, float)
+    for lobe in material.specular:
+        for part in lobe.parts(material.bands.count):
+            f, peak = light.facing, np.asarray(1.0)
+            if sigma_n > 0.0:
+                terms = mean_lobe(lobe.s, part.fresnel, sigma_n, "paper")
+                facets = "mean-gaussian"
+                if sized:
+                    terms = lights.widened(terms, f.cos_d, light.sin2_r)
+            else:
+                terms, facets = plain_lobe(lobe.s, part.fresnel), "gaussian"
+                if sized:
+                    delta2, peak = lights.spread_by_lamp(
+                        f, terms.sharpness, light.across, light.sin2_r
+                    )
+                    f = f._replace(delta2=delta2)
+            reflected = approximations.torrance_sparrow(f, terms, "exact", "v-groove", facets)
+            specular += peak * reflected * float(part.spectrum @ weights)
+    return specular
+
+
+def _places(
+    bounds: tuple[int, int, int, int], highlights: list[Highlight]
+) -> tuple[Array, Array]:
+    """Columns and rows of `SIZE`: an even grid, and finer and finer ones about the highlights."""
     left, bottom, right, top = bounds
     low = np.array([left, SIZE[1] - top], dtype=np.float64)
     high = np.array([right, SIZE[1] - bottom], dtype=np.float64)
     grids = [_grid(low, high, GRID)]
-    if highlight is not None:
+    for highlight in highlights:
         centre = np.array(highlight.place) * SIZE
         half = 0.5 * (high - low)
         for k in range(1, SQUARES + 1):

@@ -21,7 +21,7 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.room import Need, check_room
 from relgloss_view.pack.artwork.artwork import Artwork, Halves
 from relgloss_view.pack.label import Label, label_of
-from relgloss_view.pack.masks import FinishMask, mask_of
+from relgloss_view.pack.masks import VARNISH, FinishMask, check_masks, mask_of
 from relgloss_view.pack.measured import lobes_in_artwork
 from relgloss_view.pack.pack import Pack
 
@@ -29,7 +29,6 @@ Singles = npt.NDArray[np.float32]
 
 MOST_CHANNELS = 12
 REST, ZERO = -1, -2  #: in place of a channel: what the others leave; nothing anywhere
-VARNISH = "varnish"
 HELD = 4  #: layers of one artwork that are kept: both panes, and one step of undo
 STRIP_TEXELS = 1 << 20  #: that are composed at a time
 
@@ -130,11 +129,7 @@ def _size_mm(pack: Pack, label: Label) -> tuple[float, float]:
 
 
 def _made(pack: Pack, label: Label, size_mm: tuple[float, float], lobes: Array | None) -> Layers:
-    if pack.base.kind == VARNISH:
-        raise InputError(
-            f"finish {printable(pack.base.name, 60)!r}: the first finish can't be a varnish, which "
-            "needs a surface below; expected ink, foil or stock"
-        )
+    check_masks(pack)
     masks = [mask_of(pack, finish) for finish in pack.finishes]
     stack = _Stack(tuple(f.kind == VARNISH for f in pack.finishes), label, masks)
     height, width = _resolution(pack, masks)
@@ -145,9 +140,11 @@ def _made(pack: Pack, label: Label, size_mm: tuple[float, float], lobes: Array |
     base = _level_0(pack, stack, (height, width), lobes)
     return Layers(
         tuple(_levels(base, stack)),
-        *stack.channels(),
+        tuple(stack.specular),
+        tuple(stack.diffuse),
         *stack.covers(),
-        *size_mm,
+        width_mm=size_mm[0],
+        height_mm=size_mm[1],
         notes=stack.notes(pack),
         made_of=tuple(pack.masks.values()),
     )
@@ -158,7 +155,8 @@ def _resolution(pack: Pack, masks: Sequence[FinishMask]) -> tuple[int, int]:
     if pack.artwork is not None:
         width, height = pack.artwork.size_px
         return height, width
-    return tuple(max(mask.values.shape[k] for mask in masks) for k in (0, 1))  # type: ignore
+    shapes = [mask.values.shape for mask in masks]
+    return max(shape[0] for shape in shapes), max(shape[1] for shape in shapes)
 
 
 class _Stack:
@@ -207,9 +205,6 @@ class _Stack:
                 places[k] = len(self.columns)
                 self.columns.append((k, diffuse))
         raise AssertionError("the first finish lies everywhere")
-
-    def channels(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
-        return tuple(self.specular), tuple(self.diffuse)
 
     def groups(self) -> list[list[int]]:
         """Channels whose values add up to at most 1, from the topmost finish downwards."""

@@ -14,6 +14,7 @@ from relgloss_view.pack.pack import Pack
 
 PLATE, CHANNEL, PART = "plate:", "channel:", "part:"
 ARTWORK, EVERYWHERE = "artwork", "everywhere"
+VARNISH = "varnish"  #: the kind of finish that has no diffuse part
 MASK_WORDS = f"{PLATE}NAME, {CHANNEL}NAME, {PART}NAME, {ARTWORK}, {EVERYWHERE}, or a picture's file"
 
 
@@ -53,6 +54,17 @@ def mask_of(pack: Pack, finish: Finish) -> FinishMask:
     if inverted:
         values = np.subtract(255, values, dtype=np.uint8)
     return FinishMask(values, outside=inverted)
+
+
+def check_masks(pack: Pack) -> None:
+    """InputError where a finish lies nowhere by its words, or the first one is a varnish."""
+    if pack.base.kind == VARNISH:
+        raise InputError(
+            f"finish {printable(pack.base.name, 60)!r}: the first finish can't be a varnish, which "
+            "needs a surface below; expected ink, foil or stock"
+        )
+    for finish in pack.finishes:
+        mask_of(pack, finish)
 
 
 def _part(pack: Pack, name: str, place: str, inverted: bool) -> FinishMask:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from relgloss_view.base.arrays import Array
-from relgloss_view.material import brdf
 from relgloss_view.material.material import Material
-from relgloss_view.material.spectra import illuminant, light_weights
+from relgloss_view.material.spectra import illuminant
 from relgloss_view.pack.pack import Pack
 
 BODY, AT_45_0 = "body", "45-0"
@@ -18,7 +17,7 @@ NOTHING = 1e-4
 def lobe_at_45_0(material: Material) -> Array:
     """XYZ under D50 (3,), Y = 1 the perfect diffuser, of a material's lobes lit from 45 degrees.
 
-    A reflectance factor, pi f_s: the instrument compares with the perfect diffuser (ISO 13655:2017).
+    A reflectance factor, pi f_s: the instrument compares with the perfect diffuser (ISO 13655).
     """
     light = np.array([np.sqrt(0.5), 0.0, np.sqrt(0.5)])
     up = np.array([0.0, 0.0, 1.0])

@@ -52,15 +52,15 @@ class Mesh:
         used = self.points_m[np.unique(self.triangles)]
         return used if len(used) else np.zeros((1, 3))
 
-    def winding_number(self, point_m: Array) -> float:
-        """How often the mesh goes around a point: 1 inside a closed mesh, 0 outside it.
+    def contains(self, point_m: Array) -> bool:
+        """Whether a point is inside: the triangles fill more than half of what is seen from it.
 
-        Of a mesh with holes it is the share of all directions that are closed off. It is the sum of
-        the triangles' solid angles (Van Oosterom, Strackee 1983) over 4 pi.
+        The winding number of Jacobson, Kavan and Sorkine-Hornung 2013, which stands holes too, of
+        solid angles by Van Oosterom and Strackee 1983.
         """
-        a, b, c = np.moveaxis(self.points_m[self.triangles] - point_m, 1, 0)
-        la, lb, lc = (np.linalg.norm(v, axis=-1) for v in (a, b, c))
-        volume = np.sum(a * np.cross(b, c), axis=-1)
-        products = np.sum(a * b, axis=-1) * lc + np.sum(b * c, axis=-1) * la
-        denominator = la * lb * lc + products + np.sum(c * a, axis=-1) * lb
-        return float(np.sum(np.arctan2(volume, denominator)) / (2.0 * np.pi))
+        a, b, c = (self.points_m[self.triangles[:, k]] - np.asarray(point_m) for k in range(3))
+        la, lb, lc = (np.sqrt(np.einsum("ij,ij->i", v, v)) for v in (a, b, c))
+        volume = np.einsum("ij,ij->i", a, np.cross(b, c))
+        ab, bc, ca = (np.einsum("ij,ij->i", *pair) for pair in ((a, b), (b, c), (c, a)))
+        angle = np.arctan2(volume, la * lb * lc + ab * lc + bc * la + ca * lb)
+        return bool(np.sum(angle) > np.pi)

@@ -58,6 +58,8 @@ class Pack(Checked):
     measured: one of MEASURED. masks: gray pictures by the text of a finish's mask, (h, w) uint8, of
     masks from files.
     file: the pack file that it came from, or ''. artwork_file: as the pack file names it.
+    artwork_entries: (entry, value) of how the artwork is read: profile, page, dpi, width_mm.
+    notes: how the pack was made, one sentence each.
     Raises InputError where the parts do not fit together.
     """
 
@@ -71,11 +73,13 @@ class Pack(Checked):
     file: str = ""
     artwork_file: str = ""
     measured: str = choice("body", MEASURED, "what the artwork's colours were measured on")
+    artwork_entries: tuple[tuple[str, Any], ...] = ()
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         # Arrays have no plain truth: a pack with masks that were read again could not be compared.
         object.__setattr__(self, "masks", Masks(self.masks))
-        super().__post_init__()
         if not 1 <= len(self.finishes) <= MAX_FINISHES:
             raise InputError(
                 f"pack: expected 1 to {MAX_FINISHES} finishes, found {len(self.finishes)}"

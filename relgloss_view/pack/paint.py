@@ -7,11 +7,13 @@ takes the spectrum of Mallett and Yuksel (2019), which is linear in sRGB, so tha
 
 from __future__ import annotations
 
+import csv
 from functools import lru_cache
 
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.base.resources import asset
 from relgloss_view.material import brdf
 from relgloss_view.material.cielab import BRADFORD
 from relgloss_view.material.spectra import (
@@ -72,6 +74,8 @@ def second_paint(model: str, sigma: float, xyz: Array, alpha: Array) -> Array:
 @lru_cache(maxsize=1)
 def _mallett_yuksel() -> tuple[Array, Array]:
     """Wavelengths (nm) and the spectra of red, green and blue, (N, 3); they sum to 1."""
-    from colour.recovery import MSDS_BASIS_FUNCTIONS_sRGB_MALLETT2019 as BASIS
-
-    return np.asarray(BASIS.wavelengths), np.asarray(BASIS.values)
+    with asset("spectra", "mallett2019.csv").open(encoding="utf-8") as file:
+        rows = [line for line in csv.reader(file) if line and not line[0].startswith("#")]
+    table = np.array(rows[1:], dtype=np.float64)
+    table.setflags(write=False)
+    return table[:, 0], table[:, 1:]

@@ -7,15 +7,12 @@ are met by rays; the others are triangles, which pack.forms.mesh_of makes.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.parameters import Checked, choice, parameter
-
-if TYPE_CHECKING:
-    from relgloss_view.pack.mesh import Mesh
+from relgloss_view.pack.mesh import Mesh
 
 #: The sizes of each shape, by its name.
 SIZES = {
@@ -114,24 +111,19 @@ class Shape(Checked):
 
     def half_extent_m(self) -> Array:
         """Half the bounding box, (3,)."""
-        if self.kind not in ANALYTIC:
-            return self._mesh().half_extent_m
         radius = 0.5 * self.diameter_m
         if self.kind == "cylinder":
             return np.array([radius, 0.5 * self.height_m, radius])
         if self.kind == "sphere":
             return np.array([radius, radius, radius])
-        depth = 0.5 * self.depth_m if self.kind == "box" else 0.0
-        return np.array([0.5 * self.width_m, 0.5 * self.height_m, depth])
+        if self.kind == "plane":
+            return np.array([0.5 * self.width_m, 0.5 * self.height_m, 0.0])
+        if self.kind == "box":
+            return np.array([0.5 * self.width_m, 0.5 * self.height_m, 0.5 * self.depth_m])
+        return np.array(self._mesh().half_extent_m)
 
     def contains(self, point_m: Array) -> bool:
-        """Whether a point is inside the object (a plane has no inside).
-
-        Inside triangles: where they go around it by more than half (Jacobson et al. 2013).
-        """
-        if self.kind not in ANALYTIC:
-            outside = np.any(np.abs(point_m) > self.half_extent_m())
-            return bool(not outside and self._mesh().winding_number(point_m) > 0.5)
+        """Whether a point is inside the object (a plane has no inside)."""
         x, y, z = point_m
         radius = 0.5 * self.diameter_m
         if self.kind == "plane":
@@ -140,11 +132,13 @@ class Shape(Checked):
             return bool(x * x + y * y + z * z <= radius * radius)
         if self.kind == "cylinder":
             return bool(x * x + z * z <= radius * radius and abs(y) <= 0.5 * self.height_m)
-        return bool(np.all(np.abs(point_m) <= self.half_extent_m()))
+        if not np.all(np.abs(point_m) <= self.half_extent_m()):
+            return False
+        return self.kind == "box" or self._mesh().contains(point_m)
 
     def _mesh(self) -> Mesh:
-        from relgloss_view.pack import forms
+        from relgloss_view.pack.forms import mesh_of  # it makes meshes of shapes
 
-        mesh = forms.mesh_of(self)
+        mesh = mesh_of(self)
         assert mesh is not None
         return mesh

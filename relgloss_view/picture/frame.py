@@ -17,9 +17,11 @@ from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.highlight import shows_gloss
+from relgloss_view.picture.model.light import light_warnings
 from relgloss_view.picture.model.pixel_sampling import (
     MAX_SAMPLES,
     PIXELS_A_GRAIN,
+    grainiest,
     pixels_a_grain,
     sample_count,
     samples_needed,
@@ -153,9 +155,10 @@ def scene_warnings(
         return ("the eye is inside the object: nothing is seen",)
     if not seen:
         return ("nothing of the object falls on a pixel's sample: the picture is empty",)
-    if not lit:
+    if not lit and scene.lamp.ambient == 0.0:
         return (BLACK,)
     warnings = list(illuminant(scene.lamp.illuminant).notes)
+    warnings += light_warnings(scene.setup, lit=lit)
     needed = samples_needed(scene, size)
     if sample_count(scene, look, size) < needed:
         warnings.append(
@@ -167,6 +170,7 @@ def scene_warnings(
 
 def _grain_warnings(scene: Scene, look: Look, size: tuple[int, int]) -> tuple[str, ...]:
     """The warning of grain that is smaller than a pixel."""
+    look = grainiest(scene, look)
     pixels = pixels_a_grain(scene, look, size)
     if look.sigma_n_deg == 0.0 or pixels <= PIXELS_A_GRAIN:
         return ()
@@ -262,18 +266,20 @@ class Frame(Stages):
     @cached_property
     def lacks_gloss(self) -> bool:
         """Whether the sample has gloss, and this view of it shows none."""
-        material = self.scene.material
-        if self.object_pixels == 0 or not material.visible_lobes():
+        shiny = [m for m in self.scene.materials if m.visible_lobes()]
+        if self.object_pixels == 0 or not shiny:
             return False
-        sigma_n_deg = self.look.sigma_n_deg
-        return not shows_gloss(material, sigma_n_deg, self.scene.setup, self.size, self.l_s_max)
+        sigma_n_deg = grainiest(self.scene, self.look).sigma_n_deg
+        setup, size = self.scene.setup, self.size
+        return not any(shows_gloss(m, sigma_n_deg, setup, size, self.l_s_max) for m in shiny)
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """What is wrong or doubtful with the material, the scene or c, one sentence each."""
         scene = self._scene_warnings
         unseen = (NO_GLOSS,) if BLACK not in scene and self.lacks_gloss else ()
-        return (*self.scene.material.warnings, *scene, *unseen, *self.scaling.warnings)
+        own = dict.fromkeys(text for m in self.scene.materials for text in m.warnings)
+        return (*own, *scene, *unseen, *self.scaling.warnings)
 
     @property
     def y_n_cd_m2(self) -> float:

@@ -11,14 +11,18 @@ from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.material import brdf
 from relgloss_view.material.spectra import illuminant
+from relgloss_view.picture.body import Body, MaterialBody, PackBody
 from relgloss_view.picture.frame import Extremes, Frame, Scaling, scene_warnings
-from relgloss_view.picture.model import shape, tone
+from relgloss_view.picture.model import lights, shape, tone
 from relgloss_view.picture.model.drawn import as_drawn
 from relgloss_view.picture.model.grain import grain_normal
 from relgloss_view.picture.model.light import front_white, lit_white
+from relgloss_view.picture.model.lights import white_seen
 from relgloss_view.picture.model.pixel_sampling import sample_count
+from relgloss_view.picture.model.sight import sight
 from relgloss_view.picture.model.silhouette import coverage, edge_pixels, smoothed
-from relgloss_view.picture.model.view import Size, View, check_size, float32
+from relgloss_view.picture.model.surface import surface_of
+from relgloss_view.picture.model.view import Size, View, check_size
 from relgloss_view.picture.peak import check_picture
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
@@ -75,9 +79,9 @@ class ReferenceRenderer:
             checkpoint()
             total, covered = np.zeros(1), np.zeros(1)
             for place in _places(samples):
-                hit, _, i, _, distance2 = _meet(scene, view, rows, place)
-                mu_i = np.maximum(np.sum(hit.normal * i, axis=-1), 0.0)
-                total = total + np.where(hit.found, mu_i / distance2, 0.0)
+                hit, _, _ = _meet(scene, view, rows, place)
+                seen_white = white_seen(scene.setup, hit.point_m, hit.normal)
+                total = total + np.where(hit.found, seen_white, 0.0)
                 covered = covered + hit.found
             largest = max(largest, float(np.max(total / np.maximum(covered, 1.0))))
             seen = seen or bool(np.any(covered > 0.0))
@@ -86,58 +90,88 @@ class ReferenceRenderer:
     def _shade(self, stages: ReferenceStages, white: float) -> tuple[Extremes, int]:
         """Draw diffuse and specular; returns their extremes and how many pixels show the object."""
         scene, look, view = stages.scene, stages.look, stages.view
-        material = scene.material
-        weights = material.xyz_weights(illuminant(scene.lamp.illuminant))
+        body = stages.body
         places = _places(stages.samples)
         height = view.size[1]
+        ambient = scene.lamp.ambient
+        power = np.pi * (1.0 - ambient)
         extremes, pixels = Extremes.of_nothing(), 0
-        for rows in _row_chunks(view, material.bands.count):
+        for rows in _row_chunks(view, body.bands):
             self._progress(rows.start / height, f"row {rows.start} of {height}")
-            diffuse_light, specular_light = stages.diffuse[rows], stages.specular[rows]
+            diffuse_light, specular_light = stages.diffuse[rows], stages.specular[rows, :, :3]
+            gloss_factor = stages.specular[rows, :, 3]
             covered = np.zeros(diffuse_light.shape[:2])
             for place in places:
                 checkpoint()
-                hit, o, i, n, distance2 = _meet(scene, view, rows, place, look)
-                grain = brdf.facing(n, i, o)
-                smooth = grain if look.noisy_lobes == "both" else brdf.facing(hit.normal, i, o)
-                arriving = np.where(hit.found, np.pi / (white * distance2), 0.0) if white else 0.0
-                diffuse = material.evaluate_facing(smooth)[0] @ weights
-                specular = material.evaluate_facing(grain)[1] @ weights
-                lit_diffuse = arriving * np.maximum(smooth.mu_i, 0.0)
-                lit_specular = arriving * np.maximum(grain.mu_i, 0.0)
-                diffuse_light[..., :3] += lit_diffuse[..., None] * diffuse
-                specular_light += lit_specular[..., None] * specular
+                hit, o, n = _meet(scene, view, rows, place, look, body, stages.samples)
+                smooth_n = n if look.noisy_lobes == "both" else hit.normal
+                for light in lights.lit(scene.setup, hit.point_m) if white else ():
+                    grain = brdf.facing(n, light.i, o)
+                    smooth = grain if smooth_n is n else brdf.facing(smooth_n, light.i, o)
+                    arriving = np.where(hit.found, power / (white * light.distance2), 0.0)
+                    diffuse = body.diffuse(smooth)
+                    specular = body.specular(grain, n, light, o)
+                    lit_diffuse = arriving * np.maximum(smooth.mu_i, 0.0)
+                    lit_specular = arriving * np.maximum(grain.mu_i, 0.0)
+                    diffuse_light[..., :3] += lit_diffuse[..., None] * diffuse
+                    specular_light += lit_specular[..., None] * specular
+                if ambient > 0.0:
+                    shown = [
+                        ambient * np.where(hit.found[..., None], part, 0.0)
+                        for part in body.ambient(
+                            np.sum(smooth_n * o, axis=-1), np.sum(n * o, axis=-1)
+                        )
+                    ]
+                    diffuse_light[..., :3] += shown[0]
+                    specular_light += shown[1]
                 covered += hit.found
+                if isinstance(body, PackBody):
+                    gloss_factor += body.gloss_factor()
             diffuse_light[..., :3] /= np.maximum(covered, 1.0)[..., None]
             specular_light /= np.maximum(covered, 1.0)[..., None]
+            gloss_factor /= np.maximum(covered, 1.0)
             diffuse_light[..., 3] = covered / len(places)
             drawn = covered > 0.0
-            split = tone.split_lightness(
+            l_d, l_s = tone.split_lightness(
                 diffuse_light[..., 1][drawn], specular_light[..., 1][drawn]
             )
             if np.any(drawn):
-                found = Extremes.over(*split)
+                found = Extremes.over(l_d, l_s * gloss_factor[drawn] if scene.pack else l_s)
                 extremes = extremes.joined(found) if pixels else found
                 pixels += int(np.sum(drawn))
         return extremes, pixels
 
 
 def _meet(
-    scene: Scene, view: View, rows: slice, place: tuple[float, float], look: Look | None = None
-) -> tuple[shape.Hit, Array, Array, Array, Array]:
-    """Hit, to eye, to lamp, the grain's normal, squared distance to the lamp."""
-    half_extent_m = float32(scene.shape.half_extent_m())
-    ray = view.rays(rows, place)
-    hit = shape.meet(scene.shape.kind, view.eye_m, ray, half_extent_m)
-    to_lamp = float32(scene.lamp.position_m) - hit.point_m
-    distance2 = np.maximum(np.sum(to_lamp * to_lamp, axis=-1), 1e-30)
-    i = to_lamp / np.sqrt(distance2)[..., None]
+    scene: Scene,
+    view: View,
+    rows: slice,
+    place: tuple[float, float],
+    look: Look | None = None,
+    body: Body | None = None,
+    samples: int = 1,
+) -> tuple[shape.Hit, Array, Array]:
+    """Hit, to eye, the grain's normal; a pack's body is put where the hits are."""
+    seen = sight(
+        scene.shape,
+        view,
+        *np.broadcast_arrays(
+            np.arange(view.size[0]) + (place[0] - 0.5),
+            np.arange(view.size[1])[rows, None] + (place[1] - 0.5),
+        ),
+    )
+    hit, ray = seen.hit, seen.ray
+    sigma_n_deg = None
+    if isinstance(body, PackBody):
+        assert scene.pack is not None
+        body.put_at(surface_of(scene.pack, view, seen, samples))
+        sigma_n_deg = body.sigma_n_deg()
     o = -ray / np.linalg.norm(ray, axis=-1, keepdims=True)
     n = hit.normal
     if look is not None:
         y, x = np.mgrid[rows, 0 : view.size[0]]
-        n = grain_normal(scene, look, hit, o, np.stack([x, y], axis=-1), place)
-    return hit, o, i, n, distance2
+        n = grain_normal(scene, look, hit, o, np.stack([x, y], axis=-1), place, sigma_n_deg)
+    return hit, o, n
 
 
 class ReferenceStages:
@@ -148,7 +182,11 @@ class ReferenceStages:
         self.scene, self.look, self.view, self.samples = scene, look, view, samples
         self.c = 1.0
         self.diffuse = np.zeros((height, width, 4))
-        self.specular = np.zeros((height, width, 3))
+        #: XYZ, and of packs the factor k of L_s*
+        self.specular = np.zeros((height, width, 4))
+        self.body: Body = (
+            MaterialBody(scene) if scene.pack is None else PackBody(scene.pack, scene, look)
+        )
         self._last: tuple[str, slice, dict[str, Array]] | None = None
 
     def fetch(self, stage: str, rows: slice | None = None) -> Array:
@@ -199,7 +237,7 @@ class ReferenceStages:
         stages = {name: np.zeros((*covered.shape, 3)) for name in DRAWN_TOGETHER["geometry"]}
         open_ = np.ones(covered.shape, dtype=bool)
         for place in [(0.5, 0.5), *_places(self.samples)]:
-            hit, _, _, n, _ = _meet(scene, view, rows, place, look)
+            hit, _, n = _meet(scene, view, rows, place, look, self.body, self.samples)
             new = open_ & hit.found
             stages["normal"][new] = hit.normal[new]
             stages["tilted_normal"][new] = n[new]
@@ -215,7 +253,9 @@ class ReferenceStages:
         covered = diffuse[..., 3:]
         seen = covered > 0.0
         white = illuminant(self.scene.lamp.illuminant).white_xyz()
-        split = tone.split_lab(diffuse[..., :3], specular, white)
+        split = tone.split_lab(diffuse[..., :3], specular[..., :3], white)
+        if self.scene.pack is not None:
+            split[..., 1] *= specular[..., 3]
         lab = tone.scaled_lab(split, self.c)
         shown, inside = tone.display_rgb(lab, display)
         light = np.where(

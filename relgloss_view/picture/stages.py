@@ -32,6 +32,8 @@ class Stages:
     Row 0 is the uppermost. XYZ is relative to Y_n: Y = 1 is the perfect diffuser.
     """
 
+    scene: Scene
+
     def _stage(self, name: str) -> AnyArray:
         """A stage as the renderer has it; not kept."""
         raise NotImplementedError
@@ -65,9 +67,20 @@ class Stages:
         return np.asarray(self._stage("split")[..., 0] > 0.5 * tone.OFF_OBJECT)
 
     @cached_property
+    def _specular(self) -> Floats:
+        return self._stage("specular")
+
+    @property
     def specular(self) -> Floats:
         """(H, W, 3), XYZ of the specular reflection."""
-        return self._stage("specular")[..., :3]
+        return self._specular[..., :3]
+
+    @property
+    def gloss_factor(self) -> Floats:
+        """(H, W), k, the factor of L_s* beside c: the mean of a pack's finishes, else 1."""
+        if self.scene.pack is None:
+            return self.on_object.astype(np.float64)
+        return self._specular[..., 3]
 
     @cached_property
     def lab(self) -> Floats:
@@ -116,16 +129,17 @@ class Stages:
 
     @cached_property
     def split(self) -> tuple[Floats, Floats]:
-        """(H, W) each: L_d*, and L_s* before scaling; 0 off the object."""
-        return tone.split_lightness(
+        """(H, W) each: L_d*, and L_s* before scaling by c, of a pack times k; 0 off the object."""
+        l_d, l_s = tone.split_lightness(
             self.diffuse[..., 1].astype(np.float64), self.specular[..., 1].astype(np.float64)
         )
+        return (l_d, l_s) if self.scene.pack is None else (l_d, l_s * self.gloss_factor)
 
 
 #: Of Stages: what a frame may have fetched whole, and where it keeps it.
 KEPT = {
     "diffuse": "_diffuse",
-    "specular": "specular",
+    "specular": "_specular",
     "split": "on_object",
     "lab": "lab",
     "light": "light",
@@ -150,7 +164,7 @@ class Part(Stages):
         self.rows = slice(top, bottom)
         self.own = slice(first - top, last - top)
         self.first = first
-        self.scene: Scene = frame.scene
+        self.scene = frame.scene
         self._frame = frame
 
     @cached_property

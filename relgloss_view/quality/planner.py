@@ -179,6 +179,8 @@ def _only_exact(proxy: Proxy, size: Size) -> str:
         return "no pixel shows the object: nothing to simplify"
     if proxy.dark:
         return "hardly a pixel is lit: everything is drawn exactly"
+    if not proxy.scene.setup.is_plain:
+        return "the choices were tested under one point lamp: everything is drawn exactly"
     if sample_count(proxy.scene, proxy.look, size) > 1:
         return "several samples a pixel: everything is drawn exactly"
     weak = float(np.max(proxy.exact.l_s, initial=0.0)) < WEAK_LSTAR
@@ -263,8 +265,7 @@ class MethodChooser:
         if scene.pack is not None:
             return advise(scene, look, size, self.tolerance)
         lamp = illuminant(scene.lamp.illuminant)  # another one where its file was edited
-        setup = scene.shape, scene.lamp, scene.eye, scene.display
-        key = id(scene.material), id(lamp), setup, look, size
+        key = id(scene.material), id(lamp), scene.setup, look, size
         if key not in self._advice:
             # The key holds identities: kept with it, no other object can have them.
             advice = advise(scene, look, size, self.tolerance)

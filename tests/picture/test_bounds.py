@@ -39,13 +39,13 @@ class TestBounds:
             bounded = renderer.render(scene, Look(), size)
             with monkeypatch.context() as whole:
                 whole.setattr(views, "_bounds", lambda *given: (0, 0, *given[-1]))
-                views.view_of.cache_clear()
+                views._view_of.cache_clear()
                 full = Renderer(renderer.ctx, renderer.programs)
                 expected = full.render(scene, Look(), size)
                 np.testing.assert_array_equal(bounded.coverage, expected.coverage)
                 assert_same_pixels(bounded.display, expected.display)
                 full.release()
-            views.view_of.cache_clear()
+            views._view_of.cache_clear()
 
     def test_what_stood_there_before_is_gone(self, renderer):
         """The object moves in the picture; its old place is surround again."""
@@ -90,8 +90,8 @@ class TestBounds:
         bounded = renderer.render(scene, Look(), size)
         assert np.sum(bounded.on_object) > 100
         monkeypatch.setattr(views, "_bounds", lambda *given: (0, 0, *given[-1]))
-        views.view_of.cache_clear()
+        views._view_of.cache_clear()
         full = Renderer(renderer.ctx, renderer.programs)
         np.testing.assert_array_equal(bounded.coverage, full.render(scene, Look(), size).coverage)
         full.release()
-        views.view_of.cache_clear()
+        views._view_of.cache_clear()

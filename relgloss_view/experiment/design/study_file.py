@@ -25,7 +25,14 @@ from relgloss_view.material.lamp_file import lamp_text
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, SAMPLES, Sample
-from relgloss_view.picture.scene.scene_file import TABLES, build, lamp_beside, read_sample
+from relgloss_view.picture.scene.scene_file import (
+    FURTHER_LAMP,
+    TABLES,
+    build,
+    further_lamps,
+    lamp_beside,
+    read_sample,
+)
 from relgloss_view.picture.scene.setup import Setup
 
 MAX_BYTES = 1024 * 1024
@@ -70,7 +77,7 @@ def built_in_file(name: str) -> Path:
 
 
 def _study(content: Mapping[str, Any], folder: Path) -> Study:
-    tables = ("study", "samples", "reference", "grid", *PARTS, *TABLES)
+    tables = ("study", "samples", "reference", "grid", *PARTS, *TABLES, FURTHER_LAMP)
     for name in content:
         if name not in tables:
             unknown = printable(name, 60)
@@ -94,7 +101,7 @@ def _study(content: Mapping[str, Any], folder: Path) -> Study:
         **words,
         **{name: build_part(kind, name, content.get(name, {})) for name, kind in PARTS.items()},
         look=parts.pop("look"),
-        setup=Setup(**parts),
+        setup=Setup(**parts, further_lamps=further_lamps(content)),
     )
 
 
@@ -164,7 +171,7 @@ def _grid(values: Mapping[str, Any]) -> Grid:
 
 def study_to_dict(study: Study) -> dict[str, Any]:
     """The study as JSON holds it, whole: materials and a lamp's table are inside it."""
-    lamp = study.setup.lamp.illuminant
+    lamp, lamps = study.setup.lamp.illuminant, study.setup.further_lamps
     return {
         "study": {name: _plain(getattr(study, name)) for name in WORDS},
         "samples": [
@@ -176,6 +183,7 @@ def study_to_dict(study: Study) -> dict[str, Any]:
         "grid": {name: list(getattr(study.grid, name)) for name in ("sigma_n_deg", "c_fraction")},
         **{name: entries(getattr(study, name)) for name in PARTS},
         **{name: entries(part) for name, part in study.setup.parts().items()},
+        **({FURTHER_LAMP: [entries(k) for k in lamps]} if lamps else {}),
         "look": entries(study.look),
         "lamp_table": None if is_lamp_name(lamp) else lamp_text(lamp),
     }  # fmt: skip
@@ -201,7 +209,7 @@ def study_from_dict(content: Mapping[str, Any], lamp_folder: Path) -> Study:
         **words,
         **{name: build_part(kind, name, content[name]) for name, kind in PARTS.items()},
         look=parts.pop("look"),
-        setup=Setup(**parts),
+        setup=Setup(**parts, further_lamps=further_lamps(content)),
     )
 
 

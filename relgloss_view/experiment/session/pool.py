@@ -158,7 +158,7 @@ def _judged_parts(study: Study) -> dict[str, Any]:
     """What decides what is judged, by name; shape, lamp, eye and display each by itself."""
     names = [field.name for field in dataclasses.fields(Study)]
     parts = {name: getattr(study, name) for name in names if name not in (*MAY_DIFFER, "setup")}
-    return parts | study.setup.parts()
+    return parts | study.setup.parts() | {"further_lamps": study.setup.further_lamps}
 
 
 def _lamp(lamp: Lamp) -> str:

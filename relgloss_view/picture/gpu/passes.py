@@ -43,6 +43,7 @@ from relgloss_view.picture.gpu.targets import (
     Targets,
 )
 from relgloss_view.picture.gpu.uniforms import (
+    LAMP_NAMES,
     WHOLE,
     display_uniforms,
     field_size,
@@ -322,6 +323,8 @@ class Passes:
         inputs = {**shading.uniforms, **self._field(shading.variant)}
         if shading.variant.cube_root == "table":
             inputs["cube_root_table"] = self.targets.cube_root_table()
+        if shading.variant.ambient:
+            inputs["albedo_table"] = self.targets.albedo_table(shading.uniforms["albedo_rows"])
         return inputs
 
     def _shading(self, request: Request) -> Shading:
@@ -429,7 +432,7 @@ class Passes:
         variant = Variant.of(request.scene, request.look, chosen=request.method)
         uniforms = view_uniforms(request.scene, view, afar=variant.afar)
         defines = variant.shape_defines()
-        seen_from = {name: value for name, value in uniforms.items() if name != "lamp_m"}
+        seen_from = {name: value for name, value in uniforms.items() if name not in LAMP_NAMES}
         mesh = forms.mesh_of(request.scene.shape)
         if not self.held.renew("coverage", tuple(defines.items()), seen_from, mesh):
             return self.silhouette

@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from relgloss_view.picture.gpu.finishes import finish_uniforms
 from relgloss_view.picture.gpu.programs import Uniforms
 from relgloss_view.picture.gpu.request import Request
 from relgloss_view.picture.gpu.uniforms import (
     NO_GRAIN,
+    ambient_uniforms,
     colour_uniforms,
     grain_uniforms,
     material_uniforms,
     view_uniforms,
 )
 from relgloss_view.picture.gpu.variant import Variant
+from relgloss_view.picture.model.light import lamps_irradiance
 from relgloss_view.picture.model.pixel_sampling import sample_count
 from relgloss_view.picture.model.view import View
 
@@ -50,6 +50,7 @@ def shading_of(
         **seen_from,
         **(grain_uniforms(scene, look, size) if variant.noise != "none" else NO_GRAIN),
         **material,
-        "irradiance": np.pi / white if white > 0.0 else 0.0,
+        **ambient_uniforms(scene, look, method),
+        "irradiance": lamps_irradiance(white, scene.setup),
     }
     return Shading(variant, uniforms, white)

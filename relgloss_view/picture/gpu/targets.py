@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import moderngl
 import numpy as np
 
-from relgloss_view.base.arrays import AnyArray
+from relgloss_view.base.arrays import AnyArray, Array
 from relgloss_view.base.errors import InputError, RelglossError
 from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.picture.frame import Extremes
@@ -99,6 +99,8 @@ class Targets:
         self._framebuffers: dict[tuple[str, ...], moderngl.Framebuffer] = {}
         self._table: moderngl.Texture | None = None
         self._depth_buffer: moderngl.Renderbuffer | None = None
+        self._albedos: moderngl.Texture | None = None
+        self._albedo_rows = b""
         # Bound while others are freed: a bound framebuffer can't be freed where no screen exists.
         self._parking = ctx.framebuffer([ctx.texture((1, 1), 4)])
 
@@ -206,6 +208,19 @@ class Targets:
             self._table = self.ctx.texture((len(pairs), 1), 2, pairs.tobytes(), dtype="f4")
             self._table.filter = (moderngl.NEAREST, moderngl.NEAREST)
         return self._table
+
+    def albedo_table(self, rows: Array) -> moderngl.Texture:
+        """The table of ambient.glsl, (rows, entries, 4) float32, as a texture; kept until others."""
+        data = rows.tobytes()
+        if self._albedo_rows != data:
+            if self._albedos is not None:
+                self._albedos.release()
+            size = (rows.shape[1], rows.shape[0])
+            self._albedos = self.ctx.texture(size, 4, data, dtype="f4")
+            self._albedos.filter = (moderngl.NEAREST, moderngl.NEAREST)
+            self._albedo_rows = data
+        assert self._albedos is not None
+        return self._albedos
 
     def held(self) -> tuple[str, ...]:
         """The names of the targets that there are."""

@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from relgloss_view.material import brdf
+from relgloss_view.material.albedo_table import STEPS, diffuse_table, lobe_table
 from relgloss_view.material.approximations import mean_lobe, plain_lobe
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.gpu.programs import Uniforms
 from relgloss_view.picture.method import Method
-from relgloss_view.picture.model.drawn import drawn_diffuse, drawn_facets, drawn_lobes
+from relgloss_view.picture.model.drawn import drawn_diffuse, drawn_facets, drawn_lobes, in_model
 from relgloss_view.picture.model.grain import field_step
 from relgloss_view.picture.model.grain_field import FIELD_TILE
-from relgloss_view.picture.model.pixel_sampling import eye_grain_samples
+from relgloss_view.picture.model.lights import lamps_of, share_of
+from relgloss_view.picture.model.pixel_sampling import eye_grain_samples, grainiest
 from relgloss_view.picture.model.tone import DisplayModel
 from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import MOST_FURTHER_LAMPS
 
 WHOLE: Uniforms = {"lowest_row": 0}  #: of rows.glsl, where a target holds the whole picture
 
@@ -39,8 +43,50 @@ def view_uniforms(scene: Scene, view: View, *, afar: bool) -> Uniforms:
         "view_shift": view.shift,
         "size_px": view.size,
         "half_extent_m": scene.shape.half_extent_m(),
-        "lamp_m": scene.lamp.position_m,
+        **lamp_uniforms(scene),
     }
+
+
+#: The numbers of the lamps, on which no point of the object depends.
+LAMP_NAMES = ("lamp_m", "further_lamps", "lamp_radius2")
+
+
+def lamp_uniforms(scene: Scene) -> Uniforms:
+    """The lamps; of further ones and of discs only where there are any."""
+    uniforms: dict[str, Any] = {"lamp_m": scene.lamp.position_m}
+    main, *further = lamps_of(scene.setup)
+    if further:
+        places = np.zeros((MOST_FURTHER_LAMPS, 4))
+        for k, lamp in enumerate(further):
+            places[k] = (*lamp.position_m, share_of(lamp))
+        uniforms["further_lamps"] = places
+    if any(lamp.radius_m > 0.0 for lamp in (main, *further)):
+        radius2 = np.zeros(1 + MOST_FURTHER_LAMPS)
+        radius2[: 1 + len(further)] = [lamp.radius_m**2 for lamp in (main, *further)]
+        uniforms["lamp_radius2"] = radius2
+    return uniforms
+
+
+def ambient_uniforms(scene: Scene, look: Look, method: Method) -> Uniforms:
+    """The surround's light, and the table that ambient.glsl reads as (2 M, STEPS + 1, 4) numbers.
+
+    Two rows for each of M materials: one, or those of a pack's finishes.
+
+    Empty where the scene has no such light.
+    """
+    if scene.lamp.ambient == 0.0:
+        return {}
+    materials = [scene.material]
+    if scene.pack is not None:
+        materials = [in_model(finish.material, look) for finish in scene.pack.finishes]
+    rows = np.zeros((2 * len(materials), STEPS + 1, 4), dtype=np.float32)
+    for n, material in enumerate(materials):
+        model = drawn_diffuse(material, method)
+        rows[2 * n, :, :2] = np.stack(diffuse_table(model, material.diffuse.sigma), axis=-1)
+        for k, lobe in enumerate(drawn_lobes(material, method)):
+            for part, column in zip(lobe.parts(material.bands.count), (k, k + 2), strict=False):
+                rows[2 * n + 1, :, column] = lobe_table(lobe.s, part.fresnel)
+    return {"ambient": scene.lamp.ambient, "albedo_rows": rows}
 
 
 def per_size(size: Size) -> Uniforms:
@@ -54,6 +100,7 @@ NO_GRAIN: Uniforms = {"sigma_n": 0.0, "grains_per_px": 1.0, "grain_m": 1.0, "see
 
 def grain_uniforms(scene: Scene, look: Look, size: Size) -> Uniforms:
     """The tilt of the normals and its cells, or what the field of its tilts follows from."""
+    look = grainiest(scene, look)
     if look.grain == "eye":
         width, height = field_size(scene, look, size)
         return {
@@ -74,6 +121,7 @@ def grain_uniforms(scene: Scene, look: Look, size: Size) -> Uniforms:
 
 def field_size(scene: Scene, look: Look, size: Size) -> Size:
     """Texels of the field of tilts: one for each draw of the grain, as far as they don't repeat."""
+    look = grainiest(scene, look)
     samples = eye_grain_samples(scene.display, look)
     width, height = (min(samples * side, FIELD_TILE) for side in size)
     return width, height

@@ -15,6 +15,7 @@ from relgloss_view.picture.gpu.constants import code
 from relgloss_view.picture.gpu.finishes import drawn_finishes, finish_constants, finish_tables
 from relgloss_view.picture.gpu.targets import written
 from relgloss_view.picture.model.drawn import drawn_diffuse, drawn_facets, drawn_lobes
+from relgloss_view.picture.model.lights import lamps_of
 from relgloss_view.picture.model.view import from_afar
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
@@ -39,6 +40,9 @@ class Variant:
     shadowing: str = "v-groove"
     facets: str = "gaussian"
     lamp: str = "point"
+    lamps: int = 1  #: that give light, 1 to 4
+    lamp_size: bool = False  #: one of them is a disc
+    ambient: bool = False  #: there is light from all around
     bands: int = 0  #: drawn one by one; 0 where their spectra are folded into XYZ
     cube_root: str = "householder"
     surface: str = "met"  #: constants.SURFACES
@@ -141,7 +145,8 @@ class Variant:
             "FRESNEL": code("FRESNEL", self.fresnel),
             "SHADOWING": code("SHADOWING", self.shadowing),
             "FACETS": code("FACETS", self.facets),
-            "LAMP": code("LAMP", self.lamp),
+            **self.lamp_defines(),
+            "AMBIENT": int(self.ambient),
             "BANDS": self.bands,
             "CUBE_ROOT": code("CUBE_ROOT", self.cube_root),
             "WRITES": code("WRITES", self.writes),
@@ -177,7 +182,15 @@ class Variant:
         return {
             **self.shape_defines(),
             "SAMPLED": int(self.sampled),
+            **self.lamp_defines(),
+        }
+
+    def lamp_defines(self) -> dict[str, int]:
+        """The constants of the lamps."""
+        return {
             "LAMP": code("LAMP", self.lamp),
+            "LAMPS": self.lamps,
+            "LAMP_SIZE": int(self.lamp_size),
             **({} if self.surface == "met" else {"SURFACE": code("SURFACE", self.surface)}),
         }
 
@@ -194,15 +207,21 @@ class Variant:
 
 
 def _met(scene: Scene) -> dict[str, Any]:
-    """How the object is met: the entries of a Variant for its shape."""
+    """How the object is met and lit: the entries of a Variant for its shape and the lamps."""
+    lit = {
+        "lamps": len(lamps_of(scene.setup)),
+        "lamp_size": any(lamp.radius_m > 0.0 for lamp in lamps_of(scene.setup)),
+        "ambient": scene.lamp.ambient > 0.0,
+    }
     if scene.shape.kind not in ANALYTIC:
         # Rays to triangles begin beside the object, which keeps the digits of small ones.
-        return {"shape": "triangles", "caps": False, "afar": True, "surface": "read"}
+        return {"shape": "triangles", "caps": False, "afar": True, "surface": "read", **lit}
     return {
         "shape": scene.shape.kind,
         "caps": _sees_a_cap(scene),
         "afar": from_afar(scene.shape, scene.eye),
         "surface": "met" if scene.pack is None else "read",
+        **lit,
     }
 
 

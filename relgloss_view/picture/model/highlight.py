@@ -6,6 +6,7 @@ angle between lamp and eye (Torrance, Sparrow 1967), whatever the material.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from dataclasses import dataclass
 from functools import lru_cache
@@ -15,6 +16,8 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.material import brdf
 from relgloss_view.material.material import Material
+from relgloss_view.pack import forms
+from relgloss_view.pack.mesh import Mesh
 from relgloss_view.pack.shape import ANALYTIC
 from relgloss_view.picture.model.shape import Hit
 from relgloss_view.picture.model.sight import sight
@@ -41,7 +44,6 @@ class Highlight:
     place: tuple[float, float]  #: in the picture, shares of its width and height from the top left
 
 
-@lru_cache(maxsize=64)
 def best_mirror(setup: Setup, size: Size = SIZE) -> Highlight | None:
     """The highlight of a setup, in the part of it that a picture of this shape shows.
 
@@ -55,6 +57,11 @@ def best_mirror(setup: Setup, size: Size = SIZE) -> Highlight | None:
     >>> best_mirror(Setup(lamp=Lamp(azimuth_deg=180.0))) is None
     True
     """
+    return _best_mirror(setup, size, forms.mesh_of(setup.shape))
+
+
+@lru_cache(maxsize=64)
+def _best_mirror(setup: Setup, size: Size, _: Mesh | None) -> Highlight | None:
     view = view_of(setup.shape, setup.eye, size)
     left, bottom, right, top = view.bounds
     places = PLACES if setup.shape.kind in ANALYTIC else TRIANGLE_PLACES
@@ -97,6 +104,28 @@ def best_mirror(setup: Setup, size: Size = SIZE) -> Highlight | None:
     return min(found, key=lambda highlight: highlight.tilt_deg, default=None)
 
 
+def each_lamp(setup: Setup) -> tuple[Setup, ...]:
+    """The setup under each of its lamps by itself, the main one first.
+
+    >>> from relgloss_view.picture.scene.setup import FurtherLamp
+    >>> two = Setup(further_lamps=(FurtherLamp(azimuth_deg=-40.0),))
+    >>> [by_itself.lamp.azimuth_deg for by_itself in each_lamp(two)]
+    [50.0, -40.0]
+    """
+    if not setup.further_lamps:
+        return (setup,)
+    alone = dataclasses.replace(setup, further_lamps=())
+    names = ("azimuth_deg", "elevation_deg", "distance_m", "radius_m")
+    return (
+        alone,
+        *(
+            alone.with_entries("lamp", **{name: getattr(lamp, name) for name in names})
+            for lamp in setup.further_lamps
+            if lamp.share > 0.0
+        ),
+    )
+
+
 def peak_share(material: Material, sigma_n_deg: float, tilt_deg: float) -> float:
     """Share of the highlight's peak that a sample shows at a tilt from the mirror direction.
 
@@ -121,14 +150,15 @@ def shows_gloss(
     material: Material, sigma_n_deg: float, setup: Setup, size: Size, l_s_max: float
 ) -> bool:
     """Whether gloss can be judged in a picture whose largest L_s* is `l_s_max`."""
-    if l_s_max >= GLOW_LSTAR:
-        return True
-    highlight = best_mirror(setup, size)
-    if highlight is None:
+    if l_s_max >= GLOW_LSTAR and setup.lamp.ambient == 0.0:
+        return True  # with ambient light every view of a glossy sample glows
+    highlights = (best_mirror(by_itself, size) for by_itself in each_lamp(setup))
+    tilts = [highlight.tilt_deg for highlight in highlights if highlight is not None]
+    if not tilts:
         return False
     narrowest = min((lobe.s_deg for lobe in material.visible_lobes()), default=0.0)
-    if highlight.tilt_deg <= math.hypot(narrowest, sigma_n_deg):
+    if min(tilts) <= math.hypot(narrowest, sigma_n_deg):
         return True  # it is there; where it falls between pixels, more samples show it
     if l_s_max < NO_LOBE_LSTAR:
         return False
-    return peak_share(material, sigma_n_deg, highlight.tilt_deg) >= LEAST_SHARE
+    return peak_share(material, sigma_n_deg, min(tilts)) >= LEAST_SHARE

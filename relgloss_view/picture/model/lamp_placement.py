@@ -13,7 +13,8 @@ from functools import lru_cache
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
-from relgloss_view.pack.shape import CURVED
+from relgloss_view.pack import forms
+from relgloss_view.pack.mesh import Mesh
 from relgloss_view.picture.model.highlight import SIZE, best_mirror
 from relgloss_view.picture.model.sight import sight
 from relgloss_view.picture.model.view import Size, view_of
@@ -21,6 +22,7 @@ from relgloss_view.picture.scene.setup import Eye, Lamp, Setup
 
 #: Degrees between normal and lamp; the lower end is a little below the paper's own 24.8.
 INCIDENCE_DEG = (24.0, 35.0)
+FLAT = ("plane", "box", "carton")  #: forms whose highlight needs the eye in the right place
 NEAR_MIRROR_DEG = 1.0  #: a present highlight within this of the mirror direction is one
 PLACES = 41  #: along each side of the searched part of the picture
 #: Wanted distance from the edges, share of the deepest point of the form: the side of a curved form
@@ -64,14 +66,14 @@ def lit_for_gloss(setup: Setup, size: Size = SIZE, *, turn_eye: bool = True) -> 
     >>> best_mirror(turned).tilt_deg < 0.1
     True
     """
-    return _lit(setup, size, turn_eye)
+    return _lit(setup, size, turn_eye, forms.mesh_of(setup.shape))
 
 
 @lru_cache(maxsize=64)
-def _lit(setup: Setup, size: Size, turn_eye: bool) -> Setup:
+def _lit(setup: Setup, size: Size, turn_eye: bool, _: Mesh | None) -> Setup:
     if _lies_well(setup, size):
         return setup
-    flat = setup.shape.kind not in CURVED
+    flat = setup.shape.kind in FLAT
     best, least = setup, math.inf
     for turn in EYE_TURNS_DEG if flat and turn_eye else (0.0,):
         if EYE * abs(turn) >= least:
@@ -115,7 +117,7 @@ def _cheapest(setup: Setup, size: Size) -> tuple[float, Lamp] | None:
     turn = np.degrees(np.arccos(np.clip(lamp_m @ present / setup.lamp.distance_m, -1.0, 1.0)))
     incidence = np.degrees(np.arccos(np.clip(mu, -1.0, 1.0)))
     low, high = INCIDENCE_DEG
-    depth = DEPTH if setup.shape.kind in CURVED else FLAT_DEPTH
+    depth = FLAT_DEPTH if setup.shape.kind in FLAT else DEPTH
     cost = (
         turn
         + TOO_STEEP * np.maximum(low + 1.0 - incidence, 0.0)

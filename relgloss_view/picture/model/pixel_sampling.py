@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from functools import lru_cache
 
 import numpy as np
 
 from relgloss_view.pack import forms
-from relgloss_view.pack.shape import ANALYTIC, CURVED, Shape
+from relgloss_view.pack.mesh import Mesh
+from relgloss_view.pack.shape import CURVED, Shape
+from relgloss_view.picture.model.lights import lamps_of
 from relgloss_view.picture.model.sight import meet_view
 from relgloss_view.picture.model.view import Size, View, view_of
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Eye
+from relgloss_view.picture.scene.setup import Display, Eye, FurtherLamp, Lamp
 
 MAX_SAMPLES = 16
 #: Samples of a Gaussian lobe this many standard deviations apart sum to its energy within
@@ -24,9 +27,9 @@ STEP_SD = 1.5
 #: too large. Averaging inside the pixel begins above.
 PIXELS_A_GRAIN = 1.1
 SURVEY = 32  #: places along each side of a picture where the turn of normals is looked up
-#: Percentile of that turn over a form: its sharp edges and rims are a small part of the picture,
-#: and highlights on them may stay undersampled.
-TURN_PERCENTILE = 75.0
+#: Percentile of that turn over a form: the turn at an ordinary place. Sharp edges and rims are a
+#: small part of the picture, and highlights on them may stay undersampled.
+TURN_PERCENTILE = 50.0
 
 
 def sample_count(scene: Scene, look: Look, size: Size) -> int:
@@ -36,8 +39,17 @@ def sample_count(scene: Scene, look: Look, size: Size) -> int:
     others.
     """
     count = samples_needed(scene, size) if look.samples is None else look.samples
-    grains = eye_grain_samples(scene.display, look)
+    grains = eye_grain_samples(scene.display, grainiest(scene, look))
     return grains * math.ceil(count / grains)
+
+
+def grainiest(scene: Scene, look: Look) -> Look:
+    """The look with the largest sigma_N of a pack's finishes: what its grain needs to be drawn."""
+    if scene.pack is None:
+        return look
+    own = (finish.sigma_n_deg for finish in scene.pack.finishes)
+    largest = max(look.sigma_n_deg if sigma is None else sigma for sigma in own)
+    return look if largest == look.sigma_n_deg else dataclasses.replace(look, sigma_n_deg=largest)
 
 
 def eye_grain_samples(display: Display, look: Look) -> int:
@@ -85,26 +97,33 @@ def samples_needed(scene: Scene, size: Size) -> int:
     and by the change of both directions. The estimate is for the highlight, where the normal lies
     halfway between eye and lamp.
     """
-    lobes = scene.material.visible_lobes()
-    if not lobes:
+    if not any(material.visible_lobes() for material in scene.materials):
         return 1
-    eye, lamp = scene.eye.distance_m, scene.lamp.distance_m
+    return max(_needed(scene, size, lamp) for lamp in lamps_of(scene.setup))
+
+
+def _needed(scene: Scene, size: Size, lamp: Lamp | FurtherLamp) -> int:
+    """The same for the highlight of one lamp, whose size widens the lobe."""
+    eye, away = scene.eye.distance_m, lamp.distance_m
     half = scene.shape.half_extent_m()
     depth = _depth_m(scene)
     across_m = footprint_m(scene, size)
-    turn = 0.5 * across_m * (1.0 / depth + 1.0 / lamp)
+    turn = 0.5 * across_m * (1.0 / depth + 1.0 / away)
     if scene.shape.kind in CURVED:
-        cosine = float(scene.eye.position_m @ scene.lamp.position_m) / (eye * lamp)
+        cosine = float(scene.eye.position_m @ lamp.position_m) / (eye * away)
         cos_half = math.sqrt(max(0.5 * (1.0 + cosine), 0.01))
         turn += across_m / (float(half[0]) * cos_half)
-    elif scene.shape.kind not in ANALYTIC:
-        turn += _normal_turn(scene.shape, scene.eye, size)
-    needed = turn / (STEP_SD * min(lobe.s for lobe in lobes))
+    elif (mesh := forms.mesh_of(scene.shape)) is not None:
+        turn += _normal_turn(scene.shape, scene.eye, size, mesh)
+    narrowest = min(lobe.s for material in scene.materials for lobe in material.visible_lobes())
+    if lamp.radius_m > 0.0:
+        narrowest = math.hypot(narrowest, 0.25 * math.atan2(lamp.radius_m, away))
+    needed = turn / (STEP_SD * narrowest)
     return max(1, min(MAX_SAMPLES, math.ceil(needed)))
 
 
 @lru_cache(maxsize=32)
-def _normal_turn(shape: Shape, eye: Eye, size: Size) -> float:
+def _normal_turn(shape: Shape, eye: Eye, size: Size, _: Mesh) -> float:
     """Angle by which the normals of triangles turn from one pixel to the next, radians."""
     view = view_of(shape, eye, size)
     left, bottom, right, top = view.bounds

@@ -94,7 +94,8 @@ class _Shown(NamedTuple):
     #: triangle has no negative product with any; 0 where the eye is in the triangle's plane
     edges: Array
     volume: Array  #: (T,), the triple product of the three, without its sign
-    box: Array  #: (T, 4), lowest column and row, highest column and row; empty where not in front
+    #: (4, T), lowest column and row, highest column and row; empty where nothing is in front
+    box: Array
 
     @classmethod
     def from_eye(cls, mesh: Mesh, eye_m: Array) -> _Shown:
@@ -102,7 +103,7 @@ class _Shown(NamedTuple):
         edges = np.cross(np.roll(corners, -1, axis=1), np.roll(corners, -2, axis=1))
         volume = np.sum(corners[:, 0] * edges[:, 0], axis=-1)
         edges *= np.sign(volume)[:, None, None]
-        return cls(corners, edges, np.abs(volume), np.zeros((len(corners), 4)))
+        return cls(corners, edges, np.abs(volume), np.zeros((4, len(corners))))
 
     @classmethod
     def of(cls, mesh: Mesh, view: View) -> _Shown:
@@ -126,8 +127,7 @@ def _shown(
     across, tall, depth = np.moveaxis(shown.corners @ inverse.T, -1, 0)  # (T, 3) each
     column = _span(across, depth, lambda x: (x - shift[0]) / step - 0.5 * (1 - size[0]))
     row = _span(-tall, depth, lambda y: (y + shift[1]) / step - 0.5 * (1 - size[1]))
-    low, high = (np.stack([column[k], row[k]], axis=-1) for k in (0, 1))
-    return shown._replace(box=np.concatenate([low, high], axis=-1))
+    return shown._replace(box=np.stack([column[0], row[0], column[1], row[1]]))
 
 
 def _span(side: Array, depth: Array, place: Callable[[Array], Array]) -> tuple[Array, Array]:
@@ -166,13 +166,15 @@ def _nearest(shown: _Shown, columns: Array, rows: Array, ray: Array) -> Ints:
     nearest = np.full(len(columns), np.inf)
     at = np.stack([columns, rows], axis=-1)
     low, high = np.min(at, axis=0), np.max(at, axis=0)
-    box = shown.box
-    reached = np.nonzero(np.all((box[:, :2] <= high) & (box[:, 2:] >= low), axis=1))[0]
+    left, top, right, bottom = shown.box
+    beside = (left > high[0]) | (right < low[0]) | (top > high[1]) | (bottom < low[1])
+    reached = np.nonzero(~beside)[0]
     if len(reached) == 0:
         return number
     cells = _Cells(at, low, high)
-    first = cells.of(np.maximum(box[reached, :2], low))
-    last = cells.of(np.minimum(box[reached, 2:], high))
+    box = shown.box[:, reached].T
+    first = cells.of(np.maximum(box[:, :2], low))
+    last = cells.of(np.minimum(box[:, 2:], high))
     # Rows of cells: those of one row lie one after the other among the sorted places.
     lines = last[:, 1] - first[:, 1] + 1
     for part in _chunks(lines, PAIRS):
@@ -199,8 +201,10 @@ def _keep_nearest(
     number: Ints,
 ) -> None:
     """Test pairs of a place and a triangle; of equally near triangles the first one counts."""
-    box = shown.box[triangle]
-    inside = np.all((at[place] >= box[:, :2]) & (at[place] <= box[:, 2:]), axis=1)
+    left, top, right, bottom = shown.box
+    column, row = at[place, 0], at[place, 1]
+    inside = (column >= left[triangle]) & (column <= right[triangle])
+    inside &= (row >= top[triangle]) & (row <= bottom[triangle])
     place, triangle = place[inside], triangle[inside]
     total = np.zeros(len(place))
     for k in range(3):  # most pairs fail at the first or second edge

@@ -10,6 +10,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array, Floats
 from relgloss_view.base.errors import InputError
 from relgloss_view.pack import forms
+from relgloss_view.pack.mesh import Mesh
 from relgloss_view.pack.shape import ANALYTIC, CURVED, Shape
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Eye
@@ -75,9 +76,14 @@ class View:
         return np.asarray(self.forward + x[..., None] * self.right - y[..., None] * self.up)
 
 
-@lru_cache(maxsize=64)
 def view_of(shape: Shape, eye: Eye, size: Size) -> View:
     """View.of, for a shape and an eye."""
+    return _view_of(shape, eye, size, forms.mesh_of(shape))
+
+
+@lru_cache(maxsize=64)
+def _view_of(shape: Shape, eye: Eye, size: Size, _: Mesh | None) -> View:
+    """view_of; a mesh whose file was edited is another mesh of an equal shape."""
     place = eye.position_m
     forward = -place / np.linalg.norm(place)
     azimuth = np.radians(eye.azimuth_deg)

@@ -41,6 +41,7 @@ def parameters(frame: Frame, displayed: Displayed | None = None) -> dict[str, An
         "lamp_m": [round(float(v), 9) for v in scene.lamp.position_m],
         "eye_m": [round(float(v), 9) for v in scene.eye.position_m],
         **{name: asdict(getattr(scene, name)) for name in ("shape", "lamp", "eye", "display")},
+        "further_lamps": [asdict(lamp) for lamp in scene.setup.further_lamps],
         "look": asdict(look),
         "method": frame.method.differences(),
         "fit_quality": scene.material.fit.quality if scene.material.fit else None,

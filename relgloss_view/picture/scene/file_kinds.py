@@ -16,14 +16,14 @@ from relgloss_view.material.files import MAX_BYTES as MAX_MATERIAL_BYTES
 from relgloss_view.measure.readers import FORMATS, read_measurement
 from relgloss_view.measure.readers.header import MOST_TITLES
 from relgloss_view.picture.scene.scene_file import MAX_BYTES as MAX_SCENE_BYTES
-from relgloss_view.picture.scene.scene_file import PAIR_TABLES, TABLES
+from relgloss_view.picture.scene.scene_file import FURTHER_LAMP, PAIR_TABLES, TABLES
 
 SCENE, MATERIAL, MEASUREMENT = "scene", "material", "measurement"
 EXPECTED = "a scene (TOML), a material (JSON) or a measurement (CSV, .bsdf, .binary)"
 FEWEST_DELIMITERS = 3  #: three angles and a band
-_SCENE_TABLES = ("sample", *TABLES, *PAIR_TABLES)
+_SCENE_TABLES = ("sample", *TABLES, FURTHER_LAMP, *PAIR_TABLES)
 #: A line that only a scene has, so that a scene with a mistake is reported as a scene.
-_SCENE_LINE = re.compile(rf"^[ \t]*\[({'|'.join(_SCENE_TABLES)})(\.look)?\]", re.MULTILINE)
+_SCENE_LINE = re.compile(rf"^[ \t]*\[{{1,2}}({'|'.join(_SCENE_TABLES)})(\.look)?\]", re.MULTILINE)
 
 
 def kind_of(path: str | os.PathLike[str]) -> str:

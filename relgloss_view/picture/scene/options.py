@@ -29,13 +29,16 @@ from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.picture.scene.scene_file import TABLES, build
 from relgloss_view.picture.scene.scene_writer import check_sample
 from relgloss_view.picture.scene.setting import Setting
-from relgloss_view.picture.scene.setup import Display, Setup
+from relgloss_view.picture.scene.setup import Display, FurtherLamp, Setup
 
 SET = "--set"
 NEW_DISPLAY = Display().for_the_eye()  #: of pictures that no scene file describes
 #: Whether a command turns the lamp to the highlight before it draws.
 LAMP = "--lamp"
 AUTO_LAMP, GIVEN_LAMP = LAMP_CHOICES = ("auto", "given")
+#: A further lamp on the command line, and its word for none of a scene file's.
+FURTHER, NO_LAMP = "--further-lamp", "none"
+FURTHER_METAVAR = "AZIMUTH,ELEVATION[,DISTANCE[,RADIUS[,SHARE]]]"
 #: Entries whose value asks for a place of the lamp or the eye.
 _PLACES = re.compile(r"(lamp\.(azimuth_deg|elevation_deg|distance_m)|eye\.\w+)=")
 
@@ -131,7 +134,7 @@ def with_settings(setup: Setup, look: Look, settings: Sequence[str]) -> tuple[Se
         changed.setdefault(table, present)[entry] = read_value(text)
     parts |= {table: build(table, values) for table, values in changed.items()}
     look = parts.pop("look")
-    return Setup(**parts), look
+    return dataclasses.replace(setup, **parts), look
 
 
 def with_options(setup: Setup, look: Look, values: Mapping[str, Any]) -> tuple[Setup, Look]:
@@ -176,9 +179,53 @@ def scene_words(setup: Setup, look: Look) -> list[str]:
             value = getattr(part, f.name)
             if value != f.default and (table, f.name) not in stated:
                 words += [SET, f"{table}.{f.name}={written_value(value, f.name)}"]
+    for lamp in setup.further_lamps:
+        words += shell.option(FURTHER, further_lamp_text(lamp))
     if wants_auto_lamp(setup, [], None):
         words += [LAMP, GIVEN_LAMP]
     return words
+
+
+def further_lamp_of(text: str) -> FurtherLamp:
+    """The lamp of words such as -50,20 or -50,20,1.5,0.1,0.3; InputError where they are none."""
+    names = [f.name for f in dataclasses.fields(FurtherLamp)]
+    words = text.split(",")
+    if not 2 <= len(words) <= len(names):
+        raise InputError(f"{FURTHER} {printable(text, 60)}: expected {FURTHER_METAVAR}")
+    values = {}
+    for name, word in zip(names, words, strict=False):
+        try:
+            values[name] = float(word)
+        except ValueError:
+            raise InputError(
+                f"{FURTHER} {printable(text, 60)}: expected numbers, as {FURTHER_METAVAR}"
+            ) from None
+    return FurtherLamp(**values)
+
+
+def further_lamp_text(lamp: FurtherLamp) -> str:
+    """A lamp as `further_lamp_of` reads it back, without its last values that are the default.
+
+    >>> further_lamp_text(FurtherLamp(-30.0, 10.0, radius_m=0.05))
+    '-30.0,10.0,1.0,0.05'
+    """
+    fields = dataclasses.fields(FurtherLamp)
+    values = [float(getattr(lamp, f.name)) for f in fields]
+    while len(values) > 2 and values[-1] == fields[len(values) - 1].default:
+        values.pop()
+    return ",".join(repr(value) for value in values)
+
+
+def with_further_lamps(setup: Setup, texts: Sequence[str]) -> Setup:
+    """The setup with the lamps of FURTHER's words in place of its own; NO_LAMP removes them."""
+    if not texts:
+        return setup
+    if NO_LAMP in texts:
+        if len(texts) > 1:
+            raise InputError(f"{FURTHER} {NO_LAMP}: expected no other {FURTHER} beside it")
+        return dataclasses.replace(setup, further_lamps=())
+    lamps = tuple(further_lamp_of(text) for text in texts)
+    return dataclasses.replace(setup, further_lamps=lamps)
 
 
 def sample_words(sample: Sample) -> list[str]:

@@ -56,6 +56,13 @@ class Scene:
         return Scene(self.material, self.setup.placed(**parts), pack=self.pack)
 
     @property
+    def materials(self) -> tuple[Material, ...]:
+        """The materials that are drawn: the sample's, or those of a pack's finishes."""
+        if self.pack is None:
+            return (self.material,)
+        return tuple(finish.material for finish in self.pack.finishes)
+
+    @property
     def shape(self) -> Shape:
         """The object's form and size."""
         return self.setup.shape

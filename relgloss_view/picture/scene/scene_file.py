@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.reading import printable, text
+from relgloss_view.base.reading import printable, refuse, text
 from relgloss_view.base.toml import build_part, read_toml, table_of
 from relgloss_view.material.recolour import Colour
 from relgloss_view.material.spectra import illuminant, is_lamp_name
@@ -18,13 +18,14 @@ from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.match import Match
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, Sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Lamp, Setup
+from relgloss_view.picture.scene.setup import FurtherLamp, Lamp, Setup
 
 #: The tables of a scene file and what they hold: the parts of the setup, and the look.
 TABLES: dict[str, type[Any]] = {
     **{name: type(part) for name, part in Setup().parts().items()},
     "look": Look,
 }
+FURTHER_LAMP = FurtherLamp.TABLE  #: a list of tables, [[further_lamp]]
 #: Of a pair of pictures. What [presentation] holds is the window's own business.
 PAIR_TABLES = ("reference", "match", "presentation")
 COLOUR_ENTRIES = tuple(f.name for f in dataclasses.fields(Colour))
@@ -74,8 +75,8 @@ def read_scene_file(
     """Read a scene file; InputError names the file, the entry and what was expected.
 
     Tables: [sample] with `name` (built in) or `material` (a file, relative to the scene file), and
-    [shape], [lamp], [eye], [display], [look] with the fields of their classes; for a pair of
-    pictures [reference] with the entries of [sample], [reference.look], [match] and [presentation].
+    [shape], [lamp], [eye], [display], [look] with the fields of their classes, [[further_lamp]] with
+    those of FurtherLamp; for a pair of pictures [reference] with the entries of [sample], [reference.look], [match] and [presentation].
 
     replacements: a list that collects a message for each material or lamp that can't be read; the
     built-in one (for the reference, None) takes its place. Without the list that is an error.
@@ -90,9 +91,9 @@ def read_scene_file(
 def _scene_file(
     content: Mapping[str, Any], folder: Path, replacements: list[str] | None
 ) -> SceneFile:
-    unknown = set(content) - set(TABLES) - set(PAIR_TABLES) - {"sample"}
+    unknown = set(content) - {"sample", *TABLES, FURTHER_LAMP, *PAIR_TABLES}
     if unknown:
-        tables = ", ".join(["sample", *TABLES, *PAIR_TABLES])
+        tables = ", ".join(["sample", *TABLES, FURTHER_LAMP, *PAIR_TABLES])
         raise InputError(f"[{printable(min(unknown), 60)}]: no such table; expected {tables}")
     parts = {name: build(name, content.get(name, {})) for name in TABLES}
     presentation = table_of("presentation", content.get("presentation", {}))
@@ -110,7 +111,7 @@ def _scene_file(
     return SceneFile(
         sample,
         look,
-        Setup(**parts),
+        Setup(**parts, further_lamps=further_lamps(content)),
         reference=read_sample("reference", of_reference, folder, replacements),
         reference_look=reference_look,
         presentation=presentation,
@@ -189,6 +190,14 @@ def lamp_beside(lamp: Lamp, folder: Path, replacements: list[str] | None) -> Lam
         replacements.append(f"{error} ({Lamp().illuminant} is used as the lamp)")
         file = Lamp().illuminant
     return dataclasses.replace(lamp, illuminant=file)
+
+
+def further_lamps(content: Mapping[str, Any]) -> tuple[FurtherLamp, ...]:
+    """The lamps of a file's [[further_lamp]] tables, none by default. Raises InputError."""
+    tables = content.get(FURTHER_LAMP, [])
+    if not isinstance(tables, list):
+        refuse(FURTHER_LAMP, f"[[{FURTHER_LAMP}]], a table for each lamp", tables)
+    return tuple(build_part(FurtherLamp, FURTHER_LAMP, table) for table in tables)
 
 
 def build(name: str, values: object, within: str = "") -> Any:

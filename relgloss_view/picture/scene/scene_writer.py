@@ -12,7 +12,7 @@ from relgloss_view.base.toml import entries, plain, write_toml
 from relgloss_view.material.recolour import DEFAULT_ILLUMINANT
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
-from relgloss_view.picture.scene.scene_file import SceneFile
+from relgloss_view.picture.scene.scene_file import FURTHER_LAMP, SceneFile
 
 
 def write_scene_file(
@@ -58,6 +58,8 @@ def _tables(content: SceneFile, folder: Path, forgiving: bool) -> dict[str, Any]
     if of_reference:
         tables["reference"] = of_reference
     tables |= {name: entries(part) for name, part in content.setup.parts().items()}
+    if content.setup.further_lamps:
+        tables[FURTHER_LAMP] = [entries(lamp) for lamp in content.setup.further_lamps]
     lamp = content.setup.lamp.illuminant
     if not is_lamp_name(lamp):
         _put(tables["lamp"], "illuminant", _place(lamp, folder), "lamp", forgiving)

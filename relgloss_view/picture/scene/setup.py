@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -34,12 +34,14 @@ def polar_point(azimuth_deg: float, elevation_deg: float, distance_m: float) -> 
     )
 
 
+MOST_RADIUS_M = 10.0  #: of a lamp
+MOST_FURTHER_LAMPS = 3
 Y_N_PLACES = ("maximum", "front")  #: its brightest pixel, or the point that faces the eye
 
 
 @dataclass(frozen=True)
 class Lamp(Checked):
-    """A point lamp, so bright that the perfect diffuser in the object's place shows Y_n.
+    """The main lamp, so bright that the perfect diffuser in the object's place shows Y_n.
 
     azimuth_deg: degrees, -180 to 180, from +z towards +x.
     elevation_deg: degrees, -90 to 90, above the horizontal plane.
@@ -48,7 +50,9 @@ class Lamp(Checked):
     y_n: 'maximum', the perfect diffuser shows Y_n in its brightest pixel, or 'front', at the point
     that faces the eye.
     illuminant: HP5, D65, D50, A, C, another name of colour-science, or a file of wavelength (nm)
-    and power.
+    and power; that of every light of the scene.
+    radius_m: of a disc that faces the object, metres, 0 (a point) to 10.
+    ambient: share of Y_n that a uniform surround gives, 0 to 1; the lamps give the rest.
 
     Raises InputError where a value is out of its range.
 
@@ -87,11 +91,81 @@ class Lamp(Checked):
     )
     #: A name that spectra.illuminant knows, or a two-column file.
     illuminant: str = field(default="HP5", metadata={"label": "Lamp spectrum"})
+    radius_m: float = parameter(
+        0.0,
+        0.0,
+        MOST_RADIUS_M,
+        "m",
+        "radius of the lamp's disc, which faces the object; 0 is a point",
+        label="Lamp radius",
+        later=True,
+    )
+    ambient: float = parameter(
+        0.0,
+        0.0,
+        1.0,
+        "",
+        "share of Y_n that comes from a uniform surround",
+        label="Ambient light (share of Y_n)",
+        later=True,
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if not isinstance(self.illuminant, str):
             refuse("lamp.illuminant", "a name", self.illuminant)
+
+    @property
+    def position_m(self) -> Array:
+        """World position, (3,)."""
+        return polar_point(self.azimuth_deg, self.elevation_deg, self.distance_m)
+
+
+@dataclass(frozen=True)
+class FurtherLamp(Checked):
+    """A lamp beside the main one, with the same spectrum.
+
+    azimuth_deg, elevation_deg, distance_m, radius_m: as those of Lamp.
+    share: its intensity in candela over the main lamp's, 0 to 100.
+
+    Raises InputError where a value is out of its range.
+
+    >>> FurtherLamp(azimuth_deg=-90.0, share=0.5).position_m.round(6).tolist()
+    [-1.0, 0.0, 0.0]
+    """
+
+    TABLE: ClassVar[str] = "further_lamp"
+
+    azimuth_deg: float = parameter(
+        -50.0,
+        -180.0,
+        180.0,
+        "deg",
+        "0 is the direction of the default eye, 90 its right",
+        label="Lamp direction (azimuth)",
+    )
+    elevation_deg: float = parameter(
+        0.0, -90.0, 90.0, "deg", "above the horizontal plane", label="Lamp height (elevation)"
+    )
+    distance_m: float = parameter(
+        1.0, 1e-3, 1e3, "m", "distance from the object's centre", label="Lamp distance"
+    )
+    radius_m: float = parameter(
+        0.0,
+        0.0,
+        MOST_RADIUS_M,
+        "m",
+        "radius of the lamp's disc, which faces the object; 0 is a point",
+        label="Lamp radius",
+    )
+    share: float = parameter(
+        1.0,
+        0.0,
+        100.0,
+        "",
+        "intensity in candela over the main lamp's",
+        label="Intensity (main lamp = 1)",
+    )
 
     @property
     def position_m(self) -> Array:
@@ -276,9 +350,10 @@ class Display(Checked):
 
 @dataclass(frozen=True)
 class Setup:
-    """The surroundings of a sample in a picture: its shape, the lamp, the eye and the display.
+    """The surroundings of a sample in a picture: its shape, the lamps, the eye and the display.
 
-    Each field has the name of its table in a scene file.
+    Each field has the name of its table in a scene file; that of the further lamps, at most three,
+    is [[further_lamp]]. Raises InputError where there are more.
 
     >>> setup = Setup().with_entries("lamp", azimuth_deg=110.0)
     >>> setup.lamp.azimuth_deg, setup.eye == Eye()
@@ -289,6 +364,19 @@ class Setup:
     lamp: Lamp = Lamp()
     eye: Eye = Eye()
     display: Display = Display()
+    further_lamps: tuple[FurtherLamp, ...] = ()
+
+    def __post_init__(self) -> None:
+        lamps = self.further_lamps
+        if not (isinstance(lamps, tuple) and all(isinstance(k, FurtherLamp) for k in lamps)):
+            refuse("further_lamps", "a tuple of FurtherLamp", lamps)
+        if len(lamps) > MOST_FURTHER_LAMPS:
+            refuse("further_lamp", f"at most {MOST_FURTHER_LAMPS} lamps", len(lamps))
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether one point lamp is all the light."""
+        return not (self.further_lamps or self.lamp.radius_m or self.lamp.ambient)
 
     def with_entries(self, part: str, **entries: Any) -> Setup:
         """The setup with entries of one part changed, such as lamp and azimuth_deg.
@@ -304,5 +392,5 @@ class Setup:
         return dataclasses.replace(self, **changes)
 
     def parts(self) -> dict[str, Any]:
-        """Shape, lamp, eye and display by name."""
-        return {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+        """Shape, lamp, eye and display by name; the further lamps are a list beside them."""
+        return {name: getattr(self, name) for name in ("shape", "lamp", "eye", "display")}

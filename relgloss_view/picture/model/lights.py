@@ -1,0 +1,144 @@
+"""Lights: what arrives at a point from each lamp, and what a lamp's size does to a lobe.
+
+The twin of shaders/lights.glsl. A lamp is a disc of uniform radiance that faces the object. At a
+point it has the angular radius r, and its light is taken from its centre:
+
+- The irradiance of a facing disc is I cos_i / (d^2 + R^2), exact where the whole disc is above the
+  horizon: the projected solid angle of a cone of half-angle r is pi sin^2 r cos_i.
+- A lobe becomes as wide as the half-vectors of all the disc's directions make it. A uniform disc has
+  the variance r^2 / 4 along each axis. A half-vector turns by half of that in the plane of incidence,
+  and by half of it over cos th_d across the plane, so the variances (r/4)^2 and (r / (4 cos th_d))^2
+  are added to the facets' s^2 (a convolution of Gaussians; half-vectors: Torrance, Sparrow 1967;
+  their Jacobian: Walter et al. 2007, eq. 14).
+
+docs/light.md shows where this holds, against Mitsuba's disc.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from relgloss_view.base.arrays import Array
+from relgloss_view.material import brdf
+from relgloss_view.material.approximations import Lobe
+from relgloss_view.material.brdf import Facing
+from relgloss_view.material.material import Material
+from relgloss_view.picture.model.view import float32
+from relgloss_view.picture.scene.setup import FurtherLamp, Lamp, Setup
+
+
+class Arriving(NamedTuple):
+    """The light of one lamp at points (...)."""
+
+    i: Array  #: (..., 3), unit vectors to the lamp
+    #: (d^2 + R^2) over the lamp's share: one over the irradiance of a surface that faces the lamp
+    distance2: Array
+    sin2_r: Array | float  #: squared sine of the lamp's angular radius; 0.0 for a point
+
+
+def lamps_of(setup: Setup) -> tuple[Lamp | FurtherLamp, ...]:
+    """The lamps that give light, the main one first."""
+    return (setup.lamp, *(lamp for lamp in setup.further_lamps if lamp.share > 0.0))
+
+
+def share_of(lamp: Lamp | FurtherLamp) -> float:
+    """A lamp's intensity over the main lamp's."""
+    return 1.0 if isinstance(lamp, Lamp) else lamp.share
+
+
+def lit(setup: Setup, point_m: Array) -> Iterator[Arriving]:
+    """The light of each lamp at points (..., 3), the main lamp's first; places as float32 has them.
+
+    >>> [light] = lit(Setup(), np.zeros((1, 3)))
+    >>> float(np.round(light.distance2[0], 6)), light.sin2_r
+    (1.0, 0.0)
+    """
+    for lamp in lamps_of(setup):
+        way = float32(lamp.position_m) - point_m
+        distance2 = np.maximum(np.sum(way * way, axis=-1), 1e-30)
+        i = way / np.sqrt(distance2)[..., None]
+        sin2_r: Array | float = 0.0
+        if lamp.radius_m > 0.0:
+            radius2 = lamp.radius_m**2
+            distance2 = distance2 + radius2
+            sin2_r = radius2 / distance2
+        yield Arriving(i, distance2 / share_of(lamp), sin2_r)
+
+
+def white_seen(setup: Setup, point_m: Array, normal: Array) -> Array:
+    """What the perfect diffuser shows at points (..., 3) under lamps of power pi, (...)."""
+    seen = np.zeros(point_m.shape[:-1])
+    for light in lit(setup, point_m):
+        mu_i = np.maximum(np.sum(normal * light.i, axis=-1), 0.0)
+        seen = seen + mu_i / light.distance2
+    return seen
+
+
+def across(n: Array, i: Array, o: Array, f: Facing) -> Array:
+    """Share of the squared facet angle that lies across the plane of incidence, 0 to 1.
+
+    n, i, o: unit vectors (..., 3). Where i = o every plane is one of incidence, and it is 0.
+    """
+    beside = np.cross(i, o)
+    beside2 = np.maximum(np.sum(beside * beside, axis=-1), 1e-12)
+    sine2 = np.maximum(np.sin(np.sqrt(f.delta2)) ** 2, 1e-12)
+    return np.asarray(np.minimum(np.sum(n * beside, axis=-1) ** 2 / (beside2 * sine2), 1.0))
+
+
+def spread_by_lamp(
+    f: Facing, sharpness: float, share_across: Array, sin2_r: Array | float
+) -> tuple[Array, Array]:
+    """What a lamp's size makes of a Gaussian lobe: its squared angle, and a factor of its peak.
+
+    f: orientation. sharpness: 1 / (2 s^2). share_across: from `across`. sin2_r: as in Arriving.
+    """
+    q = sharpness * sin2_r / 8.0
+    within, beside = 1.0 + q, 1.0 + q / np.maximum(f.cos_d**2, brdf.COSINE_EPSILON)
+    delta2 = f.delta2 * ((1.0 - share_across) / within + share_across / beside)
+    return delta2, 1.0 / np.sqrt(within * beside)
+
+
+def widened(lobe: Lobe, cos_d: Array, sin2_r: Array | float) -> Lobe:
+    """A lobe of another kind, or the mean one of grain, as wide all round as the lamp makes it.
+
+    Its variance is the geometric mean of the two; see spread_by_lamp. The numbers of the lobe are
+    those of approximations.mean_lobe, with the lamp's variance added to that of the facets.
+    """
+    total = 0.5 / lobe.sharpness
+    s2 = total / (1.0 + 2.0 * lobe.spread / lobe.sharpness)
+    add = np.asarray(sin2_r) / 16.0
+    wider2 = np.sqrt((s2 + add) * (s2 + add / np.maximum(cos_d**2, brdf.COSINE_EPSILON)))
+    tilt2 = total - s2
+    wide = wider2 + tilt2
+    return Lobe(
+        0.5 / wide,
+        lobe.amplitude * np.sqrt(total * s2 / (wide * wider2)),
+        lobe.refractive_index,
+        tilt2 / (4.0 * wider2 * wide),
+    )
+
+
+def specular(material: Material, f: Facing, share_across: Array, sin2_r: Array | float) -> Array:
+    """Specular BRDF under a lamp of some size, 1/sr, (..., B); a point has sin2_r 0.
+
+    The lobes of Material.evaluate_facing, each made as wide as the lamp makes it.
+    """
+    total = np.zeros((*f.delta2.shape, material.bands.count))
+    for lobe in material.specular:
+        sharpness = 0.5 / lobe.s**2
+        delta2, peak = spread_by_lamp(f, sharpness, share_across, sin2_r)
+        seen = f._replace(delta2=delta2)
+        for part in lobe.parts(material.bands.count):
+            shape = peak * brdf.torrance_sparrow(seen, lobe.s, part.fresnel)
+            total = total + shape[..., None] * part.spectrum
+    return total
+
+
+def reflected(material: Material, f: Facing, n: Array, light: Arriving, o: Array) -> Array:
+    """Specular BRDF of a surface with normals n under a light, 1/sr, (..., B); f: its facing."""
+    if isinstance(light.sin2_r, float):
+        return material.evaluate_facing(f)[1]
+    return specular(material, f, across(n, light.i, o, f), light.sin2_r)
