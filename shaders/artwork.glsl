@@ -32,7 +32,7 @@ struct Print {
     vec4 shares[4];
 };
 
-// What is filtered: colours, channels of the shares, and the weight of what lies on the artwork.
+// What is filtered: colours, channels of the shares, and how much of the pixel the artwork covers.
 struct Texels {
     vec4 paint;
     vec4 channels[3];
@@ -47,22 +47,20 @@ vec3 moved(vec3 turn, vec3 facet, vec3 ray, float travel) {
     return travel * (turn - ray * (dot(facet, turn) / along));
 }
 
+// Its edge goes on beside the artwork.
 void add_tap(vec2 at, vec4 box, float weight, inout Texels sum) {
     float x = wraps == 1 ? at.x - box.z * floor((at.x + 0.5) / box.z) : at.x;
-    bool inside = x >= 0.0 && x < box.z && at.y >= 0.0 && at.y < box.w;
     vec2 texel = (box.xy + clamp(vec2(x, at.y), vec2(0.0), box.zw - 1.0) + 0.5) * per_atlas;
-    float held = inside ? weight : 0.0;
-    sum.paint += held * textureLod(paint_image, texel, 0.0);
+    sum.paint += weight * textureLod(paint_image, texel, 0.0);
 #if CHANNELS > 0
-    sum.channels[0] += held * textureLod(channels_0, texel, 0.0);
+    sum.channels[0] += weight * textureLod(channels_0, texel, 0.0);
 #endif
 #if CHANNELS > 1
-    sum.channels[1] += held * textureLod(channels_1, texel, 0.0);
+    sum.channels[1] += weight * textureLod(channels_1, texel, 0.0);
 #endif
 #if CHANNELS > 2
-    sum.channels[2] += held * textureLod(channels_2, texel, 0.0);
+    sum.channels[2] += weight * textureLod(channels_2, texel, 0.0);
 #endif
-    sum.inner += held;
 }
 
 // Bilinear in one level. share: place on the artwork, 0 to 1, from its upper left.
@@ -105,6 +103,12 @@ Texels filtered(vec2 share, vec4 turns) {
         add_level(at, lower, (1.0 - part) / probes, sum);
         for (int n = 1; n < levels; ++n) add_level(at, min(lower + 1, last_level), part / probes, sum);
     }
+    // Beside the artwork it fades out within a pixel.
+    vec2 reach = vec2(sqrt(sxx), sqrt(syy));
+    vec2 on = clamp(1.0 + min(share, 1.0 - share) * size / max(reach, vec2(1e-6)), 0.0, 1.0);
+    sum.inner = (wraps == 1 ? 1.0 : on.x) * on.y;
+    sum.paint *= sum.inner;
+    for (int k = 0; k < 3; ++k) sum.channels[k] *= sum.inner;
     return sum;
 }
 

@@ -6,6 +6,7 @@ uniform sampler2D mesh_points;      // point (m), x on the label
 uniform sampler2D mesh_normals;     // normal, y on the label
 uniform vec2 per_surface;           // one over the target's width and height
 
+const float BESIDE = 0.25;     // how far beside a triangle a ray may pass it, in its sides
 const float FACES_EYE = 1e-4;  // the least cosine of a normal to the eye
 
 ivec2 listed(int number) {
@@ -34,12 +35,9 @@ Sight sight_through(vec3 start, vec3 ray) {
     float det = -dot(ray, facet);
     vec3 q = cross(s, ray);
     float per_det = abs(det) > 0.0 ? 1.0 / det : 0.0;
-    float u = clamp(dot(q, e2) * per_det, 0.0, 1.0);
-    float v = clamp(-dot(q, e1) * per_det, 0.0, 1.0);
-    float over = max(u + v, 1.0);
-    u /= over;
-    v /= over;
-    float w = max(1.0 - u - v, 0.0);
+    float u = clamp(dot(q, e2) * per_det, -BESIDE, 1.0 + BESIDE);
+    float v = clamp(-dot(q, e1) * per_det, -BESIDE, 1.0 + BESIDE);
+    float w = 1.0 - u - v;
     vec3 point_m = p0.xyz + u * e1 + v * e2;
     vec3 n = w * n0.xyz + u * n1.xyz + v * n2.xyz;
     n = dot(n, n) > 0.0 ? normalize(n) : normalize(facet);
