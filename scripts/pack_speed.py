@@ -2,8 +2,8 @@
 
     python scripts/pack_speed.py [--rounds N]
 
-Prints a table: what is drawn, milliseconds (median), and the ratio to the plain cylinder. A frame is
-one whole picture whose shown part changes: its lamp, its eye, a finish's k or sigma_N.
+Prints a table: what is drawn, milliseconds (median), and the ratio to the plain cylinder. A
+frame is one whole picture whose shown part changes: its lamp, its eye, a finish's k or sigma_N.
 """
 
 from __future__ import annotations
@@ -107,7 +107,9 @@ def main() -> None:
     with open_renderer() as renderer:
         plain = Scene(load_sample("matte-coated"))
         share = coverage(renderer, plain, look)
-        packed = framed(renderer, Scene(load_sample("matte-coated"), pack=pack_of(Shape("can"))), look, share)
+        packed = framed(
+            renderer, Scene(load_sample("matte-coated"), pack=pack_of(Shape("can"))), look, share
+        )
         meshed = Scene(load_sample("matte-coated"), shape=Shape("mesh", file="fine"))
         chooser = MethodChooser()
         renderer.choose = chooser.method

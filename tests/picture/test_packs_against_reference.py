@@ -53,9 +53,11 @@ def pack_of(kind, *, count=2, transparent=False, colour="lab", sizes=None, **pla
     return Pack("tried", shape, finishes, artwork, Placement(**placed), colour)
 
 
+#: So that no column of pixels lies exactly between two triangles, whose footprints differ.
+TURNED = Eye(azimuth_deg=4.3, elevation_deg=3.0)
 PACKS = {
-    "can": ({"kind": "can"}, {}),
-    "can, turned": ({"kind": "can", "turn_deg": 20.0, "scale": 0.5}, {}),
+    "can": ({"kind": "can"}, {"eye": TURNED}),
+    "can, turned": ({"kind": "can", "turn_deg": 20.0, "scale": 0.5}, {"eye": TURNED}),
     "bottle": ({"kind": "bottle", "count": 4}, {"eye": Eye(elevation_deg=20.0)}),
     "carton": ({"kind": "carton", "count": 3}, {"eye": Eye(35.0, 25.0)}),
     "pouch": ({"kind": "pouch", "transparent": True}, {"eye": Eye(-20.0, 10.0)}),
@@ -63,7 +65,7 @@ PACKS = {
     "sphere": ({"kind": "sphere", "count": 4}, {}),
     "plane": ({"kind": "plane", "colour": "spectral"}, {"eye": Eye(50.0, 20.0)}),
     "box": ({"kind": "box", "offset_x_mm": 20.0}, {"eye": Eye(30.0, 20.0)}),
-    "one finish": ({"kind": "can", "count": 1}, {}),
+    "one finish": ({"kind": "can", "count": 1}, {"eye": TURNED}),
 }
 QUICK = ("can", "carton", "sphere", "plane")
 #: Each picture has to draw its lamp and its form by itself.
@@ -95,8 +97,7 @@ class TestPacksAgainstTheReference:
         apart, inside = compared(drawn, truth)
         assert np.mean(inside) > 0.99 * np.mean(truth.on_object) > 0.0
         assert np.percentile(apart, 99.9) <= P999
-        k = drawn.gloss_factor if hasattr(drawn, "gloss_factor") else None
-        assert k is None or np.max(np.abs(k - truth.gloss_factor)[inside]) < 1e-4
+        assert np.percentile(np.abs(drawn.gloss_factor - truth.gloss_factor)[inside], 99.9) < 1e-3
 
     def test_another_k_is_told_apart(self, renderer):
         """The negative control: a tenth of k is far above the limit."""

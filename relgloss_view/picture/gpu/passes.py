@@ -8,8 +8,8 @@ so that a change of c alone draws the last stage alone. The rest is drawn when i
 from __future__ import annotations
 
 import contextlib
-from functools import partial
 from collections.abc import Iterator, Mapping
+from functools import partial
 from typing import Any
 
 import moderngl
@@ -19,12 +19,12 @@ from relgloss_view.base.arrays import AnyArray
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.pack import forms
 from relgloss_view.picture.frame import Extremes, Scaling
+from relgloss_view.picture.gpu.asked import geometry_of, silhouette_of
 from relgloss_view.picture.gpu.context import make_current
 from relgloss_view.picture.gpu.drawing import PASSES, Drawing, Drawn, Tiles
-from relgloss_view.picture.gpu.edges import TILE_VERTICES, Silhouette
-from relgloss_view.picture.gpu.finishes import ink_uniforms, look_uniforms
+from relgloss_view.picture.gpu.edges import Silhouette
+from relgloss_view.picture.gpu.finishes import ink_uniforms
 from relgloss_view.picture.gpu.held import Held, key_of
-from relgloss_view.picture.gpu.mesh_edges import draw_coverage
 from relgloss_view.picture.gpu.programs import Programs, Uniforms
 from relgloss_view.picture.gpu.reduction import Reduction
 from relgloss_view.picture.gpu.request import Request
@@ -33,7 +33,6 @@ from relgloss_view.picture.gpu.strip import Strip
 from relgloss_view.picture.gpu.surface import Form, Surface
 from relgloss_view.picture.gpu.targets import (
     CLEARED,
-    COVERAGE,
     GEOMETRY,
     GRAIN_FIELD,
     LIGHT,
@@ -47,17 +46,14 @@ from relgloss_view.picture.gpu.uniforms import (
     WHOLE,
     display_uniforms,
     field_size,
-    grain_uniforms,
     per_size,
     view_uniforms,
 )
 from relgloss_view.picture.gpu.variant import Variant, tone_defines
 from relgloss_view.picture.model.light import front_white, lit_white
 from relgloss_view.picture.model.pixel_sampling import sample_count
-from relgloss_view.picture.model.silhouette import edge_tiles
 from relgloss_view.picture.model.view import Box, View
 from relgloss_view.picture.peak import check_picture
-from relgloss_view.picture.scene.scene import Scene
 
 
 class Passes:
@@ -111,7 +107,7 @@ class Passes:
         drawn = self.bring_up_to_date(request)
         if stage == "edges":
             with self.all_or_nothing():
-                return self._silhouette_of(request).pixels
+                return silhouette_of(self, request).pixels
         drawing = self._on_request(request, drawn.scaling, stage)
         if drawing is None or rows is None or rows.stop - rows.start == request.size[1]:
             if drawing is not None:
@@ -143,7 +139,7 @@ class Passes:
             return self._xyz(request)
         if stage in LIGHT:
             return self._tone("light", request, scaling, LIGHT)
-        return self._geometry(request) if stage in GEOMETRY else None
+        return geometry_of(self, request) if stage in GEOMETRY else None
 
     def _xyz(self, request: Request) -> Drawing | None:
         """Diffuse and specular as XYZ, where pass 1 wrote something else."""
@@ -152,39 +148,18 @@ class Passes:
             return None
         variant, inputs = shading.variant.writing("xyz"), self._inputs(shading)
         bounds = View.of(request.scene, request.size).bounds
-        tiles = self._tiles(request, variant)
+        tiles = self.tiles(request, variant)
         return Drawing(
             "shade", "shade.frag", variant.defines(), inputs, XYZ, bounds, "xyz", (), tiles
         )
 
-    def _geometry(self, request: Request) -> Drawing:
-        """Normals and points."""
-        scene, look, size = request.scene, request.look, request.size
-        samples = sample_count(scene, look, size)
-        variant = Variant.of(scene, look, chosen=request.method)
-        if variant.surface == "read":
-            variant = Variant.of(scene, look, samples, request.method)
-        view = View.of(scene, size)
-        uniforms: dict[str, Any] = {
-            **view_uniforms(scene, view, afar=variant.afar),
-            **grain_uniforms(scene, look, size),
-            **self._field(variant),
-            **({} if scene.pack is None else look_uniforms(scene.pack, look)),
-            "samples": samples,
-        }
-        tiles = self._tiles(request, variant)
-        defines, bounds = variant.geometry_defines(), view.bounds if tiles is not None else None
-        return Drawing(
-            "geometry", "geometry.frag", defines, uniforms, GEOMETRY, bounds, "geometry", (), tiles
-        )
-
-    def _tiles(self, request: Request, variant: Variant) -> Tiles | None:
+    def tiles(self, request: Request, variant: Variant) -> Tiles | None:
         """The tiles of the surface that a variant reads; None where rays meet the object."""
         if variant.surface == "met":
             return None
         view = View.of(request.scene, request.size)
-        uniforms = view_uniforms(request.scene, view, afar=variant.afar)
-        del uniforms["lamp_m"]
+        seen = view_uniforms(request.scene, view, afar=variant.afar)
+        uniforms = {name: value for name, value in seen.items() if name not in LAMP_NAMES}
         samples = sample_count(request.scene, request.look, request.size)
         samples = samples if variant.sampled else 1
         form = Form.of(request.scene)
@@ -301,7 +276,7 @@ class Passes:
     def _shade(self, request: Request, shading: Shading, variant: Variant) -> None:
         bounds, inputs = View.of(request.scene, request.size).bounds, self._inputs(shading)
         self.written = variant.targets
-        tiles = self._tiles(request, variant)
+        tiles = self.tiles(request, variant)
         self.draw("shade", "shade.frag", variant.defines(), inputs, self.written, bounds, tiles)
 
     def _draw_field(self, request: Request, shading: Shading) -> None:
@@ -314,13 +289,13 @@ class Passes:
             self.programs.draw("grain_field.frag", defines, uniforms, target)
             self.draws["grain"] += 1
 
-    def _field(self, variant: Variant) -> dict[str, Any]:
+    def field(self, variant: Variant) -> dict[str, Any]:
         """The field as it was last drawn, where the variant reads it."""
         return {"grain_field": self.texture(*GRAIN_FIELD)} if variant.reads_field else {}
 
     def _inputs(self, shading: Shading) -> Uniforms:
         """The uniforms, with the textures that the variant reads."""
-        inputs = {**shading.uniforms, **self._field(shading.variant)}
+        inputs = {**shading.uniforms, **self.field(shading.variant)}
         if shading.variant.cube_root == "table":
             inputs["cube_root_table"] = self.targets.cube_root_table()
         if shading.variant.ambient:
@@ -358,7 +333,7 @@ class Passes:
         scene, defines = request.scene, variant.white_defines()
         mesh = forms.mesh_of(scene.shape) if variant.surface == "read" else None
         if self.held.renew("white", tuple(defines.items()), view.size, seen_from, mesh):
-            tiles = self._tiles(request, variant)
+            tiles = self.tiles(request, variant)
             parts = ((view.bounds, {}),) if tiles is None else tiles(view.bounds)
             self._white, self._object_pixels = 0.0, 0
             for bounds, surface in parts:
@@ -412,7 +387,7 @@ class Passes:
         scene, size = request.scene, request.size
         if scene.display.edges != "smooth" or sample_count(scene, request.look, size) > 1:
             return
-        listed = self._silhouette_of(request).edges
+        listed = silhouette_of(self, request).edges
         if listed.texture is None:
             return
         defines = tone_defines(scene.display, "edge.frag", 1, request.method)
@@ -425,40 +400,3 @@ class Passes:
         }
         points = moderngl.POINTS, listed.count
         self.draw("edges", "edge.frag", defines, uniforms, TONE, None, vertices=points)
-
-    def _silhouette_of(self, request: Request) -> Silhouette:
-        """The pixels at the silhouette; they are found again where the view has changed."""
-        view = View.of(request.scene, request.size)
-        variant = Variant.of(request.scene, request.look, chosen=request.method)
-        uniforms = view_uniforms(request.scene, view, afar=variant.afar)
-        defines = variant.shape_defines()
-        seen_from = {name: value for name, value in uniforms.items() if name not in LAMP_NAMES}
-        mesh = forms.mesh_of(request.scene.shape)
-        if not self.held.renew("coverage", tuple(defines.items()), seen_from, mesh):
-            return self.silhouette
-        if mesh is not None:
-            triangles = self.programs.uploads.triangles(mesh)
-            self.around.pop("coverage", None)
-            draw_coverage(self.programs, self.targets, self.surface.masks, triangles, view)
-            self.silhouette.fill_edges(self.targets.read("coverage")[..., 0], view.bounds)
-            self.draws["coverage"] += 1
-        else:
-            self.silhouette.fill_tiles(edge_tiles(request.scene.shape, view), view.size[1])
-            self.around.pop("coverage", None)  # so that it is cleared: the tiles are others
-            tiles = self.silhouette.tiles
-            if tiles.texture is not None:
-                listed = {"tile_list": tiles.texture, **per_size(view.size)}
-                triangles = moderngl.TRIANGLES, TILE_VERTICES * tiles.count
-                uniforms = {**uniforms, **listed}
-                self.draw(
-                    "coverage",
-                    "coverage.frag",
-                    defines,
-                    uniforms,
-                    COVERAGE,
-                    view.bounds,
-                    vertices=triangles,
-                )
-                coverage = self.targets.read("coverage")[..., 0]
-                self.silhouette.fill_edges(coverage, view.bounds)
-        return self.silhouette

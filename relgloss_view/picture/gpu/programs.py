@@ -13,8 +13,8 @@ import numpy as np
 from relgloss_view.base.allocator import give_back
 from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.picture.gpu.context import collect, drop_sources
-from relgloss_view.picture.gpu.uploads import Uploads
 from relgloss_view.picture.gpu.shader import HANDED_ON, ShaderError, ShaderSource
+from relgloss_view.picture.gpu.uploads import Uploads
 
 Key = tuple[object, ...]  #: a stage and its constants
 Uniforms = Mapping[str, Any]  #: numbers, sequences, arrays, or textures for samplers

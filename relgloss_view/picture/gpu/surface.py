@@ -8,7 +8,7 @@ tiles, one after the other, each for the passes that read it before the next.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 

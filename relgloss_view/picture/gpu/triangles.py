@@ -7,7 +7,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from relgloss_view.base.arrays import AnyArray, Array
+from relgloss_view.base.arrays import AnyArray
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.room import Need, check_room
 from relgloss_view.pack.mesh import Mesh
@@ -63,13 +63,15 @@ class Triangles:
             raise InputError("the device has no memory for the mesh; use a coarser one")
         return made
 
-    def _list(self, ctx: moderngl.Context, rows: AnyArray, last: Array) -> moderngl.Texture:
+    def _list(self, ctx: moderngl.Context, rows: AnyArray, last: AnyArray) -> moderngl.Texture:
         """Rows (N, 3) and a fourth number each as a texture WIDE texels wide."""
         lines = max(1, -(-len(rows) // WIDE))
         listed = np.zeros((lines * WIDE, 4), dtype=np.float32)
         listed[: len(rows), :3] = rows
         listed[: len(rows), 3] = last
-        texture = self._keep(ctx, ctx.texture((WIDE, lines), 4, listed.tobytes(), dtype="f4"))
+        texture: moderngl.Texture = self._keep(
+            ctx, ctx.texture((WIDE, lines), 4, listed.tobytes(), dtype="f4")
+        )
         texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
         return texture
 

@@ -30,11 +30,13 @@ class Uploads:
 
     def triangles(self, mesh: Mesh) -> Triangles:
         """A mesh."""
-        return self._get("mesh", mesh, lambda: Triangles(self.ctx, mesh))
+        held: Triangles = self._get("mesh", mesh, lambda: Triangles(self.ctx, mesh))
+        return held
 
     def printed(self, layers: Layers) -> Printed:
         """The layers of a pack."""
-        return self._get("layers", layers, lambda: Printed(self.ctx, layers))
+        held: Printed = self._get("layers", layers, lambda: Printed(self.ctx, layers))
+        return held
 
     def part_table(self, layers: Layers, printed: tuple[bool, ...]) -> moderngl.Texture:
         """What artwork.glsl needs to know of each part of a form."""
@@ -45,7 +47,8 @@ class Uploads:
             texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
             return texture
 
-        return self._get("parts", (layers, printed), made)
+        held: moderngl.Texture = self._get("parts", (layers, printed), made)
+        return held
 
     def _get(self, kind: str, key: object, make: Callable[[], Any]) -> Any:
         held = self._held.setdefault(kind, OrderedDict())
