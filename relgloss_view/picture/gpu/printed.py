@@ -1,4 +1,4 @@
-"""What is printed, as textures: the mip levels of a pack's layers side by side, held on the device."""
+"""What is printed, as textures: a pack's layers, their mip levels side by side."""
 
 from __future__ import annotations
 
@@ -141,6 +141,6 @@ def share_rows(layers: Layers) -> Array:
 
 
 def part_rows(layers: Layers, printed: tuple[bool, ...]) -> Array:
-    """(P, 4), of each part: is it printed, the finishes that cover its lobes and its diffuse part."""
+    """(P, 4), of each part: is it printed, and what covers its lobes and its diffuse part."""
     columns = (printed, layers.part_finish, layers.part_diffuse, [0.0] * len(printed))
     return np.array(columns, dtype=np.float64).T

@@ -178,7 +178,8 @@ class Surface:
         return {**triangles.uniforms, "triangle_image": self._targets.texture(*TRIANGLE)}
 
     def _printed(self, form: Form) -> Uniforms:
-        assert form.pack is not None and form.layers is not None
+        assert form.pack is not None
+        assert form.layers is not None
         label = label_of(form.pack.shape)
         return {
             **self.uploads.printed(form.layers).uniforms,
