@@ -57,7 +57,9 @@ class TimedPrograms(Programs):
         self.ctx.finish()
         start = time.perf_counter()
         with query:
-            super().draw(stage, defines, uniforms, target, mode, vertices, geometry, depth, adds, instances)
+            super().draw(
+                stage, defines, uniforms, target, mode, vertices, geometry, depth, adds, instances
+            )
         self.ctx.finish()
         part = PASS_OF.get(stage, stage)
         self.wall_ms[part] += 1e3 * (time.perf_counter() - start)
