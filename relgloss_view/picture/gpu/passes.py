@@ -59,8 +59,7 @@ from relgloss_view.picture.peak import check_picture
 class Passes:
     """The passes of pictures on one OpenGL context, their targets, and the ones that still hold.
 
-    A pass holds as long as its program and every number that goes into it are the same. `draws`
-    counts the passes drawn so far by name.
+    A pass holds while its program and its numbers are the same. `draws` counts passes by name.
     """
 
     def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
@@ -207,8 +206,7 @@ class Passes:
     ) -> None:
         """Draw a pass inside the bounds of the object; None draws the whole picture.
 
-        tiles: of the surface that it reads. vertices: mode and count of a stage with vertices of
-        its own.
+        tiles: of the surface that it reads. vertices: mode and count of the stage's own ones.
         """
         framebuffer: Any = self.targets.framebuffer(targets)  # its annotation admits no None
         for target in targets:
