@@ -13,7 +13,10 @@ from relgloss_view.commands.scene_options import scene_from
 if TYPE_CHECKING:
     from relgloss_view.gloss.pack_match import FinishMatch, PackMatch
 
-NOTE = "The ratio of gloss of two finishes holds as the mean over these lamps; --here matches one pose."
+NOTE = (
+    "The ratio of gloss of two finishes holds as the mean over these lamps; "
+    "--here matches one pose."
+)
 
 
 def run_pack(args: argparse.Namespace) -> int:
