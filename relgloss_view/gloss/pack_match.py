@@ -132,6 +132,14 @@ def match_pack(reference: Reference, pack: Pack, sigma_n_deg: float | None = Non
     known of each, as for samples: that of the published setting of a paper, or 0. A finish that
     keeps its k keeps it. Without a highlight anywhere c is the reference's.
     Raises InputError where a mask fits nothing.
+
+    >>> from relgloss_view.pack.built_in import load_finish
+    >>> from relgloss_view.pack.finish import Finish
+    >>> from relgloss_view.pack.shape import Shape
+    >>> matt = Finish("matt", "ink", load_finish("matt-varnish"), "matt-varnish")
+    >>> pack = Pack("matt box", Shape("carton"), (matt,))
+    >>> match_pack(Reference.default(), pack).finishes[0].k
+    1.0
     """
     plain = plain_finishes(pack, reference.setups[0].lamp.illuminant)
     found = [_alone(reference, one, sigma_n_deg) for one in plain]
