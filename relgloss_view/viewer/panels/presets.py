@@ -81,7 +81,7 @@ def _own(model: Model, preset: Preset) -> None:
         right = small_width("Rename") + small_width("Delete") + space
         width = max(imgui.get_content_region_avail().x - right - space, em(3.0))
         if row("apply", preset.name, on, width=width):
-            model.change(model.state.with_look(model.active_side, **vars(preset.look)))
+            model.set_whole_look(model.active_side, preset.look)
         look = preset.look
         cells = {
             "screen": f"{look.grain_px:g} px",

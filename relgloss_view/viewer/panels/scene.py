@@ -7,14 +7,14 @@ import math
 from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.material.spectra import SHIPPED_ILLUMINANTS
-from relgloss_view.pack.shape import SIZES, Shape
+from relgloss_view.pack.shape import SHAPES, SIZES, Shape
 from relgloss_view.picture.scene.setup import Display, Eye, Lamp
 from relgloss_view.viewer.drawing import camera
 from relgloss_view.viewer.shell import sliders, widgets
 from relgloss_view.viewer.shell.theme import em, gray
 from relgloss_view.viewer.shell.widgets import Reach
 from relgloss_view.viewer.state.model import Model
-from relgloss_view.viewer.state.state import Presentation
+from relgloss_view.viewer.state.state import SIDES, Presentation
 
 DIAL_EM = 7.0
 HIGHLIGHT_HELP = (
@@ -55,9 +55,7 @@ def show(model: Model) -> None:
         model.turn_lamp()
     _illuminant(model)
     _choice(model, "lamp", Lamp, "y_n")
-    imgui.separator_text("Object")
-    _form(model)
-    _sliders(model, "shape", Shape, dict.fromkeys(SIZES[model.state.setup.shape.kind], _SIZE))
+    _object(model)
     imgui.separator_text("Eye")
     _sliders(model, "eye", Eye, _EYE)
     if widgets.button("Reset camera", "frame the object from the front"):
@@ -87,11 +85,25 @@ def _choice(model: Model, part: str, owner: type, name: str) -> None:
         model.set_part(part, **{name: chosen})
 
 
+def _object(model: Model) -> None:
+    """The form of samples, which are no packs: a pack brings its own."""
+    packed = [side for side in SIDES if model.pack(side) is not None]
+    of = {0: "Object", 1: f"Object of the {'test' if packed == ['reference'] else 'reference'}"}
+    if len(packed) == len(SIDES):
+        return
+    imgui.separator_text(of[len(packed)])
+    _form(model)
+    _sliders(model, "shape", Shape, dict.fromkeys(SIZES[model.state.setup.shape.kind], _SIZE))
+
+
 def _form(model: Model) -> None:
     """The object's form; another one is lit so that its highlight is seen, in one step of undo."""
-    changed, kind = widgets.choice(Shape, "kind", model.state.setup.shape.kind)
+    shape = model.state.setup.shape
+    kinds = tuple(kind for kind in SHAPES if kind != "mesh" or shape.kind == "mesh")
+    meaning = "The object's form. Drop a mesh (.glb, .gltf, .obj, .ply) on the window for its form."
+    changed, kind = widgets.combo(widgets.label_of(Shape, "kind"), kinds, shape.kind, meaning)
     if changed:
-        model.change(model.state.with_part("shape", kind=kind).lit_for_gloss())
+        model.change(model.state.placed(shape=shape.with_kind(kind)).lit_for_gloss())
 
 
 def _illuminant(model: Model) -> None:

@@ -17,6 +17,7 @@ from relgloss_view.viewer.drawing.arrangement import arranged, as_shown
 from relgloss_view.viewer.drawing.canvas import surround_gray
 from relgloss_view.viewer.drawing.draft_scale import DraftScale
 from relgloss_view.viewer.drawing.ghost_pictures import GhostPictures
+from relgloss_view.viewer.drawing.mask_tints import MaskTints
 from relgloss_view.viewer.drawing.operator_pictures import OperatorPictures
 from relgloss_view.viewer.drawing.pair_renderer import DrawnPair, PairRenderer, passes_since
 from relgloss_view.viewer.files.measurement_tables import MeasurementTables
@@ -27,6 +28,7 @@ from relgloss_view.viewer.panels import (
     lightness,
     look,
     menu,
+    pack,
     pixel,
     reflection,
     sample,
@@ -69,10 +71,12 @@ class App:
         self._operator_pictures = OperatorPictures(self.wake)
         self._gloss_readings = GlossReadings(self.wake)
         self._ghost_pictures = GhostPictures()
+        self._mask_tints = MaskTints(self.wake)
         self.draft_scale = DraftScale()
         self.layout: Layout = Layout(
             [
                 Panel("Sample", SAMPLE, lambda: sample.show(self.model, self.files)),
+                Panel("Pack", SAMPLE, lambda: pack.show(self.model, self.files)),
                 Panel("Look", GLOSS, lambda: look.show(self.model)),
                 Panel("Gloss", GLOSS, lambda: gloss.show(self.model, self._gloss_readings)),
                 Panel("Scene", LIGHT, lambda: scene.show(self.model)),
@@ -123,6 +127,9 @@ class App:
         self.files.each_frame()
         self._tables.each_frame()
         self._note_hand()
+        if self.model.wanted_panel:
+            self.layout.focus(self.model.wanted_panel)
+            self.model.wanted_panel = ""
         presentation = self.model.state.presentation
         if presentation.haploscopic:
             imgui.set_nav_cursor_visible(False)
@@ -238,7 +245,8 @@ class App:
     def _report_letters(self) -> None:
         """Warn once of a name that no font here can show."""
         sides = (self.model.state.side(side) for side in SIDES)
-        names = tuple(side.sample.material.name for side in sides)
+        samples = [side.sample for side in sides]
+        names = tuple((s.material if s.pack is None else s.pack).name for s in samples)
         if names == self._names_read:
             return
         self._names_read = names
@@ -326,6 +334,7 @@ class App:
         for fault in pair.faults.values():
             model.report_once(fault, fault=True)
         self._draw_ghosts(state)
+        self._draw_tints(state, at_rest=at_rest)
         pictures = self.pair_renderer.with_uploads(pair.pictures, displayed)
         self.drawn_pane = stage.DrawnPane(
             arrangement, DrawnPair(pictures, pair.faults, pair.factor)
@@ -347,6 +356,20 @@ class App:
         except RelglossError as error:
             model.report_once(str(error), fault=True)
         model.ghosts, model.ghost_side = ghosts, new.side
+
+    def _draw_tints(self, state: State, *, at_rest: bool) -> None:
+        """Bring the tints of masks up to date, which show while nothing moves."""
+        assert self.pair_renderer is not None
+        model = self.model
+        shown = as_shown(state, model.picture_size, model.pixel_pitch_m)
+        tints: dict[str, int] = {}
+        for side in SIDES if model.masked else ():
+            pixels = self._mask_tints.of(
+                side, shown.scene(side), model.picture_size, model.masked, at_rest=at_rest
+            )
+            if pixels is not None:
+                tints[side] = self.pair_renderer.uploads.texture(f"tint {side}", pixels)
+        model.tints = tints
 
     def _pin(self, pair: DrawnPair) -> None:
         """Keep c as a number from now on, where a file gave it as a share of a picture's c_max."""

@@ -70,6 +70,13 @@ def rematched(state: State, share: float = 1.0) -> State:
     return dataclasses.replace(changed, match=match)
 
 
+def rematched_pack(state: State) -> State:
+    """The state with a new match where its test picture shows a pack; the share stays."""
+    if state.test.sample.pack is None:
+        return state
+    return rematched(state, share_of_match(state, "test") or 1.0)
+
+
 def share_of_match(state: State, side: str) -> float | None:
     """Contrast gloss of a side in units of the match: 1 as matched; None without a match.
 
