@@ -1,4 +1,4 @@
-"""What lies under a pixel of a pack's picture: the place on its label, its finishes, its colours."""
+"""What lies under a pixel of a pack's picture: the place on its label, finishes, colours."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from relgloss_view.base.arrays import Array
-from relgloss_view.material.cielab import xyz_to_lab
+from relgloss_view.material.cielab import lab_from_xyz
 from relgloss_view.pack.label import label_of
 from relgloss_view.pack.pack import Pack
 from relgloss_view.picture.model.sight import meet_view
@@ -111,7 +111,9 @@ def plate_values(pack: Pack, place_mm: Mm) -> dict[str, float]:
 
 def _lab(paint: Array) -> Lab | None:
     """Lab under D50 of premultiplied paint; None where hardly anything is printed."""
+    from relgloss_view.pack.artwork.profile import D50
+
     if paint[3] < 0.5 / 255.0:
         return None
-    lightness, a, b = (float(v) for v in xyz_to_lab(paint[:3] / paint[3]))
+    lightness, a, b = (float(v) for v in lab_from_xyz(paint[:3] / paint[3], D50))
     return lightness, a, b

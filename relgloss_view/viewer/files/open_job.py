@@ -22,8 +22,8 @@ from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.file_kinds import MATERIAL, SCENE, likely_kind
 from relgloss_view.picture.scene.sample import Sample
-from relgloss_view.viewer.files.fit_process import FitProcess
 from relgloss_view.viewer.files import pack_files
+from relgloss_view.viewer.files.fit_process import FitProcess
 from relgloss_view.viewer.files.own_materials import keep_material
 from relgloss_view.viewer.state import matching, packs
 from relgloss_view.viewer.state.places import data_folder
@@ -69,8 +69,7 @@ class Opened:
             return self._with_artwork(state, side, present, self.artwork)
         if present is not None and finish:
             assert self.sample is not None
-            entries = {"material": self.sample.material, "source": self.sample.file or ""}
-            return matching.rematched_pack(packs.with_finish(state, side, finish, **entries))
+            return matching.with_finish_sample(state, side, finish, self.sample)
         assert self.sample is not None
         return matching.with_sample(state, side, self.sample)
 

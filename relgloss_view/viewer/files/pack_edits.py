@@ -1,7 +1,7 @@
-"""Files of the window's packs that another program edits: noticed, and read again in the background.
+"""Files of the window's packs that another program edits: noticed, and read in the background.
 
-What was set in the window stays: only what the file has changed is taken. A file that can't be read,
-as one that is half written, leaves the last good one in the picture, with a message.
+What was set in the window stays: only what the file has changed is taken. A file that can't be
+read, as one that is half written, leaves the last good one in the picture, with a message.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.reading import printable
@@ -225,7 +226,7 @@ def merged(before: Pack, file: Pack, window: Pack) -> Pack:
     wins where both have changed an entry.
     """
     parts = ("name", "shape", "placement", "colour", "measured")
-    changed = {name: _kept(before, file, window, name) for name in parts}
+    changed: dict[str, Any] = {name: _kept(before, file, window, name) for name in parts}
     if _source(window) != _source(before):
         changed |= {name: getattr(window, name) for name in ("artwork", "artwork_file")}
         changed["artwork_entries"] = window.artwork_entries
@@ -252,7 +253,7 @@ def _merged_finish(before: Finish | None, file: Finish, window: Finish | None) -
     return Finish(**{name: _kept(before, file, window, name) for name in names})
 
 
-def _kept(before: object, file: object, window: object, name: str) -> object:
+def _kept(before: object, file: object, window: object, name: str) -> Any:
     own = getattr(window, name)
     return own if own != getattr(before, name) else getattr(file, name)
 

@@ -151,7 +151,7 @@ def _pack_title(side: str, pack: Pack, room: float) -> str:
 
 
 def _setting(model: Model, side: str, frame: Frame) -> Line:
-    """Graininess, and contrast gloss or the tone mapping in its place; of a pack's active finish."""
+    """Graininess, of a pack that of the active finish; contrast gloss, or the tone mapping."""
     finish = model.active_finish(side)
     own = None if finish is None else finish.sigma_n_deg
     sigma_n = f"{frame.look.sigma_n_deg if own is None else own:.2f}°"

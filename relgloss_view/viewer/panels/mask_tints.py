@@ -13,9 +13,7 @@ from relgloss_view.viewer.state.model import Model
 SWATCH_EM = 0.8
 
 
-def show(
-    model: Model, painter: imgui.ImDrawList, origin: ImVec2, arrangement: Arrangement
-) -> None:
+def show(model: Model, painter: imgui.ImDrawList, origin: ImVec2, arrangement: Arrangement) -> None:
     """Lay the tints over the pictures, and name them in the lower left corner of each."""
     mirrored = model.state.presentation.mirror
     for side, rect in arrangement.rects.items():

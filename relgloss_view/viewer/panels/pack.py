@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
+from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
+from relgloss_view.pack.finish import Finish
 from relgloss_view.pack.pack import Pack, Placement
 from relgloss_view.pack.shape import SHAPES, SIZES, Shape
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, Sample
@@ -63,19 +65,21 @@ def show(model: Model, files: FileActions) -> None:
 
 def _invite(model: Model, side: str, files: FileActions) -> None:
     """How to come to a pack, where the side shows a sample."""
-    widgets.wrapped(
-        f"The {side} picture shows a sample of one material. Drop an artwork (PDF, PNG, JPEG, TIFF, "
-        "PSD), a pack file (TOML) or a mesh on the window, or open one."
-        if side == "test"
-        else "The reference picture shows a sample of one material.",
-        dim=True,
-    )
+    text = f"The {side} picture shows a sample of one material."
+    if side == "test":
+        text += " Drop an artwork (PDF, PNG, JPEG, TIFF, PSD), a pack file or a mesh on the window."
+    widgets.wrapped(text, dim=True)
     if widgets.button("Open artwork...", "asks for an artwork, which goes on a can"):
         files.ask_artwork(side)
     text = "Plain pack"
     plot_widgets.beside(plot_widgets.button_width(text), gap_em=0.5)
     if widgets.button(text, "makes a can of the present sample, without artwork"):
         files.make_pack(side)
+
+
+def _folded(title: str) -> bool:
+    """A part of the panel behind a fold; whether it is open, so that tree_pop goes with it."""
+    return bool(imgui.tree_node_ex(title, imgui.TreeNodeFlags_.framed))
 
 
 # --- form -----------------------------------------------------------------------------------------
@@ -92,10 +96,13 @@ def _form(model: Model, side: str, pack: Pack, files: FileActions) -> None:
         files.ask_mesh(side)
     elif changed:
         model.attempt(lambda: _set_shape(model, side, pack, shape.with_kind(kind), "", lit=True))
-    for name in SIZES[shape.kind]:
-        _size(model, side, pack, name)
-    if shape.profile_mm:
-        widgets.wrapped(f"Its profile of {len(shape.profile_mm)} points decides its sizes.", dim=True)
+    if SIZES[shape.kind] and _folded("Sizes"):
+        for name in SIZES[shape.kind]:
+            _size(model, side, pack, name)
+        if shape.profile_mm:
+            count = len(shape.profile_mm)
+            widgets.wrapped(f"Its profile of {count} points decides its sizes.", dim=True)
+        imgui.tree_pop()
     if shape.kind == "mesh":
         _mesh(model, side, pack, files)
 
@@ -140,8 +147,8 @@ def _mesh(model: Model, side: str, pack: Pack, files: FileActions) -> None:
         files.ask_mesh(side)
     try:
         notes = pack_files.mesh_notes(pack.shape)
-    except Exception as error:  # noqa: BLE001 - the picture's own line reports it
-        notes = (str(error),)
+    except InputError:  # the picture's own line reports it
+        notes = ()
     for note in notes:
         widgets.wrapped(printable(note, LONGEST_NOTE), dim=True)
 
@@ -175,13 +182,17 @@ def _artwork(model: Model, side: str, pack: Pack, files: FileActions) -> None:
         bare = dataclasses.replace(pack, artwork=None, artwork_file="", finishes=_bare(pack))
         model.set_pack(side, bare)
         return
+    _hand(model, side, pack)
+    if not _folded("Placement and colours"):
+        return
     _place(model, side, pack)
     changed, rule = widgets.choice(Pack, "colour", pack.colour)
     if changed:
         model.set_pack(side, dataclasses.replace(pack, colour=rule))
+    imgui.tree_pop()
 
 
-def _bare(pack: Pack) -> tuple[finishes.Finish, ...]:
+def _bare(pack: Pack) -> tuple[Finish, ...]:
     """The finishes of a pack without its artwork: a mask of it lies everywhere instead."""
     of_artwork = ("plate:", "channel:", "artwork")
     return tuple(
@@ -191,13 +202,17 @@ def _bare(pack: Pack) -> tuple[finishes.Finish, ...]:
 
 
 def _place(model: Model, side: str, pack: Pack) -> None:
-    """Where the artwork lies, as numbers, and the switch for the hand."""
+    """Where the artwork lies, as numbers."""
     placement = pack.placement
     for name, reach in PLACE.items():
         changed, value = widgets.slider(Placement, name, getattr(placement, name), reach)
         if changed:
             moved = dataclasses.replace(placement, **{name: value})
             model.place_artwork(side, moved, gesture=f"{side} {name}")
+
+
+def _hand(model: Model, side: str, pack: Pack) -> None:
+    """The switch for the hand in the picture, and the way back."""
     half = 0.5 * (imgui.get_content_region_avail().x - imgui.get_style().item_spacing.x)
     if widgets.toggle(MOVE, on=model.moving_artwork, width=half):
         model.moving_artwork = not model.moving_artwork
@@ -205,6 +220,6 @@ def _place(model: Model, side: str, pack: Pack) -> None:
     imgui.same_line()
     if widgets.button(
         "Centre", "lays the artwork in the middle, upright, at its own size", width=half,
-        enabled=placement != Placement(),
+        enabled=pack.placement != Placement(),
     ):  # fmt: skip
         model.place_artwork(side, Placement())

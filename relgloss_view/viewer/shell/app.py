@@ -127,9 +127,6 @@ class App:
         self.files.each_frame()
         self._tables.each_frame()
         self._note_hand()
-        if self.model.wanted_panel:
-            self.layout.focus(self.model.wanted_panel)
-            self.model.wanted_panel = ""
         presentation = self.model.state.presentation
         if presentation.haploscopic:
             imgui.set_nav_cursor_visible(False)
@@ -142,6 +139,9 @@ class App:
             self.files.show()
             help.show(self)
             self.layout.keep_focus(navigation.focused_window())
+        if self.model.wanted_panel:  # after the first arrangement, which has its own in front
+            self.layout.focus(self.model.wanted_panel)
+            self.model.wanted_panel = ""
         self._window.to_screen()  # pictures were drawn, and panels fetched numbers
 
     def after_frame(self, frame_s: float) -> bool:
@@ -237,7 +237,7 @@ class App:
         assert self.pair_renderer is not None
         ctx = self.pair_renderer.ctx
         self.pair_renderer.abandon()
-        self.model.frames, self.model.ghosts = {}, {}
+        self.model.frames, self.model.ghosts, self.model.tints = {}, {}, {}
         self._ghost_pictures = GhostPictures()
         self.pair_renderer = PairRenderer(ctx)
         self.model.report("the graphics device lost its objects; everything was made again")

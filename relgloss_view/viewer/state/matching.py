@@ -18,6 +18,7 @@ from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.match import MOST_C, Match
 from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.picture.scene.setting import Setting
+from relgloss_view.viewer.state import packs
 from relgloss_view.viewer.state.state import SIDES, State
 
 
@@ -68,6 +69,13 @@ def rematched(state: State, share: float = 1.0) -> State:
         return dataclasses.replace(state, match=None)
     changed = _with_c(state, "test", share * match.test_c)
     return dataclasses.replace(changed, match=match)
+
+
+def with_finish_sample(state: State, side: str, finish: str, sample: Sample) -> State:
+    """The state whose pack has a sample's material as that of a finish, matched again."""
+    source = sample.name or sample.file or ""
+    changed = packs.with_finish(state, side, finish, material=sample.material, source=source)
+    return rematched_pack(changed)
 
 
 def rematched_pack(state: State) -> State:

@@ -178,6 +178,18 @@ class Model:
         pack = self.pack(side)
         return None if pack is None else packs.active(pack, self.finish_names.get(side, ""))
 
+    def sample(self, side: str) -> Sample:
+        """The sample of a side; of a pack, that of the active finish."""
+        finish = self.active_finish(side)
+        return self.state.side(side).sample if finish is None else packs.sample_of(finish)
+
+    def with_sample(self, side: str, sample: Sample) -> State:
+        """The state with another sample on a side, its look kept, or as the active finish's."""
+        finish = self.active_finish(side)
+        if finish is None:
+            return matching.with_sample(self.state, side, sample, keep=True)
+        return matching.with_finish_sample(self.state, side, finish.name, sample)
+
     def choose_finish(self, side: str, name: str) -> None:
         """Make a finish the active one of its side."""
         self.finish_names[side] = name

@@ -12,7 +12,7 @@ from relgloss_view.pack.artwork.artwork import Artwork
 from relgloss_view.pack.finish import MAX_FINISHES, Finish
 from relgloss_view.pack.pack import Pack, Placement
 from relgloss_view.pack.shape import Shape
-from relgloss_view.picture.scene.sample import Sample
+from relgloss_view.picture.scene.sample import SAMPLES, Sample
 from relgloss_view.viewer.state.state import SIDES, State
 
 DEFAULT_FORM = "can"
@@ -55,12 +55,20 @@ def form_of(state: State) -> Shape:
     return Shape(DEFAULT_FORM) if shape == Shape() else shape
 
 
+def sample_of(finish: Finish) -> Sample:
+    """The material of a finish as a sample, with its origin."""
+    name = finish.source if finish.source in SAMPLES else None
+    is_file = finish.source.lower().endswith(".json")
+    return Sample(finish.material, name=name, file=finish.source if is_file else None)
+
+
 # --- finishes -------------------------------------------------------------------------------------
 
 
 def active(pack: Pack, name: str) -> Finish:
-    """The finish of a name; the uppermost one where there is none of it."""
-    return next((one for one in pack.finishes if one.name == name), pack.finishes[-1])
+    """The finish of a name; where there is none of it, the uppermost one that is on the artwork."""
+    on_artwork = [one for one in pack.finishes if not one.mask.startswith("part:")]
+    return next((one for one in pack.finishes if one.name == name), on_artwork[-1])
 
 
 def new_finish(pack: Pack, material: Material, source: str) -> Finish:
@@ -100,7 +108,10 @@ def renamed(pack: Pack, old: str, new: str) -> Pack:
     new = new.strip()
     if not new or not new.isprintable():
         raise InputError(f"finish {old!r}: expected a name of printable characters")
-    return pack if new == old else pack.with_finish(old, name=new)
+    finishes = tuple(
+        dataclasses.replace(one, name=new) if one.name == old else one for one in pack.finishes
+    )
+    return dataclasses.replace(pack, finishes=finishes)
 
 
 def mask_choices(pack: Pack, parts: tuple[str, ...]) -> tuple[str, ...]:
