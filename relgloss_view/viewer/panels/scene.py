@@ -10,6 +10,7 @@ from relgloss_view.material.spectra import SHIPPED_ILLUMINANTS
 from relgloss_view.pack.shape import SHAPES, SIZES, Shape
 from relgloss_view.picture.scene.setup import Display, Eye, Lamp
 from relgloss_view.viewer.drawing import camera
+from relgloss_view.viewer.panels import lamps
 from relgloss_view.viewer.shell import sliders, widgets
 from relgloss_view.viewer.shell.theme import em, gray
 from relgloss_view.viewer.shell.widgets import Reach
@@ -33,6 +34,8 @@ _LAMP: Sliders = {
     "elevation_deg": _ANGLE,
     "distance_m": _DISTANCE,
     "luminance_cd_m2": Reach(1.0, 1000.0, logarithmic=True),
+    "radius_m": lamps.RADIUS,
+    "ambient": Reach(digits="%.2f"),
 }
 _EYE: Sliders = {"azimuth_deg": _ANGLE, "elevation_deg": _ANGLE, "distance_m": _DISTANCE}
 _DISPLAY: Sliders = {
@@ -55,6 +58,7 @@ def show(model: Model) -> None:
         model.turn_lamp()
     _illuminant(model)
     _choice(model, "lamp", Lamp, "y_n")
+    lamps.show(model)
     _object(model)
     imgui.separator_text("Eye")
     _sliders(model, "eye", Eye, _EYE)
@@ -176,6 +180,13 @@ def _draw_dial(model: Model, centre: ImVec2, radius: float) -> None:
     at = place(eye.azimuth_deg, eye.elevation_deg)
     painter.add_circle(at, 0.075 * radius, ink(0.62), 24, 1.5)
     painter.add_circle_filled(at, 0.03 * radius, ink(0.62), 12)
+    for other in model.state.setup.further_lamps:
+        at = place(other.azimuth_deg, other.elevation_deg)
+        painter.add_line(centre, at, ink(0.62, 0.25), 1.0)
+        if other.elevation_deg >= 0.0:
+            painter.add_circle_filled(at, 0.05 * radius, ink(0.7), 24)
+        else:
+            painter.add_circle(at, 0.045 * radius, ink(0.7), 24, 1.5)
     at = place(lamp.azimuth_deg, lamp.elevation_deg)
     painter.add_line(centre, at, ink(0.62, 0.5), 1.0)
     if lamp.elevation_deg >= 0.0:
