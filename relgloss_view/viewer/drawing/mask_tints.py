@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from relgloss_view.base.arrays import Bytes
-from relgloss_view.picture.model.sight import meet_view
+from relgloss_view.picture.model.sight import sight
 from relgloss_view.picture.model.surface import surface_of
 from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.scene import Scene
@@ -45,10 +45,11 @@ def tinted(scene: Scene, size: Size, names: frozenset[str]) -> Bytes:
         (np.arange(height) + 0.5) * size[1] / height - 0.5,
     )
     view = View.of(scene, size)
-    hit = meet_view(scene.shape, view, columns, rows)
+    seen = sight(scene.shape, view, columns, rows)
+    hit = seen.hit
     pixels = np.zeros((height, width, 4))
     if hit.found.any():
-        surface = surface_of(scene, view, hit, columns, rows)
+        surface = surface_of(pack, view, seen)
         for k, finish in enumerate(pack.finishes):
             if finish.name in names:
                 share = np.where(hit.found, surface.specular_shares[..., k], 0.0)[..., None]

@@ -10,7 +10,7 @@ from relgloss_view.base.arrays import Array
 from relgloss_view.material.cielab import lab_from_xyz
 from relgloss_view.pack.label import label_of
 from relgloss_view.pack.pack import Pack
-from relgloss_view.picture.model.sight import meet_view
+from relgloss_view.picture.model.sight import meet_view, sight
 from relgloss_view.picture.model.surface import surface_of
 from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.scene import Scene
@@ -63,10 +63,11 @@ def pick(scene: Scene, size: Size, at: tuple[float, float]) -> Picked | None:
         return None
     view = View.of(scene, size)
     columns, rows = (np.array([value - 0.5]) for value in at)
-    hit = meet_view(scene.shape, view, columns, rows)
+    seen = sight(scene.shape, view, columns, rows)
+    hit = seen.hit
     if not hit.found[0]:
         return None
-    surface = surface_of(scene, view, hit, columns, rows)
+    surface = surface_of(pack, view, seen)
     names = [finish.name for finish in pack.finishes]
     shares = np.asarray(surface.specular_shares, dtype=np.float64)[0]
     ordered = sorted(zip(names, shares.tolist(), strict=True), key=lambda one: -one[1])

@@ -77,12 +77,12 @@ class Opened:
     def _with_form(state: State, side: str, present: Pack | None, shape: Shape) -> State:
         if present is None:
             return state.placed(shape=shape).lit_for_gloss()
-        return packs.with_pack(state, side, dataclasses.replace(present, shape=shape))
+        return packs.with_pack(state, side, packs.on_form(present, shape))
 
     @staticmethod
     def _with_artwork(state: State, side: str, present: Pack | None, made: Pack) -> State:
         if present is None:
-            pack = dataclasses.replace(made, shape=packs.form_of(state))
+            pack = packs.new_on_form(made, packs.form_of(state))
             state = matching.with_sample(state, side, Sample.of_pack(pack))
             return state.lit_for_gloss()
         assert made.artwork is not None

@@ -187,7 +187,7 @@ def read_again(pack: Pack, path: str, before: Pack) -> Pack:
         return made
     if pack.artwork is not None and path == pack.artwork.file:
         folder = Path(pack.file).parent if pack.file else Path()
-        artwork = open_artwork(Path(path), pack.artwork_entries, folder)
+        artwork = open_artwork(Path(path), dict(pack.artwork_entries), folder)
         made = dataclasses.replace(pack, artwork=artwork)
     else:
         names = [name for name in pack.masks if _beside(pack, name) == path]

@@ -55,7 +55,12 @@ def take_press(model: Model, under: Under | None, *, active: bool) -> bool:
     taken, so that nothing else moves.
     """
     press = _press.of(model)
-    if imgui.is_item_activated():
+    if press.side and not active:  # let go
+        if not press.moved and not imgui.get_io().key_alt:
+            choose(model, press.side, press.at, press.size)
+        press.side, press.carries = "", False
+        return False
+    if active and imgui.is_item_activated():
         left = imgui.is_mouse_down(imgui.MouseButton_.left)
         press.side, press.moved, press.carries, press.label_mm = "", False, False, None
         if under is not None and left:
@@ -65,11 +70,6 @@ def take_press(model: Model, under: Under | None, *, active: bool) -> bool:
             if press.carries:
                 press.label_mm = _label_place(model, press.side, press.at, press.size)
         return press.carries
-    if press.side and imgui.is_item_deactivated():
-        if not press.moved and not imgui.get_io().key_alt:
-            choose(model, press.side, press.at, press.size)
-        press.side, press.carries = "", False
-        return False
     if not (active and press.side):
         return False
     if under is not None and under[0] == press.side:

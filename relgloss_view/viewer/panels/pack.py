@@ -20,6 +20,7 @@ from relgloss_view.viewer.panels.look import side_tabs
 from relgloss_view.viewer.shell import sliders, widgets
 from relgloss_view.viewer.shell.widgets import Reach
 from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.packs import on_form, with_pack
 
 if TYPE_CHECKING:
     from relgloss_view.viewer.shell.file_actions import FileActions
@@ -110,9 +111,7 @@ def _form(model: Model, side: str, pack: Pack, files: FileActions) -> None:
 def _set_shape(
     model: Model, side: str, pack: Pack, shape: Shape, gesture: str, *, lit: bool = False
 ) -> None:
-    from relgloss_view.viewer.state.packs import with_pack
-
-    state = with_pack(model.state, side, dataclasses.replace(pack, shape=shape))
+    state = with_pack(model.state, side, on_form(pack, shape))
     model.change(state.lit_for_gloss() if lit and side == "test" else state, gesture or None)
 
 

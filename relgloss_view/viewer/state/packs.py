@@ -62,6 +62,46 @@ def sample_of(finish: Finish) -> Sample:
     return Sample(finish.material, name=name, file=finish.source if is_file else None)
 
 
+def on_form(pack: Pack, shape: Shape) -> Pack:
+    """The pack on another form, without the finishes of parts that this does not have.
+
+    Finishes that were chosen by the form alone are chosen again. Raises InputError where a mesh
+    can't be read.
+    """
+    from relgloss_view.pack.label import label_of
+    from relgloss_view.pack.quick import finishes_of_artwork
+
+    usual, _ = finishes_of_artwork(pack.artwork, pack.shape)
+    if [_origin(one) for one in usual] == [_origin(one) for one in pack.finishes]:
+        looks = {one.name: one for one in pack.finishes}
+        made, _ = finishes_of_artwork(pack.artwork, shape)
+        same = tuple(
+            old if (old := looks.get(one.name)) and _origin(old) == _origin(one) else one
+            for one in made
+        )
+        return dataclasses.replace(pack, shape=shape, finishes=same)
+    masks = {f"part:{name}" for name in label_of(shape).parts}
+    kept = tuple(
+        one for one in pack.finishes if not one.mask.startswith("part:") or one.mask in masks
+    )
+    return dataclasses.replace(pack, shape=shape, finishes=kept)
+
+
+def new_on_form(pack: Pack, shape: Shape) -> Pack:
+    """A pack that was just made around an artwork, on another form, its artwork placed anew."""
+    from relgloss_view.pack.quick import usual_placement
+
+    moved = on_form(pack, shape)
+    if moved.artwork is None or shape == pack.shape:
+        return moved
+    placement, _ = usual_placement(moved.artwork, shape)
+    return dataclasses.replace(moved, placement=placement)
+
+
+def _origin(finish: Finish) -> tuple[object, ...]:
+    return finish.name, finish.kind, finish.source, finish.mask, finish.invert
+
+
 # --- finishes -------------------------------------------------------------------------------------
 
 
@@ -140,9 +180,11 @@ def mask_words(mask: str) -> str:
 
 def with_artwork(pack: Pack, artwork: Artwork) -> Pack:
     """The pack with another artwork; of the same size it stays where the last one lay."""
+    from relgloss_view.pack.quick import usual_placement
+
     old = pack.artwork
     same = old is not None and _is_close(old, artwork)
-    placement = pack.placement if same else Placement()
+    placement = pack.placement if same else usual_placement(artwork, pack.shape)[0]
     return dataclasses.replace(pack, artwork=artwork, artwork_file=artwork.file,
                                placement=placement)  # fmt: skip
 
