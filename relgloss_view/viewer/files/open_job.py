@@ -7,7 +7,6 @@ done with at once and leaves no file.
 
 from __future__ import annotations
 
-import dataclasses
 import os
 import threading
 import traceback
@@ -18,6 +17,7 @@ from pathlib import Path
 from relgloss_view.base.decoration import fault_line
 from relgloss_view.base.errors import FitCancelled, InputError, RelglossError
 from relgloss_view.measure.table import Measurement
+from relgloss_view.pack.kinds import ARTWORK, PACK
 from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.file_kinds import MATERIAL, SCENE, likely_kind
@@ -48,9 +48,9 @@ class Opened:
     shape: Shape | None = None
 
     @property
-    def is_of_a_side(self) -> bool:
-        """Whether it goes to one side of the pair, and is no scene."""
-        return self.state is None
+    def is_of_a_pack(self) -> bool:
+        """Whether it is a pack, or a part of one: an artwork or a mesh."""
+        return not (self.pack is None and self.artwork is None and self.shape is None)
 
     def applied(self, state: State, side: str, finish: str = "") -> State:
         """The state with it: a scene takes the place of everything, a sample that of a side's.
@@ -165,9 +165,9 @@ class OpenJob:
 
     def _open(self) -> Opened:
         of_pack = pack_files.pack_kind(self.path)
-        if of_pack == pack_files.PACK:
+        if of_pack == PACK:
             return Opened(self.path, pack=pack_files.opened_pack(self.path, self._report))
-        if of_pack == pack_files.ARTWORK:
+        if of_pack == ARTWORK:
             return Opened(self.path, artwork=pack_files.opened_artwork(self.path, self._report))
         if of_pack == pack_files.MESH:
             return Opened(self.path, shape=pack_files.opened_mesh(self.path, self._report))

@@ -10,43 +10,28 @@ from collections.abc import Callable
 from pathlib import Path
 
 from relgloss_view.base.reading import read_beginning
+from relgloss_view.pack.kinds import ARTWORK, kind_of_pack
 from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.shape import Shape
 
-PACK, ARTWORK, MESH = "pack file", "artwork", "mesh"
-HEAD_BYTES = 64 * 1024
+MESH = "mesh"
+HEAD_BYTES = 16
 EXPECTED = "a pack file, an artwork or a mesh"
-PACK_SUFFIXES = (".toml",)
 ARTWORK_SUFFIXES = (".pdf", ".ai", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".psd")
 MESH_SUFFIXES = (".glb", ".gltf", ".obj", ".ply")
-#: First bytes of artwork: PDF, PNG, JPEG, TIFF of both byte orders and of 64 bits, Photoshop.
-_ARTWORK_HEADS = (
-    b"\x89PNG\r\n\x1a\n",
-    b"\xff\xd8\xff",
-    b"II*\x00",
-    b"MM\x00*",
-    b"II+\x00",
-    b"MM\x00+",
-    b"8BPS",
-)
-_PDF_WITHIN = 1024  #: bytes; readers of PDF look so far for its mark
 _MESH_HEADS = (b"glTF", b"ply\n", b"ply\r")
 
 
 def pack_kind(path: str | os.PathLike[str]) -> str | None:
     """PACK, ARTWORK or MESH; None for a file of another kind. InputError where it can't be read."""
-    head = read_beginning(path, HEAD_BYTES, EXPECTED)
+    kind = kind_of_pack(path)
+    if kind is not None:
+        return kind
     suffix = Path(path).suffix.lower()
-    if head.startswith(_ARTWORK_HEADS) or b"%PDF-" in head[:_PDF_WITHIN]:
-        return ARTWORK
-    if head.startswith(_MESH_HEADS) or suffix in (".gltf", ".obj"):
+    head = read_beginning(path, HEAD_BYTES, EXPECTED)
+    if head.startswith(_MESH_HEADS) or suffix in MESH_SUFFIXES:
         return MESH
-    lines = [line.strip() for line in head.lstrip(b"\xef\xbb\xbf").splitlines()]
-    if any(line.startswith((b"[pack]", b"[[finish]]")) for line in lines):
-        return PACK
-    if suffix in ARTWORK_SUFFIXES:  # its reader reports what is wrong with it
-        return ARTWORK
-    return MESH if suffix in MESH_SUFFIXES else None
+    return ARTWORK if suffix in ARTWORK_SUFFIXES else None  # its reader reports what is wrong
 
 
 def opened_pack(path: str, progress: Callable[[float, str], None]) -> Pack:

@@ -1,4 +1,4 @@
-"""What a pixel of a pack shows: finishes with their shares, the label, plates, the artwork's Lab."""
+"""What a pixel of a pack shows: finishes with their shares, the label, plates, the artwork."""
 
 from __future__ import annotations
 

@@ -11,6 +11,7 @@ from functools import lru_cache
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.gloss.match import Reference, absolute_c, full_c, matched, own_sigma_n_deg
+from relgloss_view.gloss.pack_match import match_pack
 from relgloss_view.gloss.samples import SampleLook
 from relgloss_view.material.recolour import Colour
 from relgloss_view.picture.frame import Frame
@@ -59,6 +60,9 @@ def new_match(state: State) -> Match | None:
     reference = reference_of(state)
     if reference is None:
         return None
+    pack = state.test.sample.pack
+    if pack is not None:
+        return match_pack(reference, pack).match
     return matched(reference, state.test.sample.material, state.test.look.sigma_n_deg)
 
 
@@ -67,8 +71,17 @@ def rematched(state: State, share: float = 1.0) -> State:
     match = new_match(state)
     if match is None:
         return dataclasses.replace(state, match=None)
+    state = _finishes_matched(state)
     changed = _with_c(state, "test", share * match.test_c)
     return dataclasses.replace(changed, match=match)
+
+
+def _finishes_matched(state: State) -> State:
+    """The state whose test pack has the sigma_N and k of each finish that a match proposes."""
+    pack, reference = state.test.sample.pack, reference_of(state)
+    if pack is None or reference is None:
+        return state
+    return packs.with_pack(state, "test", match_pack(reference, pack).pack)
 
 
 def with_finish_sample(state: State, side: str, finish: str, sample: Sample) -> State:
