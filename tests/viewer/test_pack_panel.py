@@ -75,23 +75,86 @@ def a_pack(hand, found):
     hand.drag((middle(hand)[0], middle(hand)[1]), (30.0, 0.0))
     found["turned"] = model.state.setup.eye.azimuth_deg
 
-    hand.key(0x0) if False else None
-    layers = []
+    c, k = model.state.test.look.c, added.k
     model.finish_names["test"] = added.name
     hand.app.layout.focus("Look")
     hand.frames(4)
-    c = model.state.test.look.c
-    hand.type("//Look/**/##Gloss factor (k)", "0.5", enter=True) if False else None
-    hand.do(lambda: model.set_finish("test", added.name, gesture="k", k=0.5, sigma_n_deg=1.0))
+    hand.ctx.item_click("//Look/**/##Gloss factor (k)", 0)
+    hand.frames(2)
     finish = model.active_finish("test")
-    found["look"] = [finish.k, finish.sigma_n_deg, model.state.test.look.c == c]
+    found["slider"] = [finish.name, finish.k != k, model.state.test.look.c == c]
     found["same artwork"] = model.pack("test").artwork is pack.artwork
     hand.do(model.history.undo)
-    found["undone"] = [model.active_finish("test").k, model.active_finish("test").sigma_n_deg]
-    del layers, packs
+    found["undone"] = model.active_finish("test").k == k
 
 
-SCRIPTS = (a_pack,)
+def carries_the_artwork(hand, found):
+    from imgui_bundle import imgui
+
+    from relgloss_view.viewer.panels.artwork_hand import _label_place
+
+    model = hand.model
+    hand.do(lambda: hand.app.files.model.change(model.state.placed(eye=Eye_of(hand))))
+    hand.app.layout.focus("Pack")
+    hand.frames(4)
+    hand.click("//Pack/Move artwork")
+    found["on"] = model.moving_artwork
+    start, steps = middle(hand), len(model.history._past)
+    rect = hand.app.drawn_pane.arrangement.rects["test"]
+    at = (0.5 * rect[2], 0.5 * rect[3])
+    places = [
+        hand.do(lambda x=x: _label_place(model, "test", (at[0] + x, at[1]), rect[2:]))
+        for x in (0.0, 40.0)
+    ]
+    hand.drag(start, (40.0, 0.0))
+    hand.until(lambda: not model.dragging)
+    placement = model.pack("test").placement
+    found["carried"] = [placement.offset_x_mm, placement.offset_y_mm]
+    found["meant"] = places[1][0] - places[0][0]
+    found["steps"] = len(model.history._past) - steps
+    found["eye stays"] = model.state.setup.eye == Eye_of(hand)
+    hand.turn_wheel(start, 3)
+    found["turned"] = model.pack("test").placement.turn_deg
+    hand.until(lambda: not model.held)
+    hand.click("//Pack/Move artwork")
+    hand.ctx.mouse_move_to_pos(start)
+    hand.frames(2)
+    hand.drag(start, (-20.0, 0.0), keys=int(imgui.Key.mod_alt))
+    found["with Alt"] = model.pack("test").placement.offset_x_mm < placement.offset_x_mm - 1.0
+    before = model.pack("test").placement
+    hand.drag(start, (20.0, 0.0))
+    found["without"] = model.pack("test").placement == before
+
+
+def Eye_of(hand):
+    from relgloss_view.picture.scene.setup import Eye
+
+    return Eye()
+
+
+def shows_masks_and_pixels(hand, found):
+    model = hand.model
+    name = model.pack("test").finishes[-1].name
+    model.masked = frozenset({name})
+    found["tint"] = hand.until(lambda: "test" in model.tints)
+    hand.app.layout.focus("Pixel")
+    hand.ctx.mouse_move_to_pos(middle(hand))
+    hand.frames(4)
+    model.masked = frozenset()
+    hand.frames(2)
+    found["no tint"] = model.tints == {}
+    hand.app.layout.focus("Scene")
+    hand.frames(4)
+    hand.click("//Scene/Add lamp")
+    found["lamps"] = len(model.state.setup.further_lamps)
+    hand.do(model.history.undo)
+    hand.app.layout.focus("Pack")
+    hand.frames(4)
+    hand.click("//Pack/Remove pack")
+    found["paper"] = model.pack("test") is None
+
+
+SCRIPTS = (a_pack, carries_the_artwork, shows_masks_and_pixels)
 
 
 # --- what they found ------------------------------------------------------------------------------
@@ -109,4 +172,39 @@ def test_an_artwork_becomes_a_pack_of_the_present_form(found):
     assert got["size"] == pytest.approx([207.0, 115.0], rel=1e-3)
     assert got["front"]
     assert got["reference"]
-    print(got)
+
+
+def test_finishes_are_added_masked_and_clicked(found):
+    got = found["a_pack"]
+    assert got["added"] == ["Gloss varnish", "varnish", "artwork"]
+    assert got["masked"]
+    assert got["clicked"] == "Gloss varnish"
+    assert got["no step by a click"]
+    assert abs(got["turned"]) > 5.0  # the control: a drag turns the object and chooses nothing
+
+
+def test_the_slider_of_the_look_changes_the_active_finish_alone(found):
+    got = found["a_pack"]
+    assert got["slider"] == ["Gloss varnish", True, True]
+    assert got["same artwork"]
+    assert got["undone"]
+
+
+def test_the_artwork_follows_the_hand(found):
+    got = found["carries_the_artwork"]
+    assert got["on"]
+    assert got["meant"] > 3.0
+    assert got["carried"] == pytest.approx([got["meant"], 0.0], abs=0.2)
+    assert got["steps"] == 1
+    assert got["eye stays"]
+    assert got["turned"] == pytest.approx(3.0)
+    assert got["with Alt"]
+    assert got["without"]
+
+
+def test_masks_pixels_and_lamps_show(found):
+    got = found["shows_masks_and_pixels"]
+    assert got["tint"]
+    assert got["no tint"]
+    assert got["lamps"] == 1
+    assert got["paper"]
