@@ -221,11 +221,11 @@ def _is_built_in(file: str) -> bool:
 def _check_files(files: list[str]) -> None:
     """Raise InputError for too many files before the first is fitted, which takes a while."""
     from relgloss_view.pack.kinds import ARTWORK, PACK
-    from relgloss_view.picture.scene.file_kinds import SCENE, likely_kind
-    from relgloss_view.viewer.files.pack_files import MESH, pack_kind
+    from relgloss_view.picture.scene.file_kinds import SCENE
+    from relgloss_view.viewer.files.pack_files import MESH, file_kind
 
     named = [file for file in files if not _is_built_in(file)]
-    kinds = [pack_kind(file) or likely_kind(file) for file in named]
+    kinds = [file_kind(file) for file in named]
     for kind, words in ((SCENE, "scenes"), (PACK, "packs"), (ARTWORK, "artworks"), (MESH, "forms")):
         count = kinds.count(kind)
         if count > 1:

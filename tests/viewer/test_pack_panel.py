@@ -44,7 +44,6 @@ def middle(hand):
 
 
 def a_pack(hand, found):
-    from relgloss_view.viewer.state import packs
 
     model = hand.model
     hand.do(lambda: model.set_part("shape", kind="cylinder", diameter_m=0.066, height_m=0.115))

@@ -256,7 +256,7 @@ def watched(state):
     model = Model(state)
     watch = PackWatch(model, lambda: None)
     watch.poll._over.set()  # looks by hand
-    yield model, watch
+    return model, watch
 
 
 def test_artwork_that_is_edited_is_read_again(watched, tmp_path):

@@ -20,7 +20,7 @@ from relgloss_view.measure.table import Measurement
 from relgloss_view.pack.kinds import ARTWORK, PACK
 from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.shape import Shape
-from relgloss_view.picture.scene.file_kinds import MATERIAL, SCENE, likely_kind
+from relgloss_view.picture.scene.file_kinds import MATERIAL, SCENE
 from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.viewer.files import pack_files
 from relgloss_view.viewer.files.fit_process import FitProcess
@@ -164,14 +164,13 @@ class OpenJob:
         self._wake()
 
     def _open(self) -> Opened:
-        of_pack = pack_files.pack_kind(self.path)
-        if of_pack == PACK:
+        kind = pack_files.file_kind(self.path)
+        if kind == PACK:
             return Opened(self.path, pack=pack_files.opened_pack(self.path, self._report))
-        if of_pack == ARTWORK:
+        if kind == ARTWORK:
             return Opened(self.path, artwork=pack_files.opened_artwork(self.path, self._report))
-        if of_pack == pack_files.MESH:
+        if kind == pack_files.MESH:
             return Opened(self.path, shape=pack_files.opened_mesh(self.path, self._report))
-        kind = likely_kind(self.path)
         if kind == SCENE:
             return Opened(self.path, state=load_state(self.path))
         if kind == MATERIAL:

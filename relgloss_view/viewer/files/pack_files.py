@@ -9,29 +9,18 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
-from relgloss_view.base.reading import read_beginning
-from relgloss_view.pack.kinds import ARTWORK, kind_of_pack
 from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.shape import Shape
+from relgloss_view.picture.scene.file_kinds import likely_kind
 
 MESH = "mesh"
-HEAD_BYTES = 16
-EXPECTED = "a pack file, an artwork or a mesh"
 ARTWORK_SUFFIXES = (".pdf", ".ai", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".psd")
 MESH_SUFFIXES = (".glb", ".gltf", ".obj", ".ply")
-_MESH_HEADS = (b"glTF", b"ply\n", b"ply\r")
 
 
-def pack_kind(path: str | os.PathLike[str]) -> str | None:
-    """PACK, ARTWORK or MESH; None for a file of another kind. InputError where it can't be read."""
-    kind = kind_of_pack(path)
-    if kind is not None:
-        return kind
-    suffix = Path(path).suffix.lower()
-    head = read_beginning(path, HEAD_BYTES, EXPECTED)
-    if head.startswith(_MESH_HEADS) or suffix in MESH_SUFFIXES:
-        return MESH
-    return ARTWORK if suffix in ARTWORK_SUFFIXES else None  # its reader reports what is wrong
+def file_kind(path: str | os.PathLike[str]) -> str:
+    """MESH by the file's name, or the kind that its content shows; InputError for anything else."""
+    return MESH if Path(path).suffix.lower() in MESH_SUFFIXES else likely_kind(path)
 
 
 def opened_pack(path: str, progress: Callable[[float, str], None]) -> Pack:

@@ -76,7 +76,9 @@ class App:
         self.layout: Layout = Layout(
             [
                 Panel("Sample", SAMPLE, lambda: sample.show(self.model, self.files)),
-                Panel("Pack", SAMPLE, lambda: pack.show(self.model, self.files)),
+                Panel(
+                    "Pack", SAMPLE, lambda: pack.show(self.model, self.files), at_first=False
+                ),
                 Panel("Look", GLOSS, lambda: look.show(self.model)),
                 Panel("Gloss", GLOSS, lambda: gloss.show(self.model, self._gloss_readings)),
                 Panel("Scene", LIGHT, lambda: scene.show(self.model)),
@@ -204,7 +206,9 @@ class App:
         self.layout.hidden = kept.hidden
         if kept.closed is not None:
             for panel in self.layout.panels:
-                panel.visible = panel.title not in kept.closed
+                # A panel that is newer than the kept layout is as at the first start.
+                new = bool(kept.docking) and f"[Window][{panel.title}]" not in kept.docking
+                panel.visible = panel.at_first if new else panel.title not in kept.closed
 
     def save_layout(self) -> None:
         """Write the layout, if it is kept and has changed. Raises InputError."""
