@@ -84,7 +84,7 @@ class Opened:
         if present is None:
             pack = packs.new_on_form(made, packs.form_of(state))
             state = matching.with_sample(state, side, Sample.of_pack(pack))
-            return state.lit_for_gloss()
+            return packs.lit(state)
         assert made.artwork is not None
         return packs.with_pack(state, side, packs.with_artwork(present, made.artwork))
 

@@ -20,6 +20,7 @@ from relgloss_view.viewer.panels.look import side_tabs
 from relgloss_view.viewer.shell import sliders, widgets
 from relgloss_view.viewer.shell.widgets import Reach
 from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.packs import lit as lit_pack
 from relgloss_view.viewer.state.packs import on_form, with_pack
 
 if TYPE_CHECKING:
@@ -112,7 +113,7 @@ def _set_shape(
     model: Model, side: str, pack: Pack, shape: Shape, gesture: str, *, lit: bool = False
 ) -> None:
     state = with_pack(model.state, side, on_form(pack, shape))
-    model.change(state.lit_for_gloss() if lit and side == "test" else state, gesture or None)
+    model.change(lit_pack(state) if lit and side == "test" else state, gesture or None)
 
 
 def _size(model: Model, side: str, pack: Pack, name: str) -> None:

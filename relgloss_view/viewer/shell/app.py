@@ -76,9 +76,7 @@ class App:
         self.layout: Layout = Layout(
             [
                 Panel("Sample", SAMPLE, lambda: sample.show(self.model, self.files)),
-                Panel(
-                    "Pack", SAMPLE, lambda: pack.show(self.model, self.files), at_first=False
-                ),
+                Panel("Pack", SAMPLE, lambda: pack.show(self.model, self.files), at_first=False),
                 Panel("Look", GLOSS, lambda: look.show(self.model)),
                 Panel("Gloss", GLOSS, lambda: gloss.show(self.model, self._gloss_readings)),
                 Panel("Scene", LIGHT, lambda: scene.show(self.model)),

@@ -16,6 +16,7 @@ from relgloss_view.picture.scene.sample import SAMPLES, Sample
 from relgloss_view.viewer.state.state import SIDES, State
 
 DEFAULT_FORM = "can"
+ROUND = ("can", "bottle", "cylinder", "sphere")  #: forms that show a highlight from every side
 Mm = tuple[float, float]  #: a place on the label: to the right and up from its centre
 
 
@@ -60,6 +61,13 @@ def sample_of(finish: Finish) -> Sample:
     name = finish.source if finish.source in SAMPLES else None
     is_file = finish.source.lower().endswith(".json")
     return Sample(finish.material, name=name, file=finish.source if is_file else None)
+
+
+def lit(state: State) -> State:
+    """The state whose lamp shows a highlight on the test's form; a round form has one anyway."""
+    pack = pack_of(state, "test")
+    is_round = pack is not None and pack.shape.kind in ROUND
+    return state if is_round else state.lit_for_gloss()
 
 
 def on_form(pack: Pack, shape: Shape) -> Pack:
