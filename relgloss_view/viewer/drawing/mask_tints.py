@@ -11,7 +11,9 @@ from relgloss_view.picture.model.sight import sight
 from relgloss_view.picture.model.surface import surface_of
 from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.viewer.drawing.texture_uploads import TextureUploads
 from relgloss_view.viewer.files.background import Worker
+from relgloss_view.viewer.state.state import SIDES, State
 
 #: One for each finish of a pack, sRGB: told apart by hue and by lightness (Okabe, Ito 2008).
 TINTS = (
@@ -68,6 +70,26 @@ class MaskTints:
     def __init__(self, wake: Callable[[], None]) -> None:
         self._worker: Worker[tuple[str, Key], Bytes] = Worker(wake)
         self._made: dict[str, tuple[Key, Bytes | None]] = {}
+
+    def textures(
+        self,
+        state: State,
+        size: Size,
+        names: frozenset[str],
+        uploads: TextureUploads,
+        *,
+        at_rest: bool,
+    ) -> dict[str, int]:
+        """Names of textures that hold the tints of finishes, by the side whose picture they are of.
+
+        state: with the eye of the pictures on the screen, whose size is in pixels.
+        """
+        textures: dict[str, int] = {}
+        for side in SIDES if names else ():
+            pixels = self.of(side, state.scene(side), size, names, at_rest=at_rest)
+            if pixels is not None:
+                textures[side] = uploads.texture(f"tint {side}", pixels)
+        return textures
 
     def of(
         self, side: str, scene: Scene, size: Size, names: frozenset[str], *, at_rest: bool

@@ -43,8 +43,8 @@ def show(
 ) -> None:
     """Write over the surround of each picture; what would not fit is left out."""
     presentation = model.state.presentation
-    ink = _ink(model.state.setup.display)
-    paper = _paper(model.state.setup.display)
+    ink = ink_on(model.state.setup.display)
+    paper = paper_on(model.state.setup.display)
     for side, rect in arrangement.rects.items():
         left, top, width, height = rect
         right = presentation.compare == WIPE and (side == "test") != presentation.mirror
@@ -212,13 +212,13 @@ def _room_above(model: Model, side: str, height: int) -> int:
     return max(int(free / imgui.get_text_line_height()), 1)
 
 
-def _ink(display: Display) -> int:
+def ink_on(display: Display) -> int:
     """A gray that can be read on the surround without catching the eye."""
     dark = display.background_lstar >= 45.0
     return int(imgui.color_convert_float4_to_u32(gray(0.08 if dark else 0.75)))
 
 
-def _paper(display: Display) -> int:
+def paper_on(display: Display) -> int:
     """The surround's gray, let through a little, so that words read over an object too."""
     model = DisplayModel.of(display)
     value = float(tone.encode(np.array(model.background_light), model))

@@ -28,12 +28,10 @@ LONGEST = 60  #: characters of a name
 SIGMA_REACH = Reach(high=3.0, digits="%.2f")
 K_REACH = Reach(high=3.0, digits="%.3f")
 FILE = "File..."
-KIND_WORDS = {
-    "ink": "ink: the artwork's colours",
-    "varnish": "varnish: gloss above the colours",
-    "foil": "foil: hides what is below",
-    "stock": "stock: colour as measured",
-}
+KIND_MEANING = (
+    "What it replaces of the surface below.\nInk: the artwork's colours under its gloss. Varnish: "
+    "its gloss above the colours. Foil: gloss and colour of its own. Stock: the material as measured."
+)
 
 
 def show(model: Model, side: str, pack: Pack, files: FileActions) -> None:
@@ -164,8 +162,7 @@ def _name(model: Model, side: str, pack: Pack, one: Finish) -> None:
 def _kind(model: Model, side: str, pack: Pack, one: Finish) -> None:
     kinds = tuple(kind for kind in KINDS if not (one is pack.base and kind == "varnish"))
     text = widgets.label_of(Finish, "kind")
-    meaning = widgets.sentence(widgets.declared(Finish, "kind").metadata["meaning"])
-    changed, kind = widgets.combo(text, kinds, one.kind, meaning, words=KIND_WORDS)
+    changed, kind = widgets.combo(text, kinds, one.kind, KIND_MEANING)
     if changed:
         model.set_finish(side, one.name, kind=kind)
 

@@ -7,6 +7,7 @@ from imgui_bundle import ImVec2, imgui
 from relgloss_view.base.reading import printable
 from relgloss_view.viewer.drawing.arrangement import Arrangement
 from relgloss_view.viewer.drawing.mask_tints import TINTS
+from relgloss_view.viewer.panels.captions import ink_on, paper_on
 from relgloss_view.viewer.shell.theme import em
 from relgloss_view.viewer.state.model import Model
 
@@ -15,6 +16,7 @@ SWATCH_EM = 0.8
 
 def show(model: Model, painter: imgui.ImDrawList, origin: ImVec2, arrangement: Arrangement) -> None:
     """Lay the tints over the pictures, and name them in the lower left corner of each."""
+    display = model.state.setup.display
     mirrored = model.state.presentation.mirror
     for side, rect in arrangement.rects.items():
         texture = model.tints.get(side)
@@ -41,8 +43,6 @@ def show(model: Model, painter: imgui.ImDrawList, origin: ImVec2, arrangement: A
             place_of_text = ImVec2(x + size + em(0.4), y)
             text = printable(name, 60)
             extent = imgui.calc_text_size(text)
-            shade = imgui.color_convert_float4_to_u32(imgui.ImVec4(0.0, 0.0, 0.0, 0.55))
             end = ImVec2(place_of_text.x + extent.x, place_of_text.y + extent.y)
-            painter.add_rect_filled(place_of_text, end, shade)
-            ink = imgui.color_convert_float4_to_u32(imgui.ImVec4(0.95, 0.95, 0.95, 1.0))
-            painter.add_text(place_of_text, ink, text)
+            painter.add_rect_filled(place_of_text, end, paper_on(display))
+            painter.add_text(place_of_text, ink_on(display), text)

@@ -336,7 +336,10 @@ class App:
         for fault in pair.faults.values():
             model.report_once(fault, fault=True)
         self._draw_ghosts(state)
-        self._draw_tints(state, at_rest=at_rest)
+        shown = as_shown(state, model.picture_size, pitch)
+        model.tints = self._mask_tints.textures(
+            shown, model.picture_size, model.masked, self.pair_renderer.uploads, at_rest=at_rest
+        )
         pictures = self.pair_renderer.with_uploads(pair.pictures, displayed)
         self.drawn_pane = stage.DrawnPane(
             arrangement, DrawnPair(pictures, pair.faults, pair.factor)
@@ -358,20 +361,6 @@ class App:
         except RelglossError as error:
             model.report_once(str(error), fault=True)
         model.ghosts, model.ghost_side = ghosts, new.side
-
-    def _draw_tints(self, state: State, *, at_rest: bool) -> None:
-        """Bring the tints of masks up to date, which show while nothing moves."""
-        assert self.pair_renderer is not None
-        model = self.model
-        shown = as_shown(state, model.picture_size, model.pixel_pitch_m)
-        tints: dict[str, int] = {}
-        for side in SIDES if model.masked else ():
-            pixels = self._mask_tints.of(
-                side, shown.scene(side), model.picture_size, model.masked, at_rest=at_rest
-            )
-            if pixels is not None:
-                tints[side] = self.pair_renderer.uploads.texture(f"tint {side}", pixels)
-        model.tints = tints
 
     def _pin(self, pair: DrawnPair) -> None:
         """Keep c as a number from now on, where a file gave it as a share of a picture's c_max."""
