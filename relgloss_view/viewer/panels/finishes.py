@@ -30,7 +30,7 @@ K_REACH = Reach(high=3.0, digits="%.3f")
 FILE = "File..."
 KIND_MEANING = (
     "What it replaces of the surface below.\nInk: the artwork's colours under its gloss. Varnish: "
-    "its gloss above the colours. Foil: gloss and colour of its own. Stock: the material as measured."
+    "its gloss above the colours. Foil: gloss and colour of its own. Stock: the material itself."
 )
 
 
