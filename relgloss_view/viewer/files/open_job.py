@@ -62,7 +62,8 @@ class Opened:
             return self.state
         present = packs.pack_of(state, side)
         if self.pack is not None:
-            return matching.with_sample(state, side, Sample.of_pack(self.pack))
+            changed = matching.with_sample(state, side, Sample.of_pack(self.pack))
+            return packs.first_lit(changed) if present is None and side == "test" else changed
         if self.shape is not None:
             return self._with_form(state, side, present, self.shape)
         if self.artwork is not None:
@@ -84,7 +85,7 @@ class Opened:
         if present is None:
             pack = packs.new_on_form(made, packs.form_of(state))
             state = matching.with_sample(state, side, Sample.of_pack(pack))
-            return packs.lit(state)
+            return packs.first_lit(state) if side == "test" else state
         assert made.artwork is not None
         return packs.with_pack(state, side, packs.with_artwork(present, made.artwork))
 

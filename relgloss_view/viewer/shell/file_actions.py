@@ -120,7 +120,7 @@ class FileActions:
             base = Finish("Base", "stock", sample.material, source=source)
             pack = Pack("Plain pack", packs.form_of(model.state), (base,))
             state = matching.with_sample(model.state, side, Sample.of_pack(pack), keep=True)
-            model.change(packs.lit(state) if side == "test" else state)
+            model.change(packs.first_lit(state) if side == "test" else state)
 
         model.attempt(make)
 

@@ -12,6 +12,7 @@ from relgloss_view.pack.artwork.artwork import Artwork
 from relgloss_view.pack.finish import MAX_FINISHES, Finish
 from relgloss_view.pack.pack import Pack, Placement
 from relgloss_view.pack.shape import Shape
+from relgloss_view.picture.scene.pack_settings import PACK_AMBIENT
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
 from relgloss_view.viewer.state.state import SIDES, State
 
@@ -61,6 +62,16 @@ def sample_of(finish: Finish) -> Sample:
     name = finish.source if finish.source in SAMPLES else None
     is_file = finish.source.lower().endswith(".json")
     return Sample(finish.material, name=name, file=finish.source if is_file else None)
+
+
+def first_lit(state: State) -> State:
+    """The state whose test is a pack for the first time: ambient light, and a highlight.
+
+    One small lamp leaves half of a pack black. New pictures of commands have the same light.
+    """
+    if pack_of(state, "test") is not None and state.setup.lamp.ambient == 0.0:
+        state = state.with_part("lamp", ambient=PACK_AMBIENT)
+    return lit(state)
 
 
 def lit(state: State) -> State:
