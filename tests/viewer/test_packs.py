@@ -22,6 +22,7 @@ from relgloss_view.viewer.drawing.mask_tints import ALPHA, TINTS, tinted
 from relgloss_view.viewer.drawing.picking import label_place, pick
 from relgloss_view.viewer.files.open_job import OpenJob
 from relgloss_view.viewer.files.pack_edits import PackWatch, Poll, merged
+from relgloss_view.viewer.files.scene_saving import save_scene
 from relgloss_view.viewer.state import matching, packs
 from relgloss_view.viewer.state.command_line import snapshot_command
 from relgloss_view.viewer.state.model import Model
@@ -202,6 +203,23 @@ def test_a_state_with_a_pack_comes_back(state, tmp_path):
     line = snapshot_command(state, "test", (64, 64), "a.png")
     assert "--artwork" in line
     assert "sigma_n_deg=1.5" in line
+
+
+def test_a_saved_scene_has_each_material_and_names_the_artwork(state, tmp_path):
+    """A material in no file is written beside the scene; files in other folders are named."""
+    pack = packs.pack_of(state, "test")
+    paper = load_finish("uncoated")
+    pack = dataclasses.replace(pack, masks={}).with_finish("Varnish", mask="everywhere")
+    state = packs.with_pack(state, "test", pack.with_finish("Varnish", material=paper, source=""))
+    folder = tmp_path / "kept"
+    folder.mkdir()
+    saved = save_scene(folder / "s.toml", state)
+    assert len(saved.beside) == 1
+    assert saved.elsewhere == (tmp_path / "a.png",)
+    again = packs.pack_of(load_state(folder / "s.toml"), "test")
+    assert again.finish("Varnish").material == paper
+    plain = save_scene(folder / "t.toml", packs.with_pack(state, "test", pack))
+    assert plain.beside == ()  # the control: built-in finishes need no file
 
 
 def opened(path):

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from imgui_bundle import ImVec2, imgui
+from imgui_bundle import imgui
 
 from relgloss_view.base.reading import printable
 from relgloss_view.pack.finish import KINDS, MAX_FINISHES, Finish
@@ -16,7 +15,6 @@ from relgloss_view.viewer.drawing.mask_tints import TINTS
 from relgloss_view.viewer.files import pack_materials
 from relgloss_view.viewer.panels.list_rows import preview, row
 from relgloss_view.viewer.shell import widgets
-from relgloss_view.viewer.shell.theme import em
 from relgloss_view.viewer.shell.widgets import Reach
 from relgloss_view.viewer.state import matching, packs
 from relgloss_view.viewer.state.model import Model
@@ -65,13 +63,7 @@ def k_slider(model: Model, side: str, finish: Finish) -> None:
     """The factor of a finish's gloss beside the others; a match keeps what a hand has chosen."""
     changed, value = widgets.slider(Finish, "k", finish.k, K_REACH)
     if changed:
-        model.set_finish(side, finish.name, f"{side} finish k", **chosen_k(value))
-
-
-def chosen_k(value: float) -> dict[str, object]:
-    """The entries of a finish whose k a hand has chosen."""
-    names = {field.name for field in dataclasses.fields(Finish)}
-    return {"k": value, **({"keeps_k": True} if "keeps_k" in names else {})}
+        model.set_finish(side, finish.name, f"{side} finish k", k=value, keeps_k=True)
 
 
 def tint(pack: Pack, name: str) -> tuple[float, float, float]:
@@ -220,7 +212,9 @@ def _mask_name(mask: str) -> str:
 def _match(model: Model, side: str, one: Finish) -> None:
     if side != "test":
         return
-    imgui.dummy(ImVec2(0.0, em(0.1)))
+    text, meaning = "Keep k in a match", "a match leaves this finish's k as it is"
+    if widgets.checkbox(text, one.keeps_k, meaning):
+        model.set_finish(side, one.name, keeps_k=not one.keeps_k)
     if widgets.button(
         "Match", "gives every finish the gloss that keeps its ratio to the reference"
     ):
