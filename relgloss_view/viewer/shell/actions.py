@@ -330,7 +330,6 @@ MOUSE = (
     ("Ctrl+click a slider", "type a value"),
     ("Double-click a slider", "reset it"),
     ("Alt+click", "pin a pixel"),
-    ("Click a pack", "choose the finish under the pointer"),
-    ("Alt+drag a pack", "move its artwork; wheel turns, Ctrl+wheel scales"),
+    ("Click, Alt+drag a pack", "choose a finish, move artwork"),
     ("Drop a file", "open it; samples and artwork become the test"),
 )
