@@ -6,6 +6,7 @@ The files are made here, by the program's own writers where it has them. Files o
 
 from __future__ import annotations
 
+import base64
 import functools
 import json
 import re
@@ -22,6 +23,7 @@ from relgloss_view.base.resources import asset
 
 SHARED = Path(__file__).resolve().parents[2] / "shared"
 LONGEST_TABLE = 20_000  #: bytes of a real table, of which the first lines are enough
+MESHES = ("obj", "ply", "stl", "glb", "gltf")
 LARGEST_REAL = 130_000  #: bytes of a real file that is mutated; larger ones take long to read
 
 
@@ -56,6 +58,7 @@ def readers() -> dict[str, Reader]:
         Reader("estimate", ".txt", _estimate, _estimates, 0.5),
         Reader("material", ".json", _material, _materials, 3.0),
         Reader("scene", ".toml", _scene, _scenes, 3.0),
+        *(Reader(f"mesh-{k}", f".{k}", _mesh, functools.partial(_meshes, k)) for k in MESHES),
         Reader("study", ".toml", _study, _studies, 2.0),
         Reader("presets", ".toml", _presets, _preset_files),
         Reader("layout", ".toml", _layout, _layouts, may_ignore=True),
@@ -63,6 +66,9 @@ def readers() -> dict[str, Reader]:
         Reader("kind", "", _kind, _any, 2.0),
         Reader("results", ".json", _results, _result_files, may_ignore=True),
         Reader("icc", ".icc", _icc, _profiles, 2.0),
+        Reader("picture", ".png", _artwork, _pictures, 2.0),
+        Reader("pdf", ".pdf", _pdf, _pdfs, 0.3),
+        Reader("profile", ".icc", _profile, _device_profiles),
         Reader("font", ".ttf", _font, _fonts),
         Reader("table", ".csv", _own_table, _own_tables, 0.5),
         Reader("session", ".sqlite", _session, _sessions, 2.0),
@@ -76,7 +82,18 @@ def sound(result: object) -> str | None:
     from relgloss_view.measure.screening import MOST_BODY, MOST_NOISE
     from relgloss_view.measure.spectrum import GEOMETRIES, ColourReading
     from relgloss_view.measure.table import Measurement
+    from relgloss_view.pack.mesh import Mesh
 
+    if isinstance(result, Mesh):
+        arrays = (result.points_m, result.normals, result.label_m)
+        if not all(np.isfinite(values).all() for values in arrays):
+            return "a number of the mesh is not finite"
+        if not np.allclose(np.linalg.norm(result.normals, axis=1), 1.0):
+            return "a normal is no unit vector"
+        if not (len(result.triangles) and 0.0005 <= result.half_extent_m.max() <= 5.0):
+            return "a mesh without triangles or of a size beyond any pack"
+        if not 0 <= result.triangles.min() <= result.triangles.max() < len(result.points_m):
+            return "a triangle names a point that there is not"
     if isinstance(result, ColourReading):
         factor, nm = result.radiance_factor, np.array(result.bands.wavelengths_nm)
         if not (np.isfinite(factor).all() and (factor >= 0.0).all() and factor.max() <= MOST_BODY):
@@ -134,6 +151,12 @@ def _spectrum(path: Path) -> object:
     from relgloss_view.measure.readers.spectrum import read_spectrum
 
     return read_spectrum(path, part="2")
+
+
+def _mesh(path: Path) -> object:
+    from relgloss_view.pack.forms.mesh_files import read_mesh
+
+    return read_mesh(path)
 
 
 def _samples(path: Path) -> object:
@@ -229,6 +252,38 @@ def _icc(path: Path) -> object:
     from relgloss_view.viewer.trials.device import read_profile
 
     return read_profile(path)
+
+
+def _artwork(path: Path) -> object:
+    from relgloss_view.pack.artwork.options import ArtworkOptions
+    from relgloss_view.pack.artwork.read import read_artwork
+
+    if b"%PDF-" in path.read_bytes()[:1024] or path.read_bytes()[:2] == b"%!":
+        raise InputError(f"{path}: a PDF, which starts programs")
+    return read_artwork(path, ArtworkOptions(most_px=64))
+
+
+def _pdf(path: Path) -> object:
+    """What a page holds, in this process; `read_artwork` starts another one and Ghostscript."""
+    import tempfile
+
+    from relgloss_view.pack.artwork import pdf_examination
+
+    with tempfile.TemporaryDirectory() as folder:
+        answer = pdf_examination.answer(str(path), 1, Path(folder), has_profile=False)
+    if "error" in answer:
+        raise InputError(answer["error"])
+    return None
+
+
+def _profile(path: Path) -> object:
+    from relgloss_view.pack.artwork.pictures import profile_of_file
+
+    profile = profile_of_file(path)
+    xyz = profile.xyz(np.full((2, profile.channels), 0.5))
+    if not np.isfinite(xyz).all():
+        raise ValueError("a colour that is not finite")
+    return None
 
 
 def _font(path: Path) -> object:
@@ -570,6 +625,58 @@ def _scenes() -> list[bytes]:
     return [scene.encode(), small.encode(), written]
 
 
+def _meshes(kind: str) -> list[bytes]:
+    """A tetrahedron with texture coordinates, in one of MESHES."""
+    points = np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]], "<f4")
+    corners = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], "<u4")
+    if kind == "obj":
+        lines = ["mtllib a.mtl", *(f"v {x} {y} {z}" for x, y, z in points)]
+        lines += ["vt 0 0", "vt 1 0", "vt 0 1", "vn 0 0 1", "o body", "usemtl ink"]
+        lines += [f"f {a + 1}/1 {b + 1}/2 {c + 1}/3" for a, b, c in corners]
+        square = "v 0 0 0\nv 70 0 0\nv 70 90 0\nv 0 90 0\nf -4//1 -3//1 -2//1 -1//1\nvn 0 0 1\n"
+        return ["\n".join(lines).encode(), square.encode()]
+    if kind == "stl":
+        rows = [struct.pack("<12fH", 0, 0, 1, *points[c].ravel(), 0) for c in corners]
+        text = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+        return [bytes(80) + struct.pack("<I", 4) + b"".join(rows), text.encode()]
+    if kind == "ply":
+        head = "ply\nformat {} 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+        head += "property float z\nproperty float s\nproperty float t\nelement face 4\n"
+        head += "property list uchar uint vertex_indices\nend_header\n"
+        table = np.concatenate([points, points[:, :2] * 10.0], axis=1)
+        faces = b"".join(b"\x03" + row.tobytes() for row in corners)
+        text = "\n".join(" ".join(map(str, row)) for row in table.tolist())
+        text += "\n" + "\n".join("3 " + " ".join(map(str, row)) for row in corners.tolist())
+        binary = head.format("binary_little_endian").encode() + table.astype("<f4").tobytes()
+        return [binary + faces, (head.format("ascii") + text + "\n").encode()]
+    data = points.tobytes() + corners.tobytes() + (points[:, :2] * 10.0).astype("<f4").tobytes()
+    content: dict[str, Any] = {
+        "asset": {"version": "2.0"}, "buffers": [{"byteLength": len(data)}],
+        "bufferViews": [{"buffer": 0, "byteOffset": at, "byteLength": size}
+                        for at, size in ((0, 48), (48, 48), (96, 32))],
+        "accessors": [
+            {"bufferView": k, "componentType": t, "count": n, "type": name}
+            for k, t, n, name in (
+                (0, 5126, 4, "VEC3"), (1, 5125, 12, "SCALAR"), (2, 5126, 4, "VEC2")
+            )
+        ],
+        "materials": [{"name": "ink"}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 2}, "indices": 1,
+                                    "material": 0}]}],
+        "nodes": [{"children": [1], "scale": [1, 2, 1]}, {"mesh": 0, "rotation": [0, 0, 0, 1]}],
+        "scenes": [{"nodes": [0]}], "scene": 0,
+    }  # fmt: skip
+    if kind == "gltf":
+        uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+        content["buffers"][0]["uri"] = uri
+        return [json.dumps(content).encode()]
+    text = json.dumps(content)
+    coded = text.encode() + b" " * (-len(text) % 4)
+    parts = struct.pack("<I", len(coded)) + b"JSON" + coded
+    parts += struct.pack("<I", len(data)) + b"BIN\0" + data
+    return [b"glTF" + struct.pack("<II", 2, 12 + len(parts)) + parts]
+
+
 def _written(write: Callable[[Path], object], name: str = "seed") -> bytes:
     import tempfile
 
@@ -610,6 +717,91 @@ def _profiles() -> list[bytes]:
     gamma = matrix_profile(Display(transfer="gain-offset-gamma"))
     lab = ImageCms.ImageCmsProfile(ImageCms.createProfile("LAB")).tobytes()
     return [srgb_profile(), gamma, lab]
+
+
+def _device_profiles() -> list[bytes]:
+    """Profiles of matrices, and of tables mft2 and mAB of three and one channels."""
+    head = bytearray(_profiles()[0][:128])
+    head[20:24] = b"Lab "
+    made = [*_profiles()[:2]]
+    rng = np.random.default_rng(0)
+    grid = rng.integers(0, 65536, 2**4 * 3).astype(">u2").tobytes()
+    ramp = np.array([0, 65535], ">u2").tobytes()
+    for space, count in ((b"CMYK", 4), (b"RGB ", 3)):
+        nodes = grid[: 2**count * 6]
+        old = b"mft2" + bytes(4) + bytes((count, 3, 2, 0)) + bytes(36) + struct.pack(">HH", 2, 2)
+        old += ramp * count + nodes + ramp * 3
+        curve = b"curv" + bytes(8)
+        first = 32 + 12 * 3 + 12 * count
+        new = b"mAB " + bytes(4) + bytes((count, 3, 0, 0))
+        new += struct.pack(">5I", 32, 0, 0, first, 32 + 36) + curve * (3 + count)
+        new += bytes([2] * count).ljust(16, b"\0") + bytes((2, 0, 0, 0)) + nodes
+        for table in (old, new):
+            head[12:20] = b"prtr" + space
+            data = bytes(head) + struct.pack(">I4sII", 1, b"A2B0", 144, len(table)) + table
+            made.append(struct.pack(">I", len(data)) + data[4:])
+    return made
+
+
+def _pictures() -> list[bytes]:
+    import io
+
+    from PIL import Image
+
+    rng = np.random.default_rng(0)
+    colours = rng.integers(0, 256, (9, 11, 4), np.uint8)
+    made = []
+
+    def save(image: Image.Image, kind: str, **options: Any) -> None:
+        file = io.BytesIO()
+        image.save(file, kind, **options)
+        made.append(file.getvalue())
+
+    profile = _profiles()[0]
+    save(Image.fromarray(colours), "PNG", icc_profile=profile, dpi=(300, 300))
+    save(Image.fromarray(colours[..., :3]).quantize(8), "PNG")
+    save(Image.fromarray(colours[..., 0].astype(np.uint16)), "PNG")
+    save(Image.fromarray(colours[..., :3]), "JPEG", icc_profile=profile)
+    cmyk = _device_profiles()[2]
+    save(Image.fromarray(colours, "CMYK"), "JPEG", icc_profile=cmyk)
+    for compression in ("raw", "tiff_lzw", "tiff_adobe_deflate", "packbits", "jpeg"):
+        save(Image.fromarray(colours[..., :3]), "TIFF", compression=compression)
+    save(Image.fromarray(colours, "CMYK"), "TIFF", icc_profile=cmyk, compression="tiff_lzw")
+    names = b"8BIM" + struct.pack(">HHI", 1006, 0, 5) + b"\x04Foil\0"
+    body = b"\0\0" + np.moveaxis(colours, 2, 0).tobytes()
+    head = b"8BPS" + struct.pack(">H6xHIIHH", 1, 4, 9, 11, 8, 3)
+    made.append(head + struct.pack(">II", 0, len(names)) + names + bytes(4) + body)
+    return made
+
+
+def _pdfs() -> list[bytes]:
+    import io
+
+    import pikepdf
+    from pikepdf import Array, Dictionary, Name
+
+    made = []
+    for space in ("Separation", "DeviceN"):
+        pdf = pikepdf.Pdf.new()
+        pdf.add_blank_page(page_size=(20, 10))
+        page = pdf.pages[0].obj
+        tint = pdf.make_stream(b"{dup 0.5 mul exch 0 exch 0 0.1}")
+        tint["/FunctionType"], tint["/Domain"] = 4, [0, 1]
+        tint["/Range"] = [0, 1] * 4
+        name = Name("/Foil") if space == "Separation" else Array([Name("/Foil")])
+        layer = pdf.make_indirect(Dictionary(Type=Name.OCG, Name="x", GTS_Metadata=Dictionary()))
+        layer["/GTS_Metadata"]["/GTS_ProcStepsGroup"] = Name("/Varnish")
+        pdf.Root["/OCProperties"] = Dictionary(OCGs=[layer], D=Dictionary(ON=[layer]))
+        colour = pdf.make_indirect(Array([Name("/" + space), name, Name.DeviceCMYK, tint]))
+        page["/Resources"] = Dictionary(
+            ColorSpace=Dictionary(S=colour), Properties=Dictionary(M=layer)
+        )
+        page["/Contents"] = pdf.make_stream(b"/OC /M BDC /S cs 1 scn 0 0 9 9 re f EMC 1 0 0 rg")
+        page["/TrimBox"] = [1, 1, 19, 9]
+        file = io.BytesIO()
+        pdf.save(file, compress_streams=False)
+        made.append(file.getvalue())
+    return made
 
 
 def _fonts() -> list[bytes]:

@@ -2,8 +2,8 @@
 
 Mitsuba's `disk` with an `area` emitter faces a point of a mirror-like rough conductor (Beckmann,
 alpha = sqrt(2) s, 100 % reflectance), and a radiance meter sees the point at angles off the mirror
-direction. Both profiles are over their own peak under a disc too small to matter, and what is compared
-is the change that the size makes: Beckmann's facets and Smith's shadowing are not ours.
+direction. Both profiles are over their own peak under a disc too small to matter, and what is
+compared is the change that the size makes: Beckmann's facets and Smith's shadowing are not ours.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ TINY = 1e-4  #: radius over distance of a disc that is as good as a point
 WIDTHS_DEG = (0.5, 2.0, 6.0, 15.0)
 RADII = (0.02, 0.05, 0.1, 0.15)
 INCIDENCES_DEG = (0.0, 30.0, 60.0)
-OFF = (0.0, 0.7, 1.4)  #: of the facet's angle, in widths of the widened lobe
+OFF = (0.0, 0.7, 1.4, 2.0)  #: of the facet's angle, in widths of the widened lobe
 TURNS = ("within", "across")  #: of the plane of incidence
 
 

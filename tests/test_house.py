@@ -149,6 +149,7 @@ TWINS = {
     "shape.glsl": ("picture/model/shape.py", {"arc_tangent", "meet_face"}),
     "tone.glsl": ("picture/model/tone.py", {"on_object"}),
     "approximations.glsl": ("material/approximations.py", set()),
+    "lamp_size.glsl": ("picture/model/lights.py", {"sized"}),
     "difference.glsl": ("picture/model/difference.py", set()),
 }
 

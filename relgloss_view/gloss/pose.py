@@ -78,9 +78,9 @@ class Pose:
     def peak(self, material: Material, sigma_n_deg: float = 0.0) -> float | None:
         """L_s* at the brightest place of a material's highlight; None where none is seen.
 
-        The mirror's place of one of the lamps must be within one width of the lobe with the highest peak, and the
-        highlight visible: else what is seen is the skirt of a highlight that lies beside the
-        object, which is no measure of gloss.
+        The mirror's place of one of the lamps must be within one width of the lobe with the
+        highest peak, and the highlight visible: else what is seen is the skirt of a highlight that
+        lies beside the object, which is no measure of gloss.
         """
         main = main_lobe(material)
         if not self._tilts_deg or main is None:

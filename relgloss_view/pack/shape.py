@@ -117,7 +117,7 @@ class Shape(Checked):
         >>> sorted(Shape("can", height_m=0.2).at_usual() & set(SIZES["can"]))
         ['diameter_m', 'neck_diameter_m']
         """
-        usual = {**FALLBACK_SIZES, **USUAL_SIZES.get(self.kind, {})}
+        usual: dict[str, Any] = {**FALLBACK_SIZES, **USUAL_SIZES.get(self.kind, {})}
         usual |= {"profile_mm": (), "file": "", "unit": "auto"}
         return frozenset(n for n, value in usual.items() if getattr(self, n) == value)
 
@@ -182,7 +182,7 @@ def _profile(points: object) -> tuple[tuple[float, float], ...]:
         refuse(place, "a list of points [radius, height] in mm", points)
     if points and not FEWEST_POINTS <= len(points) <= MOST_POINTS:
         refuse(place, f"{FEWEST_POINTS} to {MOST_POINTS} points", len(points))
-    profile = []
+    profile: list[tuple[float, float]] = []
     for k, point in enumerate(points):
         expected = f"a number, -{MOST_MM:g} to {MOST_MM:g} mm"
         pair = numbers_of(point, f"{place}[{k}]", expected, -MOST_MM, MOST_MM)

@@ -172,8 +172,7 @@ def _grain_warnings(scene: Scene, look: Look, size: tuple[int, int]) -> tuple[st
     """The warning of grain that is smaller than a pixel."""
     look = grainiest(scene, look)
     pixels = pixels_a_grain(scene, look, size)
-    grainy = any(sigma_n_deg > 0.0 for _, sigma_n_deg in scene.parts(look))
-    if not grainy or pixels <= PIXELS_A_GRAIN:
+    if look.sigma_n_deg == 0.0 or pixels <= PIXELS_A_GRAIN:
         return ()
     needed = min(MAX_SAMPLES, math.ceil(pixels))
     averaged = sample_count(scene, look, size)

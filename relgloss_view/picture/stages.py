@@ -77,7 +77,7 @@ class Stages:
 
     @property
     def gloss_factor(self) -> Floats:
-        """(H, W), k, the factor of L_s* beside c: of a pack its finishes' mean, else 1; 0 off it."""
+        """(H, W), k, the factor of L_s* beside c: the mean of a pack's finishes, else 1."""
         if self.scene.pack is None:
             return self.on_object.astype(np.float64)
         return self._specular[..., 3]

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from relgloss_view.bench.stability.metal_errors import METALS, fresnel_conductor, schlick_error
+from relgloss_view.bench.stability.metal_errors import METALS, schlick_error
 from relgloss_view.material import brdf
+from relgloss_view.material.conductor import fresnel_conductor
 
 COSINES = np.cos(np.radians(np.arange(0.0, 90.0, 2.5)))
 

@@ -387,7 +387,7 @@ class TestExport:
 def test_worked_example(folder, capsys):
     """From design to report: simulated observers whose truth is the paper's optimum.
 
-    Pictures of a fourteenth of the study's pixels; the report has to find each paper's setting (Ishii
+    Pictures of a fourteenth of its pixels; the report has to find each paper's setting (Ishii
     et al., "Results") among those that are not told apart from the best, at most one step off.
     """
     run(capsys, "experiment", "new", "-o", "study.toml")

@@ -30,17 +30,17 @@ def finish(name, kind, paper, **entries):
 
 
 def pack(base="matte-coated", spot="art-coated", **entries):
-    """Ink, and a spot varnish over the dark upper half of the artwork."""
-    xyz = np.full((8, 8, 3), LIGHT, dtype=np.float16)
-    xyz[:4] = DARK
-    mask = np.zeros((8, 8), dtype=np.uint8)
-    mask[:4] = 255
+    """Ink, and a spot varnish over the dark upper half of an artwork that goes around."""
+    xyz = np.full((64, 64, 3), LIGHT, dtype=np.float16)
+    xyz[:32] = DARK
+    mask = np.zeros((64, 64), dtype=np.uint8)
+    mask[:32] = 255
     varnish = finish("spot", "varnish", spot, mask="spot.png", **entries)
     return Pack(
         "two finishes",
         Shape(),
         (finish("ink", "ink", base), varnish),
-        Artwork(xyz, 200.0, 100.0),
+        Artwork(xyz, 1e3 * np.pi * Shape().diameter_m, 100.0),
         masks={"spot.png": mask},
     )
 
@@ -108,6 +108,21 @@ class TestRatio:
         ink, spot = displayed(renderer, found, setup, k=1.0)
         assert spot / ink == pytest.approx(real / found.finishes[1].k, rel=0.03)
         assert abs(spot / ink / real - 1.0) > 0.2
+
+    def test_in_one_picture(self, here, cast, reference):
+        """Both finishes on one cylinder, drawn in float64: the spot above, the ink below."""
+        found, setup = here
+        real = found.finishes[1].reading / found.finishes[0].reading
+
+        def ratio(drawn):
+            scene = Scene(drawn.material, setup, pack=drawn)
+            frame = reference.render(scene, Look(c=found.c, samples=2), (96, 96))
+            whole, l_s = frame.coverage >= 1.0, frame.split[1]
+            rows = np.arange(96)[:, None]  # those about the border show a mixture
+            return l_s[whole & (rows < 46)].max() / l_s[whole & (rows > 50)].max()
+
+        assert ratio(found.pack) == pytest.approx(real, rel=0.03)
+        assert abs(ratio(pack()) / real - 1.0) > 0.1  # every k is 1
 
     def test_to_the_reference(self, here, cast, renderer):
         found, setup = here

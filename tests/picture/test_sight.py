@@ -13,7 +13,7 @@ from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.model import shape as shapes
 from relgloss_view.picture.model.difference import delta_e_2000
 from relgloss_view.picture.model.highlight import best_mirror
-from relgloss_view.picture.model.pixel_sampling import samples_needed
+from relgloss_view.picture.model.pixel_sampling import curvature, samples_needed
 from relgloss_view.picture.model.sight import NOTHING, meet_ray, meet_view, sight
 from relgloss_view.picture.model.silhouette import coverage, edge_tiles
 from relgloss_view.picture.model.view import View, from_afar, view_of
@@ -242,6 +242,7 @@ def test_where_a_lamp_is_mirrored_and_samples(monkeypatch):
     for size in ((64, 64), (256, 256)):
         scenes = [Scene(load_sample("cast-coated"), shape=s) for s in (Shape(), form)]
         assert abs(samples_needed(scenes[0], size) - samples_needed(scenes[1], size)) <= 1
+    assert curvature(meshes.cylinder()) == pytest.approx(1.0 / 0.0425, rel=1e-4)
     assert not from_afar(form, Eye(distance_m=100.0))
 
 
@@ -263,6 +264,6 @@ def test_cells_of_surface_grain_have_the_area_that_is_asked_for():
         count = len(np.unique(cells, axis=0))
         assert side_m**2 / count == pytest.approx(cell_m**2, rel=0.12)
     assert np.allclose(shapes.LATTICE @ shapes.LATTICE.T, np.eye(3))
-    # Negative control: without the turn a plane along the lattice is cut in squares of another size.
+    # Negative control: without the turn a plane along the lattice is cut in larger squares.
     straight = np.floor(np.stack([u, v], axis=-1) / (shapes.SECTION * cell_m)).reshape(-1, 2)
     assert side_m**2 / len(np.unique(straight, axis=0)) > 1.35 * cell_m**2

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.material.brdf import schlick_weight
+from relgloss_view.material.conductor import fresnel_conductor
 
 #: (nm, n, k). Gold and copper: Johnson and Christy 1972; aluminium: Rakic 1995.
 METALS: Mapping[str, tuple[tuple[float, float, float], ...]] = {
@@ -38,22 +39,6 @@ METALS: Mapping[str, tuple[tuple[float, float, float], ...]] = {
         (652.25, 1.5724, 7.7354),
     ),
 }
-
-
-def fresnel_conductor(cos_d: ArrayLike, n: ArrayLike, k: ArrayLike) -> Array:
-    """Unpolarised reflectance of a conductor of complex index n + ik in air, 0 to 1.
-
-    cos_d: cosine of the angle between the light and the facet's normal.
-
-    >>> fresnel_conductor([1.0, 0.0], 0.29, 2.863).round(4).tolist()  # gold at 582.1 nm
-    [0.8824, 1.0]
-    """
-    cosine = np.abs(np.asarray(cos_d, dtype=np.float64))
-    square = (np.asarray(n) + 1j * np.asarray(k)) ** 2
-    inside = np.sqrt(square - (1.0 - cosine**2))  # the index times the cosine inside
-    across = np.abs((cosine - inside) / (cosine + inside)) ** 2
-    along = np.abs((square * cosine - inside) / (square * cosine + inside)) ** 2
-    return np.asarray(0.5 * (across + along))
 
 
 class SchlickError(NamedTuple):

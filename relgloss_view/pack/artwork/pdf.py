@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.base import followed
-from relgloss_view.base.arrays import Array, Bytes
+from relgloss_view.base.arrays import Bytes, Floats
 from relgloss_view.base.child import PACKAGE_FOLDER, Child
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.interruptions import STEP_S, checkpoint
@@ -39,10 +39,12 @@ EXPECTED = "a PDF"
 PROGRAMS = ("gs", "gswin64c", "gswin32c")
 MOST_BYTES = 1_000_000_000  #: of a PDF
 MOST_SPOTS = 60  #: beside the four process colours, Ghostscript's limit being 64
-MOST_MEMORY_KB = 1_000_000  #: of Ghostscript
+MOST_MEMORY_KB = 500_000  #: of Ghostscript
 EXAMINED_S = 30.0  #: longest time of the examination
-RENDERED_S, PER_MB_S = 45.0, 1.0  #: longest time of Ghostscript, and what each MB adds
+RENDERED_S, PER_MB_S = 20.0, 1.0  #: longest time of Ghostscript, and what each MB adds
+PER_PLANE_S = 0.06  #: what each million pixels of a plate adds
 _MODULE = "relgloss_view.pack.artwork.pdf_examination"
+_LAB_ZERO, _LAB_SPAN = np.array([0.0, 128.0, 128.0]), np.array([100.0, 255.0, 255.0])
 _POSTSCRIPT = (b"%!PS", b"\xc5\xd0\xd3\xc6", b"\x04%!PS")
 
 
@@ -70,8 +72,8 @@ def read_pdf(
         profile = _profile(page, own, options, folder, path)
         if len(page["names"]) > MOST_SPOTS:
             raise InputError(
-                f"{named(path)}: {len(page['names'])} spot colours on a page; Ghostscript separates "
-                f"at most {MOST_SPOTS}: remove unused ones"
+                f"{named(path)}: {len(page['names'])} spot colours on a page; Ghostscript "
+                f"separates at most {MOST_SPOTS}: remove unused ones"
             )
         return _rendered(program, page, profile, options, folder, allowed_s, path, progress)
 
@@ -131,7 +133,7 @@ def _profile(
     folder: Path,
     path: str | os.PathLike[str],
 ) -> Profile | None:
-    """The CMYK profile of the page: its own, else that of the options; None where none is needed."""
+    """The CMYK profile of the page, else that of the options; None where none is needed."""
     if page["profile"]:
         try:
             profile = read_profile((folder / page["profile"]).read_bytes())
@@ -176,6 +178,8 @@ def _rendered(
     if math.ceil(max(width_pt, height_pt) * dpi / 72.0) > options.most_px:
         dpi = (options.most_px - 0.5) * 72.0 / max(width_pt, height_pt)
     dpi = max(dpi, 72.0 / min(width_pt, height_pt))
+    pixels = width_pt * height_pt * (dpi / 72.0) ** 2
+    allowed_s += PER_PLANE_S * 1e-6 * pixels * (4 + len(page["names"]))
     notes = _notes(page, profile)
     if dpi < wanted * 0.999:
         notes.append(
@@ -239,8 +243,10 @@ def _notes(page: dict[str, Any], profile: Profile | None) -> list[str]:
         notes.append(f"Plates that print no colour: {printable(listed, 300)}.")
     for name, step in page["layers"].items():
         notes.append(f"Plate {printable(name, 60)!r}: its layer is marked {printable(step, 40)}.")
-    for name in page["off"]:
-        notes.append(f"Layer {printable(name, 60)!r} is switched off in the PDF, so it is empty.")
+    notes += [
+        f"Layer {printable(name, 60)!r} is switched off in the PDF, so it is empty."
+        for name in page["off"]
+    ]
     if page["fonts"]:
         listed = ", ".join(page["fonts"][:20])
         notes.append(f"Fonts that are not embedded: {printable(listed, 300)}.")
@@ -254,10 +260,10 @@ def _factors(
     intent: str,
     folder: Path,
     notes: list[str],
-) -> dict[str, Array]:
+) -> dict[str, Floats]:
     """Factors of XYZ of spot inks by their digital values: of the alternate, relative to paper."""
     paper = profile.xyz(np.zeros((1, 4)), intent)[0]
-    made = {}
+    made: dict[str, Floats] = {}
     for name in sorted(names):
         look = page["alternates"].get(name)
         if look is None:
@@ -273,11 +279,11 @@ def _factors(
     return made
 
 
-def _xyz_of(look: dict[str, Any], profile: Profile, intent: str, folder: Path) -> Array:
+def _xyz_of(look: dict[str, Any], profile: Profile, intent: str, folder: Path) -> Floats:
     values = np.array(look["values"], np.float64)
     space = look["space"]
     if space == "Lab":
-        return lab_space().xyz((values + [0.0, 128.0, 128.0]) / [100.0, 255.0, 255.0])
+        return lab_space().xyz((values + _LAB_ZERO) / _LAB_SPAN)
     if look["icc"]:
         try:
             found = read_profile((folder / look["icc"]).read_bytes())
@@ -325,7 +331,8 @@ def _run(
 ) -> None:
     """Run Ghostscript in a folder of ours, with checkpoints and a bound of its time."""
     usual = ["-q", "-dSAFER", "-dBATCH", "-dNOPAUSE", "-dNOPROMPT", "-dShowAnnots=false",
-             "--permit-file-read=intent.icc", f"-K{MOST_MEMORY_KB}", "-sCompression=none"]  # fmt: skip
+             "--permit-file-read=intent.icc", f"-K{MOST_MEMORY_KB}",
+             "-dBufferSpace=200000000", "-sCompression=none"]  # fmt: skip
     if "-sDEVICE=pdfwrite" in words:
         usual.pop()
     log = folder / "log.txt"

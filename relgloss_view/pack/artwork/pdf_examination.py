@@ -10,181 +10,38 @@ finishes are /None, which prints nothing (ISO 32000-2:2020, 8.6.6.4).
 from __future__ import annotations
 
 import json
+import logging
 import math
 import re
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import named, open_regular, printable
 from relgloss_view.pack.artwork.pdf_functions import evaluate
+from relgloss_view.pack.artwork.pdf_page import (
+    Page,
+    colorants,
+    inherited,
+    is_array,
+    is_name,
+    name_of,
+)
+from relgloss_view.pack.artwork.pdf_streams import pieces, stream_bytes
 from relgloss_view.pack.artwork.plate_names import PROCESS, is_technical
 
 EXPECTED = "a PDF"
 TINTS = 33  #: at which a spot colour's alternate is taken
-MOST_MEMORY = 2_000_000_000  #: bytes of data of this process
-MOST_PARTS = 200_000  #: of a page that are walked
+MOST_MEMORY = 800_000_000  #: bytes of data of this process
 MOST_NAMES = 1000
 MOST_SIDE_PT = 1e6
-MOST_CONTENT = 400_000_000  #: bytes of contents that are searched
-_CMYK_OPERATOR = re.compile(rb"[\d.]\s+[kK](?=[\s/\[(<]|$)|/(?:DeviceCMYK|CMYK)\b")
-
-
-class Page:
-    """A page: its colour spaces, fonts and contents, each once."""
-
-    def __init__(self, pdf: Any, page: Any) -> None:
-        self.pdf, self.page = pdf, page
-        self.spaces: list[Any] = []  #: arrays that name colorants
-        self.fonts: set[str] = set()
-        self.profiles: list[Any] = []  #: streams of ICCBased spaces of four channels
-        self.cmyk = False
-        self.contents: list[Any] = []
-        self._seen: set[tuple[int, int]] = set()
-        self._parts = 0
-        self._walk(page.obj.get("/Contents"), inherited(page.obj, "/Resources"))
-
-    def _walk(self, contents: Any, resources: Any) -> None:
-        waiting = [("page", contents, resources)]
-        while waiting:
-            self._parts += 1
-            if self._parts > MOST_PARTS:
-                raise ValueError("a page of too many parts")
-            kind, content, res = waiting.pop()
-            if kind == "page" and content is not None:
-                self.contents.append((content, res))
-            if kind == "space":
-                self._space(content, 0)
-                continue
-            for part, value in _parts_of(res):
-                if part == "space":
-                    self._space(value, 0)
-                elif self._new(value):
-                    if part == "font":
-                        self._font(value)
-                    waiting += _inner(self, part, value, res)
-
-    def _new(self, value: Any) -> bool:
-        mark = getattr(value, "objgen", (0, 0))
-        if mark == (0, 0):
-            return True
-        fresh = mark not in self._seen
-        self._seen.add(mark)
-        return fresh
-
-    def space(self, value: Any) -> None:
-        """Note a colour space that is used."""
-        self._space(value, 0)
-
-    def _space(self, value: Any, depth: int) -> None:
-        if value is None or depth > 8:
-            return
-        if _is_name(value):
-            self.cmyk |= _name(value) in ("DeviceCMYK", "CMYK")
-            return
-        if not _is_array(value) or len(value) == 0:
-            return
-        kind = _name(value[0])
-        if kind in ("Separation", "DeviceN") and len(value) >= 4:
-            if self._new(value) or getattr(value, "objgen", (0, 0)) == (0, 0):
-                self.spaces.append(value)
-                if kind == "DeviceN" and len(value) > 4 and "/Colorants" in value[4]:
-                    for one in value[4]["/Colorants"].values():
-                        self._space(one, depth + 1)
-                if any(_name(n) in PROCESS for n in colorants(value)):
-                    self.cmyk = True
-        elif kind in ("Indexed", "I", "Pattern") and len(value) > 1:
-            self._space(value[1], depth + 1)
-        elif kind == "ICCBased" and len(value) > 1 and int(value[1].get("/N", 0)) == 4:
-            self.cmyk = True
-            if self._new(value[1]):
-                self.profiles.append(value[1])
-
-    def _font(self, font: Any) -> None:
-        if _name(font.get("/Subtype", "")) == "Type3":
-            return
-        inner = font["/DescendantFonts"][0] if "/DescendantFonts" in font else font
-        described = inner.get("/FontDescriptor", {})
-        if not any(k in described for k in ("/FontFile", "/FontFile2", "/FontFile3")):
-            self.fonts.add(_name(font.get("/BaseFont", "/unnamed")))
-
-
-def _parts_of(resources: Any) -> Iterator[tuple[str, Any]]:
-    if resources is None:
-        return
-    for key, kind in (
-        ("/ColorSpace", "space"), ("/XObject", "object"), ("/Pattern", "pattern"),
-        ("/Shading", "shading"), ("/Font", "font"), ("/ExtGState", "state"),
-    ):  # fmt: skip
-        for value in dict(resources.get(key, {})).values():
-            yield kind, value
-
-
-def _inner(page: Page, kind: str, value: Any, resources: Any) -> list[tuple[str, Any, Any]]:
-    """Parts of a part that wait to be walked."""
-    if kind == "object":
-        if _name(value.get("/Subtype", "")) == "Form":
-            group = value.get("/Group", {})
-            page.space(group.get("/CS") if "/CS" in group else None)
-            return [("page", value, value.get("/Resources", resources))]
-        page.space(value.get("/ColorSpace"))
-        if "/SMask" in value:
-            return []
-    elif kind == "pattern":
-        if "/Shading" in value:
-            page.space(value["/Shading"].get("/ColorSpace"))
-        elif "/Resources" in value:
-            return [("page", value, value["/Resources"])]
-    elif kind == "shading":
-        page.space(value.get("/ColorSpace"))
-    elif kind == "font" and "/CharProcs" in value:
-        inner = value.get("/Resources", resources)
-        return [("page", one, inner) for one in value["/CharProcs"].values()]
-    elif kind == "state" and "/SMask" in value and not _is_name(value["/SMask"]):
-        group = value["/SMask"].get("/G")
-        if group is not None:
-            return [("page", group, group.get("/Resources", resources))]
-    return []
-
-
-def _is_name(value: Any) -> bool:
-    import pikepdf
-
-    return isinstance(value, pikepdf.Name)
-
-
-def _is_array(value: Any) -> bool:
-    import pikepdf
-
-    return isinstance(value, pikepdf.Array)
-
-
-def _name(value: Any) -> str:
-    """A name without its slash; bytes that are no UTF-8 as Latin-1."""
-    try:
-        return str(value).removeprefix("/")
-    except UnicodeDecodeError:
-        text = value.unparse()[1:]
-        parts = re.sub(rb"#([0-9a-fA-F]{2})", lambda m: bytes([int(m[1], 16)]), text)
-        return parts.decode("latin-1")
-
-
-def colorants(space: Any) -> list[Any]:
-    """The names of a Separation or DeviceN space."""
-    return [space[1]] if _name(space[0]) == "Separation" else list(space[1])
-
-
-def inherited(node: Any, key: str) -> Any:
-    """An entry of a page or of its parents; None where there is none."""
-    for _ in range(50):
-        if key in node:
-            return node[key]
-        if "/Parent" not in node:
-            return None
-        node = node["/Parent"]
-    return None
+MOST_CONTENT = 60_000_000  #: bytes of contents that are searched
+MOST_PARSED = 30_000_000  #: bytes of contents whose layers are followed
+MOST_PROFILE = 64_000_000  #: bytes
+_LONGEST_WORD = 40  #: bytes of a match that a border of two pieces may cut
+#: The operators k and K behind a number; searched from the letter on, which is rare.
+_CMYK_OPERATOR = re.compile(rb"[kK](?<=[\d.]\s[kK])(?=[\s/\[(<]|$)")
 
 
 def processing_steps(pdf: Any) -> dict[tuple[int, int], str]:
@@ -195,7 +52,7 @@ def processing_steps(pdf: Any) -> dict[tuple[int, int], str]:
         meta = layer.get("/GTS_Metadata", {})
         group, kind = meta.get("/GTS_ProcStepsGroup"), meta.get("/GTS_ProcStepsType")
         if group is not None or kind is not None:
-            steps[layer.objgen] = _name(kind if kind is not None else group)
+            steps[layer.objgen] = name_of(kind if kind is not None else group)
     return steps
 
 
@@ -205,16 +62,19 @@ def steps_of_colorants(page: Page, steps: dict[tuple[int, int], str]) -> dict[st
 
     inside: dict[str, str] = {}
     outside: set[str] = set()
+    left = MOST_PARSED
     for content, resources in page.contents:
+        for part in content if is_array(content) else [content]:
+            left -= sum(map(len, pieces(part, left)))
         step_of_form = _step(content.get("/OC") if hasattr(content, "get") else None, steps)
         stack: list[str] = [step_of_form]
         properties = (resources or {}).get("/Properties", {})
         source = page.page if content is page.contents[0][0] else content
-        for operands, operator in pikepdf.parse_content_stream(source, "BDC BMC EMC cs CS sh Do"):
-            word = str(operator)
+        for instruction in pikepdf.parse_content_stream(source, "BDC BMC EMC cs CS sh Do"):
+            operands, word = instruction.operands, str(instruction.operator)
             if word in ("BDC", "BMC"):
                 step = stack[-1]
-                if word == "BDC" and len(operands) > 1 and _name(operands[0]) == "OC":
+                if word == "BDC" and len(operands) > 1 and name_of(operands[0]) == "OC":
                     step = _step(properties.get(str(operands[1])), steps) or step
                 stack.append(step)
             elif word == "EMC" and len(stack) > 1:
@@ -224,13 +84,13 @@ def steps_of_colorants(page: Page, steps: dict[tuple[int, int], str]) -> dict[st
                 value = (resources or {}).get(table, {}).get(str(operands[0]))
                 if word in ("sh", "Do") and value is not None:
                     value = value.get("/ColorSpace")
-                if not _is_array(value) or _name(value[0]) not in ("Separation", "DeviceN"):
+                if not is_array(value) or name_of(value[0]) not in ("Separation", "DeviceN"):
                     continue
                 for one in colorants(value):
                     if stack[-1]:
-                        inside[_name(one)] = stack[-1]
+                        inside[name_of(one)] = stack[-1]
                     else:
-                        outside.add(_name(one))
+                        outside.add(name_of(one))
     return {name: step for name, step in inside.items() if name not in outside}
 
 
@@ -239,15 +99,15 @@ def _step(layer: Any, steps: dict[tuple[int, int], str]) -> str:
         return ""
     if "/OCGs" in layer:
         members = layer["/OCGs"]
-        layer = members[0] if _is_array(members) and len(members) else members
+        layer = members[0] if is_array(members) and len(members) else members
     return steps.get(getattr(layer, "objgen", (0, 0)), "")
 
 
 def alternates(page: Page, folder: Path) -> dict[str, dict[str, Any]]:
-    """What each spot colour looks like: space and values at TINTS tints, of its Separation first."""
+    """What each spot colour looks like: space and values at TINTS tints."""
     made: dict[str, dict[str, Any]] = {}
-    for space in sorted(page.spaces, key=lambda s: _name(s[0]) != "Separation"):
-        names = [_name(n) for n in colorants(space)]
+    for space in sorted(page.spaces, key=lambda s: name_of(s[0]) != "Separation"):
+        names = [name_of(n) for n in colorants(space)]
         for k, name in enumerate(names):
             if name in made or name in (*PROCESS, "All", "None"):
                 continue
@@ -268,16 +128,16 @@ def alternates(page: Page, folder: Path) -> dict[str, dict[str, Any]]:
 def _alternate_space(space: Any, folder: Path, number: int) -> tuple[str, str]:
     kinds = {"DeviceCMYK": "CMYK", "DeviceRGB": "RGB", "DeviceGray": "GRAY", "Lab": "Lab"}
     kinds |= {"CalRGB": "RGB", "CalGray": "GRAY"}
-    kind = _name(space if _is_name(space) else space[0])
+    kind = name_of(space if is_name(space) else space[0])
     if kind != "ICCBased":
         return kinds[kind], ""
     icc = folder / f"alternate-{number}.icc"
-    icc.write_bytes(space[1].read_bytes())
+    icc.write_bytes(stream_bytes(space[1], MOST_PROFILE))
     return {1: "GRAY", 3: "RGB", 4: "CMYK"}[int(space[1]["/N"])], icc.name
 
 
 def output_intent(pdf: Any) -> tuple[Any, str]:
-    """The stream of the output intent's CMYK profile, and the condition's name; None, '' without."""
+    """The stream of the output intent's CMYK profile, or None; and the condition's name."""
     name = ""
     for intent in list(pdf.Root.get("/OutputIntents", []))[:10]:
         name = name or str(intent.get("/OutputConditionIdentifier", ""))
@@ -314,21 +174,21 @@ def _rename(page: Page, keys: dict[str, str]) -> None:
     import pikepdf
 
     for space in page.spaces:
-        if _name(space[0]) == "Separation":
-            name = _name(space[1])
+        if name_of(space[0]) == "Separation":
+            name = name_of(space[1])
             if name in keys:
                 space[1] = pikepdf.Name("/" + keys[name])
             continue
         for k, one in enumerate(list(space[1])):
-            if _name(one) in keys:
-                space[1][k] = pikepdf.Name("/" + keys[_name(one)])
+            if name_of(one) in keys:
+                space[1][k] = pikepdf.Name("/" + keys[name_of(one)])
         if len(space) > 4:
             attributes = space[4]
             if "/MixingHints" in attributes:
                 del attributes["/MixingHints"]
             if "/Colorants" in attributes:
                 old = attributes["/Colorants"]
-                named_now = {"/" + keys.get(_name(k), _name(k)): v for k, v in old.items()}
+                named_now = {"/" + keys.get(name_of(k), name_of(k)): v for k, v in old.items()}
                 named_now.pop("/None", None)
                 attributes["/Colorants"] = pikepdf.Dictionary(named_now)
 
@@ -348,9 +208,7 @@ def examine(path: str, number: int, folder: Path, has_profile: bool) -> dict[str
         if count == 0:
             raise InputError(f"{named(path)}: a PDF without pages; export it again")
         if number > count:
-            raise InputError(
-                f"{named(path)}: page {number} is not there; it has {count}: give --page 1 to {count}"
-            )
+            raise InputError(f"{named(path)}: page {number} is not there; give --page 1 to {count}")
         source = pdf.pages[number - 1]
         page = Page(pdf, source)
         steps = processing_steps(pdf)
@@ -359,10 +217,10 @@ def examine(path: str, number: int, folder: Path, has_profile: bool) -> dict[str
         looks = alternates(page, folder)
         names = list(
             dict.fromkeys(
-                _name(n)
+                name_of(n)
                 for space in page.spaces
                 for n in colorants(space)
-                if _name(n) not in (*PROCESS, "All", "None")
+                if name_of(n) not in (*PROCESS, "All", "None")
             )
         )
         if len(names) > MOST_NAMES:
@@ -374,7 +232,7 @@ def examine(path: str, number: int, folder: Path, has_profile: bool) -> dict[str
         profile = ""
         if stream is not None:
             profile = "intent.icc"
-            (folder / profile).write_bytes(stream.read_bytes())
+            (folder / profile).write_bytes(stream_bytes(stream, MOST_PROFILE))
         cmyk = page.cmyk or any(
             looks.get(n, {}).get("space") == "CMYK" for n in names if n not in technical
         )
@@ -390,7 +248,8 @@ def examine(path: str, number: int, folder: Path, has_profile: bool) -> dict[str
             pdf.save(folder / "colour.pdf", **save)
         off = _switched_off(pdf, steps)
     return {
-        "pages": count, "size_pt": [width, height], "unit": unit, "names": keys, "technical": technical,
+        "pages": count, "size_pt": [width, height], "unit": unit, "names": keys,
+        "technical": technical,
         "layers": by_layer, "alternates": looks, "profile": profile, "condition": condition,
         "cmyk": cmyk, "fonts": sorted(page.fonts), "off": off,
     }  # fmt: skip
@@ -399,14 +258,15 @@ def examine(path: str, number: int, folder: Path, has_profile: bool) -> dict[str
 def _paints_cmyk(page: Page) -> bool:
     left = MOST_CONTENT
     for content, _ in page.contents:
-        parts = list(content) if _is_array(content) else [content]
+        parts = list(content) if is_array(content) else [content]
         for part in parts:
-            data = part.read_bytes()
-            left -= len(data)
-            if left < 0:
-                raise ValueError("a page of too much content")
-            if _CMYK_OPERATOR.search(data):
-                return True
+            end = b""
+            for piece in pieces(part, left):
+                left -= len(piece)
+                piece_and_end = end + piece
+                if b"CMYK" in piece_and_end or _CMYK_OPERATOR.search(piece_and_end):
+                    return True
+                end = piece[-_LONGEST_WORD:]
     return False
 
 
@@ -415,8 +275,27 @@ def _switched_off(pdf: Any, steps: dict[tuple[int, int], str]) -> list[str]:
     return [printable(str(one.get("/Name", ""))) for one in off if one.objgen in steps]
 
 
+def answer(path: str, number: int, folder: Path, *, has_profile: bool) -> dict[str, Any]:
+    """What examine finds, or 'error' with one line, whatever is wrong with the file."""
+    logger = logging.getLogger("pikepdf")  # it warns of what it mends
+    if not logger.handlers:
+        logger.addHandler(logging.NullHandler())
+    try:
+        found = examine(path, number, folder, has_profile)
+    except InputError as error:
+        return {"error": str(error)}
+    except Exception as error:
+        words = str(error).partition(">: ")[2] or str(error).replace(path, "").strip(" :")
+        reason = printable(words, 120) or type(error).__name__
+        remedy = "open it in its program, export it again"
+        return {"error": f"{named(path)}: a damaged PDF ({reason}); {remedy}"}
+    if not all(math.isfinite(v) for v in found["size_pt"]):
+        return {"error": f"{named(path)}: a page without a size; export it again"}
+    return found
+
+
 def main(words: list[str]) -> None:
-    """Print what was found, or the error, as JSON."""
+    """Print the answer as JSON."""
     try:
         import resource
 
@@ -424,21 +303,7 @@ def main(words: list[str]) -> None:
     except (ImportError, ValueError, OSError):  # Windows, or a limit that is lower already
         pass
     path, number, folder, profile = words
-    try:
-        answer = examine(path, int(number), Path(folder), profile == "profile")
-    except InputError as error:
-        answer = {"error": str(error)}
-    except Exception as error:
-        reason = (
-            printable(str(error).partition(">: ")[2] or error, 120).replace(path, "").strip(" :")
-            or type(error).__name__
-        )
-        answer = {
-            "error": f"{named(path)}: a damaged PDF ({reason}); open it in its program, export again"
-        }
-    if not all(math.isfinite(v) for v in answer.get("size_pt", [])):
-        answer = {"error": f"{named(path)}: a page without a size"}
-    print(json.dumps(answer))
+    print(json.dumps(answer(path, int(number), Path(folder), has_profile=profile == "profile")))
 
 
 if __name__ == "__main__":

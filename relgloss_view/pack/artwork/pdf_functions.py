@@ -9,9 +9,12 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from relgloss_view.pack.artwork.pdf_streams import stream_bytes
+
 MOST_STEPS = 20_000  #: operators that a calculator function runs, and deepest stack below
 _DEEPEST = 200
 _MOST_PARTS = 500
+_MOST_BYTES = 1 << 24
 
 
 def evaluate(function: Any, inputs: Sequence[float], depth: int = 0) -> list[float]:
@@ -33,7 +36,7 @@ def evaluate(function: Any, inputs: Sequence[float], depth: int = 0) -> list[flo
     elif kind == 3:
         out = _stitched(function, x[0], domain, depth)
     elif kind == 4:
-        out = _calculated(function.read_bytes(), x)
+        out = _calculated(stream_bytes(function, _MOST_BYTES), x)
     else:
         raise ValueError("a function of an unknown type")
     limits = [float(v) for v in function["/Range"]] if "/Range" in function else []
@@ -60,7 +63,7 @@ def _sampled(function: Any, x: list[float], domain: list[float]) -> list[float]:
     total = math.prod(sizes) * outputs
     if len(sizes) != len(x) or min(sizes) < 1 or total > 1 << 22 or len(x) > 8:
         raise ValueError("a table of samples of the wrong size")
-    data = function.read_bytes()
+    data = stream_bytes(function, _MOST_BYTES)
     if len(data) * 8 < total * bits or bits not in (1, 2, 4, 8, 12, 16, 24, 32):
         raise ValueError("a table of samples that is cut off")
     encode = [float(v) for v in function.get("/Encode", [])]

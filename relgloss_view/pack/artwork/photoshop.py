@@ -65,7 +65,8 @@ def channel_names(names: tuple[str, ...], count: int, first: int) -> list[str]:
 
 
 def _names(data: bytes) -> tuple[str, ...]:
-    names, at = [], 0
+    names: list[str] = []
+    at = 0
     while at < len(data) and len(names) < MOST_CHANNELS:
         size = data[at]
         names.append(data[at + 1 : at + 1 + size].decode("latin-1"))
@@ -74,7 +75,8 @@ def _names(data: bytes) -> tuple[str, ...]:
 
 
 def _unicode_names(data: bytes) -> tuple[str, ...]:
-    names, at = [], 0
+    names: list[str] = []
+    at = 0
     while at + 4 <= len(data) and len(names) < MOST_CHANNELS:
         size = 2 * struct.unpack_from(">I", data, at)[0]
         text = data[at + 4 : at + 4 + size].decode("utf-16-be", "replace")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import logging
 import os
+import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -40,6 +42,7 @@ TURNS = {
     5: (True, False, False), 6: (True, False, True), 7: (True, True, True), 8: (True, True, False),
 }  # fmt: skip
 ORIENTATION = 274
+_SILENCE = threading.RLock()
 
 
 def read_picture(
@@ -113,8 +116,8 @@ def profile_for(
             )
     if space == "CMYK":
         raise InputError(
-            f"{named(path)}: CMYK without a profile; name the ICC profile of its printing condition "
-            "with --profile FILE.icc (in a pack file: profile)"
+            f"{named(path)}: CMYK without a profile; name the ICC profile of its printing "
+            "condition with --profile FILE.icc (in a pack file: profile)"
         )
     notes.append("The file has no colour profile; sRGB is taken.")
     return gray_of(srgb()) if space == "GRAY" else srgb()
@@ -139,17 +142,42 @@ def gray_of(rgb: Profile) -> Profile:
 
 @contextmanager
 def quiet_pillow() -> Iterator[None]:
-    """Pillow without its own limit of pixels, which check_size holds, and without its warnings."""
+    """Pillow without its own limit of pixels, which check_size holds, and without its warnings.
+
+    libtiff prints on standard error itself, so that is turned away meanwhile.
+    """
     from PIL import Image
 
+    logger = logging.getLogger("PIL")
+    if not logger.handlers:
+        logger.addHandler(logging.NullHandler())
     most = Image.MAX_IMAGE_PIXELS
     Image.MAX_IMAGE_PIXELS = None
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), _quiet_libraries():
             warnings.simplefilter("ignore")
             yield
     finally:
         Image.MAX_IMAGE_PIXELS = most
+
+
+@contextmanager
+def _quiet_libraries() -> Iterator[None]:
+    """Standard error of the process, on which C libraries print, led to the null device."""
+    with _SILENCE:
+        try:
+            kept = os.dup(2)
+        except OSError:  # there is none
+            yield
+            return
+        try:
+            null = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(null, 2)
+            os.close(null)
+            yield
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
 
 
 def _read(
@@ -186,7 +214,7 @@ def turned(raster: Raster, orientation: object) -> Raster:
     """The raster as an EXIF orientation asks to show it."""
     if orientation not in TURNS:
         return raster
-    swap, rows, columns = TURNS[orientation]  # type: ignore[index]
+    swap, rows, columns = TURNS[orientation]
 
     def turn(values: AnyArray) -> AnyArray:
         out = np.swapaxes(values, 0, 1) if swap else values
@@ -250,9 +278,10 @@ def _deep_samples(image: Image.Image, file: BinaryIO) -> AnyArray | None:
     The decoder runs twice: with the pairs of bytes as they are, which gives the upper bytes, and
     with their order changed, which gives the lower ones.
     """
-    if image.format != "PNG" or not image.tile:
+    tiles: Any = getattr(image, "tile", None)
+    if image.format != "PNG" or not tiles:
         return None
-    tile: Any = image.tile[0]
+    tile = tiles[0]
     rawmode = tile.args if isinstance(tile.args, str) else tile.args[0]
     others = {"RGB;16B": "RGB;16L", "RGBA;16B": "RGBA;16L"}
     if rawmode == "LA;16B":  # four bytes a pixel, as RGBA has

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 
 PROCESS = ("Cyan", "Magenta", "Yellow", "Black")
@@ -37,7 +38,7 @@ def is_technical(name: str) -> bool:
     """
     spread = re.sub(r"(?<=[a-zäöüß])(?=[A-Z])", " ", name)
     words = re.findall(r"[^\W\d_]+", spread.lower())
-    joined = {a + b for a, b in zip(words, words[1:], strict=False)}
+    joined = {a + b for a, b in itertools.pairwise(words)}
     whole = "".join(words)
     coded = {"pantone", "hks", "toyo", "dic", "ral", "focoltone", "trumatch"} & set(words)
     if coded:  # "PANTONE Cool White" is an ink, "Foil PANTONE 871" is none

@@ -13,20 +13,25 @@ import math
 import struct
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array
+from relgloss_view.base.arrays import Array, Floats
 from relgloss_view.base.icc_profile import parse_profile
+from relgloss_view.pack.artwork.profile_curves import (
+    MOST_ENTRIES,
+    Curve,
+    curve_of,
+    identity,
+    sampled,
+)
 
 D50 = np.array([0.9642, 1.0, 0.8249])  #: the white of the connection space
 CHANNELS = {"GRAY": 1, "RGB": 3, "Lab": 3, "CMYK": 4}
 MOST_BYTES = 64 << 20  #: of a profile
 MOST_NODES = 4 << 20  #: of a table of colours
-MOST_ENTRIES = 1 << 16  #: of a curve
 _XYZ_ONE = 1.0 + 32767.0 / 32768.0
-
-Curve = Callable[[Array], Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +62,7 @@ class Profile:
     white: Array
     curves: tuple[Curve, ...]
     grid: Grid | None
-    after: Callable[[Array], Array]
+    after: Callable[[Floats], Floats]
 
     @property
     def channels(self) -> int:
@@ -69,7 +74,7 @@ class Profile:
         absolute = intent == "absolute" or (intent == "auto" and self.output)
         return self.white / D50 if absolute else np.ones(3)
 
-    def xyz(self, device: Array, intent: str = "auto") -> Array:
+    def xyz(self, device: Floats, intent: str = "auto") -> Floats:
         """XYZ under D50, (N, 3), of device values (N, channels), 0 to 1."""
         values = np.stack([c(device[:, k]) for k, c in enumerate(self.curves)], axis=1)
         if self.grid is not None:
@@ -98,18 +103,18 @@ def read_profile(data: bytes) -> Profile:
 
 def lab_space() -> Profile:
     """CIELAB as a device: channels L*/100, (a* + 128)/255, (b* + 128)/255."""
-    same = (_identity,) * 3
+    same = (identity,) * 3
     return Profile("Lab", "CIELAB", False, D50, same, None, lambda v: xyz_from_lab(_lab_v4(v)))
 
 
-def matrix_space(description: str, to_xyz: Array, curve: Curve) -> Profile:
+def matrix_space(description: str, to_xyz: Floats, curve: Curve) -> Profile:
     """An RGB space of one curve and the matrix (3, 3) from its linear light to XYZ under D50."""
     return Profile(
         "RGB", description, False, D50, (curve,) * 3, None, lambda v: v @ to_xyz.T.astype(v.dtype)
     )
 
 
-def xyz_from_lab(lab: Array) -> Array:
+def xyz_from_lab(lab: Floats) -> Floats:
     """XYZ under D50 of CIELAB values (N, 3); CIE 15:2004, 8.2.1."""
     f = np.empty_like(lab)
     f[:, 1] = (lab[:, 0] + 16.0) / 116.0
@@ -120,7 +125,7 @@ def xyz_from_lab(lab: Array) -> Array:
     )
 
 
-def interpolated(grid: Grid, values: Array) -> Array:
+def interpolated(grid: Grid, values: Floats) -> Floats:
     """Values of a grid between its nodes, multilinear; values (N, n) are clipped to 0 to 1."""
     shape = grid.nodes.shape[:-1]
     index = np.zeros(len(values), np.int64)
@@ -132,10 +137,10 @@ def interpolated(grid: Grid, values: Array) -> Array:
         part = (place - cell)[:, None]
         monomials = np.concatenate([monomials, monomials * part], axis=1)
     table = cell_polynomials(grid, values.dtype)
-    return np.matmul(monomials[:, None, :], table[index])[:, 0, :]
+    return np.asarray(np.matmul(monomials[:, None, :], table[index])[:, 0, :])
 
 
-def cell_polynomials(grid: Grid, dtype: np.dtype) -> Array:  # type: ignore[type-arg]
+def cell_polynomials(grid: Grid, dtype: np.dtype[Any]) -> Floats:
     """Multilinear interpolation as polynomials: (cells, 2^n, 3) coefficients of the monomials.
 
     Monomial m is the product of the fractions of the channels whose bits are set in m, the first
@@ -157,14 +162,10 @@ def cell_polynomials(grid: Grid, dtype: np.dtype) -> Array:  # type: ignore[type
     return table
 
 
-_TABLES: dict[int, tuple[Grid, Array]] = {}
+_TABLES: dict[int, tuple[Grid, Floats]] = {}
 
 
-def _identity(x: Array) -> Array:
-    return x
-
-
-def _lab_v4(v: Array) -> Array:
+def _lab_v4(v: Floats) -> Floats:
     return v * np.array([100.0, 255.0, 255.0], v.dtype) - np.array([0.0, 128.0, 128.0], v.dtype)
 
 
@@ -181,9 +182,9 @@ def _profile(data: bytes, space: str, description: str, output: bool, lab: bool)
             curves, grid, after = _table(tags[name], CHANNELS[space], lab)
             return Profile(space, description, output, white, curves, grid, after)
     if space == "GRAY" and b"kTRC" in tags:
-        gray = _curve(tags[b"kTRC"])[0]
+        gray = curve_of(tags[b"kTRC"])[0]
 
-        def tone(v: Array) -> Array:
+        def tone(v: Floats) -> Floats:
             if lab:
                 return xyz_from_lab(np.concatenate([v * 100.0, 0.0 * v, 0.0 * v], axis=1))
             return v * D50.astype(v.dtype)
@@ -191,7 +192,7 @@ def _profile(data: bytes, space: str, description: str, output: bool, lab: bool)
         return Profile(space, description, output, white, (gray,), None, tone)
     if space == "RGB" and all(t in tags for t in (b"rXYZ", b"gXYZ", b"bXYZ", b"rTRC")):
         to_xyz = np.array([_xyz_tag(tags[t]) for t in (b"rXYZ", b"gXYZ", b"bXYZ")]).T
-        curves = tuple(_curve(tags[t])[0] for t in (b"rTRC", b"gTRC", b"bTRC") if t in tags)
+        curves = tuple(curve_of(tags[t])[0] for t in (b"rTRC", b"gTRC", b"bTRC") if t in tags)
         if len(curves) == 3 and np.abs(to_xyz).max() < 4.0:
             return Profile(
                 space,
@@ -210,74 +211,9 @@ def _xyz_tag(part: bytes) -> tuple[float, float, float]:
     return x / 65536.0, y / 65536.0, z / 65536.0
 
 
-def _curve(part: bytes) -> tuple[Curve, int]:
-    """A curve and how many bytes it takes."""
-    kind = part[:4]
-    if kind == b"curv":
-        (count,) = struct.unpack_from(">I", part, 8)
-        if count > MOST_ENTRIES or 12 + 2 * count > len(part):
-            raise ValueError("a damaged ICC profile (a curve is longer than its tag)")
-        if count == 0:
-            return _identity, 12
-        values = np.frombuffer(part, ">u2", count, 12).astype(np.float64)
-        if count == 1:
-            return _power(values[0] / 256.0), 14
-        return _sampled(values / 65535.0), 12 + 2 * count
-    if kind == b"para":
-        (form,) = struct.unpack_from(">H", part, 8)
-        if form > 4:
-            raise ValueError("a damaged ICC profile (a curve of an unknown form)")
-        n = (1, 3, 4, 5, 7)[form]
-        p = [v / 65536.0 for v in struct.unpack_from(f">{n}i", part, 12)]
-        return _parametric(form, p), 12 + 4 * n
-    raise ValueError("a damaged ICC profile (a curve that is none)")
-
-
-def _power(gamma: float) -> Curve:
-    return lambda x: np.maximum(x, 0.0) ** gamma
-
-
-def _sampled(values: Array) -> Curve:
-    if np.allclose(values, np.linspace(0.0, 1.0, len(values)), rtol=0.0, atol=1e-6):
-        return _identity
-    rises = np.append(np.diff(values), 0.0)
-    last = len(values) - 1
-    tables = {np.dtype(t): (values.astype(t), rises.astype(t)) for t in (np.float32, np.float64)}
-
-    def curve(x: Array) -> Array:  # a third of the time of numpy.interp, and float32 stays so
-        place = np.clip(x, 0.0, 1.0) * last
-        whole = place.astype(np.int32)
-        at, rise = tables[x.dtype]
-        return np.asarray(at[whole] + (place - whole).astype(x.dtype) * rise[whole])
-
-    return curve
-
-
-def _parametric(form: int, p: list[float]) -> Curve:
-    g, a, b, c, d, e, f = (*p, *(0.0,) * (7 - len(p)))
-    if form == 0:
-        return _power(g)
-    if form == 1:
-        split, slope, low, high = (-b / a if a else 0.0), 0.0, 0.0, 0.0
-    elif form == 2:
-        split, slope, low, high = (-b / a if a else 0.0), 0.0, c, c
-    elif form == 3:
-        split, slope, low, high = d, c, 0.0, 0.0
-    else:
-        split, slope, low, high = d, c, f, e
-
-    def curve(x: Array) -> Array:
-        upper = np.maximum(a * x + b, 0.0) ** g + high
-        return np.clip(np.where(x >= split, upper, slope * x + low), 0.0, 1.0).astype(x.dtype)
-
-    if not all(math.isfinite(v) for v in p) or g <= 0.0:
-        raise ValueError("a damaged ICC profile (a curve without numbers)")
-    return curve
-
-
 def _table(
     part: bytes, channels: int, lab: bool
-) -> tuple[tuple[Curve, ...], Grid | None, Callable[[Array], Array]]:
+) -> tuple[tuple[Curve, ...], Grid | None, Callable[[Floats], Floats]]:
     kind = part[:4]
     if part[8:10] != bytes((channels, 3)):
         raise ValueError("a damaged ICC profile (a table of other channels)")
@@ -303,7 +239,7 @@ def _check_nodes(shape: tuple[int, ...], data: int, size: int) -> int:
 
 def _old_table(
     part: bytes, channels: int, lab: bool, size: int
-) -> tuple[tuple[Curve, ...], Grid, Callable[[Array], Array]]:
+) -> tuple[tuple[Curve, ...], Grid, Callable[[Floats], Floats]]:
     points = part[10]
     if size == 2:
         into, out = struct.unpack_from(">HH", part, 48)
@@ -325,24 +261,24 @@ def _old_table(
     nodes = _check_nodes(shape, len(part) - at, size)
     grid = _grid(numbers(3 * nodes, at), shape)
     last = numbers(3 * out, at + 3 * nodes * size).reshape(3, out)
-    outputs = tuple(_sampled(row) for row in last)
+    outputs = tuple(sampled(row) for row in last)
     if lab:
         # Of 8 bits the encoding is that of version 4; of 16 bits 0xFF00 is L* = 100 (10.10).
         scale = 65535.0 / 65280.0 if size == 2 else 1.0
 
-        def after(v: Array) -> Array:
+        def after(v: Floats) -> Floats:
             w = _each(outputs, v)
             return xyz_from_lab(_lab_of_mft(w, scale))
 
     else:
 
-        def after(v: Array) -> Array:
+        def after(v: Floats) -> Floats:
             return _each(outputs, v) * v.dtype.type(_XYZ_ONE)
 
-    return tuple(_sampled(row) for row in first), grid, after
+    return tuple(sampled(row) for row in first), grid, after
 
 
-def _lab_of_mft(v: Array, scale: float) -> Array:
+def _lab_of_mft(v: Floats, scale: float) -> Floats:
     if scale == 1.0:
         return _lab_v4(v)
     span = 65535.0 / 256.0
@@ -351,18 +287,18 @@ def _lab_of_mft(v: Array, scale: float) -> Array:
     )
 
 
-def _each(curves: tuple[Curve, ...], v: Array) -> Array:
-    if all(c is _identity for c in curves):
+def _each(curves: tuple[Curve, ...], v: Floats) -> Floats:
+    if all(c is identity for c in curves):
         return v
     return np.stack([c(v[:, k]) for k, c in enumerate(curves)], axis=1)
 
 
 def _curves_at(part: bytes, offset: int, count: int) -> tuple[Curve, ...]:
     if offset == 0:
-        return (_identity,) * count
+        return (identity,) * count
     made = []
     for _ in range(count):
-        curve, size = _curve(part[offset : offset + 12 + 2 * MOST_ENTRIES])
+        curve, size = curve_of(part[offset : offset + 12 + 2 * MOST_ENTRIES])
         made.append(curve)
         offset += (size + 3) // 4 * 4
     return tuple(made)
@@ -370,7 +306,7 @@ def _curves_at(part: bytes, offset: int, count: int) -> tuple[Curve, ...]:
 
 def _new_table(
     part: bytes, channels: int, lab: bool
-) -> tuple[tuple[Curve, ...], Grid | None, Callable[[Array], Array]]:
+) -> tuple[tuple[Curve, ...], Grid | None, Callable[[Floats], Floats]]:
     b, matrix, m, clut, a = struct.unpack_from(">5I", part, 12)
     last, middle = _curves_at(part, b, 3), _curves_at(part, m, 3)
     turn, shift = np.eye(3), np.zeros(3)
@@ -390,11 +326,11 @@ def _new_table(
         )
         first = _curves_at(part, a, channels)
     elif channels == 3:
-        first = (_identity,) * 3
+        first = (identity,) * 3
     else:
         raise ValueError("a damaged ICC profile (its table is missing)")
 
-    def after(v: Array) -> Array:
+    def after(v: Floats) -> Floats:
         w = _each(middle, v)
         if matrix:
             w = np.clip(w @ turn.T.astype(v.dtype) + shift.astype(v.dtype), 0.0, 1.0)

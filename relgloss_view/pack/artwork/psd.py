@@ -35,8 +35,8 @@ def read_psd(
     version, channels, height, width, depth, mode = struct.unpack(">4xH6xHIIHH", head)
     if version not in (1, 2) or mode not in MODES or depth not in (8, 16):
         raise InputError(
-            f"{named(path)}: a PSD of a mode or depth that is not read; save it as RGB, CMYK, Lab or "
-            "gray of 8 or 16 bits"
+            f"{named(path)}: a PSD of a mode or depth that is not read; save it as RGB, CMYK, Lab "
+            "or gray of 8 or 16 bits"
         )
     space, own = MODES[mode]
     if not own <= channels <= MOST_CHANNELS:
@@ -49,7 +49,8 @@ def read_psd(
     resources = parse_resources(file.read(size))
     if not resources.merged:
         raise InputError(
-            f'{named(path)}: this PSD holds no merged picture; save it with "Maximize Compatibility"'
+            f"{named(path)}: this PSD holds no merged picture; save it with 'Maximize "
+            "Compatibility'"
         )
     layers = _number(file, 4 if version == 1 else 8)
     begin = file.tell()
@@ -137,4 +138,4 @@ def _without_white(colour: AnyArray, alpha: AnyArray) -> AnyArray:
     top = float(np.iinfo(colour.dtype).max)
     share = (alpha.astype(np.float32) / np.float32(top))[..., None]
     plain = (colour - top * (1.0 - share)) / np.maximum(share, 1e-6)
-    return np.rint(np.clip(plain, 0.0, top)).astype(colour.dtype)
+    return np.asarray(np.rint(np.clip(plain, 0.0, top)).astype(colour.dtype))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from relgloss_view.base.arrays import AnyArray, Array, Bytes, Digital
+from relgloss_view.base.arrays import AnyArray, Array, Bytes, Digital, Floats
 from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.pack.artwork.artwork import Artwork
@@ -40,7 +40,7 @@ class Raster:
     plates: Mapping[str, Bytes] = field(default_factory=dict)
     width_mm: float = 0.0
     height_mm: float = 0.0
-    inks: Mapping[str, Array] = field(default_factory=dict)
+    inks: Mapping[str, Floats] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
     @property
@@ -73,10 +73,10 @@ class Conversion:
             self._cells.append(cell * stride)
             self._parts.append((place - cell).astype(np.float32))
 
-    def __call__(self, samples: Digital) -> Array:
+    def __call__(self, samples: Digital) -> Floats:
         """XYZ (N, 3) of samples (N, channels). A run of equal colours is converted once."""
         if len(samples) == 0:
-            return np.zeros((0, 3), np.float32)  # type: ignore[return-value]
+            return np.zeros((0, 3), np.float32)
         begins = np.concatenate([[True], (samples[1:] != samples[:-1]).any(axis=1)])
         starts = np.flatnonzero(begins)
         if 2 * len(starts) > len(samples):
@@ -84,7 +84,7 @@ class Conversion:
         lengths = np.diff(np.append(starts, len(samples)))
         return np.repeat(self._each(samples[starts]), lengths, axis=0)
 
-    def _each(self, samples: Digital) -> Array:
+    def _each(self, samples: Digital) -> Floats:
         if self._profile.grid is None:
             light = np.stack([c[samples[:, k]] for k, c in enumerate(self._curves)], axis=1)
             return (self._profile.after(light) * self._scale).astype(np.float32)
@@ -126,7 +126,7 @@ def to_artwork(
         top, bottom = math.floor(first * height / rows), math.ceil(last * height / rows)
         edges = np.linspace(first, last, last - first + 1) * (height / rows) - top
 
-        def reduced(values: Array) -> Array:
+        def reduced(values: Floats) -> Floats:
             return area_means(values, edges, columns) if share < 1.0 else values
 
         colours = _colours(raster, conversion, slice(top, bottom))
@@ -152,7 +152,7 @@ def to_artwork(
     )
 
 
-def _colours(raster: Raster, conversion: Conversion, rows: slice) -> Array:
+def _colours(raster: Raster, conversion: Conversion, rows: slice) -> Floats:
     """XYZ, and alpha where there is one, of some rows: (rows, W, 3 or 4), times alpha."""
     samples = raster.samples[rows]
     height, width, channels = samples.shape
@@ -173,7 +173,7 @@ def _colours(raster: Raster, conversion: Conversion, rows: slice) -> Array:
     return np.concatenate([xyz * alpha[..., None], alpha[..., None]], axis=2)
 
 
-def area_means(values: Array, row_edges: Array, columns: int) -> Array:
+def area_means(values: Floats, row_edges: Array, columns: int) -> Floats:
     """Means over areas of values (h, w) or (h, w, c).
 
     row_edges: (rows + 1,) between 0 and h, where the areas' rows part. columns: how many areas
@@ -184,7 +184,7 @@ def area_means(values: Array, row_edges: Array, columns: int) -> Array:
     return np.swapaxes(_means(np.swapaxes(rows, 0, 1), column_edges), 0, 1)
 
 
-def _means(values: Array, edges: Array) -> Array:
+def _means(values: Floats, edges: Array) -> Floats:
     """Means between edges along the first axis."""
     sums = np.zeros((len(values) + 1, *values.shape[1:]))
     np.cumsum(values, axis=0, out=sums[1:])

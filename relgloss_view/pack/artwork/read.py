@@ -15,12 +15,13 @@ from relgloss_view.pack.artwork.raster import to_artwork
 
 EXPECTED = "artwork (PDF, PNG, JPEG, TIFF or PSD)"
 SETTLED_S = 0.3  #: a file that was changed less long ago may still be being written
+USUAL = ArtworkOptions()
 _HEAD = 1024  #: bytes in which a PDF's mark may lie
 
 
 def read_artwork(
     path: str | os.PathLike[str],
-    options: ArtworkOptions = ArtworkOptions(),
+    options: ArtworkOptions = USUAL,
     progress: ProgressReport = no_progress,
 ) -> Artwork:
     """The artwork of a picture (PNG, JPEG, TIFF, PSD) or of a page of a PDF.

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array
-from relgloss_view.pack.artwork.profile import D50, Curve, Profile, matrix_space
+from relgloss_view.base.arrays import Array, Floats
+from relgloss_view.pack.artwork.profile import D50, Profile, matrix_space
+from relgloss_view.pack.artwork.profile_curves import Curve
 
 #: x and y of red, green, blue and white.
 REC709 = ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06), (0.3127, 0.3290))
@@ -26,7 +27,7 @@ def srgb() -> Profile:
     return matrix_space("sRGB", rgb_to_xyz(REC709), srgb_light)
 
 
-def srgb_light(values: Array) -> Array:
+def srgb_light(values: Floats) -> Floats:
     """Linear light of sRGB values, 0 to 1; IEC 61966-2-1."""
     return np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
 

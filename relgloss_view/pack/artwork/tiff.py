@@ -43,7 +43,7 @@ SPACES = {0: ("GRAY", 1), 1: ("GRAY", 1), 2: ("RGB", 3), 5: ("CMYK", 4), 8: ("La
 _SIZES = {1: (1, "B"), 2: (1, "B"), 3: (2, "H"), 4: (4, "I"), 5: (8, "II"), 7: (1, "B")}
 _ASSOCIATED, _SEPARATE = 1, 2
 
-Tags = dict[int, tuple[int, ...]]
+Tags = dict[int, tuple[Any, ...]]
 
 
 def read_tiff(
@@ -119,7 +119,7 @@ def _tags(file: BinaryIO, order: str) -> Tags:
             if len(value) < size * length:
                 raise ValueError("a tag that is cut off")
         tags[number] = (
-            (value[:length],)  # type: ignore[assignment]
+            (value[:length],)
             if form == "B" and number in (34377, 34675)
             else struct.unpack(f"{order}{length * len(form)}{form[0]}", value[: size * length])
         )

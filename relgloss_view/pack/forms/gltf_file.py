@@ -287,7 +287,7 @@ class _Document:
         whole = isinstance(count, int) and 0 <= count <= len(values)
         if not whole or not isinstance(where, dict) or not isinstance(what, dict):
             raise InputError("a sparse accessor is not complete; export it again")
-        kind = _COMPONENTS.get(where.get("componentType"), "")
+        kind = _COMPONENTS.get(where.get("componentType", 0), "")
         if not kind:
             raise InputError("a sparse accessor has no indices; export it again")
         rows = self._view(where, np.dtype(kind), int(count or 0), 1)[:, 0].astype(np.int64)

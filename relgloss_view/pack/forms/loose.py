@@ -10,7 +10,7 @@ from relgloss_view.base.arrays import Array, Ints, Mask
 from relgloss_view.base.errors import InputError
 from relgloss_view.pack.mesh import Mesh
 
-MOST_TRIANGLES = 1_000_000
+MOST_TRIANGLES = 500_000
 CREASE_DEG = 40.0  #: edges that are sharper stay edges where a file has no normals
 MOST_PAIRS = 20_000_000  #: of triangles at one point, when normals are computed
 SMALLEST_M, LARGEST_M = 0.001, 10.0  #: of the longest side, as of every size of a form

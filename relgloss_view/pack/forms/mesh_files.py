@@ -11,6 +11,8 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
+
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import check_regular, decoding, named, read_bytes
 from relgloss_view.pack.forms.gltf_file import parse_glb, parse_gltf
@@ -57,7 +59,8 @@ def _read(file: str, unit: str, _stamp: int, _size: int) -> Mesh:
     if suffix not in MESH_SUFFIXES:
         raise InputError(f"{named(file)}: expected {EXPECTED}")
     data = read_bytes(file, MOST_BYTES, EXPECTED)
-    with decoding(file, EXPECTED):
+    # Numbers that are none are found by the checks, and need no warning.
+    with decoding(file, EXPECTED), np.errstate(all="ignore"):
         try:
             if suffix == ".gltf":
                 loose = parse_gltf(data, Path(file).parent)

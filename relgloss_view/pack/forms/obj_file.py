@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import warnings
 from collections import defaultdict
 
 import numpy as np
@@ -11,15 +13,17 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.pack.forms.loose import MOST_TRIANGLES, TOO_MANY, Loose
 
-MOST_LINES = 6_000_000
+MOST_LINES = 2_500_000
+MOST_VECTORS = 3 * MOST_TRIANGLES
 MOST_CORNERS = 256  #: of one polygon
 MOST_PARTS = 1000
+LONGEST_FACE = 64 * MOST_CORNERS  #: bytes
 
 
 def parse_obj(data: bytes) -> Loose:
     """The triangles of an OBJ file; polygons become fans. Raises InputError."""
-    if data.count(b"\n") + data.count(b"\r") > 2 * MOST_LINES:
-        raise InputError("has too many lines; save it as .glb")
+    if max(data.count(b"\n"), data.count(b"\r")) > MOST_LINES:
+        raise InputError(f"has more than {MOST_LINES} lines; save it as .glb")
     if data.count(b"\nf ") > MOST_TRIANGLES:
         raise InputError(f"holds {TOO_MANY}")
     text = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").replace(b"\t", b" ")
@@ -35,14 +39,21 @@ def _vectors(lines: list[bytes], key: bytes, count: int, name: str) -> Array:
     texts = [line[len(key) :] for line in lines if line.startswith(key)]
     if not texts:
         return np.zeros((0, count))
-    values = [t.split(b"#")[0].split() for t in texts]
+    if len(texts) > MOST_VECTORS:
+        raise InputError(f"has more than {MOST_VECTORS} lines '{name}'; save it as .glb")
+    width = len(texts[0].split())
+    if width >= count and all(len(text.split()) == width for text in texts):
+        with contextlib.suppress(ValueError, DeprecationWarning), warnings.catch_warnings():
+            warnings.simplefilter("error")
+            numbers = np.fromstring(b" ".join(texts), sep=" ")
+            if len(numbers) == len(texts) * width:
+                return np.asarray(numbers.reshape(-1, width)[:, :count], dtype=np.float64)
+    rows = [text.split(b"#")[0].split()[:count] for text in texts]
     try:
-        return np.array([[float(x) for x in row[:count]] for row in values], dtype=float).reshape(
-            len(values), count
-        )
+        # A texture of one dimension has no v.
+        full = [[*row, b"0"] if (name, len(row)) == ("vt", 1) else row for row in rows]
+        return np.array([[float(x) for x in row] for row in full]).reshape(len(rows), count)
     except ValueError:
-        if name == "vt" and all(len(row) == 1 for row in values):
-            return np.zeros((len(values), 2))
         raise InputError(
             f"a line '{name}' does not hold {count} numbers; export it again"
         ) from None
@@ -50,9 +61,10 @@ def _vectors(lines: list[bytes], key: bytes, count: int, name: str) -> Array:
 
 def _faces(lines: list[bytes], points: Array, uv: Array, normals: Array) -> Loose:
     counts = (len(points), len(uv), len(normals))
-    part, names = 0, {}
+    part = 0
+    names: dict[str, int] = {}
     name_object, name_material = "", ""
-    groups: dict[tuple[int, str], list[list[bytes]]] = defaultdict(list)
+    groups: dict[tuple[int, str], list[bytes]] = defaultdict(list)
     parts_of: dict[tuple[int, str], list[int]] = defaultdict(list)
     before = _counts_before(lines) if any(b"-" in x for x in lines if x[:2] == b"f ") else None
     places: dict[tuple[int, str], list[int]] = defaultdict(list)
@@ -67,7 +79,8 @@ def _faces(lines: list[bytes], points: Array, uv: Array, normals: Array) -> Loos
                 if len(names) > MOST_PARTS:
                     raise InputError(f"has more than {MOST_PARTS} groups; join them")
                 changed = False
-            words = line[2:].split(b"#")[0].split()
+            face = line[2:].split(b"#")[0]
+            words = face.split() if len(face) < LONGEST_FACE else []
             if not 3 <= len(words) <= MOST_CORNERS:
                 raise InputError(
                     f"line {number + 1}: a face of {len(words)} corners, expected 3 to "
@@ -77,7 +90,7 @@ def _faces(lines: list[bytes], points: Array, uv: Array, normals: Array) -> Loos
             kind = words[0]
             form = "p//n" if b"//" in kind else "p/t/n"[: 1 + 2 * min(kind.count(b"/"), 2)]
             group = (len(words), form)
-            groups[group].append(words)
+            groups[group].append(face)
             parts_of[group].append(part)
             places[group].append(number)
         elif key in (b"o ", b"g "):
@@ -87,9 +100,9 @@ def _faces(lines: list[bytes], points: Array, uv: Array, normals: Array) -> Loos
     if total > MOST_TRIANGLES:
         raise InputError(f"holds {TOO_MANY}")
     found = [
-        _fans(words, corners, form, counts, parts_of[corners, form],
+        _fans(polygons, corners, form, counts, parts_of[corners, form],
               None if before is None else before[places[corners, form]])
-        for (corners, form), words in groups.items()
+        for (corners, form), polygons in groups.items()
     ]  # fmt: skip
     if not found:
         return Loose(points, np.zeros((0, 3), dtype=np.int64))
@@ -117,7 +130,7 @@ def _counts_before(lines: list[bytes]) -> Ints:
 
 
 def _fans(
-    words: list[list[bytes]],
+    polygons: list[bytes],
     corners: int,
     form: str,
     counts: tuple[int, int, int],
@@ -127,19 +140,17 @@ def _fans(
     """Triangles (T, 3, 3) of polygons of one kind, and their parts."""
     columns = {"p": [0], "p/t": [0, 1], "p//n": [0, 2], "p/t/n": [0, 1, 2]}[form]
     width = len(columns)
-    joined = b" ".join(b" ".join(row) for row in words)
-    alike = joined.count(b"/") == len(words) * corners * form.count("/")
-    pieces = joined.replace(b"/", b" ").split()
-    try:
-        if not alike or len(pieces) != len(words) * corners * width:
-            raise ValueError
-        numbers = np.array(pieces).astype(np.int64).reshape(len(words), corners, width)
-    except (ValueError, OverflowError):
-        raise InputError(
-            "a face does not name its points by whole numbers; export it again"
-        ) from None
-    full = np.zeros((len(words), corners, 3), dtype=np.int64)
-    full[..., columns] = numbers
+    count = len(polygons)
+    joined = b" ".join(polygons)
+    numbers = np.zeros(0, dtype=np.int64)
+    if joined.count(b"/") == count * corners * form.count("/"):
+        with contextlib.suppress(ValueError, DeprecationWarning), warnings.catch_warnings():
+            warnings.simplefilter("error")
+            numbers = np.fromstring(joined.replace(b"/", b" "), dtype=np.int64, sep=" ")
+    if len(numbers) != count * corners * width:
+        raise InputError("a face does not name its points by whole numbers; export it again")
+    full = np.zeros((count, corners, 3), dtype=np.int64)
+    full[..., columns] = numbers.reshape(count, corners, width)
     if (full[..., 0] == 0).any():
         raise InputError("a face names point 0, but points are counted from 1; export it again")
     base = np.array(counts) if before is None else before[:, None, :]

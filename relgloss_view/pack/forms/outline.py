@@ -7,6 +7,8 @@ stays straight.
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Ints, Mask
@@ -74,10 +76,10 @@ def _slopes(secants: Array, chords: Array) -> Array:
     if len(secants) == 1:
         return np.repeat(secants, 2)
     left, right = secants[:-1], secants[1:]
-    wl, wr = chords[:-1] + 2.0 * chords[1:], 2.0 * chords[:-1] + chords[1:]
+    wr, wl = 2.0 * chords[:-1] + chords[1:], chords[:-1] + 2.0 * chords[1:]
     same = left * right > 0.0
     safe_left, safe_right = np.where(same, left, 1.0), np.where(same, right, 1.0)
-    inner = np.where(same, (wl + wr) / (wr / safe_left + wl / safe_right), 0.0)
+    inner = np.where(same, (wl + wr) / (wl / safe_left + wr / safe_right), 0.0)
     return np.concatenate(
         [
             [_end_slope(secants[0], secants[1], chords[0], chords[1])],
@@ -104,10 +106,7 @@ def _runs(points: Array) -> list[tuple[Array, Array]]:
     turn = np.abs((np.diff(direction) + 180.0) % 360.0 - 180.0)
     corners = np.flatnonzero(turn > CORNER_DEG) + 1
     ends = [0, *corners.tolist(), len(points) - 1]
-    return [
-        smooth_through(points[low : high + 1])
-        for low, high in zip(ends[:-1], ends[1:], strict=True)
-    ]
+    return [smooth_through(points[low : high + 1]) for low, high in itertools.pairwise(ends)]
 
 
 def _parts(runs: list[tuple[Array, Array]]) -> list[np.ndarray[tuple[int], np.dtype[np.str_]]]:

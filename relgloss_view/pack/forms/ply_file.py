@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array, Ints
+from relgloss_view.base.arrays import AnyArray, Array, Ints
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.pack.forms.loose import MOST_TRIANGLES, TOO_MANY, Loose
@@ -20,6 +20,8 @@ _TYPES = {
 }  # fmt: skip
 _FORMATS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _UV = (("s", "t"), ("u", "v"), ("texture_u", "texture_v"))
+#: Lists of each length, (lists, items), and the numbers of their rows.
+_Lists = tuple[list[AnyArray], list[Ints]]
 _DAMAGED = "the file ends before its points and faces do; export it again"
 
 
@@ -34,18 +36,20 @@ class _Element:
 def parse_ply(data: bytes) -> Loose:
     """The triangles of a PLY file; polygons become fans. Raises InputError."""
     order, elements, at = _header(data)
+    for element in elements:
+        if element.count > (1 if element.name == "face" else 3) * MOST_TRIANGLES:
+            name = printable(element.name, 20)
+            raise InputError(f"declares {float(element.count):.4g} times '{name}': {TOO_MANY}")
     numbers: dict[str, dict[str, Array]] = {}
-    lists: dict[str, tuple[list[Ints], Ints]] = {}
+    lists: dict[str, _Lists] = {}
     words: _Words | None = _Words(data[at:]) if order == "" else None
     for element in elements:
-        if element.count > 3 * MOST_TRIANGLES:
-            raise InputError(f"declares {element.count} times '{element.name}': {TOO_MANY}")
         if element.name == "face":
             if words is None:
                 values, at = _binary_lists(data, at, element, order)
             else:
                 values = _text_lists(words, element)
-            lists.update(values)  # type: ignore[arg-type]
+            lists.update(values)
         elif words is None:
             numbers[element.name], at = _binary(data, at, element, order)
         else:
@@ -69,7 +73,7 @@ def _header(data: bytes) -> tuple[str, list[_Element], int]:
             if words[0] == "format":
                 order = _FORMATS[words[1]]
             elif words[0] == "element":
-                elements.append(_Element(words[1], int(words[2])))
+                elements.append(_Element(words[1], int(words[2][:20])))
                 if elements[-1].count < 0:
                     raise ValueError
             elif words[0] == "property" and words[1] == "list":
@@ -85,7 +89,9 @@ def _header(data: bytes) -> tuple[str, list[_Element], int]:
 
 def _binary(data: bytes, at: int, element: _Element, order: str) -> tuple[dict[str, Array], int]:
     if any(len(p) == 3 for p in element.properties):
-        raise InputError(f"a list in '{element.name}' is not read; export points and faces alone")
+        raise InputError(
+            f"a list in '{printable(element.name, 20)}' is not read; export points and faces alone"
+        )
     names = [f"{k}" for k in range(len(element.properties))]
     row = np.dtype([(n, order + p[1]) for n, p in zip(names, element.properties, strict=True)])
     if at + element.count * row.itemsize > len(data):
@@ -99,7 +105,7 @@ def _binary(data: bytes, at: int, element: _Element, order: str) -> tuple[dict[s
 
 def _binary_lists(
     data: bytes, at: int, element: _Element, order: str
-) -> tuple[dict[str, tuple[list[Array], Ints]], int]:
+) -> tuple[dict[str, _Lists], int]:
     """Lists of each length of an element, with the numbers of their rows."""
     found = _same_lists(data, at, element, order)
     if found is not None:
@@ -127,7 +133,7 @@ def _binary_lists(
 
 def _same_lists(
     data: bytes, at: int, element: _Element, order: str
-) -> tuple[dict[str, tuple[list[Array], Ints]], int] | None:
+) -> tuple[dict[str, _Lists], int] | None:
     """All lists at once where each has the length of the first; None otherwise."""
     if not element.count:
         return {}, at
@@ -148,7 +154,7 @@ def _same_lists(
         else:
             fields.append((f"v{k}", order + p[1]))
             place += np.dtype(p[1]).itemsize
-    row = np.dtype(fields)  # type: ignore[arg-type]
+    row = np.dtype(fields)
     if at + element.count * row.itemsize > len(data):
         return None
     table = np.frombuffer(data, row, element.count, at)
@@ -160,16 +166,16 @@ def _same_lists(
         for k, p in enumerate(element.properties)
         if len(p) == 3
     }
-    return values, at + element.count * row.itemsize  # type: ignore[return-value]
+    return values, at + element.count * row.itemsize
 
 
 def _arranged(
     kept: dict[str, dict[int, tuple[list[Array], list[int]]]],
-) -> dict[str, tuple[list[Array], Ints]]:
+) -> dict[str, _Lists]:
     return {
         name: (
             [np.array(lists) for lists, _ in by_count.values()],
-            [np.array(rows) for _, rows in by_count.values()],  # type: ignore[misc]
+            [np.array(rows) for _, rows in by_count.values()],
         )
         for name, by_count in kept.items()
     }
@@ -195,15 +201,19 @@ class _Words:
 
 def _text(words: _Words, element: _Element) -> dict[str, Array]:
     if any(len(p) == 3 for p in element.properties):
-        raise InputError(f"a list in '{element.name}' is not read; export points and faces alone")
+        raise InputError(
+            f"a list in '{printable(element.name, 20)}' is not read; export points and faces alone"
+        )
     rows = words.rows(element.count)
     if any(len(row) != len(element.properties) for row in rows):
-        raise InputError(f"a line of '{element.name}' has too many or too few numbers")
+        raise InputError(
+            f"a line of '{printable(element.name, 20)}' has too many or too few numbers"
+        )
     table = np.array(rows, dtype=float).reshape(element.count, len(element.properties))
     return {p[0]: table[:, k] for k, p in enumerate(element.properties)}
 
 
-def _text_lists(words: _Words, element: _Element) -> dict[str, tuple[list[Array], Ints]]:
+def _text_lists(words: _Words, element: _Element) -> dict[str, _Lists]:
     kept: dict[str, dict[int, tuple[list[Array], list[int]]]] = {}
     for k, row in enumerate(words.rows(element.count)):
         at = 0
@@ -221,7 +231,7 @@ def _text_lists(words: _Words, element: _Element) -> dict[str, tuple[list[Array]
     return _arranged(kept)
 
 
-def _loose(vertex: dict[str, Array], lists: dict[str, tuple[list[Ints], Ints]]) -> Loose:
+def _loose(vertex: dict[str, Array], lists: dict[str, _Lists]) -> Loose:
     if not {"x", "y", "z"} <= set(vertex):
         raise InputError("points without x, y and z; export it again")
     points = np.stack([vertex[n] for n in ("x", "y", "z")], axis=-1)
@@ -254,7 +264,7 @@ def _loose(vertex: dict[str, Array], lists: dict[str, tuple[list[Ints], Ints]]) 
     return loose
 
 
-def _set_wedges(loose: Loose, texcoord: tuple[list[Array], Ints], rows: Ints, places: Ints) -> None:
+def _set_wedges(loose: Loose, texcoord: _Lists, rows: Ints, places: Ints) -> None:
     """Texture coordinates that faces hold, two for each of their corners."""
     count = int(rows.max()) + 1
     start = np.full(count, -1, dtype=np.int64)

@@ -184,10 +184,9 @@ def _cut(rows: tuple[Array, Array], row: int, label_y: Array, girth: float) -> P
     """The cut edge of a seal, between both sheets of the film."""
     points = rows[0][row]
     columns = len(points)
-    fold, middle = (columns - 1) // 4, (columns - 1) // 2
+    fold = (columns - 1) // 4
     front = np.arange(fold, columns - fold)
     back = np.concatenate([np.arange(fold, -1, -1), np.arange(columns - 2, columns - fold - 2, -1)])
-    assert len(front) == len(back) and middle in front
     strip = np.concatenate([points[front], points[back]])
     n = len(front)
     k = np.arange(n - 1)

@@ -19,7 +19,10 @@ from relgloss_view.pack.mesh import Mesh
 #: Sides of the widest ring, a power of 2. The middle of a side lies 6e-6 of its diameter too deep.
 SIDES = 512
 FEWEST_SIDES = 16
-TURN = np.radians(5.0)  #: of a curve between two of its points, at most
+#: Of a curve between two of its points: so much that the middle of the chord lies DEEPEST too deep,
+#: but not less or more than these.
+LEAST_TURN, MOST_TURN = np.radians(1.0), np.radians(7.5)
+DEEPEST = 3e-6  #: metres
 
 
 @dataclass(frozen=True)
@@ -57,13 +60,23 @@ def arc(
     An increasing angle bulges outwards, a decreasing one is hollow.
     """
     turn = np.radians(end_deg - start_deg)
-    count = max(2, int(np.ceil(abs(turn) / TURN)) + 1)
-    angle = np.radians(np.linspace(start_deg, end_deg, count))
+    count = max(2, int(np.ceil(abs(turn) / _turn(np.array(radius)))) + 1)
+    degrees = np.linspace(start_deg, end_deg, count)
+    quarters = np.arange(-360.0, 361.0, 90.0)  # where the arc is lowest, highest, widest
+    inside = (quarters > degrees.min() + 1e-9) & (quarters < degrees.max() - 1e-9)
+    degrees = np.unique(np.concatenate([degrees, quarters[inside]]))
+    degrees = degrees if turn > 0.0 else degrees[::-1]
+    angle = np.radians(degrees)
     outwards = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     outwards[np.abs(outwards) < 1e-15] = 0.0
     points = np.asarray(centre) + radius * outwards
-    along = radius * np.linspace(0.0, abs(turn), count)
+    along = radius * np.abs(angle - angle[0])
     return Piece(part, points, outwards if turn > 0 else -outwards, along)
+
+
+def _turn(radius: Array) -> Array:
+    """How far a curve of a radius may turn in one step, radians."""
+    return np.asarray(np.clip(np.sqrt(8.0 * DEEPEST / radius), LEAST_TURN, MOST_TURN))
 
 
 def curve(part: str, points: Array, tangents: Array, always: Sequence[int] = ()) -> Piece:
@@ -79,7 +92,9 @@ def curve(part: str, points: Array, tangents: Array, always: Sequence[int] = ())
     turn = np.abs(np.arctan2(cross, np.sum(directions[:-1] * directions[1:], axis=1)))
     # An arc is longer than its chord by turn^2/24.
     along = np.concatenate([[0.0], np.cumsum(chord * (1.0 + turn**2 / 24.0))])
-    turned = np.concatenate([[0.0], np.cumsum(turn)]) / TURN + 4.0 * along / along[-1]
+    with np.errstate(divide="ignore"):
+        share = turn / _turn(chord / turn)
+    turned = np.concatenate([[0.0], np.cumsum(share)]) + 4.0 * along / along[-1]
     kept = np.unique(np.searchsorted(turned, np.arange(np.ceil(turned[-1])), side="left"))
     kept = np.unique([*kept, *always, len(points) - 1])
     normals = np.stack([directions[:, 1], -directions[:, 0]], axis=-1)

@@ -282,11 +282,10 @@ class Passes:
 
     def _inputs(self, shading: Shading) -> Uniforms:
         """The uniforms, with the textures that the variant reads."""
-        inputs = {**shading.uniforms, **self._field(shading.variant)}
+        albedos = self.targets.albedo_table(shading.uniforms.get("albedo_rows"))
+        inputs = {**shading.uniforms, **self._field(shading.variant), **albedos}
         if shading.variant.cube_root == "table":
             inputs["cube_root_table"] = self.targets.cube_root_table()
-        if shading.variant.ambient:
-            inputs["albedo_table"] = self.targets.albedo_table(shading.uniforms["albedo_rows"])
         return inputs
 
     def _shading(self, request: Request) -> Shading:

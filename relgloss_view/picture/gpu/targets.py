@@ -185,8 +185,13 @@ class Targets:
             self._table.filter = (moderngl.NEAREST, moderngl.NEAREST)
         return self._table
 
-    def albedo_table(self, rows: Array) -> moderngl.Texture:
-        """The table of ambient.glsl, (rows, entries, 4) float32, as a texture; kept until others."""
+    def albedo_table(self, rows: Array | None) -> dict[str, moderngl.Texture]:
+        """The table of ambient.glsl, (rows, entries, 4) float32, as the texture that it reads.
+
+        Empty where there are no rows. The texture is kept until other rows come.
+        """
+        if rows is None:
+            return {}
         data = rows.tobytes()
         if self._albedo_rows != data:
             if self._albedos is not None:
@@ -196,7 +201,7 @@ class Targets:
             self._albedos.filter = (moderngl.NEAREST, moderngl.NEAREST)
             self._albedo_rows = data
         assert self._albedos is not None
-        return self._albedos
+        return {"albedo_table": self._albedos}
 
     def held(self) -> tuple[str, ...]:
         """The names of the targets that there are."""

@@ -61,7 +61,7 @@ def best_mirror(setup: Setup, size: Size = SIZE) -> Highlight | None:
 
 
 @lru_cache(maxsize=64)
-def _best_mirror(setup: Setup, size: Size, _: Mesh | None) -> Highlight | None:
+def _best_mirror(setup: Setup, size: Size, _mesh: Mesh | None) -> Highlight | None:
     view = view_of(setup.shape, setup.eye, size)
     left, bottom, right, top = view.bounds
     places = PLACES if setup.shape.kind in ANALYTIC else TRIANGLE_PLACES

@@ -70,7 +70,7 @@ def lit_for_gloss(setup: Setup, size: Size = SIZE, *, turn_eye: bool = True) -> 
 
 
 @lru_cache(maxsize=64)
-def _lit(setup: Setup, size: Size, turn_eye: bool, _: Mesh | None) -> Setup:
+def _lit(setup: Setup, size: Size, turn_eye: bool, _mesh: Mesh | None) -> Setup:
     if _lies_well(setup, size):
         return setup
     flat = setup.shape.kind in FLAT

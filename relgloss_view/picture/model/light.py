@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.pack.concavity import concavity_note
+from relgloss_view.pack.forms import mesh_of
+from relgloss_view.pack.shape import PROFILED, Shape
 from relgloss_view.picture.model.lights import lamps_of, share_of
 from relgloss_view.picture.model.sight import meet_ray
 from relgloss_view.picture.model.view import View
@@ -37,7 +40,16 @@ def light_warnings(setup: Setup, *, lit: bool) -> list[str]:
                 "distance_m larger"
             )
             break
-    return warnings
+    return [*warnings, *_form_notes(setup.shape)]
+
+
+def _form_notes(shape: Shape) -> tuple[str, ...]:
+    """The warning of a form that sees itself; forms of the program's own are hardly concave."""
+    if shape.kind != "mesh" and not (shape.kind in PROFILED and shape.profile_mm):
+        return ()
+    mesh = mesh_of(shape)
+    note = None if mesh is None else concavity_note(mesh)
+    return () if note is None else (note,)
 
 
 def front_white(setup: Setup, view: View) -> float:
@@ -48,7 +60,7 @@ def front_white(setup: Setup, view: View) -> float:
     hit = meet_ray(setup.shape, view.eye_m, view.forward[None, :])
     if not hit.found[0]:
         return 0.0
-    return sum(_front(lamp, hit.point_m[0], hit.normal[0]) for lamp in lamps_of(setup))
+    return float(sum(_front(lamp, hit.point_m[0], hit.normal[0]) for lamp in lamps_of(setup)))
 
 
 def _front(lamp: Lamp | FurtherLamp, point_m: Array, normal: Array) -> float:
@@ -58,7 +70,9 @@ def _front(lamp: Lamp | FurtherLamp, point_m: Array, normal: Array) -> float:
     if distance2 <= 0.0:
         return 0.0
     seen = share_of(lamp) * max(float(normal @ to_lamp) / distance2**1.5, 0.0)
-    return seen * distance2 / (distance2 + lamp.radius_m**2) if lamp.radius_m > 0.0 else seen
+    if lamp.radius_m > 0.0:
+        seen *= distance2 / (distance2 + lamp.radius_m**2)
+    return float(seen)
 
 
 def lamps_irradiance(white: float, setup: Setup) -> float:

@@ -10,13 +10,13 @@ import numpy as np
 
 from relgloss_view.pack import forms
 from relgloss_view.pack.mesh import Mesh
-from relgloss_view.pack.shape import CURVED, Shape
+from relgloss_view.pack.shape import CURVED
 from relgloss_view.picture.model.lights import lamps_of
-from relgloss_view.picture.model.sight import meet_view
-from relgloss_view.picture.model.view import Size, View, view_of
+from relgloss_view.picture.model.sight import plane_normal
+from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Eye, FurtherLamp, Lamp
+from relgloss_view.picture.scene.setup import Display, FurtherLamp, Lamp
 
 MAX_SAMPLES = 16
 #: Samples of a Gaussian lobe this many standard deviations apart sum to its energy within
@@ -26,9 +26,8 @@ STEP_SD = 1.5
 #: The draws of neighbours are as good as independent there, and each stands for a grain this much
 #: too large. Averaging inside the pixel begins above.
 PIXELS_A_GRAIN = 1.1
-SURVEY = 32  #: places along each side of a picture where the turn of normals is looked up
-#: Percentile of that turn over a form. It is the turn at an ordinary place: sharp edges and rims are
-#: a small part of the picture, and highlights on them may stay undersampled.
+#: Percentile of the curvature over a form's area: that of an ordinary place. Sharp edges and rims
+#: are a small part of the picture, and highlights on them may stay undersampled.
 TURN_PERCENTILE = 50.0
 
 
@@ -109,12 +108,12 @@ def _needed(scene: Scene, size: Size, lamp: Lamp | FurtherLamp) -> int:
     depth = _depth_m(scene)
     across_m = footprint_m(scene, size)
     turn = 0.5 * across_m * (1.0 / depth + 1.0 / away)
-    if scene.shape.kind in CURVED:
+    mesh = forms.mesh_of(scene.shape)
+    bent = curvature(mesh) if mesh else 0.0
+    if scene.shape.kind in CURVED or bent > 0.0:
         cosine = float(scene.eye.position_m @ lamp.position_m) / (eye * away)
         cos_half = math.sqrt(max(0.5 * (1.0 + cosine), 0.01))
-        turn += across_m / (float(half[0]) * cos_half)
-    elif (mesh := forms.mesh_of(scene.shape)) is not None:
-        turn += _normal_turn(scene.shape, scene.eye, size, mesh)
+        turn += across_m * bent / cos_half if mesh else across_m / (float(half[0]) * cos_half)
     narrowest = min(lobe.s for material in scene.materials for lobe in material.visible_lobes())
     if lamp.radius_m > 0.0:
         narrowest = math.hypot(narrowest, 0.25 * math.atan2(lamp.radius_m, away))
@@ -122,22 +121,18 @@ def _needed(scene: Scene, size: Size, lamp: Lamp | FurtherLamp) -> int:
     return max(1, min(MAX_SAMPLES, math.ceil(needed)))
 
 
-@lru_cache(maxsize=32)
-def _normal_turn(shape: Shape, eye: Eye, size: Size, _: Mesh) -> float:
-    """Angle by which the normals of triangles turn from one pixel to the next, radians."""
-    view = view_of(shape, eye, size)
-    left, bottom, right, top = view.bounds
-    columns, rows = np.meshgrid(
-        np.linspace(left, right, SURVEY), np.linspace(size[1] - top, size[1] - bottom, SURVEY)
-    )
-    own, *beside = (
-        meet_view(shape, view, columns + x, rows + y)
-        for x, y in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))
-    )
-    if not np.any(own.found):
+@lru_cache(maxsize=16)
+def curvature(mesh: Mesh) -> float:
+    """How fast the normals of triangles turn along the surface, 1/m, at half of its area or less.
+
+    The turn along the edge of a triangle that has most of it; of a cylinder 1 over its radius.
+    """
+    points, normals = mesh.points_m[mesh.triangles], mesh.normals[mesh.triangles]
+    steps, turns = (np.linalg.norm(v - np.roll(v, 1, axis=1), axis=-1) for v in (points, normals))
+    fastest = np.max(turns / np.maximum(steps, 1e-9), axis=1, initial=0.0)
+    area = np.linalg.norm(plane_normal(points), axis=-1)
+    order = np.argsort(fastest)
+    share = np.cumsum(area[order])
+    if len(share) == 0 or share[-1] <= 0.0:
         return 0.0
-    turns = np.zeros(own.found.shape)
-    for other in beside:
-        chord = np.linalg.norm(own.normal - other.normal, axis=-1)
-        turns = np.maximum(turns, np.where(other.found & (own.face == other.face), chord, 0.0))
-    return float(np.percentile(turns[own.found], TURN_PERCENTILE))
+    return float(fastest[order][np.searchsorted(share, 0.01 * TURN_PERCENTILE * share[-1])])

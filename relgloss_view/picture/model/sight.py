@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -66,8 +66,18 @@ def sight(shape: Shape, view: View, columns: Floats, rows: Floats) -> Sight:
     triangle = _nearest(shown, flat[0], flat[1], ray.reshape(-1, 3))
     hit = _hit(mesh, shown, ray.reshape(-1, 3), triangle, view.eye_m)
     form = ray.shape[:-1]
-    return Sight(
-        Hit(*(part.reshape(*form, *part.shape[1:]) for part in hit)), ray, triangle.reshape(form)
+    shaped = each_part(hit, lambda part: part.reshape(*form, *part.shape[1:]))
+    return Sight(shaped, ray, triangle.reshape(form))
+
+
+def each_part(hit: Hit, change: Callable[[Any], Any]) -> Hit:
+    """A hit with each of its arrays changed alike."""
+    return Hit(
+        change(hit.found),
+        change(hit.point_m),
+        change(hit.normal),
+        change(hit.surface_m),
+        change(hit.face),
     )
 
 
@@ -253,7 +263,7 @@ class _Cells:
     def of(self, at: Array) -> Ints:
         """(N, 2), column and row of the cell of each place."""
         cell = np.floor((at - self._low) * self._scale)
-        return np.clip(cell, 0, self._count - 1).astype(np.int64)
+        return np.asarray(np.clip(cell, 0, self._count - 1), dtype=np.int64)
 
 
 def _chunks(counts: Ints, most: int) -> list[Ints]:
@@ -271,7 +281,8 @@ def _counted(counts: Ints) -> Ints:
     [0, 1, 0, 1, 2]
     """
     ends = np.cumsum(counts)
-    return np.arange(int(ends[-1]) if len(ends) else 0) - np.repeat(ends - counts, counts)
+    counted: Ints = np.arange(int(np.sum(counts))) - np.repeat(ends - counts, counts)
+    return counted
 
 
 def _hit(mesh: Mesh, shown: _Shown, ray: Array, triangle: Ints, eye_m: Array) -> Hit:

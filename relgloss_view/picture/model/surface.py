@@ -15,7 +15,7 @@ from relgloss_view.pack.label import Label, label_of
 from relgloss_view.pack.layers import REST, Layers, layers_of
 from relgloss_view.pack.pack import Pack, Placement
 from relgloss_view.pack.shape import Shape
-from relgloss_view.picture.model.sight import Sight, plane_normal
+from relgloss_view.picture.model.sight import Sight, each_part, plane_normal
 from relgloss_view.picture.model.texture import filtered, footprint
 from relgloss_view.picture.model.view import View, float32
 
@@ -42,7 +42,7 @@ def surface_of(pack: Pack, view: View, seen: Sight, samples: int = 1) -> Surface
     layers, label = layers_of(pack), label_of(pack.shape)
     form, count = seen.hit.found.shape, len(pack.finishes)
     flat = Sight(
-        type(seen.hit)(*(part.reshape(-1, *part.shape[len(form) :]) for part in seen.hit)),  # type: ignore[arg-type]
+        each_part(seen.hit, lambda part: part.reshape(-1, *part.shape[len(form) :])),
         np.broadcast_to(seen.ray, (*form, 3)).reshape(-1, 3),
         seen.triangle.reshape(-1),
     )
@@ -50,14 +50,10 @@ def surface_of(pack: Pack, view: View, seen: Sight, samples: int = 1) -> Surface
     paint = np.zeros((len(flat.ray), 4))
     shares = np.zeros((2, len(flat.ray), count))
     if len(found):
-        shown = _picked(flat, found)
+        hit = each_part(flat.hit, lambda part: part[found])
+        shown = Sight(hit, flat.ray[found], flat.triangle[found])
         paint[found], shares[:, found] = _printed(pack, layers, label, view, shown, samples)
     return Surface(paint.reshape(*form, 4), *(part.reshape(*form, count) for part in shares))
-
-
-def _picked(seen: Sight, at: Array) -> Sight:
-    hit = type(seen.hit)(*(part[at] for part in seen.hit))
-    return Sight(hit, seen.ray[at], seen.triangle[at])
 
 
 def _printed(
@@ -133,7 +129,7 @@ class ArtworkPlace(NamedTuple):
         return cls(float32(matrix), float32(offset), float(np.float32(girth_m)), repeats)
 
     def of_label(self, label_m: Array) -> Array:
-        """Shares (N, 2) of places (N, 2) on the label; of copies around it, those of the nearest."""
+        """Shares (N, 2) of places (N, 2) on the label; around it, of the nearest copy."""
         way = label_m - self.offset_m
         if self.girth_m > 0.0:
             way[:, 0] -= self.girth_m * np.round(way[:, 0] / self.girth_m)

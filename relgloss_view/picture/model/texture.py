@@ -10,7 +10,8 @@ major axis, each as wide as its minor axis, fill it, as EXT_texture_filter_aniso
     probes    ceil(L / radius - PROBE_SLACK), 1 to MOST_PROBES, evenly along the major axis
     level     log2(radius), at most the last
 
-Each probe is trilinear. A tap beside the picture reads nothing.
+Each probe is trilinear; beside the picture its edge goes on. How much of a pixel the picture covers
+follows from the place and the footprint: beside the picture it fades out within one pixel.
 """
 
 from __future__ import annotations
@@ -25,15 +26,17 @@ from relgloss_view.base.arrays import AnyArray, Array, Ints
 MOST_PROBES = 8
 #: A footprint that is round but for rounding keeps one probe.
 PROBE_SLACK = 0.05
+LEAST_REACH = 1e-6  #: texels
 
 
 class Footprint(NamedTuple):
-    """How a pixel reads a picture; (...), the axis (..., 2)."""
+    """How a pixel reads a picture; fields are (...), vectors (..., 2)."""
 
     axis: Array  #: unit vector along the major axis, texels of level 0
     length: Array  #: of the major axis, texels
     probes: Ints
     level: Array
+    reach: Array  #: (..., 2), extent across columns and rows, texels
 
 
 def footprint(right: Array, down: Array, levels: int) -> Footprint:
@@ -59,7 +62,8 @@ def footprint(right: Array, down: Array, levels: int) -> Footprint:
     axis = np.where(size > 0.0, axis / np.where(size > 0.0, size, 1.0), (1.0, 0.0))
     radius = np.maximum(np.maximum(shortest, longest / MOST_PROBES), 1.0)
     probes = np.clip(np.ceil(longest / radius - PROBE_SLACK), 1, MOST_PROBES).astype(np.int64)
-    return Footprint(axis, longest, probes, np.minimum(np.log2(radius), levels - 1.0))
+    level = np.minimum(np.log2(radius), levels - 1.0)
+    return Footprint(axis, longest, probes, level, np.sqrt(np.stack([xx, yy], axis=-1)))
 
 
 def filtered(
@@ -73,8 +77,8 @@ def filtered(
 
     levels: the pictures (H_k, W_k, C) at each level, level 0 first, row 0 the top. share: (N, 2),
     place in the picture, 0 to 1 from its left and its top. seen: of N pixels. repeats: whether the
-    left edge meets the right one. Beside the pictures every value is 0; the second result is the
-    weight of what lies on them, 0 to 1.
+    left edge meets the right one. The second result is 1 on the pictures and falls to 0 within a
+    pixel beside them; the values are multiplied by it.
 
     >>> ramp = np.array([[[0.0], [1.0]]])
     >>> one = footprint(np.zeros((1, 2)), np.zeros((1, 2)), 1)
@@ -87,7 +91,6 @@ def filtered(
     lower = np.floor(seen.level).astype(np.int64)
     fraction = seen.level - lower
     totals = [np.zeros((len(share), picture.shape[2])) for picture in levels[0]]
-    on = np.zeros(len(share))
     for k in range(MOST_PROBES):
         at = np.nonzero(seen.probes > k)[0]
         if len(at) == 0:
@@ -102,18 +105,26 @@ def filtered(
                 pictures = levels[number]
                 for texels, tap in _taps(pictures[0].shape[:2], place[some], repeats):
                     tap = tap * weight[some]
-                    on[at[some]] += tap
                     for total, picture in zip(totals, pictures, strict=True):
                         total[at[some]] += tap[:, None] * picture[texels].astype(np.float64)
-    return totals, on
+    on = _covered(share[:, 1], size[1], seen.reach[:, 1])
+    if not repeats:
+        on = on * _covered(share[:, 0], size[0], seen.reach[:, 0])
+    return [on[:, None] * total for total in totals], on
+
+
+def _covered(share: Array, texels: float, reach: Array) -> Array:
+    """1 where a place is between 0 and 1, and beside it less by what part of a pixel it is away."""
+    inside = np.minimum(share, 1.0 - share) * texels
+    return np.asarray(np.clip(1.0 + inside / np.maximum(reach, LEAST_REACH), 0.0, 1.0))
 
 
 def _taps(
     size: tuple[int, ...], share: Array, repeats: bool
 ) -> Iterator[tuple[tuple[Ints, Ints], Array]]:
-    """The four texels about each place (rows, columns), and their weights, 0 beside the picture."""
+    """The four texels about each place (rows, columns), and their weights."""
     height, width = size
-    # Far beside the picture nothing is read; numbers beyond integers don't get there.
+    # Far beside the picture nothing is shown; numbers beyond integers don't get there.
     column = np.clip(share[:, 0], -1e6, 1e6) * width - 0.5
     row = np.clip(share[:, 1], -1e6, 1e6) * height - 0.5
     left, top = np.floor(column).astype(np.int64), np.floor(row).astype(np.int64)
@@ -122,7 +133,5 @@ def _taps(
         for x in (0, 1):
             weight = (across if x else 1.0 - across) * (down if y else 1.0 - down)
             at_x, at_y = left + x, top + y
-            if repeats:
-                at_x = at_x % width
-            inside = (at_x >= 0) & (at_x < width) & (at_y >= 0) & (at_y < height)
-            yield (np.where(inside, at_y, 0), np.where(inside, at_x, 0)), weight * inside
+            at_x = at_x % width if repeats else np.clip(at_x, 0, width - 1)
+            yield (np.clip(at_y, 0, height - 1), at_x), weight

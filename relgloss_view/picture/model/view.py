@@ -82,7 +82,7 @@ def view_of(shape: Shape, eye: Eye, size: Size) -> View:
 
 
 @lru_cache(maxsize=64)
-def _view_of(shape: Shape, eye: Eye, size: Size, _: Mesh | None) -> View:
+def _view_of(shape: Shape, eye: Eye, size: Size, _mesh: Mesh | None) -> View:
     """view_of; a mesh whose file was edited is another mesh of an equal shape."""
     place = eye.position_m
     forward = -place / np.linalg.norm(place)
