@@ -329,7 +329,6 @@ MOUSE = (
     ("Hold Space", "show the other picture (flip)"),
     ("Ctrl+click a slider", "type a value"),
     ("Double-click a slider", "reset it"),
-    ("Alt+click", "pin a pixel"),
-    ("Click, Alt+drag a pack", "choose a finish, move artwork"),
+    ("Alt+click, Alt+drag", "pin a pixel; move artwork"),
     ("Drop a file", "open it; samples and artwork become the test"),
 )
