@@ -242,6 +242,11 @@ ACTIONS: tuple[Action, ...] = (
         "Edit", "Highest contrast gloss", "L", _at_c_max, "sets c to c_max on the active side"
     ),
     Action(
+        "Edit", "Move artwork", "A", _move_artwork,
+        "lets drags, wheel and arrows in the picture move the artwork of the active side's pack",
+        on=lambda app: app.model.moving_artwork, possible=_has_artwork,
+    ),
+    Action(
         "Edit", "Start afresh", "", _reset_all, "brings back the built-in papers and all defaults"
     ),
     *(
@@ -311,11 +316,6 @@ ACTIONS: tuple[Action, ...] = (
     Action("Help", KEYS, "H", _help(KEYS), "shows or hides the overview of all keys"),
     Action("Help", MANUAL, "", _help(MANUAL), "shows where the manual is, and opens it"),
     Action("", "Leave haploscopic mode", "Esc", _leave, "goes back to the panels"),
-    Action(
-        "", "Move artwork", "A", _move_artwork,
-        "lets drags, wheel and arrows in the picture move the artwork of the active side's pack",
-        on=lambda app: app.model.moving_artwork, possible=_has_artwork,
-    ),
     Action("", "Open the menu", "F10", _menu, "gives the keyboard to the menu, as Alt does"),
 )  # fmt: skip
 
@@ -330,5 +330,5 @@ MOUSE = (
     ("Ctrl+click a slider", "type a value"),
     ("Double-click a slider", "reset it"),
     ("Alt+click, Alt+drag", "pin a pixel; move artwork"),
-    ("Drop a file", "open it; samples and artwork become the test"),
+    ("Drop a file", "open it; it becomes the test"),
 )
