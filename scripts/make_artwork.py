@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -49,6 +50,10 @@ FONTS = {
     "display": font("DejaVuSerif-Bold"),
     "serif": font("DejaVuSerif"),
 }
+
+
+def _placed(q: Point, at: Point, scale: float) -> Point:
+    return at[0] + q[0] * scale, at[1] + q[1] * scale
 
 
 class Sheet:
@@ -146,13 +151,14 @@ class Sheet:
         scale = cap_mm / made["glyf"]["H"].yMax
         gap = spread * cap_mm
         advance = [glyphs[names[ord(c)]].width * scale + gap for c in words]
-        width = sum(advance) - gap
+        width = float(sum(advance)) - gap
         self.colour(code)
         at = x - anchor * width
         for c, step in zip(words, advance, strict=True):
             pen = DecomposingRecordingPen(glyphs)
             glyphs[names[ord(c)]].draw(pen)
-            self._glyph(pen.value, lambda q, at=at: (at + q[0] * scale, y + q[1] * scale))
+            place = partial(_placed, at=(at, y), scale=scale)
+            self._glyph(pen.value, place)
             at += step
         self.put("f")
         return width
@@ -321,18 +327,18 @@ def can(width: float, height: float) -> Sheet:
         "Serve cold. Best before: see base.",
         "An invented drink for an invented can.",
     )
-    for k, line in enumerate(small):
-        sheet.text(line, 59, 1.5 - 2.6 * k, 1.15, cream, anchor=0.0)
+    for k, words in enumerate(small):
+        sheet.text(words, 59, 1.5 - 2.6 * k, 1.15, cream, anchor=0.0)
     bars(sheet, -76, 24, "0123456789128", "#101010")
     sheet.text("KALDRA", -76, 4, 3.6, cream, "display", 0.14)
-    for k, line in enumerate(
+    for k, words in enumerate(
         (
             "Brewed from snow that nobody",
             "has measured. Bitter at first,",
             "then mountain, then berry.",
         )
     ):
-        sheet.text(line, -76, -1.5 - 3.2 * k, 1.5, cream, "serif")
+        sheet.text(words, -76, -1.5 - 3.2 * k, 1.5, cream, "serif")
     return sheet
 
 

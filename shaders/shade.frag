@@ -5,14 +5,14 @@
 //   WRITES_WEIGHTS        the weights of the models' shapes, from which colours.glsl makes XYZ; where the
 //                         object is not seen, the first diffuse weight is OFF_OBJECT
 //   WRITES_XYZ            XYZ, the mean over the share of the pixel that the object covers; alpha is that
-//                         share
+//                         share; with finishes, specular's is their factor k of L_s*
 // A cheaper method splits L* here instead of in pass 2 (Ishii et al., eq. 1):
 //   WRITES_SPLIT          (L_d*, L_s*, a*, b*); where the object is not seen, L_d* is OFF_OBJECT
 //   WRITES_XYZ_AND_SPLIT  both, where several samples share a pixel
 //
 // Constants: SHAPE, CAPS, AFAR, LAMP, LAMPS, LAMP_SIZE, AMBIENT, DIFFUSE, LOBES, METALS (see colours.glsl), FRESNEL, SHADOWING, FACETS,
 // NOISE, NOISY_DIFFUSE, GRAIN,
-// SAMPLED, CUBE_ROOT, BANDS, WRITES.
+// SAMPLED, CUBE_ROOT, BANDS, WRITES, SURFACE, FINISHES (0: one material; else see finishes.glsl).
 
 #include "view.glsl"
 #include "shape.glsl"
@@ -28,6 +28,8 @@ uniform int samples;  // along each side of a pixel
 // pi / (what the perfect diffuser shows at most), so that radiance comes out relative to Y_n.
 uniform float irradiance;
 
+#include "seen.glsl"
+
 uniform vec4 diffuse_terms;  // of the roughness: brdf.diffuse_terms
 uniform vec4 lobe_shape[2];  // sharpness, amplitude, refractive index, spread: struct Lobe
 
@@ -42,8 +44,15 @@ uniform vec4 lobe_shape[2];  // sharpness, amplitude, refractive index, spread: 
 #include "ambient.glsl"
 #endif
 
-// The weights of the lobes: one a lobe; where one is a metal's, two a lobe, the white parts last.
-#if METALS == 0
+// The weights of the lobes: one a lobe; where one is a metal's, two a lobe, the white parts last. With
+// finishes, XYZ of both parts.
+#define DIFFUSE_WEIGHTS vec2
+#if FINISHES > 0
+#include "finishes.glsl"
+#undef DIFFUSE_WEIGHTS
+#define DIFFUSE_WEIGHTS vec3
+#define LOBE_WEIGHTS vec3
+#elif METALS == 0
 #define LOBE_WEIGHTS vec2
 #else
 #define LOBE_WEIGHTS vec4
@@ -70,11 +79,31 @@ uniform vec3 per_white;  // one over the white of the scene's lamp, whose Y is o
 
 // The weights of the diffuse shapes and of the lobes, and the share of the pixel that shows the object.
 struct Light {
-    vec2 diffuse;
+    DIFFUSE_WEIGHTS diffuse;
     LOBE_WEIGHTS specular;
     float share;
+#if FINISHES > 0
+    float k;
+#endif
 };
 
+#if FINISHES > 0
+// What a point of the object shows of one lamp; n is the normal of its grain.
+Light lit_by(int lamp, Hit hit, vec3 n, vec3 o, Finishes finishes) {
+    Arriving from = light_of(lamp, hit.point_m);
+    Facing grain = facing(n, from.i, o);
+    Facing smooth_surface = grain;
+    if (NOISE != NOISE_NONE && NOISY_DIFFUSE == 0) smooth_surface = facing(hit.normal, from.i, o);
+    vec3 diffuse_light, specular_light;
+    LampSize lamp_size = LampSize(0.0, from.sin2_r);
+#if LAMP_SIZE == 1
+    lamp_size.share_across = across(n, from.i, o, grain);
+#endif
+    finishes_light(finishes, grain, smooth_surface, irradiance * from.per_distance2, lamp_size,
+                   diffuse_light, specular_light);
+    return Light(diffuse_light, specular_light, 1.0, finishes.k);
+}
+#else
 // What a point of the object shows of one lamp; n is the normal of its grain.
 Light lit_by(int lamp, Hit hit, vec3 n, vec3 o) {
     Arriving from = light_of(lamp, hit.point_m);
@@ -107,22 +136,33 @@ Light lit_by(int lamp, Hit hit, vec3 n, vec3 o) {
     LOBE_WEIGHTS specular_weights = arriving * max(grain.mu_i, 0.0) * reflected;
     return Light(diffuse_weights, specular_weights, 1.0);
 }
+#endif
 
 Light light_through(ivec2 here, vec2 place) {
     vec3 ray = ray_through(here, place);
-    Hit hit = meet(SHAPE, start_m(here, place), ray, half_extent_m);
+    Hit hit = seen(here, place, ray);
     vec3 o = -normalize(ray);
-    vec3 n = grain_normal(hit, o, here, place);
-    Light light = lit_by(0, hit, n, o);
+#if FINISHES > 0
+    Finishes finishes = finishes_at(surface_at(here, place));
+    vec3 n = grain_normal(hit, o, here, place, finishes.sigma_n);
+#define LIT_BY(lamp) lit_by(lamp, hit, n, o, finishes)
+#else
+    vec3 n = grain_normal(hit, o, here, place, sigma_n);
+#define LIT_BY(lamp) lit_by(lamp, hit, n, o)
+#endif
+    Light light = LIT_BY(0);
 #if LAMPS > 1
     for (int lamp = 1; lamp < LAMPS; ++lamp) {
-        Light further = lit_by(lamp, hit, n, o);
+        Light further = LIT_BY(lamp);
         light.diffuse += further.diffuse;
         light.specular += further.specular;
     }
 #endif
 #if AMBIENT == 1
     float smooth_mu_o = NOISE != NOISE_NONE && NOISY_DIFFUSE == 0 ? dot(hit.normal, o) : dot(n, o);
+#if FINISHES > 0
+    finishes_ambient(finishes, dot(n, o), smooth_mu_o, light.diffuse, light.specular);
+#else
     light.diffuse += ambient * looked_up(0, smooth_mu_o).xy;
     vec4 lobe_albedos = ambient * looked_up(1, dot(n, o));
 #if METALS == 0
@@ -131,13 +171,25 @@ Light light_through(ivec2 here, vec2 place) {
     light.specular += lobe_albedos;
 #endif
 #endif
+#endif
+#if FINISHES > 0
+    return Light(hit.found ? light.diffuse : vec3(0.0), hit.found ? light.specular : vec3(0.0),
+                 hit.found ? 1.0 : 0.0, hit.found ? light.k : 0.0);
+#else
     return Light(hit.found ? light.diffuse : vec2(0.0),
                  hit.found ? light.specular : LOBE_WEIGHTS(0.0), hit.found ? 1.0 : 0.0);
+#endif
 }
+
+#if FINISHES > 0
+const Light DARK = Light(vec3(0.0), vec3(0.0), 0.0, 0.0);
+#else
+const Light DARK = Light(vec2(0.0), LOBE_WEIGHTS(0.0), 0.0);
+#endif
 
 void main() {
     ivec2 here = pixel();
-    Light light = Light(vec2(0.0), LOBE_WEIGHTS(0.0), 0.0);
+    Light light = DARK;
     if (SAMPLED == 0) {
         light = light_through(here, vec2(0.5));
     } else {
@@ -147,24 +199,41 @@ void main() {
             light.diffuse += one.diffuse;
             light.specular += one.specular;
             light.share += one.share;
+#if FINISHES > 0
+            light.k += one.k;
+#endif
         }
         float mean = 1.0 / max(light.share, 1.0);
-        light = Light(mean * light.diffuse, mean * light.specular,
-                      light.share / float(samples * samples));
+#if FINISHES > 0
+        light.k *= mean;
+#endif
+        light.diffuse *= mean;
+        light.specular *= mean;
+        light.share = light.share / float(samples * samples);
     }
 #if WRITES == WRITES_WEIGHTS
     diffuse = light.share > 0.0 ? light.diffuse : vec2(OFF_OBJECT, 0.0);
     specular = light.specular;
 #else
+#if FINISHES > 0
+    vec3 diffuse_light = light.diffuse;
+    vec3 specular_light = light.specular;
+    float k = light.k;
+#else
     vec3 diffuse_light = diffuse_xyz(light.diffuse);
     vec3 specular_light = specular_xyz(light.specular);
+    float k = light.share;
+#endif
 #if WRITES != WRITES_SPLIT
     diffuse = vec4(diffuse_light, light.share);
-    specular = vec4(specular_light, light.share);
+    specular = vec4(specular_light, k);
 #endif
 #if WRITES != WRITES_XYZ
     split = light.share > 0.0 ? split_lab(diffuse_light, specular_light, per_white)
                               : vec4(OFF_OBJECT, 0.0, 0.0, 0.0);
+#if FINISHES > 0
+    split.y *= light.share > 0.0 ? k : 1.0;
+#endif
 #endif
 #endif
 }

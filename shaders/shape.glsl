@@ -132,9 +132,18 @@ Hit meet(int shape, vec3 start_m, vec3 ray, vec3 half_extent_m) {
     return meet_box(start_m, ray, half_extent_m);
 }
 
+// Grain cell of triangles: a cell of a lattice in space, whose mean section with a plane has the area of a
+// cell. It is turned, so that no flat face of a form lies along it (a rotation of whole numbers by 7).
+ivec3 solid_cell(vec3 point_m, float cell_m) {
+    vec3 turned = (1.0 / 7.0) * vec3(dot(point_m, vec3(2.0, 3.0, 6.0)), dot(point_m, vec3(3.0, -6.0, 2.0)),
+                                     dot(point_m, vec3(6.0, 2.0, -3.0)));
+    return ivec3(floor(turned / (1.2247 * cell_m)));
+}
+
 // Grain cell on the surface: column, row, face. Around a cylinder or a row of a sphere stands a whole
 // number of cells, so that no seam shows; a sphere's rows hold fewer towards the poles.
 ivec3 surface_cell(int shape, Hit hit, float cell_m, vec3 half_extent_m) {
+    if (shape == SHAPE_TRIANGLES) return solid_cell(hit.point_m, cell_m);
     float row = floor(hit.surface_m.y / cell_m);
     bool around = shape == SHAPE_SPHERE || (shape == SHAPE_CYLINDER && hit.face == 0);
     if (!around) return ivec3(int(floor(hit.surface_m.x / cell_m)), int(row), hit.face);

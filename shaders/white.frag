@@ -3,7 +3,7 @@
 // What the perfect diffuser would show in the object's place under lamps of power pi: its largest Y in
 // one BLOCK x BLOCK tile of a region of the picture, straight from the geometry.
 //   peak = (largest Y, number of pixels on the object, 0, 0)
-// Constants: BLOCK, SHAPE, CAPS, AFAR, LAMP, LAMPS, LAMP_SIZE, SAMPLED.
+// Constants: BLOCK, SHAPE, CAPS, AFAR, LAMP, LAMPS, LAMP_SIZE, SAMPLED, SURFACE.
 
 #include "view.glsl"
 #include "shape.glsl"
@@ -12,6 +12,7 @@ uniform vec3 half_extent_m;
 #include "lights.glsl"
 
 uniform int samples;  // along each side of a pixel
+#include "seen.glsl"
 uniform ivec4 region;  // left, bottom, right, top: pixels
 
 layout(location = 0) out vec4 peak;
@@ -19,7 +20,7 @@ layout(location = 0) out vec4 peak;
 // Y in x, 1 where the object is met in y.
 vec2 white_through(ivec2 here, vec2 place) {
     vec3 ray = ray_through(here, place);
-    Hit hit = meet(SHAPE, start_m(here, place), ray, half_extent_m);
+    Hit hit = seen(here, place, ray);
     float lit = 0.0;
     for (int lamp = 0; lamp < LAMPS; ++lamp) {
         Arriving from = light_of(lamp, hit.point_m);

@@ -177,6 +177,8 @@ class TestShaders:
         defines = dict.fromkeys((*names, "SAMPLED"), 1) | {"LOBES": 2, "BLOCK": 16, "FIRST": 1}
         defines |= {"BANDS": 0, "WRITES": 0, "STRIDE": 1, "DITHER": 1}
         defines["OVERLAY"] = 3
+        if stage == "surface.frag":
+            defines |= {"SHAPE": 4, "FINISHES": 2, "CHANNELS": 2, "INK_SECOND": 1, "MESH_WIDE": 64}
         file = tmp_path / stage
         file.write_text(ShaderSource(stage, defines).text, encoding="utf-8")
         done = subprocess.run(["glslangValidator", str(file)], capture_output=True, text=True)
@@ -305,6 +307,8 @@ REPLACING = {
     "measure/readers/csv_table.py",
     "measure/readers/header.py",
     "measure/readers/headings.py",
+    "pack/artwork/pdf_page.py",  # the words of a page
+    "pack/artwork/plate_names.py",  # names as they are compared
     "picture/gpu/constants.py",  # the names of our own choices
     "picture/gpu/shader.py",  # the compiler's log
     "viewer/files/own_materials.py",  # the name of a file

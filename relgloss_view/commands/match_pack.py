@@ -13,7 +13,10 @@ from relgloss_view.commands.scene_options import scene_from
 if TYPE_CHECKING:
     from relgloss_view.gloss.pack_match import FinishMatch, PackMatch
 
-NOTE = "The ratio of gloss of two finishes holds as the mean over these lamps; --here matches one pose."
+NOTE = (
+    "The ratio of gloss of two finishes holds as the mean over these lamps; "
+    "--here matches one pose."
+)
 
 
 def run_pack(args: argparse.Namespace) -> int:
@@ -94,8 +97,8 @@ def _lines(found: PackMatch) -> list[str]:
         f"{printable(found.pack.name, 80)}: c {found.c:.4g}, that of finish "
         f"{printable(found.anchor.name, 60)!r}",
         table(columns, rows, indent="  "),
-        "c alone: of a picture that shows this finish only; k = c alone / c. shown: displayed gloss "
-        "over the reference's. spread: largest over smallest c that one pose would propose.",
+        "c alone: of a picture that shows this finish only; k = c alone / c. shown: displayed "
+        "gloss over the reference's. spread: largest over smallest c that one pose would propose.",
     ]
     if any(f.kept for f in found.finishes):
         lines.append("*: k is the pack's own and is kept.")

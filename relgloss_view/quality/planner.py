@@ -102,6 +102,10 @@ PACK_NOTE = "a pack has several finishes: everything is drawn exactly"
 WHOLE = Method(split=FIRST_PASS)
 
 
+#: A simplification that serves one finish may not serve the next.
+PACK_NOTE = "a pack of several surfaces: everything is drawn exactly"
+
+
 def advise(
     scene: Scene, look: Look, size: Size, tolerance: Tolerance = DEFAULT_TOLERANCE
 ) -> Advice:
@@ -246,6 +250,7 @@ class MethodChooser:
         if look.quality == "exact":
             return EXACT
         if scene.pack is not None:  # the thousand pixels of a proxy see one material
+            self._held = WHOLE
             return WHOLE
         try:
             if self.moving:

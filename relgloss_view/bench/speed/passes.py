@@ -10,7 +10,7 @@ from typing import Any
 
 import moderngl
 
-from relgloss_view.picture.gpu.programs import Programs, Uniforms
+from relgloss_view.picture.gpu.programs import Geometry, Programs, Uniforms
 from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.method import EXACT
 from relgloss_view.picture.model.view import Size
@@ -42,18 +42,24 @@ class TimedPrograms(Programs):
     def draw(
         self,
         stage: str,
-        defines: Mapping[str, int],
+        defines: Mapping[str, int | str],
         uniforms: Uniforms,
         target: moderngl.Framebuffer,
         mode: int = moderngl.TRIANGLES,
         vertices: int = 3,
+        geometry: Geometry | None = None,
+        depth: str = "",
+        adds: bool = False,
+        instances: int = 1,
     ) -> None:
         """As Programs.draw."""
         query = self.ctx.query(time=True)
         self.ctx.finish()
         start = time.perf_counter()
         with query:
-            super().draw(stage, defines, uniforms, target, mode, vertices)
+            super().draw(
+                stage, defines, uniforms, target, mode, vertices, geometry, depth, adds, instances
+            )
         self.ctx.finish()
         part = PASS_OF.get(stage, stage)
         self.wall_ms[part] += 1e3 * (time.perf_counter() - start)

@@ -17,6 +17,8 @@ from relgloss_view.picture.scene.setup import DITHERS, GAMUTS, TRANSFERS
 
 #: What pass 1 writes: the weights of the shapes, XYZ, the split of L*, or the last two.
 WRITES = ("weights", "xyz", "split", "xyz and split")
+#: Where a pixel's point, normal and finishes come from: its ray, or what surface.frag wrote.
+SURFACES = ("met", "read")
 OVERLAYS = (
     "clipped",
     "out of gamut",
@@ -28,7 +30,8 @@ OVERLAYS = (
 
 #: The names of each table, in the order of their numbers.
 NAMES: Mapping[str, tuple[str, ...]] = {
-    "SHAPE": ANALYTIC,
+    "SHAPE": (*ANALYTIC, "triangles"),
+    "SURFACE": SURFACES,
     "DIFFUSE": ("lambert", "oren-nayar", "eon", "qualitative"),
     "NOISE": ("none", *NOISE_LAWS),
     "GRAIN": GRAINS,

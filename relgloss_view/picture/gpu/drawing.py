@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from relgloss_view.picture.frame import Scaling
@@ -23,6 +24,10 @@ PASSES = (
 )
 
 
+#: A part of a picture -> its tiles, and what reads the surface in each; see surface.py.
+Tiles = Callable[[Box], Iterator[tuple[Box, Uniforms]]]
+
+
 class Drawn(NamedTuple):
     """What the drawing of a picture found out."""
 
@@ -37,14 +42,15 @@ class Drawing(NamedTuple):
 
     name: str  #: of PASSES
     stage: str
-    defines: dict[str, int]
+    defines: Mapping[str, int | str]
     uniforms: Uniforms
     targets: tuple[str, ...]
     bounds: Box | None  #: of the object, where the pass draws nothing outside
     held: str  #: under which name it holds
     parts: tuple[Any, ...] = ()  #: what it holds as long as they are the same
+    tiles: Tiles | None = None  #: of the surface that it reads
 
     @property
     def arguments(self) -> tuple[Any, ...]:
         """Those of Passes.draw."""
-        return self[:6]
+        return (*self[:6], self.tiles)

@@ -63,6 +63,8 @@ class Silhouette:
         # Above 0 and below 255: a single comparison, since bytes wrap.
         rows, columns = np.nonzero(part - np.uint8(1) < np.uint8(254))
         share = np.round(part[rows, columns] * (EDGE_RAYS / 255.0)) / EDGE_RAYS
+        shown = (share > 0.0) & (share < 1.0)
+        rows, columns, share = rows[shown], columns[shown], share[shown]
         self.pixels = np.stack([columns + float(left), rows + float(first), share], axis=-1)
         self.edges.fill(_from_bottom(self.pixels, np.full(len(rows), height - 1.0)))
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator, Mapping
+from functools import partial
 from typing import Any
 
 import moderngl
@@ -16,19 +17,22 @@ import numpy as np
 
 from relgloss_view.base.arrays import AnyArray
 from relgloss_view.material.spectra import illuminant
+from relgloss_view.pack import forms
 from relgloss_view.picture.frame import Extremes, Scaling
+from relgloss_view.picture.gpu.asked import geometry_of, silhouette_of
 from relgloss_view.picture.gpu.context import make_current
-from relgloss_view.picture.gpu.drawing import PASSES, Drawing, Drawn
-from relgloss_view.picture.gpu.edges import TILE_VERTICES, Silhouette
+from relgloss_view.picture.gpu.drawing import PASSES, Drawing, Drawn, Tiles
+from relgloss_view.picture.gpu.edges import Silhouette
+from relgloss_view.picture.gpu.finishes import ink_uniforms
 from relgloss_view.picture.gpu.held import Held, key_of
 from relgloss_view.picture.gpu.programs import Programs, Uniforms
 from relgloss_view.picture.gpu.reduction import Reduction
 from relgloss_view.picture.gpu.request import Request
 from relgloss_view.picture.gpu.shading import Shading, shading_of
 from relgloss_view.picture.gpu.strip import Strip
+from relgloss_view.picture.gpu.surface import Form, Surface
 from relgloss_view.picture.gpu.targets import (
     CLEARED,
-    COVERAGE,
     GEOMETRY,
     GRAIN_FIELD,
     LIGHT,
@@ -42,24 +46,20 @@ from relgloss_view.picture.gpu.uniforms import (
     WHOLE,
     display_uniforms,
     field_size,
-    grain_uniforms,
     per_size,
     view_uniforms,
 )
 from relgloss_view.picture.gpu.variant import Variant, tone_defines
 from relgloss_view.picture.model.light import front_white, lit_white
 from relgloss_view.picture.model.pixel_sampling import sample_count
-from relgloss_view.picture.model.silhouette import edge_tiles
 from relgloss_view.picture.model.view import Box, View
 from relgloss_view.picture.peak import check_picture
-from relgloss_view.picture.scene.scene import Scene
 
 
 class Passes:
     """The passes of pictures on one OpenGL context, their targets, and the ones that still hold.
 
-    A pass holds as long as its program and every number that goes into it are the same. `draws`
-    counts the passes drawn so far by name.
+    A pass holds while its program and its numbers are the same. `draws` counts passes by name.
     """
 
     def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
@@ -70,6 +70,7 @@ class Passes:
         self.reduction = Reduction(ctx, programs)
         self.silhouette = Silhouette(ctx)
         self.strip = Strip(ctx, programs)
+        self.surface = Surface(ctx, programs, programs.uploads)
         self.held = Held()
         self.present: Request | None = None  #: what the targets show
         self._drawn: Drawn | None = None  #: with it
@@ -105,7 +106,7 @@ class Passes:
         drawn = self.bring_up_to_date(request)
         if stage == "edges":
             with self.all_or_nothing():
-                return self._silhouette_of(request).pixels
+                return silhouette_of(self, request).pixels
         drawing = self._on_request(request, drawn.scaling, stage)
         if drawing is None or rows is None or rows.stop - rows.start == request.size[1]:
             if drawing is not None:
@@ -137,7 +138,7 @@ class Passes:
             return self._xyz(request)
         if stage in LIGHT:
             return self._tone("light", request, scaling, LIGHT)
-        return self._geometry(request) if stage in GEOMETRY else None
+        return geometry_of(self, request) if stage in GEOMETRY else None
 
     def _xyz(self, request: Request) -> Drawing | None:
         """Diffuse and specular as XYZ, where pass 1 wrote something else."""
@@ -146,20 +147,24 @@ class Passes:
             return None
         variant, inputs = shading.variant.writing("xyz"), self._inputs(shading)
         bounds = View.of(request.scene, request.size).bounds
-        return Drawing("shade", "shade.frag", variant.defines(), inputs, XYZ, bounds, "xyz")
+        tiles = self.tiles(request, variant)
+        return Drawing(
+            "shade", "shade.frag", variant.defines(), inputs, XYZ, bounds, "xyz", (), tiles
+        )
 
-    def _geometry(self, request: Request) -> Drawing:
-        """Normals and points."""
-        scene, look, size = request.scene, request.look, request.size
-        variant = Variant.of(scene, look, chosen=request.method)
-        uniforms: dict[str, Any] = {
-            **view_uniforms(scene, View.of(scene, size), afar=variant.afar),
-            **grain_uniforms(scene, look, size),
-            **self._field(variant),
-            "samples": sample_count(scene, look, size),
-        }
-        defines = variant.geometry_defines()
-        return Drawing("geometry", "geometry.frag", defines, uniforms, GEOMETRY, None, "geometry")
+    def tiles(self, request: Request, variant: Variant) -> Tiles | None:
+        """The tiles of the surface that a variant reads; None where rays meet the object."""
+        if variant.surface == "met":
+            return None
+        view = View.of(request.scene, request.size)
+        seen = view_uniforms(request.scene, view, afar=variant.afar)
+        uniforms = {name: value for name, value in seen.items() if name not in LAMP_NAMES}
+        samples = sample_count(request.scene, request.look, request.size)
+        samples = samples if variant.sampled else 1
+        form = Form.of(request.scene)
+        defines = variant.surface_defines()
+        uniforms |= ink_uniforms(request.scene.pack, request.look, request.method)
+        return partial(self.surface.tiles, form, view, samples, defines, uniforms)
 
     def counts(self, request: Request) -> tuple[int, int]:
         """How many pixels are clipped, and how many out of gamut."""
@@ -192,15 +197,16 @@ class Passes:
         self,
         name: str,
         stage: str,
-        defines: Mapping[str, int],
+        defines: Mapping[str, int | str],
         uniforms: Uniforms,
         targets: tuple[str, ...],
         bounds: Box | None,
+        tiles: Tiles | None = None,
         vertices: tuple[int, int] = (moderngl.TRIANGLES, 3),
     ) -> None:
         """Draw a pass inside the bounds of the object; None draws the whole picture.
 
-        vertices: mode and count of a stage with vertices of its own.
+        tiles: of the surface that it reads. vertices: mode and count of the stage's own ones.
         """
         framebuffer: Any = self.targets.framebuffer(targets)  # its annotation admits no None
         for target in targets:
@@ -210,17 +216,20 @@ class Passes:
                 cleared.use()  # or the clearing keeps to the scissor of the pass before
                 cleared.clear(*CLEARED[target])
                 self.around[target] = bounds
-        if bounds is None:
-            framebuffer.scissor = None
-        else:
-            left, bottom, right, top = bounds
-            framebuffer.scissor = (left, bottom, right - left, top - bottom)
-        self.programs.draw(stage, defines, uniforms, framebuffer, *vertices)
+        parts = ((bounds, {}),) if tiles is None or bounds is None else tiles(bounds)
+        for part, surface in parts:
+            if part is None:
+                framebuffer.scissor = None
+            else:
+                left, bottom, right, top = part
+                framebuffer.scissor = (left, bottom, right - left, top - bottom)
+            self.programs.draw(stage, defines, {**uniforms, **surface}, framebuffer, *vertices)
         self.draws[name] += 1
 
     def release(self) -> None:
         """Free everything that a size needs."""
         self.strip.release()
+        self.surface.release()
         self.targets.release()  # leaves a framebuffer bound that stays
         self.reduction.release()
         self.silhouette.release()
@@ -248,7 +257,8 @@ class Passes:
         variant, bounds = shading.variant, View.of(request.scene, request.size).bounds
         if variant.reads_field:
             self._draw_field(request, shading)
-        if self.held.renew("shade", variant, request.size, shading.uniforms):
+        form = Form.of(request.scene).key if variant.surface == "read" else ()
+        if self.held.renew("shade", variant, request.size, shading.uniforms, form):
             self._shade(request, shading, variant)
         if not variant.splits and self.held.renew("split"):
             diffuse, specular = map(self.texture, variant.targets)
@@ -264,7 +274,8 @@ class Passes:
     def _shade(self, request: Request, shading: Shading, variant: Variant) -> None:
         bounds, inputs = View.of(request.scene, request.size).bounds, self._inputs(shading)
         self.written = variant.targets
-        self.draw("shade", "shade.frag", variant.defines(), inputs, self.written, bounds)
+        tiles = self.tiles(request, variant)
+        self.draw("shade", "shade.frag", variant.defines(), inputs, self.written, bounds, tiles)
 
     def _draw_field(self, request: Request, shading: Shading) -> None:
         """The tilts of grain that has one size at the eye: neither scene nor sigma_N moves them."""
@@ -276,14 +287,14 @@ class Passes:
             self.programs.draw("grain_field.frag", defines, uniforms, target)
             self.draws["grain"] += 1
 
-    def _field(self, variant: Variant) -> dict[str, Any]:
+    def field(self, variant: Variant) -> dict[str, Any]:
         """The field as it was last drawn, where the variant reads it."""
         return {"grain_field": self.texture(*GRAIN_FIELD)} if variant.reads_field else {}
 
     def _inputs(self, shading: Shading) -> Uniforms:
         """The uniforms, with the textures that the variant reads."""
         albedos = self.targets.albedo_table(shading.uniforms.get("albedo_rows"))
-        inputs = {**shading.uniforms, **self._field(shading.variant), **albedos}
+        inputs = {**shading.uniforms, **self.field(shading.variant), **albedos}
         if shading.variant.cube_root == "table":
             inputs["cube_root_table"] = self.targets.cube_root_table()
         return inputs
@@ -292,7 +303,7 @@ class Passes:
         view = View.of(request.scene, request.size)
 
         def white_of(variant: Variant, seen_from: dict[str, Any]) -> float:
-            return self._white_of(request.scene, view, variant, seen_from)
+            return self._white_of(request, view, variant, seen_from)
 
         return shading_of(request, view, white_of)
 
@@ -313,12 +324,20 @@ class Passes:
         self.present, self._drawn = None, None
 
     def _white_of(
-        self, scene: Scene, view: View, variant: Variant, seen_from: dict[str, Any]
+        self, request: Request, view: View, variant: Variant, seen_from: dict[str, Any]
     ) -> float:
         """What the perfect diffuser shows in the object's place, the lamp's power taken as one."""
-        defines = variant.white_defines()
-        if self.held.renew("white", tuple(defines.items()), view.size, seen_from):
-            self._white, self._object_pixels = self.reduction.white(defines, seen_from, view.bounds)
+        scene, defines = request.scene, variant.white_defines()
+        mesh = forms.mesh_of(scene.shape) if variant.surface == "read" else None
+        if self.held.renew("white", tuple(defines.items()), view.size, seen_from, mesh):
+            tiles = self.tiles(request, variant)
+            parts = ((view.bounds, {}),) if tiles is None else tiles(view.bounds)
+            self._white, self._object_pixels = 0.0, 0
+            for bounds, surface in parts:
+                seen = {**seen_from, **surface}
+                white, pixels = self.reduction.white(defines, seen, bounds)
+                self._white = max(self._white, white)
+                self._object_pixels += pixels
             self.draws["white"] += 1
         white = self._white if scene.lamp.y_n == "maximum" else front_white(scene.setup, view)
         return lit_white(white, scene.setup)
@@ -365,7 +384,7 @@ class Passes:
         scene, size = request.scene, request.size
         if scene.display.edges != "smooth" or sample_count(scene, request.look, size) > 1:
             return
-        listed = self._silhouette_of(request).edges
+        listed = silhouette_of(self, request).edges
         if listed.texture is None:
             return
         defines = tone_defines(scene.display, "edge.frag", 1, request.method)
@@ -377,26 +396,4 @@ class Passes:
             "c": scaling.c,
         }
         points = moderngl.POINTS, listed.count
-        self.draw("edges", "edge.frag", defines, uniforms, TONE, None, points)
-
-    def _silhouette_of(self, request: Request) -> Silhouette:
-        """The pixels at the silhouette; they are found again where the view has changed."""
-        view = View.of(request.scene, request.size)
-        variant = Variant.of(request.scene, request.look, chosen=request.method)
-        uniforms = view_uniforms(request.scene, view, afar=variant.afar)
-        defines = variant.shape_defines()
-        seen_from = {name: value for name, value in uniforms.items() if name not in LAMP_NAMES}
-        if self.held.renew("coverage", tuple(defines.items()), seen_from):
-            self.silhouette.fill_tiles(edge_tiles(request.scene.shape, view), view.size[1])
-            self.around.pop("coverage", None)  # so that it is cleared: the tiles are others
-            tiles = self.silhouette.tiles
-            if tiles.texture is not None:
-                listed = {"tile_list": tiles.texture, **per_size(view.size)}
-                triangles = moderngl.TRIANGLES, TILE_VERTICES * tiles.count
-                uniforms = {**uniforms, **listed}
-                self.draw(
-                    "coverage", "coverage.frag", defines, uniforms, COVERAGE, view.bounds, triangles
-                )
-                coverage = self.targets.read("coverage")[..., 0]
-                self.silhouette.fill_edges(coverage, view.bounds)
-        return self.silhouette
+        self.draw("edges", "edge.frag", defines, uniforms, TONE, None, vertices=points)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections import OrderedDict
 from collections.abc import Collection, Iterator, Mapping
-from typing import Any
+from typing import Any, Protocol
 
 import moderngl
 import numpy as np
@@ -14,6 +14,7 @@ from relgloss_view.base.allocator import give_back
 from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.picture.gpu.context import collect, drop_sources
 from relgloss_view.picture.gpu.shader import HANDED_ON, ShaderError, ShaderSource
+from relgloss_view.picture.gpu.uploads import Uploads
 
 Key = tuple[object, ...]  #: a stage and its constants
 Uniforms = Mapping[str, Any]  #: numbers, sequences, arrays, or textures for samplers
@@ -29,6 +30,14 @@ ALL_PROGRAMS = 10_000
 FREED_SHARE = 0.25
 
 
+class Geometry(Protocol):
+    """Triangles on the device."""
+
+    def array(self, ctx: moderngl.Context, program: moderngl.Program) -> moderngl.VertexArray:
+        """They, ready to be drawn by a program."""
+        ...
+
+
 class Programs:
     """The programs of one context, the last used ones: `most` of them.
 
@@ -40,6 +49,7 @@ class Programs:
         self.most = most
         self.compiled = 0
         self.freed = 0
+        self.uploads = Uploads(ctx)
         self._asked: set[Key] | None = None  #: while they are noted
         #: By stage and constants, the one that was used last at the end.
         self._arrays: OrderedDict[Key, moderngl.VertexArray] = OrderedDict()
@@ -49,7 +59,7 @@ class Programs:
         """How many programs there are now."""
         return len(self._arrays)
 
-    def get(self, stage: str, defines: Mapping[str, int]) -> moderngl.VertexArray:
+    def get(self, stage: str, defines: Mapping[str, int | str]) -> moderngl.VertexArray:
         """A stage with its constants, ready to draw; ShaderError names file and line.
 
         It stays so until another one is asked for.
@@ -105,20 +115,27 @@ class Programs:
         for array in self._arrays.values():
             _free(array)
         self._arrays.clear()
+        self.uploads.release()
         give_back()
 
     def draw(
         self,
         stage: str,
-        defines: Mapping[str, int],
+        defines: Mapping[str, int | str],
         uniforms: Uniforms,
         target: moderngl.Framebuffer,
         mode: int = moderngl.TRIANGLES,
         vertices: int = 3,
+        geometry: Geometry | None = None,
+        depth: str = "",
+        adds: bool = False,
+        instances: int = 1,
     ) -> None:
         """Draw a stage into a target: one triangle that fills it, unless it has its own vertices.
 
-        A uniform of the stage that is not given is an error.
+        geometry: triangles to draw, so many instances of them. depth: what a depth must be beside
+        the one that is there, such as '<', or '1' for any; '' leaves depths alone. adds: to what
+        is there. A uniform of the stage that is not given is an error.
         """
         checkpoint()  # between passes
         array = self.get(stage, defines)
@@ -143,7 +160,20 @@ class Programs:
                 member.value = value
         target.use()
         self.ctx.disable(moderngl.BLEND | moderngl.DEPTH_TEST | moderngl.CULL_FACE)
-        array.render(mode, vertices=vertices)
+        if depth:
+            self.ctx.enable(moderngl.DEPTH_TEST)
+            self.ctx.depth_func = depth
+        if adds:
+            self.ctx.enable(moderngl.BLEND)
+            self.ctx.blend_func = moderngl.ONE, moderngl.ONE
+        if geometry is None:
+            array.render(mode, vertices=vertices)
+        else:
+            drawn = geometry.array(self.ctx, array.program)
+            drawn.render(moderngl.TRIANGLES, instances=instances)
+        if depth or adds:
+            self.ctx.disable(moderngl.BLEND | moderngl.DEPTH_TEST)
+            self.ctx.depth_func = "<"
 
 
 def _free(array: moderngl.VertexArray) -> None:

@@ -25,7 +25,7 @@ class ReductionStep(NamedTuple):
     """What draws one step."""
 
     stage: str
-    defines: Mapping[str, int]
+    defines: Mapping[str, int | str]
     uniforms: Uniforms
 
 
@@ -70,7 +70,7 @@ class Reduction:
         )
 
     def white(
-        self, defines: Mapping[str, int], uniforms: Uniforms, region: Box
+        self, defines: Mapping[str, int | str], uniforms: Uniforms, region: Box
     ) -> tuple[float, int]:
         """The perfect diffuser's largest Y in a region, and how many pixels show the object."""
         first = ReductionStep("white.frag", defines, uniforms)
@@ -103,7 +103,7 @@ class Reduction:
         further: str,
         names: tuple[str, ...],
         region: Box,
-        defines: Mapping[str, int] | None = None,
+        defines: Mapping[str, int | str] | None = None,
         stride: int = 1,
     ) -> list[NDArray[np.float32]] | None:
         """Draw a first step over a region, then further ones over the results, known by `names`.

@@ -14,7 +14,8 @@ from relgloss_view.picture.gpu.constants import definitions
 _UNIFORM = re.compile(r"^uniform\s+((?:float|int|uint|[iu]?vec[234]|mat3))\s+(\w+)(\[[12]\])?\s*;")
 VERTEX = "fill.vert"
 #: The vertex stages of what covers less than the picture.
-OWN_VERTEX = {"coverage.frag": "tiles.vert", "edge.frag": "edge.vert"}
+OWN_VERTEX = {"coverage.frag": "tiles.vert", "edge.frag": "edge.vert", "mesh.frag": "mesh.vert"}
+OWN_VERTEX["mesh_places.frag"] = "mesh_places.vert"
 HANDED_ON = "all_"  #: before the name of a number that the vertex stage hands on
 _INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
 #: Mesa writes 0:12(3): error; NVIDIA 0(12) : error; others ERROR: 0:12:
@@ -35,7 +36,7 @@ class ShaderSource:
     """
 
     def __init__(
-        self, name: str, defines: Mapping[str, int] | None = None, source: str | None = None
+        self, name: str, defines: Mapping[str, int | str] | None = None, source: str | None = None
     ) -> None:
         self.name = name
         self._defines = defines

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from relgloss_view.picture.gpu.finishes import finish_uniforms
 from relgloss_view.picture.gpu.programs import Uniforms
 from relgloss_view.picture.gpu.request import Request
 from relgloss_view.picture.gpu.uniforms import (
@@ -41,12 +42,15 @@ def shading_of(
         "samples": samples,
     }
     white = white_of(variant, seen_from)
+    if scene.pack is None:
+        material = {**material_uniforms(scene, look, method), **colour_uniforms(scene, method)}
+    else:
+        material = finish_uniforms(scene.pack, look, scene.lamp.illuminant)
     uniforms: dict[str, Any] = {
         **seen_from,
         **(grain_uniforms(scene, look, size) if variant.noise != "none" else NO_GRAIN),
-        **material_uniforms(scene, look, method),
-        **colour_uniforms(scene, method),
-        **ambient_uniforms(scene, method),
+        **material,
+        **ambient_uniforms(scene, look, method),
         "irradiance": lamps_irradiance(white, scene.setup),
     }
     return Shading(variant, uniforms, white)

@@ -45,11 +45,14 @@ class Strip:
                 cleared.clear(*CLEARED[target])
         lowest = size[1] - rows.stop
         left, bottom, right, top = drawing.bounds or (0, 0, *size)
-        bottom, top = max(bottom - lowest, 0), min(top - lowest, count)
+        bottom, top = max(bottom, lowest), min(top, lowest + count)
         if right > left and top > bottom:
-            framebuffer.scissor = (left, bottom, right - left, top - bottom)
-            uniforms = {**drawing.uniforms, "lowest_row": lowest}
-            self._programs.draw(drawing.stage, drawing.defines, uniforms, framebuffer)
+            bounds = left, bottom, right, top
+            tiles = ((bounds, {}),) if drawing.tiles is None else drawing.tiles(bounds)
+            for (left, bottom, right, top), surface in tiles:
+                framebuffer.scissor = (left, bottom - lowest, right - left, top - bottom)
+                uniforms = {**drawing.uniforms, **surface, "lowest_row": lowest}
+                self._programs.draw(drawing.stage, drawing.defines, uniforms, framebuffer)
         self._present[drawing.targets] = asked, rows
 
     def read(self, stage: str, count: int) -> AnyArray:

@@ -36,6 +36,20 @@ GEOMETRY = ("normal", "tilted_normal", "point_m")
 OVERLAY = ("overlay",)
 GRAIN_FIELD = ("grain_field",)  #: of a size of its own
 COVERAGE = ("coverage",)
+TRIANGLE = ("triangle",)  #: drawn with a depth buffer
+MASK = ("mask",)  #: of a mesh at half pixels
+SHARES_A_TARGET = 4
+
+
+def surface_targets(finishes: int) -> tuple[str, ...]:
+    """What surface.frag writes for so many finishes; 0: one material."""
+    names: tuple[str, ...] = ("surface_point", "surface_normal")
+    if finishes:
+        count = -(-2 * finishes // SHARES_A_TARGET)
+        names = (*names, "paint_image", "second_image", *(f"shares_{k}" for k in range(count)))
+    return names
+
+
 LARGEST_HALF = 65504.0
 LARGEST_WHITE = 1.5  #: no white's X or Z is larger beside a Y of one
 TABLE_STEPS = 256  #: as in cube_root.glsl
@@ -48,14 +62,17 @@ CLEARED = {
     "metal_weights": (0.0, 0.0, 0.0, 0.0),
     "split": (OFF_OBJECT, 0.0, 0.0, 0.0),
     "coverage": (0.0, 0.0, 0.0, 0.0),
+    "normal": (0.0, 0.0, 0.0, 0.0),
+    "tilted_normal": (0.0, 0.0, 0.0, 0.0),
+    "point_m": (0.0, 0.0, 0.0, 0.0),
 }
 #: The targets that hold 8-bit numbers; the others hold floats.
-EIGHT_BIT = ("display", "overlay", "coverage")
+EIGHT_BIT = ("display", "overlay", "coverage", "mask")
 
 
 def components(name: str) -> int:
     """Numbers a pixel of a target."""
-    if name in COVERAGE:
+    if name in (*COVERAGE, *TRIANGLE, *MASK):
         return 1
     return 2 if name in (*WEIGHTS, *GRAIN_FIELD) else 4
 
@@ -81,6 +98,7 @@ class Targets:
         self._textures: dict[str, moderngl.Texture] = {}
         self._framebuffers: dict[tuple[str, ...], moderngl.Framebuffer] = {}
         self._table: moderngl.Texture | None = None
+        self._depth_buffer: moderngl.Renderbuffer | None = None
         self._albedos: moderngl.Texture | None = None
         self._albedo_rows = b""
         # Bound while others are freed: a bound framebuffer can't be freed where no screen exists.
@@ -125,9 +143,13 @@ class Targets:
         """The texture of a target that has been drawn."""
         return self._textures[name]
 
-    def framebuffer(self, names: tuple[str, ...]) -> moderngl.Framebuffer:
-        """What a pass that writes these targets draws into; made when first asked for."""
-        if names not in self._framebuffers:
+    def framebuffer(self, names: tuple[str, ...], depth: bool = False) -> moderngl.Framebuffer:
+        """What a pass that writes these targets draws into; made when first asked for.
+
+        depth: with a depth buffer, which all such framebuffers share.
+        """
+        key = (*names, *(("depth",) if depth else ()))
+        if key not in self._framebuffers:
             assert self.size is not None
             made: dict[str, moderngl.Texture] = {}
             try:
@@ -135,13 +157,15 @@ class Targets:
                     if name not in self._textures:
                         made[name] = self._texture(self.size, name)
                 textures = self._textures | made
-                self._framebuffers[names] = self.ctx.framebuffer([textures[name] for name in names])
+                self._framebuffers[key] = self.ctx.framebuffer(
+                    [textures[name] for name in names], self._depth(self.size) if depth else None
+                )
             except BaseException:
                 for texture in made.values():
                     texture.release()
                 raise
             self._textures |= made
-        return self._framebuffers[names]
+        return self._framebuffers[key]
 
     def grain_field(self, size: Size) -> moderngl.Framebuffer:
         """What the field of the grain's tilts is drawn into, of a size of its own."""
@@ -224,6 +248,15 @@ class Targets:
         """Bytes of all the targets."""
         return sum(bytes_of(texture) for texture in self._textures.values())
 
+    def _depth(self, size: Size) -> moderngl.Renderbuffer:
+        """The depth buffer of those that have one."""
+        if self._depth_buffer is None:
+            check_memory(size, 4)
+            self._depth_buffer = self.ctx.depth_renderbuffer(size)
+            if self.ctx.error != "GL_NO_ERROR":
+                raise InputError(f"size {size[0]}x{size[1]}: the device has no memory for it")
+        return self._depth_buffer
+
     def release(self) -> None:
         """Free everything that a size needs."""
         self._parking.use()
@@ -231,6 +264,9 @@ class Targets:
             framebuffer.release()
         for texture in self._textures.values():
             texture.release()
+        if self._depth_buffer is not None:
+            self._depth_buffer.release()
+        self._depth_buffer = None
         self._framebuffers.clear()
         self._textures.clear()
         self.size = None

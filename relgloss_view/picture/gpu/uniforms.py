@@ -13,11 +13,11 @@ from relgloss_view.material.approximations import mean_lobe, plain_lobe
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.gpu.programs import Uniforms
 from relgloss_view.picture.method import Method
-from relgloss_view.picture.model.drawn import drawn_diffuse, drawn_facets, drawn_lobes
+from relgloss_view.picture.model.drawn import drawn_diffuse, drawn_facets, drawn_lobes, in_model
 from relgloss_view.picture.model.grain import field_step
 from relgloss_view.picture.model.grain_field import FIELD_TILE
 from relgloss_view.picture.model.lights import lamps_of, share_of
-from relgloss_view.picture.model.pixel_sampling import eye_grain_samples
+from relgloss_view.picture.model.pixel_sampling import eye_grain_samples, grainiest
 from relgloss_view.picture.model.tone import DisplayModel
 from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.look import Look
@@ -67,20 +67,25 @@ def lamp_uniforms(scene: Scene) -> Uniforms:
     return uniforms
 
 
-def ambient_uniforms(scene: Scene, method: Method) -> Uniforms:
-    """The surround's light, and the table that ambient.glsl reads as (2, STEPS + 1, 4) numbers.
+def ambient_uniforms(scene: Scene, look: Look, method: Method) -> Uniforms:
+    """The surround's light, and the table that ambient.glsl reads as (2 M, STEPS + 1, 4) numbers.
+
+    Two rows for each of M materials: one, or those of a pack's finishes.
 
     Empty where the scene has no such light.
     """
     if scene.lamp.ambient == 0.0:
         return {}
-    material = scene.material
-    rows = np.zeros((2, STEPS + 1, 4), dtype=np.float32)
-    model = drawn_diffuse(material, method)
-    rows[0, :, :2] = np.stack(diffuse_table(model, material.diffuse.sigma), axis=-1)
-    for k, lobe in enumerate(drawn_lobes(material, method)):
-        for part, column in zip(lobe.parts(material.bands.count), (k, k + 2), strict=False):
-            rows[1, :, column] = lobe_table(lobe.s, part.fresnel)
+    materials = [scene.material]
+    if scene.pack is not None:
+        materials = [in_model(finish.material, look) for finish in scene.pack.finishes]
+    rows = np.zeros((2 * len(materials), STEPS + 1, 4), dtype=np.float32)
+    for n, material in enumerate(materials):
+        model = drawn_diffuse(material, method)
+        rows[2 * n, :, :2] = np.stack(diffuse_table(model, material.diffuse.sigma), axis=-1)
+        for k, lobe in enumerate(drawn_lobes(material, method)):
+            for part, column in zip(lobe.parts(material.bands.count), (k, k + 2), strict=False):
+                rows[2 * n + 1, :, column] = lobe_table(lobe.s, part.fresnel)
     return {"ambient": scene.lamp.ambient, "albedo_rows": rows}
 
 
@@ -95,6 +100,7 @@ NO_GRAIN: Uniforms = {"sigma_n": 0.0, "grains_per_px": 1.0, "grain_m": 1.0, "see
 
 def grain_uniforms(scene: Scene, look: Look, size: Size) -> Uniforms:
     """The tilt of the normals and its cells, or what the field of its tilts follows from."""
+    look = grainiest(scene, look)
     if look.grain == "eye":
         width, height = field_size(scene, look, size)
         return {
@@ -115,6 +121,7 @@ def grain_uniforms(scene: Scene, look: Look, size: Size) -> Uniforms:
 
 def field_size(scene: Scene, look: Look, size: Size) -> Size:
     """Texels of the field of tilts: one for each draw of the grain, as far as they don't repeat."""
+    look = grainiest(scene, look)
     samples = eye_grain_samples(scene.display, look)
     width, height = (min(samples * side, FIELD_TILE) for side in size)
     return width, height

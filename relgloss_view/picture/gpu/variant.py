@@ -8,8 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from relgloss_view.pack.pack import Pack
+from relgloss_view.pack.shape import ANALYTIC
 from relgloss_view.picture import method
 from relgloss_view.picture.gpu.constants import code
+from relgloss_view.picture.gpu.finishes import drawn_finishes, finish_constants, finish_tables
 from relgloss_view.picture.gpu.targets import written
 from relgloss_view.picture.model.drawn import drawn_diffuse, drawn_facets, drawn_lobes
 from relgloss_view.picture.model.lights import lamps_of
@@ -42,6 +45,8 @@ class Variant:
     ambient: bool = False  #: there is light from all around
     bands: int = 0  #: drawn one by one; 0 where their spectra are folded into XYZ
     cube_root: str = "householder"
+    surface: str = "met"  #: constants.SURFACES
+    finishes: tuple[tuple[str, int | str], ...] = ()  #: finishes.finish_constants, of a pack
     writes: str = "weights"  #: what pass 1 writes: constants.WRITES
 
     @classmethod
@@ -52,24 +57,21 @@ class Variant:
 
         Exactly, unless the chosen method says otherwise.
         """
+        if scene.pack is not None:
+            return cls._of_pack(scene, scene.pack, look, samples, chosen)
         drawn = drawn_lobes(scene.material, chosen)
         lobes = len(drawn)
         grainy = look.sigma_n_deg > 0.0 and chosen.noise not in ("mean", "none")
         needed = cls(
-            shape=scene.shape.kind,
+            **_met(scene),
             diffuse=drawn_diffuse(scene.material, chosen),
             lobes=lobes,
             metals=sum(1 << k for k, lobe in enumerate(drawn) if lobe.is_metal),
-            caps=_sees_a_cap(scene),
-            afar=from_afar(scene.shape, scene.eye),
             sampled=samples > 1,
             fresnel=chosen.fresnel if not all(lobe.is_metal for lobe in drawn) else "exact",
             shadowing=chosen.shadowing if lobes else "v-groove",
             facets=drawn_facets(look, chosen) if lobes else "gaussian",
             lamp=chosen.lamp,
-            lamps=len(lamps_of(scene.setup)),
-            lamp_size=any(lamp.radius_m > 0.0 for lamp in lamps_of(scene.setup)),
-            ambient=scene.lamp.ambient > 0.0,
             writes=_written(chosen, samples),
         )
         if grainy:
@@ -79,6 +81,34 @@ class Variant:
                 noisy_diffuse=look.noisy_lobes == "both" and chosen.noise == "drawn",
                 grain=look.grain,
             )
+        forced: dict[str, Any] = dict(chosen.variant)
+        return dataclasses.replace(needed, **forced)
+
+    @classmethod
+    def _of_pack(
+        cls, scene: Scene, pack: Pack, look: Look, samples: int, chosen: method.Method
+    ) -> Variant:
+        finishes = drawn_finishes(pack, look, chosen)
+        constants = finish_constants(finishes)
+        tilted = any(drawn.sigma_n > 0.0 for drawn in finishes)
+        grainy = tilted and chosen.noise not in ("mean", "none")
+        blurred = tilted and chosen.noise == "mean" and chosen.facets == "gaussian"
+        tables = finish_tables(pack, look, chosen, scene.lamp.illuminant, blurred)
+        needed = cls(
+            **_met(scene),
+            diffuse=finishes[0].diffuse or "lambert",  # each finish has its own
+            lobes=constants.pop("LOBES"),
+            sampled=samples > 1,
+            fresnel=chosen.fresnel,
+            shadowing=chosen.shadowing,
+            facets="mean-gaussian" if blurred else chosen.facets,
+            lamp=chosen.lamp,
+            noise=look.noise_law if grainy else "none",
+            noisy_diffuse=look.noisy_lobes == "both" and chosen.noise == "drawn",
+            grain=look.grain if grainy else "screen",
+            finishes=(*constants.items(), *tables.items()),
+            writes=_written(chosen, samples).replace("weights", "xyz"),
+        )
         forced: dict[str, Any] = dict(chosen.variant)
         return dataclasses.replace(needed, **forced)
 
@@ -101,7 +131,7 @@ class Variant:
         """The same, with other numbers in its targets."""
         return dataclasses.replace(self, writes=writes)
 
-    def defines(self) -> dict[str, int]:
+    def defines(self) -> dict[str, int | str]:
         """The constants of the shader variant."""
         return {
             **self.shape_defines(),
@@ -120,7 +150,14 @@ class Variant:
             "BANDS": self.bands,
             "CUBE_ROOT": code("CUBE_ROOT", self.cube_root),
             "WRITES": code("WRITES", self.writes),
+            **self._read_defines(),
         }
+
+    def _read_defines(self) -> dict[str, int | str]:
+        """The constants of what reads a surface; none where rays meet it."""
+        if self.surface == "met":
+            return {}
+        return {"SURFACE": code("SURFACE", self.surface), **dict(self.finishes)}
 
     def shape_defines(self) -> dict[str, int]:
         """The constants of what meets the object."""
@@ -130,10 +167,15 @@ class Variant:
             "AFAR": int(self.afar),
         }
 
-    def split_defines(self) -> dict[str, int]:
+    def surface_defines(self) -> dict[str, int | str]:
+        """The constants of the pass that draws the surface which is read."""
+        ink = {name: value for name, value in self.finishes if name == "INK_SECOND"}
+        return {**self.shape_defines(), **ink}
+
+    def split_defines(self) -> dict[str, int | str]:
         """The constants of the pass that splits what pass 1 wrote."""
-        names = ("WRITES", "LOBES", "METALS", "BANDS", "CUBE_ROOT")
-        return {name: self.defines()[name] for name in names}
+        names = ("WRITES", "LOBES", "METALS", "BANDS", "CUBE_ROOT", "FINISHES")
+        return {name: value for name, value in self.defines().items() if name in names}
 
     def white_defines(self) -> dict[str, int]:
         """The constants of the pass that draws the perfect diffuser, for Y_n."""
@@ -149,15 +191,38 @@ class Variant:
             "LAMP": code("LAMP", self.lamp),
             "LAMPS": self.lamps,
             "LAMP_SIZE": int(self.lamp_size),
+            **({} if self.surface == "met" else {"SURFACE": code("SURFACE", self.surface)}),
         }
 
     def field_defines(self) -> dict[str, int]:
         """The constants of the pass that draws the field of the grain's tilts."""
         return {"NOISE": code("NOISE", self.noise)}
 
-    def geometry_defines(self) -> dict[str, int]:
+    def geometry_defines(self) -> dict[str, int | str]:
         """The constants of the pass that draws normals and points."""
-        return {name: self.defines()[name] for name in ("SHAPE", "CAPS", "AFAR", "NOISE", "GRAIN")}
+        defines = {k: self.defines()[k] for k in ("SHAPE", "CAPS", "AFAR", "NOISE", "GRAIN")}
+        if self.surface != "met":
+            defines |= {**self._read_defines(), "SAMPLED": int(self.sampled)}
+        return defines
+
+
+def _met(scene: Scene) -> dict[str, Any]:
+    """How the object is met and lit: the entries of a Variant for its shape and the lamps."""
+    lit = {
+        "lamps": len(lamps_of(scene.setup)),
+        "lamp_size": any(lamp.radius_m > 0.0 for lamp in lamps_of(scene.setup)),
+        "ambient": scene.lamp.ambient > 0.0,
+    }
+    if scene.shape.kind not in ANALYTIC:
+        # Rays to triangles begin beside the object, which keeps the digits of small ones.
+        return {"shape": "triangles", "caps": False, "afar": True, "surface": "read", **lit}
+    return {
+        "shape": scene.shape.kind,
+        "caps": _sees_a_cap(scene),
+        "afar": from_afar(scene.shape, scene.eye),
+        "surface": "met" if scene.pack is None else "read",
+        **lit,
+    }
 
 
 def _written(chosen: method.Method, samples: int) -> str:

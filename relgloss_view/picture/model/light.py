@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.pack import forms
 from relgloss_view.pack.concavity import concavity_note
-from relgloss_view.pack.forms import mesh_of
 from relgloss_view.pack.shape import PROFILED, Shape
 from relgloss_view.picture.model.lights import lamps_of, share_of
 from relgloss_view.picture.model.sight import meet_ray
@@ -47,7 +47,7 @@ def _form_notes(shape: Shape) -> tuple[str, ...]:
     """The warning of a form that sees itself; forms of the program's own are hardly concave."""
     if shape.kind != "mesh" and not (shape.kind in PROFILED and shape.profile_mm):
         return ()
-    mesh = mesh_of(shape)
+    mesh = forms.mesh_of(shape)
     note = None if mesh is None else concavity_note(mesh)
     return () if note is None else (note,)
 
