@@ -51,7 +51,11 @@ def _add_check(own: Any) -> None:
         "label, colours that no display shows, fonts that a PDF lacks.",
         epilog="example: relgloss pack check can.toml",
     )
-    check.add_argument("file", metavar="FILE", help="Pack file, or an artwork")
+    check.add_argument(
+        "file",
+        metavar="FILE",
+        help="Pack file, an artwork, or can or carton, which come with relgloss",
+    )
     add_artwork_options(check, "an artwork")
     check.add_argument(
         "--size",

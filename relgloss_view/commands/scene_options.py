@@ -21,6 +21,7 @@ from relgloss_view.commands.artwork_options import (
 )
 from relgloss_view.commands.lab_text import lab_words
 from relgloss_view.material.recolour import DEFAULT_ILLUMINANT, Colour
+from relgloss_view.pack.kinds import SHIPPED
 from relgloss_view.pack.masks import check_masks
 from relgloss_view.pack.pack_file import read_pack
 from relgloss_view.pack.quick import quick_pack
@@ -100,7 +101,10 @@ def add_scene_options(
             "--material", metavar="FILE.json", help="Material file that `fit` wrote"
         )
         source.add_argument(
-            "--pack", metavar="FILE.toml", help="Pack file: a form, an artwork and its finishes"
+            "--pack",
+            metavar="FILE.toml|NAME",
+            help="Pack file: a form, an artwork and its finishes; or one that comes with relgloss: "
+            f"{', '.join(SHIPPED)}",
         )
         source.add_argument(
             "--artwork",

@@ -20,7 +20,7 @@ from relgloss_view.pack.built_in import FINISHES, PAPERS, load_finish
 from relgloss_view.pack.finish import MAX_FINISHES, Finish
 from relgloss_view.pack.forms.mesh_files import MESH_SUFFIXES
 from relgloss_view.pack.kinds import ARTWORK as ARTWORK_FILE
-from relgloss_view.pack.kinds import kind_of_pack
+from relgloss_view.pack.kinds import kind_of_pack, pack_path
 from relgloss_view.pack.mask_file import read_mask
 from relgloss_view.pack.masks import ARTWORK, CHANNEL, EVERYWHERE, PART, PLATE, check_masks
 from relgloss_view.pack.pack import Pack, Placement
@@ -38,14 +38,15 @@ FINISH_ENTRIES = ("name", "kind", "material", "mask", "invert", "sigma_n_deg", "
 
 
 def read_pack(path: str | os.PathLike[str], progress: ProgressReport = no_progress) -> Pack:
-    """Read a pack file; files that it names are looked for in its folder.
+    """Read a pack file, or a shipped pack by its name ("can", "carton").
 
+    Files that it names are looked for in its folder.
     Raises InputError, one line that names the file, the entry and what was expected.
 
-    >>> from relgloss_view.base.resources import asset
-    >>> [finish.name for finish in read_pack(asset("packs", "carton.toml")).finishes]
+    >>> [finish.name for finish in read_pack("carton").finishes]
     ['soft touch', 'spot gloss', 'gold foil']
     """
+    path = pack_path(path)
     if kind_of_pack(path) == ARTWORK_FILE:
         raise InputError(
             f"{path}: this is an artwork; draw it with --artwork, or write its pack file with "

@@ -143,7 +143,7 @@ def test_a_scene_names_or_holds_its_pack(folder):
     assert held.sample.pack.finish("spot").k == 3.0
     assert held.setup.shape.kind == "plane"
     assert held.reference.pack.finish("spot").k == 2.0
-    (folder / "both.toml").write_text((folder / "held.toml").read_text() + "\n[shape]\n")
+    (folder / "both.toml").write_text((folder / "named.toml").read_text() + "\n[shape]\n")
     with pytest.raises(InputError, match="own form"):
         read_scene_file("both.toml")
 
@@ -174,6 +174,12 @@ def test_plates_are_sorted_by_what_they_print(folder):
     assert [f.mask for f in finishes][3:] == ["plate:Spot UV"]
     assert any("not drawn: Sandpaper." in note for note in notes)
     assert not any("PANTONE" in note for note in notes)
+
+
+def test_shipped_packs_have_names(folder):
+    assert Sample.from_file("carton").pack.name.startswith("MERIDIAN")
+    (folder / "can").write_text(PACK.format(form="plane"))
+    assert read_pack("can").shape.kind == "plane", "a file of the name comes first"
 
 
 def test_a_pack_option_that_names_an_artwork(folder, capsys):
