@@ -113,7 +113,13 @@ def check_pack(pack: Pack, picture_px_per_mm: float) -> PackCheck:
         outside = outside_srgb(paint[..., :3].astype(np.float64), paint[..., 3].astype(np.float64))
         density = artwork.size_px[0] / (artwork.width_mm * pack.placement.scale)
         fonts = _fonts(pack)
-        warnings += _sizes(pack, label_mm, label.around)
+        if any(label.printed):
+            warnings += _sizes(pack, label_mm, label.around)
+        else:
+            warnings.append(
+                "The mesh has no texture coordinates, so the artwork is not seen; unwrap it in the "
+                "program that made it (UV), and export it again."
+            )
         if density < picture_px_per_mm:
             warnings.append(
                 f"The artwork has {density:.3g} pixels per mm and the picture "

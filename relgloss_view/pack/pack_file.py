@@ -217,6 +217,13 @@ def _finishes(tables: object, folder: Path) -> tuple[tuple[Finish, ...], dict[st
         try:
             finish = finish_of_table(table, folder, first=k == 1)
             if _is_file(finish.mask) and finish.mask not in masks:
+                if not Path(finish.mask).suffix and not (folder / finish.mask).exists():
+                    refuse(
+                        "mask",
+                        f"a picture's file, or {PLATE}NAME of a plate, {CHANNEL}NAME, {PART}NAME, "
+                        f"{ARTWORK}, {EVERYWHERE}",
+                        finish.mask,
+                    )
                 masks[finish.mask] = read_mask(folder / finish.mask)
         except InputError as error:
             raise InputError(f"{place}: {error}") from error

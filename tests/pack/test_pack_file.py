@@ -95,6 +95,7 @@ def test_files_are_named_from_the_pack_file(folder):
         (('"spot.png"', '"part:lid"'), "a part of the plane: front"),
         (('"spot.png"', '"nowhere.png"'), r"\[\[finish\]\] 2 \(spot\): .*nowhere.png"),
         (('"spot.png"', '""'), "expected plate:NAME"),
+        (('"spot.png"', '"Spot UV"'), r'\(spot\): mask: expected .*plate:NAME.*found "Spot UV"'),
         (("k = 2.0", "k = -1"), r"\(spot\): k: expected 0 to 100"),
         (("k = 2.0", "kk = 1"), "finish.kk: no such entry"),
         (("[pack]", "[pack]\ncolour = 'loud'"), "pack.colour: expected one of lab, spectral"),
@@ -195,6 +196,10 @@ def test_a_mesh_file_is_a_form(folder, capsys):
     assert main(["pack", "new", "art.png", "--form", "quad.obj", "-o", "quad.toml"]) == 0
     assert read_pack("quad.toml").shape.file.endswith("quad.obj")
     assert 'form = "quad.obj"' in (folder / "quad.toml").read_text()
+    assert not any("texture" in text for text in check_pack(read_pack("quad.toml"), 1.0).warnings)
+    (folder / "bare.obj").write_text("v 0 0 0\nv .02 0 0\nv .02 .01 0\nf 1 2 3\n")
+    found = check_pack(quick_pack("art.png", "bare.obj"), 1.0)
+    assert any("no texture coordinates" in text for text in found.warnings)
     in_mm = dataclasses.replace(
         read_pack("quad.toml"), shape=Shape("mesh", file="quad.obj", unit="mm")
     )
