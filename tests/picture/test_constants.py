@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import relgloss_view
-from relgloss_view.pack.shape import ANALYTIC
+from relgloss_view.pack.shape import ANALYTIC, Shape
 from relgloss_view.picture.gpu import constants
 from relgloss_view.picture.gpu.constants import NAMES, code, definitions, glsl_name
 from relgloss_view.picture.gpu.renderer import Renderer
