@@ -202,8 +202,11 @@ def test_trim_boxes(tmp_path):
     }
     for box, size in sizes.items():
         path = tmp_path / "a.pdf"
-        files.pdf(path, CONTENT, SPOTS, profile=CMYK.read_bytes(),
-                  change=lambda _, page, box=box: page.obj.__setitem__("/TrimBox", list(box)))  # fmt: skip
+
+        def trim(_, page, box=box):
+            page.obj["/TrimBox"] = list(box)
+
+        files.pdf(path, CONTENT, SPOTS, profile=CMYK.read_bytes(), change=trim)
         assert read_artwork(path, AT_72).size_px == size
 
 
@@ -229,6 +232,19 @@ def test_many_plates_are_coarser(tmp_path, monkeypatch):
     artwork = read_artwork(path, AT_72)
     assert artwork.size_px == (100, 50)
     assert any("7 plates" in note and "36 dpi" in note for note in artwork.notes)
+
+
+def test_plates_that_find_no_room(tmp_path, monkeypatch):
+    """Ghostscript ends well on a full disk, so room is asked for, and plates are checked."""
+    files.pdf(tmp_path / "a.pdf", CONTENT, SPOTS, profile=CMYK.read_bytes())
+    with monkeypatch.context() as patch:
+        patch.setattr(pdf, "_plate", lambda path: path.write_bytes(b"II*") and pdf._pixels(path))
+        with pytest.raises(InputError, match="did not write this plate whole"):
+            read_artwork(tmp_path / "a.pdf", AT_72)
+    full = shutil.disk_usage(tmp_path)._replace(free=100_000)
+    monkeypatch.setattr("shutil.disk_usage", lambda _: full)
+    with pytest.raises(InputError, match="in the folder of temporary files"):
+        read_artwork(tmp_path / "a.pdf", AT_72)
 
 
 class TestFunctions:

@@ -25,7 +25,7 @@ PROGRAMS = ("gs", "gswin64c", "gswin32c")
 MOST_MEMORY_KB = 500_000  #: of its own allocations
 MOST_DATA, MOST_WRITTEN = 900_000_000, 1_000_000_000  #: bytes of the process, and of each file
 #: Processor time of files up to SMALL and from LARGE bytes on, and what each MB adds.
-LEAST_S, MOST_S, PER_MB_S = 3.5, 20.0, 1.0
+LEAST_S, MOST_S, PER_MB_S = 3.2, 20.0, 1.0
 SMALL, LARGE = 200_000, 1_000_000
 PER_PLANE_S = 0.01  #: what each million pixels of a plate adds
 WAITING = 4.0  #: times longer than its processor time a process may take, others being busy
@@ -48,7 +48,7 @@ def allowed_s(size: int) -> float:
     """Processor time that a file of `size` bytes may take.
 
     >>> [allowed_s(n) for n in (10_000, 600_000, 5_000_000)]
-    [3.51, 12.35, 25.0]
+    [3.21, 12.2, 25.0]
     """
     share = min(max((size - SMALL) / (LARGE - SMALL), 0.0), 1.0)
     return LEAST_S + share * (MOST_S - LEAST_S) + PER_MB_S * size / 1e6
@@ -63,7 +63,7 @@ class Renderer:
     def __init__(
         self, program: str, folder: Path, path: str | os.PathLike[str], budget_s: float
     ) -> None:
-        self._program, self._folder, self._path = program, folder, path
+        self._program, self._folder, self.path = program, folder, path
         self._budget_s = self._left_s = budget_s
 
     def add(self, plane_pixels: float) -> None:
@@ -84,7 +84,7 @@ class Renderer:
             child = Child([self._program, *usual, *words], stdin=null, stdout=output,
                           stderr=output, cwd=self._folder)  # fmt: skip
             try:
-                _bound(child.process.pid)
+                _bound(child.process.pid, self._left_s)
                 self._wait(child, progress)
                 status = child.process.returncode
             finally:
@@ -92,7 +92,7 @@ class Renderer:
         target = next(w for w in words if w.startswith("-sOutputFile=")).partition("=")[2]
         if status != 0 or not (self._folder / target).exists():
             raise InputError(
-                f"{named(self._path)}: Ghostscript can't render it ({_reason(log, status)}); "
+                f"{named(self.path)}: Ghostscript can't render it ({_reason(log, status)}); "
                 "export it again"
             )
 
@@ -105,7 +105,7 @@ class Renderer:
             spent_s = waited_s if processor_s is None else processor_s
             if max(spent_s, waited_s / WAITING) > self._left_s:
                 raise InputError(
-                    f"{named(self._path)}: Ghostscript takes longer than {self._budget_s:.0f} s; "
+                    f"{named(self.path)}: Ghostscript takes longer than {self._budget_s:.0f} s; "
                     "flatten the artwork, save it as a TIFF, or give a coarser resolution (dpi = "
                     f"{COARSE_DPI:g})"
                 )
@@ -122,12 +122,19 @@ def _reason(log: Path, status: int) -> str:
     return printable(line, 120)
 
 
-def _bound(process: int) -> None:
-    """Bound a process in memory and in what it writes, where the system can do that."""
+def _bound(process: int, most_s: float) -> None:
+    """Bound a process in memory, files and processor time, where the system can do that.
+
+    Time is bounded from here, and by the system too: it goes on where this program is killed.
+    """
     if sys.platform == "linux":
         import resource
 
-        limits = ((resource.RLIMIT_DATA, MOST_DATA), (resource.RLIMIT_FSIZE, MOST_WRITTEN))
+        limits = (
+            (resource.RLIMIT_DATA, MOST_DATA),
+            (resource.RLIMIT_FSIZE, MOST_WRITTEN),
+            (resource.RLIMIT_CPU, math.ceil(most_s) + 1),
+        )
         for kind, most in limits:
             # It has ended, or its limit is lower already.
             with contextlib.suppress(OSError, ValueError):
@@ -137,7 +144,8 @@ def _bound(process: int) -> None:
 def _processor_s(process: int) -> float | None:
     """Processor time that a process has taken, s; None where the system shows none (proc(5))."""
     try:
-        fields = Path(f"/proc/{process}/stat").read_bytes().rpartition(b")")[2].split()
+        with open_regular(f"/proc/{process}/stat", "a text") as file:
+            fields = file.read(4096).rpartition(b")")[2].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-    except (OSError, ValueError, IndexError, AttributeError):
+    except (InputError, OSError, ValueError, IndexError, AttributeError):
         return None

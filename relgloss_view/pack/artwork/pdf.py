@@ -171,7 +171,9 @@ def _rendered(
     pixels = width_pt * height_pt * (dpi / 72.0) ** 2
     fewer = math.sqrt(min(MOST_PLANE_PIXELS / (planes * pixels), 1.0))
     dpi *= fewer
-    renderer.add(planes * pixels * fewer**2)
+    pixels *= fewer**2
+    renderer.add(planes * pixels)
+    _check_disk(folder, (planes + 4) * pixels, renderer.path)
     notes = _notes(page, profile)
     if fewer < 1.0:
         notes.append(
@@ -297,11 +299,28 @@ def _xyz_of(look: dict[str, Any], profile: Profile, intent: str, folder: Path) -
     return (srgb() if space == "RGB" else gray_of(srgb())).xyz(values)
 
 
-def _pixels(path: Path) -> Bytes:
-    from PIL import Image
+def _check_disk(folder: Path, needed: float, path: str | os.PathLike[str]) -> None:
+    """InputError where the plates would not find room; Ghostscript ends well on a full disk."""
+    free = shutil.disk_usage(folder).free
+    if needed > free:
+        raise InputError(
+            f"{named(path)}: its plates need {needed / 1e6:.0f} MB in the folder of temporary "
+            f"files, where {free / 1e6:.0f} MB are free; free some, or give a coarser resolution "
+            "(dpi)"
+        )
 
-    with open_regular(path, "a picture") as file, quiet_pillow(), Image.open(file) as image:
-        return np.array(image)
+
+def _pixels(path: Path) -> Bytes:
+    from PIL import Image, UnidentifiedImageError
+
+    try:
+        with open_regular(path, "a picture") as file, quiet_pillow(), Image.open(file) as image:
+            return np.array(image)
+    except (UnidentifiedImageError, ValueError, OSError):
+        raise InputError(
+            f"{path.name}: Ghostscript did not write this plate whole; free some room in the "
+            "folder of temporary files"
+        ) from None
 
 
 def _plate(path: Path) -> Bytes:
