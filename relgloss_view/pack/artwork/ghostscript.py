@@ -47,7 +47,7 @@ def ghostscript(path: str | os.PathLike[str]) -> str:
 def allowed_s(size: int) -> float:
     """Processor time that a file of `size` bytes may take.
 
-    >>> [allowed_s(n) for n in (10_000, 600_000, 5_000_000)]
+    >>> [round(allowed_s(n), 2) for n in (10_000, 600_000, 5_000_000)]
     [3.21, 12.2, 25.0]
     """
     share = min(max((size - SMALL) / (LARGE - SMALL), 0.0), 1.0)
