@@ -114,7 +114,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _findings() -> Findings:
-    from relgloss_view.pack.artwork.pdf import PROGRAMS
+    from relgloss_view.pack.artwork.ghostscript import PROGRAMS
     from relgloss_view.picture.gpu.memory import ON_DEMAND, bytes_per_pixel
 
     least = bytes_per_pixel()

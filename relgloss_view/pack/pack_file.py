@@ -64,7 +64,8 @@ def read_pack(path: str | os.PathLike[str], progress: ProgressReport = no_progre
         pack = pack_of_tables(tables, Path(path).parent, progress)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    name = pack.name or Path(path).stem
+    # A file's name may hold bytes that no text can.
+    name = pack.name or printable(os.fsencode(Path(path).stem).decode("utf-8", "replace"), 120)
     return dataclasses.replace(pack, file=str(path), name=name)
 
 
@@ -175,8 +176,9 @@ def open_artwork(
     from relgloss_view.pack.artwork.read import read_artwork
 
     values = dict(given)
-    if isinstance(values.get("profile"), str) and (folder / values["profile"]).is_file():
-        values["profile"] = str(folder / values["profile"])
+    if "profile" in values:
+        beside_it = folder / text(values["profile"], f"{within}profile")
+        values["profile"] = str(beside_it) if _is_regular(beside_it) else values["profile"]
     try:
         options = build_part(ArtworkOptions, "pack", values)
     except InputError as error:
@@ -188,6 +190,13 @@ def open_artwork(
         artwork = read_artwork(file, options, progress)
         _ARTWORKS[key] = artwork
     return artwork
+
+
+def _is_regular(file: Path) -> bool:
+    try:
+        return file.is_file()
+    except (OSError, ValueError):  # an impossible name
+        return False
 
 
 def _stamp(file: Path) -> tuple[object, ...]:
@@ -261,7 +270,7 @@ def finish_material(name: str, folder: Path) -> tuple[str, Material]:
     """Source and material of a finish: of a built-in name, or of a file looked for in a folder."""
     if name in FINISHES or name in PAPERS:
         return name, load_finish(name)
-    if not name.lower().endswith(".json") and not (folder / name).is_file():
+    if not name.lower().endswith(".json") and not _is_regular(folder / name):
         load_finish(name)  # raises the list of the names
     file = str(folder / name)
     return file, load_material(file)

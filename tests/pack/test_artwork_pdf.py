@@ -12,7 +12,7 @@ from pikepdf import Dictionary, Name
 from PIL import Image
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.pack.artwork import pdf
+from relgloss_view.pack.artwork import ghostscript, pdf
 from relgloss_view.pack.artwork.options import ArtworkOptions
 from relgloss_view.pack.artwork.pdf_functions import evaluate
 from relgloss_view.pack.artwork.profile import read_profile
@@ -187,12 +187,66 @@ def test_pdfs_that_are_refused(tmp_path, monkeypatch):
 
 def test_an_endless_page_is_ended(tmp_path, monkeypatch):
     (tmp_path / "a.eps").write_bytes(b"%!PS\n{} loop\n")
-    monkeypatch.setattr(pdf, "RENDERED_S", 0.5)
+    monkeypatch.setattr(ghostscript, "LEAST_S", 0.3)
     with pytest.raises(InputError, match="Ghostscript takes longer than"):
         read_artwork(tmp_path / "a.eps")
     (tmp_path / "a.eps").write_bytes(b"%!PS\n(/etc/passwd) (r) file pop showpage\n")
     with pytest.raises(InputError, match="invalidfileaccess"):
         read_artwork(tmp_path / "a.eps")
+
+
+def test_trim_boxes(tmp_path):
+    """A trim box counts within the medium alone, its corners in any order (14.11.2.1)."""
+    sizes = {
+        (10, 20, 110, 70): (100, 50),
+        (110, 70, 10, 20): (100, 50),
+        (-50, 40, 50, 300): (50, 60),
+    }
+    for box, size in sizes.items():
+        path = tmp_path / "a.pdf"
+
+        def trim(_, page, box=box):
+            page.obj["/TrimBox"] = list(box)
+
+        files.pdf(path, CONTENT, SPOTS, profile=CMYK.read_bytes(), change=trim)
+        assert read_artwork(path, AT_72).size_px == size
+
+
+def test_output_intent_of_the_page(tmp_path):
+    """Of PDF 2.0: it counts as the document's does, and before it."""
+
+    def of_page(made, page):
+        page.obj["/OutputIntents"] = made.Root["/OutputIntents"]
+        del made.Root["/OutputIntents"]
+
+    for change, name in ((None, "a.pdf"), (of_page, "b.pdf")):
+        files.pdf(tmp_path / name, CONTENT, SPOTS, profile=CMYK.read_bytes(), change=change)
+    one, other = (read_artwork(tmp_path / name, AT_72) for name in ("a.pdf", "b.pdf"))
+    assert np.array_equal(one.xyz, other.xyz)
+
+
+def test_many_plates_are_coarser(tmp_path, monkeypatch):
+    """Plates lie in memory: where they are too many, the resolution gives way, with a note."""
+    path = tmp_path / "a.pdf"
+    files.pdf(path, CONTENT, SPOTS, profile=CMYK.read_bytes())
+    assert read_artwork(path, AT_72).size_px == (200, 100)
+    monkeypatch.setattr(pdf, "MOST_PLANE_PIXELS", 7 * 200 * 100 / 4)
+    artwork = read_artwork(path, AT_72)
+    assert artwork.size_px == (100, 50)
+    assert any("7 plates" in note and "36 dpi" in note for note in artwork.notes)
+
+
+def test_plates_that_find_no_room(tmp_path, monkeypatch):
+    """Ghostscript ends well on a full disk, so room is asked for, and plates are checked."""
+    files.pdf(tmp_path / "a.pdf", CONTENT, SPOTS, profile=CMYK.read_bytes())
+    with monkeypatch.context() as patch:
+        patch.setattr(pdf, "_plate", lambda path: path.write_bytes(b"II*") and pdf._pixels(path))
+        with pytest.raises(InputError, match="did not write this plate whole"):
+            read_artwork(tmp_path / "a.pdf", AT_72)
+    full = shutil.disk_usage(tmp_path)._replace(free=100_000)
+    monkeypatch.setattr("shutil.disk_usage", lambda _: full)
+    with pytest.raises(InputError, match="in the folder of temporary files"):
+        read_artwork(tmp_path / "a.pdf", AT_72)
 
 
 class TestFunctions:

@@ -12,6 +12,7 @@ from PIL import Image
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.terminal import no_progress
+from relgloss_view.pack import mask_file
 from relgloss_view.pack.artwork import pictures, read
 from relgloss_view.pack.artwork.options import ArtworkOptions
 from relgloss_view.pack.artwork.raster import area_means, to_artwork
@@ -225,3 +226,24 @@ def test_further_pages_of_a_tiff_are_noted(tmp_path):
             page.save(tmp_path / f"{name}.tif", save_all=True, append_images=[thumbnail])
         notes.append(" ".join(read.read_artwork(tmp_path / f"{name}.tif").notes))
     assert ["several pages" in text for text in notes] == [False, True, False]
+
+
+def test_a_mask_is_read_as_an_artwork_is(tmp_path, monkeypatch, recwarn):
+    """Turned by EXIF, clear where a gray value of 16 bits is, without Pillow's own limit."""
+    monkeypatch.setattr(Image, "MAX_IMAGE_PIXELS", 5)
+    exif = Image.Exif()
+    exif[274] = 6
+    gray = np.arange(0, 240, 10, dtype=np.uint8).reshape(4, 6)
+    Image.fromarray(gray).save(tmp_path / "a.png", exif=exif)
+    monkeypatch.setattr(mask_file, "AT_ONCE", 12)  # in strips
+    assert np.array_equal(mask_file.read_mask(tmp_path / "a.png"), np.rot90(gray, -1))
+    assert read.read_artwork(tmp_path / "a.png").size_px == (4, 6)
+    head = struct.pack(">IIBBBBB", 6, 4, 16, 0, 0, 0, 0)
+    rows = b"".join(b"\0" + (row * 257).astype(">u2").tobytes() for row in gray.astype(int))
+    clear = (b"tRNS", struct.pack(">H", 230 * 257))
+    data = files.png(head, clear, (b"IDAT", zlib.compress(rows)))
+    (tmp_path / "b.png").write_bytes(data)
+    assert np.array_equal(mask_file.read_mask(tmp_path / "b.png"), np.where(gray == 230, 0, gray))
+    alpha = read.read_artwork(tmp_path / "b.png").alpha
+    assert np.array_equal(alpha == 0.0, gray == 230)
+    assert not recwarn.list

@@ -275,3 +275,55 @@ def test_scanned_packs(name, size_m):
     e, f = label[:, 1] - label[:, 0], label[:, 2] - label[:, 0]
     on_label = 0.5 * np.abs(e[:, 0] * f[:, 1] - e[:, 1] * f[:, 0]).sum()
     assert on_label == pytest.approx(area, rel=1e-6)
+
+
+def comb(teeth):
+    """A concave polygon in the plane z = 0.01 that no fan fills: a bar with teeth, m."""
+    x = np.repeat(np.arange(2 * teeth), 2)
+    y = np.tile([0.0, 1.0, 1.0, 0.0], teeth)
+    top = np.stack([x, y], axis=-1)[1:-1]
+    corners = np.concatenate(
+        [[[0, -1]], [[2 * teeth - 1, -1]], [[2 * teeth - 1, 0]], top[::-1], [[0, 0]]]
+    )
+    return 0.01 * np.column_stack([corners, np.ones(len(corners))])
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".ply"])
+@pytest.mark.parametrize("turned", [0, 3])
+def test_concave_polygons_are_filled_once(tmp_path, suffix, turned):
+    """Area by the shoelace formula; a fan covers more, and what lies beside the polygon."""
+    points = np.roll(comb(4), turned, axis=0)
+    count = len(points)
+    order = range(count)
+    if suffix == ".obj":
+        text = "".join("v {} {} {}\n".format(*p) for p in points)
+        text += "f " + " ".join(str(k + 1) for k in order) + "\n"
+    else:
+        text = (PLY % (b"ascii", 1)).decode().replace("vertex 3", f"vertex {count}")
+        text += "".join("{} {} {}\n".format(*p) for p in points)
+        text += f"{count} " + " ".join(map(str, order)) + "\n"
+    (tmp_path / f"a{suffix}").write_text(text)
+    mesh = read_mesh(tmp_path / f"a{suffix}", "m")
+    a, b, c = (mesh.points_m[mesh.triangles[:, k]] for k in range(3))
+    x, y = points[:, 0], points[:, 1]
+    area = 0.5 * abs(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+    covered = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
+    assert covered == pytest.approx(area, rel=1e-9)
+    a, b, c = points[0], points[1:-1], points[2:]
+    assert 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() > 1.2 * area  # a fan
+
+
+def test_other_ways_to_write_the_same(tmp_path):
+    obj = THREE + b"vt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"
+    stl = b"solid a\nfacet normal 0 0 1\nouter loop\n" + THREE.replace(b"v ", b"vertex ")
+    stl += b"endloop\nendfacet\nendsolid\n"
+    for name, data, other in (
+        ("bom.obj", b"\xef\xbb\xbf" + obj, obj),
+        ("slash.obj", obj.replace(b"/1 2/2 3/3", b"/1/ 2/2/ 3/3/"), obj),
+        ("upper.stl", stl.upper(), stl),
+    ):
+        (tmp_path / name).write_bytes(data)
+        (tmp_path / f"usual{name}").write_bytes(other)
+        one, usual = (read_mesh(tmp_path / n) for n in (name, f"usual{name}"))
+        assert np.array_equal(one.points_m[one.triangles], usual.points_m[usual.triangles])
+        assert np.array_equal(one.label_m[one.triangles], usual.label_m[usual.triangles])

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import os
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from relgloss_view.base.resources import asset
 from relgloss_view.cli import main
 from relgloss_view.pack.built_in import FINISHES, load_finish
 from relgloss_view.pack.check import check_pack, outside_srgb
+from relgloss_view.pack.forms.mesh_files import MESH_SUFFIXES
 from relgloss_view.pack.layers import layers_of
 from relgloss_view.pack.pack import Placement
 from relgloss_view.pack.pack_file import read_pack, write_pack
@@ -101,6 +103,8 @@ def test_files_are_named_from_the_pack_file(folder):
         (("[pack]", "[pack]\ncolour = 'loud'"), "pack.colour: expected one of lab, spectral"),
         (("[pack]", "[pack]\nplacement = {scale = 0}"), "pack.placement.scale: expected"),
         (("[pack]", "[pack]\ndpi = 'x'"), "pack.*dpi: expected"),
+        (("[pack]", "[pack]\nprofile = [1]"), "pack.profile: expected a text"),
+        (("[pack]", "[pack]\nprofile = '\\u0000'"), "pack.*profile|can't be read"),
         (('"matt-varnish"', '"matt-varnish"\nkind = "varnish"'), "can't be a varnish"),
         (("[[finish]]", "[[finnish]]"), r"\[finnish\]: no such table"),
     ],
@@ -112,6 +116,23 @@ def test_faults_are_one_line(folder, change, message):
         read_pack("bad.toml")
     assert "\n" not in str(caught.value)
     assert str(caught.value).startswith("bad.toml: ")
+
+
+@pytest.mark.parametrize("suffix", MESH_SUFFIXES)
+def test_every_mesh_file_is_a_form(folder, suffix):
+    (folder / "mesh.toml").write_text(PACK.format(form=f"a{suffix}"))
+    assert read_pack("mesh.toml").shape.kind == "mesh"
+
+
+def test_a_file_name_that_is_no_text(folder):
+    name = os.fsdecode(b"a\xff\n.toml")
+    try:
+        (folder / name).write_text(PACK.format(form="plane"))
+    except OSError:
+        pytest.skip("this system has no such names")
+    pack = read_pack(name)
+    assert pack.name == "a\ufffd"
+    write_pack("again.toml", pack)
 
 
 def test_names_of_plates_mean_finishes():

@@ -14,7 +14,6 @@ import os
 import shutil
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
@@ -24,10 +23,10 @@ from relgloss_view.base import followed
 from relgloss_view.base.arrays import Bytes, Floats
 from relgloss_view.base.child import PACKAGE_FOLDER, Child
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.interruptions import STEP_S, checkpoint
 from relgloss_view.base.reading import decoding, named, open_regular, printable, read_beginning
 from relgloss_view.base.temporaries import scratch_folder
 from relgloss_view.base.terminal import ProgressReport, no_progress
+from relgloss_view.pack.artwork.ghostscript import WAITING, Renderer, allowed_s, ghostscript
 from relgloss_view.pack.artwork.options import ArtworkOptions
 from relgloss_view.pack.artwork.pictures import gray_of, profile_of_file, quiet_pillow
 from relgloss_view.pack.artwork.plate_names import PROCESS
@@ -36,13 +35,9 @@ from relgloss_view.pack.artwork.raster import MM_PER_INCH, USUAL_DPI, Raster
 from relgloss_view.pack.artwork.spaces import srgb
 
 EXPECTED = "a PDF"
-PROGRAMS = ("gs", "gswin64c", "gswin32c")
 MOST_BYTES = 1_000_000_000  #: of a PDF
 MOST_SPOTS = 60  #: beside the four process colours, Ghostscript's limit being 64
-MOST_MEMORY_KB = 500_000  #: of Ghostscript
-EXAMINED_S = 30.0  #: longest time of the examination
-RENDERED_S, PER_MB_S = 20.0, 1.0  #: longest time of Ghostscript, and what each MB adds
-PER_PLANE_S = 0.06  #: what each million pixels of a plate adds
+MOST_PLANE_PIXELS = 300_000_000  #: of all plates together; they are held in memory
 _MODULE = "relgloss_view.pack.artwork.pdf_examination"
 _LAB_ZERO, _LAB_SPAN = np.array([0.0, 128.0, 128.0]), np.array([100.0, 255.0, 255.0])
 _POSTSCRIPT = (b"%!PS", b"\xc5\xd0\xd3\xc6", b"\x04%!PS")
@@ -63,37 +58,27 @@ def read_pdf(
     has_cmyk = own is not None and own.space == "CMYK"
     with scratch_folder() as folder, decoding(path, EXPECTED):
         source = Path(path)
-        allowed_s = RENDERED_S + PER_MB_S * size / 1e6
+        budget_s = allowed_s(size)
+        renderer = Renderer(program, folder, path, budget_s)
         if read_beginning(path, 4, EXPECTED) in {mark[:4] for mark in _POSTSCRIPT}:
             progress(0.05, "converting PostScript")
-            source = _as_pdf(program, source, folder, allowed_s, path)
+            source = _as_pdf(renderer, source, folder)
         progress(0.1, "examining the PDF")
-        page = examined(source, options.page, folder, has_cmyk, shown=path)
+        page = examined(source, options.page, folder, has_cmyk, shown=path, budget_s=budget_s)
         profile = _profile(page, own, options, folder, path)
         if len(page["names"]) > MOST_SPOTS:
             raise InputError(
                 f"{named(path)}: {len(page['names'])} spot colours on a page; Ghostscript "
                 f"separates at most {MOST_SPOTS}: remove unused ones"
             )
-        return _rendered(program, page, profile, options, folder, allowed_s, path, progress)
+        return _rendered(renderer, page, profile, options, folder, progress)
 
 
 def missing_fonts(path: str | os.PathLike[str], page: int = 1) -> tuple[str, ...]:
     """Fonts of a PDF's page that are not embedded, so that another one may be drawn."""
     with scratch_folder() as folder, decoding(path, EXPECTED):
-        return tuple(examined(Path(path), page, folder, True)["fonts"])
-
-
-def ghostscript(path: str | os.PathLike[str]) -> str:
-    """The program; InputError that gives the way to get it."""
-    for name in PROGRAMS:
-        found = shutil.which(name)
-        if found:
-            return found
-    raise InputError(
-        f"{named(path)}: Ghostscript, which renders PDF, is not installed; install it (Debian: apt "
-        "install ghostscript, macOS: brew install ghostscript), or save the artwork as a TIFF"
-    )
+        budget_s = allowed_s(os.path.getsize(path))
+        return tuple(examined(Path(path), page, folder, True, budget_s=budget_s)["fonts"])
 
 
 def examined(
@@ -102,10 +87,16 @@ def examined(
     folder: Path,
     has_profile: bool,
     shown: str | os.PathLike[str] | None = None,
+    *,
+    budget_s: float,
 ) -> dict[str, Any]:
-    """What pdf_examination.examine finds; InputError with its line. shown: the file's name."""
+    """What pdf_examination.examine finds; InputError with its line.
+
+    shown: the file's name. budget_s: processor time that it may take.
+    """
     search = os.pathsep.join(filter(None, (str(PACKAGE_FOLDER), os.environ.get("PYTHONPATH"))))
-    words = [str(path), str(page), str(folder), "profile" if has_profile else ""]
+    words = [str(path), str(page), str(folder), "profile" if has_profile else "",
+             str(math.ceil(budget_s))]  # fmt: skip
     child = Child(
         [sys.executable, "-m", followed.__name__, _MODULE, *words],
         followed=True,
@@ -113,7 +104,7 @@ def examined(
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
     )
-    outcome = child.outcome(EXAMINED_S)
+    outcome = child.outcome(WAITING * budget_s)
     name = named(path if shown is None else shown)
     try:
         answer = json.loads(outcome.out)
@@ -163,13 +154,11 @@ def _bytes_of(path: str) -> bytes:
 
 
 def _rendered(
-    program: str,
+    renderer: Renderer,
     page: dict[str, Any],
     profile: Profile | None,
     options: ArtworkOptions,
     folder: Path,
-    allowed_s: float,
-    path: str | os.PathLike[str],
     progress: ProgressReport,
 ) -> Raster:
     width_pt, height_pt = page["size_pt"]
@@ -178,10 +167,20 @@ def _rendered(
     if math.ceil(max(width_pt, height_pt) * dpi / 72.0) > options.most_px:
         dpi = (options.most_px - 0.5) * 72.0 / max(width_pt, height_pt)
     dpi = max(dpi, 72.0 / min(width_pt, height_pt))
+    planes = 4 + len(page["names"])
     pixels = width_pt * height_pt * (dpi / 72.0) ** 2
-    allowed_s += PER_PLANE_S * 1e-6 * pixels * (4 + len(page["names"]))
+    fewer = math.sqrt(min(MOST_PLANE_PIXELS / (planes * pixels), 1.0))
+    dpi *= fewer
+    pixels *= fewer**2
+    renderer.add(planes * pixels)
+    _check_disk(folder, (planes + 4) * pixels, renderer.path)
     notes = _notes(page, profile)
-    if dpi < wanted * 0.999:
+    if fewer < 1.0:
+        notes.append(
+            f"The page has {planes} plates, so it is rendered at {dpi:.0f} dpi instead of "
+            f"{wanted:g}."
+        )
+    elif dpi < wanted * 0.999:
         notes.append(
             f"The page is rendered at {dpi:.0f} dpi instead of {wanted:g}, for at most "
             f"{options.most_px} pixels a side."
@@ -198,8 +197,10 @@ def _rendered(
     plates: dict[str, Bytes] = {}
     samples: Bytes
     if profile is not None or page["names"]:
-        _run(program, [*separate, "-sOutputFile=plate.tif", "page.pdf"], folder, allowed_s, path,
-             lambda share, text: progress(0.15 + 0.6 * share, text))  # fmt: skip
+        renderer.run(
+            [*separate, "-sOutputFile=plate.tif", "page.pdf"],
+            lambda share, text: progress(0.15 + 0.6 * share, text),
+        )
         for name, key in page["names"].items():
             made = folder / f"plate({key}).tif"
             if made.exists():
@@ -209,8 +210,10 @@ def _rendered(
         samples = np.stack(inks, axis=2)
     else:
         colour = ["-sDEVICE=tiff24nc", *words]
-        _run(program, [*colour, "-sOutputFile=colour.tif", "colour.pdf"], folder, allowed_s, path,
-             lambda share, text: progress(0.75 + 0.2 * share, text))  # fmt: skip
+        renderer.run(
+            [*colour, "-sOutputFile=colour.tif", "colour.pdf"],
+            lambda share, text: progress(0.75 + 0.2 * share, text),
+        )
         samples = _pixels(folder / "colour.tif")
         profile = srgb()
     mm = MM_PER_INCH / 72.0
@@ -297,11 +300,28 @@ def _xyz_of(look: dict[str, Any], profile: Profile, intent: str, folder: Path) -
     return (srgb() if space == "RGB" else gray_of(srgb())).xyz(values)
 
 
-def _pixels(path: Path) -> Bytes:
-    from PIL import Image
+def _check_disk(folder: Path, needed: float, path: str | os.PathLike[str]) -> None:
+    """InputError where the plates would not find room; Ghostscript ends well on a full disk."""
+    free = shutil.disk_usage(folder).free
+    if needed > free:
+        raise InputError(
+            f"{named(path)}: its plates need {needed / 1e6:.0f} MB in the folder of temporary "
+            f"files, where {free / 1e6:.0f} MB are free; free some, or give a coarser resolution "
+            "(dpi)"
+        )
 
-    with open_regular(path, "a picture") as file, quiet_pillow(), Image.open(file) as image:
-        return np.array(image)
+
+def _pixels(path: Path) -> Bytes:
+    from PIL import Image, UnidentifiedImageError
+
+    try:
+        with open_regular(path, "a picture") as file, quiet_pillow(), Image.open(file) as image:
+            return np.array(image)
+    except (UnidentifiedImageError, ValueError, OSError):
+        raise InputError(
+            f"{path.name}: Ghostscript did not write this plate whole; free some room in the "
+            "folder of temporary files"
+        ) from None
 
 
 def _plate(path: Path) -> Bytes:
@@ -309,61 +329,10 @@ def _plate(path: Path) -> Bytes:
     return 255 - _pixels(path)
 
 
-def _as_pdf(
-    program: str, source: Path, folder: Path, allowed_s: float, path: str | os.PathLike[str]
-) -> Path:
+def _as_pdf(renderer: Renderer, source: Path, folder: Path) -> Path:
     """PostScript, EPS and old Illustrator files as a PDF whose colours are unchanged."""
-    with open_regular(source, EXPECTED) as file:
-        shutil.copyfileobj(file, (copy := (folder / "source.ps").open("wb")))
-        copy.close()
+    with open_regular(source, EXPECTED) as file, (folder / "source.ps").open("wb") as copy:
+        shutil.copyfileobj(file, copy)
     words = ["-sDEVICE=pdfwrite", "-dEPSCrop", "-sColorConversionStrategy=LeaveColorUnchanged"]
-    _run(program, [*words, "-sOutputFile=source.pdf", "source.ps"], folder, allowed_s, path,
-         no_progress)  # fmt: skip
+    renderer.run([*words, "-sOutputFile=source.pdf", "source.ps"], no_progress)
     return folder / "source.pdf"
-
-
-def _run(
-    program: str,
-    words: list[str],
-    folder: Path,
-    longest_s: float,
-    path: str | os.PathLike[str],
-    progress: ProgressReport,
-) -> None:
-    """Run Ghostscript in a folder of ours, with checkpoints and a bound of its time."""
-    usual = ["-q", "-dSAFER", "-dBATCH", "-dNOPAUSE", "-dNOPROMPT", "-dShowAnnots=false",
-             "--permit-file-read=intent.icc", f"-K{MOST_MEMORY_KB}",
-             "-dBufferSpace=200000000", "-sCompression=none"]  # fmt: skip
-    if "-sDEVICE=pdfwrite" in words:
-        usual.pop()
-    log = folder / "log.txt"
-    with log.open("wb") as output:
-        null = subprocess.DEVNULL
-        child = Child(
-            [program, *usual, *words], stdin=null, stdout=output, stderr=output, cwd=folder
-        )
-        try:
-            start_s = time.monotonic()
-            while child.process.poll() is None:
-                checkpoint()
-                spent_s = time.monotonic() - start_s
-                if spent_s > longest_s:
-                    raise InputError(
-                        f"{named(path)}: Ghostscript takes longer than {longest_s:.0f} s; flatten "
-                        "the artwork, or save it as a TIFF"
-                    )
-                progress(1.0 - math.exp(-spent_s / 5.0), "rendering the PDF")
-                time.sleep(STEP_S)
-            status = child.process.returncode
-        finally:
-            child.close()
-    target = next(w for w in words if w.startswith("-sOutputFile=")).partition("=")[2]
-    if status != 0 or not (folder / target).exists():
-        with open_regular(log, "a text") as file:
-            lines = file.read(4000).decode("utf-8", "replace").strip().splitlines()
-        line = next(
-            (one for one in lines if "rror" in one), lines[0] if lines else f"status {status}"
-        )
-        raise InputError(
-            f"{named(path)}: Ghostscript can't render it ({printable(line, 120)}); export it again"
-        )

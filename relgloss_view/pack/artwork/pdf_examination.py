@@ -1,10 +1,11 @@
 """What a page of a PDF holds, found in a process of its own: colorants, layers, profile, fonts.
 
-As a program: `python -m relgloss_view.pack.artwork.pdf_examination FILE PAGE FOLDER PROFILE`, where
-PROFILE is 'profile' if the caller has one of CMYK. It prints JSON, and writes into FOLDER copies of
-the PDF for Ghostscript: `page.pdf`, trimmed and with its spot colours named RG0001, RG0002, so that
-no name can be lost in a file's name; and where no CMYK profile is at hand `colour.pdf`, whose
-finishes are /None, which prints nothing (ISO 32000-2:2020, 8.6.6.4).
+As a program: `python -m relgloss_view.pack.artwork.pdf_examination FILE PAGE FOLDER PROFILE S`,
+where PROFILE is 'profile' if the caller has one of CMYK, and S seconds of processor time. It prints
+JSON, and writes into FOLDER copies of the PDF for Ghostscript: `page.pdf`, trimmed and with its
+spot colours named RG0001, RG0002, so that no name can be lost in a file's name; and where no CMYK
+profile is at hand `colour.pdf`, whose finishes are /None, which prints nothing (ISO 32000-2:2020,
+8.6.6.4).
 """
 
 from __future__ import annotations
@@ -136,10 +137,14 @@ def _alternate_space(space: Any, folder: Path, number: int) -> tuple[str, str]:
     return {1: "GRAY", 3: "RGB", 4: "CMYK"}[int(space[1]["/N"])], icc.name
 
 
-def output_intent(pdf: Any) -> tuple[Any, str]:
-    """The stream of the output intent's CMYK profile, or None; and the condition's name."""
+def output_intent(pdf: Any, page: Any) -> tuple[Any, str]:
+    """The stream of the output intent's CMYK profile, or None; and the condition's name.
+
+    An intent of the page goes before those of the document (14.11.5).
+    """
     name = ""
-    for intent in list(pdf.Root.get("/OutputIntents", []))[:10]:
+    listed = [*page.obj.get("/OutputIntents", []), *pdf.Root.get("/OutputIntents", [])]
+    for intent in listed[:20]:
         name = name or str(intent.get("/OutputConditionIdentifier", ""))
         stream = intent.get("/DestOutputProfile")
         if stream is not None and int(stream.get("/N", 0)) == 4:
@@ -149,15 +154,14 @@ def output_intent(pdf: Any) -> tuple[Any, str]:
 
 def trim(page: Any) -> tuple[float, float, float]:
     """Make the trim box the whole page; its printed width and height, points, and its unit."""
-    box = next(
-        b
-        for b in (page.obj.get("/TrimBox"), inherited(page.obj, "/CropBox"),
-                  inherited(page.obj, "/MediaBox"), [0, 0, 612, 792])
-        if b is not None
-    )  # fmt: skip
-    numbers = [float(v) for v in box]
-    x0, x1 = sorted(numbers[0::2][:2])
-    y0, y1 = sorted(numbers[1::2][:2])
+    media = _box(inherited(page.obj, "/MediaBox") or [0, 0, 612, 792])
+    trimmed = page.obj.get("/TrimBox")
+    if trimmed is None:
+        trimmed = inherited(page.obj, "/CropBox")
+    box = media if trimmed is None else _box(trimmed)
+    # What lies beyond the medium is no part of the page (14.11.2.1).
+    x0, y0 = max(box[0], media[0]), max(box[1], media[1])
+    x1, y1 = min(box[2], media[2]), min(box[3], media[3])
     unit = float(page.obj.get("/UserUnit", 1.0))
     width, height = (x1 - x0) * unit, (y1 - y0) * unit
     if not (min(width, height) >= 0.1 and max(width, height) <= MOST_SIDE_PT):
@@ -168,6 +172,16 @@ def trim(page: Any) -> tuple[float, float, float]:
     page.obj["/MediaBox"] = page.obj["/CropBox"] = [x0, y0, x1, y1]
     turned = int(inherited(page.obj, "/Rotate") or 0) % 180 == 90
     return (height, width, unit) if turned else (width, height, unit)
+
+
+def _box(values: Any) -> tuple[float, float, float, float]:
+    """A rectangle with its lower left corner first; its corners may be any two opposite ones."""
+    numbers = [float(v) for v in values]
+    if len(numbers) != 4:
+        raise ValueError("a box that is not of four numbers")
+    x0, x1 = sorted(numbers[0::2])
+    y0, y1 = sorted(numbers[1::2])
+    return x0, y0, x1, y1
 
 
 def _rename(page: Page, keys: dict[str, str]) -> None:
@@ -226,7 +240,7 @@ def examine(path: str, number: int, folder: Path, has_profile: bool) -> dict[str
         if len(names) > MOST_NAMES:
             raise InputError(f"{named(path)}: {len(names)} spot colours; at most {MOST_NAMES}")
         technical = [n for n in names if n in by_layer or is_technical(n)]
-        stream, condition = output_intent(pdf)
+        stream, condition = output_intent(pdf, source)
         if stream is None and not has_profile and len(page.profiles) == 1:
             stream = page.profiles[0]
         profile = ""
@@ -286,7 +300,9 @@ def answer(path: str, number: int, folder: Path, *, has_profile: bool) -> dict[s
         return {"error": str(error)}
     except Exception as error:
         words = str(error).partition(">: ")[2] or str(error).replace(path, "").strip(" :")
-        reason = printable(words, 120) or type(error).__name__
+        reason = printable(words, 120)
+        if not reason or isinstance(error, AttributeError | TypeError | LookupError):
+            reason = "an entry is of a wrong kind"
         remedy = "open it in its program, export it again"
         return {"error": f"{named(path)}: a damaged PDF ({reason}); {remedy}"}
     if not all(math.isfinite(v) for v in found["size_pt"]):
@@ -300,9 +316,10 @@ def main(words: list[str]) -> None:
         import resource
 
         resource.setrlimit(resource.RLIMIT_DATA, (MOST_MEMORY, MOST_MEMORY))
+        resource.setrlimit(resource.RLIMIT_CPU, (int(words[4]), int(words[4]) + 1))
     except (ImportError, ValueError, OSError):  # Windows, or a limit that is lower already
         pass
-    path, number, folder, profile = words
+    path, number, folder, profile = words[:4]
     print(json.dumps(answer(path, int(number), Path(folder), has_profile=profile == "profile")))
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from relgloss_view.base.arrays import AnyArray, Digital
+from relgloss_view.base.arrays import AnyArray, Bytes, Digital
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.reading import decoding, named, open_regular, read_bytes
@@ -193,6 +193,10 @@ def _read(
                 f"{named(path)}: no picture that can be read, or a damaged one; give {EXPECTED}"
             ) from None
         check_size(path, *image.size, 2 * len(image.getbands()))
+        if image.mode == "F":
+            raise InputError(
+                f"{named(path)}: a picture of floating point numbers; save it with 16 bits"
+            )
         checkpoint()
         progress(0.2, "decoding")
         samples, alpha, space = _samples(image, file)
@@ -201,24 +205,34 @@ def _read(
     if profile is None:
         profile = profile_for(path, space, image.info.get("icc_profile"), options, notes)
     width_mm, height_mm = _size_mm(image, options)
-    turn = (
-        image.getexif().get(ORIENTATION, 1) if image.format != "PNG" or "exif" in image.info else 1
-    )
     raster = Raster(
         samples, profile, alpha, width_mm=width_mm, height_mm=height_mm, notes=tuple(notes)
     )
-    return turned(raster, turn)
+    return turned(raster, orientation_of(image))
+
+
+def turned_values(values: AnyArray, orientation: object) -> AnyArray:
+    """Values (H, W, ...) as an EXIF orientation asks to show them."""
+    swap, rows, columns = TURNS.get(orientation, (False, False, False))  # type: ignore[call-overload]
+    out = np.swapaxes(values, 0, 1) if swap else values
+    return np.ascontiguousarray(out[:: -1 if rows else 1, :: -1 if columns else 1])
+
+
+def orientation_of(image: Image.Image) -> object:
+    """The EXIF orientation of a picture; 1 is upright."""
+    if image.format == "PNG" and "exif" not in image.info:
+        return 1
+    return image.getexif().get(ORIENTATION, 1)
 
 
 def turned(raster: Raster, orientation: object) -> Raster:
     """The raster as an EXIF orientation asks to show it."""
     if orientation not in TURNS:
         return raster
-    swap, rows, columns = TURNS[orientation]
+    swap = TURNS[orientation][0]
 
     def turn(values: AnyArray) -> AnyArray:
-        out = np.swapaxes(values, 0, 1) if swap else values
-        return np.ascontiguousarray(out[:: -1 if rows else 1, :: -1 if columns else 1])
+        return turned_values(values, orientation)
 
     width_mm, height_mm = raster.width_mm, raster.height_mm
     return Raster(
@@ -247,9 +261,8 @@ def _samples(image: Image.Image, file: BinaryIO) -> tuple[Digital, Digital | Non
         values = np.asarray(image)
         if mode == "I" and (values.min() < 0 or values.max() > 65535):
             raise ValueError("a picture of 32 bits")
-        return values.astype(np.uint16)[..., None], None, "GRAY"
-    if mode == "F":
-        raise ValueError("a picture of floating point numbers")
+        values = values.astype(np.uint16)
+        return values[..., None], transparency16(image, values), "GRAY"
     if mode == "CMYK":
         values = np.asarray(image)
         # Pillow takes Adobe's way of writing CMYK in a JPEG, inverted, for every JPEG.
@@ -270,6 +283,12 @@ def _samples(image: Image.Image, file: BinaryIO) -> tuple[Digital, Digital | Non
         values = np.asarray(image.convert("RGBA"))
         return np.ascontiguousarray(values[..., :3]), values[..., 3], "RGB"
     return np.asarray(image.convert("RGB")), None, "RGB"
+
+
+def transparency16(image: Image.Image, values: AnyArray) -> Bytes | None:
+    """Alpha of a gray picture of 16 bits whose one value is transparent; None without one."""
+    clear = image.info.get("transparency")
+    return np.where(values == clear, 0, 255).astype(np.uint8) if isinstance(clear, int) else None
 
 
 def _deep_samples(image: Image.Image, file: BinaryIO) -> AnyArray | None:

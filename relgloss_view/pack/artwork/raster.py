@@ -119,7 +119,9 @@ def to_artwork(
     conversion = Conversion(raster.profile, options.intent, raster.samples[:0, :0].ravel())
     xyz = np.empty((rows, columns, 3), np.float16)
     alpha = None if raster.alpha is None else np.empty((rows, columns), np.float16)
-    plates = {name: np.empty((rows, columns), np.uint8) for name in raster.plates}
+    plates = dict(raster.plates)
+    if share < 1.0:
+        plates = {name: np.empty((rows, columns), np.uint8) for name in raster.plates}
     step = max(AT_ONCE // max(columns, int(width * share), 1), 1)
 
     def band(first: int) -> None:
@@ -134,11 +136,9 @@ def to_artwork(
         xyz[first:last] = np.minimum(reduced(colours[..., :3]), 6e4)
         if alpha is not None:
             alpha[first:last] = reduced(colours[..., 3])
-        for name, plate in raster.plates.items():
-            part = plate[top:bottom]
-            plates[name][first:last] = (
-                part if share == 1.0 else np.rint(reduced(part.astype(np.float32)))
-            )
+        for name, plate in raster.plates.items() if share < 1.0 else ():
+            part = plate[top:bottom].astype(np.float32)
+            plates[name][first:last] = np.rint(reduced(part))
 
     with ThreadPoolExecutor(_THREADS) as threads:
         firsts = range(0, rows, step)

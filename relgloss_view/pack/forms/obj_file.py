@@ -12,6 +12,7 @@ from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.pack.forms.loose import MOST_TRIANGLES, TOO_MANY, Loose
+from relgloss_view.pack.forms.polygons import triangulated
 
 MOST_LINES = 2_500_000
 MOST_VECTORS = 3 * MOST_TRIANGLES
@@ -21,12 +22,13 @@ LONGEST_FACE = 64 * MOST_CORNERS  #: bytes
 
 
 def parse_obj(data: bytes) -> Loose:
-    """The triangles of an OBJ file; polygons become fans. Raises InputError."""
+    """The triangles of an OBJ file; polygons are cut. Raises InputError."""
     if max(data.count(b"\n"), data.count(b"\r")) > MOST_LINES:
         raise InputError(f"has more than {MOST_LINES} lines; save it as .glb")
     if data.count(b"\nf ") > MOST_TRIANGLES:
         raise InputError(f"holds {TOO_MANY}")
-    text = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").replace(b"\t", b" ")
+    text = data.removeprefix(b"\xef\xbb\xbf")  # the byte order mark of some editors
+    text = text.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").replace(b"\t", b" ")
     lines = [line.strip() for line in text.splitlines()]
     points = _vectors(lines, b"v ", 3, "v")
     uv = _vectors(lines, b"vt ", 2, "vt")
@@ -79,7 +81,7 @@ def _faces(lines: list[bytes], points: Array, uv: Array, normals: Array) -> Loos
                 if len(names) > MOST_PARTS:
                     raise InputError(f"has more than {MOST_PARTS} groups; join them")
                 changed = False
-            face = line[2:].split(b"#")[0]
+            face = (line[2:].split(b"#")[0] + b" ").replace(b"/ ", b" ").replace(b"/ ", b" ")
             words = face.split() if len(face) < LONGEST_FACE else []
             if not 3 <= len(words) <= MOST_CORNERS:
                 raise InputError(
@@ -100,7 +102,7 @@ def _faces(lines: list[bytes], points: Array, uv: Array, normals: Array) -> Loos
     if total > MOST_TRIANGLES:
         raise InputError(f"holds {TOO_MANY}")
     found = [
-        _fans(polygons, corners, form, counts, parts_of[corners, form],
+        _cut(polygons, corners, form, points, counts, parts_of[corners, form],
               None if before is None else before[places[corners, form]])
         for (corners, form), polygons in groups.items()
     ]  # fmt: skip
@@ -129,10 +131,11 @@ def _counts_before(lines: list[bytes]) -> Ints:
     return np.cumsum(kinds, axis=0).astype(np.int64)
 
 
-def _fans(
+def _cut(
     polygons: list[bytes],
     corners: int,
     form: str,
+    points: Array,
     counts: tuple[int, int, int],
     parts: list[int],
     before: Ints | None,
@@ -157,7 +160,7 @@ def _fans(
     full = np.where(full < 0, full + base, full - 1)  # 0 becomes -1: none
     if (full[..., 0] < 0).any():
         raise InputError("a face names a point before the first one; export it again")
-    k = np.arange(1, corners - 1)
-    fan = np.stack([np.zeros_like(k), k, k + 1], axis=-1)
-    triangles = full[:, fan].reshape(-1, 3, 3)
+    known = np.minimum(full[..., 0], max(len(points) - 1, 0))  # others are refused later
+    places = triangulated(points[known] if len(points) else np.zeros((*known.shape, 3)))
+    triangles = full[np.arange(count)[:, None, None], places].reshape(-1, 3, 3)
     return triangles, np.repeat(np.array(parts, dtype=np.int64), corners - 2)

@@ -10,6 +10,7 @@ from relgloss_view.base.arrays import AnyArray, Array, Ints
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.pack.forms.loose import MOST_TRIANGLES, TOO_MANY, Loose
+from relgloss_view.pack.forms.polygons import triangulated
 
 LONGEST_HEADER = 64 * 1024
 MOST_CORNERS = 256  #: of one polygon
@@ -34,7 +35,7 @@ class _Element:
 
 
 def parse_ply(data: bytes) -> Loose:
-    """The triangles of a PLY file; polygons become fans. Raises InputError."""
+    """The triangles of a PLY file; polygons are cut. Raises InputError."""
     order, elements, at = _header(data)
     for element in elements:
         if element.count > (1 if element.name == "face" else 3) * MOST_TRIANGLES:
@@ -243,11 +244,13 @@ def _loose(vertex: dict[str, Array], lists: dict[str, _Lists]) -> Loose:
         size = polygons.shape[1]
         if size < 3:
             continue
-        k = np.arange(1, size - 1)
-        fan = np.stack([np.zeros_like(k), k, k + 1], axis=-1)
-        corners.append(polygons[:, fan].reshape(-1, 3).astype(np.int64))
+        with np.errstate(invalid="ignore"):
+            named = polygons.astype(np.int64)
+        known = np.clip(named, 0, max(len(points) - 1, 0))  # others are refused later
+        cut = triangulated(points[known] if len(points) else np.zeros((*known.shape, 3)))
+        corners.append(named[np.arange(len(named))[:, None, None], cut].reshape(-1, 3))
         rows.append(np.repeat(numbers, size - 2))
-        places.append(np.tile(fan, (len(polygons), 1)))
+        places.append(cut.reshape(-1, 3))
     if not corners:
         return Loose(points, np.zeros((0, 3), dtype=np.int64))
     triangles = np.concatenate(corners)

@@ -10,7 +10,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.pack.forms.loose import MOST_TRIANGLES, TOO_MANY, Loose
 
 _ROW = np.dtype([("normal", "<f4", 3), ("points", "<f4", (3, 3)), ("attribute", "<u2")])
-_VERTEX = re.compile(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)")
+_VERTEX = re.compile(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)", re.IGNORECASE)
 
 
 def parse_stl(data: bytes) -> Loose:
@@ -27,7 +27,7 @@ def parse_stl(data: bytes) -> Loose:
             return _loose(rows["points"].astype(float).reshape(-1, 3))
     if not _is_text(data):
         raise InputError("the file ends before its triangles do; export it again")
-    if data.count(b"vertex") > 3 * MOST_TRIANGLES:
+    if data.count(b"vertex") + data.count(b"VERTEX") > 3 * MOST_TRIANGLES:
         raise InputError(f"holds {TOO_MANY}")
     found = _VERTEX.findall(data)
     try:
@@ -40,7 +40,7 @@ def parse_stl(data: bytes) -> Loose:
 
 
 def _is_text(data: bytes) -> bool:
-    return data[:5].lower() == b"solid" and b"facet" in data[:2000]
+    return data[:5].lower() == b"solid" and b"facet" in data[:2000].lower()
 
 
 def _loose(points: np.ndarray[tuple[int, int], np.dtype[np.float64]]) -> Loose:

@@ -9,13 +9,13 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
+from relgloss_view.pack.forms.mesh_files import MESH_SUFFIXES
 from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.file_kinds import likely_kind
 
 MESH = "mesh"
 ARTWORK_SUFFIXES = (".pdf", ".ai", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".psd")
-MESH_SUFFIXES = (".glb", ".gltf", ".obj", ".ply")
 
 
 def file_kind(path: str | os.PathLike[str]) -> str:
