@@ -152,6 +152,14 @@ def match_pack(
     keeps its k keeps it. setup: of the picture, on the pack's form, whose finishes keep their
     ratios; without one these are means over the reference's poses. Without a highlight anywhere c
     is the reference's. Raises InputError where a mask fits nothing.
+
+    >>> from relgloss_view.pack.built_in import load_finish
+    >>> from relgloss_view.pack.finish import Finish
+    >>> from relgloss_view.pack.shape import Shape
+    >>> matt = Finish("matt", "ink", load_finish("matt-varnish"), "matt-varnish")
+    >>> pack = Pack("matt box", Shape("carton"), (matt,))
+    >>> match_pack(Reference.default(), pack).finishes[0].k
+    1.0
     """
     plain = plain_finishes(pack, reference.setups[0].lamp.illuminant)
     found = [_alone(reference, one, sigma_n_deg) for one in plain]
