@@ -99,6 +99,7 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.gloss.match import Reference
     from relgloss_view.picture.model.pixel_sampling import sample_count
     from relgloss_view.picture.peak import check_picture
+    from relgloss_view.picture.scene.pack_settings import PACK_AMBIENT
     from relgloss_view.picture.scene.sample import SAMPLES
     from relgloss_view.quality.backends import open_renderer
 
@@ -113,6 +114,10 @@ def run(args: argparse.Namespace) -> int:
             f"{len(arguments)} samples x {len(operators)} operators: expected at most "
             f"{MOST_CELLS} pictures"
         )
+    own_light = args.scene is not None or any(w.startswith("lamp.ambient=") for w in args.set)
+    if not own_light and any(argument.sample.pack is not None for argument in arguments):
+        # As a new picture of a pack has, so that all samples are lit alike.
+        scene = scene.placed(lamp=dataclasses.replace(scene.lamp, ambient=PACK_AMBIENT))
     check_picture(
         size, sample_count(scene, look, size), backend=args.backend,
         uses=[operator.name for operator in operators], kept=len(arguments) * len(operators),

@@ -47,7 +47,6 @@ from relgloss_view.picture.scene.options import (
     with_settings,
 )
 from relgloss_view.picture.scene.pack_settings import (
-    NO_AMBIENT,
     PACK_AMBIENT,
     pack_settings,
     with_pack_settings,
@@ -246,7 +245,7 @@ def scene_from(args: argparse.Namespace) -> tuple[Scene, Look, tuple[int, int]]:
     pack = None if sample.pack is None else with_pack_settings(sample.pack, of_pack)
     if pack is not None:
         setup = setup.placed(shape=pack.shape)
-        if new:  # one small lamp leaves half of a pack black, and foil with nothing to mirror
+        if args.scene is None:  # one small lamp leaves half black, and foil nothing to mirror
             setup = setup.with_entries("lamp", ambient=PACK_AMBIENT)
     setup, look = with_settings(setup, look, others)
     if getattr(args, "published", False):
@@ -309,8 +308,6 @@ def scene_words_of(args: argparse.Namespace) -> list[str]:
         value = getattr(args, source)
         words += [f"--{source.replace('_', '-')}", str(value)] if value is not None else []
     words += colour_words(colour_from(args))
-    if plain and (args.pack is not None or args.artwork is not None):
-        words += [SET, NO_AMBIENT]
     for setting in args.set:
         words += [SET, setting]
     for lamp in args.further_lamp:

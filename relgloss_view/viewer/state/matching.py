@@ -62,7 +62,7 @@ def new_match(state: State) -> Match | None:
         return None
     pack = state.test.sample.pack
     if pack is not None:
-        return match_pack(reference, pack).match
+        return match_pack(reference, pack, setup=state.scene("test").setup).match
     return matched(reference, state.test.sample.material, state.test.look.sigma_n_deg)
 
 
@@ -77,11 +77,16 @@ def rematched(state: State, share: float = 1.0) -> State:
 
 
 def _finishes_matched(state: State) -> State:
-    """The state whose test pack has the sigma_N and k of each finish that a match proposes."""
+    """The state whose test pack has the sigma_N and k of each finish that a match proposes.
+
+    The ratios of the finishes are those of the present view; turning keeps the k that it began
+    with, as it keeps c.
+    """
     pack, reference = state.test.sample.pack, reference_of(state)
     if pack is None or reference is None:
         return state
-    return packs.with_pack(state, "test", match_pack(reference, pack).pack)
+    found = match_pack(reference, pack, setup=state.scene("test").setup)
+    return packs.with_pack(state, "test", found.pack)
 
 
 def with_finish_sample(state: State, side: str, finish: str, sample: Sample) -> State:

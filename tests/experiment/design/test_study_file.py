@@ -164,7 +164,7 @@ def test_template_has_no_entry_that_is_not_read(tmp_path):
         ("[study]\ntitle = ''\n", "title: expected a text"),
         ("[study]\ntitle = 5\n", "title: expected a text"),
         ("[[samples]]\nname = 'glossy'\n", "sample 'glossy': expected one of"),
-        ("[[samples]]\nlabel = 'x'\n", r"samples\[0\]: expected a name or a material"),
+        ("[[samples]]\nlabel = 'x'\n", r"samples\[0\]: expected a name, a material or a pack"),
         ("[[samples]]\nmaterial = 'gone.json'\n", "gone.json: can't be read"),
         ("[[samples]]\nname = 'uncoated'\n[[samples]]\nname = 'uncoated'\n", "another sample's"),
         ("samples = 3\n", r"samples: expected \[\[samples\]\]"),
