@@ -23,9 +23,11 @@ from relgloss_view.viewer.drawing.picking import label_place, pick
 from relgloss_view.viewer.files.open_job import OpenJob
 from relgloss_view.viewer.files.pack_edits import PackWatch, Poll, merged
 from relgloss_view.viewer.files.scene_saving import save_scene
+from relgloss_view.viewer.files.session_reading import SessionReading
 from relgloss_view.viewer.state import matching, packs
 from relgloss_view.viewer.state.command_line import snapshot_command
 from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.session import restore
 from relgloss_view.viewer.state.state import State
 from relgloss_view.viewer.state.state_file import load_state, save_state
 
@@ -345,3 +347,44 @@ def test_packs_with_other_masks_differ_without_a_fault(pack):
     assert dataclasses.replace(pack) == pack
     assert isinstance(hash(pack), int)
     assert isinstance(other, Pack)
+
+
+def test_a_session_shows_before_its_pack_is_read(state, tmp_path):
+    """What was changed meanwhile stays, and undo never brings the sample in its place back."""
+    path = tmp_path / "session.toml"
+    pack = packs.pack_of(state, "test")
+    pack = dataclasses.replace(pack, masks={}, finishes=pack.finishes[:1])
+    save_state(path, packs.with_pack(state, "test", pack))
+    state = load_state(path)
+    found = restore(path)
+    assert dict(found.coming) == {"test": "a.png"}
+    assert packs.pack_of(found.state, "test") is None
+    model = Model(found.state)
+    reading = SessionReading(model, path, found.coming)
+    assert model.awaited("test") == "a.png"
+    assert not model.awaited("reference")
+    model.set_look("test", sigma_n_deg=1.75)
+    reading.take(reading.read(lambda share, text: None))
+    assert not model.awaited("test")
+    assert packs.pack_of(model.state, "test") == packs.pack_of(state, "test")
+    assert model.state.test.look.sigma_n_deg == 1.75
+    assert model.state.setup == state.setup
+    model.history.undo()
+    assert model.state == state
+    other = Model(found.state)  # the control: a sample that was chosen meanwhile stays
+    reading = SessionReading(other, path, found.coming)
+    other.set_sample("test", Sample.built_in("uncoated"))
+    assert not other.awaited("test")
+    reading.take(reading.read(lambda share, text: None))
+    assert packs.pack_of(other.state, "test") is None
+
+
+def test_what_was_opened_is_prepared_in_its_thread(tmp_path):
+    made = []
+    job = OpenJob(write_artwork(tmp_path / "b.png"), lambda: None, made.append)
+    assert job.wait(60.0)
+    assert made == [job.result]
+    fails = OpenJob(tmp_path / "no.png", lambda: None, made.append)
+    assert fails.wait(60.0)
+    assert fails.fault is not None
+    assert len(made) == 1

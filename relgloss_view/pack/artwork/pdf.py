@@ -65,10 +65,8 @@ def read_pdf(
         source = Path(path)
         allowed_s = RENDERED_S + PER_MB_S * size / 1e6
         if read_beginning(path, 4, EXPECTED) in {mark[:4] for mark in _POSTSCRIPT}:
-            progress(0.05, "converting PostScript")
-            source = _as_pdf(program, source, folder, allowed_s, path)
-        progress(0.1, "examining the PDF")
-        page = examined(source, options.page, folder, has_cmyk, shown=path)
+            source = _as_pdf(program, source, folder, allowed_s, path, progress)
+        page = examined(source, options.page, folder, has_cmyk, shown=path, progress=progress)
         profile = _profile(page, own, options, folder, path)
         if len(page["names"]) > MOST_SPOTS:
             raise InputError(
@@ -102,6 +100,7 @@ def examined(
     folder: Path,
     has_profile: bool,
     shown: str | os.PathLike[str] | None = None,
+    progress: ProgressReport = no_progress,
 ) -> dict[str, Any]:
     """What pdf_examination.examine finds; InputError with its line. shown: the file's name."""
     search = os.pathsep.join(filter(None, (str(PACKAGE_FOLDER), os.environ.get("PYTHONPATH"))))
@@ -113,7 +112,7 @@ def examined(
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
     )
-    outcome = child.outcome(EXAMINED_S)
+    outcome = child.outcome(EXAMINED_S, lambda: progress(0.1, "examining the PDF"))
     name = named(path if shown is None else shown)
     try:
         answer = json.loads(outcome.out)
@@ -309,7 +308,12 @@ def _plate(path: Path) -> Bytes:
 
 
 def _as_pdf(
-    program: str, source: Path, folder: Path, allowed_s: float, path: str | os.PathLike[str]
+    program: str,
+    source: Path,
+    folder: Path,
+    allowed_s: float,
+    path: str | os.PathLike[str],
+    progress: ProgressReport,
 ) -> Path:
     """PostScript, EPS and old Illustrator files as a PDF whose colours are unchanged."""
     with open_regular(source, EXPECTED) as file:
@@ -317,7 +321,7 @@ def _as_pdf(
         copy.close()
     words = ["-sDEVICE=pdfwrite", "-dEPSCrop", "-sColorConversionStrategy=LeaveColorUnchanged"]
     _run(program, [*words, "-sOutputFile=source.pdf", "source.ps"], folder, allowed_s, path,
-         no_progress)  # fmt: skip
+         lambda share, _: progress(0.05 + 0.05 * share, "converting PostScript"))  # fmt: skip
     return folder / "source.pdf"
 
 

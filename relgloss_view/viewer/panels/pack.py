@@ -67,6 +67,9 @@ def show(model: Model, files: FileActions) -> None:
 
 def _invite(model: Model, side: str, files: FileActions) -> None:
     """How to come to a pack, where the side shows a sample."""
+    if model.awaited(side):
+        widgets.wrapped(f"{printable(model.awaited(side), LONGEST)} is being read.", dim=True)
+        return
     text = f"The {side} picture shows a sample of one material."
     if side == "test":
         text += " Drop an artwork (PDF, PNG, JPEG, TIFF, PSD), a pack file or a mesh on the window."

@@ -311,6 +311,8 @@ class App:
         before = self.pair_renderer.drawn
         new = self.files.new_material
         self.pair_renderer.whole_side = new.side if new.active else ""
+        awaited = {side: name for side in SIDES if (name := model.awaited(side))}
+        self.pair_renderer.awaited = awaited
         pair = self.pair_renderer.draw(
             state, arrangement, self.draft_scale.scale, pitch, moving=model.dragging
         )
@@ -333,8 +335,9 @@ class App:
             for side, picture in model.operator_pictures.items()
             if picture.displayed is not None
         }
-        for fault in pair.faults.values():
-            model.report_once(fault, fault=True)
+        for side, fault in pair.faults.items():
+            if side not in awaited:
+                model.report_once(fault, fault=True)
         self._draw_ghosts(state)
         shown = as_shown(state, model.picture_size, pitch)
         model.tints = self._mask_tints.textures(

@@ -6,7 +6,7 @@ import dataclasses
 import json
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from imgui_bundle import ImVec2, imgui
@@ -21,7 +21,9 @@ from relgloss_view.viewer.files.open_job import Opened, OpenJob
 from relgloss_view.viewer.files.own_materials import safe_name
 from relgloss_view.viewer.files.pack_edits import MaskReader, PackWatch
 from relgloss_view.viewer.files.pack_files import ARTWORK_SUFFIXES, MESH_SUFFIXES
+from relgloss_view.viewer.files.preparation import prepare
 from relgloss_view.viewer.files.scene_saving import save_scene
+from relgloss_view.viewer.files.session_reading import SessionReading
 from relgloss_view.viewer.panels import floating
 from relgloss_view.viewer.panels.export import Export
 from relgloss_view.viewer.panels.file_dialogs import FileDialogs
@@ -33,6 +35,7 @@ from relgloss_view.viewer.state.matching import as_displayed
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.packs import missing_plates
 from relgloss_view.viewer.state.session import Autosave
+from relgloss_view.viewer.state.state import State
 
 TICK_S = 0.1  #: between looks at a running job
 QUICK_S = 0.3  #: a job that ends sooner shows no window
@@ -59,6 +62,9 @@ class FileActions:
         self._job: OpenJob | None = None
         self._job_side = ""
         self._job_finish = ""
+        #: Before and after what was opened, made in the job's thread.
+        self._prepared: tuple[State, State] | None = None
+        self._session_reading: SessionReading | None = None
         self._masks = MaskReader(model, wake)
         self._watch = PackWatch(model, wake)
         self._began_s = 0.0
@@ -76,6 +82,12 @@ class FileActions:
         """
         self._waiting.append((os.fspath(path), side, finish))
         self._wake()
+
+    def read_session(self, path: str | os.PathLike[str], coming: Mapping[str, str]) -> None:
+        """Read the packs of the last session in the background; `coming`: their names by side."""
+        self._session_reading = reading = SessionReading(self.model, path, coming)
+        self._began_s = time.monotonic()
+        self._job = OpenJob(reading.path, self._wake, self._prepare, reading.read)
 
     def note_pack(self, pack: Pack) -> None:
         """Note a pack as its file holds it, so that later changes of the file can be told apart."""
@@ -214,11 +226,12 @@ class FileActions:
         if self._job is None and self._waiting:
             path, self._job_side, self._job_finish = self._waiting.pop(0)
             self._began_s = time.monotonic()
-            self._job = OpenJob(path, self._wake)
+            self._prepared = None
+            self._job = OpenJob(path, self._wake, self._prepare)
         self.new_material.each_frame()
         self._masks.each_frame()
         self._watch.each_frame()
-        if self.session is not None:
+        if self.session is not None and not self.model.coming:
             self.session.note(self.model.state)
             if self.session.due(time.monotonic()):
                 self.model.attempt(self.session.save)
@@ -237,7 +250,7 @@ class FileActions:
         waiting = self._waiting or self.new_material.waiting or self._masks.busy
         if self._job is not None or waiting:
             waits.append(TICK_S)
-        if self.session is not None:
+        if self.session is not None and not self.model.coming:
             waits.append(self.session.due_in(time.monotonic()))
         return min((due for due in waits if due is not None), default=None)
 
@@ -250,7 +263,7 @@ class FileActions:
         if self._job is not None:
             self._job.close()
             self._job = None
-        if self.session is not None:
+        if self.session is not None and not self.model.coming:  # or its file would lose its packs
             self.session.note(self.model.state)
             self.model.attempt(self.session.save)
 
@@ -274,6 +287,12 @@ class FileActions:
         self.model.attempt(write)
 
     def _take(self, job: OpenJob) -> None:
+        reading, self._session_reading = self._session_reading, None
+        if reading is not None:
+            whole = reading.take(job.result, job.fault or "")
+            if whole is not None and self.session is not None:
+                self.session.note_written(whole)
+            return
         name = printable(Path(job.path).name, 80)
         if job.fault is not None:
             self.model.report(job.fault, fault=True)
@@ -287,7 +306,7 @@ class FileActions:
         if opened.state is not None and self._job_side == "reference":
             model.report(f"{name} is a scene, which holds both pictures: use Open", fault=True)
             return
-        model.change(opened.applied(model.state, self._job_side, self._job_finish))
+        model.change(self._after(opened))
         if opened.state is not None:
             self.scene_path = opened.path
             model.report(f"opened the scene {name}")
@@ -309,6 +328,21 @@ class FileActions:
             model.report(f"{text}; it is the {self._job_side} sample now")
         if opened.warning:
             model.report(opened.warning, fault=True)
+
+    def _prepare(self, opened: Opened) -> None:
+        """Make what the pictures of an opened file need; in the job's thread."""
+        model = self.model
+        before = model.state
+        after = opened.applied(before, self._job_side, self._job_finish)
+        prepare(after, model.picture_size, model.pixel_pitch_m)
+        self._prepared = before, after
+
+    def _after(self, opened: Opened) -> State:
+        """The state with what was opened, as prepared unless something has changed meanwhile."""
+        prepared, state = self._prepared, self.model.state
+        if prepared is not None and prepared[0] is state:
+            return prepared[1]
+        return opened.applied(state, self._job_side, self._job_finish)
 
     def _report_pack(self, opened: Opened, name: str) -> None:
         """A line on a pack, an artwork or a mesh, and its panel in front."""
@@ -339,7 +373,9 @@ class FileActions:
         flags = imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_focus_on_appearing
         _, stays = floating.begin(PROGRESS, 26.0, flags=flags, top_em=4.0)
         doing = "Fitting" if fraction > 0.0 and not _is_of_pack(job.path) else "Reading"
-        imgui.text_unformatted(f"{doing} {printable(Path(job.path).name, 40)}")
+        reading = self._session_reading
+        name = Path(job.path).name if reading is None else reading.title
+        imgui.text_unformatted(f"{doing} {printable(name, 40)}")
         imgui.progress_bar(fraction, ImVec2(-1.0, 0.0), f"{100.0 * fraction:.0f} %")
         imgui.text_disabled(printable(text, 60) + self._queue())
         if widgets.button("Cancel", "stops; nothing changes and no file is left") or not stays:
