@@ -128,13 +128,13 @@ def _add(model: Model, side: str, pack: Pack) -> None:
 
 
 def _entries(model: Model, side: str, pack: Pack, one: Finish, files: FileActions) -> None:
-    _name(model, side, pack, one)
-    _kind(model, side, pack, one)
+    sigma_n_slider(model, side, one)
+    k_slider(model, side, one)
     _material(model, side, one, files)
     if one is not pack.base:
         _mask(model, side, pack, one, files)
-    sigma_n_slider(model, side, one)
-    k_slider(model, side, one)
+    _kind(model, side, pack, one)
+    _name(model, side, pack, one)
     _match(model, side, one)
 
 

@@ -110,6 +110,8 @@ class Model:
         self.tints: dict[str, int] = {}  #: textures of the masks that show, by side
         #: Packs of the last session that are still read: name, sample in its place, by side.
         self.coming: dict[str, tuple[str, Sample]] = {}
+        #: Textures of plates without a finish, and width over height, by name.
+        self.plate_pictures: dict[str, tuple[int, float]] = {}
         self.wanted_panel = ""  #: title of one that the next frame brings to the front
 
         #: Of the last frame.

@@ -139,6 +139,35 @@ def new_finish(pack: Pack, material: Material, source: str) -> Finish:
     return Finish(name, "varnish", material, source=source, mask=mask)
 
 
+def free_plates(pack: Pack) -> tuple[str, ...]:
+    """Plates of a pack's artwork that no finish is tied to, but for those of cutters and such."""
+    if pack.artwork is None:
+        return ()
+    from relgloss_view.pack.quick import TECHNICAL
+
+    tied = {one.mask.partition(":")[2] for one in pack.finishes if ":" in one.mask}
+    return tuple(n for n in pack.artwork.plates if n not in tied and not TECHNICAL.search(n))
+
+
+def with_plate(pack: Pack, plate: str, source: str) -> tuple[Pack, str]:
+    """The pack with a built-in finish where a plate prints, and the finish's name.
+
+    A foil lies below the varnishes, which would lose their gloss under it. Raises InputError where
+    there is no room for one more.
+    """
+    from relgloss_view.pack.built_in import FINISHES, load_finish
+
+    kind, names = FINISHES[source], {one.name for one in pack.finishes}
+    tried = [plate.strip() or "plate", *(f"{plate} ({k})" for k in range(2, MAX_FINISHES + 2))]
+    name = next(text for text in tried if text not in names)
+    finish = Finish(name, kind, load_finish(source), source=source, mask=f"plate:{plate}")
+    at = len(pack.finishes)
+    while kind != "varnish" and at > 1 and pack.finishes[at - 1].kind == "varnish":
+        at -= 1
+    finishes = (*pack.finishes[:at], finish, *pack.finishes[at:])
+    return dataclasses.replace(pack, finishes=finishes), name
+
+
 def added(pack: Pack, finish: Finish) -> Pack:
     """The pack with one more finish above the others; InputError where there is no room."""
     return dataclasses.replace(pack, finishes=(*pack.finishes, finish))
