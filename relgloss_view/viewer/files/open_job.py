@@ -87,8 +87,7 @@ class Opened:
             pack = packs.new_on_form(made, packs.form_of(state))
             state = matching.with_sample(state, side, Sample.of_pack(pack))
             return packs.first_lit(state) if side == "test" else state
-        assert made.artwork is not None
-        return packs.with_pack(state, side, packs.with_artwork(present, made.artwork))
+        return packs.with_pack(state, side, packs.with_artwork(present, made))
 
 
 class OpenJob:
@@ -98,7 +97,7 @@ class OpenJob:
     was opened, so that showing that takes no time. `wake` is called from that thread at each
     progress and at the end, and must not raise; the first call may come before the constructor
     returns. Until the job is `done`, result and fault are None; then one of them is set, unless it
-    was cancelled.
+    was cancelled. profile: an ICC file of an artwork's printing condition.
     """
 
     def __init__(
@@ -107,9 +106,10 @@ class OpenJob:
         wake: Callable[[], None],
         prepare: Callable[[Opened], None] | None = None,
         read: Callable[[ProgressReport], Opened] | None = None,
+        profile: str = "",
     ) -> None:
         self.path = str(Path(path).absolute())
-        self._prepare, self._read = prepare, read
+        self._prepare, self._read, self._profile = prepare, read, profile
         self.progress: tuple[float, str] = (0.0, "reading")  #: share done, and what is being done
         self.result: Opened | None = None
         self.fault: str | None = None  #: one line
@@ -187,7 +187,8 @@ class OpenJob:
         if kind == PACK:
             return Opened(self.path, pack=pack_files.opened_pack(self.path, self._report))
         if kind == ARTWORK:
-            return Opened(self.path, artwork=pack_files.opened_artwork(self.path, self._report))
+            made = pack_files.opened_artwork(self.path, self._report, self._profile)
+            return Opened(self.path, artwork=made)
         if kind == pack_files.MESH:
             return Opened(self.path, shape=pack_files.opened_mesh(self.path, self._report))
         if kind == SCENE:

@@ -226,14 +226,16 @@ def mask_words(mask: str) -> str:
     return f"{kind} {name}" if colon and kind in ("plate", "channel", "part") else mask
 
 
-def with_artwork(pack: Pack, artwork: Artwork) -> Pack:
-    """The pack with another artwork; of the same size it stays where the last one lay."""
+def with_artwork(pack: Pack, made: Pack) -> Pack:
+    """The pack with another pack's artwork; of the same size it stays where the last one lay."""
     from relgloss_view.pack.quick import usual_placement
 
-    old = pack.artwork
+    old, artwork = pack.artwork, made.artwork
+    assert artwork is not None
     same = old is not None and _is_close(old, artwork)
     placement = pack.placement if same else usual_placement(artwork, pack.shape)[0]
     return dataclasses.replace(pack, artwork=artwork, artwork_file=artwork.file,
+                               artwork_entries=made.artwork_entries,
                                placement=placement)  # fmt: skip
 
 
