@@ -388,3 +388,34 @@ def test_what_was_opened_is_prepared_in_its_thread(tmp_path):
     assert fails.wait(60.0)
     assert fails.fault is not None
     assert len(made) == 1
+
+
+def test_undo_holds_no_more_artworks_than_memory_allows(pack, monkeypatch):
+    states = [State.initial().with_sample("test", Sample.of_pack(pack))]
+    history = Model(states[0]).history
+    for k in range(4):
+        artwork = dataclasses.replace(pack.artwork, width_mm=100.0 + k)
+        one = dataclasses.replace(pack, artwork=artwork)
+        history.change(packs.with_pack(history.state, "test", one))
+        history.change(history.state.with_look("test", seed=k + 1))
+    history.forget(packs.within_memory)
+    assert len(history._past) == 8  # the control: small ones all stay
+    monkeypatch.setattr(packs, "MOST_ARTWORK_BYTES", 2.5 * pack.artwork.xyz.nbytes)
+    history.forget(packs.within_memory)
+    assert len(history._past) == 3  # of two artworks, with two steps each
+    assert packs.pack_of(history._past[0], "test").artwork.width_mm == 102.0
+
+
+def test_a_plate_becomes_a_finish_below_the_varnishes(pack):
+    plates = {
+        "Lack 1": np.full((115, 207), 255, np.uint8),
+        "CutContour": np.zeros((1, 1), np.uint8),
+    }
+    pack = dataclasses.replace(pack, artwork=dataclasses.replace(pack.artwork, plates=plates))
+    assert packs.free_plates(pack) == ("Lack 1",)
+    foil, name = packs.with_plate(pack, "Lack 1", "cold-foil-gold")
+    assert (name, foil.finish(name).kind) == ("Lack 1", "foil")
+    assert [one.name for one in foil.finishes][-2:] == ["Lack 1", "Varnish"]
+    assert packs.free_plates(foil) == ()
+    varnish, _ = packs.with_plate(pack, "Lack 1", "soft-touch")
+    assert varnish.finishes[-1].name == "Lack 1"

@@ -13,6 +13,7 @@ from relgloss_view.pack.finish import KINDS, MAX_FINISHES, Finish
 from relgloss_view.pack.pack import Pack
 from relgloss_view.viewer.drawing.mask_tints import TINTS
 from relgloss_view.viewer.files import pack_materials
+from relgloss_view.viewer.panels import plates
 from relgloss_view.viewer.panels.list_rows import preview, row
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.widgets import Reach
@@ -38,6 +39,7 @@ def show(model: Model, side: str, pack: Pack, files: FileActions) -> None:
     for one in reversed(pack.finishes):
         _row(model, side, pack, one, on=one.name == active.name)
     _buttons(model, side, pack, active)
+    plates.show(model, side, pack)
     imgui.spacing()
     imgui.push_id(f"{side} finish")
     _entries(model, side, pack, active, files)

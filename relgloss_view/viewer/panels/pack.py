@@ -16,7 +16,7 @@ from relgloss_view.pack.pack import Pack, Placement
 from relgloss_view.pack.shape import SHAPES, SIZES, Shape
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, Sample
 from relgloss_view.viewer.files import pack_files
-from relgloss_view.viewer.panels import finishes, plates, plot_widgets
+from relgloss_view.viewer.panels import finishes, plot_widgets
 from relgloss_view.viewer.panels.list_rows import fitting
 from relgloss_view.viewer.panels.look import side_tabs
 from relgloss_view.viewer.shell import sliders, widgets
@@ -63,7 +63,6 @@ def show(model: Model, files: FileActions) -> None:
         imgui.tree_pop()
     _artwork(model, side, pack, files)
     finishes.show(model, side, pack, files)
-    plates.show(model, side, pack)
     imgui.spacing()
     if widgets.button("Remove pack", "shows a paper in its place, on the form of the panel Scene"):
         model.set_sample(side, Sample.built_in(DEFAULT_SAMPLE))

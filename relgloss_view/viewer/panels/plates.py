@@ -39,6 +39,7 @@ def show(model: Model, side: str, pack: Pack) -> None:
         imgui.push_id(name)
         _plate(model, side, pack, name)
         imgui.pop_id()
+    imgui.separator()
 
 
 def _plate(model: Model, side: str, pack: Pack, name: str) -> None:

@@ -33,7 +33,7 @@ from relgloss_view.viewer.panels.own_dialog import Question
 from relgloss_view.viewer.state.command_line import snapshot_command
 from relgloss_view.viewer.state.matching import as_displayed
 from relgloss_view.viewer.state.model import Model
-from relgloss_view.viewer.state.packs import missing_plates
+from relgloss_view.viewer.state.packs import missing_plates, within_memory
 from relgloss_view.viewer.state.session import Autosave
 from relgloss_view.viewer.state.state import State
 
@@ -330,6 +330,7 @@ class FileActions:
             model.report(f"{name} is a scene, which holds both pictures: use Open", fault=True)
             return
         model.change(self._after(opened))
+        model.history.forget(within_memory)
         if opened.state is not None:
             self.scene_path = opened.path
             model.report(f"opened the scene {name}")

@@ -18,6 +18,7 @@ from relgloss_view.viewer.state.state import SIDES, State
 
 DEFAULT_FORM = "can"
 ROUND = ("can", "bottle", "cylinder", "sphere")  #: forms that show a highlight from every side
+MOST_ARTWORK_BYTES = 300_000_000  #: of artworks that undo holds beside the present one's
 Mm = tuple[float, float]  #: a place on the label: to the right and up from its centre
 
 
@@ -237,6 +238,22 @@ def with_artwork(pack: Pack, made: Pack) -> Pack:
     return dataclasses.replace(pack, artwork=artwork, artwork_file=artwork.file,
                                artwork_entries=made.artwork_entries,
                                placement=placement)  # fmt: skip
+
+
+def within_memory(states: list[State]) -> int:
+    """How many states, from the first on, hold artworks of at most MOST_ARTWORK_BYTES together."""
+    seen: set[int] = set()
+    total = 0
+    for k, state in enumerate(states):
+        for side in SIDES:
+            pack = pack_of(state, side)
+            artwork = None if pack is None else pack.artwork
+            if artwork is not None and id(artwork) not in seen:
+                seen.add(id(artwork))
+                total += artwork.xyz.nbytes + sum(p.nbytes for p in artwork.plates.values())
+        if total > MOST_ARTWORK_BYTES and k > 1:
+            return k
+    return len(states)
 
 
 def missing_plates(pack: Pack) -> tuple[str, ...]:
