@@ -118,6 +118,7 @@ class Hand:
         self.place = (400.0, 300.0)
         self.samples = list(SAMPLES)
         self.files = 0
+        self.art: Path | None = None  #: the last artwork
         self.ways: list[tuple[float, Callable[[], None]]] = [
             (3.0, self.move),
             (4.0, self.drag),
@@ -142,6 +143,12 @@ class Hand:
             (0.3, self.preset),
             (0.3, self.leave),
             (0.05, self.drop_nothing),
+            (0.4, self.open_artwork),
+            (0.2, self.open_many),
+            (3.0, self.finish),
+            (1.5, self.form),
+            (2.0, self.artwork),
+            (0.3, self.edit_artwork),
         ]
 
     # --- the loop -----------------------------------------------------------------------------
@@ -464,6 +471,97 @@ class Hand:
                 lines.append(f"{theta_in},0,{abs(theta_out)},{phi},{value:.5f},{value:.5f}")
         path.write_text("\n".join(lines) + "\n", encoding="ascii")
         self.app.dropped([str(path)])
+
+    # --- packs --------------------------------------------------------------------------------
+
+    def write_artwork(self, path: Path) -> None:
+        """A picture of any size, of one colour with a box."""
+        import numpy as np
+        from PIL import Image
+
+        rng = self.rng
+        width, height = rng.randrange(1, 1500), rng.randrange(1, 1500)
+        pixels = np.full((height, width, 3), rng.randrange(256), np.uint8)
+        pixels[height // 4 :, width // 3 :] = [rng.randrange(256) for _ in range(3)]
+        Image.fromarray(pixels).save(path, dpi=(rng.choice((72, 300)),) * 2)
+
+    def open_artwork(self) -> None:
+        self.art = self.file(".png")
+        self.write_artwork(self.art)
+        self.app.dropped([str(self.art)])
+
+    def open_many(self) -> None:
+        """Good, empty and broken files, a folder, and one that goes before it is read."""
+        empty, broken, gone = self.file(".pdf"), self.file(".png"), self.file(".png")
+        empty.touch()
+        broken.write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(40))
+        self.write_artwork(gone)
+        self.app.dropped([str(path) for path in (empty, broken, gone, self.folder)])
+        gone.unlink()
+
+    def edit_artwork(self) -> None:
+        """What another program does to the last artwork: another size, half of it, or none."""
+        if self.art is None:
+            return
+        if self.art.exists() and self.rng.random() < 0.3:
+            self.art.unlink()
+        elif self.art.exists() and self.rng.random() < 0.3:
+            data = self.art.read_bytes()
+            self.art.write_bytes(data[: len(data) // 2])
+        else:
+            self.write_artwork(self.art)
+
+    def finish(self) -> None:
+        """Add, remove, move, mask or tune a finish of the test's pack."""
+        from relgloss_view.pack.built_in import FINISHES
+        from relgloss_view.viewer.files import pack_materials
+        from relgloss_view.viewer.state import packs
+
+        model, rng = self.app.model, self.rng
+        pack = model.pack("test")
+        if pack is None:
+            return
+        one = rng.choice(pack.finishes)
+        model.choose_finish("test", one.name)
+        model.masked = frozenset({one.name}) if rng.random() < 0.3 else frozenset()
+        way = rng.randrange(5)
+        if way == 0:
+            source = rng.choice(list(FINISHES))
+            made = packs.new_finish(pack, pack_materials.material(source), source)
+            model.set_pack("test", packs.added(pack, made))
+        elif way == 1:
+            model.set_pack("test", packs.removed(pack, one.name))
+        elif way == 2:
+            model.set_pack("test", packs.moved(pack, one.name, rng.choice((-1, 1))))
+        elif way == 3:
+            masks = packs.mask_choices(pack, pack_materials.parts(pack.shape))
+            model.set_finish("test", one.name, mask=rng.choice(masks))
+        else:
+            entries = {"k": rng.uniform(0.0, 3.0), "sigma_n_deg": rng.uniform(0.0, 3.0)}
+            model.set_finish("test", one.name, "slider", **entries)
+
+    def form(self) -> None:
+        from relgloss_view.pack.shape import SHAPES
+        from relgloss_view.viewer.state import packs
+
+        model, pack = self.app.model, self.app.model.pack("test")
+        if pack is None:
+            return
+        kind = self.rng.choice([name for name in SHAPES if name != "mesh"])
+        shape = pack.shape.with_kind(kind)
+        model.change(packs.with_pack(model.state, "test", packs.on_form(pack, shape)))
+
+    def artwork(self) -> None:
+        """Lay the artwork elsewhere, or take it off."""
+        from relgloss_view.viewer.state import packs
+
+        model, rng, pack = self.app.model, self.rng, self.app.model.pack("test")
+        if pack is None:
+            return
+        moved = packs.nudged(pack.placement, rng.uniform(-50, 50), rng.uniform(-50, 50), None)
+        moved = packs.scaled(packs.turned(moved, rng.uniform(-180, 180)), rng.uniform(0.5, 2.0))
+        model.place_artwork("test", moved, "artwork by hand")
+        model.moving_artwork = rng.random() < 0.5
 
     def drop_nothing(self) -> None:
         self.app.dropped([str(self.folder / "no such file.csv")])

@@ -11,7 +11,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -89,12 +89,16 @@ class Child:
                 except OSError:  # it holds what the dead process did not read
                     continue
 
-    def outcome(self, longest_s: float) -> Outcome:
-        """Wait for the end, with checkpoints. A process that takes too long is ended."""
+    def outcome(self, longest_s: float, step: Callable[[], object] = bool) -> Outcome:
+        """Wait for the end, with checkpoints. A process that takes too long is ended.
+
+        step: called at each of them; where it raises, the process is ended too.
+        """
         end_s = time.monotonic() + longest_s
         try:
             while True:
                 checkpoint()
+                step()
                 try:
                     printed = self.process.communicate(timeout=STEP_S)
                 except subprocess.TimeoutExpired:

@@ -116,7 +116,13 @@ def _interactive(args: argparse.Namespace) -> int:
     from relgloss_view.viewer.shell.window import Window
     from relgloss_view.viewer.state.layout_file import load_layout
     from relgloss_view.viewer.state.places import config_folder
-    from relgloss_view.viewer.state.session import Autosave, Restored, restore, session_file
+    from relgloss_view.viewer.state.session import (
+        Autosave,
+        Restored,
+        read_whole,
+        restore,
+        session_file,
+    )
     from relgloss_view.viewer.state.state import State
 
     checkpoint()  # the imports have taken a while
@@ -128,11 +134,17 @@ def _interactive(args: argparse.Namespace) -> int:
     except RelglossError as error:
         faults.append(str(error))
     restored = Restored() if args.fresh or session_path is None else restore(session_path)
+    if restored.coming and opened and session_path is not None:  # they may belong on its pack
+        with Progress("read the last session") as progress:
+            state, messages = read_whole(session_path, progress)
+        restored = Restored(state, messages)
     app = App(restored.state or State.initial())
     for text in (*faults, *restored.messages):
         app.model.report(text, fault=True)
     if session_path is not None:
         app.files.session = Autosave(session_path, app.model.state)
+        if restored.coming:
+            app.files.read_session(session_path, restored.coming)
     _show(app, opened, colour_from(args))
     if layout_path is not None:
         app.keep_layout(layout_path, load_layout(layout_path))

@@ -25,6 +25,7 @@ STEPS = 256
 POLAR, AZIMUTHS = 64, 64  #: nodes of the integrals; half a turn, by symmetry
 REACH_SD = 7.0  #: a Gaussian beyond so many standard deviations holds 1e-11 of its volume
 PART = 32  #: entries that are integrated at once
+_UNREAD = np.zeros(())  #: in place of what a model does not read of an orientation
 
 
 def cosines() -> Array:
@@ -102,8 +103,9 @@ def diffuse_albedo(model: str, sigma: float, mu_o: Array) -> tuple[Array, Array]
     area = np.concatenate(
         [0.5 * weight * mu_o[:, None], 0.5 * weight * (1.0 - mu_o[:, None])], axis=1
     )
-    i, o = _around(mu), _in_plane(mu_o)[:, None, None, :]
-    shapes = brdf.diffuse_shapes(model, brdf.facing(np.array([0.0, 0.0, 1.0]), i, o), sigma)
+    t = (_sine(mu) * _sine(mu_o)[:, None])[..., None] * np.cos(_azimuths())
+    f = brdf.Facing(mu[..., None], mu_o[:, None, None], t, _UNREAD, _UNREAD)
+    shapes = brdf.diffuse_shapes(model, f, sigma)
     first, second = (
         2.0 * np.pi * np.sum(area * mu * shape.mean(axis=-1), axis=-1) for shape in shapes
     )
@@ -118,12 +120,14 @@ def lobe_albedo(s: float, fresnel: Fresnel, mu_o: Array) -> Array:
     x, weight = np.polynomial.legendre.leggauss(POLAR)
     reach = min(REACH_SD * s, 0.5 * np.pi)
     delta = 0.5 * reach * (x + 1.0)
-    h = _around(np.cos(delta)[None, :])
-    o = _in_plane(mu_o)[:, None, None, :]
-    oh = np.sum(h * o, axis=-1)
-    i = 2.0 * oh[..., None] * h - o
-    f = brdf.facing(np.array([0.0, 0.0, 1.0]), i, o)
-    value = brdf.torrance_sparrow(f, s, fresnel) * np.maximum(f.mu_i, 0.0)
+    mu = mu_o[:, None, None]
+    oh = _sine(mu) * (np.sin(delta)[:, None] * np.cos(_azimuths()))
+    oh = oh + mu * np.cos(delta)[:, None]
+    # The orientation follows from o.h without vectors: i is o mirrored at h.
+    mu_i = 2.0 * oh * np.cos(delta)[:, None] - mu
+    delta2 = np.square(delta)[:, None]
+    f = brdf.Facing(mu_i, mu, _UNREAD, np.maximum(oh, 0.0), delta2)
+    value = brdf.torrance_sparrow(f, s, fresnel) * np.maximum(mu_i, 0.0)
     value = np.where(oh > 0.0, 4.0 * oh * value, 0.0)
     # The mean over half a turn, and 2 pi of it; half the interval is the nodes' own.
     area = np.pi * reach * weight * np.sin(delta)
@@ -135,18 +139,13 @@ def _parts() -> list[Array]:
     return [mu[k : k + PART] for k in range(0, len(mu), PART)]
 
 
-def _in_plane(mu: Array) -> Array:
-    """Unit vectors of cosines (M,) in the plane of x and z, (M, 3)."""
-    sine = np.sqrt(np.maximum((1.0 - mu) * (1.0 + mu), 0.0))
-    return np.stack([sine, 0.0 * mu, mu], axis=-1)
+def _sine(mu: Array) -> Array:
+    return np.asarray(np.sqrt(np.maximum((1.0 - mu) * (1.0 + mu), 0.0)))
 
 
-def _around(mu: Array) -> Array:
-    """Unit vectors of cosines (M, P) at azimuths of half a turn, (M, P, A, 3)."""
-    phi = (np.arange(AZIMUTHS) + 0.5) * np.pi / AZIMUTHS
-    sine = np.sqrt(np.maximum((1.0 - mu) * (1.0 + mu), 0.0))[..., None]
-    z = np.broadcast_to(mu[..., None], (*mu.shape, AZIMUTHS))
-    return np.stack([sine * np.cos(phi), sine * np.sin(phi), z], axis=-1)
+def _azimuths() -> Array:
+    """Of half a turn, (AZIMUTHS,), radians."""
+    return (np.arange(AZIMUTHS) + 0.5) * np.pi / AZIMUTHS
 
 
 def _frozen(table: Array) -> Array:

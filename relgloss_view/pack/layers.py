@@ -7,6 +7,7 @@ share of the diffuse part is the same without varnishes, which have no diffuse p
 
 from __future__ import annotations
 
+import threading
 import weakref
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -29,6 +30,7 @@ Singles = npt.NDArray[np.float32]
 
 MOST_CHANNELS = 12
 REST, ZERO = -1, -2  #: in place of a channel: what the others leave; nothing anywhere
+HELD_ARTWORKS = 3  #: whose layers are kept
 HELD = 4  #: layers of one artwork that are kept: both panes, and one step of undo
 STRIP_TEXELS = 1 << 20  #: that are composed at a time
 
@@ -102,13 +104,20 @@ def layers_of(pack: Pack) -> Layers:
         (label.parts, label.printed, size_mm),
         None if lobes is None else lobes.tobytes(),
     )
-    held = _HELD.setdefault(_NO_ARTWORK if pack.artwork is None else pack.artwork, {})
-    layers = held.pop(key, None)
+    artwork = _NO_ARTWORK if pack.artwork is None else pack.artwork
+    with _LOCK:
+        layers = _HELD.get(artwork, {}).get(key)
     if layers is None:
         layers = _made(pack, label, size_mm, lobes)
-    held[key] = layers  # the last used one is the last
-    while len(held) > HELD:
-        del held[next(iter(held))]
+    with _LOCK:  # another thread may have made the same meanwhile
+        held = _HELD.pop(artwork, {})
+        layers = held.pop(key, layers)
+        held[key] = layers  # the last used one is the last
+        while len(held) > HELD:
+            del held[next(iter(held))]
+        _HELD[artwork] = held
+        while len(_HELD) > HELD_ARTWORKS:
+            del _HELD[next(iter(_HELD))]
     return layers
 
 
@@ -117,6 +126,7 @@ class _NoArtwork:
 
 
 _NO_ARTWORK = _NoArtwork()
+_LOCK = threading.Lock()  #: the window composes in a thread, too
 _HELD: weakref.WeakKeyDictionary[Artwork | _NoArtwork, dict[Any, Layers]] = (
     weakref.WeakKeyDictionary()
 )

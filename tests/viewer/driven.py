@@ -48,7 +48,7 @@ class FakeJob:
 
     made: ClassVar[list[FakeJob]] = []
 
-    def __init__(self, path, wake):
+    def __init__(self, path, wake, *_, **__):
         self.path, self.progress, self.wake = path, (0.4, "lobes"), wake
         self.result = self.fault = None
         self.done = self.cancelled = False

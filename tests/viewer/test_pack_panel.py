@@ -96,7 +96,7 @@ def carries_the_artwork(hand, found):
     hand.do(lambda: hand.app.files.model.change(model.state.placed(eye=Eye_of(hand))))
     hand.app.layout.focus("Pack")
     hand.frames(4)
-    hand.click("//Pack/Move artwork")
+    hand.click("//Pack/Artwork", "//Pack/Artwork/Move artwork")
     found["on"] = model.moving_artwork
     start, steps = middle(hand), len(model.history._past)
     rect = hand.app.drawn_pane.arrangement.rects["test"]
@@ -115,7 +115,7 @@ def carries_the_artwork(hand, found):
     hand.turn_wheel(start, 3)
     found["turned"] = model.pack("test").placement.turn_deg
     hand.until(lambda: not model.held)
-    hand.click("//Pack/Move artwork")
+    hand.click("//Pack/Artwork/Move artwork", "//Pack/Artwork")
     hand.ctx.mouse_move_to_pos(start)
     hand.frames(2)
     hand.drag(start, (-20.0, 0.0), keys=int(imgui.Key.mod_alt))

@@ -23,9 +23,11 @@ from relgloss_view.viewer.drawing.picking import label_place, pick
 from relgloss_view.viewer.files.open_job import OpenJob
 from relgloss_view.viewer.files.pack_edits import PackWatch, Poll, merged
 from relgloss_view.viewer.files.scene_saving import save_scene
+from relgloss_view.viewer.files.session_reading import SessionReading
 from relgloss_view.viewer.state import matching, packs
 from relgloss_view.viewer.state.command_line import snapshot_command
 from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.session import restore
 from relgloss_view.viewer.state.state import State
 from relgloss_view.viewer.state.state_file import load_state, save_state
 
@@ -345,3 +347,75 @@ def test_packs_with_other_masks_differ_without_a_fault(pack):
     assert dataclasses.replace(pack) == pack
     assert isinstance(hash(pack), int)
     assert isinstance(other, Pack)
+
+
+def test_a_session_shows_before_its_pack_is_read(state, tmp_path):
+    """What was changed meanwhile stays, and undo never brings the sample in its place back."""
+    path = tmp_path / "session.toml"
+    pack = packs.pack_of(state, "test")
+    pack = dataclasses.replace(pack, masks={}, finishes=pack.finishes[:1])
+    save_state(path, packs.with_pack(state, "test", pack))
+    state = load_state(path)
+    found = restore(path)
+    assert dict(found.coming) == {"test": "a.png"}
+    assert packs.pack_of(found.state, "test") is None
+    model = Model(found.state)
+    reading = SessionReading(model, path, found.coming)
+    assert model.awaited("test") == "a.png"
+    assert not model.awaited("reference")
+    model.set_look("test", sigma_n_deg=1.75)
+    reading.take(reading.read(lambda share, text: None))
+    assert not model.awaited("test")
+    assert packs.pack_of(model.state, "test") == packs.pack_of(state, "test")
+    assert model.state.test.look.sigma_n_deg == 1.75
+    assert model.state.setup == state.setup
+    model.history.undo()
+    assert model.state == state
+    other = Model(found.state)  # the control: a sample that was chosen meanwhile stays
+    reading = SessionReading(other, path, found.coming)
+    other.set_sample("test", Sample.built_in("uncoated"))
+    assert not other.awaited("test")
+    reading.take(reading.read(lambda share, text: None))
+    assert packs.pack_of(other.state, "test") is None
+
+
+def test_what_was_opened_is_prepared_in_its_thread(tmp_path):
+    made = []
+    job = OpenJob(write_artwork(tmp_path / "b.png"), lambda: None, made.append)
+    assert job.wait(60.0)
+    assert made == [job.result]
+    fails = OpenJob(tmp_path / "no.png", lambda: None, made.append)
+    assert fails.wait(60.0)
+    assert fails.fault is not None
+    assert len(made) == 1
+
+
+def test_undo_holds_no_more_artworks_than_memory_allows(pack, monkeypatch):
+    states = [State.initial().with_sample("test", Sample.of_pack(pack))]
+    history = Model(states[0]).history
+    for k in range(4):
+        artwork = dataclasses.replace(pack.artwork, width_mm=100.0 + k)
+        one = dataclasses.replace(pack, artwork=artwork)
+        history.change(packs.with_pack(history.state, "test", one))
+        history.change(history.state.with_look("test", seed=k + 1))
+    history.forget(packs.within_memory)
+    assert len(history._past) == 8  # the control: small ones all stay
+    monkeypatch.setattr(packs, "MOST_ARTWORK_BYTES", 2.5 * pack.artwork.xyz.nbytes)
+    history.forget(packs.within_memory)
+    assert len(history._past) == 3  # of two artworks, with two steps each
+    assert packs.pack_of(history._past[0], "test").artwork.width_mm == 102.0
+
+
+def test_a_plate_becomes_a_finish_below_the_varnishes(pack):
+    plates = {
+        "Lack 1": np.full((115, 207), 255, np.uint8),
+        "CutContour": np.zeros((1, 1), np.uint8),
+    }
+    pack = dataclasses.replace(pack, artwork=dataclasses.replace(pack.artwork, plates=plates))
+    assert packs.free_plates(pack) == ("Lack 1",)
+    foil, name = packs.with_plate(pack, "Lack 1", "cold-foil-gold")
+    assert (name, foil.finish(name).kind) == ("Lack 1", "foil")
+    assert [one.name for one in foil.finishes][-2:] == ["Lack 1", "Varnish"]
+    assert packs.free_plates(foil) == ()
+    varnish, _ = packs.with_plate(pack, "Lack 1", "soft-touch")
+    assert varnish.finishes[-1].name == "Lack 1"

@@ -61,10 +61,11 @@ def read_pdf(
         budget_s = allowed_s(size)
         renderer = Renderer(program, folder, path, budget_s)
         if read_beginning(path, 4, EXPECTED) in {mark[:4] for mark in _POSTSCRIPT}:
-            progress(0.05, "converting PostScript")
-            source = _as_pdf(renderer, source, folder)
-        progress(0.1, "examining the PDF")
-        page = examined(source, options.page, folder, has_cmyk, shown=path, budget_s=budget_s)
+            source = _as_pdf(renderer, source, folder, progress)
+        page = examined(
+            source, options.page, folder, has_cmyk,
+            shown=path, budget_s=budget_s, progress=progress,
+        )  # fmt: skip
         profile = _profile(page, own, options, folder, path)
         if len(page["names"]) > MOST_SPOTS:
             raise InputError(
@@ -89,6 +90,7 @@ def examined(
     shown: str | os.PathLike[str] | None = None,
     *,
     budget_s: float,
+    progress: ProgressReport = no_progress,
 ) -> dict[str, Any]:
     """What pdf_examination.examine finds; InputError with its line.
 
@@ -104,7 +106,7 @@ def examined(
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
     )
-    outcome = child.outcome(WAITING * budget_s)
+    outcome = child.outcome(WAITING * budget_s, lambda: progress(0.1, "examining the PDF"))
     name = named(path if shown is None else shown)
     try:
         answer = json.loads(outcome.out)
@@ -329,10 +331,11 @@ def _plate(path: Path) -> Bytes:
     return 255 - _pixels(path)
 
 
-def _as_pdf(renderer: Renderer, source: Path, folder: Path) -> Path:
+def _as_pdf(renderer: Renderer, source: Path, folder: Path, progress: ProgressReport) -> Path:
     """PostScript, EPS and old Illustrator files as a PDF whose colours are unchanged."""
     with open_regular(source, EXPECTED) as file, (folder / "source.ps").open("wb") as copy:
         shutil.copyfileobj(file, copy)
     words = ["-sDEVICE=pdfwrite", "-dEPSCrop", "-sColorConversionStrategy=LeaveColorUnchanged"]
-    renderer.run([*words, "-sOutputFile=source.pdf", "source.ps"], no_progress)
+    renderer.run([*words, "-sOutputFile=source.pdf", "source.ps"],
+                 lambda share, _: progress(0.05 + 0.05 * share, "converting PostScript"))  # fmt: skip
     return folder / "source.pdf"

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.resources import asset
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.material.files import load_material
 from relgloss_view.material.material import Material
 from relgloss_view.material.recolour import Colour, recoloured
@@ -75,7 +76,9 @@ class Sample:
         return cls(load_sample(name), name=name)
 
     @classmethod
-    def from_file(cls, file: str, table: str | None = None) -> Sample:
+    def from_file(
+        cls, file: str, table: str | None = None, progress: ProgressReport = no_progress
+    ) -> Sample:
         """The sample of a material file, a pack file or an artwork, by the file's content.
 
         An artwork becomes a can with the finishes that quick_pack chooses. Raises InputError where
@@ -87,10 +90,10 @@ class Sample:
         if kind == PACK:
             from relgloss_view.pack.pack_file import read_pack
 
-            return cls.of_pack(read_pack(file))
+            return cls.of_pack(read_pack(file, progress))
         from relgloss_view.pack.quick import quick_pack
 
-        return cls.of_pack(quick_pack(file))
+        return cls.of_pack(quick_pack(file, progress=progress))
 
 
 #: In order of gloss, with the optima of the subjective evaluation (Ishii et al., "Results"). The

@@ -11,6 +11,7 @@ from typing import Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable, refuse, text
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.base.toml import build_part, read_toml, table_of
 from relgloss_view.material.recolour import Colour
 from relgloss_view.material.spectra import illuminant, is_lamp_name
@@ -76,7 +77,11 @@ def load_scene(path: str | os.PathLike[str]) -> tuple[Scene, Look]:
 
 
 def read_scene_file(
-    path: str | os.PathLike[str], replacements: list[str] | None = None
+    path: str | os.PathLike[str],
+    replacements: list[str] | None = None,
+    *,
+    progress: ProgressReport = no_progress,
+    later: dict[str, str] | None = None,
 ) -> SceneFile:
     """Read a scene file; InputError names the file, the entry and what was expected.
 
@@ -88,16 +93,22 @@ def read_scene_file(
 
     replacements: a list that collects a message for each material or lamp that can't be read; the
     built-in one (for the reference, None) takes its place. Without the list that is an error.
+    progress: of reading packs. later: a dictionary that collects, by "sample" and "reference", the
+    names of packs, which are not read: the built-in samples take their places without a message.
     """
     content = read_toml(path, MAX_BYTES, EXPECTED)
     try:
-        return _scene_file(content, Path(path).parent, replacements)
+        return _scene_file(content, Path(path).parent, replacements, progress, later)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
 
 
 def _scene_file(
-    content: Mapping[str, Any], folder: Path, replacements: list[str] | None
+    content: Mapping[str, Any],
+    folder: Path,
+    replacements: list[str] | None,
+    progress: ProgressReport,
+    later: dict[str, str] | None,
 ) -> SceneFile:
     tables = ("sample", *PACK_TABLES, *TABLES, FURTHER_LAMP, *PAIR_TABLES)
     unknown = set(content) - set(tables)
@@ -121,7 +132,8 @@ def _scene_file(
         if of_sample:
             raise InputError("[pack]: expected no [sample] beside it: the pack is the sample")
         of_sample = of_pack
-    sample = read_sample("sample", of_sample, folder, replacements)
+    how: dict[str, Any] = {"progress": progress, "later": later}
+    sample = read_sample("sample", of_sample, folder, replacements, **how)
     if sample is None:
         sample = Sample.built_in(DEFAULT_SAMPLE)
     reference_shape = None
@@ -134,7 +146,7 @@ def _scene_file(
         sample,
         look,
         Setup(**parts, further_lamps=further_lamps(content)),
-        reference=read_sample("reference", of_reference, folder, replacements),
+        reference=read_sample("reference", of_reference, folder, replacements, **how),
         reference_look=reference_look,
         presentation=presentation,
         match=build_part(Match, "match", content["match"]) if "match" in content else None,
@@ -143,12 +155,18 @@ def _scene_file(
 
 
 def read_sample(
-    place: str, entries: object, folder: Path, replacements: list[str] | None
+    place: str,
+    entries: object,
+    folder: Path,
+    replacements: list[str] | None,
+    *,
+    progress: ProgressReport = no_progress,
+    later: dict[str, str] | None = None,
 ) -> Sample | None:
     """The sample of a table with SAMPLE_ENTRIES; files are looked for in `folder`.
 
-    None where the table names none or, with a list of replacements, one that can't be read.
-    Raises InputError.
+    progress, later: as read_scene_file's. None where the table names none or, with a list of
+    replacements, one that can't be read. Raises InputError.
     """
     if not isinstance(entries, dict) or len({"name", "material", PACK} & set(entries)) > 1:
         raise InputError(f"[{place}]: expected either name or material or pack")
@@ -166,7 +184,10 @@ def read_sample(
     try:
         colour = read_colour(place, entries, folder)
         if set(PACK_TABLES) & set(entries):
-            sample = _pack_sample(place, entries, folder)
+            if later is not None:
+                later[place] = _pack_name(entries)
+                return None
+            sample = _pack_sample(place, entries, folder, progress)
         elif "material" in entries:
             sample = Sample.from_file(str(folder / entries["material"]), table)
         else:
@@ -179,15 +200,26 @@ def read_sample(
         return None
 
 
-def _pack_sample(place: str, entries: Mapping[str, Any], folder: Path) -> Sample:
+def _pack_name(entries: Mapping[str, Any]) -> str:
+    """What a pack that was not read is called: by its artwork, its own name or its file."""
+    pack = entries.get(PACK)
+    if isinstance(pack, str):
+        return Path(pack).name
+    table = pack if isinstance(pack, dict) else {}
+    return Path(str(table.get("artwork") or table.get("name") or PACK)).name
+
+
+def _pack_sample(
+    place: str, entries: Mapping[str, Any], folder: Path, progress: ProgressReport
+) -> Sample:
     """The sample of `pack = "FILE"`, or of the tables of a pack within the scene."""
     if "table" in entries:
         raise InputError(f"{place}.table: a pack is fitted to no table; leave it out")
     if not isinstance(entries.get(PACK), str):
-        return Sample.of_pack(pack_of_tables(entries, folder))
+        return Sample.of_pack(pack_of_tables(entries, folder, progress))
     if FINISH in entries:
         raise InputError(f"{place}.{FINISH}: expected none beside a pack file, which holds them")
-    sample = Sample.from_file(str(folder / entries[PACK]))
+    sample = Sample.from_file(str(folder / entries[PACK]), progress=progress)
     if sample.pack is None:
         file = printable(entries[PACK])
         raise InputError(f"{place}.{PACK}: {file} is a material; give a pack file")

@@ -76,6 +76,7 @@ class PairRenderer:
         #: One that quality "auto" does not simplify: its material is another one with each key, and
         #: each might be drawn by other programs.
         self.whole_side = ""
+        self.awaited: dict[str, str] = {}  #: sides that are not drawn, and why
         #: The programs of each variant that was warmed up.
         self._warmed: dict[object, set[Key]] = {}
         self._reached: set[object] = set()  #: variants of the last state that was warmed up
@@ -171,6 +172,9 @@ class PairRenderer:
         pictures: dict[str, SidePicture] = {}
         faults: dict[str, str] = {}
         for side in SIDES:  # the one that flip hides too: panels show its numbers
+            if side in self.awaited:
+                faults[side] = self.awaited[side]
+                continue
             try:
                 pictures[side] = self._draw_side(renderers[side], state, side, size)
             except RelglossError as error:

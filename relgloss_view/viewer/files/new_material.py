@@ -48,6 +48,7 @@ class NewMaterial:
         self._wake = wake
         self.active = False
         self.side = "test"
+        self.finish = ""  #: of the side's pack, whose material it is; empty for a sample
         self.name = NAME
         self.typed = ReadingsTyped()
         self.estimate: Estimate | None = None  #: the last good one
@@ -78,7 +79,7 @@ class NewMaterial:
         self.spectrum_file = self.spectrum_part = ""
         self._to_read = None
         self.side = side
-        self.typed = ReadingsTyped(lab=_lab_of(self.model.state.side(side).sample.material))
+        self.typed = ReadingsTyped(lab=_lab_of(self._choose(side)))
 
     def put_on(self, side: str) -> None:
         """Choose the side; the other one gets its former sample back."""
@@ -86,11 +87,17 @@ class NewMaterial:
             return
         self._restore()
         self.side = side
+        present = self._choose(side)
         if self.estimate is not None:
             self._place(self.estimate)
         elif not any(self.typed.gloss):
-            lab = _lab_of(self.model.state.side(side).sample.material)
-            self.typed = dataclasses.replace(self.typed, lab=lab)
+            self.typed = dataclasses.replace(self.typed, lab=_lab_of(present))
+
+    def _choose(self, side: str) -> Material:
+        """Take the side's sample, or of a pack its active finish; returns the present material."""
+        finish = self.model.active_finish(side)
+        self.finish = "" if finish is None else finish.name
+        return self.model.sample(side).material
 
     def rename(self, name: str) -> None:
         """Give it another name."""
@@ -144,15 +151,19 @@ class NewMaterial:
 
     @property
     def ghosts(self) -> dict[str, Material]:
-        """The dullest and the glossiest material, while they belong to the sample on the side."""
-        if not self.active or self.estimate is None or not self._is_there():
+        """The dullest and the glossiest material, while they belong to the sample on the side.
+
+        None of a finish: its highlight lies on the form of the pack, and among others.
+        """
+        if not self.active or self.estimate is None or self.finish or not self._is_there():
             return {}
         return {"dullest": self.estimate.dullest, "glossiest": self.estimate.glossiest}
 
     @property
     def about_to_show(self) -> tuple[tuple[str, Material], ...]:
         """Sides and materials for which shaders have to be ready before anything is typed."""
-        return tuple((self.side, one) for one in PROTOTYPES) if self.active else ()
+        of_sample = self.active and not self.finish
+        return tuple((self.side, one) for one in PROTOTYPES) if of_sample else ()
 
     # --- in every frame -----------------------------------------------------------------------
 
@@ -217,7 +228,23 @@ class NewMaterial:
 
     def _is_there(self) -> bool:
         """Whether the side has the sample that this has put there."""
-        return self.model.state.side(self.side).sample is self._placed
+        return self._placed is not None and self._has(self.side, self._placed)
+
+    def _has(self, side: str, placed: Sample) -> bool:
+        sample = self.model.state.side(side).sample
+        if sample.pack is None:
+            return sample is placed
+        return any(
+            one.name == self.finish and one.material is placed.material
+            for one in sample.pack.finishes
+        )
+
+    def _with(self, state: State, sample: Sample) -> State:
+        """The state with a sample on the side, or its material in the finish."""
+        pack = state.side(self.side).sample.pack
+        if self.finish and pack is not None and self.finish in [f.name for f in pack.finishes]:
+            return matching.with_finish_sample(state, self.side, self.finish, sample)
+        return matching.with_sample(state, self.side, sample, keep=self._kept_look)
 
     def _put(self, sample: Sample) -> None:
         """Put a sample on the side: as one step of undo, however often it is called."""
@@ -225,13 +252,13 @@ class NewMaterial:
         untouched = self._made is not None and model.state == self._made and not history.can_redo
         if untouched and self._base is not None:
             # From the same state each time, so that it is all the same in what order one types.
-            history.amend(matching.with_sample(self._base, self.side, sample, keep=self._kept_look))
+            history.amend(self._with(self._base, sample))
         else:
             self._kept_look = self._is_there()
             self._base = model.state
             if not self._kept_look:
                 self._former, self._steps = model.state.side(self.side), 0
-            model.change(matching.with_sample(model.state, self.side, sample, keep=self._kept_look))
+            model.change(self._with(model.state, sample))
             self._steps += 1
         self._placed, self._made = sample, model.state
         self._wake()
@@ -240,7 +267,7 @@ class NewMaterial:
         """Go with the sample to the other side, where the sides were swapped."""
         other = SIDES[1 - SIDES.index(self.side)]
         placed = self._placed
-        if placed is not None and self.model.state.side(other).sample is placed:
+        if placed is not None and not self._is_there() and self._has(other, placed):
             self.side = other
 
     def _restore(self) -> None:

@@ -16,6 +16,7 @@ from pathlib import Path
 
 from relgloss_view.base.decoration import fault_line
 from relgloss_view.base.errors import FitCancelled, InputError, RelglossError
+from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.measure.table import Measurement
 from relgloss_view.pack.kinds import ARTWORK, PACK
 from relgloss_view.pack.pack import Pack
@@ -86,20 +87,29 @@ class Opened:
             pack = packs.new_on_form(made, packs.form_of(state))
             state = matching.with_sample(state, side, Sample.of_pack(pack))
             return packs.first_lit(state) if side == "test" else state
-        assert made.artwork is not None
-        return packs.with_pack(state, side, packs.with_artwork(present, made.artwork))
+        return packs.with_pack(state, side, packs.with_artwork(present, made))
 
 
 class OpenJob:
     """Opens one file in a thread of its own, which begins at once.
 
-    `wake` is called from that thread at each progress and at the end, and must not raise; the first
-    call may come before the constructor returns. Until the job is `done`, result and fault are
-    None; then one of them is set, unless it was cancelled.
+    read: how, where the kind of the file does not decide. prepare: called in the thread with what
+    was opened, so that showing that takes no time. `wake` is called from that thread at each
+    progress and at the end, and must not raise; the first call may come before the constructor
+    returns. Until the job is `done`, result and fault are None; then one of them is set, unless it
+    was cancelled. profile: an ICC file of an artwork's printing condition.
     """
 
-    def __init__(self, path: str | os.PathLike[str], wake: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        wake: Callable[[], None],
+        prepare: Callable[[Opened], None] | None = None,
+        read: Callable[[ProgressReport], Opened] | None = None,
+        profile: str = "",
+    ) -> None:
         self.path = str(Path(path).absolute())
+        self._prepare, self._read, self._profile = prepare, read, profile
         self.progress: tuple[float, str] = (0.0, "reading")  #: share done, and what is being done
         self.result: Opened | None = None
         self.fault: str | None = None  #: one line
@@ -145,13 +155,16 @@ class OpenJob:
     def _run(self) -> None:
         result, fault = None, None
         try:
-            result = self._open()
+            result = self._open() if self._read is None else self._read(self._report)
+            if self._prepare is not None and not self.cancelled:
+                self._report(1.0, "preparing")
+                self._prepare(result)
         except FitCancelled:
             return
         except RelglossError as error:
             fault = str(error)
         except MemoryError:
-            fault = f"{self.path}: not enough memory; thin out the table or close other programs"
+            fault = f"{self.path}: not enough memory; {self._smaller} or close other programs"
         except Exception as error:
             # The window must not wait for ever for a job that has met a mistake of the program.
             traceback.print_exc()
@@ -164,12 +177,18 @@ class OpenJob:
             self._done.set()
         self._wake()
 
+    @property
+    def _smaller(self) -> str:
+        is_table = self._fit is not None
+        return "thin out the table" if is_table else "give it fewer pixels or triangles"
+
     def _open(self) -> Opened:
         kind = pack_files.file_kind(self.path)
         if kind == PACK:
             return Opened(self.path, pack=pack_files.opened_pack(self.path, self._report))
         if kind == ARTWORK:
-            return Opened(self.path, artwork=pack_files.opened_artwork(self.path, self._report))
+            made = pack_files.opened_artwork(self.path, self._report, self._profile)
+            return Opened(self.path, artwork=made)
         if kind == pack_files.MESH:
             return Opened(self.path, shape=pack_files.opened_mesh(self.path, self._report))
         if kind == SCENE:

@@ -37,10 +37,11 @@ def stamp_of(path: str) -> Stamp | None:
 
 
 def files_of(pack: Pack) -> tuple[str, ...]:
-    """The files that a pack was read from: pack file, artwork, masks."""
+    """The files that a pack was read from: pack file, artwork, mesh, masks."""
     artwork = () if pack.artwork is None or not pack.artwork.file else (pack.artwork.file,)
     own = (pack.file,) if pack.file else ()
-    return (*own, *artwork, *(_beside(pack, mask) for mask in pack.masks))
+    mesh = (pack.shape.file,) if pack.shape.file else ()
+    return (*own, *artwork, *mesh, *(_beside(pack, mask) for mask in pack.masks))
 
 
 def _beside(pack: Pack, name: str) -> str:
@@ -177,23 +178,27 @@ def read_again(pack: Pack, path: str, before: Pack) -> Pack:
     mask. before: the pack as its file held it. Raises InputError where the file can't be read, or
     what it holds does not serve the pack's finishes.
     """
+    from relgloss_view.pack.layers import layers_of
     from relgloss_view.pack.mask_file import read_mask
     from relgloss_view.pack.masks import check_masks
     from relgloss_view.pack.pack_file import open_artwork, read_pack
 
     if path == pack.file:
         made = read_pack(path)
-        check_masks(merged(before, made, pack))
+        layers_of(merged(before, made, pack))
         return made
     if pack.artwork is not None and path == pack.artwork.file:
         folder = Path(pack.file).parent if pack.file else Path()
         artwork = open_artwork(Path(path), dict(pack.artwork_entries), folder)
         made = dataclasses.replace(pack, artwork=artwork)
+    elif path == pack.shape.file:  # whoever draws the form takes its mesh from the file
+        made = pack
     else:
         names = [name for name in pack.masks if _beside(pack, name) == path]
         masks = {**pack.masks, **dict.fromkeys(names, read_mask(path))}
         made = dataclasses.replace(pack, masks=masks)
     check_masks(made)
+    layers_of(made)
     return made
 
 

@@ -16,6 +16,7 @@ from relgloss_view.picture.scene.file_kinds import likely_kind
 
 MESH = "mesh"
 ARTWORK_SUFFIXES = (".pdf", ".ai", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".psd")
+NO_PROFILE = "CMYK without a profile"  #: of the message where an artwork needs one
 
 
 def file_kind(path: str | os.PathLike[str]) -> str:
@@ -30,11 +31,14 @@ def opened_pack(path: str, progress: Callable[[float, str], None]) -> Pack:
     return read_pack(path, progress)
 
 
-def opened_artwork(path: str, progress: Callable[[float, str], None]) -> Pack:
-    """An artwork on a can, with a finish for each plate that names one; InputError."""
+def opened_artwork(path: str, progress: Callable[[float, str], None], profile: str = "") -> Pack:
+    """An artwork on a can, with a finish for each plate that names one; InputError.
+
+    profile: an ICC file, of the printing condition where the artwork is CMYK without one.
+    """
     from relgloss_view.pack.quick import quick_pack
 
-    return quick_pack(path, progress=progress)
+    return quick_pack(path, given={"profile": profile} if profile else None, progress=progress)
 
 
 def opened_mesh(path: str, progress: Callable[[float, str], None]) -> Shape:

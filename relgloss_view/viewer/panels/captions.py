@@ -90,6 +90,9 @@ def _texts(model: Model, side: str, faults: dict[str, str], room: float, free: i
     Of the title the name is shortened first. Numbers are broken into lines and never left out.
     """
     state = model.state
+    if model.awaited(side):
+        text = f"{side.capitalize()}: {printable(model.awaited(side), LONGEST_NAME)} is being read"
+        return [fitting(text, room)]
     if side in faults:
         return [f"{side.capitalize()}: not drawn", *_broken(faults[side], room)]
     if state.presentation.compare == DIFFERENCE:

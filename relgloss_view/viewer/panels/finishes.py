@@ -13,6 +13,7 @@ from relgloss_view.pack.finish import KINDS, MAX_FINISHES, Finish
 from relgloss_view.pack.pack import Pack
 from relgloss_view.viewer.drawing.mask_tints import TINTS
 from relgloss_view.viewer.files import pack_materials
+from relgloss_view.viewer.panels import plates
 from relgloss_view.viewer.panels.list_rows import preview, row
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.widgets import Reach
@@ -38,6 +39,7 @@ def show(model: Model, side: str, pack: Pack, files: FileActions) -> None:
     for one in reversed(pack.finishes):
         _row(model, side, pack, one, on=one.name == active.name)
     _buttons(model, side, pack, active)
+    plates.show(model, side, pack)
     imgui.spacing()
     imgui.push_id(f"{side} finish")
     _entries(model, side, pack, active, files)
@@ -128,13 +130,13 @@ def _add(model: Model, side: str, pack: Pack) -> None:
 
 
 def _entries(model: Model, side: str, pack: Pack, one: Finish, files: FileActions) -> None:
-    _name(model, side, pack, one)
-    _kind(model, side, pack, one)
+    sigma_n_slider(model, side, one)
+    k_slider(model, side, one)
     _material(model, side, one, files)
     if one is not pack.base:
         _mask(model, side, pack, one, files)
-    sigma_n_slider(model, side, one)
-    k_slider(model, side, one)
+    _kind(model, side, pack, one)
+    _name(model, side, pack, one)
     _match(model, side, one)
 
 

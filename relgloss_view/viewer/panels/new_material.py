@@ -91,6 +91,8 @@ class NewMaterialPanel:
         if changed:
             making.put_on(chosen.lower())
             self.model.active_side = making.side
+        if making.finish:
+            widgets.quiet(f"Finish: {printable(making.finish, 60)}")
         widgets.label("Name")
         changed, name = imgui.input_text("##Name", making.name)
         widgets.tooltip("The name of the material and of its file.")
@@ -260,7 +262,9 @@ class NewMaterialPanel:
 
     def _keep(self) -> None:
         file = self.making.keep(data_folder() / "materials")
-        self.model.report(f"written: {file}; it is the {self.making.side} sample now")
+        finish, side = self.making.finish, self.making.side
+        place = f"material of the finish {finish}" if finish else f"{side} sample"
+        self.model.report(f"written: {file}; it is the {place} now")
 
 
 def _picture(ghost: GhostPicture, most: tuple[float, float]) -> None:

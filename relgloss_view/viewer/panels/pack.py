@@ -6,18 +6,21 @@ import dataclasses
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from imgui_bundle import imgui
+from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
+from relgloss_view.pack.artwork.artwork import Artwork
 from relgloss_view.pack.finish import Finish
 from relgloss_view.pack.pack import Pack, Placement
 from relgloss_view.pack.shape import SHAPES, SIZES, Shape
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, Sample
 from relgloss_view.viewer.files import pack_files
 from relgloss_view.viewer.panels import finishes, plot_widgets
+from relgloss_view.viewer.panels.list_rows import fitting
 from relgloss_view.viewer.panels.look import side_tabs
 from relgloss_view.viewer.shell import sliders, widgets
+from relgloss_view.viewer.shell.theme import em
 from relgloss_view.viewer.shell.widgets import Reach
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.packs import lit as lit_pack
@@ -28,6 +31,7 @@ if TYPE_CHECKING:
 
 LONGEST = 60  #: characters of a name
 LONGEST_NOTE = 240
+WORDS_EM = 6.6  #: from the left end of a fold to the words beside its title
 MM = 1000.0
 SIZE_REACH_MM = (5.0, 500.0)  #: of the sliders of sizes
 RADIUS_REACH_MM = (0.0, 10.0)
@@ -53,11 +57,11 @@ def show(model: Model, files: FileActions) -> None:
     if pack is None:
         _invite(model, side, files)
         return
-    imgui.separator_text("Form")
-    _form(model, side, pack, files)
-    imgui.separator_text("Artwork")
+    # What is used most comes first: form and artwork are a line each.
+    if _folded("Form", _form_words(pack.shape)):
+        _form(model, side, pack, files)
+        imgui.tree_pop()
     _artwork(model, side, pack, files)
-    imgui.separator_text("Finishes")
     finishes.show(model, side, pack, files)
     imgui.spacing()
     if widgets.button("Remove pack", "shows a paper in its place, on the form of the panel Scene"):
@@ -67,6 +71,9 @@ def show(model: Model, files: FileActions) -> None:
 
 def _invite(model: Model, side: str, files: FileActions) -> None:
     """How to come to a pack, where the side shows a sample."""
+    if model.awaited(side):
+        widgets.wrapped(f"{printable(model.awaited(side), LONGEST)} is being read.", dim=True)
+        return
     text = f"The {side} picture shows a sample of one material."
     if side == "test":
         text += " Drop an artwork (PDF, PNG, JPEG, TIFF, PSD), a pack file or a mesh on the window."
@@ -79,9 +86,27 @@ def _invite(model: Model, side: str, files: FileActions) -> None:
         files.make_pack(side)
 
 
-def _folded(title: str) -> bool:
-    """A part of the panel behind a fold; whether it is open, so that tree_pop goes with it."""
-    return bool(imgui.tree_node_ex(title, imgui.TreeNodeFlags_.framed))
+def _folded(title: str, words: str = "") -> bool:
+    """A part of the panel behind a fold; whether it is open, so that tree_pop goes with it.
+
+    words: what it holds, beside its title.
+    """
+    opened = bool(imgui.tree_node_ex(title, imgui.TreeNodeFlags_.framed))
+    if words:
+        low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+        left = low.x + em(WORDS_EM)
+        top = low.y + imgui.get_style().frame_padding.y
+        text = fitting(words, high.x - left - em(0.4))
+        colour = imgui.get_color_u32(imgui.Col_.text_disabled)
+        imgui.get_window_draw_list().add_text(ImVec2(left, top), colour, text)
+    return opened
+
+
+def _form_words(shape: Shape) -> str:
+    if shape.file:
+        return f"mesh, {printable(Path(shape.file).name, LONGEST)}"
+    sizes = [MM * getattr(shape, name) for name in SIZES[shape.kind][:3]]
+    return f"{shape.kind}, {' x '.join(f'{size:.4g}' for size in sizes)} mm"
 
 
 # --- form -----------------------------------------------------------------------------------------
@@ -98,13 +123,11 @@ def _form(model: Model, side: str, pack: Pack, files: FileActions) -> None:
         files.ask_mesh(side)
     elif changed:
         model.attempt(lambda: _set_shape(model, side, pack, shape.with_kind(kind), "", lit=True))
-    if SIZES[shape.kind] and _folded("Sizes"):
-        for name in SIZES[shape.kind]:
-            _size(model, side, pack, name)
-        if shape.profile_mm:
-            count = len(shape.profile_mm)
-            widgets.wrapped(f"Its profile of {count} points decides its sizes.", dim=True)
-        imgui.tree_pop()
+    for name in SIZES[shape.kind]:
+        _size(model, side, pack, name)
+    if shape.profile_mm:
+        count = len(shape.profile_mm)
+        widgets.wrapped(f"Its profile of {count} points decides its sizes.", dim=True)
     if shape.kind == "mesh":
         _mesh(model, side, pack, files)
 
@@ -159,13 +182,21 @@ def _mesh(model: Model, side: str, pack: Pack, files: FileActions) -> None:
 def _artwork(model: Model, side: str, pack: Pack, files: FileActions) -> None:
     artwork = pack.artwork
     if artwork is None:
-        widgets.wrapped("None. The base finish shows its own colour.", dim=True)
         if widgets.button("Open artwork...", "asks for a PDF or a picture"):
             files.ask_artwork(side)
+        imgui.same_line()
+        widgets.quiet("no artwork yet")
         return
     name = Path(artwork.file).name if artwork.file else pack.artwork_file or "artwork"
-    imgui.text_unformatted(printable(name, LONGEST))
+    opened = _folded("Artwork", printable(name, LONGEST))
     widgets.tooltip(printable(artwork.file or name, 400))
+    if not opened:
+        return
+    _of_artwork(model, side, pack, artwork, files)
+    imgui.tree_pop()
+
+
+def _of_artwork(model: Model, side: str, pack: Pack, artwork: Artwork, files: FileActions) -> None:
     width, height = artwork.size_px
     density = width / artwork.width_mm
     widgets.wrapped(
@@ -173,8 +204,6 @@ def _artwork(model: Model, side: str, pack: Pack, files: FileActions) -> None:
         f"({density:.3g} px/mm)",
         dim=True,
     )
-    for note in artwork.notes:
-        widgets.wrapped(printable(note, LONGEST_NOTE), dim=True)
     if widgets.button("Replace...", "asks for another artwork; finishes and placement stay"):
         files.ask_artwork(side)
     plot_widgets.beside(plot_widgets.button_width("Take off"), gap_em=0.5)
@@ -183,13 +212,12 @@ def _artwork(model: Model, side: str, pack: Pack, files: FileActions) -> None:
         model.set_pack(side, bare)
         return
     _hand(model, side, pack)
-    if not _folded("Placement and colours"):
-        return
     _place(model, side, pack)
     changed, rule = widgets.choice(Pack, "colour", pack.colour)
     if changed:
         model.set_pack(side, dataclasses.replace(pack, colour=rule))
-    imgui.tree_pop()
+    for note in artwork.notes:
+        widgets.wrapped(printable(note, LONGEST_NOTE), dim=True)
 
 
 def _bare(pack: Pack) -> tuple[Finish, ...]:

@@ -20,6 +20,7 @@ from relgloss_view.viewer.drawing.ghost_pictures import GhostPictures
 from relgloss_view.viewer.drawing.mask_tints import MaskTints
 from relgloss_view.viewer.drawing.operator_pictures import OperatorPictures
 from relgloss_view.viewer.drawing.pair_renderer import DrawnPair, PairRenderer, passes_since
+from relgloss_view.viewer.drawing.plate_pictures import PlatePictures
 from relgloss_view.viewer.files.measurement_tables import MeasurementTables
 from relgloss_view.viewer.panels import (
     fit,
@@ -72,6 +73,7 @@ class App:
         self._gloss_readings = GlossReadings(self.wake)
         self._ghost_pictures = GhostPictures()
         self._mask_tints = MaskTints(self.wake)
+        self._plate_pictures = PlatePictures()
         self.draft_scale = DraftScale()
         self.layout: Layout = Layout(
             [
@@ -240,6 +242,7 @@ class App:
         ctx = self.pair_renderer.ctx
         self.pair_renderer.abandon()
         self.model.frames, self.model.ghosts, self.model.tints = {}, {}, {}
+        self.model.plate_pictures = {}
         self._ghost_pictures = GhostPictures()
         self.pair_renderer = PairRenderer(ctx)
         self.model.report("the graphics device lost its objects; everything was made again")
@@ -311,6 +314,8 @@ class App:
         before = self.pair_renderer.drawn
         new = self.files.new_material
         self.pair_renderer.whole_side = new.side if new.active else ""
+        awaited = {side: name for side in SIDES if (name := model.awaited(side))}
+        self.pair_renderer.awaited = awaited
         pair = self.pair_renderer.draw(
             state, arrangement, self.draft_scale.scale, pitch, moving=model.dragging
         )
@@ -325,21 +330,17 @@ class App:
         if not (model.dragging or model.draft):
             self._pin(pair)
         at_rest = not (model.dragging or model.draft)
-        model.operator_pictures = self._operator_pictures.of_pair(
-            state, pair.pictures, at_rest=at_rest
-        )
-        displayed = {
-            side: picture.displayed
-            for side, picture in model.operator_pictures.items()
-            if picture.displayed is not None
-        }
-        for fault in pair.faults.values():
-            model.report_once(fault, fault=True)
+        operated = self._operator_pictures.of_pair(state, pair.pictures, at_rest=at_rest)
+        model.operator_pictures = operated
+        displayed = {side: made for side, one in operated.items() if (made := one.displayed)}
+        for side, fault in pair.faults.items():
+            if side not in awaited:
+                model.report_once(fault, fault=True)
         self._draw_ghosts(state)
-        shown = as_shown(state, model.picture_size, pitch)
-        model.tints = self._mask_tints.textures(
-            shown, model.picture_size, model.masked, self.pair_renderer.uploads, at_rest=at_rest
-        )
+        of_pack, uploads = model.pack(model.active_side), self.pair_renderer.uploads
+        model.plate_pictures = self._plate_pictures.textures(of_pack, uploads)
+        shown, size = as_shown(state, model.picture_size, pitch), model.picture_size
+        model.tints = self._mask_tints.textures(shown, size, model.masked, uploads, at_rest=at_rest)
         pictures = self.pair_renderer.with_uploads(pair.pictures, displayed)
         self.drawn_pane = stage.DrawnPane(
             arrangement, DrawnPair(pictures, pair.faults, pair.factor)

@@ -6,10 +6,11 @@ import dataclasses
 import json
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
-from imgui_bundle import ImVec2, imgui
+from imgui_bundle import imgui
 
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.reading import printable
@@ -20,26 +21,37 @@ from relgloss_view.viewer.files.new_material import NewMaterial
 from relgloss_view.viewer.files.open_job import Opened, OpenJob
 from relgloss_view.viewer.files.own_materials import safe_name
 from relgloss_view.viewer.files.pack_edits import MaskReader, PackWatch
-from relgloss_view.viewer.files.pack_files import ARTWORK_SUFFIXES, MESH_SUFFIXES
+from relgloss_view.viewer.files.pack_files import ARTWORK_SUFFIXES, MESH_SUFFIXES, NO_PROFILE
+from relgloss_view.viewer.files.preparation import prepare
 from relgloss_view.viewer.files.scene_saving import save_scene
-from relgloss_view.viewer.panels import floating
+from relgloss_view.viewer.files.session_reading import SessionReading
+from relgloss_view.viewer.panels import opening
 from relgloss_view.viewer.panels.export import Export
 from relgloss_view.viewer.panels.file_dialogs import FileDialogs
 from relgloss_view.viewer.panels.new_material import NewMaterialPanel
 from relgloss_view.viewer.panels.own_dialog import Question
-from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.state.command_line import snapshot_command
 from relgloss_view.viewer.state.matching import as_displayed
 from relgloss_view.viewer.state.model import Model
-from relgloss_view.viewer.state.packs import missing_plates
+from relgloss_view.viewer.state.packs import missing_plates, within_memory
 from relgloss_view.viewer.state.session import Autosave
+from relgloss_view.viewer.state.state import State
 
 TICK_S = 0.1  #: between looks at a running job
 QUICK_S = 0.3  #: a job that ends sooner shows no window
 SCENE_SUFFIXES = (".toml",)
 SAMPLE_SUFFIXES = (".json", ".csv", ".txt", ".bsdf", ".binary")
 OPEN_SUFFIXES = (*SCENE_SUFFIXES, *SAMPLE_SUFFIXES, *ARTWORK_SUFFIXES, *MESH_SUFFIXES)
-PROGRESS = "Opening"
+PROFILE_SUFFIXES = (".icc", ".icm")
+
+
+class Wanted(NamedTuple):
+    """A file to open, the side that it is for, the finish whose material it is, its profile."""
+
+    path: str
+    side: str = "test"
+    finish: str = ""
+    profile: str = ""
 
 
 class FileActions:
@@ -54,11 +66,12 @@ class FileActions:
         self.new_material = NewMaterial(model, wake)
         self._new_material_panel = NewMaterialPanel(self.new_material, self.dialogs)
         self._wake = wake
-        #: Paths, the side each is for, and the finish whose material it is to be, or "".
-        self._waiting: list[tuple[str, str, str]] = []
+        self._waiting: list[Wanted] = []
         self._job: OpenJob | None = None
-        self._job_side = ""
-        self._job_finish = ""
+        self._wanted = Wanted("")  #: what the job is for
+        #: Before and after what was opened, made in the job's thread.
+        self._prepared: tuple[State, State] | None = None
+        self._session_reading: SessionReading | None = None
         self._masks = MaskReader(model, wake)
         self._watch = PackWatch(model, wake)
         self._began_s = 0.0
@@ -69,13 +82,20 @@ class FileActions:
         """Ask for a file and open it."""
         self._ask(Question("Open file", self.open_path, OPEN_SUFFIXES))
 
-    def open_path(self, path: str, side: str = "test", finish: str = "") -> None:
+    def open_path(self, path: str, side: str = "test", finish: str = "", profile: str = "") -> None:
         """Open a file in the background; a sample becomes the test unless asked otherwise.
 
-        finish: of the side's pack, whose material a sample then becomes.
+        finish: of the side's pack, whose material a sample then becomes. profile: an ICC file of an
+        artwork's printing condition.
         """
-        self._waiting.append((os.fspath(path), side, finish))
+        self._waiting.append(Wanted(os.fspath(path), side, finish, profile))
         self._wake()
+
+    def read_session(self, path: str | os.PathLike[str], coming: Mapping[str, str]) -> None:
+        """Read the packs of the last session in the background; `coming`: their names by side."""
+        self._session_reading = reading = SessionReading(self.model, path, coming)
+        self._began_s = time.monotonic()
+        self._job = OpenJob(reading.path, self._wake, self._prepare, reading.read)
 
     def note_pack(self, pack: Pack) -> None:
         """Note a pack as its file holds it, so that later changes of the file can be told apart."""
@@ -86,6 +106,15 @@ class FileActions:
         self._ask(
             Question("Open artwork", lambda path: self.open_path(path, side), ARTWORK_SUFFIXES)
         )
+
+    def _ask_profile(self, wanted: Wanted) -> None:
+        """Ask for the profile of an artwork that has none, and open it with that."""
+        path, side, finish, _ = wanted
+
+        def take(profile: str) -> None:
+            self.open_path(path, side, finish, profile)
+
+        self._ask(Question("ICC profile of the print", take, PROFILE_SUFFIXES))
 
     def ask_mesh(self, side: str) -> None:
         """Ask for a mesh, which becomes the form of a side's pack."""
@@ -212,13 +241,14 @@ class FileActions:
             job, self._job = self._job, None
             self._take(job)
         if self._job is None and self._waiting:
-            path, self._job_side, self._job_finish = self._waiting.pop(0)
+            self._wanted = wanted = self._waiting.pop(0)
             self._began_s = time.monotonic()
-            self._job = OpenJob(path, self._wake)
+            self._prepared = None
+            self._job = OpenJob(wanted.path, self._wake, self._prepare, profile=wanted.profile)
         self.new_material.each_frame()
         self._masks.each_frame()
         self._watch.each_frame()
-        if self.session is not None:
+        if self.session is not None and not self.model.coming:
             self.session.note(self.model.state)
             if self.session.due(time.monotonic()):
                 self.model.attempt(self.session.save)
@@ -229,7 +259,10 @@ class FileActions:
         self._export.show()
         self._new_material_panel.show()
         if self._job is not None and time.monotonic() - self._began_s >= QUICK_S:
-            self._show_progress(self._job)
+            reading = self._session_reading
+            title = "" if reading is None else reading.title
+            if opening.show(self._job, title, len(self._waiting)):
+                self._waiting.clear()
 
     def due_s(self) -> float | None:
         """Seconds until a frame is needed without an event; None if nothing is under way."""
@@ -237,7 +270,7 @@ class FileActions:
         waiting = self._waiting or self.new_material.waiting or self._masks.busy
         if self._job is not None or waiting:
             waits.append(TICK_S)
-        if self.session is not None:
+        if self.session is not None and not self.model.coming:
             waits.append(self.session.due_in(time.monotonic()))
         return min((due for due in waits if due is not None), default=None)
 
@@ -250,7 +283,7 @@ class FileActions:
         if self._job is not None:
             self._job.close()
             self._job = None
-        if self.session is not None:
+        if self.session is not None and not self.model.coming:  # or its file would lose its packs
             self.session.note(self.model.state)
             self.model.attempt(self.session.save)
 
@@ -274,8 +307,17 @@ class FileActions:
         self.model.attempt(write)
 
     def _take(self, job: OpenJob) -> None:
+        reading, self._session_reading = self._session_reading, None
+        if reading is not None:
+            whole = reading.take(job.result, job.fault or "")
+            if whole is not None and self.session is not None:
+                self.session.note_written(whole)
+            return
         name = printable(Path(job.path).name, 80)
-        if job.fault is not None:
+        if job.fault is not None and NO_PROFILE in job.fault:
+            self.model.report(f"{name} is CMYK without a profile: choose that of its print")
+            self._ask_profile(self._wanted)
+        elif job.fault is not None:
             self.model.report(job.fault, fault=True)
         elif job.result is not None:
             self._apply(job.result, name)
@@ -284,10 +326,11 @@ class FileActions:
 
     def _apply(self, opened: Opened, name: str) -> None:
         model = self.model
-        if opened.state is not None and self._job_side == "reference":
+        if opened.state is not None and self._wanted.side == "reference":
             model.report(f"{name} is a scene, which holds both pictures: use Open", fault=True)
             return
-        model.change(opened.applied(model.state, self._job_side, self._job_finish))
+        model.change(self._after(opened))
+        model.history.forget(within_memory)
         if opened.state is not None:
             self.scene_path = opened.path
             model.report(f"opened the scene {name}")
@@ -302,17 +345,32 @@ class FileActions:
         text = f"fitted {name}" if opened.measurement is not None else f"opened {name}"
         if opened.measurement is not None and fit is not None:
             text += f": {fit.quality}"
-        finish, pack = self._job_finish, model.pack(self._job_side)
+        finish, pack = self._wanted.finish, model.pack(self._wanted.side)
         if finish and pack is not None:
             model.report(f"{text}; it is the material of the finish {finish} now")
         else:
-            model.report(f"{text}; it is the {self._job_side} sample now")
+            model.report(f"{text}; it is the {self._wanted.side} sample now")
         if opened.warning:
             model.report(opened.warning, fault=True)
 
+    def _prepare(self, opened: Opened) -> None:
+        """Make what the pictures of an opened file need; in the job's thread."""
+        model = self.model
+        before = model.state
+        after = opened.applied(before, self._wanted.side, self._wanted.finish)
+        prepare(after, model.picture_size, model.pixel_pitch_m)
+        self._prepared = before, after
+
+    def _after(self, opened: Opened) -> State:
+        """The state with what was opened, as prepared unless something has changed meanwhile."""
+        prepared, state = self._prepared, self.model.state
+        if prepared is not None and prepared[0] is state:
+            return prepared[1]
+        return opened.applied(state, self._wanted.side, self._wanted.finish)
+
     def _report_pack(self, opened: Opened, name: str) -> None:
         """A line on a pack, an artwork or a mesh, and its panel in front."""
-        model, side = self.model, self._job_side
+        model, side = self.model, self._wanted.side
         pack = model.pack(side)
         model.active_side, model.wanted_panel = side, "Pack" if pack is not None else ""
         if opened.pack is not None:
@@ -333,28 +391,3 @@ class FileActions:
                 "Pack",
                 fault=True,
             )
-
-    def _show_progress(self, job: OpenJob) -> None:
-        fraction, text = job.progress
-        flags = imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_focus_on_appearing
-        _, stays = floating.begin(PROGRESS, 26.0, flags=flags, top_em=4.0)
-        doing = "Fitting" if fraction > 0.0 and not _is_of_pack(job.path) else "Reading"
-        imgui.text_unformatted(f"{doing} {printable(Path(job.path).name, 40)}")
-        imgui.progress_bar(fraction, ImVec2(-1.0, 0.0), f"{100.0 * fraction:.0f} %")
-        imgui.text_disabled(printable(text, 60) + self._queue())
-        if widgets.button("Cancel", "stops; nothing changes and no file is left") or not stays:
-            job.cancel()
-        if self._waiting:
-            imgui.same_line()
-            if widgets.button("Cancel all", "stops this file and those that wait"):
-                self._waiting.clear()
-                job.cancel()
-        imgui.end()
-
-    def _queue(self) -> str:
-        return f"; {len(self._waiting)} more to come" if self._waiting else ""
-
-
-def _is_of_pack(path: str) -> bool:
-    """Whether a file is an artwork, a mesh or a pack, by its name alone."""
-    return path.lower().endswith((*ARTWORK_SUFFIXES, *MESH_SUFFIXES, *SCENE_SUFFIXES))

@@ -49,6 +49,15 @@ class History:
         self._future = [change(state) for state in self._future]
         self.state = change(self.state)
 
+    def forget(self, kept: Callable[[list[State]], int]) -> None:
+        """Forget the oldest steps, as where they hold much: `kept` gives how many of the newest.
+
+        It gets the states of undo, or of redo, from the newest on, after the present one.
+        """
+        for steps in (self._past, self._future):
+            count = kept([self.state, *reversed(steps)]) - 1
+            del steps[: max(len(steps) - count, 0)]
+
     def end_gesture(self) -> None:
         """Let the next change be a step of its own."""
         self._gesture = None

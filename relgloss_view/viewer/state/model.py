@@ -108,6 +108,10 @@ class Model:
         self.moving_artwork = False  #: whether the hand in a picture moves the artwork of a pack
         self.masked: frozenset[str] = frozenset()  #: names of finishes whose masks show
         self.tints: dict[str, int] = {}  #: textures of the masks that show, by side
+        #: Packs of the last session that are still read: name, sample in its place, by side.
+        self.coming: dict[str, tuple[str, Sample]] = {}
+        #: Textures of plates without a finish, and width over height, by name.
+        self.plate_pictures: dict[str, tuple[int, float]] = {}
         self.wanted_panel = ""  #: title of one that the next frame brings to the front
 
         #: Of the last frame.
@@ -172,6 +176,11 @@ class Model:
     def pack(self, side: str) -> Pack | None:
         """The pack of a side; None where it shows a sample."""
         return packs.pack_of(self.state, side)
+
+    def awaited(self, side: str) -> str:
+        """The name of a pack that is still read for a side; empty where none is."""
+        name, stand_in = self.coming.get(side, ("", None))
+        return name if self.state.side(side).sample is stand_in else ""
 
     def active_finish(self, side: str) -> Finish | None:
         """The finish of a side's pack that sliders change; None without a pack."""

@@ -18,6 +18,7 @@ from relgloss_view.viewer.state.state import SIDES, State
 
 DEFAULT_FORM = "can"
 ROUND = ("can", "bottle", "cylinder", "sphere")  #: forms that show a highlight from every side
+MOST_ARTWORK_BYTES = 300_000_000  #: of artworks that undo holds beside the present one's
 Mm = tuple[float, float]  #: a place on the label: to the right and up from its centre
 
 
@@ -139,6 +140,35 @@ def new_finish(pack: Pack, material: Material, source: str) -> Finish:
     return Finish(name, "varnish", material, source=source, mask=mask)
 
 
+def free_plates(pack: Pack) -> tuple[str, ...]:
+    """Plates of a pack's artwork that no finish is tied to, but for those of cutters and such."""
+    if pack.artwork is None:
+        return ()
+    from relgloss_view.pack.quick import TECHNICAL
+
+    tied = {one.mask.partition(":")[2] for one in pack.finishes if ":" in one.mask}
+    return tuple(n for n in pack.artwork.plates if n not in tied and not TECHNICAL.search(n))
+
+
+def with_plate(pack: Pack, plate: str, source: str) -> tuple[Pack, str]:
+    """The pack with a built-in finish where a plate prints, and the finish's name.
+
+    A foil lies below the varnishes, which would lose their gloss under it. Raises InputError where
+    there is no room for one more.
+    """
+    from relgloss_view.pack.built_in import FINISHES, load_finish
+
+    kind, names = FINISHES[source], {one.name for one in pack.finishes}
+    tried = [plate.strip() or "plate", *(f"{plate} ({k})" for k in range(2, MAX_FINISHES + 2))]
+    name = next(text for text in tried if text not in names)
+    finish = Finish(name, kind, load_finish(source), source=source, mask=f"plate:{plate}")
+    at = len(pack.finishes)
+    while kind != "varnish" and at > 1 and pack.finishes[at - 1].kind == "varnish":
+        at -= 1
+    finishes = (*pack.finishes[:at], finish, *pack.finishes[at:])
+    return dataclasses.replace(pack, finishes=finishes), name
+
+
 def added(pack: Pack, finish: Finish) -> Pack:
     """The pack with one more finish above the others; InputError where there is no room."""
     return dataclasses.replace(pack, finishes=(*pack.finishes, finish))
@@ -197,15 +227,33 @@ def mask_words(mask: str) -> str:
     return f"{kind} {name}" if colon and kind in ("plate", "channel", "part") else mask
 
 
-def with_artwork(pack: Pack, artwork: Artwork) -> Pack:
-    """The pack with another artwork; of the same size it stays where the last one lay."""
+def with_artwork(pack: Pack, made: Pack) -> Pack:
+    """The pack with another pack's artwork; of the same size it stays where the last one lay."""
     from relgloss_view.pack.quick import usual_placement
 
-    old = pack.artwork
+    old, artwork = pack.artwork, made.artwork
+    assert artwork is not None
     same = old is not None and _is_close(old, artwork)
     placement = pack.placement if same else usual_placement(artwork, pack.shape)[0]
     return dataclasses.replace(pack, artwork=artwork, artwork_file=artwork.file,
+                               artwork_entries=made.artwork_entries,
                                placement=placement)  # fmt: skip
+
+
+def within_memory(states: list[State]) -> int:
+    """How many states, from the first on, hold artworks of at most MOST_ARTWORK_BYTES together."""
+    seen: set[int] = set()
+    total = 0
+    for k, state in enumerate(states):
+        for side in SIDES:
+            pack = pack_of(state, side)
+            artwork = None if pack is None else pack.artwork
+            if artwork is not None and id(artwork) not in seen:
+                seen.add(id(artwork))
+                total += artwork.xyz.nbytes + sum(p.nbytes for p in artwork.plates.values())
+        if total > MOST_ARTWORK_BYTES and k > 1:
+            return k
+    return len(states)
 
 
 def missing_plates(pack: Pack) -> tuple[str, ...]:

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import os
 import time
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import read_beginning
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.base.writing import make_folder
 from relgloss_view.viewer.state.places import state_folder
 from relgloss_view.viewer.state.state import State
@@ -47,6 +49,10 @@ class Autosave:
     def note(self, state: State) -> None:
         """Remember the present state; costs nothing while it is the same object."""
         self._noted = state
+
+    def note_written(self, state: State) -> None:
+        """Remember a state as what the file holds."""
+        self._noted = self._written = state
 
     @property
     def changed(self) -> bool:
@@ -94,13 +100,24 @@ class Restored:
 
     state: State | None = None
     messages: tuple[str, ...] = ()
+    #: Names of packs by side that are still to be read: samples of the initial state stand there.
+    coming: Mapping[str, str] = field(default_factory=dict)
+
+
+def read_whole(
+    path: str | os.PathLike[str], progress: ProgressReport = no_progress
+) -> tuple[State, tuple[str, ...]]:
+    """The session with its packs, which may take a while, and messages; InputError."""
+    stood_in: list[str] = []
+    return load_state(path, stood_in, progress=progress), tuple(stood_in)
 
 
 def restore(path: str | os.PathLike[str]) -> Restored:
     """The session of a file; no state where there is none or it is damaged. Raises nothing.
 
-    A material or lamp that is gone is replaced by the initial state's, with a message. A damaged
-    file is moved aside beside itself, so that nothing of it is lost.
+    Packs are left for `read_whole`. A material or lamp that is gone is replaced by the initial
+    state's, with a message. A damaged file is moved aside beside itself, so that nothing of it is
+    lost.
     """
     path = Path(path)
     if not os.path.lexists(path):
@@ -111,8 +128,10 @@ def restore(path: str | os.PathLike[str]) -> Restored:
     except InputError as error:
         return Restored(None, (str(error),))
     stood_in: list[str] = []
+    coming: dict[str, str] = {}
     try:
-        return Restored(load_state(path, stood_in), tuple(stood_in))
+        state = load_state(path, stood_in, later=coming)
+        return Restored(state, tuple(stood_in), coming)
     except InputError as error:
         return Restored(None, (f"{error}; {_move_aside(path)}",))
 

@@ -6,21 +6,34 @@ import os
 from pathlib import Path
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.base.toml import build_part, entries
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.scene_file import SceneFile, read_scene_file
 from relgloss_view.picture.scene.scene_writer import write_scene_file
 from relgloss_view.viewer.state.state import Presentation, Side, State
 
+PLACES = {"reference": "reference", "test": "sample"}  #: of the sides in a scene file
 
-def load_state(path: str | os.PathLike[str], stood_in: list[str] | None = None) -> State:
+
+def load_state(
+    path: str | os.PathLike[str],
+    stood_in: list[str] | None = None,
+    *,
+    progress: ProgressReport = no_progress,
+    later: dict[str, str] | None = None,
+) -> State:
     """The state that a scene file holds; InputError names the file and the entry.
 
     A file without [reference] gets the initial state's, at the quality of the file's look. With a
     list `stood_in`, materials and lamps that are gone are replaced by those of the initial state,
-    and the list gets a message of each.
+    and the list gets a message of each. progress: of reading packs. later: a dictionary that gets
+    the names of packs by side, which are not read; the initial state's samples take their places.
     """
-    content = read_scene_file(Path(path).absolute(), stood_in)
+    found: dict[str, str] | None = None if later is None else {}
+    content = read_scene_file(Path(path).absolute(), stood_in, progress=progress, later=found)
+    if later is not None and found:
+        later |= {side: found[place] for side, place in PLACES.items() if place in found}
     try:
         presentation = build_part(Presentation, "presentation", dict(content.presentation))
     except InputError as error:
