@@ -16,7 +16,7 @@ from relgloss_view.base.arrays import AnyArray, Ints
 from relgloss_view.pack.mesh import Mesh
 from relgloss_view.picture.gpu.programs import Programs
 from relgloss_view.picture.gpu.targets import COVERAGE, MASK, Targets
-from relgloss_view.picture.gpu.triangles import Triangles, projection
+from relgloss_view.picture.gpu.triangles import Triangles, array_of, listed, projection
 from relgloss_view.picture.model.silhouette import EDGE_RAYS
 from relgloss_view.picture.model.view import Box, View
 
@@ -27,15 +27,13 @@ MARK = 1  #: as EDGE_MARK of mesh_edge.frag, of 255
 class Part:
     """Some triangles of a mesh, once for each place of a pixel."""
 
-    def __init__(self, ctx: moderngl.Context, triangles: Triangles, numbers: Ints) -> None:
-        corners = np.ascontiguousarray(triangles.mesh.triangles[numbers], dtype=np.uint32)
-        self._triangles = triangles
-        self._buffer = ctx.buffer(corners.tobytes())
+    def __init__(self, ctx: moderngl.Context, mesh: Mesh, numbers: Ints) -> None:
+        self._buffer = ctx.buffer(listed(mesh.points_m, mesh.triangles[numbers]).tobytes())
         self._array: moderngl.VertexArray | None = None
 
     def array(self, ctx: moderngl.Context, program: moderngl.Program) -> moderngl.VertexArray:
         """See programs.Geometry."""
-        self._array = self._triangles.array_of(ctx, program, self._buffer)
+        self._array = array_of(ctx, program, self._buffer)
         return self._array
 
     def release(self) -> None:
@@ -62,7 +60,7 @@ def draw_coverage(
     numbers = beside_edges(triangles.mesh, view, targets.read(*COVERAGE)[::-1, :, 0] == MARK)
     if len(numbers) == 0:
         return
-    part = Part(programs.ctx, triangles, numbers)
+    part = Part(programs.ctx, triangles.mesh, numbers)
     framebuffer.scissor = _scissor(view.bounds)
     uniforms = {
         **projection(triangles.mesh, view, (0, 0, *view.size)),

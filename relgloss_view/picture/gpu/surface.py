@@ -23,7 +23,7 @@ from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.shape import ANALYTIC
 from relgloss_view.picture.gpu.context import max_texture_size
 from relgloss_view.picture.gpu.held import Key, key_of
-from relgloss_view.picture.gpu.printed import share_rows
+from relgloss_view.picture.gpu.printed import share_defines
 from relgloss_view.picture.gpu.programs import Programs, Uniforms
 from relgloss_view.picture.gpu.targets import TRIANGLE, Targets, surface_targets
 from relgloss_view.picture.gpu.triangles import WIDE, projection
@@ -184,7 +184,6 @@ class Surface:
         return {
             **self.uploads.printed(form.layers).uniforms,
             "part_table": self.uploads.part_table(form.layers, label.printed),
-            "share_rows": share_rows(form.layers),
         }
 
     def _draw(
@@ -198,6 +197,7 @@ class Surface:
         constants = {**defines, "FINISHES": form.finishes, "MESH_WIDE": WIDE}
         if form.layers is not None:
             constants["CHANNELS"] = self.uploads.printed(form.layers).channel_targets
+            constants |= share_defines(form.layers)
         target: Any = self._targets.framebuffer(names)
         target.scissor = box
         self._programs.draw("surface.frag", constants, inputs, target)
