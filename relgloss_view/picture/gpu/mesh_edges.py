@@ -16,7 +16,13 @@ from relgloss_view.base.arrays import AnyArray, Ints
 from relgloss_view.pack.mesh import Mesh
 from relgloss_view.picture.gpu.programs import Programs
 from relgloss_view.picture.gpu.targets import COVERAGE, MASK, Targets
-from relgloss_view.picture.gpu.triangles import Triangles, array_of, listed, projection
+from relgloss_view.picture.gpu.triangles import (
+    Triangles,
+    array_of,
+    hides_backs,
+    listed,
+    projection,
+)
 from relgloss_view.picture.model.silhouette import EDGE_RAYS
 from relgloss_view.picture.model.view import Box, View
 
@@ -95,7 +101,8 @@ def _draw_mask(
     target.clear()
     wider = (box[0] - 0.25, box[1] - 0.25, box[2] + 0.25, box[3] + 0.25)
     uniforms = projection(triangles.mesh, view, wider)
-    programs.draw("mesh.frag", {}, uniforms, target, geometry=triangles)
+    culls = hides_backs(triangles.mesh, view)
+    programs.draw("mesh.frag", {}, uniforms, target, geometry=triangles, culls=culls)
 
 
 def _scissor(box: Box) -> Box:

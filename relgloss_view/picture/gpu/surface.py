@@ -26,7 +26,7 @@ from relgloss_view.picture.gpu.held import Key, key_of
 from relgloss_view.picture.gpu.printed import share_defines
 from relgloss_view.picture.gpu.programs import Programs, Uniforms
 from relgloss_view.picture.gpu.targets import TRIANGLE, Targets, surface_targets
-from relgloss_view.picture.gpu.triangles import WIDE, projection
+from relgloss_view.picture.gpu.triangles import WIDE, hides_backs, projection
 from relgloss_view.picture.gpu.uploads import Uploads
 from relgloss_view.picture.model.view import Box, Size, View
 from relgloss_view.picture.scene.scene import Scene
@@ -174,6 +174,7 @@ class Surface:
             target,
             geometry=triangles,
             depth="<",
+            culls=hides_backs(mesh, view),
         )
         return {**triangles.uniforms, "triangle_image": self._targets.texture(*TRIANGLE)}
 

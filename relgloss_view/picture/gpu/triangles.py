@@ -7,7 +7,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from relgloss_view.base.arrays import AnyArray, Ints
+from relgloss_view.base.arrays import AnyArray
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.room import Need, check_room
 from relgloss_view.pack.mesh import Mesh
@@ -111,12 +111,17 @@ def array_of(
     return ctx.vertex_array(program, [(corners, "3f 1x4", "place_m")])
 
 
-def listed(points: AnyArray, corners: Ints) -> AnyArray:
+def listed(points: AnyArray, corners: AnyArray) -> AnyArray:
     """(T, 3, 4) float32: of each triangle three points and its number, counted from 1."""
     rows = np.empty((len(corners), 3, 4), dtype=np.float32)
     rows[..., :3] = points[corners]
     rows[..., 3] = np.arange(1.0, len(corners) + 1.0)[:, None]
     return rows
+
+
+def hides_backs(mesh: Mesh, view: View) -> bool:
+    """Whether no triangle is seen from behind: a closed mesh hides those from an eye outside."""
+    return mesh.is_closed and bool(np.any(np.abs(view.eye_m) > 1.01 * mesh.half_extent_m))
 
 
 def projection(mesh: Mesh, view: View, box: tuple[float, ...]) -> dict[str, Any]:
