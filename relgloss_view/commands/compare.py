@@ -114,7 +114,7 @@ def run(args: argparse.Namespace) -> int:
             f"{MOST_CELLS} pictures"
         )
     check_picture(
-        size, sample_count(scene, look, size), backend=args.backend,
+        size, sample_count(scene, look, size), backend=args.backend, scene=scene,
         uses=[operator.name for operator in operators], kept=len(arguments) * len(operators),
         remedy="give a smaller --size or fewer --operators",
     )  # fmt: skip

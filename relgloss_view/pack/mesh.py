@@ -66,12 +66,11 @@ class Mesh:
         corners = place[self.triangles]
         following = np.roll(corners, -1, axis=1)
         wide = len(points) + 1
-        ways = [
-            np.sort((a * wide + b).ravel()) for a, b in ((corners, following), (following, corners))
-        ]
+        there = np.sort((corners * wide + following).ravel())
+        back = np.sort((following * wide + corners).ravel())
         a, b, c = (self.points_m[self.triangles[:, k]] for k in range(3))
         volume = float(np.sum(a * np.cross(b, c)))
-        return bool(np.array_equal(*ways)) and volume > 0.0
+        return bool(np.array_equal(there, back)) and volume > 0.0
 
     def contains(self, point_m: Array) -> bool:
         """Whether a point is inside: the triangles fill more than half of what is seen from it.

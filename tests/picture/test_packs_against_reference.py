@@ -13,6 +13,7 @@ from relgloss_view.pack.finish import Finish
 from relgloss_view.pack.label import label_of
 from relgloss_view.pack.pack import Pack, Placement
 from relgloss_view.pack.shape import Shape
+from relgloss_view.picture.gpu import printed
 from relgloss_view.picture.model.difference import delta_e_2000
 from relgloss_view.picture.reference import ReferenceRenderer
 from relgloss_view.picture.scene.setup import Display, Eye, FurtherLamp, Lamp, Setup
@@ -178,3 +179,20 @@ class TestWhatIsDrawnAgain:
         moved = dataclasses.replace(pack, placement=Placement(offset_x_mm=5.0))
         draw(moved)
         assert (surface.drawn, uploads.made) == (tiles + 2, made)
+
+
+def test_artwork_too_large_for_the_device_is_drawn_coarser(renderer, monkeypatch):
+    pack, look = pack_of("plane"), Look(sigma_n_deg=0.0, c=0.8, samples=1)
+    scene = Scene(pack.material, pack=pack)
+    whole = renderer.render(scene, look, SIZE)
+    lab, shown = whole.lab, whole.on_object
+    assert not any("resolution" in warning for warning in whole.warnings)
+    monkeypatch.setattr(printed, "max_texture_size", lambda ctx: 50)
+    renderer.programs.uploads.release()
+    renderer.forget()
+    coarse = renderer.render(scene, look, SIZE)
+    assert any("1/8 of its resolution" in warning for warning in coarse.warnings)
+    apart = delta_e_2000(coarse.lab, lab)[shown]
+    assert 0.0 < np.mean(apart) < 20.0
+    renderer.programs.uploads.release()
+    renderer.forget()

@@ -27,6 +27,7 @@ from relgloss_view.picture.model.silhouette import EDGE_RAYS
 from relgloss_view.picture.model.view import Box, View
 
 TILE_PX = 2048  #: side of the parts in which the silhouette is looked for
+BLOCK = 4  #: side in pixels of what beside_edges looks at
 MARK = 1  #: as EDGE_MARK of mesh_edge.frag, of 255
 
 
@@ -110,13 +111,16 @@ def _scissor(box: Box) -> Box:
 
 
 def beside_edges(mesh: Mesh, view: View, marked: AnyArray) -> Ints:
-    """Numbers of the triangles whose bounds in the picture hold a marked pixel.
+    """Numbers of the triangles whose bounds in the picture come near a marked pixel.
 
-    marked: (H, W), rows from the bottom.
+    marked: (H, W), rows from the bottom. They are looked for in blocks of pixels, which keeps the
+    sums of a large picture small.
     """
-    height, width = marked.shape
+    height, width = (-(-side // BLOCK) for side in marked.shape)
+    rows = np.logical_or.reduceat(marked, np.arange(0, marked.shape[0], BLOCK), axis=0)
+    blocks = np.logical_or.reduceat(rows, np.arange(0, marked.shape[1], BLOCK), axis=1)
     sums = np.zeros((height + 1, width + 1), dtype=np.int64)
-    np.cumsum(np.cumsum(marked, axis=0), axis=1, out=sums[1:, 1:])
+    np.cumsum(np.cumsum(blocks, axis=0), axis=1, out=sums[1:, 1:])
     from_eye = mesh.points_m - view.eye_m
     depth = from_eye @ view.forward
     before = np.maximum(depth, 1e-9)[:, None]
@@ -125,8 +129,8 @@ def beside_edges(mesh: Mesh, view: View, marked: AnyArray) -> Ints:
     corners = places[mesh.triangles]
     behind = np.any(depth[mesh.triangles] <= 1e-9, axis=1)  # its bounds are not known
     limit = np.array([width, height])
-    low = np.clip(np.floor(corners.min(axis=1)) - 1.0, 0, limit).astype(np.int64)
-    high = np.clip(np.ceil(corners.max(axis=1)) + 1.0, 0, limit).astype(np.int64)
+    low = np.clip(np.floor((corners.min(axis=1) - 1.0) / BLOCK), 0, limit).astype(np.int64)
+    high = np.clip(np.ceil((corners.max(axis=1) + 1.0) / BLOCK), 0, limit).astype(np.int64)
     low[behind], high[behind] = 0, limit
     (x0, y0), (x1, y1) = low.T, high.T
     held = sums[y1, x1] - sums[y0, x1] - sums[y1, x0] + sums[y0, x0]

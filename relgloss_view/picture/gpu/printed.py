@@ -27,13 +27,8 @@ class Printed:
 
     def __init__(self, ctx: moderngl.Context, layers: Layers) -> None:
         self.layers = layers
-        limit = max_texture_size(ctx)
+        self.first_level = first_level(layers, max_texture_size(ctx))
         sizes = [paint.shape[1::-1] for paint, _ in layers.levels]
-        self.first_level = next(
-            k
-            for k in range(len(sizes))
-            if max(_placed(sizes[k:])[1]) <= limit and len(sizes) - k <= MOST_LEVELS
-        )
         levels = layers.levels[self.first_level :]
         boxes, size = _placed(sizes[self.first_level :])
         count = layers.channels.shape[-1]
@@ -84,16 +79,6 @@ class Printed:
         if ctx.error != "GL_NO_ERROR":
             raise InputError(_NO_ROOM)
 
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What a user should know of it."""
-        if self.first_level == 0:
-            return ()
-        return (
-            f"the artwork has more pixels than this device takes: it is drawn at "
-            f"1/{2**self.first_level} of its resolution",
-        )
-
     def bytes(self) -> int:
         """Bytes on the device."""
         return sum(bytes_of(texture) for texture in self._held)
@@ -106,6 +91,27 @@ class Printed:
 
 
 _NO_ROOM = "the device has no memory for the pack's artwork; use one of fewer pixels"
+
+
+def first_level(layers: Layers, limit: int) -> int:
+    """The first mip level whose texture, with all that follow, is at most so many texels a side."""
+    sizes = [paint.shape[1::-1] for paint, _ in layers.levels]
+    return next(
+        k
+        for k in range(len(sizes))
+        if max(_placed(sizes[k:])[1]) <= limit and len(sizes) - k <= MOST_LEVELS
+    )
+
+
+def notes_of(ctx: moderngl.Context, layers: Layers) -> tuple[str, ...]:
+    """What a user should know of how a device draws layers."""
+    first = first_level(layers, max_texture_size(ctx))
+    if first == 0:
+        return ()
+    return (
+        f"the artwork has more pixels than this device takes: it is drawn at 1/{2**first} of its "
+        "resolution",
+    )
 
 
 def _placed(

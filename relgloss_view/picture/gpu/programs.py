@@ -136,7 +136,8 @@ class Programs:
 
         geometry: triangles to draw, so many instances of them. depth: what a depth must be beside
         the one that is there, such as '<', or '1' for any; '' leaves depths alone. adds: to what
-        is there. culls: triangles that are seen from behind. A uniform of the stage that is not given is an error.
+        is there. culls: triangles seen from behind. A uniform of the stage that is not given is an
+        error.
         """
         checkpoint()  # between passes
         array = self.get(stage, defines)

@@ -23,7 +23,8 @@ from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.shape import ANALYTIC
 from relgloss_view.picture.gpu.context import max_texture_size
 from relgloss_view.picture.gpu.held import Key, key_of
-from relgloss_view.picture.gpu.printed import share_defines
+from relgloss_view.picture.gpu.memory import MOST_TEXELS
+from relgloss_view.picture.gpu.printed import notes_of, share_defines
 from relgloss_view.picture.gpu.programs import Programs, Uniforms
 from relgloss_view.picture.gpu.targets import TRIANGLE, Targets, surface_targets
 from relgloss_view.picture.gpu.triangles import WIDE, hides_backs, projection
@@ -31,8 +32,6 @@ from relgloss_view.picture.gpu.uploads import Uploads
 from relgloss_view.picture.model.view import Box, Size, View
 from relgloss_view.picture.scene.scene import Scene
 
-#: Places of a tile: with finishes they take up to 160 bytes each.
-MOST_TEXELS = 1 << 22
 WRAP_SHARE = 0.002  #: by which an artwork that goes around may differ from the girth
 
 
@@ -108,6 +107,10 @@ class Surface:
                     tuple(int(v) for v in inside),  # type: ignore[misc]
                     self._tile(form, view, tile, whole, samples, defines, uniforms),
                 )
+
+    def notes(self, scene: Scene) -> tuple[str, ...]:
+        """What a user should know of how a scene's artwork is drawn."""
+        return () if scene.pack is None else notes_of(self.ctx, layers_of(scene.pack))
 
     def tile_size(self, size: Size, samples: int) -> Size:
         """Width and height of the tiles, pixels: the whole picture where it fits."""
