@@ -28,15 +28,17 @@ def add(commands: Any) -> None:
     parser = commands.add_parser(
         "view",
         description="Open the window on the built-in papers, or on scenes, materials and measured "
-        "tables, which are fitted first. One sample becomes the test picture's; of two samples, "
-        "the first becomes the reference's. The last session is restored.",
+        "tables, which are fitted first, or on a pack: a pack file, an artwork (PDF or picture), a "
+        "mesh. One sample becomes the test picture's; of two samples, the first becomes the "
+        "reference's, as does one beside a pack. The last session is restored.",
         epilog="example: relgloss view paper.csv",
     )
     parser.add_argument(
         "files",
         metavar="FILE",
         nargs="*",
-        help="Scene, material or measured table, or the name of a built-in paper",
+        help="Scene, material, measured table, pack file, artwork or mesh, or the name of a "
+        "built-in paper",
     )
     add_colour_options(parser)
     parser.add_argument("--fresh", action="store_true", help="Start without the last session")
@@ -179,24 +181,31 @@ def _opened(files: list[str]) -> list[Opened]:
 def _show(app: App, opened: list[Opened], colour: Colour | None) -> None:
     """Show the opened files in the window: a scene first, then the samples on its sides.
 
-    The test picture's sample gets the colour.
+    The test picture's sample gets the colour. Beside a pack, which is the test, one sample is the
+    reference. A form comes before the artwork that lies on it.
     """
     from relgloss_view.viewer.state.matching import with_colour
 
     state = app.model.state
     for one in opened:
-        if one.sample is None:
+        if one.state is not None:
             state = one.applied(state, "test")
             app.files.scene_path = one.path
         if one.warning:
             app.model.report(one.warning, fault=True)
     samples = [one for one in opened if one.sample is not None]
-    sides = ("reference", "test") if len(samples) == 2 else ("test",)
+    of_pack = [one for one in opened if one.is_of_a_pack]
+    sides = ("reference", "test") if len(samples) == 2 or of_pack else ("test",)
     for side, one in zip(sides, samples, strict=False):
         state = one.applied(state, side)
         table = one.sample.table if one.sample else None
         if one.measurement is not None and table is not None:
             app.model.measurements[table] = one.measurement
+    for one in sorted(of_pack, key=lambda one: (one.pack is None, one.shape is None)):
+        state = one.applied(state, "test")
+        app.model.wanted_panel = "Pack" if state.test.sample.pack is not None else ""
+        if one.pack is not None:
+            app.files.note_pack(one.pack)
     if colour is not None:
         state = with_colour(state, "test", colour)
     app.model.change(state)
@@ -211,12 +220,19 @@ def _is_built_in(file: str) -> bool:
 
 def _check_files(files: list[str]) -> None:
     """Raise InputError for too many files before the first is fitted, which takes a while."""
-    from relgloss_view.picture.scene.file_kinds import SCENE, likely_kind
+    from relgloss_view.pack.kinds import ARTWORK, PACK
+    from relgloss_view.picture.scene.file_kinds import SCENE
+    from relgloss_view.viewer.files.pack_files import MESH, file_kind
 
-    kinds = [likely_kind(file) for file in files if not _is_built_in(file)]
-    scenes = kinds.count(SCENE)
-    samples = len(files) - scenes
-    if scenes > 1:
-        raise InputError(f"{scenes} scenes given: expected at most 1")
+    named = [file for file in files if not _is_built_in(file)]
+    kinds = [file_kind(file) for file in named]
+    for kind, words in ((SCENE, "scenes"), (PACK, "packs"), (ARTWORK, "artworks"), (MESH, "forms")):
+        count = kinds.count(kind)
+        if count > 1:
+            raise InputError(f"{count} {words} given: expected at most 1")
+    packs = any(kind in (PACK, ARTWORK, MESH) for kind in kinds)
+    samples = len(files) - sum(kind in (SCENE, PACK, ARTWORK, MESH) for kind in kinds)
     if samples > 2:
         raise InputError(f"{samples} samples given: expected at most 2, reference and test")
+    if samples > 1 and packs:
+        raise InputError(f"{samples} samples given beside a pack: expected 1, the reference")

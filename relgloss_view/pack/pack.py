@@ -44,8 +44,12 @@ class Placement(Checked):
     scale of the artwork's own size. Raises InputError where a value is out of its range.
     """
 
-    offset_x_mm: float = parameter(0.0, -1e4, 1e4, "mm", "of the artwork's centre to the right")
-    offset_y_mm: float = parameter(0.0, -1e4, 1e4, "mm", "of the artwork's centre upwards")
+    offset_x_mm: float = parameter(
+        0.0, -1e4, 1e4, "mm", "of the artwork's centre to the right", label="Shift right"
+    )
+    offset_y_mm: float = parameter(
+        0.0, -1e4, 1e4, "mm", "of the artwork's centre upwards", label="Shift up"
+    )
     turn_deg: float = parameter(0.0, -360.0, 360.0, "deg", "counter-clockwise", label="Turn")
     scale: float = parameter(1.0, 1e-3, 1e3, "", "of the artwork's own size", label="Scale")
 
@@ -68,7 +72,9 @@ class Pack(Checked):
     finishes: tuple[Finish, ...]
     artwork: Artwork | None = None
     placement: Placement = Placement()
-    colour: str = choice("lab", COLOUR_RULES, "how the artwork's colours meet another lamp")
+    colour: str = choice(
+        "lab", COLOUR_RULES, "how the artwork's colours meet another lamp", label="Colours"
+    )
     masks: Mapping[str, Bytes] = field(default_factory=dict)
     file: str = ""
     artwork_file: str = ""

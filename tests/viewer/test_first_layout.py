@@ -111,7 +111,14 @@ def opens_a_plot(hand, found):
     found["again"] = [p.title for p in hand.app.layout.panels if p.visible]
 
 
-SCRIPTS = (looks, opens_a_plot)
+def opens_a_pack(hand, found):
+    hand.frames(4)
+    hand.model.wanted_panel = "Pack"
+    hand.frames(6)
+    found["places"] = places(hand)
+
+
+SCRIPTS = (looks, opens_a_plot, opens_a_pack)
 
 
 def run(folder, layout, scripts, size=(1280, 800)):
@@ -154,3 +161,13 @@ def test_a_layout_from_before_stays_as_it_was(tmp_path):
     assert got["places"]["Look"] == [905.0, 21.0, 375.0, 752.0]
     assert got["places"]["Lightness"] == [0.0, 504.0, 540.0, 269.0]
     assert got["places"]["Pixel"] == [542.0, 504.0, 361.0, 269.0]
+
+
+def test_a_panel_newer_than_the_kept_layout_goes_beside_its_neighbours(tmp_path):
+    from relgloss_view.viewer.state.layout_file import WindowLayout, save_layout
+
+    layout = tmp_path / "window.toml"
+    save_layout(layout, WindowLayout(closed=("Fit",), docking=BEFORE))
+    got = run(tmp_path / "one", layout, ["opens_a_pack"])["opens_a_pack"]
+    assert got["places"]["Pack"] == [905.0, 21.0, 375.0, 752.0]
+    assert "Sample" not in got["places"]  # a tab behind it now

@@ -21,7 +21,7 @@ from relgloss_view.material.files import load_material, save_material
 from relgloss_view.measure.readers import read_measurement
 from relgloss_view.picture.scene.file_kinds import MATERIAL, MEASUREMENT, SCENE, kind_of
 from relgloss_view.picture.scene.sample import Sample
-from relgloss_view.viewer.files import open_job, own_materials
+from relgloss_view.viewer.files import open_job, own_materials, pack_files
 from relgloss_view.viewer.files.fit_process import FitProcess
 from relgloss_view.viewer.files.open_job import OpenJob
 from relgloss_view.viewer.files.own_materials import keep_material, safe_name
@@ -122,7 +122,6 @@ class TestKinds:
             (b" \n\t\n", "nothing but"),
             (b"# only\n# comments\n", "nothing but"),
             (b"\x00" * 100, "neither text nor"),
-            (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR", "a picture"),
             (b"PK\x03\x04\x14\x00\x00\x00", "a packed archive"),
             (b"\xff\xfe[\x00l\x00", "found column '[l'"),
             (b"{}", "relgloss-material"),
@@ -208,7 +207,7 @@ class TestOpening:
         def fail(path):
             raise error
 
-        monkeypatch.setattr(open_job, "likely_kind", fail)
+        monkeypatch.setattr(pack_files, "likely_kind", fail)
         job = opened(TABLE)
         assert job.result is None
         assert "matte-coated.csv" in job.fault

@@ -50,6 +50,7 @@ class SceneFile:
     reference_look: Look | None = None
     presentation: Mapping[str, Any] = field(default_factory=dict)  #: as in the file
     match: Match | None = None  #: how the two looks were found; None where the file has none
+    reference_shape: Shape | None = None  #: the reference's form beside a pack; None without one
 
     def scene(self) -> Scene:
         """The scene of the sample's picture."""
@@ -83,7 +84,7 @@ def read_scene_file(
     file), or the tables [pack] and [[finish]] of a pack file in its place; [shape], [lamp], [eye],
     [display], [look] with the fields of their classes, [[further_lamp]] with those of FurtherLamp;
     for a pair of pictures [reference] with the entries of [sample], [reference.look], [match] and
-    [presentation]. A pack has its own form, so there is no [shape] beside it.
+    [presentation]. A pack has its own form: a [shape] beside it is the reference's.
 
     replacements: a list that collects a message for each material or lamp that can't be read; the
     built-in one (for the reference, None) takes its place. Without the list that is an error.
@@ -123,8 +124,10 @@ def _scene_file(
     sample = read_sample("sample", of_sample, folder, replacements)
     if sample is None:
         sample = Sample.built_in(DEFAULT_SAMPLE)
+    reference_shape = None
     if sample.pack is not None:
-        if "shape" in content:
+        reference_shape = parts["shape"] if "shape" in content else None
+        if "shape" in content and "reference" not in content:
             raise InputError("[shape]: a pack has its own form; give it there, as [pack.form]")
         parts["shape"] = sample.pack.shape
     return SceneFile(
@@ -135,6 +138,7 @@ def _scene_file(
         reference_look=reference_look,
         presentation=presentation,
         match=build_part(Match, "match", content["match"]) if "match" in content else None,
+        reference_shape=reference_shape,
     )
 
 

@@ -13,6 +13,7 @@ from relgloss_view.material.recolour import DEFAULT_ILLUMINANT
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.pack_file import PACK, pack_tables, read_pack
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
 from relgloss_view.picture.scene.scene_file import FURTHER_LAMP, SceneFile
 
@@ -66,16 +67,18 @@ def _tables(content: SceneFile, folder: Path, forgiving: bool) -> dict[str, Any]
     elif isinstance(tables["sample"].get(PACK), dict):  # the pack is the sample
         tables |= tables.pop("sample")
     tables |= {name: entries(part) for name, part in content.setup.parts().items()}
+    shape: Shape | None = content.setup.shape
+    if content.sample.pack is not None:  # whose own form is in the pack
+        shape = None if content.reference is None else content.reference_shape
+        tables.pop("shape")
+        tables |= {} if shape is None else {"shape": entries(shape)}
     if content.setup.further_lamps:
         tables[FURTHER_LAMP] = [entries(lamp) for lamp in content.setup.further_lamps]
     lamp = content.setup.lamp.illuminant
     if not is_lamp_name(lamp):
         _put(tables["lamp"], "illuminant", _place(lamp, folder), "lamp", forgiving)
-    mesh = content.setup.shape.file
-    if mesh:
-        _put(tables["shape"], "file", _place(mesh, folder), "shape", forgiving)
-    if content.sample.pack is not None:
-        tables.pop("shape")  # which is the pack's
+    if shape is not None and shape.file:
+        _put(tables["shape"], "file", _place(shape.file, folder), "shape", forgiving)
     if content.match is not None:
         tables["match"] = entries(content.match)
     if content.presentation:

@@ -185,7 +185,7 @@ class PairRenderer:
 
         To find the pixels at the silhouette takes a third of a picture's time, once a view.
         """
-        view = state.setup.shape, state.setup.eye, size
+        view = *(state.scene(side).shape for side in SIDES), state.setup.eye, size
         if moving and view != self._edged_view:
             return state.with_part("display", edges="sampled")
         self._edged_view = view

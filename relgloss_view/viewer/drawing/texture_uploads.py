@@ -14,7 +14,7 @@ class _Upload:
     def __init__(self, ctx: Any, of: object, digital: Bytes) -> None:
         height, width = digital.shape[:2]
         pixels = np.full((height, width, 4), 255, dtype=np.uint8)
-        pixels[..., :3] = digital[::-1]  # row 0 of a texture is the lowest
+        pixels[..., : digital.shape[2]] = digital[::-1]  # row 0 of a texture is the lowest
         self.of = of
         self.texture = ctx.texture((width, height), 4, pixels)
         self.framebuffer = ctx.framebuffer([self.texture])
@@ -36,7 +36,7 @@ class TextureUploads:
         return int(self._upload(side, displayed, displayed.digital).framebuffer.glo)
 
     def texture(self, name: str, digital: Bytes) -> int:
-        """The name of a texture that holds digital values (H, W, 3)."""
+        """The name of a texture that holds digital values (H, W, 3), or with alpha (H, W, 4)."""
         return int(self._upload(name, digital, digital).texture.glo)
 
     def _upload(self, name: str, of: object, digital: Bytes) -> _Upload:

@@ -1,4 +1,5 @@
-"""Opening a file in the background: a scene, a material, or a measurement, which is fitted first.
+"""Opening a file in the background: a scene, a pack, artwork, a mesh, a material, or a measurement,
+which is fitted first.
 
 A thread does it and leaves the fit itself to a process (see fit_process.py). What is cancelled is
 done with at once and leaves no file.
@@ -16,11 +17,15 @@ from pathlib import Path
 from relgloss_view.base.decoration import fault_line
 from relgloss_view.base.errors import FitCancelled, InputError, RelglossError
 from relgloss_view.measure.table import Measurement
-from relgloss_view.picture.scene.file_kinds import MATERIAL, SCENE, likely_kind
+from relgloss_view.pack.kinds import ARTWORK, PACK
+from relgloss_view.pack.pack import Pack
+from relgloss_view.pack.shape import Shape
+from relgloss_view.picture.scene.file_kinds import MATERIAL, SCENE
 from relgloss_view.picture.scene.sample import Sample
+from relgloss_view.viewer.files import pack_files
 from relgloss_view.viewer.files.fit_process import FitProcess
 from relgloss_view.viewer.files.own_materials import keep_material
-from relgloss_view.viewer.state import matching
+from relgloss_view.viewer.state import matching, packs
 from relgloss_view.viewer.state.places import data_folder
 from relgloss_view.viewer.state.state import State
 from relgloss_view.viewer.state.state_file import load_state
@@ -28,20 +33,61 @@ from relgloss_view.viewer.state.state_file import load_state
 
 @dataclass(frozen=True)
 class Opened:
-    """The contents of a file: a state, or a sample, with its measurement where it was fitted."""
+    """The contents of a file: a state, or a sample, with its measurement where it was fitted.
+
+    pack: of a pack file. artwork: a pack that was made around an artwork alone. shape: a mesh.
+    """
 
     path: str
     state: State | None = None
     sample: Sample | None = None
     measurement: Measurement | None = None
     warning: str = ""  #: why a fitted sample could not be kept in a file
+    pack: Pack | None = None
+    artwork: Pack | None = None
+    shape: Shape | None = None
 
-    def applied(self, state: State, side: str) -> State:
-        """The state with it: a scene takes the place of everything, a sample that of a side's."""
+    @property
+    def is_of_a_pack(self) -> bool:
+        """Whether it is a pack, or a part of one: an artwork or a mesh."""
+        return not (self.pack is None and self.artwork is None and self.shape is None)
+
+    def applied(self, state: State, side: str, finish: str = "") -> State:
+        """The state with it: a scene takes the place of everything, a sample that of a side's.
+
+        An artwork goes on the side's pack, or makes a pack of the present form; a mesh becomes the
+        form; a sample becomes the material of a pack's `finish`, where one is named.
+        """
         if self.state is not None:
             return self.state
+        present = packs.pack_of(state, side)
+        if self.pack is not None:
+            changed = matching.with_sample(state, side, Sample.of_pack(self.pack))
+            return packs.first_lit(changed) if present is None and side == "test" else changed
+        if self.shape is not None:
+            return self._with_form(state, side, present, self.shape)
+        if self.artwork is not None:
+            return self._with_artwork(state, side, present, self.artwork)
+        if present is not None and finish:
+            assert self.sample is not None
+            return matching.with_finish_sample(state, side, finish, self.sample)
         assert self.sample is not None
         return matching.with_sample(state, side, self.sample)
+
+    @staticmethod
+    def _with_form(state: State, side: str, present: Pack | None, shape: Shape) -> State:
+        if present is None:
+            return state.placed(shape=shape).lit_for_gloss()
+        return packs.with_pack(state, side, packs.on_form(present, shape))
+
+    @staticmethod
+    def _with_artwork(state: State, side: str, present: Pack | None, made: Pack) -> State:
+        if present is None:
+            pack = packs.new_on_form(made, packs.form_of(state))
+            state = matching.with_sample(state, side, Sample.of_pack(pack))
+            return packs.first_lit(state) if side == "test" else state
+        assert made.artwork is not None
+        return packs.with_pack(state, side, packs.with_artwork(present, made.artwork))
 
 
 class OpenJob:
@@ -119,7 +165,13 @@ class OpenJob:
         self._wake()
 
     def _open(self) -> Opened:
-        kind = likely_kind(self.path)
+        kind = pack_files.file_kind(self.path)
+        if kind == PACK:
+            return Opened(self.path, pack=pack_files.opened_pack(self.path, self._report))
+        if kind == ARTWORK:
+            return Opened(self.path, artwork=pack_files.opened_artwork(self.path, self._report))
+        if kind == pack_files.MESH:
+            return Opened(self.path, shape=pack_files.opened_mesh(self.path, self._report))
         if kind == SCENE:
             return Opened(self.path, state=load_state(self.path))
         if kind == MATERIAL:
@@ -148,7 +200,7 @@ class OpenJob:
 
     def _report(self, fraction: float, text: str) -> None:
         if self.cancelled:
-            raise FitCancelled("the fit was cancelled")
+            raise FitCancelled("opening was cancelled")
         self.progress = (fraction, text)
         self._wake()
 

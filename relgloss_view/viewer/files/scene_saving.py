@@ -5,13 +5,18 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.material.spectra import is_lamp_name
+from relgloss_view.pack.built_in import FINISHES
+from relgloss_view.pack.pack import Pack
 from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.viewer.files.own_materials import keep_beside
+from relgloss_view.viewer.files.pack_edits import files_of
+from relgloss_view.viewer.state import packs
 from relgloss_view.viewer.state.places import data_folder
 from relgloss_view.viewer.state.state import SIDES, State
 from relgloss_view.viewer.state.state_file import save_state
@@ -52,14 +57,21 @@ def save_scene(path: str | os.PathLike[str], state: State) -> SavedScene:
     beside: list[Path] = []
     portable = state
     try:
+
+        def kept(sample: Sample) -> str:
+            """The file of a sample beside the scene."""
+            file, new = keep_beside(sample.own_material, scene)
+            written.extend([file] if new else [])
+            beside.extend([] if file in beside else [file])
+            return str(file)
+
         for side in SIDES:
             sample = state.side(side).sample
-            if _is_portable(sample):
-                continue
-            file, new = keep_beside(sample.own_material, scene)
-            written += [file] if new else []
-            beside += [] if file in beside else [file]
-            portable = portable.with_sample(side, dataclasses.replace(sample, file=str(file)))
+            if sample.pack is not None:
+                portable = packs.with_pack(portable, side, _with_files(sample.pack, kept))
+            elif not _is_portable(sample):
+                sample = dataclasses.replace(sample, file=kept(sample))
+                portable = portable.with_sample(side, sample)
         save_state(scene, portable)
     except BaseException:
         for file in written:
@@ -67,6 +79,14 @@ def save_scene(path: str | os.PathLike[str], state: State) -> SavedScene:
                 file.unlink()
         raise
     return SavedScene(scene, tuple(beside), _elsewhere(portable, scene.parent))
+
+
+def _with_files(pack: Pack, kept: Callable[[Sample], str]) -> Pack:
+    """A pack whose finishes all have a material that another computer can have."""
+    for one in pack.finishes:
+        if one.source not in FINISHES and not _is_portable(packs.sample_of(one)):
+            pack = pack.with_finish(one.name, source=kept(packs.sample_of(one)))
+    return pack
 
 
 def _is_portable(sample: Sample) -> bool:
@@ -88,6 +108,11 @@ def _is_private(file: str) -> bool:
 def _elsewhere(state: State, folder: Path) -> tuple[Path, ...]:
     """The files that a state needs and that are not under a folder, each once."""
     files = [state.side(side).sample.file for side in SIDES]
+    for side in SIDES:
+        pack = packs.pack_of(state, side)
+        if pack is not None:
+            files += [*files_of(pack), pack.shape.file or None]
+            files += [packs.sample_of(one).file for one in pack.finishes]
     lamp = state.setup.lamp.illuminant
     files += [] if is_lamp_name(lamp) else [lamp]
     files += [state.setup.shape.file] if state.setup.shape.file else []

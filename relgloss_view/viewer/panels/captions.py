@@ -6,6 +6,7 @@ import numpy as np
 from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.base.reading import printable
+from relgloss_view.pack.pack import Pack
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.tone import DisplayModel
@@ -42,8 +43,8 @@ def show(
 ) -> None:
     """Write over the surround of each picture; what would not fit is left out."""
     presentation = model.state.presentation
-    ink = _ink(model.state.setup.display)
-    paper = _paper(model.state.setup.display)
+    ink = ink_on(model.state.setup.display)
+    paper = paper_on(model.state.setup.display)
     for side, rect in arrangement.rects.items():
         left, top, width, height = rect
         right = presentation.compare == WIPE and (side == "test") != presentation.mirror
@@ -114,6 +115,9 @@ def _texts(model: Model, side: str, faults: dict[str, str], room: float, free: i
 
 def _title(model: Model, side: str, room: float) -> str:
     """Side, what the material rests on, and name: the name shortened, then the quality left out."""
+    pack = model.pack(side)
+    if pack is not None:
+        return _pack_title(side, pack, room)
     material = model.state.side(side).sample.material
     quality = material.evidence_words
     if material.synthetic:
@@ -128,9 +132,29 @@ def _title(model: Model, side: str, room: float) -> str:
     return side.capitalize()
 
 
+def _pack_title(side: str, pack: Pack, room: float) -> str:
+    """Side, which finishes were not measured, and the pack's name."""
+    synthetic = [one.name for one in pack.finishes if one.material.synthetic]
+    heads = [f"{side.capitalize()} (pack): ", f"{side.capitalize()}: "]
+    if len(synthetic) == len(pack.finishes):
+        heads.insert(0, f"{side.capitalize()} (pack, synthetic finishes): ")
+    elif synthetic:
+        names = printable(", ".join(synthetic), LONGEST_NAME)
+        heads.insert(0, f"{side.capitalize()} (pack, synthetic: {names}): ")
+        heads.insert(1, f"{side.capitalize()} (pack, in part synthetic): ")
+    name = printable(pack.name, LONGEST_NAME)
+    for head in heads:
+        left = room - imgui.calc_text_size(head).x
+        if left >= min(em(LEAST_NAME_EM), imgui.calc_text_size(name).x):
+            return head + fitting(name, left)
+    return side.capitalize()
+
+
 def _setting(model: Model, side: str, frame: Frame) -> Line:
-    """Graininess, and contrast gloss or the tone mapping in its place."""
-    sigma_n = f"{frame.look.sigma_n_deg:.2f}°"
+    """Graininess, of a pack that of the active finish; contrast gloss, or the tone mapping."""
+    finish = model.active_finish(side)
+    own = None if finish is None else finish.sigma_n_deg
+    sigma_n = f"{frame.look.sigma_n_deg if own is None else own:.2f}°"
     picture = model.operator_pictures.get(side)
     if picture is not None:
         name = model.state.presentation.operator(side)
@@ -146,6 +170,14 @@ def _setting(model: Model, side: str, frame: Frame) -> Line:
     else:
         matched = ", matched" if abs(share - 1.0) < 5e-4 else f", {share:.2f} of the match"
     seen = ", no highlight" if frame.c_max is None else ""
+    if finish is not None:
+        name, k = printable(finish.name, LONGEST_NAME), f"{finish.k:.3g}"
+        return (
+            f"{name}: graininess (sigma_N) {sigma_n}, gloss factor (k) {k}; contrast gloss (c) {c}"
+            f"{matched}{seen}",
+            f"{name}: sigma_N {sigma_n}, k {k}; c {c}{matched}{seen}",
+            f"sigma_N {sigma_n}, k {k}, c {c}",
+        )
     return (
         f"Graininess (sigma_N) {sigma_n}, contrast gloss (c) {c}{matched}{seen}",
         f"sigma_N {sigma_n}, c {c}{matched}{seen}",
@@ -180,13 +212,13 @@ def _room_above(model: Model, side: str, height: int) -> int:
     return max(int(free / imgui.get_text_line_height()), 1)
 
 
-def _ink(display: Display) -> int:
+def ink_on(display: Display) -> int:
     """A gray that can be read on the surround without catching the eye."""
     dark = display.background_lstar >= 45.0
     return int(imgui.color_convert_float4_to_u32(gray(0.08 if dark else 0.75)))
 
 
-def _paper(display: Display) -> int:
+def paper_on(display: Display) -> int:
     """The surround's gray, let through a little, so that words read over an object too."""
     model = DisplayModel.of(display)
     value = float(tone.encode(np.array(model.background_light), model))

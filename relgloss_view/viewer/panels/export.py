@@ -241,8 +241,9 @@ class Export:
         if self.picture == BOTH:
             name = "pair"
         else:
-            material = self.model.state.side(self.picture).sample.material
-            name = f"{safe_name(material.name)}-{self.picture}"
+            pack, sample = self.model.pack(self.picture), self.model.sample(self.picture)
+            title = sample.material.name if pack is None else pack.name
+            name = f"{safe_name(title)}-{self.picture}"
         return name + suffix_of(self.format)
 
     def _forget(self) -> None:

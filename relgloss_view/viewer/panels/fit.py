@@ -43,7 +43,7 @@ def show(model: Model) -> None:
     imgui.push_id("fit")
     try:
         side = plot_widgets.side_switch(model)
-        material = model.state.side(side).sample.material
+        material = model.sample(side).material
         plot_widgets.beside(em(9))
         imgui.align_text_to_frame_padding()
         if material.fit is None:

@@ -17,7 +17,6 @@ from relgloss_view.viewer.panels import plot_widgets
 from relgloss_view.viewer.plots.gloss_readings import GlossReadings, Readings
 from relgloss_view.viewer.shell import sliders, widgets
 from relgloss_view.viewer.shell.theme import em
-from relgloss_view.viewer.state import matching
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.places import data_folder
 from relgloss_view.viewer.state.state import SIDES
@@ -66,9 +65,7 @@ def show(model: Model, gloss_readings: GlossReadings) -> None:
     """Draw the panel into the present window."""
     imgui.push_id("gloss")
     try:
-        outcomes = {
-            side: gloss_readings.of(model.state.side(side).sample.material) for side in SIDES
-        }
+        outcomes = {side: gloss_readings.of(model.sample(side).material) for side in SIDES}
         room = imgui.get_content_region_avail()
         if room.x < em(NARROW_EM):
             _table(model, outcomes)
@@ -146,7 +143,7 @@ def _hypothetical(model: Model, outcomes: dict[str, Outcome[Material, Readings] 
     """The slider the other way round, on the active side."""
     memory = _memory.of(model)
     side = plot_widgets.side_switch(model)
-    sample = model.state.side(side).sample
+    sample = model.sample(side)
     made = next((m for m in memory.made if m.material is sample.material), None)
     changed, angle = widgets.combo(
         "Angle of the meter",
@@ -200,13 +197,13 @@ def _make(model: Model, side: str, base: Sample, reading: float) -> None:
     try:
         material = hypothetical(base.material, float(memory.angle), reading)
     except InputError as error:
-        present = model.state.side(side).sample.material
+        present = model.sample(side).material
         memory.refused = _Refused(present, memory.angle, reading, printable(error, 300))
         return
     memory.refused = None
     memory.made.append(_Made(material, base, memory.angle, reading))
     del memory.made[:-REMEMBERED]
-    state = matching.with_sample(model.state, side, Sample(material), keep=True)
+    state = model.with_sample(side, Sample(material))
     model.change(state, gesture=f"{side} hypothetical")
 
 
@@ -225,11 +222,11 @@ def _remarks(model: Model, side: str, sample: Sample, made: _Made) -> None:
         model.attempt(lambda: _keep(model, side, made))
     imgui.same_line()
     if widgets.button("Go back", "brings back the sample that it was made from"):
-        model.change(matching.with_sample(model.state, side, made.base, keep=True))
+        model.change(model.with_sample(side, made.base))
 
 
 def _keep(model: Model, side: str, made: _Made) -> None:
     file = keep_material(made.material, data_folder() / "materials")
     sample = Sample(made.material, file=str(file))
-    model.change(matching.with_sample(model.state, side, sample, keep=True))
+    model.change(model.with_sample(side, sample))
     model.report(f"written: {file}")

@@ -7,10 +7,14 @@ from dataclasses import dataclass
 from imgui_bundle import imgui
 
 from relgloss_view.base.parameters import Checked, parameter
+from relgloss_view.base.reading import printable
 from relgloss_view.operators.registry import OPERATORS
+from relgloss_view.pack.finish import Finish
+from relgloss_view.pack.pack import Pack
 from relgloss_view.picture.pair import ratio_words
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.quality.planner import DEFAULT_TOLERANCE
+from relgloss_view.viewer.panels import finishes
 from relgloss_view.viewer.panels.drawing_words import drawing_words
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.widgets import Reach
@@ -49,6 +53,7 @@ class Shares(Checked):
     )
 
 
+LONGEST_NAME = 60  #: characters
 SHARE_REACH = Reach(high=2.0, digits="%.2f")
 _MADE_BY = {
     "match": "1 is the setting that relgloss match proposes.",
@@ -70,7 +75,11 @@ def show(model: Model) -> None:
     side_tabs(model)
     side = model.active_side
     look = model.state.side(side).look
-    _sigma_n(model, side, look)
+    pack, finish = model.pack(side), model.active_finish(side)
+    if pack is None or finish is None:
+        _sigma_n(model, side, look)
+    else:
+        _finish(model, side, pack, finish)
     _contrast(model, side, look)
     imgui.separator_text("Grain")
     _grain(model, side, look)
@@ -94,6 +103,25 @@ def _sigma_n(model: Model, side: str, look: Look) -> None:
     changed, value = widgets.slider(Look, "sigma_n_deg", look.sigma_n_deg, SIGMA_N_REACH)
     if changed:
         model.set_sigma_n(side, value, gesture=f"{side} sigma_n")
+
+
+def _finish(model: Model, side: str, pack: Pack, finish: Finish) -> None:
+    """The active finish of a pack, its graininess and its gloss; c below is the picture's."""
+    names = tuple(one.name for one in reversed(pack.finishes))
+    words = {name: printable(name, LONGEST_NAME) for name in names}
+    changed, name = widgets.combo(
+        "Finish", names, finish.name,
+        "The finish that the next two sliders change. A click on the picture chooses it too.",
+        words=words,
+    )  # fmt: skip
+    if changed:
+        model.choose_finish(side, name)
+        return
+    imgui.push_id("of the finish")
+    finishes.sigma_n_slider(model, side, finish)
+    finishes.k_slider(model, side, finish)
+    imgui.pop_id()
+    imgui.separator_text("Whole picture")
 
 
 def _contrast(model: Model, side: str, look: Look) -> None:

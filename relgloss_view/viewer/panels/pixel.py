@@ -9,7 +9,8 @@ import numpy as np
 from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.base.errors import RelglossError
-from relgloss_view.viewer.panels import plot_widgets
+from relgloss_view.viewer.drawing.picking import Picked
+from relgloss_view.viewer.panels import pixel_of_pack, plot_widgets
 from relgloss_view.viewer.plots.caches import PerFrame
 from relgloss_view.viewer.plots.readout import Patch, Readout, Stages
 from relgloss_view.viewer.shell import widgets
@@ -37,6 +38,7 @@ ROWS = 64
 @dataclass
 class _Memory:
     stages: dict[str, PerFrame[Stages]] = field(default_factory=dict)
+    picks: pixel_of_pack.Picks = field(default_factory=pixel_of_pack.Picks)
     rows: range = range(0)  #: of the pictures, those that are fetched
     last: Pixel | None = None  #: the last one under the mouse
 
@@ -152,17 +154,21 @@ def _show(model: Model) -> None:
     plot_widgets.note_if_waiting(all(current for _, current in stages.values()))
     plot_widgets.note_split(model)
     pixels = {name: None if s is None else s.read(column, row) for name, (s, _) in stages.items()}
+    picked = {
+        name: memory.picks.of(name, model.frames.get(name), column, row, dragging=model.dragging)
+        for name in SIDES
+    }
     patches = {name: s.patch(column, row, RADIUS) for name, (s, _) in stages.items() if s}
     room = imgui.get_content_region_avail()
     if room.x < em(NARROW_EM):
-        _table(pixels, room.x)
+        _table(pixels, picked, room.x)
         height = imgui.get_content_region_avail().y
         _patches(patches, min(0.5 * (room.x - em(1)), max(height - em(1.4), em(6))))
         return
     side = min(room.y - em(1.4), 0.5 * (room.x - em(LEAST_TABLE_EM + 2.2)))
     width = min(room.x - 2.0 * side - em(2.2), em(TABLE_EM))
     imgui.begin_group()
-    _table(pixels, width)
+    _table(pixels, picked, width)
     imgui.end_group()
     imgui.same_line(0.0, em(1.1))
     _patches(patches, side)
@@ -189,7 +195,9 @@ def _controls(model: Model, place: Pixel | None) -> None:
     widgets.tooltip(f"Pixels from the left and from the top, in the {side} picture.")
 
 
-def _table(pixels: dict[str, Readout | None], width: float) -> None:
+def _table(
+    pixels: dict[str, Readout | None], picked: dict[str, Picked | None], width: float
+) -> None:
     flags = imgui.TableFlags_.row_bg | imgui.TableFlags_.no_host_extend_x
     if not imgui.begin_table("pixel", 3, flags, ImVec2(width, 0.0)):
         return
@@ -199,6 +207,8 @@ def _table(pixels: dict[str, Readout | None], width: float) -> None:
     for name in SIDES:
         imgui.table_setup_column(name.capitalize(), imgui.TableColumnFlags_.width_stretch)
     plot_widgets.table_headings()
+    if any(one is not None for one in picked.values()):
+        _pack_rows(picked)
     for k, row in enumerate(QUANTITIES):
         imgui.table_next_row()
         imgui.table_next_column()
@@ -222,6 +232,23 @@ def _table(pixels: dict[str, Readout | None], width: float) -> None:
         pixel = pixels[name]
         _in_columns(["-"] if pixel is None else [str(v) for v in pixel.display_rgb])
     imgui.end_table()
+
+
+def _pack_rows(picked: dict[str, Picked | None]) -> None:
+    """What a side that shows a pack has at the pixel, above the numbers of its light."""
+    for row in pixel_of_pack.ROWS:
+        imgui.table_next_row()
+        imgui.table_next_column()
+        widgets.wrapped(row.name, dim=True)
+        widgets.tooltip(row.meaning)
+        for name in SIDES:
+            imgui.table_next_column()
+            one = picked[name]
+            texts = ["-"] if one is None else row.texts(one)
+            if len(texts) == 1:
+                widgets.wrapped(texts[0])
+            else:
+                _in_columns(texts)
 
 
 def _in_columns(texts: list[str]) -> None:

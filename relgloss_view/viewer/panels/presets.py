@@ -58,7 +58,7 @@ def show(model: Model) -> None:
 def _built_in(model: Model, preset: Preset) -> None:
     published = preset.look
     look = model.state.side(model.active_side).look
-    c = absolute_c(published, model.state.side(model.active_side).sample.material)
+    c = absolute_c(published, model.sample(model.active_side).material)
     active = look.sigma_n_deg == published.sigma_n_deg and look.c == c
     if row(preset.name, preset.name, active, beside=_short_words(published)):
         model.set_setting(model.active_side, published.setting)
@@ -81,7 +81,7 @@ def _own(model: Model, preset: Preset) -> None:
         right = small_width("Rename") + small_width("Delete") + space
         width = max(imgui.get_content_region_avail().x - right - space, em(3.0))
         if row("apply", preset.name, on, width=width):
-            model.change(model.state.with_look(model.active_side, **vars(preset.look)))
+            model.set_whole_look(model.active_side, preset.look)
         look = preset.look
         cells = {
             "screen": f"{look.grain_px:g} px",

@@ -96,7 +96,7 @@ def _measurement(model: Model, side: str) -> Measurement | None:
 
 def _curves(model: Model, side: str, incidence_deg: float) -> _Curves:
     scene = model.state.scene(side)
-    material, lamp = scene.material, scene.lamp.illuminant
+    material, lamp = model.sample(side).material, scene.lamp.illuminant
     cut = reflection.brdf_slice(material, lamp, incidence_deg)
     memory = _memory.of(model)
     albedo = reflection.albedo_curve(material, lamp, wait=not model.dragging)

@@ -37,13 +37,16 @@ def show(model: Model, files: FileActions) -> None:
         _locked(model, files)
     else:
         _choose(model, files)
-    colour_fields.show(model, model.active_side)
+    if model.pack(model.active_side) is None:
+        colour_fields.show(model, model.active_side)
     _evidence(model)
     imgui.separator_text("Presets of the look")
     presets.show(model)
 
 
 def _name(sample: Sample) -> str:
+    if sample.pack is not None:
+        return printable(f"Pack: {sample.pack.name}", LONGEST)
     return sample.name or printable(sample.own_material.name, LONGEST)
 
 
@@ -101,9 +104,11 @@ def _built_in(model: Model, side: str) -> None:
 
 
 def _evidence(model: Model) -> None:
-    sample = model.state.side(model.active_side).sample
+    sample, finish = model.sample(model.active_side), model.active_finish(model.active_side)
     material = sample.material
-    imgui.separator_text("Fit")
+    imgui.separator_text("Fit" if finish is None else "Fit of the finish")
+    if finish is not None:
+        widgets.wrapped(f"{printable(finish.name, LONGEST)}: {printable(material.name, LONGEST)}")
     fit = material.fit
     if material.estimate is not None:
         widgets.wrapped(widgets.sentence(material.estimate.range_words))

@@ -7,14 +7,15 @@ import math
 from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.material.spectra import SHIPPED_ILLUMINANTS
-from relgloss_view.pack.shape import SIZES, Shape
+from relgloss_view.pack.shape import SHAPES, SIZES, Shape
 from relgloss_view.picture.scene.setup import Display, Eye, Lamp
 from relgloss_view.viewer.drawing import camera
+from relgloss_view.viewer.panels import lamps
 from relgloss_view.viewer.shell import sliders, widgets
 from relgloss_view.viewer.shell.theme import em, gray
 from relgloss_view.viewer.shell.widgets import Reach
 from relgloss_view.viewer.state.model import Model
-from relgloss_view.viewer.state.state import Presentation
+from relgloss_view.viewer.state.state import SIDES, Presentation
 
 DIAL_EM = 7.0
 HIGHLIGHT_HELP = (
@@ -33,6 +34,8 @@ _LAMP: Sliders = {
     "elevation_deg": _ANGLE,
     "distance_m": _DISTANCE,
     "luminance_cd_m2": Reach(1.0, 1000.0, logarithmic=True),
+    "radius_m": lamps.RADIUS,
+    "ambient": Reach(digits="%.2f"),
 }
 _EYE: Sliders = {"azimuth_deg": _ANGLE, "elevation_deg": _ANGLE, "distance_m": _DISTANCE}
 _DISPLAY: Sliders = {
@@ -55,9 +58,8 @@ def show(model: Model) -> None:
         model.turn_lamp()
     _illuminant(model)
     _choice(model, "lamp", Lamp, "y_n")
-    imgui.separator_text("Object")
-    _form(model)
-    _sliders(model, "shape", Shape, dict.fromkeys(SIZES[model.state.setup.shape.kind], _SIZE))
+    lamps.show(model)
+    _object(model)
     imgui.separator_text("Eye")
     _sliders(model, "eye", Eye, _EYE)
     if widgets.button("Reset camera", "frame the object from the front"):
@@ -87,11 +89,25 @@ def _choice(model: Model, part: str, owner: type, name: str) -> None:
         model.set_part(part, **{name: chosen})
 
 
+def _object(model: Model) -> None:
+    """The form of samples, which are no packs: a pack brings its own."""
+    packed = [side for side in SIDES if model.pack(side) is not None]
+    of = {0: "Object", 1: f"Object of the {'test' if packed == ['reference'] else 'reference'}"}
+    if len(packed) == len(SIDES):
+        return
+    imgui.separator_text(of[len(packed)])
+    _form(model)
+    _sliders(model, "shape", Shape, dict.fromkeys(SIZES[model.state.setup.shape.kind], _SIZE))
+
+
 def _form(model: Model) -> None:
     """The object's form; another one is lit so that its highlight is seen, in one step of undo."""
-    changed, kind = widgets.choice(Shape, "kind", model.state.setup.shape.kind)
+    shape = model.state.setup.shape
+    kinds = tuple(kind for kind in SHAPES if kind != "mesh" or shape.kind == "mesh")
+    meaning = "The object's form. Drop a mesh (.glb, .gltf, .obj, .ply) on the window for its form."
+    changed, kind = widgets.combo(widgets.label_of(Shape, "kind"), kinds, shape.kind, meaning)
     if changed:
-        model.change(model.state.with_part("shape", kind=kind).lit_for_gloss())
+        model.change(model.state.placed(shape=shape.with_kind(kind)).lit_for_gloss())
 
 
 def _illuminant(model: Model) -> None:
@@ -164,6 +180,13 @@ def _draw_dial(model: Model, centre: ImVec2, radius: float) -> None:
     at = place(eye.azimuth_deg, eye.elevation_deg)
     painter.add_circle(at, 0.075 * radius, ink(0.62), 24, 1.5)
     painter.add_circle_filled(at, 0.03 * radius, ink(0.62), 12)
+    for other in model.state.setup.further_lamps:
+        at = place(other.azimuth_deg, other.elevation_deg)
+        painter.add_line(centre, at, ink(0.62, 0.25), 1.0)
+        if other.elevation_deg >= 0.0:
+            painter.add_circle_filled(at, 0.05 * radius, ink(0.7), 24)
+        else:
+            painter.add_circle(at, 0.045 * radius, ink(0.7), 24, 1.5)
     at = place(lamp.azimuth_deg, lamp.elevation_deg)
     painter.add_line(centre, at, ink(0.62, 0.5), 1.0)
     if lamp.elevation_deg >= 0.0:

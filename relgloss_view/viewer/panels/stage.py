@@ -13,7 +13,7 @@ from relgloss_view.viewer.drawing import camera
 from relgloss_view.viewer.drawing.arrangement import Arrangement, Rect, as_shown
 from relgloss_view.viewer.drawing.canvas import Canvas, canvas_of
 from relgloss_view.viewer.drawing.pair_renderer import DrawnPair
-from relgloss_view.viewer.panels import captions, ghost_outlines
+from relgloss_view.viewer.panels import artwork_hand, captions, ghost_outlines, mask_tints
 from relgloss_view.viewer.shell import sliders
 from relgloss_view.viewer.shell.theme import em, gray
 from relgloss_view.viewer.state.model import Model, Pixel
@@ -53,6 +53,7 @@ def show(model: Model, draw: Callable[[Size], DrawnPane | None]) -> Canvas:
         _line(painter, origin, edge, pane[1])
     _take_hand(model, origin, pane, drawn, edge)
     if not presentation.haploscopic:
+        mask_tints.show(model, painter, origin, drawn.arrangement)
         ghost_outlines.show(model, painter, origin, drawn.arrangement)
         captions.show(model, painter, origin, drawn.arrangement, drawn.pair.faults)
     return canvas.moved(int(origin.x), int(origin.y))
@@ -107,11 +108,14 @@ def _take_hand(
         # A hand on a picture never chooses its side: the reference is not tuned by accident.
         if imgui.is_mouse_clicked(imgui.MouseButton_.left) and imgui.get_io().key_alt:
             model.pinned = Pixel(side, column, row)
-        _zoom(model, imgui.get_io().mouse_wheel, at, rect[2:])
+        if not artwork_hand.take_wheel(model, side, at, rect[2:]):
+            _zoom(model, imgui.get_io().mouse_wheel, at, rect[2:])
         if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
             state = model.state.with_part("presentation", life_size=False)
             model.change(state.placed(eye=camera.framed(state.setup.eye)))
             return
+    if artwork_hand.take_press(model, under, active=active):
+        return
     # On the frame of the press the mouse may have come from far away.
     if active and not imgui.is_item_activated():
         size = next(iter(drawn.arrangement.rects.values()))[2:]
@@ -164,6 +168,9 @@ def _move(model: Model, moved: tuple[float, float], size: Size, *, lamp: bool, p
 def _take_keys(model: Model, size: Size) -> None:
     """Let arrows, plus and minus do what drags and the wheel do, where pictures have the focus."""
     across, up = sliders.arrows()
+    if (across or up) and artwork_hand.take_arrows(model, across, up):
+        sliders.note_moved()
+        return
     if model.state.presentation.mirror:
         across = -across
     if across or up:

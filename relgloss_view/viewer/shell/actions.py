@@ -154,6 +154,15 @@ def _other_side(app: App) -> None:
     app.model.active_side = next(side for side in SIDES if side != app.model.active_side)
 
 
+def _has_artwork(app: App) -> bool:
+    pack = app.model.pack(app.model.active_side)
+    return pack is not None and pack.artwork is not None
+
+
+def _move_artwork(app: App) -> None:
+    app.model.moving_artwork = not app.model.moving_artwork
+
+
 def _hide(app: App) -> None:
     app.layout.hidden = not app.layout.hidden
 
@@ -186,7 +195,7 @@ _MODE_HELP = {
 ACTIONS: tuple[Action, ...] = (
     Action(
         "File", "Open...", "Ctrl+O", lambda app: app.files.open(),
-        "opens a scene, or a measurement or material as the test sample",
+        "opens a scene, a pack, artwork, a mesh, or a measurement or material as the test sample",
     ),
     Action(
         "File", "New material...", "Ctrl+N", lambda app: app.files.make_material(),
@@ -231,6 +240,11 @@ ACTIONS: tuple[Action, ...] = (
     Action("Edit", "Swap sides", "X", _swap, "exchanges the reference and the test"),
     Action(
         "Edit", "Highest contrast gloss", "L", _at_c_max, "sets c to c_max on the active side"
+    ),
+    Action(
+        "Edit", "Move artwork", "A", _move_artwork,
+        "lets drags, wheel and arrows in the picture move the artwork of the active side's pack",
+        on=lambda app: app.model.moving_artwork, possible=_has_artwork,
     ),
     Action(
         "Edit", "Start afresh", "", _reset_all, "brings back the built-in papers and all defaults"
@@ -315,6 +329,6 @@ MOUSE = (
     ("Hold Space", "show the other picture (flip)"),
     ("Ctrl+click a slider", "type a value"),
     ("Double-click a slider", "reset it"),
-    ("Alt+click", "pin a pixel"),
-    ("Drop a file", "open it; a sample becomes the test"),
+    ("Alt+click, Alt+drag", "pin a pixel; move artwork"),
+    ("Drop a file", "open it; it becomes the test"),
 )

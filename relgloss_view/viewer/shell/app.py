@@ -17,6 +17,7 @@ from relgloss_view.viewer.drawing.arrangement import arranged, as_shown
 from relgloss_view.viewer.drawing.canvas import surround_gray
 from relgloss_view.viewer.drawing.draft_scale import DraftScale
 from relgloss_view.viewer.drawing.ghost_pictures import GhostPictures
+from relgloss_view.viewer.drawing.mask_tints import MaskTints
 from relgloss_view.viewer.drawing.operator_pictures import OperatorPictures
 from relgloss_view.viewer.drawing.pair_renderer import DrawnPair, PairRenderer, passes_since
 from relgloss_view.viewer.files.measurement_tables import MeasurementTables
@@ -27,6 +28,7 @@ from relgloss_view.viewer.panels import (
     lightness,
     look,
     menu,
+    pack,
     pixel,
     reflection,
     sample,
@@ -69,10 +71,12 @@ class App:
         self._operator_pictures = OperatorPictures(self.wake)
         self._gloss_readings = GlossReadings(self.wake)
         self._ghost_pictures = GhostPictures()
+        self._mask_tints = MaskTints(self.wake)
         self.draft_scale = DraftScale()
         self.layout: Layout = Layout(
             [
                 Panel("Sample", SAMPLE, lambda: sample.show(self.model, self.files)),
+                Panel("Pack", SAMPLE, lambda: pack.show(self.model, self.files), at_first=False),
                 Panel("Look", GLOSS, lambda: look.show(self.model)),
                 Panel("Gloss", GLOSS, lambda: gloss.show(self.model, self._gloss_readings)),
                 Panel("Scene", LIGHT, lambda: scene.show(self.model)),
@@ -135,6 +139,9 @@ class App:
             self.files.show()
             help.show(self)
             self.layout.keep_focus(navigation.focused_window())
+        if self.model.wanted_panel:  # after the first arrangement, which has its own in front
+            self.layout.focus(self.model.wanted_panel)
+            self.model.wanted_panel = ""
         self._window.to_screen()  # pictures were drawn, and panels fetched numbers
 
     def after_frame(self, frame_s: float) -> bool:
@@ -197,7 +204,9 @@ class App:
         self.layout.hidden = kept.hidden
         if kept.closed is not None:
             for panel in self.layout.panels:
-                panel.visible = panel.title not in kept.closed
+                # A panel that is newer than the kept layout is as at the first start.
+                new = bool(kept.docking) and f"[Window][{panel.title}]" not in kept.docking
+                panel.visible = panel.at_first if new else panel.title not in kept.closed
 
     def save_layout(self) -> None:
         """Write the layout, if it is kept and has changed. Raises InputError."""
@@ -230,7 +239,7 @@ class App:
         assert self.pair_renderer is not None
         ctx = self.pair_renderer.ctx
         self.pair_renderer.abandon()
-        self.model.frames, self.model.ghosts = {}, {}
+        self.model.frames, self.model.ghosts, self.model.tints = {}, {}, {}
         self._ghost_pictures = GhostPictures()
         self.pair_renderer = PairRenderer(ctx)
         self.model.report("the graphics device lost its objects; everything was made again")
@@ -238,7 +247,8 @@ class App:
     def _report_letters(self) -> None:
         """Warn once of a name that no font here can show."""
         sides = (self.model.state.side(side) for side in SIDES)
-        names = tuple(side.sample.material.name for side in sides)
+        samples = [side.sample for side in sides]
+        names = tuple((s.material if s.pack is None else s.pack).name for s in samples)
         if names == self._names_read:
             return
         self._names_read = names
@@ -326,6 +336,10 @@ class App:
         for fault in pair.faults.values():
             model.report_once(fault, fault=True)
         self._draw_ghosts(state)
+        shown = as_shown(state, model.picture_size, pitch)
+        model.tints = self._mask_tints.textures(
+            shown, model.picture_size, model.masked, self.pair_renderer.uploads, at_rest=at_rest
+        )
         pictures = self.pair_renderer.with_uploads(pair.pictures, displayed)
         self.drawn_pane = stage.DrawnPane(
             arrangement, DrawnPair(pictures, pair.faults, pair.factor)

@@ -13,10 +13,14 @@ from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.reading import printable
+from relgloss_view.pack.pack import Pack
+from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.viewer.drawing.arrangement import as_shown
 from relgloss_view.viewer.files.new_material import NewMaterial
 from relgloss_view.viewer.files.open_job import Opened, OpenJob
 from relgloss_view.viewer.files.own_materials import safe_name
+from relgloss_view.viewer.files.pack_edits import MaskReader, PackWatch
+from relgloss_view.viewer.files.pack_files import ARTWORK_SUFFIXES, MESH_SUFFIXES
 from relgloss_view.viewer.files.scene_saving import save_scene
 from relgloss_view.viewer.panels import floating
 from relgloss_view.viewer.panels.export import Export
@@ -27,13 +31,14 @@ from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.state.command_line import snapshot_command
 from relgloss_view.viewer.state.matching import as_displayed
 from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.packs import missing_plates
 from relgloss_view.viewer.state.session import Autosave
 
 TICK_S = 0.1  #: between looks at a running job
 QUICK_S = 0.3  #: a job that ends sooner shows no window
 SCENE_SUFFIXES = (".toml",)
 SAMPLE_SUFFIXES = (".json", ".csv", ".txt", ".bsdf", ".binary")
-OPEN_SUFFIXES = (*SCENE_SUFFIXES, *SAMPLE_SUFFIXES)
+OPEN_SUFFIXES = (*SCENE_SUFFIXES, *SAMPLE_SUFFIXES, *ARTWORK_SUFFIXES, *MESH_SUFFIXES)
 PROGRESS = "Opening"
 
 
@@ -49,9 +54,13 @@ class FileActions:
         self.new_material = NewMaterial(model, wake)
         self._new_material_panel = NewMaterialPanel(self.new_material, self.dialogs)
         self._wake = wake
-        self._waiting: list[tuple[str, str]] = []  #: paths, and the side each is for
+        #: Paths, the side each is for, and the finish whose material it is to be, or "".
+        self._waiting: list[tuple[str, str, str]] = []
         self._job: OpenJob | None = None
         self._job_side = ""
+        self._job_finish = ""
+        self._masks = MaskReader(model, wake)
+        self._watch = PackWatch(model, wake)
         self._began_s = 0.0
 
     # --- the actions --------------------------------------------------------------------------
@@ -60,10 +69,60 @@ class FileActions:
         """Ask for a file and open it."""
         self._ask(Question("Open file", self.open_path, OPEN_SUFFIXES))
 
-    def open_path(self, path: str, side: str = "test") -> None:
-        """Open a file in the background; a sample becomes the test unless asked otherwise."""
-        self._waiting.append((os.fspath(path), side))
+    def open_path(self, path: str, side: str = "test", finish: str = "") -> None:
+        """Open a file in the background; a sample becomes the test unless asked otherwise.
+
+        finish: of the side's pack, whose material a sample then becomes.
+        """
+        self._waiting.append((os.fspath(path), side, finish))
         self._wake()
+
+    def note_pack(self, pack: Pack) -> None:
+        """Note a pack as its file holds it, so that later changes of the file can be told apart."""
+        self._watch.note_read(pack)
+
+    def ask_artwork(self, side: str) -> None:
+        """Ask for an artwork and lay it on a side's pack, or on a new can."""
+        self._ask(
+            Question("Open artwork", lambda path: self.open_path(path, side), ARTWORK_SUFFIXES)
+        )
+
+    def ask_mesh(self, side: str) -> None:
+        """Ask for a mesh, which becomes the form of a side's pack."""
+        self._ask(Question("Open mesh", lambda path: self.open_path(path, side), MESH_SUFFIXES))
+
+    def ask_finish_material(self, side: str, finish: str) -> None:
+        """Ask for a measurement or a material, which becomes the material of a finish."""
+
+        def take(path: str) -> None:
+            self.open_path(path, side, finish)
+
+        self._ask(Question("Material of the finish", take, SAMPLE_SUFFIXES))
+
+    def ask_mask(self, side: str, finish: str) -> None:
+        """Ask for a gray picture that shows where a finish lies."""
+
+        def take(path: str) -> None:
+            self._masks.read(path, side, finish)
+
+        self._ask(Question("Mask of the finish", take, ARTWORK_SUFFIXES))
+
+    def make_pack(self, side: str) -> None:
+        """Put a can of the side's present sample in its place."""
+        from relgloss_view.pack.finish import Finish
+        from relgloss_view.viewer.state import matching, packs
+
+        model = self.model
+
+        def make() -> None:
+            sample = model.state.side(side).sample
+            source = sample.name or sample.file or ""
+            base = Finish("Base", "stock", sample.material, source=source)
+            pack = Pack("Plain pack", packs.form_of(model.state), (base,))
+            state = matching.with_sample(model.state, side, Sample.of_pack(pack), keep=True)
+            model.change(packs.first_lit(state) if side == "test" else state)
+
+        model.attempt(make)
 
     def replace_reference(self) -> None:
         """Ask for the file of another reference sample and open it."""
@@ -84,7 +143,8 @@ class FileActions:
             self.new_material.read_spectrum(path)
             self._wake()
         else:
-            self.open_path(path)
+            finish = self.model.active_finish("test")
+            self.open_path(path, finish="" if finish is None else finish.name)
 
     def save(self) -> None:
         """Save the scene where it was opened or saved last, or ask where."""
@@ -135,7 +195,9 @@ class FileActions:
         def copy() -> None:
             state = as_shown(model.state, model.picture_size, model.pixel_pitch_m)
             state = as_displayed(state, model.factor)
-            name = f"{safe_name(state.side(side).sample.material.name)}.png"
+            sample = state.side(side).sample
+            title = sample.material.name if sample.pack is None else sample.pack.name
+            name = f"{safe_name(title)}.png"
             imgui.set_clipboard_text(snapshot_command(state, side, model.picture_size, name))
             width, height = model.picture_size
             model.report(f"copied: the command that draws the {side} picture, {width}x{height}")
@@ -150,10 +212,12 @@ class FileActions:
             job, self._job = self._job, None
             self._take(job)
         if self._job is None and self._waiting:
-            path, self._job_side = self._waiting.pop(0)
+            path, self._job_side, self._job_finish = self._waiting.pop(0)
             self._began_s = time.monotonic()
             self._job = OpenJob(path, self._wake)
         self.new_material.each_frame()
+        self._masks.each_frame()
+        self._watch.each_frame()
         if self.session is not None:
             self.session.note(self.model.state)
             if self.session.due(time.monotonic()):
@@ -170,7 +234,8 @@ class FileActions:
     def due_s(self) -> float | None:
         """Seconds until a frame is needed without an event; None if nothing is under way."""
         waits = [self.dialogs.due_s(), self._export.due_s()]
-        if self._job is not None or self._waiting or self.new_material.waiting:
+        waiting = self._waiting or self.new_material.waiting or self._masks.busy
+        if self._job is not None or waiting:
             waits.append(TICK_S)
         if self.session is not None:
             waits.append(self.session.due_in(time.monotonic()))
@@ -181,6 +246,7 @@ class FileActions:
         self._waiting.clear()
         self.new_material.cancel()  # what is in no file would be lost
         self.dialogs.close()
+        self._watch.close()
         if self._job is not None:
             self._job.close()
             self._job = None
@@ -221,10 +287,13 @@ class FileActions:
         if opened.state is not None and self._job_side == "reference":
             model.report(f"{name} is a scene, which holds both pictures: use Open", fault=True)
             return
-        model.change(opened.applied(model.state, self._job_side))
+        model.change(opened.applied(model.state, self._job_side, self._job_finish))
         if opened.state is not None:
             self.scene_path = opened.path
             model.report(f"opened the scene {name}")
+            return
+        if opened.sample is None:
+            self._report_pack(opened, name)
             return
         assert opened.sample is not None
         if opened.measurement is not None and opened.sample.table is not None:
@@ -233,15 +302,43 @@ class FileActions:
         text = f"fitted {name}" if opened.measurement is not None else f"opened {name}"
         if opened.measurement is not None and fit is not None:
             text += f": {fit.quality}"
-        model.report(f"{text}; it is the {self._job_side} sample now")
+        finish, pack = self._job_finish, model.pack(self._job_side)
+        if finish and pack is not None:
+            model.report(f"{text}; it is the material of the finish {finish} now")
+        else:
+            model.report(f"{text}; it is the {self._job_side} sample now")
         if opened.warning:
             model.report(opened.warning, fault=True)
+
+    def _report_pack(self, opened: Opened, name: str) -> None:
+        """A line on a pack, an artwork or a mesh, and its panel in front."""
+        model, side = self.model, self._job_side
+        pack = model.pack(side)
+        model.active_side, model.wanted_panel = side, "Pack" if pack is not None else ""
+        if opened.pack is not None:
+            self.note_pack(opened.pack)
+            model.report(f"opened the pack {name}")
+        elif opened.shape is not None:
+            model.report(f"{name} is the form now; the panel {'Pack' if pack else 'Scene'} has it")
+            return
+        else:
+            made = opened.artwork
+            plates = () if made is None or made.artwork is None else tuple(made.artwork.plates)
+            words = f"; plates: {', '.join(plates)}" if plates else ""
+            model.report(f"{name} is the artwork of the {side} picture now{words}")
+        missing = () if pack is None else missing_plates(pack)
+        if missing:
+            model.report(
+                f"the artwork has no plate {', '.join(missing)}: choose another mask in the panel "
+                "Pack",
+                fault=True,
+            )
 
     def _show_progress(self, job: OpenJob) -> None:
         fraction, text = job.progress
         flags = imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_focus_on_appearing
         _, stays = floating.begin(PROGRESS, 26.0, flags=flags, top_em=4.0)
-        doing = "Fitting" if fraction > 0.0 else "Reading"
+        doing = "Fitting" if fraction > 0.0 and not _is_of_pack(job.path) else "Reading"
         imgui.text_unformatted(f"{doing} {printable(Path(job.path).name, 40)}")
         imgui.progress_bar(fraction, ImVec2(-1.0, 0.0), f"{100.0 * fraction:.0f} %")
         imgui.text_disabled(printable(text, 60) + self._queue())
@@ -256,3 +353,8 @@ class FileActions:
 
     def _queue(self) -> str:
         return f"; {len(self._waiting)} more to come" if self._waiting else ""
+
+
+def _is_of_pack(path: str) -> bool:
+    """Whether a file is an artwork, a mesh or a pack, by its name alone."""
+    return path.lower().endswith((*ARTWORK_SUFFIXES, *MESH_SUFFIXES, *SCENE_SUFFIXES))

@@ -54,6 +54,7 @@ class Panel:
     at_first: bool = True  #: whether it is open at the first start
     visible: bool = True
     docked: bool = False  #: whether it was in the dock space when it was last drawn
+    dock_id: int = 0  #: of its place in the dock space then
     in_front: bool = False  #: whether it was no tab behind another then
 
     def __post_init__(self) -> None:
@@ -240,10 +241,15 @@ class Layout:
         if panel.title in self._focus:
             self._focus = [title for title in self._focus if title != panel.title]
         imgui.set_next_window_size(ImVec2(em(26.0), em(20.0)), imgui.Cond_.first_use_ever)
+        # One that a kept layout does not know yet goes beside its neighbours.
+        beside = next((p.dock_id for p in self.panels if p.place == panel.place and p.dock_id), 0)
+        if beside:
+            imgui.set_next_window_dock_id(beside, imgui.Cond_.first_use_ever)
         if panel.docked:  # the window's own colour is the panels'
             flags |= imgui.WindowFlags_.no_background
         opened, stays = imgui.begin(panel.title, True, flags)
         panel.docked, panel.in_front = imgui.is_window_docked(), bool(opened)
+        panel.dock_id = int(imgui.get_window_dock_id())
         if panel.docked:
             _hold_size(LEAST_EM[panel.place])
         if opened:

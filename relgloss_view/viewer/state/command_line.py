@@ -21,7 +21,7 @@ def snapshot_command(
     """
     shown = state.side(side)
     words = ["relgloss", "snapshot", *sample_words(shown.sample)]
-    words += scene_words(state.setup, shown.look)
+    words += scene_words(state.scene(side).setup, shown.look)  # with a pack's own form
     operator = state.presentation.operator(side)
     words += ["--operator", operator] if operator != DEFAULT_OPERATOR else []
     words += ["--size", f"{size[0]}x{size[1]}"]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from relgloss_view.viewer.state.state import State
 
 LONGEST = 500  #: steps; states share what they have in common
@@ -37,6 +39,15 @@ class History:
     def amend(self, state: State) -> None:
         """Replace the present state without a step: another form of it that draws the same."""
         self.state = state
+
+    def amend_all(self, change: Callable[[State], State]) -> None:
+        """Replace the present state and those before and after it, as where a file has changed.
+
+        An undo then never brings back what is in no file any more.
+        """
+        self._past = [change(state) for state in self._past]
+        self._future = [change(state) for state in self._future]
+        self.state = change(self.state)
 
     def end_gesture(self) -> None:
         """Let the next change be a step of its own."""

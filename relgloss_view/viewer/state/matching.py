@@ -11,6 +11,7 @@ from functools import lru_cache
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.gloss.match import Reference, absolute_c, full_c, matched, own_sigma_n_deg
+from relgloss_view.gloss.pack_match import match_pack
 from relgloss_view.gloss.samples import SampleLook
 from relgloss_view.material.recolour import Colour
 from relgloss_view.picture.frame import Frame
@@ -18,6 +19,7 @@ from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.match import MOST_C, Match
 from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.picture.scene.setting import Setting
+from relgloss_view.viewer.state import packs
 from relgloss_view.viewer.state.state import SIDES, State
 
 
@@ -58,6 +60,9 @@ def new_match(state: State) -> Match | None:
     reference = reference_of(state)
     if reference is None:
         return None
+    pack = state.test.sample.pack
+    if pack is not None:
+        return match_pack(reference, pack).match
     return matched(reference, state.test.sample.material, state.test.look.sigma_n_deg)
 
 
@@ -66,8 +71,31 @@ def rematched(state: State, share: float = 1.0) -> State:
     match = new_match(state)
     if match is None:
         return dataclasses.replace(state, match=None)
+    state = _finishes_matched(state)
     changed = _with_c(state, "test", share * match.test_c)
     return dataclasses.replace(changed, match=match)
+
+
+def _finishes_matched(state: State) -> State:
+    """The state whose test pack has the sigma_N and k of each finish that a match proposes."""
+    pack, reference = state.test.sample.pack, reference_of(state)
+    if pack is None or reference is None:
+        return state
+    return packs.with_pack(state, "test", match_pack(reference, pack).pack)
+
+
+def with_finish_sample(state: State, side: str, finish: str, sample: Sample) -> State:
+    """The state whose pack has a sample's material as that of a finish, matched again."""
+    source = sample.name or sample.file or ""
+    changed = packs.with_finish(state, side, finish, material=sample.material, source=source)
+    return rematched_pack(changed)
+
+
+def rematched_pack(state: State) -> State:
+    """The state with a new match where its test picture shows a pack; the share stays."""
+    if state.test.sample.pack is None:
+        return state
+    return rematched(state, share_of_match(state, "test") or 1.0)
 
 
 def share_of_match(state: State, side: str) -> float | None:

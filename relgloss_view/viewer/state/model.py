@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -12,13 +13,16 @@ from relgloss_view.base.decoration import fault_line
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.base.reading import printable
 from relgloss_view.measure.table import Measurement
+from relgloss_view.pack.finish import Finish
+from relgloss_view.pack.pack import Pack, Placement
 from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model.view import Size
+from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.viewer.plots.lightness import Lightness
-from relgloss_view.viewer.state import matching
+from relgloss_view.viewer.state import matching, packs
 from relgloss_view.viewer.state.history import History
 from relgloss_view.viewer.state.state import State
 
@@ -99,6 +103,13 @@ class Model:
         self.pointer: Pixel | None = None  #: under the mouse
         self.pinned: Pixel | None = None
 
+        #: The finish of each side's pack that sliders change, by side; see active_finish.
+        self.finish_names: dict[str, str] = {}
+        self.moving_artwork = False  #: whether the hand in a picture moves the artwork of a pack
+        self.masked: frozenset[str] = frozenset()  #: names of finishes whose masks show
+        self.tints: dict[str, int] = {}  #: textures of the masks that show, by side
+        self.wanted_panel = ""  #: title of one that the next frame brings to the front
+
         #: Of the last frame.
         self.frame_s = 0.0
         self.redrawn: list[DrawnPass] = []  #: when there last were any
@@ -158,9 +169,64 @@ class Model:
         """Change the contrast gloss of a side in units of the match."""
         self.change(matching.with_share(self.state, side, share), gesture)
 
+    def pack(self, side: str) -> Pack | None:
+        """The pack of a side; None where it shows a sample."""
+        return packs.pack_of(self.state, side)
+
+    def active_finish(self, side: str) -> Finish | None:
+        """The finish of a side's pack that sliders change; None without a pack."""
+        pack = self.pack(side)
+        return None if pack is None else packs.active(pack, self.finish_names.get(side, ""))
+
+    def sample(self, side: str) -> Sample:
+        """The sample of a side; of a pack, that of the active finish."""
+        finish = self.active_finish(side)
+        return self.state.side(side).sample if finish is None else packs.sample_of(finish)
+
+    def with_sample(self, side: str, sample: Sample) -> State:
+        """The state with another sample on a side, its look kept, or as the active finish's."""
+        finish = self.active_finish(side)
+        if finish is None:
+            return matching.with_sample(self.state, side, sample, keep=True)
+        return matching.with_finish_sample(self.state, side, finish.name, sample)
+
+    def choose_finish(self, side: str, name: str) -> None:
+        """Make a finish the active one of its side."""
+        self.finish_names[side] = name
+
+    def set_pack(self, side: str, pack: Pack, gesture: object = None) -> None:
+        """Put another value of a side's pack in its place; its look and the match stay."""
+        self.change(packs.with_pack(self.state, side, pack), gesture)
+
+    def set_finish(self, side: str, name: str, gesture: object = None, **entries: Any) -> None:
+        """Change entries of a finish; a value that it can't have is reported."""
+
+        def change() -> None:
+            self.change(packs.with_finish(self.state, side, name, **entries), gesture)
+
+        self.attempt(change)
+
+    def place_artwork(self, side: str, placement: Placement, gesture: object = None) -> None:
+        """Lay the artwork of a side's pack elsewhere."""
+        pack = self.pack(side)
+        if pack is not None:
+            self.set_pack(side, dataclasses.replace(pack, placement=placement), gesture)
+
     def set_setting(self, side: str, setting: Setting) -> None:
         """Give a side a published setting; a share is of c_max at the paper's geometry."""
-        self.change(matching.with_setting(self.state, side, setting))
+        self.change(self._of_finish(matching.with_setting(self.state, side, setting), side))
+
+    def set_whole_look(self, side: str, look: Look) -> None:
+        """Give a side all of another look; of a pack, its graininess goes to the active finish."""
+        self.change(self._of_finish(self.state.with_look(side, **vars(look)), side))
+
+    def _of_finish(self, state: State, side: str) -> State:
+        """The state whose active finish has the graininess of its side's look."""
+        finish = self.active_finish(side)
+        if finish is None:
+            return state
+        sigma_n_deg = state.side(side).look.sigma_n_deg
+        return packs.with_finish(state, side, finish.name, sigma_n_deg=sigma_n_deg)
 
     def set_sample(self, side: str, sample: Sample) -> None:
         """Put another sample on a side, matched to the reference."""

@@ -160,7 +160,8 @@ class State:
 
         On flat forms that are seen straight on, the eye turns too.
         """
-        return dataclasses.replace(self, setup=lit_for_gloss(self.setup))
+        lit = lit_for_gloss(self.scene("test").setup)  # of the test picture's form
+        return self.placed(lamp=lit.lamp, eye=lit.eye)
 
     def with_look(self, name: str, **changes: Any) -> State:
         """The state with entries of a side's look changed."""

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.toml import build_part, entries
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.scene_file import SceneFile, read_scene_file
 from relgloss_view.picture.scene.scene_writer import write_scene_file
 from relgloss_view.viewer.state.state import Presentation, Side, State
@@ -30,10 +31,13 @@ def load_state(path: str | os.PathLike[str], stood_in: list[str] | None = None) 
         sample = initial.sample if sample is None else sample
         if look is None:
             look = initial.look.with_entries(quality=content.look.quality)
+    setup = content.setup
+    if content.sample.pack is not None:  # the setup's form is the reference's
+        setup = setup.placed(shape=content.reference_shape or Shape())
     return State(
         Side(sample, look),
         Side(content.sample, content.look),
-        content.setup,
+        setup,
         presentation,
         content.match,
     )
@@ -53,5 +57,6 @@ def save_state(path: str | os.PathLike[str], state: State, *, forgiving: bool = 
         state.reference.look,
         entries(state.presentation),
         state.match,
+        state.setup.shape if state.test.sample.pack is not None else None,
     )
     write_scene_file(path, content, forgiving=forgiving)
