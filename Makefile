@@ -1,4 +1,4 @@
-# make demo   the four sample papers at their matched settings, into out/
+# make demo   the four sample papers at their matched settings and two packs, into out/
 # make test   the tests (make test-all: with the slow ones)
 # make lint   ruff, mypy, shader compilers
 # make coverage   branch coverage of `make test`, with a page in out/coverage

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from relgloss_view.gloss.match import Reference as Reference
     from relgloss_view.gloss.match import matched as matched
     from relgloss_view.gloss.meter.meter import gloss_readings as gloss_readings
+    from relgloss_view.gloss.pack_match import match_pack as match_pack
     from relgloss_view.material.files import load_material as load_material
     from relgloss_view.material.files import save_material as save_material
     from relgloss_view.material.material import Material as Material
@@ -33,6 +34,18 @@ if TYPE_CHECKING:
     from relgloss_view.measure.table import Measurement as Measurement
     from relgloss_view.operators.registry import OPERATORS as OPERATORS
     from relgloss_view.operators.registry import make_operator as make_operator
+    from relgloss_view.pack.artwork.artwork import Artwork as Artwork
+    from relgloss_view.pack.artwork.options import ArtworkOptions as ArtworkOptions
+    from relgloss_view.pack.artwork.read import read_artwork as read_artwork
+    from relgloss_view.pack.built_in import FINISHES as FINISHES
+    from relgloss_view.pack.built_in import load_finish as load_finish
+    from relgloss_view.pack.check import check_pack as check_pack
+    from relgloss_view.pack.finish import Finish as Finish
+    from relgloss_view.pack.pack import Pack as Pack
+    from relgloss_view.pack.pack import Placement as Placement
+    from relgloss_view.pack.pack_file import read_pack as read_pack
+    from relgloss_view.pack.pack_file import write_pack as write_pack
+    from relgloss_view.pack.quick import quick_pack as quick_pack
     from relgloss_view.pack.shape import Shape as Shape
     from relgloss_view.picture.frame import Frame as Frame
     from relgloss_view.picture.output.export import save_frame as save_frame
@@ -46,6 +59,7 @@ if TYPE_CHECKING:
     from relgloss_view.picture.scene.setting import Setting as Setting
     from relgloss_view.picture.scene.setup import Display as Display
     from relgloss_view.picture.scene.setup import Eye as Eye
+    from relgloss_view.picture.scene.setup import FurtherLamp as FurtherLamp
     from relgloss_view.picture.scene.setup import Lamp as Lamp
     from relgloss_view.picture.scene.setup import Setup as Setup
     from relgloss_view.quality.backends import open_renderer as open_renderer
@@ -58,11 +72,21 @@ _HOMES = {
     "fitting.estimate.estimate": ("estimate_material",),
     "gloss.match": ("Reference", "matched"),
     "gloss.meter.meter": ("gloss_readings",),
+    "gloss.pack_match": ("match_pack",),
     "material.material": ("Material",),
     "measure.readers": ("read_measurement",),
     "operators.registry": ("OPERATORS", "make_operator"),
     "measure.table": ("Measurement",),
     "quality.backends": ("open_renderer",),
+    "pack.artwork.artwork": ("Artwork",),
+    "pack.artwork.options": ("ArtworkOptions",),
+    "pack.artwork.read": ("read_artwork",),
+    "pack.built_in": ("FINISHES", "load_finish"),
+    "pack.check": ("check_pack",),
+    "pack.finish": ("Finish",),
+    "pack.pack": ("Pack", "Placement"),
+    "pack.pack_file": ("read_pack", "write_pack"),
+    "pack.quick": ("quick_pack",),
     "picture.output.export": ("save_frame",),
     "picture.frame": ("Frame",),
     "picture.scene.sample": ("SAMPLES", "Sample", "load_sample"),
@@ -71,7 +95,7 @@ _HOMES = {
     "picture.scene.scene": ("Scene",),
     "picture.scene.scene_file": ("load_scene",),
     "picture.scene.setting": ("Setting",),
-    "picture.scene.setup": ("Display", "Eye", "Lamp", "Setup", "Shape"),
+    "picture.scene.setup": ("Display", "Eye", "FurtherLamp", "Lamp", "Setup", "Shape"),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = ["__version__", *sorted(_HOME_OF)]

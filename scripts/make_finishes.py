@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relgloss_view.gloss.meter.meter import lobe_width_for
+from relgloss_view.material.conductor import foil_material
 from relgloss_view.material.files import save_material
 from relgloss_view.material.material import Diffuse, Lobe, Material
 from relgloss_view.measure.bands import Bands
@@ -45,14 +46,10 @@ def kraft() -> Array:
     return np.asarray(0.10 + 0.42 * sigmoid((WAVELENGTHS_NM - 585.0) / 58.0))
 
 
-def aluminium() -> Array:
-    """Evaporated aluminium: 0.92, with the shallow fall towards 830 nm (Rakic 1995)."""
-    return np.asarray(0.922 - 0.045 * np.exp(-(((WAVELENGTHS_NM - 830.0) / 90.0) ** 2)))
-
-
-def yellow_lacquer() -> Array:
-    """Two passes through the dyed lacquer that makes aluminium foil a gold one."""
-    return np.asarray(0.30 + 0.68 * sigmoid((WAVELENGTHS_NM - 508.0) / 26.0))
+def foil_f0(name: str) -> Array:
+    """Reflectance at normal incidence of a foil: aluminium (Rakic 1995), bare or lacquered."""
+    (lobe,) = foil_material(name).specular
+    return np.asarray(lobe.f0)
 
 
 @dataclass(frozen=True)
@@ -79,11 +76,11 @@ INVENTED = (
     Invented("soft-touch", "soft-touch varnish", white(0.82), 18.0, 60.0, 3.0, 0.9, 1.48),
     Invented(
         "cold-foil-silver", "cold foil, silver", np.full(35, 0.02), 0.0,
-        20.0, 700.0, 0.86, f0=aluminium(), broad=(0.10, 6.0),
+        20.0, 700.0, 0.86, f0=foil_f0("silver"), broad=(0.10, 6.0),
     ),
     Invented(
         "cold-foil-gold", "cold foil, gold", np.full(35, 0.02), 0.0,
-        20.0, 520.0, 0.86, f0=aluminium() * yellow_lacquer(), broad=(0.10, 6.0),
+        20.0, 520.0, 0.86, f0=foil_f0("gold"), broad=(0.10, 6.0),
     ),
     Invented("bare-board", "bare board, coated", white(0.80, 0.08), 12.0, 75.0, 38.0, 0.9),
     Invented("uncoated-label", "uncoated label paper", white(0.84, 0.04), 18.0, 75.0, 8.0, 0.8),

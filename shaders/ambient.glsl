@@ -14,3 +14,11 @@ vec4 looked_up(int row, float mu_o) {
     vec4 high = texelFetch(albedo_table, ivec2(int(entry) + 1, row), 0);
     return mix(low, high, place - entry);
 }
+
+// XYZ that the surround shows, of the albedos of the diffuse part and of the lobes. Both belong to the
+// diffuse picture: contrast gloss scales images of lamps, and the surround has no contrast. No surface
+// shows more of a surround than the perfect diffuser: where the model's parts would, the lobes give way.
+vec3 surround(vec3 diffuse_albedo, vec3 lobe_albedo) {
+    float room = clamp((1.0 - diffuse_albedo.y) / max(lobe_albedo.y, 1e-9), 0.0, 1.0);
+    return ambient * (diffuse_albedo + room * lobe_albedo);
+}

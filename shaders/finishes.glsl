@@ -116,18 +116,20 @@ void finishes_light(Finishes finishes, Facing grain, Facing smooth_surface, floa
 
 #if AMBIENT == 1
 // What the finishes show of a uniform surround: each has two rows of the table.
-void finishes_ambient(Finishes finishes, float mu_o, float smooth_mu_o, inout vec3 diffuse,
-                      inout vec3 specular) {
+vec3 finishes_ambient(Finishes finishes, float mu_o, float smooth_mu_o) {
+    vec3 diffuse_albedo = vec3(0.0);
+    vec3 lobe_albedo = vec3(0.0);
     for (int f = 0; f < FINISHES; ++f) {
-        vec4 lobes = finish_share(finishes, f) * ambient * looked_up(2 * f + 1, mu_o);
+        vec4 lobes = finish_share(finishes, f) * looked_up(2 * f + 1, mu_o);
         for (int k = 0; k < LOBES; ++k) {
             vec4 strength = finish_strength[2 * f + k];
-            specular += lobes[k] * strength.xyz + lobes[k + 2] * strength.w * lamp_xyz;
+            lobe_albedo += lobes[k] * strength.xyz + lobes[k + 2] * strength.w * lamp_xyz;
         }
         if (((FINISH_DIFFUSES >> (4 * f)) & 15) > 0) {
-            float share = finish_share(finishes, FINISHES + f) * ambient;
-            diffuse += finish_diffuse(f, finishes, share * looked_up(2 * f, smooth_mu_o).xy);
+            float share = finish_share(finishes, FINISHES + f);
+            diffuse_albedo += finish_diffuse(f, finishes, share * looked_up(2 * f, smooth_mu_o).xy);
         }
     }
+    return surround(diffuse_albedo, lobe_albedo);
 }
 #endif

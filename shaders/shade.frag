@@ -44,18 +44,23 @@ uniform vec4 lobe_shape[2];  // sharpness, amplitude, refractive index, spread: 
 #include "ambient.glsl"
 #endif
 
-// The weights of the lobes: one a lobe; where one is a metal's, two a lobe, the white parts last. With
-// finishes, XYZ of both parts.
-#define DIFFUSE_WEIGHTS vec2
-#if FINISHES > 0
-#include "finishes.glsl"
-#undef DIFFUSE_WEIGHTS
-#define DIFFUSE_WEIGHTS vec3
-#define LOBE_WEIGHTS vec3
-#elif METALS == 0
+// The weights of the lobes: one a lobe; where one is a metal's, two a lobe, the white parts last.
+#if METALS == 0
 #define LOBE_WEIGHTS vec2
 #else
 #define LOBE_WEIGHTS vec4
+#endif
+// What a point shows is kept as weights; with finishes or ambient light, which lobes reflect into the
+// diffuse picture, as XYZ.
+#if FINISHES > 0
+#include "finishes.glsl"
+#endif
+#if FINISHES > 0 || AMBIENT == 1
+#define DIFFUSE_LIGHT vec3
+#define SPECULAR_LIGHT vec3
+#else
+#define DIFFUSE_LIGHT vec2
+#define SPECULAR_LIGHT LOBE_WEIGHTS
 #endif
 
 #if WRITES == WRITES_WEIGHTS
@@ -77,10 +82,10 @@ uniform vec3 per_white;  // one over the white of the scene's lamp, whose Y is o
 #endif
 #endif
 
-// The weights of the diffuse shapes and of the lobes, and the share of the pixel that shows the object.
+// What both parts show, and the share of the pixel that shows the object.
 struct Light {
-    DIFFUSE_WEIGHTS diffuse;
-    LOBE_WEIGHTS specular;
+    DIFFUSE_LIGHT diffuse;
+    SPECULAR_LIGHT specular;
     float share;
 #if FINISHES > 0
     float k;
@@ -134,7 +139,11 @@ Light lit_by(int lamp, Hit hit, vec3 n, vec3 o) {
     }
     vec2 diffuse_weights = arriving * max(smooth_surface.mu_i, 0.0) * shapes;
     LOBE_WEIGHTS specular_weights = arriving * max(grain.mu_i, 0.0) * reflected;
+#if AMBIENT == 1
+    return Light(diffuse_xyz(diffuse_weights), specular_xyz(specular_weights), 1.0);
+#else
     return Light(diffuse_weights, specular_weights, 1.0);
+#endif
 }
 #endif
 
@@ -161,30 +170,25 @@ Light light_through(ivec2 here, vec2 place) {
 #if AMBIENT == 1
     float smooth_mu_o = NOISE != NOISE_NONE && NOISY_DIFFUSE == 0 ? dot(hit.normal, o) : dot(n, o);
 #if FINISHES > 0
-    finishes_ambient(finishes, dot(n, o), smooth_mu_o, light.diffuse, light.specular);
+    light.diffuse += finishes_ambient(finishes, dot(n, o), smooth_mu_o);
 #else
-    light.diffuse += ambient * looked_up(0, smooth_mu_o).xy;
-    vec4 lobe_albedos = ambient * looked_up(1, dot(n, o));
-#if METALS == 0
-    light.specular += lobe_albedos.xy;
-#else
-    light.specular += lobe_albedos;
-#endif
+    LOBE_WEIGHTS of_lobes = LOBE_WEIGHTS(looked_up(1, dot(n, o)));
+    light.diffuse += surround(diffuse_xyz(looked_up(0, smooth_mu_o).xy), specular_xyz(of_lobes));
 #endif
 #endif
 #if FINISHES > 0
     return Light(hit.found ? light.diffuse : vec3(0.0), hit.found ? light.specular : vec3(0.0),
                  hit.found ? 1.0 : 0.0, hit.found ? light.k : 0.0);
 #else
-    return Light(hit.found ? light.diffuse : vec2(0.0),
-                 hit.found ? light.specular : LOBE_WEIGHTS(0.0), hit.found ? 1.0 : 0.0);
+    return Light(hit.found ? light.diffuse : DIFFUSE_LIGHT(0.0),
+                 hit.found ? light.specular : SPECULAR_LIGHT(0.0), hit.found ? 1.0 : 0.0);
 #endif
 }
 
 #if FINISHES > 0
 const Light DARK = Light(vec3(0.0), vec3(0.0), 0.0, 0.0);
 #else
-const Light DARK = Light(vec2(0.0), LOBE_WEIGHTS(0.0), 0.0);
+const Light DARK = Light(DIFFUSE_LIGHT(0.0), SPECULAR_LIGHT(0.0), 0.0);
 #endif
 
 void main() {
@@ -219,6 +223,10 @@ void main() {
     vec3 diffuse_light = light.diffuse;
     vec3 specular_light = light.specular;
     float k = light.k;
+#elif AMBIENT == 1
+    vec3 diffuse_light = light.diffuse;
+    vec3 specular_light = light.specular;
+    float k = light.share;
 #else
     vec3 diffuse_light = diffuse_xyz(light.diffuse);
     vec3 specular_light = specular_xyz(light.specular);

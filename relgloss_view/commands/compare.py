@@ -124,7 +124,7 @@ def run(args: argparse.Namespace) -> int:
     samples = [
         argument.sample_look
         if argument.origin or reference is None
-        else reference.matched_look(argument.sample_look)
+        else reference.matched_look(argument.sample_look, scene.setup)
         for argument in arguments
     ]
     matched = [a.sample_look.label for a in arguments if not a.origin]

@@ -111,6 +111,7 @@ def _draw_stimuli(folder: Path, pool: Pool, backend: str) -> list[dict[str, Any]
     from relgloss_view.quality.backends import open_renderer
 
     study = pool.study
+    study.check_drawn_again()
     digests: dict[tuple[int | None, int | None], set[str]] = {}
     for record in pool.records:
         for picture in record.pictures:

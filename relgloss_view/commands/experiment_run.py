@@ -99,6 +99,7 @@ def run(args: argparse.Namespace) -> int:
     path, study = _session(args.study, args.output)
     open_platform(headless=False)  # where no window can show, no file is made
     with Store(path, study) as store:
+        store.study.check_drawn_again()
         for line in warnings(store.losses, path):
             warn(line)
         observer = _observer(store, args.observer, new=args.new)

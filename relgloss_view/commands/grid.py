@@ -129,7 +129,8 @@ def _draw(
     for sigma_n_deg in SIGMA_N_DEG:
         matched_c = None
         if scene.pack is not None:  # finishes without a sigma_N of their own have the row's
-            found = match_pack(reference or Reference.default(), scene.pack, sigma_n_deg)
+            beside = reference or Reference.default()
+            found = match_pack(beside, scene.pack, sigma_n_deg, scene.setup)
             matched_c = found.c if reference is not None else None
             drawn = Scene(scene.material, scene.setup, pack=found.pack)
         elif reference is not None:

@@ -9,14 +9,17 @@ from typing import TYPE_CHECKING, Any
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, table, warn
 from relgloss_view.commands.scene_options import scene_from
+from relgloss_view.picture.scene.pack_settings import PACK_AMBIENT
 
 if TYPE_CHECKING:
     from relgloss_view.gloss.pack_match import FinishMatch, PackMatch
 
-NOTE = (
-    "The ratio of gloss of two finishes holds as the mean over these lamps; "
-    "--here matches one pose."
+MEAN = (
+    "k is the mean over these lamps, about the paper's cylinder. A picture that is drawn has the k "
+    "of its own view: name it with --scene or --set."
 )
+VIEW = "k is that of this view, c that of the mean over the lamps; --here takes both from the view."
+HERE = "c and k are those of this view alone."
 
 
 def run_pack(args: argparse.Namespace) -> int:
@@ -34,26 +37,30 @@ def run_pack(args: argparse.Namespace) -> int:
     scene, look, _ = scene_from(args)
     pack = read_pack(args.pack)
     first = sample_argument(args.reference, look)
-    setup = Scene(pack.material, scene.setup, pack=pack).setup if args.here else None
-    reference = Reference.of(first.sample_look, args.gloss, setup)
-    found = match_pack(reference, pack, args.grain)
+    setup = Scene(pack.material, scene.setup, pack=pack).setup
+    reference = Reference.of(first.sample_look, args.gloss, setup if args.here else None)
+    viewed = args.scene is not None or bool(args.set) or args.here
+    if args.scene is None and not any(word.startswith("lamp.ambient=") for word in args.set):
+        setup = setup.with_entries("lamp", ambient=PACK_AMBIENT)  # as a new picture of it has
+    found = match_pack(reference, pack, args.grain, setup if viewed else None)
+    note = HERE if args.here else VIEW if viewed else MEAN
     if args.write is not None:
         write_pack(args.write, found.as_kept)
     if args.json:
-        print(json.dumps(_numbers(found, args.write)))
+        print(json.dumps(_numbers(found, args.write, note)))
         return 0
     for finish in pack.finishes:
         for text in finish.material.warnings:
             warn(f"finish {printable(finish.name, 60)!r}: {text}")
     for text in found.warnings:
         warn(text)
-    print("\n".join(_lines(found)))
+    print("\n".join(_lines(found, note)))
     if args.write is not None:
         print(f"{printable(args.write)}: written")
     return 0
 
 
-def _numbers(found: PackMatch, written: str | None) -> dict[str, Any]:
+def _numbers(found: PackMatch, written: str | None, note: str) -> dict[str, Any]:
     reference = found.reference
     return {
         "outputs": [] if written is None else [written],
@@ -61,11 +68,11 @@ def _numbers(found: PackMatch, written: str | None) -> dict[str, Any]:
         "lamp_azimuths_deg": [setup.lamp.azimuth_deg for setup in reference.setups],
         "reference": reference.as_numbers(),
         **found.as_numbers(),
-        "note": NOTE,
+        "note": note,
     }
 
 
-def _lines(found: PackMatch) -> list[str]:
+def _lines(found: PackMatch, note: str) -> list[str]:
     """The table of the finishes, and what it means."""
     from relgloss_view.gloss.samples import gloss_number, gloss_words
 
@@ -97,13 +104,14 @@ def _lines(found: PackMatch) -> list[str]:
         f"{printable(found.pack.name, 80)}: c {found.c:.4g}, that of finish "
         f"{printable(found.anchor.name, 60)!r}",
         table(columns, rows, indent="  "),
-        "c alone: of a picture that shows this finish only; k = c alone / c. shown: displayed "
+        "c alone: of a picture that shows this finish only. k: factor of its highlights beside "
+        f"those of {printable(found.anchor.name, 60)!r}. shown: displayed "
         "gloss over the reference's. spread: largest over smallest c that one pose would propose.",
     ]
     if any(f.kept for f in found.finishes):
         lines.append("*: k is the pack's own and is kept.")
     lines += [_left_out(f) for f in found.finishes if f.point.refused]
-    return [*lines, NOTE]
+    return [*lines, note]
 
 
 def _left_out(finish: FinishMatch) -> str:

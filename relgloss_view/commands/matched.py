@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.terminal import warn
 from relgloss_view.commands.scene_options import (
     SAMPLE_METAVAR,
     SOURCES,
@@ -94,7 +95,9 @@ def matched_finishes(args: argparse.Namespace, scene: Scene, look: Look) -> tupl
     from relgloss_view.gloss.match import Reference
     from relgloss_view.gloss.pack_match import match_pack
 
-    found = match_pack(Reference.default(), scene.pack, _given_graininess(args, look))
+    found = match_pack(Reference.default(), scene.pack, _given_graininess(args, look), scene.setup)
+    for text in found.warnings:
+        warn(text)
     changed = Scene(scene.material, scene.setup, pack=found.pack)
     return changed, look.with_entries(sigma_n_deg=found.anchor.sigma_n_deg)
 
@@ -126,7 +129,7 @@ def matched_picture(args: argparse.Namespace, scene: Scene, look: Look) -> Match
 
     reference = Reference.of(reference_look(args, look))
     if scene.pack is not None:
-        return _matched_pack(reference, scene.pack, look)
+        return _matched_pack(reference, scene, scene.pack, look)
     sigma_n_deg = look.sigma_n_deg
     if not graininess_is_given(args) and args.material is None:
         sigma_n_deg = own_sigma_n_deg(args.sample or DEFAULT_SAMPLE)
@@ -135,11 +138,11 @@ def matched_picture(args: argparse.Namespace, scene: Scene, look: Look) -> Match
     return MatchedPicture(changed, reference, match)
 
 
-def _matched_pack(reference: Reference, pack: Pack, look: Look) -> MatchedPicture:
+def _matched_pack(reference: Reference, scene: Scene, pack: Pack, look: Look) -> MatchedPicture:
     """The match of a pack whose finishes were matched among themselves."""
     from relgloss_view.gloss.pack_match import match_pack
 
-    found = match_pack(reference, pack, look.sigma_n_deg)
+    found = match_pack(reference, pack, look.sigma_n_deg, scene.setup)
     sigma_n_deg = found.anchor.sigma_n_deg
     changed = look.with_entries(c=found.c, sigma_n_deg=sigma_n_deg)
     return MatchedPicture(changed, reference, found.match, found)

@@ -11,13 +11,8 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, Progress, table, warn
 from relgloss_view.base.writing import check_writable
-from relgloss_view.commands.scene_options import (
-    ARTWORK_OPTIONS,
-    DEFAULT_SIZE,
-    FORMS,
-    artwork_entries,
-    size_of_text,
-)
+from relgloss_view.commands.artwork_options import add_artwork_options, artwork_entries
+from relgloss_view.commands.scene_options import DEFAULT_SIZE, size_of_text
 
 if TYPE_CHECKING:
     from relgloss_view.pack.check import PackCheck
@@ -31,15 +26,17 @@ def add(commands: Any) -> None:
     """Declare the command and its own commands."""
     parser = commands.add_parser(
         "pack",
-        description="Check a pack, write a pack file for an artwork, or list the built-in "
-        "finishes.",
+        description="Check a pack or an artwork, write a pack file for an artwork, or list the "
+        "built-in finishes. `relgloss snapshot --pack` draws a pack.",
         epilog="example: relgloss pack new can.pdf -o can.toml; relgloss pack check can.toml",
     )
     own = parser.add_subparsers(dest="pack_command", metavar="COMMAND", required=True)
     _add_check(own)
     _add_new(own)
     finishes = own.add_parser(
-        "finishes", description="List the built-in finishes with what gloss meters would read."
+        "finishes",
+        help="list the built-in finishes",
+        description="List the built-in finishes with what gloss meters would read.",
     )
     finishes.add_argument("--json", action="store_true", help="Print the list as JSON")
     finishes.set_defaults(run=run_finishes)
@@ -48,13 +45,18 @@ def add(commands: Any) -> None:
 def _add_check(own: Any) -> None:
     check = own.add_parser(
         "check",
+        help="list plates, masks and finishes, and warn of what would surprise",
         description="List plates, masks and finishes of a pack, and warn of what would surprise in "
         "its picture: overlaps, empty masks, a coarse artwork, one that is too small for the "
         "label, colours that no display shows, fonts that a PDF lacks.",
         epilog="example: relgloss pack check can.toml",
     )
-    check.add_argument("file", metavar="FILE", help="Pack file, or an artwork")
-    _add_artwork_options(check)
+    check.add_argument(
+        "file",
+        metavar="FILE",
+        help="Pack file, an artwork, or can or carton, which come with relgloss",
+    )
+    add_artwork_options(check, "an artwork")
     check.add_argument(
         "--size",
         metavar="WxH",
@@ -69,25 +71,17 @@ def _add_check(own: Any) -> None:
 def _add_new(own: Any) -> None:
     new = own.add_parser(
         "new",
+        help="write a pack file for an artwork",
         description="Write a pack file for an artwork: its form, and finishes by the names of its "
         "plates. Edit it, and draw it with `relgloss snapshot --pack`.",
         epilog="example: relgloss pack new can.pdf --form can -o can.toml",
     )
     new.add_argument("artwork", metavar="ARTWORK", help="PDF, PNG, JPEG, TIFF or PSD")
-    _add_artwork_options(new)
+    add_artwork_options(new, "an artwork")
     new.add_argument(
         "-o", "--output", metavar="PACK.toml", required=True, help="Pack file to write"
     )
     new.set_defaults(run=run_new)
-
-
-def _add_artwork_options(parser: Any) -> None:
-    parser.add_argument("--form", choices=FORMS, help="Form of an artwork (default can)")
-    for name, (kind, metavar, text) in ARTWORK_OPTIONS.items():
-        flag = f"--{name.replace('_', '-')}"
-        parser.add_argument(
-            flag, metavar=metavar, type=kind, help=text.replace("an --artwork", "an artwork")
-        )
 
 
 def run_check(args: argparse.Namespace) -> int:
@@ -219,7 +213,7 @@ def _text(found: PackCheck, size: tuple[int, int]) -> str:
             (
                 printable(p.name, 40),
                 _share(p.coverage),
-                printable(", ".join(p.finishes), 60) or NOTHING,
+                printable(", ".join(p.finishes), 60) or ("ink" if p.coloured else NOTHING),
             )
             for p in found.plates
         ]

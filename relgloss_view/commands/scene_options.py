@@ -14,12 +14,17 @@ from relgloss_view.base.shell import command_line
 from relgloss_view.base.terminal import Progress
 from relgloss_view.base.toml import AUTO
 from relgloss_view.base.words import sentence_case
+from relgloss_view.commands.artwork_options import (
+    ARTWORK_OPTIONS,
+    add_artwork_options,
+    artwork_entries,
+)
 from relgloss_view.commands.lab_text import lab_words
 from relgloss_view.material.recolour import DEFAULT_ILLUMINANT, Colour
+from relgloss_view.pack.kinds import SHIPPED
 from relgloss_view.pack.masks import check_masks
 from relgloss_view.pack.pack_file import read_pack
 from relgloss_view.pack.quick import quick_pack
-from relgloss_view.pack.shape import SHAPES
 from relgloss_view.picture.model.lamp_placement import lit_for_gloss
 from relgloss_view.picture.model.view import check_size
 from relgloss_view.picture.scene.look import Look
@@ -56,14 +61,6 @@ from relgloss_view.quality.backends import BACKENDS
 
 DEFAULT_SIZE = (512, 512)
 SOURCES = ("sample", "material", "pack", "artwork")  #: options that name the sample
-FORMS = tuple(kind for kind in SHAPES if kind != "mesh")  #: that need no file
-#: How an --artwork is read: type, metavar and help by the entry of a pack file.
-ARTWORK_OPTIONS: dict[str, tuple[Any, str, str]] = {
-    "profile": (str, "FILE.icc", "Colour profile of an --artwork that has none, such as CMYK"),
-    "page": (int, "N", "Page of an --artwork that is a PDF (default 1)"),
-    "dpi": (float, "DPI", "Resolution of an --artwork"),
-    "width_mm": (float, "MM", "Printed width of an --artwork that is a picture"),
-}
 MATCHED, MAX = "matched", "max"
 SAMPLE_METAVAR = "SAMPLE|MATERIAL.json[=SIGMA_N,C]"
 #: What a command adds to the words of an entry.
@@ -104,7 +101,10 @@ def add_scene_options(
             "--material", metavar="FILE.json", help="Material file that `fit` wrote"
         )
         source.add_argument(
-            "--pack", metavar="FILE.toml", help="Pack file: a form, an artwork and its finishes"
+            "--pack",
+            metavar="FILE.toml|NAME",
+            help="Pack file: a form, an artwork and its finishes; or one that comes with relgloss: "
+            f"{', '.join(SHIPPED)}",
         )
         source.add_argument(
             "--artwork",
@@ -112,14 +112,7 @@ def add_scene_options(
             help="Artwork (PDF, PNG, JPEG, TIFF, PSD) as a pack: --form, and finishes by the names "
             "of its plates",
         )
-        what.add_argument(
-            "--form",
-            choices=FORMS,
-            help="Form of an --artwork (default can)",
-        )
-        for name, (kind, metavar, text) in ARTWORK_OPTIONS.items():
-            flag = f"--{name.replace('_', '-')}"
-            what.add_argument(flag, metavar=metavar, type=kind, help=text)
+        add_artwork_options(what, "an --artwork")
     else:
         parser.set_defaults(**dict.fromkeys((*SOURCES, "form", *ARTWORK_OPTIONS)))
     add_colour_options(what)
@@ -301,12 +294,6 @@ def sample_from(args: argparse.Namespace) -> Sample | None:
             form = args.form or "can"
             return Sample.of_pack(quick_pack(args.artwork, form, given=given, progress=progress))
     return None
-
-
-def artwork_entries(args: argparse.Namespace) -> dict[str, Any]:
-    """How an --artwork is read, as the entries of a pack file; those that were given."""
-    values = {name: getattr(args, name) for name in ARTWORK_OPTIONS}
-    return {name: value for name, value in values.items() if value is not None}
 
 
 def scene_words_of(args: argparse.Namespace) -> list[str]:

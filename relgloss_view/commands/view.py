@@ -154,6 +154,7 @@ def warn_if_clamped(args: argparse.Namespace, size: tuple[int, int]) -> None:
 
 def _opened(files: list[str]) -> list[Opened]:
     """The content of the files, read before there is a window, so that a fault ends the command."""
+    from relgloss_view.pack.kinds import pack_path
     from relgloss_view.picture.scene.sample import Sample
     from relgloss_view.viewer.files.open_job import Opened, OpenJob
 
@@ -163,7 +164,7 @@ def _opened(files: list[str]) -> list[Opened]:
         if _is_built_in(file):
             opened.append(Opened(file, sample=Sample.built_in(file)))
             continue
-        job = OpenJob(file, lambda: None)
+        job = OpenJob(str(pack_path(file)), lambda: None)
         try:
             with Progress(f"open {Path(file).name}") as progress:
                 while not job.done:

@@ -128,12 +128,15 @@ class Reference:
             "shown": self.displayed_gloss,
         }
 
-    def matched_look(self, sample: SampleLook) -> SampleLook:
-        """A sample at its look's sigma_N, with the c that keeps the ratio to this reference."""
+    def matched_look(self, sample: SampleLook, setup: Setup | None = None) -> SampleLook:
+        """A sample at its look's sigma_N, with the c that keeps the ratio to this reference.
+
+        setup: of the picture, in which the finishes of a pack keep their ratios.
+        """
         if sample.pack is not None:
             from relgloss_view.gloss.pack_match import match_pack
 
-            found = match_pack(self, sample.pack)
+            found = match_pack(self, sample.pack, setup=_on_form(sample, setup))
             look = sample.look.with_entries(c=found.c, sigma_n_deg=found.anchor.sigma_n_deg)
             return dataclasses.replace(sample, look=look, pack=found.pack)
         match = matched(self, sample.material, sample.look.sigma_n_deg)
@@ -260,6 +263,13 @@ def match_curve(
         proposed=min(solved, key=lambda p: abs(p.sigma_n_deg - grain_deg), default=None),
         own_setting=_compared(reference, sample, curve) if compare_setting else None,
     )
+
+
+def _on_form(sample: SampleLook, setup: Setup | None) -> Setup | None:
+    """A setup with the form of a sample's pack."""
+    if setup is None or sample.pack is None:
+        return setup
+    return dataclasses.replace(setup, shape=sample.pack.shape)
 
 
 def _peak(setup: Setup, material: Material, sigma_n_deg: float) -> float | None:

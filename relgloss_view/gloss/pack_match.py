@@ -4,11 +4,16 @@ Each finish is matched to the reference as a sample is (gloss.match): its readin
 material, and its picture that of the plain finish (pack.plain_finish) on the paper's cylinder, so
 that no number depends on the form. One picture has one c: it is the c of the first finish that
 shines, and k_f = c_f / c. The ratio of two k is that of two c, in which the reference cancels.
+
+A picture that is drawn has one view, and there the mean over poses is not exact. So with its setup
+each k is the one at which the finish and the first one show the ratio of their readings in that
+view, as if either covered the form. c stays the mean: it belongs to a pair, not to a view.
 """
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,10 +25,14 @@ from relgloss_view.gloss.match import (
     matched_point,
     own_sigma_n_deg,
 )
+from relgloss_view.gloss.pose import pose_of
 from relgloss_view.pack.finish import MAX_K
 from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.plain_finish import PlainFinish, plain_finishes
 from relgloss_view.picture.scene.match import MOST_C, Match
+from relgloss_view.picture.scene.setup import Setup
+
+UNSEEN = "its highlight is not seen in this view"
 
 
 @dataclass(frozen=True)
@@ -40,6 +49,8 @@ class FinishMatch:
     lies_somewhere: bool
     shown: float | None  #: displayed gloss over the reference's; None where no highlight is seen
     luminance: float  #: Y of what lies below its lobes, 1 the perfect diffuser
+    in_view: bool = False  #: whether k is that of the view, not of the mean over the poses
+    note: str = ""  #: why it is not, in a match with a view
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -51,6 +62,8 @@ class FinishMatch:
             notes.append("its pictures show no highlight, so k changes nothing")
         elif not self.kept and self.k >= MAX_K:
             notes.append(f"its k is limited to {MAX_K:g}, so its picture shows too little gloss")
+        if self.note:
+            notes.append(self.note)
         return tuple(notes)
 
 
@@ -111,6 +124,7 @@ class PackMatch:
                     "sigma_n_deg": f.sigma_n_deg,
                     "k": f.k,
                     "k_kept": f.kept,
+                    "k_from": "pack" if f.kept else "view" if f.in_view else "poses",
                     "c_alone": f.point.c,
                     "c_low": f.point.low,
                     "c_high": f.point.high,
@@ -125,31 +139,79 @@ class PackMatch:
         }
 
 
-def match_pack(reference: Reference, pack: Pack, sigma_n_deg: float | None = None) -> PackMatch:
+def match_pack(
+    reference: Reference,
+    pack: Pack,
+    sigma_n_deg: float | None = None,
+    setup: Setup | None = None,
+) -> PackMatch:
     """The match of every finish of a pack to a reference.
 
     sigma_n_deg: graininess of the finishes that have none of their own, degrees; None takes what is
     known of each, as for samples: that of the published setting of a paper, or 0. A finish that
-    keeps its k keeps it. Without a highlight anywhere c is the reference's.
-    Raises InputError where a mask fits nothing.
+    keeps its k keeps it. setup: of the picture, on the pack's form, whose finishes keep their
+    ratios; without one these are means over the reference's poses. Without a highlight anywhere c
+    is the reference's. Raises InputError where a mask fits nothing.
+
+    >>> from relgloss_view.pack.built_in import load_finish
+    >>> from relgloss_view.pack.finish import Finish
+    >>> from relgloss_view.pack.shape import Shape
+    >>> matt = Finish("matt", "ink", load_finish("matt-varnish"), "matt-varnish")
+    >>> pack = Pack("matt box", Shape("carton"), (matt,))
+    >>> match_pack(Reference.default(), pack).finishes[0].k
+    1.0
     """
     plain = plain_finishes(pack, reference.setups[0].lamp.illuminant)
     found = [_alone(reference, one, sigma_n_deg) for one in plain]
     solved = [f for f in found if f.point.c]
     anchor = next((f for f in solved if f.lies_somewhere), solved[0] if solved else found[0])
+    first = found.index(anchor)
     c = min(anchor.point.c or reference.c, MOST_C)
-    finishes = tuple(_beside(f, c) for f in found)
+    ratios: list[float | None] = [None] * len(found)
+    if setup is not None:
+        ratios = _ratios_in_view(setup, plain, found, first)
+        found = _noted(found, ratios, first)
+    finishes = tuple(_beside(f, c, ratio) for f, ratio in zip(found, ratios, strict=True))
     changed = tuple(
         dataclasses.replace(own, sigma_n_deg=f.sigma_n_deg, k=f.k)
         for own, f in zip(pack.finishes, finishes, strict=True)
     )
     return PackMatch(
-        reference,
-        dataclasses.replace(pack, finishes=changed),
-        finishes,
-        finishes[found.index(anchor)],
-        c,
+        reference, dataclasses.replace(pack, finishes=changed), finishes, finishes[first], c
     )
+
+
+def _ratios_in_view(
+    setup: Setup, plain: Sequence[PlainFinish], found: Sequence[FinishMatch], first: int
+) -> list[float | None]:
+    """k of each finish over that of the first one in a view; None where one of both is not seen."""
+    pose = pose_of(setup)
+    peaks = [pose.peak(p.material, f.sigma_n_deg) for p, f in zip(plain, found, strict=True)]
+    own, reading = peaks[first], found[first].reading
+    return [
+        f.reading / reading * own / peak if own and peak and reading > 0.0 else None
+        for f, peak in zip(found, peaks, strict=True)
+    ]
+
+
+def _noted(
+    found: Sequence[FinishMatch], ratios: Sequence[float | None], first: int
+) -> list[FinishMatch]:
+    """The finishes, with notes where the view shows no ratio that could be kept."""
+    asked = [f.lies_somewhere and not f.kept and f.point.c is not None for f in found]
+    asked[first] = False
+    if not any(asked):
+        return list(found)
+    if ratios[first] is None:
+        noted = list(found)
+        text = f"{UNSEEN}, so k of every finish is that of the mean over poses of the lamp"
+        noted[first] = dataclasses.replace(found[first], note=text)
+        return noted
+    text = f"{UNSEEN}, so its k is that of the mean over poses of the lamp"
+    return [
+        dataclasses.replace(f, note=text) if ask and ratio is None else f
+        for f, ask, ratio in zip(found, asked, ratios, strict=True)
+    ]
 
 
 def _alone(reference: Reference, plain: PlainFinish, sigma_n_deg: float | None) -> FinishMatch:
@@ -173,10 +235,11 @@ def _alone(reference: Reference, plain: PlainFinish, sigma_n_deg: float | None) 
     )
 
 
-def _beside(alone: FinishMatch, c: float) -> FinishMatch:
-    """A finish in a picture whose c is another's."""
+def _beside(alone: FinishMatch, c: float, ratio: float | None = None) -> FinishMatch:
+    """A finish in a picture whose c is another's; ratio: k as the view has it."""
     if alone.point.c is None:
         return alone if alone.kept else dataclasses.replace(alone, k=1.0)
-    k = alone.k if alone.kept else min(alone.point.c / c, MAX_K)
-    shown = alone.ratio * c * k / alone.point.c if alone.point.c > 0.0 else 0.0
-    return dataclasses.replace(alone, k=k, shown=shown)
+    wanted = alone.point.c / c if ratio is None else ratio
+    k = alone.k if alone.kept else min(wanted, MAX_K)
+    shown = alone.ratio * k / wanted if wanted > 0.0 else 0.0
+    return dataclasses.replace(alone, k=k, shown=shown, in_view=ratio is not None)

@@ -16,7 +16,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.gloss.meter.meter import main_lobe
 from relgloss_view.material import approximations, brdf
-from relgloss_view.material.albedo_table import ambient_reflection
+from relgloss_view.material.albedo_table import ambient_reflection, surround
 from relgloss_view.material.approximations import mean_lobe, plain_lobe
 from relgloss_view.material.material import Material
 from relgloss_view.material.spectra import illuminant
@@ -88,10 +88,7 @@ class Pose:
         width = math.hypot(material.specular[main].s_deg, sigma_n_deg)
         if min(self._tilts_deg) > width:
             return None
-        extremes = self.extremes(material, sigma_n_deg)
-        # Under ambient light L_s* is large at a dark silhouette too, beside every highlight.
-        ambient = self.setup.lamp.ambient > 0.0
-        brightest = extremes.brightest_l_s if ambient else extremes.l_s_max
+        brightest = self.extremes(material, sigma_n_deg).l_s_max
         return brightest if brightest >= LEAST_LSTAR else None
 
     def extremes(self, material: Material, sigma_n_deg: float = 0.0) -> Extremes:
@@ -119,9 +116,11 @@ class Pose:
             diffuse += light.arriving * shapes
             specular += light.arriving * _shine(light, material, sigma_n_deg, weights)
         if self.setup.lamp.ambient > 0.0:
-            shown = ambient_reflection(material, self._mu_o, self._mu_o)
-            diffuse += self.setup.lamp.ambient * (shown[0] @ weights)
-            specular += self.setup.lamp.ambient * (shown[1] @ weights)
+            body, lobes = (
+                part @ weights for part in ambient_reflection(material, self._mu_o, self._mu_o)
+            )
+            shown = surround(body[..., None], lobes[..., None], body, lobes)
+            diffuse += self.setup.lamp.ambient * shown[..., 0]
         return Extremes.over(*tone.split_lightness(diffuse, specular))
 
 

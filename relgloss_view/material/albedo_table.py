@@ -77,6 +77,17 @@ def ambient_reflection(material: Material, mu_o: Array, lobe_mu_o: Array) -> tup
     return shown, shine
 
 
+def surround(diffuse: Array, lobes: Array, luminance: Array, lobes_luminance: Array) -> Array:
+    """What a surface shows of a surround of radiance 1, (..., B): of both parts' albedos (..., B).
+
+    luminance, lobes_luminance: those of the albedos, (...). No surface shows more of a uniform
+    surround than the perfect diffuser. Diffuse part and lobes are added up as if neither shaded the
+    other; where that would show more, at the silhouette of a white print, the lobes give way.
+    """
+    room = np.clip((1.0 - luminance) / np.maximum(lobes_luminance, 1e-9), 0.0, 1.0)
+    return np.asarray(diffuse + room[..., None] * lobes)
+
+
 def diffuse_albedo(model: str, sigma: float, mu_o: Array) -> tuple[Array, Array]:
     """The integrals of a diffuse model's two shapes at cosines (M,), by Gauss-Legendre nodes.
 

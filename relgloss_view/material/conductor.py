@@ -69,7 +69,7 @@ def fresnel_conductor(cos_d: ArrayLike, n: ArrayLike, k: ArrayLike) -> Array:
     a complex index (Born and Wolf 1999, section 14.2).
 
     >>> fresnel_conductor([1.0, 0.0], 0.2, 3.4).round(4).tolist()
-    [0.9383, 1.0]
+    [0.9385, 1.0]
     """
     cosine = np.abs(np.asarray(cos_d, dtype=np.float64))
     squared = (np.asarray(n, dtype=np.float64) + 1j * np.asarray(k, dtype=np.float64)) ** 2

@@ -31,6 +31,11 @@ class Finish(Checked):
     k, so that a match keeps it.
 
     Raises InputError where a value is out of its range.
+
+    >>> from relgloss_view.pack.built_in import load_finish
+    >>> gloss = load_finish("gloss-varnish")
+    >>> Finish("spot gloss", "varnish", gloss, "gloss-varnish", "plate:Varnish").k
+    1.0
     """
 
     name: str

@@ -42,6 +42,9 @@ class Placement(Checked):
 
     offset_x_mm to the right and offset_y_mm up, as seen on the label; turn_deg counter-clockwise;
     scale of the artwork's own size. Raises InputError where a value is out of its range.
+
+    >>> Placement(turn_deg=90.0).scale
+    1.0
     """
 
     offset_x_mm: float = parameter(
@@ -56,7 +59,7 @@ class Placement(Checked):
 
 @dataclass(frozen=True)
 class Pack(Checked):
-    """A pack. The first finish lies everywhere; each later one lies above those before it.
+    """A form with an artwork and finishes, of which each lies above those before it.
 
     name: for captions. shape: its form. artwork: None without one. colour: one of COLOUR_RULES.
     measured: one of MEASURED. masks: gray pictures by the text of a finish's mask, (h, w) uint8, of
@@ -65,6 +68,11 @@ class Pack(Checked):
     artwork_entries: (entry, value) of how the artwork is read: profile, page, dpi, width_mm.
     notes: how the pack was made, one sentence each.
     Raises InputError where the parts do not fit together.
+
+    >>> from relgloss_view.pack.built_in import load_finish
+    >>> board = Finish("board", "stock", load_finish("bare-board"), "bare-board")
+    >>> Pack("plain box", Shape("carton"), (board,)).material.name
+    'bare board, coated'
     """
 
     name: str

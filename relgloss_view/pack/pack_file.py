@@ -18,6 +18,9 @@ from relgloss_view.material.material import Material
 from relgloss_view.pack.artwork.artwork import Artwork
 from relgloss_view.pack.built_in import FINISHES, PAPERS, load_finish
 from relgloss_view.pack.finish import MAX_FINISHES, Finish
+from relgloss_view.pack.forms.mesh_files import MESH_SUFFIXES
+from relgloss_view.pack.kinds import ARTWORK as ARTWORK_FILE
+from relgloss_view.pack.kinds import kind_of_pack, pack_path
 from relgloss_view.pack.mask_file import read_mask
 from relgloss_view.pack.masks import ARTWORK, CHANNEL, EVERYWHERE, PART, PLATE, check_masks
 from relgloss_view.pack.pack import Pack, Placement
@@ -32,14 +35,23 @@ PACK_ENTRIES = (
     "name", "form", "artwork", *ARTWORK_ENTRIES, "colour", "measured", "placement",
 )  # fmt: skip
 FINISH_ENTRIES = ("name", "kind", "material", "mask", "invert", "sigma_n_deg", "k")
-MESH_SUFFIXES = (".glb", ".gltf", ".obj", ".ply")
 
 
 def read_pack(path: str | os.PathLike[str], progress: ProgressReport = no_progress) -> Pack:
-    """Read a pack file; files that it names are looked for in its folder.
+    """Read a pack file, or a shipped pack by its name ("can", "carton").
 
+    Files that it names are looked for in its folder.
     Raises InputError, one line that names the file, the entry and what was expected.
+
+    >>> [finish.name for finish in read_pack("carton").finishes]
+    ['soft touch', 'spot gloss', 'gold foil']
     """
+    path = pack_path(path)
+    if kind_of_pack(path) == ARTWORK_FILE:
+        raise InputError(
+            f"{path}: this is an artwork; draw it with --artwork, or write its pack file with "
+            "`relgloss pack new`"
+        )
     tables = read_toml(path, MAX_BYTES, EXPECTED)
     try:
         unknown = set(tables) - {PACK, FINISH}
@@ -62,7 +74,7 @@ def pack_of_tables(
     """The pack of the tables `pack` and `finish` of a pack file or a scene. Raises InputError."""
     table = table_of(PACK, tables.get(PACK, {}))
     _check_entries(table, PACK_ENTRIES, PACK)
-    shape = _form(table.get("form", "can"), folder)
+    shape = shape_named(table.get("form", "can"), folder)
     given = {key: table[key] for key in ARTWORK_ENTRIES if key in table}
     artwork, artwork_file = None, text(table.get("artwork", ""), "pack.artwork")
     if artwork_file:
@@ -102,7 +114,7 @@ def _check_entries(table: Mapping[str, Any], names: tuple[str, ...], place: str)
             )
 
 
-def _form(form: object, folder: Path) -> Shape:
+def shape_named(form: object, folder: Path) -> Shape:
     """The shape of `form = "can"`, of a mesh file's name, or of a table [pack.form]."""
     if isinstance(form, str):
         if form.lower().endswith(MESH_SUFFIXES):
@@ -205,6 +217,13 @@ def _finishes(tables: object, folder: Path) -> tuple[tuple[Finish, ...], dict[st
         try:
             finish = finish_of_table(table, folder, first=k == 1)
             if _is_file(finish.mask) and finish.mask not in masks:
+                if not Path(finish.mask).suffix and not (folder / finish.mask).exists():
+                    refuse(
+                        "mask",
+                        f"a picture's file, or {PLATE}NAME of a plate, {CHANNEL}NAME, {PART}NAME, "
+                        f"{ARTWORK}, {EVERYWHERE}",
+                        finish.mask,
+                    )
                 masks[finish.mask] = read_mask(folder / finish.mask)
         except InputError as error:
             raise InputError(f"{place}: {error}") from error
@@ -257,6 +276,13 @@ def write_pack(path: str | os.PathLike[str], pack: Pack) -> None:
 
     Files under its folder are named relative to it, others by their absolute path. Raises
     InputError where it can't be written, or a part of the pack is in no file.
+
+    >>> from relgloss_view.pack.quick import quick_pack
+    >>> from PIL import Image
+    >>> Image.new("RGB", (40, 20), "white").save("label.png")
+    >>> write_pack("label.toml", quick_pack("label.png", "bottle"))
+    >>> read_pack("label.toml").shape.kind
+    'bottle'
     """
     try:
         tables = pack_tables(pack, Path(path).absolute().parent)
@@ -286,9 +312,9 @@ def pack_tables(pack: Pack, folder: Path) -> dict[str, Any]:
 
 
 def _form_entry(shape: Shape, folder: Path) -> str | dict[str, Any]:
-    if shape == Shape(shape.kind):
-        return shape.kind
-    usual = Shape(shape.kind)
+    usual = Shape(shape.kind, file=shape.file)
+    if shape == usual:
+        return _place(shape.file, folder, "pack.form") if shape.file else shape.kind
     table: dict[str, Any] = {"kind": shape.kind}
     for f in dataclasses.fields(shape):
         value = getattr(shape, f.name)

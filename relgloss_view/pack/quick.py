@@ -6,7 +6,7 @@ import dataclasses
 import math
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -48,19 +48,43 @@ MEANINGS = tuple(
 )  # fmt: skip
 
 
+def _words(name: str) -> str:
+    return " ".join(re.split(r"(?<=[a-z])(?=[A-Z])|_", name))
+
+
+def is_technical(name: str) -> bool:
+    """Whether a plate's name is that of a cut, a crease, a white or another instruction.
+
+    >>> [is_technical(name) for name in ("CutContour", "Weiss", "White Foil", "Varnish")]
+    [True, True, False, False]
+    """
+    words = _words(name)
+    return bool(TECHNICAL.search(words)) and not re.search(r"foil|folie", words, re.IGNORECASE)
+
+
 def finish_of_plate(name: str) -> str | None:
     """The built-in finish that a plate's name means; None for inks and technical plates.
 
     >>> [finish_of_plate(n) for n in ("Varnish", "Heissfolie Gold", "UV-Mattlack", "Black")]
     ['gloss-varnish', 'cold-foil-gold', 'matt-varnish', None]
     """
-    words = " ".join(re.split(r"(?<=[a-z])(?=[A-Z])|_", name))
-    foil = re.search(r"foil|folie", words, re.IGNORECASE)
-    if TECHNICAL.search(words) and not foil:
+    words = _words(name)
+    if is_technical(name):
         return None
     if re.search(r"seidenmatt", words, re.IGNORECASE):
         return "satin-varnish"
     return next((finish for finish, means in MEANINGS if means.search(words)), None)
+
+
+def plates_without_finish(artwork: Artwork, used: Iterable[str]) -> tuple[list[str], list[str]]:
+    """Plates that print no colour and are no mask: those that may mean a finish, and the others.
+
+    used: plates that are masks. The others are technical by their names: cuts, creases, white.
+    """
+    taken = set(used) | artwork.coloured
+    free = [name for name in artwork.plates if name not in taken]
+    technical = [name for name in free if is_technical(name)]
+    return [name for name in free if name not in technical], technical
 
 
 def finishes_of_artwork(
@@ -89,10 +113,18 @@ def finishes_of_artwork(
         finishes.append(Finish(name, kind, load_finish(finish), finish, f"{PLATE}{name}"))
         notes.append(f"Plate {printable(name, 40)} is drawn as the built-in finish {finish}.")
     left = [name for name, _ in wanted[room:]]
-    left += [name for name, finish in named if finish is None]
     if left:
-        names = printable(", ".join(left), 120)
-        notes.append(f"No finish is tied to these plates, so they are not drawn: {names}.")
+        notes.append(
+            f"More finishes than a pack holds; left out: {printable(', '.join(left), 120)}."
+        )
+    used = (name for name, _ in wanted)
+    unknown, technical = ([], []) if artwork is None else plates_without_finish(artwork, used)
+    for names, text in (
+        (unknown, "No finish is tied to these plates, so they are not drawn"),
+        (technical, "These plates are taken as instructions or white, and are not drawn"),
+    ):
+        if names:
+            notes.append(f"{text}: {printable(', '.join(names), 120)}.")
     return _distinct(finishes), tuple(notes)
 
 
@@ -138,13 +170,18 @@ def quick_pack(
 ) -> Pack:
     """A pack from an artwork alone.
 
-    form: a form's name, or a shape. material: built-in name of the finish over the ink; None takes
-    the form's usual one. given: how the artwork is read, as the entries of a pack file (profile,
-    page, dpi, width_mm). Raises InputError where the artwork can't be read.
-    """
-    from relgloss_view.pack.pack_file import open_artwork
+    form: a form's name, the name of a mesh file, or a shape. material: built-in name of the finish
+    over the ink; None takes the form's usual one. given: how the artwork is read, as the entries of
+    a pack file (profile, page, dpi, width_mm). Raises InputError where the artwork can't be read.
 
-    shape = Shape(form) if isinstance(form, str) else form
+    >>> from PIL import Image
+    >>> Image.new("RGB", (40, 20), "white").save("label.png")
+    >>> [finish.name for finish in quick_pack("label.png", "can").finishes]
+    ['ink', 'metal lid', 'metal base']
+    """
+    from relgloss_view.pack.pack_file import open_artwork, shape_named
+
+    shape = shape_named(form, Path()) if isinstance(form, str) else form
     path = Path(artwork_path)
     artwork = open_artwork(path, given or {}, Path(), progress, within="")
     finishes, notes = finishes_of_artwork(artwork, shape, material)

@@ -8,7 +8,12 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.material import brdf
-from relgloss_view.material.albedo_table import ambient_reflection, diffuse_table, looked_up
+from relgloss_view.material.albedo_table import (
+    ambient_reflection,
+    diffuse_table,
+    looked_up,
+    surround,
+)
 from relgloss_view.material.brdf import Facing
 from relgloss_view.material.material import Material
 from relgloss_view.material.spectra import illuminant
@@ -33,8 +38,8 @@ class Body(Protocol):
     def specular(self, f: Facing, n: Array, light: Arriving, o: Array) -> Array:
         """(..., 3), of the lobes; n: the normals that f is of."""
 
-    def ambient(self, mu_o: Array, lobe_mu_o: Array) -> tuple[Array, Array]:
-        """(..., 3) each, what both show of a uniform surround of radiance 1."""
+    def ambient(self, mu_o: Array, lobe_mu_o: Array) -> Array:
+        """(..., 3), what both together show of a uniform surround of radiance 1."""
 
 
 class MaterialBody:
@@ -53,10 +58,10 @@ class MaterialBody:
         """See Body."""
         return np.asarray(lights.reflected(self._material, f, n, light, o) @ self._weights)
 
-    def ambient(self, mu_o: Array, lobe_mu_o: Array) -> tuple[Array, Array]:
+    def ambient(self, mu_o: Array, lobe_mu_o: Array) -> Array:
         """See Body."""
         diffuse, specular = ambient_reflection(self._material, mu_o, lobe_mu_o)
-        return diffuse @ self._weights, specular @ self._weights
+        return _surround(diffuse @ self._weights, specular @ self._weights)
 
 
 class _Drawn(NamedTuple):
@@ -127,7 +132,7 @@ class PackBody:
                 total += share * (lights.reflected(drawn.material, f, n, light, o) @ drawn.weights)
         return total
 
-    def ambient(self, mu_o: Array, lobe_mu_o: Array) -> tuple[Array, Array]:
+    def ambient(self, mu_o: Array, lobe_mu_o: Array) -> Array:
         """See Body."""
         surface = self._at()
         diffuse, specular = np.zeros((*mu_o.shape, 3)), np.zeros((*mu_o.shape, 3))
@@ -141,7 +146,7 @@ class PackBody:
             else:
                 shown = body @ drawn.weights
             diffuse += surface.diffuse_shares[..., k, None] * shown
-        return diffuse, specular
+        return _surround(diffuse, specular)
 
     def _inked(self, drawn: _Drawn, first: Array, second: Array) -> Array:
         """Two diffuse shapes of an ink, times the albedos of the artwork and of the bare base."""
@@ -159,3 +164,8 @@ class PackBody:
     def _at(self) -> Surface:
         assert self._surface is not None
         return self._surface
+
+
+def _surround(diffuse: Array, lobes: Array) -> Array:
+    """albedo_table.surround of XYZ (..., 3)."""
+    return surround(diffuse, lobes, diffuse[..., 1], lobes[..., 1])

@@ -116,14 +116,8 @@ class ReferenceRenderer:
                     diffuse_light[..., :3] += lit_diffuse[..., None] * diffuse
                     specular_light += lit_specular[..., None] * specular
                 if ambient > 0.0:
-                    shown = [
-                        ambient * np.where(hit.found[..., None], part, 0.0)
-                        for part in body.ambient(
-                            np.sum(smooth_n * o, axis=-1), np.sum(n * o, axis=-1)
-                        )
-                    ]
-                    diffuse_light[..., :3] += shown[0]
-                    specular_light += shown[1]
+                    shown = body.ambient(np.sum(smooth_n * o, axis=-1), np.sum(n * o, axis=-1))
+                    diffuse_light[..., :3] += ambient * np.where(hit.found[..., None], shown, 0.0)
                 covered += hit.found
                 if isinstance(body, PackBody):
                     gloss_factor += body.gloss_factor()

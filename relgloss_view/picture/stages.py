@@ -127,12 +127,17 @@ class Stages:
         """(H, W, 3), point on the object, world axes."""
         return self._stage("point_m")[..., :3]
 
+    @property
+    def unscaled_split(self) -> tuple[Floats, Floats]:
+        """(H, W) each: L_d*, and L_s* before scaling by c and by a pack's k; 0 off the object."""
+        return tone.split_lightness(
+            self.diffuse[..., 1].astype(np.float64), self.specular[..., 1].astype(np.float64)
+        )
+
     @cached_property
     def split(self) -> tuple[Floats, Floats]:
         """(H, W) each: L_d*, and L_s* before scaling by c, of a pack times k; 0 off the object."""
-        l_d, l_s = tone.split_lightness(
-            self.diffuse[..., 1].astype(np.float64), self.specular[..., 1].astype(np.float64)
-        )
+        l_d, l_s = self.unscaled_split
         return (l_d, l_s) if self.scene.pack is None else (l_d, l_s * self.gloss_factor)
 
 

@@ -20,6 +20,7 @@ from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.plain_finish import plain_finishes
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.model.pixel_sampling import samples_needed
+from relgloss_view.picture.scene.setup import Lamp, Setup
 
 DARK, LIGHT = 0.05, 0.4  #: Y of the artwork's upper and lower half
 PAPERS = ("cast-coated", "art-coated", "matte-coated", "uncoated")
@@ -123,6 +124,38 @@ class TestRatio:
 
         assert ratio(found.pack) == pytest.approx(real, rel=0.03)
         assert abs(ratio(pack()) / real - 1.0) > 0.1  # every k is 1
+
+    def test_in_the_view_of_one_picture(self, cast, reference):
+        """k of the view holds where the mean over the poses does not; c is no view's."""
+        setup = match_setups()[3]
+        mean, view = (
+            match_pack(cast, pack("uncoated", "matte-coated"), 0.0, s) for s in (None, setup)
+        )
+        assert view.c == mean.c
+        real = mean.finishes[1].reading / mean.finishes[0].reading
+
+        def ratio(drawn):
+            scene = Scene(drawn.material, setup, pack=drawn)
+            frame = reference.render(scene, Look(sigma_n_deg=0.0, c=view.c), (96, 96))
+            whole, l_s = frame.coverage >= 1.0, frame.split[1]
+            rows = np.arange(96)[:, None]
+            return l_s[whole & (rows < 46)].max() / l_s[whole & (rows > 50)].max()
+
+        assert ratio(view.pack) == pytest.approx(real, rel=0.03)
+        assert view.finishes[1].shown == pytest.approx(view.finishes[1].ratio)
+        assert [f.in_view for f in view.finishes] == [True, True]
+        assert not view.warnings
+        assert abs(ratio(mean.pack) / real - 1.0) > 0.2  # the negative control
+
+    @pytest.mark.parametrize(("azimuth_deg", "said"), [(16.0, "spot"), (120.0, "ink")])
+    def test_without_a_highlight_in_the_view(self, cast, azimuth_deg, said):
+        """A plane, whose mirror direction is elsewhere: only a broad lobe shows in it, or none."""
+        flat = dataclasses.replace(pack("uncoated", "cast-coated"), shape=Shape("plane"))
+        setup = Setup(Shape("plane"), Lamp(azimuth_deg))
+        mean, view = (match_pack(cast, flat, 0.0, s) for s in (None, setup))
+        assert view.finishes[1].k == mean.finishes[1].k
+        (text,) = view.warnings
+        assert text.startswith(f"finish {said!r}: its highlight is not seen in this view")
 
     def test_to_the_reference(self, here, cast, renderer):
         found, setup = here

@@ -59,7 +59,9 @@ def test_colours_overprint_and_finishes_print_none(tmp_path):
     """Colours of patches: process by the profile, the spot by its alternate, finishes nowhere."""
     path = tmp_path / "a.pdf"
     files.pdf(path, CONTENT, SPOTS, profile=CMYK.read_bytes())
-    xyz = read_artwork(path, AT_72).xyz.astype(float)
+    artwork = read_artwork(path, AT_72)
+    assert artwork.coloured == {"PANTONE 186 C"}
+    xyz = artwork.xyz.astype(float)
     profile = read_profile(CMYK.read_bytes())
 
     def printed(*cmyk):

@@ -208,3 +208,20 @@ def test_alpha_is_multiplied_in(tmp_path):
     got = to_artwork(raster(tmp_path / "a.png"), USUAL, "", (0, 0))
     assert got.alpha[0].tolist() == pytest.approx([0, 0, 128 / 255, 128 / 255], abs=1e-3)
     assert got.xyz[0, :, 1].tolist() == pytest.approx([0, 0, 128 / 255, 128 / 255], abs=1e-3)
+
+
+def test_further_pages_of_a_tiff_are_noted(tmp_path):
+    """Pages are noted; a thumbnail behind the picture is none."""
+    page, thumbnail = Image.new("RGB", (9, 5)), Image.new("RGB", (3, 2))
+    notes = []
+    for name, more, tags in (
+        ("one", [], {}),
+        ("two", [page], {}),
+        ("small", [thumbnail], {254: 1}),
+    ):
+        page.save(tmp_path / f"{name}.tif", save_all=True, append_images=more)
+        if tags:
+            thumbnail.encoderinfo = {"tiffinfo": tags}
+            page.save(tmp_path / f"{name}.tif", save_all=True, append_images=[thumbnail])
+        notes.append(" ".join(read.read_artwork(tmp_path / f"{name}.tif").notes))
+    assert ["several pages" in text for text in notes] == [False, True, False]

@@ -15,7 +15,13 @@ from relgloss_view.pack.check import check_pack, outside_srgb
 from relgloss_view.pack.layers import layers_of
 from relgloss_view.pack.pack import Placement
 from relgloss_view.pack.pack_file import read_pack, write_pack
-from relgloss_view.pack.quick import finish_of_plate, quick_pack
+from relgloss_view.pack.quick import (
+    finish_of_plate,
+    finishes_of_artwork,
+    plates_without_finish,
+    quick_pack,
+)
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.options import sample_words
 from relgloss_view.picture.scene.pack_settings import with_pack_settings
@@ -89,6 +95,7 @@ def test_files_are_named_from_the_pack_file(folder):
         (('"spot.png"', '"part:lid"'), "a part of the plane: front"),
         (('"spot.png"', '"nowhere.png"'), r"\[\[finish\]\] 2 \(spot\): .*nowhere.png"),
         (('"spot.png"', '""'), "expected plate:NAME"),
+        (('"spot.png"', '"Spot UV"'), r'\(spot\): mask: expected .*plate:NAME.*found "Spot UV"'),
         (("k = 2.0", "k = -1"), r"\(spot\): k: expected 0 to 100"),
         (("k = 2.0", "kk = 1"), "finish.kk: no such entry"),
         (("[pack]", "[pack]\ncolour = 'loud'"), "pack.colour: expected one of lab, spectral"),
@@ -137,7 +144,7 @@ def test_a_scene_names_or_holds_its_pack(folder):
     assert held.sample.pack.finish("spot").k == 3.0
     assert held.setup.shape.kind == "plane"
     assert held.reference.pack.finish("spot").k == 2.0
-    (folder / "both.toml").write_text((folder / "held.toml").read_text() + "\n[shape]\n")
+    (folder / "both.toml").write_text((folder / "named.toml").read_text() + "\n[shape]\n")
     with pytest.raises(InputError, match="own form"):
         read_scene_file("both.toml")
 
@@ -152,6 +159,53 @@ def test_copied_words_give_the_pack_again(folder):
     assert again.finish("spot").sigma_n_deg is None
     with pytest.raises(InputError, match="expected one of"):
         with_pack_settings(pack, ["finish.foil.k=2"])
+
+
+def test_plates_are_sorted_by_what_they_print(folder):
+    """Inks are in the artwork's colours, cuts and white are no finish; only the rest is a loss."""
+    names = ("PANTONE 186 C", "CutContour", "Weiss", "Sandpaper", "Spot UV")
+    plate = np.full((50, 100), 255, dtype=np.uint8)
+    artwork = dataclasses.replace(
+        quick_pack("art.png").artwork,
+        plates=dict.fromkeys(names, plate),
+        coloured=frozenset(names[:1]),
+    )
+    assert plates_without_finish(artwork, ["Spot UV"]) == (["Sandpaper"], ["CutContour", "Weiss"])
+    finishes, notes = finishes_of_artwork(artwork, Shape("can"))
+    assert [f.mask for f in finishes][3:] == ["plate:Spot UV"]
+    assert any("not drawn: Sandpaper." in note for note in notes)
+    assert not any("PANTONE" in note for note in notes)
+
+
+def test_shipped_packs_have_names(folder):
+    assert Sample.from_file("carton").pack.name.startswith("MERIDIAN")
+    (folder / "can").write_text(PACK.format(form="plane"))
+    assert read_pack("can").shape.kind == "plane", "a file of the name comes first"
+
+
+def test_a_pack_option_that_names_an_artwork(folder, capsys):
+    assert main(["snapshot", "--pack", "art.png", "-o", "a.png"]) == 1
+    assert "draw it with --artwork" in capsys.readouterr().err
+
+
+def test_a_mesh_file_is_a_form(folder, capsys):
+    (folder / "quad.obj").write_text(
+        "v 0 0 0\nv .02 0 0\nv .02 .01 0\nv 0 .01 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+        "f 1/1 2/2 3/3 4/4\n"
+    )
+    assert main(["pack", "new", "art.png", "--form", "quad.obj", "-o", "quad.toml"]) == 0
+    assert read_pack("quad.toml").shape.file.endswith("quad.obj")
+    assert 'form = "quad.obj"' in (folder / "quad.toml").read_text()
+    assert not any("texture" in text for text in check_pack(read_pack("quad.toml"), 1.0).warnings)
+    (folder / "bare.obj").write_text("v 0 0 0\nv .02 0 0\nv .02 .01 0\nf 1 2 3\n")
+    found = check_pack(quick_pack("art.png", "bare.obj"), 1.0)
+    assert any("no texture coordinates" in text for text in found.warnings)
+    in_mm = dataclasses.replace(
+        read_pack("quad.toml"), shape=Shape("mesh", file="quad.obj", unit="mm")
+    )
+    write_pack("quad.toml", in_mm)
+    assert read_pack("quad.toml").shape.unit == "mm"
+    assert main(["pack", "new", "art.png", "--form", "quad.txt", "-o", "quad.toml"]) == 2
 
 
 def test_the_check_finds_what_would_surprise(folder):

@@ -17,10 +17,12 @@ from relgloss_view.material.albedo_table import cosines, lobe_table, looked_up
 from relgloss_view.material.approximations import mean_lobe
 from relgloss_view.material.brdf import MetalPart
 from relgloss_view.material.material import Diffuse, Lobe
+from relgloss_view.material.spectra import illuminant
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.frame import BLACK, NO_GLOSS
 from relgloss_view.picture.gpu.variant import Variant
-from relgloss_view.picture.model import lights
+from relgloss_view.picture.model import lights, tone
+from relgloss_view.picture.model.difference import delta_e_2000
 from relgloss_view.picture.model.light import AMBIENT_ONLY
 from relgloss_view.picture.model.view import View
 from relgloss_view.picture.scene.look import Look
@@ -94,6 +96,40 @@ class TestAmbient:
         mixed = dataclasses.replace(scene.lamp, ambient=0.9)
         frame = renderer.render(scene.placed(lamp=mixed), Look(c=1.0), TINY)
         assert np.ptp(frame.diffuse[..., 1][frame.on_object]) > 0.05
+
+    def test_a_foil_mirrors_it_at_any_contrast_gloss(self, renderer, reference):
+        """A narrow lobe shows its Fresnel reflectance at the eye's angle (Schlick 1994)."""
+        gray = materials.flat(0.0)
+        f0 = np.linspace(0.4, 0.95, gray.bands.count)
+        gold = dataclasses.replace(gray, specular=(Lobe((0.8,), 0.3, f0=tuple(f0)),))
+        scene = lit_scene(gold, Lamp(ambient=1.0), shape="sphere")
+        weights = gold.xyz_weights(illuminant(scene.lamp.illuminant))
+        for drawn in (renderer, reference):
+            frame = drawn.render(scene, Look(c=0.1), TINY)
+            rays = View.of(scene, TINY).rays(slice(0, TINY[1]))
+            mu_o = -np.sum(frame.normal * rays, axis=-1) / np.linalg.norm(rays, axis=-1)
+            seen = frame.on_object & (mu_o > 0.2)
+            w = (1.0 - mu_o[seen][:, None]) ** 5
+            closed = tone.lab_from_xyz(0.8 * ((1.0 - w) * f0 + w) @ weights, weights.sum(axis=0))
+            assert np.max(delta_e_2000(frame.lab[seen], closed)) < 0.1
+            assert np.max(frame.specular[frame.on_object]) == 0.0  # no highlight
+        # Negative control: what a lamp gives is a highlight, and scaled.
+        mixed = scene.placed(lamp=Lamp(ambient=0.5))
+        few, all_ = (renderer.render(mixed, Look(c=c), TINY) for c in (0.1, 0.2))
+        assert np.max(np.abs(few.lab - all_.lab)) > 1.0
+
+    def test_nothing_shows_more_of_it_than_the_perfect_diffuser(self, renderer, reference):
+        glossy = dataclasses.replace(materials.flat(1.0), specular=(Lobe((1.0,), 5.0),))
+        scene = lit_scene(glossy, Lamp(ambient=1.0), shape="sphere")
+        for drawn in (renderer, reference):
+            frame = drawn.render(scene, Look(), TINY)
+            np.testing.assert_allclose(frame.diffuse[..., 1][frame.on_object], 1.0, atol=1e-3)
+        # Negative control: a darker one has room for its lobes, most at the silhouette.
+        dark = dataclasses.replace(materials.flat(0.5), specular=glossy.specular)
+        frame = renderer.render(lit_scene(dark, Lamp(ambient=1.0), shape="sphere"), Look(), TINY)
+        shown = frame.diffuse[..., 1][frame.on_object]
+        assert np.min(shown) > 0.53
+        assert np.max(shown) > 0.7
 
     @pytest.mark.parametrize("y_n", ["maximum", "front"])
     def test_the_perfect_diffuser_shows_y_n(self, renderer, y_n):

@@ -60,7 +60,7 @@ def test_case_10_black_and_lit_from_behind(ctx, renderer, reference):
 def test_case_11_no_white_to_be_relative_to(renderer, reference, white):
     """A Y_n that is no positive number is refused: nothing is divided by it."""
     scene = Scene(materials.flat(0.5))
-    assert light.lit_white(white, scene) == 0.0
+    assert light.lit_white(white, scene.setup) == 0.0
     dark = dataclasses.replace(scene, lamp=Lamp(azimuth_deg=180.0))  # its Y_n is 0
     for one in (renderer, reference):
         frame = one.render(dark, Look(), SMALL)

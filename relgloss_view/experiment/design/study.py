@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.parameters import Checked, choice, parameter, switch, whole_number
-from relgloss_view.base.reading import refuse, text
+from relgloss_view.base.reading import printable, refuse, text
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.picture.model.view import check_size
 from relgloss_view.picture.scene.look import Look
@@ -55,10 +55,16 @@ ASKED_OF_GRAIN = (
 
 @dataclass(frozen=True)
 class StudySample:
-    """A sample that is judged; its label names it, unique in the study."""
+    """A sample that is judged; its label names it, unique in the study.
+
+    digest: of a pack; of a material nothing. lost: why a pack can't be drawn again, where its files
+    changed after the study was begun or are gone; the sample then has the base finish's material.
+    """
 
     label: str
     sample: Sample
+    digest: str = ""
+    lost: str = ""
 
 
 @dataclass(frozen=True)
@@ -159,8 +165,14 @@ class Study:
         return (RATIO, GRAIN) if self.procedure.ask_grain else (RATIO,)
 
     def scene(self, sample: int) -> Scene:
-        """What the test pictures of a sample show."""
+        """What the test pictures of a sample show; InputError where that can't be drawn again."""
+        _check_kept(self.samples[sample])
         return self._scene(self.samples[sample].sample)
+
+    def check_drawn_again(self) -> None:
+        """InputError where a sample can't be drawn as it was when the study began."""
+        for sample in self.samples:
+            _check_kept(sample)
 
     def reference_scene(self) -> Scene:
         """What the reference picture shows."""
@@ -177,6 +189,11 @@ class Study:
         """The study with entries of its procedure changed."""
         procedure = dataclasses.replace(self.procedure, **changes)  # type: ignore[arg-type]
         return dataclasses.replace(self, procedure=procedure)
+
+
+def _check_kept(sample: StudySample) -> None:
+    if sample.lost:
+        raise InputError(f"sample {printable(sample.label, 60)!r}: {sample.lost}")
 
 
 def _check_text(value: object, place: str, limit: int, *, empty: bool = False) -> None:

@@ -20,6 +20,7 @@ from relgloss_view.base.resources import asset
 from relgloss_view.base.toml import build_part, entries, read_toml
 from relgloss_view.experiment.design.grid import Grid, share_of
 from relgloss_view.experiment.design.study import Adaptive, Procedure, Screen, Study, StudySample
+from relgloss_view.experiment.design.study_packs import pack_from_dict, pack_to_dict, prepared
 from relgloss_view.material.files import material_from_dict, material_to_dict
 from relgloss_view.material.lamp_file import lamp_text
 from relgloss_view.material.spectra import is_lamp_name
@@ -95,15 +96,19 @@ def _study(content: Mapping[str, Any], folder: Path) -> Study:
         if entry in content.get("look", {}):
             raise InputError(f"look.{entry}: the settings come from [grid]; leave it out here")
     reference, reference_look = _reference(content.get("reference", {}), folder)
+    setup = Setup(
+        **{name: part for name, part in parts.items() if name != "look"},
+        further_lamps=further_lamps(content),
+    )
     return Study(
-        _samples(content.get("samples"), folder),
+        _samples(content.get("samples"), folder, setup),
         reference,
         reference_look,
         grid=_grid(_entries(content, "grid", ("sigma_n_deg", "c_fraction"))),
         **words,
         **{name: build_part(kind, name, content.get(name, {})) for name, kind in PARTS.items()},
-        look=parts.pop("look"),
-        setup=Setup(**parts, further_lamps=further_lamps(content)),
+        look=parts["look"],
+        setup=setup,
     )
 
 
@@ -121,15 +126,10 @@ def _entries(content: Mapping[str, Any], table: str, names: tuple[str, ...]) -> 
 
 
 def _study_sample(place: str, entries: dict[str, Any], folder: Path) -> Sample:
-    """A sample whose material goes into the session file; InputError where there is none."""
-    sample = None if "pack" in entries else read_sample(place, entries, folder, None)
-    if "pack" in entries or (sample is not None and sample.pack is not None):
-        raise InputError(
-            f"{place}: a pack can't be a sample of a study, whose session file holds its "
-            "materials; name the material of one finish"
-        )
+    """The sample of a table; InputError where it names none."""
+    sample = read_sample(place, entries, folder, None)
     if sample is None:
-        raise InputError(f"{place}: expected a name or a material")
+        raise InputError(f"{place}: expected a name, a material or a pack")
     return sample
 
 
@@ -142,10 +142,16 @@ def _reference(values: object, folder: Path) -> tuple[Sample, Look]:
     if look.c is None and look.c_fraction is None:
         look = dataclasses.replace(look, c_fraction=1.0)
     of_sample = of_sample or {"name": next(iter(SAMPLES))}
-    return _study_sample("[reference]", of_sample, folder), look
+    sample = _study_sample("[reference]", of_sample, folder)
+    if sample.pack is not None:
+        raise InputError(
+            "[reference]: a pack has several finishes, so it can't be the reference; name a "
+            "material"
+        )
+    return sample, look
 
 
-def _samples(values: object, folder: Path) -> tuple[StudySample, ...]:
+def _samples(values: object, folder: Path, setup: Setup) -> tuple[StudySample, ...]:
     if values is None:  # the paper's three
         values = [{"name": name} for name in list(SAMPLES)[1:]]
     if not isinstance(values, list):
@@ -159,9 +165,22 @@ def _samples(values: object, folder: Path) -> tuple[StudySample, ...]:
         label = of_sample.pop("label", None)
         sample = _study_sample(place, of_sample, folder)
         if label is None:
-            label = sample.name or printable(sample.material.name, 60)
-        made.append(StudySample(label, sample))
+            named = sample.material.name if sample.pack is None else sample.pack.name
+            label = sample.name or printable(named, 60)
+        made.append(_judged(place, label, sample, setup))
     return tuple(made)
+
+
+def _judged(place: str, label: str, sample: Sample, setup: Setup) -> StudySample:
+    if sample.pack is None:
+        return StudySample(label, sample)
+    made = prepared(sample, setup)
+    assert made.pack is not None
+    try:
+        digest = pack_to_dict(made.pack)["digest"]
+    except InputError as error:
+        raise InputError(f"{place}: {error}") from error
+    return StudySample(label, made, digest)
 
 
 def _grid(values: Mapping[str, Any]) -> Grid:
@@ -186,7 +205,7 @@ def study_to_dict(study: Study) -> dict[str, Any]:
     return {
         "study": {name: _plain(getattr(study, name)) for name in WORDS},
         "samples": [
-            {"label": s.label, **_sample_to_dict(s.sample)} for s in study.samples
+            {"label": s.label, **_sample_to_dict(s.sample), **_pack_part(s)} for s in study.samples
         ],
         "reference": {
             **_sample_to_dict(study.reference), "look": entries(study.reference_look)
@@ -213,7 +232,7 @@ def study_from_dict(content: Mapping[str, Any], lamp_folder: Path) -> Study:
     words = dict(content["study"])
     words["categories"] = tuple(words["categories"])
     return Study(
-        tuple(StudySample(s["label"], _sample_from_dict(s)) for s in content["samples"]),
+        tuple(_judged_from_dict(s) for s in content["samples"]),
         _sample_from_dict(reference),
         build("look", reference["look"], "reference."),
         grid=Grid(**{name: tuple(values) for name, values in content["grid"].items()}),
@@ -229,6 +248,8 @@ def study_digest(content: Mapping[str, Any]) -> str:
     seen = json.loads(json.dumps(content))
     for sample in (*seen["samples"], seen["reference"]):
         sample.pop("file")
+        if "pack" in sample:  # its files may lie elsewhere
+            sample["pack"] = sample["pack"]["digest"]
     for table, names in ADDED.items():
         for part in (seen[table], seen["reference"].get(table, {})):
             for name in names:
@@ -247,6 +268,23 @@ def _sample_to_dict(sample: Sample) -> dict[str, Any]:
 def _sample_from_dict(content: Mapping[str, Any]) -> Sample:
     material = material_from_dict(content["material"])
     return Sample(material, name=content["name"], file=content["file"])
+
+
+def _pack_part(sample: StudySample) -> dict[str, Any]:
+    pack = sample.sample.pack
+    return {} if pack is None else {"pack": pack_to_dict(pack)}
+
+
+def _judged_from_dict(content: Mapping[str, Any]) -> StudySample:
+    sample = _sample_from_dict(content)
+    if "pack" not in content:
+        return StudySample(content["label"], sample)
+    digest = content["pack"]["digest"]
+    try:
+        made = dataclasses.replace(sample, pack=pack_from_dict(content["pack"]))
+    except InputError as error:
+        return StudySample(content["label"], sample, digest, str(error))
+    return StudySample(content["label"], made, digest)
 
 
 def _plain(value: object) -> object:

@@ -6,12 +6,14 @@ import dataclasses
 from pathlib import Path
 
 from relgloss_view.experiment.design.study import Study
+from relgloss_view.experiment.design.study_packs import full_c_of_pack
 from relgloss_view.experiment.report.chosen_setting import chosen_setting
 from relgloss_view.experiment.verdict.analysis import Analysis
 from relgloss_view.gloss.match import absolute_c
 from relgloss_view.material.files import save_material
 from relgloss_view.material.lamp_file import lamp_bytes
 from relgloss_view.material.spectra import is_lamp_name
+from relgloss_view.pack.pack_file import write_pack
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.match import MOST_C, Match
 from relgloss_view.picture.scene.sample import SAMPLES, Sample, load_sample
@@ -20,7 +22,7 @@ from relgloss_view.picture.scene.scene_writer import write_scene_file
 from relgloss_view.picture.scene.setup import Lamp
 
 LAMP = "lamp.csv"
-MATERIAL = ".material.json"  #: after the name
+MATERIAL, PACK = ".material.json", ".pack.toml"  #: after the name
 
 
 def write_scenes(
@@ -32,9 +34,13 @@ def write_scenes(
     Materials that are not built in, and a lamp's table, are written beside the scenes.
     """
     study = analysis.pool.study
-    samples = {sample.label: sample.sample for sample in study.samples}
+    samples = {sample.label: sample.sample for sample in study.samples if not sample.lost}
     choices = {result.label: chosen_setting(result, study.grid) for result in analysis.samples}
-    written = {label: choice for label, choice in choices.items() if choice.may_be_named}
+    written = {
+        label: choice
+        for label, choice in choices.items()
+        if choice.may_be_named and label in samples
+    }
     if not written:
         return {}
     lamp = _lamp_in(folder, study.setup.lamp)
@@ -57,7 +63,10 @@ def write_scenes(
 def _match(study: Study, sample: Sample, look: Look) -> Match:
     """The observers' settings as a match; a share of c_max is that of the study's setup."""
     reference = absolute_c(study.reference_look, study.reference.material, study.setup)
-    test = absolute_c(look, sample.material, study.setup)
+    if sample.pack is not None:
+        test = look.setting.c_fraction * full_c_of_pack(sample.pack, study.setup)
+    else:
+        test = absolute_c(look, sample.material, study.setup)
     return Match(
         reference_c=min(reference, MOST_C),
         test_c=min(test, MOST_C),
@@ -73,6 +82,10 @@ def _sample_in(folder: Path, sample: Sample, name: str) -> Sample:
     A session keeps the material that was judged: where the built-in one of today is another, that
     one counts.
     """
+    if sample.pack is not None:
+        file = folder / f"{name}{PACK}"
+        write_pack(file, sample.pack)
+        return dataclasses.replace(sample, file=str(file))
     if sample.name in SAMPLES and load_sample(sample.name) == sample.material:
         return Sample(sample.material, name=sample.name)
     file = folder / f"{name}{MATERIAL}"

@@ -139,7 +139,9 @@ def _check_same(first: Record, other: Record) -> None:
     for name, ours in _judged_parts(first.study).items():
         theirs = theirs_by_name[name]
         if name == "samples":
-            ours, theirs = ([(s.label, s.sample.material) for s in x] for x in (ours, theirs))
+            ours, theirs = (
+                [(s.label, s.sample.material, s.digest) for s in x] for x in (ours, theirs)
+            )
         elif name == "procedure":
             standard = {n: getattr(Procedure(), n) for n in MAY_DIFFER_IN_PROCEDURE}
             ours, theirs = (dataclasses.replace(x, **standard) for x in (ours, theirs))

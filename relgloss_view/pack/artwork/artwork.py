@@ -22,8 +22,12 @@ class Artwork:
     shows; None where all of it is printed.
     width_mm, height_mm: printed size. plates: spot plates and further channels by name, (H, W)
     uint8, 255 where all of the plate prints; the process plates are not among them.
+    coloured: the plates that are inks, whose colour `xyz` holds already.
     file: it was read from. stamp: of the file when it was read, to notice that it was edited.
     notes: of reading, one sentence each: profile, resampling, what was left out.
+
+    >>> Artwork(np.ones((20, 40, 3), np.float16), width_mm=80.0, height_mm=40.0).size_px
+    (40, 20)
     """
 
     xyz: Halves
@@ -32,6 +36,7 @@ class Artwork:
     alpha: Halves | None = None
     plates: Mapping[str, Bytes] = field(default_factory=dict)
     file: str = ""
+    coloured: frozenset[str] = frozenset()
     stamp: tuple[int, int] = (0, 0)  #: time of its last change, ns, and bytes
     notes: tuple[str, ...] = ()
 

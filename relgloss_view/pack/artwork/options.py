@@ -12,12 +12,15 @@ INTENTS = ("auto", "absolute", "relative")
 
 @dataclass(frozen=True)
 class ArtworkOptions(Checked):
-    """How artwork is read.
+    """How artwork is read, beyond what its file holds.
 
     profile: file of an ICC profile for colours that come without one. page: of a PDF, from 1.
     dpi: of a PDF's raster (300 where None); of a picture, in place of its own. width_mm: printed
     width of a picture, in place of its resolution. most_px: pixels of the longer side; larger
     artwork is scaled down by area averages in linear light, with a note. intent: one of INTENTS.
+
+    >>> ArtworkOptions(width_mm=207.3).most_px
+    4096
 
     Raises InputError where a value is out of its range.
     """

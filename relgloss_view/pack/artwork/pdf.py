@@ -226,6 +226,7 @@ def _rendered(
         width_mm=width_mm,
         height_mm=width_mm * height_pt / width_pt,
         inks=factors,
+        coloured=frozenset(spots),
         notes=tuple(notes),
     )
 

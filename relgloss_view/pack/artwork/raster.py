@@ -30,7 +30,7 @@ class Raster:
     CMYK counts upwards. alpha: (H, W) of 8 or 16 bits. premultiplied: whether the samples, as
     values of the device, are times alpha. plates: (H, W) uint8 by name. width_mm, height_mm: 0
     where the file names no resolution. inks: plates whose colour is not in the samples, each with
-    (256, 3) factors of XYZ by its digital value.
+    (256, 3) factors of XYZ by its digital value. coloured: plates that are inks.
     """
 
     samples: Digital
@@ -41,6 +41,7 @@ class Raster:
     width_mm: float = 0.0
     height_mm: float = 0.0
     inks: Mapping[str, Floats] = field(default_factory=dict)
+    coloured: frozenset[str] = frozenset()
     notes: tuple[str, ...] = ()
 
     @property
@@ -148,7 +149,15 @@ def to_artwork(
             list(threads.map(band, firsts[k : k + group]))
     width_mm, height_mm = _printed_size(raster, options, notes)
     return Artwork(
-        xyz, width_mm, height_mm, alpha, plates, file=file, stamp=stamp, notes=tuple(notes)
+        xyz,
+        width_mm,
+        height_mm,
+        alpha,
+        plates,
+        file=file,
+        coloured=raster.coloured,
+        stamp=stamp,
+        notes=tuple(notes),
     )
 
 

@@ -28,6 +28,11 @@ def read_artwork(
 
     Colours go through the profile of the file, else of the options; RGB without one is sRGB. The
     steps have checkpoints. Raises InputError with one line.
+
+    >>> from PIL import Image
+    >>> Image.new("RGB", (40, 20), "white").save("label.png")
+    >>> read_artwork("label.png", ArtworkOptions(width_mm=80.0)).height_mm
+    40.0
     """
     checkpoint()
     progress(0.0, "reading")

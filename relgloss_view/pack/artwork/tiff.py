@@ -82,6 +82,8 @@ def read_tiff(
     resources = parse_resources(_bytes(tags.get(34377, ())))
     colour, alpha, associated, plates = _channels(values, photometric, tags, resources.names)
     notes: list[str] = []
+    if _has_further_page(data, order):
+        notes.append("The TIFF has several pages; the first is read.")
     profile = profile_for(path, space, _bytes(tags.get(34675, ())) or None, options, notes)
     width_mm, height_mm = size_mm((width, height), _dpi(tags), options)
     raster = Raster(
@@ -126,6 +128,26 @@ def _tags(file: BinaryIO, order: str) -> Tags:
         if not tags[number]:
             del tags[number]
     return tags
+
+
+def _has_further_page(data: bytes, order: str) -> bool:
+    """Whether a second picture follows that is no thumbnail of the first (NewSubfileType)."""
+    (at,) = struct.unpack_from(order + "I", data, 4)
+    (count,) = struct.unpack_from(order + "H", data, at)
+    try:
+        (following,) = struct.unpack_from(order + "I", data, at + 2 + 12 * count)
+        if not following:
+            return False
+        (entries,) = struct.unpack_from(order + "H", data, following)
+        for k in range(min(entries, MOST_TAGS)):
+            number, kind, _, value = struct.unpack_from(
+                order + "HHI4s", data, following + 2 + 12 * k
+            )
+            if number == 254 and kind == 4:
+                return not struct.unpack(order + "I", value)[0] & 1
+    except struct.error:  # nothing follows that could be read
+        return False
+    return True
 
 
 def _bytes(value: tuple[Any, ...]) -> bytes:

@@ -72,7 +72,7 @@ class Variant:
             shadowing=chosen.shadowing if lobes else "v-groove",
             facets=drawn_facets(look, chosen) if lobes else "gaussian",
             lamp=chosen.lamp,
-            writes=_written(chosen, samples),
+            writes=_written(chosen, samples, xyz=scene.lamp.ambient > 0.0),
         )
         if grainy:
             needed = dataclasses.replace(
@@ -107,7 +107,7 @@ class Variant:
             noisy_diffuse=look.noisy_lobes == "both" and chosen.noise == "drawn",
             grain=look.grain if grainy else "screen",
             finishes=(*constants.items(), *tables.items()),
-            writes=_written(chosen, samples).replace("weights", "xyz"),
+            writes=_written(chosen, samples, xyz=True),
         )
         forced: dict[str, Any] = dict(chosen.variant)
         return dataclasses.replace(needed, **forced)
@@ -225,12 +225,16 @@ def _met(scene: Scene) -> dict[str, Any]:
     }
 
 
-def _written(chosen: method.Method, samples: int) -> str:
-    """What pass 1 writes. XYZ holds the share of a pixel that several samples cover."""
+def _written(chosen: method.Method, samples: int, *, xyz: bool) -> str:
+    """What pass 1 writes. XYZ holds the share of a pixel that several samples cover.
+
+    xyz: the weights of one material's shapes are not enough, as where its lobes reflect the
+    surround into the diffuse picture.
+    """
     # Half floats hold what is split: XYZ would be rounded before its difference is taken.
     if chosen.split == method.FIRST_PASS or chosen.targets == "float16":
         return "split" if samples == 1 else "xyz and split"
-    return "weights" if samples == 1 else "xyz"
+    return "weights" if samples == 1 and not xyz else "xyz"
 
 
 def _sees_a_cap(scene: Scene) -> bool:

@@ -150,8 +150,8 @@ def shows_gloss(
     material: Material, sigma_n_deg: float, setup: Setup, size: Size, l_s_max: float
 ) -> bool:
     """Whether gloss can be judged in a picture whose largest L_s* is `l_s_max`."""
-    if l_s_max >= GLOW_LSTAR and setup.lamp.ambient == 0.0:
-        return True  # with ambient light every view of a glossy sample glows
+    if l_s_max >= GLOW_LSTAR:
+        return True
     highlights = (best_mirror(by_itself, size) for by_itself in each_lamp(setup))
     tilts = [highlight.tilt_deg for highlight in highlights if highlight is not None]
     if not tilts:

@@ -70,9 +70,11 @@ def _channels(part: Part, displayed: Displayed | None) -> dict[str, NDArray[np.f
         values = getattr(part, attribute)
         for k, name in enumerate(names):
             put(f"{layer}.{name}", values[..., k])
-    l_d, l_s = part.split
+    l_d, l_s = part.unscaled_split
     put("Ld.Y", l_d)
     put("Ls.Y", l_s)
+    if part.scene.pack is not None:
+        put("k.Y", part.gloss_factor)
     return channels
 
 

@@ -15,7 +15,7 @@ from relgloss_view.material.files import FORMAT
 from relgloss_view.material.files import MAX_BYTES as MAX_MATERIAL_BYTES
 from relgloss_view.measure.readers import FORMATS, read_measurement
 from relgloss_view.measure.readers.header import MOST_TITLES
-from relgloss_view.pack.kinds import ARTWORK, PACK, kind_of_pack
+from relgloss_view.pack.kinds import ARTWORK, PACK, kind_of_pack, pack_path
 from relgloss_view.picture.scene.scene_file import (
     FURTHER_LAMP,
     PACK_TABLES,
@@ -49,8 +49,8 @@ def likely_kind(path: str | os.PathLike[str]) -> str:
 
     Whatever is neither scene nor material counts as a measurement; its reader reports the faults.
     """
-    head = read_beginning(path, HEAD_BYTES, EXPECTED)
-    file = Path(path)
+    file = Path(pack_path(path))
+    head = read_beginning(file, HEAD_BYTES, EXPECTED)
     of_pack = kind_of_pack(file)
     if of_pack is not None:
         return of_pack
