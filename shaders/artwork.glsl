@@ -1,8 +1,9 @@
 // What is printed at a place of the label, averaged over the pixel: probes along the longer axis of its
 // footprint, each in two mip levels. Twins: relgloss_view/picture/model/texture.py and surface.py.
-// Constants: FINISHES, CHANNELS.
+// Constants: FINISHES, CHANNELS, and from the pack's layers LOBE_CHANNELS, DIFFUSE_CHANNELS (by finish: the channel
+// of its share, SHARE_REST or SHARE_ZERO), OUTSIDE_LOBES, OUTSIDE_DIFFUSE (the finish where no artwork is).
 
-const int MOST_LEVELS = 16;
+const float MOST_LEVELS = 16.0;
 const float MOST_PROBES = 8.0;
 const float GRAZING = 1e-4;  // the least cosine between a ray and the surface that is reckoned with
 
@@ -17,25 +18,30 @@ uniform sampler2D channels_1;
 uniform sampler2D channels_2;
 #endif
 uniform vec2 per_atlas;          // one over its width and height
-uniform vec4 level_box[MOST_LEVELS];  // left, top, width, height of each level, texels
+uniform sampler2D level_table;   // left, top, width, height of each level, texels
+uniform vec2 artwork_texels;      // width and height of its first level
 uniform int last_level;
 uniform vec4 artwork_from_label;  // shares of the artwork's width and height a metre of the label: two rows
 uniform vec2 label_offset_m;      // of the artwork's centre
 uniform float girth_m;            // after which the label repeats; 0 where it ends
 uniform int wraps;                // 1 where the artwork is as wide as the girth
 uniform sampler2D part_table;     // by part: 1 where it is printed; finish that covers it, of lobes and diffuse part
-// Rows of the shares, 4 vectors each: factors of up to 12 channels; value on and beside the artwork.
-uniform vec4 share_rows[8 * FINISHES];
 
 struct Print {
     vec4 paint;
     vec4 shares[4];
 };
 
+const int USED = CHANNELS > 0 ? CHANNELS : 1;
+const int SHARE_REST = -1;
+const int SHARE_ZERO = -2;
+const int LOBE_CHANNEL[FINISHES] = int[FINISHES](LOBE_CHANNELS);
+const int DIFFUSE_CHANNEL[FINISHES] = int[FINISHES](DIFFUSE_CHANNELS);
+
 // What is filtered: colours, channels of the shares, and how much of the pixel the artwork covers.
 struct Texels {
     vec4 paint;
-    vec4 channels[3];
+    vec4 channels[USED];
     float inner;
 };
 
@@ -47,10 +53,7 @@ vec3 moved(vec3 turn, vec3 facet, vec3 ray, float travel) {
     return travel * (turn - ray * (dot(facet, turn) / along));
 }
 
-// Its edge goes on beside the artwork.
-void add_tap(vec2 at, vec4 box, float weight, inout Texels sum) {
-    float x = wraps == 1 ? at.x - box.z * floor((at.x + 0.5) / box.z) : at.x;
-    vec2 texel = (box.xy + clamp(vec2(x, at.y), vec2(0.0), box.zw - 1.0) + 0.5) * per_atlas;
+void add_tap(vec2 texel, float weight, inout Texels sum) {
     sum.paint += weight * textureLod(paint_image, texel, 0.0);
 #if CHANNELS > 0
     sum.channels[0] += weight * textureLod(channels_0, texel, 0.0);
@@ -63,22 +66,35 @@ void add_tap(vec2 at, vec4 box, float weight, inout Texels sum) {
 #endif
 }
 
-// Bilinear in one level. share: place on the artwork, 0 to 1, from its upper left.
-void add_level(vec2 share, int level, float weight, inout Texels sum) {
-    vec4 box = level_box[level];
+// Bilinear in the level at a box of the texture. share: place on the artwork, 0 to 1, from its upper left.
+// The artwork's edge goes on beside it, or it goes around.
+void add_level(vec2 share, vec4 box, float weight, inout Texels sum) {
     vec2 place = share * box.zw - 0.5;
     vec2 first = floor(place);
     vec2 part = place - first;
-    for (int k = 0; k < 4; ++k) {
-        vec2 corner = vec2(float(k & 1), float(k >> 1));
-        vec2 near = mix(1.0 - part, part, corner);
-        add_tap(first + corner, box, weight * near.x * near.y, sum);
-    }
+    vec2 low = clamp(first, vec2(0.0), box.zw - 1.0);
+    vec2 high = clamp(first + 1.0, vec2(0.0), box.zw - 1.0);
+    float around = first.x - box.z * floor((first.x + 0.5) / box.z);
+    low.x = wraps == 1 ? around : low.x;
+    high.x = wraps == 1 ? (around + 1.5 > box.z ? 0.0 : around + 1.0) : high.x;
+    low = (box.xy + low + 0.5) * per_atlas;
+    high = (box.xy + high + 0.5) * per_atlas;
+    vec2 beside = weight * vec2(1.0 - part.x, part.x);
+    add_tap(low, beside.x * (1.0 - part.y), sum);
+    add_tap(vec2(high.x, low.y), beside.y * (1.0 - part.y), sum);
+    add_tap(vec2(low.x, high.y), beside.x * part.y, sum);
+    add_tap(high, beside.y * part.y, sum);
+}
+
+vec4 box_of(float level) {
+    return textureLod(level_table, vec2((level + 0.5) * (1.0 / MOST_LEVELS), 0.5), 0.0);
 }
 
 Texels filtered(vec2 share, vec4 turns) {
-    Texels sum = Texels(vec4(0.0), vec4[3](vec4(0.0), vec4(0.0), vec4(0.0)), 0.0);
-    vec2 size = level_box[0].zw;
+    Texels sum;
+    sum.paint = vec4(0.0);
+    for (int k = 0; k < USED; ++k) sum.channels[k] = vec4(0.0);
+    vec2 size = artwork_texels;
     vec2 right = size * vec2(dot(artwork_from_label.xy, turns.xy), dot(artwork_from_label.zw, turns.xy));
     vec2 down = size * vec2(dot(artwork_from_label.xy, turns.zw), dot(artwork_from_label.zw, turns.zw));
     float sxx = right.x * right.x + down.x * down.x;
@@ -95,28 +111,40 @@ Texels filtered(vec2 share, vec4 turns) {
     float size2 = dot(axis, axis);
     axis = size2 > 0.0 ? axis * inversesqrt(size2) : vec2(1.0, 0.0);
     vec2 span = axis * longer / size;
-    int lower = int(level);
-    float part = level - float(lower);
-    int levels = part > 0.0 ? 2 : 1;
-    for (int k = 0; k < int(probes); ++k) {
-        vec2 at = share + span * ((float(k) + 0.5) / probes - 0.5);
-        add_level(at, lower, (1.0 - part) / probes, sum);
-        for (int n = 1; n < levels; ++n) add_level(at, min(lower + 1, last_level), part / probes, sum);
-    }
+    float lower = floor(level);
+    float part = level - lower;
+    vec4 box = box_of(lower);
+    vec4 next_box = box_of(min(lower + 1.0, float(last_level)));
+    float per_probe = 1.0 / probes;
+    // A loop that runs once in any case costs a software driver less, and one inside it would cost more than
+    // the second level that some pixels don't need.
+    int left = int(probes);
+    float at_probe = 0.5 * per_probe - 0.5;
+    do {
+        vec2 at = share + span * at_probe;
+        add_level(at, box, (1.0 - part) * per_probe, sum);
+        add_level(at, next_box, part * per_probe, sum);
+        at_probe += per_probe;
+        --left;
+    } while (left > 0);
     // Beside the artwork it fades out within a pixel.
     vec2 reach = vec2(sqrt(sxx), sqrt(syy));
     vec2 on = clamp(1.0 + min(share, 1.0 - share) * size / max(reach, vec2(1e-6)), 0.0, 1.0);
     sum.inner = (wraps == 1 ? 1.0 : on.x) * on.y;
     sum.paint *= sum.inner;
-    for (int k = 0; k < 3; ++k) sum.channels[k] *= sum.inner;
+    for (int k = 0; k < USED; ++k) sum.channels[k] *= sum.inner;
     return sum;
 }
 
-float share_of(int row, Texels texels) {
-    vec4 ends = share_rows[4 * row + 3];
-    float share = ends.x * texels.inner + ends.y * (1.0 - texels.inner);
-    for (int k = 0; k < CHANNELS; ++k) share += dot(share_rows[4 * row + k], texels.channels[k]);
-    return clamp(share, 0.0, 1.0);
+// What a finish has of its own channel.
+float channel_of(int channel, Texels texels) {
+    return channel < 0 ? 0.0 : texels.channels[max(channel, 0) / 4][max(channel, 0) % 4];
+}
+
+// The share of one finish; rest: that of the finish which takes what is left.
+float share_of(int channel, float rest, bool outside, Texels texels) {
+    float share = channel == SHARE_REST ? rest : channel_of(channel, texels);
+    return clamp(share + (outside ? 1.0 - texels.inner : 0.0), 0.0, 1.0);
 }
 
 // label_m: on the label, from its centre. turns: its change to the next pixel on the right, and below.
@@ -126,14 +154,23 @@ Print print_at(vec2 label_m, vec4 turns, bool found, int part) {
     if (girth_m > 0.0 && wraps == 0) offset.x -= girth_m * floor(offset.x / girth_m + 0.5);
     vec2 share = vec2(dot(artwork_from_label.xy, offset), dot(artwork_from_label.zw, offset)) + 0.5;
     bool printed = found && cover.x > 0.5;
-    Texels texels = Texels(vec4(0.0), vec4[3](vec4(0.0), vec4(0.0), vec4(0.0)), 0.0);
-    for (int k = 0; k < (printed ? 1 : 0); ++k) texels = filtered(share, turns);
+    Texels texels = filtered(share, turns);
+    float rest = texels.inner;
+    float diffuse_rest = texels.inner;
+    for (int k = 0; k < FINISHES; ++k) {
+        rest -= channel_of(LOBE_CHANNEL[k], texels);
+        diffuse_rest -= channel_of(DIFFUSE_CHANNEL[k], texels);
+    }
+    rest = max(rest, 0.0);
+    diffuse_rest = max(diffuse_rest, 0.0);
     Print print;
-    print.paint = texels.paint;
+    print.paint = printed ? texels.paint : vec4(0.0);
     for (int k = 0; k < 4; ++k) print.shares[k] = vec4(0.0);
     for (int k = 0; k < FINISHES; ++k) {
-        float lobes = cover.y < 0.0 ? share_of(k, texels) : float(k) == cover.y ? 1.0 : 0.0;
-        float diffuse = cover.z < 0.0 ? share_of(FINISHES + k, texels) : float(k) == cover.z ? 1.0 : 0.0;
+        float lobes = share_of(LOBE_CHANNEL[k], rest, k == OUTSIDE_LOBES, texels);
+        float diffuse = share_of(DIFFUSE_CHANNEL[k], diffuse_rest, k == OUTSIDE_DIFFUSE, texels);
+        lobes = cover.y < 0.0 ? lobes : float(k) == cover.y ? 1.0 : 0.0;
+        diffuse = cover.z < 0.0 ? diffuse : float(k) == cover.z ? 1.0 : 0.0;
         print.shares[k / 4][k % 4] = lobes;
         print.shares[(FINISHES + k) / 4][(FINISHES + k) % 4] = diffuse;
     }

@@ -2,8 +2,10 @@
 
 // The number of the nearest triangle, counted from 1.
 
+flat in float triangle_number;
+
 layout(location = 0) out float triangle;
 
 void main() {
-    triangle = float(gl_PrimitiveID) + 1.0;
+    triangle = triangle_number;
 }

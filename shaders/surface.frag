@@ -27,7 +27,7 @@ layout(location = 1) out vec4 surface_normal;
 // A hit with what a change of the place in the picture does to it.
 struct Sight {
     Hit hit;
-    vec3 facet;     // normal of the plane in which the point moves, of any length
+    vec3 facet;     // normal of the plane in which the point moves
     vec3 across;    // gradient of the label's x along the surface
     vec3 upwards;   // gradient of the label's y
     vec2 label_m;

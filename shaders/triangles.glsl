@@ -51,6 +51,7 @@ Sight sight_through(vec3 start, vec3 ray) {
     vec2 l0 = vec2(p0.w, n0.w);
     vec2 l1 = vec2(p1.w, n1.w) - l0;
     vec2 l2 = vec2(p2.w, n2.w) - l0;
-    return Sight(Hit(found, point_m, n, vec2(0.0), int(corners.w)), facet,
+    // The footprint follows the smooth surface: those of two triangles would differ at the edge between them.
+    return Sight(Hit(found, point_m, n, vec2(0.0), int(corners.w)), n,
                  l1.x * grad_u + l2.x * grad_v, l1.y * grad_u + l2.y * grad_v, l0 + u * l1 + v * l2);
 }

@@ -119,7 +119,7 @@ def run(args: argparse.Namespace) -> int:
         # As a new picture of a pack has, so that all samples are lit alike.
         scene = scene.placed(lamp=dataclasses.replace(scene.lamp, ambient=PACK_AMBIENT))
     check_picture(
-        size, sample_count(scene, look, size), backend=args.backend,
+        size, sample_count(scene, look, size), backend=args.backend, scene=scene,
         uses=[operator.name for operator in operators], kept=len(arguments) * len(operators),
         remedy="give a smaller --size or fewer --operators",
     )  # fmt: skip

@@ -82,7 +82,8 @@ def run(args: argparse.Namespace) -> int:
     scene, look, size = scene_from(args)
     reference = Reference.of(reference_look(args, look)) if operator.uses_c else None
     uses = [use for use in ("grid", operator.name) if use != SPLIT]
-    check_picture(size, sample_count(scene, look, size), backend=args.backend, uses=uses)
+    samples = sample_count(scene, look, size)
+    check_picture(size, samples, backend=args.backend, uses=uses, scene=scene)
     with (
         open_renderer(args.backend) as renderer,
         Progress("grid") as progress,

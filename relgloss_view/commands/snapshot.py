@@ -70,7 +70,7 @@ def run(args: argparse.Namespace) -> int:
     format_ = "exr" if args.bits is None and output.suffix.lower() != ".png" else "png"
     use = format_ + ("16" if args.bits == 16 else "") if operator.name == SPLIT else operator.name
     samples = sample_count(scene, look, size)
-    check_picture(size, samples, backend=args.backend, uses=[use])
+    check_picture(size, samples, backend=args.backend, uses=[use], scene=scene)
     with Progress("snapshot") as progress, open_renderer(args.backend, progress) as renderer:
         factor = 1.0 if picture is None else picture.factor(renderer, scene, size)
         frame = renderer.render(scene, look, size, factor=factor)

@@ -52,6 +52,26 @@ class Mesh:
         used = self.points_m[np.unique(self.triangles)]
         return used if len(used) else np.zeros((1, 3))
 
+    @cached_property
+    def is_closed(self) -> bool:
+        """Whether the triangles bound a solid: each edge is passed as often one way as the other.
+
+        Points at the same place, in float32, are one point. What is inside out is not closed.
+        """
+        points = self.points_m.astype(np.float32)
+        order = np.lexsort(points.T)
+        steps = np.any(np.diff(points[order], axis=0, prepend=np.nan) != 0.0, axis=1)
+        place = np.empty(len(points), dtype=np.int64)
+        place[order] = np.cumsum(steps)
+        corners = place[self.triangles]
+        following = np.roll(corners, -1, axis=1)
+        wide = len(points) + 1
+        there = np.sort((corners * wide + following).ravel())
+        back = np.sort((following * wide + corners).ravel())
+        a, b, c = (self.points_m[self.triangles[:, k]] for k in range(3))
+        volume = float(np.sum(a * np.cross(b, c)))
+        return bool(np.array_equal(there, back)) and volume > 0.0
+
     def contains(self, point_m: Array) -> bool:
         """Whether a point is inside: the triangles fill more than half of what is seen from it.
 

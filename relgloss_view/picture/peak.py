@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 from relgloss_view.base.room import MB, STACK, THREAD_ADDRESSES, Need, check_room, processors
 from relgloss_view.picture.model.view import Size
+from relgloss_view.picture.scene.scene import Scene
 
 MOST_LLVMPIPE_THREADS = 32
 #: What the driver's libraries, its compiler and the first picture take.
@@ -45,23 +46,30 @@ def context_need() -> Need:
 
 
 def picture_bytes(
-    size: Size, samples: int = 1, *, backend: str = "auto", uses: Sequence[str] = ("exr",)
+    size: Size,
+    samples: int = 1,
+    *,
+    backend: str = "auto",
+    uses: Sequence[str] = ("exr",),
+    scene: Scene | None = None,
 ) -> float:
     """Bytes that a picture takes until its file is written, at most.
 
     samples: along a pixel's side. uses: names of FILES, and of operators, whose
-    pictures may go to any file.
+    pictures may go to any file. scene: what is drawn, where it may be a pack or triangles.
     """
     pixels = float(size[0] * size[1])
-    part, share = PART, PART_SHARE
+    part, share, read = PART, PART_SHARE, 0.0
     if backend == "reference":
         held, part, share = REFERENCE, CHUNK, CHUNK_SHARE
     else:
-        from relgloss_view.picture.gpu.memory import most_bytes_per_pixel
+        from relgloss_view.picture.gpu.memory import most_bytes_per_pixel, surface_bytes
 
         held = most_bytes_per_pixel(samples)
+        if scene is not None:
+            read = surface_bytes(scene, size, samples)
     held += max(_beside(use) for use in (*uses, "exr"))
-    return pixels * held + min(part, share * pixels)
+    return pixels * held + min(part, share * pixels) + read
 
 
 def _beside(use: str) -> float:
@@ -77,14 +85,15 @@ def check_picture(
     uses: Sequence[str] = ("exr",),
     opened: bool = False,
     kept: int = 0,
+    scene: Scene | None = None,
     remedy: str = SMALLER,
 ) -> None:
     """Raise InputError where a picture needs more memory than there is; call it before drawing.
 
-    size, samples, backend, uses: as picture_bytes. opened: the context is open already. kept:
-    number of pictures that a comparison keeps.
+    size, samples, backend, uses, scene: as picture_bytes. opened: the context is open already.
+    kept: number of pictures that a comparison keeps.
     """
-    taken = picture_bytes(size, samples, backend=backend, uses=uses)
+    taken = picture_bytes(size, samples, backend=backend, uses=uses, scene=scene)
     need = Need(taken + RESERVE + kept * CELL * size[0] * size[1])
     if backend != "reference" and not opened:
         context = context_need()

@@ -20,6 +20,7 @@ import numpy as np
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.parameters import Checked, parameter
 from relgloss_view.material.spectra import illuminant
+from relgloss_view.pack.shape import ANALYTIC
 from relgloss_view.picture.gpu.variant import Variant
 from relgloss_view.picture.method import EXACT, FIRST_PASS, Method
 from relgloss_view.picture.model.pixel_sampling import sample_count
@@ -96,7 +97,6 @@ NO_ERROR = Deviation(0.0, 0.0, 0.0)
 
 
 DEFAULT_TOLERANCE = Tolerance()
-PACK_NOTE = "a pack has several finishes: everything is drawn exactly"
 #: What quality "auto" starts from: the whole model, its L* split in pass 1, which draws the same
 #: within the rounding of float32 and costs less.
 WHOLE = Method(split=FIRST_PASS)
@@ -104,14 +104,24 @@ WHOLE = Method(split=FIRST_PASS)
 
 #: A simplification that serves one finish may not serve the next.
 PACK_NOTE = "a pack of several surfaces: everything is drawn exactly"
+#: The thousand rays of a proxy cost more there than the picture itself.
+MESH_NOTE = "a form made of triangles: everything is drawn exactly"
+
+
+def _drawn_whole(scene: Scene) -> str:
+    """Why no simplification is looked for, or nothing."""
+    if scene.pack is not None:
+        return PACK_NOTE
+    return "" if scene.shape.kind in ANALYTIC else MESH_NOTE
 
 
 def advise(
     scene: Scene, look: Look, size: Size, tolerance: Tolerance = DEFAULT_TOLERANCE
 ) -> Advice:
     """Choose a method; raises InputError where no c can show the picture, as drawing it does."""
-    if scene.pack is not None:
-        return Advice(WHOLE, (), NO_ERROR, PACK_NOTE)
+    note = _drawn_whole(scene)
+    if note:
+        return Advice(WHOLE, (), NO_ERROR, note)
     proxy = Proxy(scene, look, size)
     note = _only_exact(proxy, size)
     if note:
@@ -249,7 +259,7 @@ class MethodChooser:
         """The method for a picture."""
         if look.quality == "exact":
             return EXACT
-        if scene.pack is not None:  # the thousand pixels of a proxy see one material
+        if _drawn_whole(scene):
             self._held = WHOLE
             return WHOLE
         try:
@@ -263,7 +273,7 @@ class MethodChooser:
 
     def advice(self, scene: Scene, look: Look, size: Size) -> Advice:
         """The method with its reasons; raises InputError as `advise` does."""
-        if scene.pack is not None:
+        if _drawn_whole(scene):
             return advise(scene, look, size, self.tolerance)
         lamp = illuminant(scene.lamp.illuminant)  # another one where its file was edited
         key = id(scene.material), id(lamp), scene.setup, look, size

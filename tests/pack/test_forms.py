@@ -284,3 +284,12 @@ def test_points_and_normals_of_mitsubas_own_shapes(mi, tmp_path, kind):
     assert error.max() < 0.05
     # Negative control: facets alone turn by more.
     assert np.degrees(2.0 * np.pi / 512 / 2.0) > 0.05
+
+
+@pytest.mark.parametrize("name", ["can", "bottle", "carton", "pouch"])
+def test_closed_forms_are_known(name):
+    """So that triangles seen from behind need not be drawn."""
+    mesh = mesh_of(Shape(name))
+    assert mesh.is_closed
+    assert not dataclasses.replace(mesh, triangles=mesh.triangles[1:]).is_closed
+    assert not dataclasses.replace(mesh, triangles=mesh.triangles[:, ::-1]).is_closed

@@ -4,16 +4,19 @@ import dataclasses
 
 import numpy as np
 import pytest
+from scans import scanned_pack
 
 from relgloss_view import Look, Scene, load_sample
 from relgloss_view.pack.artwork.artwork import Artwork
+from relgloss_view.pack.built_in import load_finish
 from relgloss_view.pack.finish import Finish
 from relgloss_view.pack.label import label_of
 from relgloss_view.pack.pack import Pack, Placement
 from relgloss_view.pack.shape import Shape
+from relgloss_view.picture.gpu import printed
 from relgloss_view.picture.model.difference import delta_e_2000
 from relgloss_view.picture.reference import ReferenceRenderer
-from relgloss_view.picture.scene.setup import Eye, Lamp
+from relgloss_view.picture.scene.setup import Display, Eye, FurtherLamp, Lamp, Setup
 
 SIZE = (72, 64)
 P999 = 0.05  #: dE2000
@@ -45,7 +48,7 @@ def pack_of(kind, *, count=2, transparent=False, colour="lab", sizes=None, **pla
     finishes = (
         Finish("ink", "ink", load_sample("matte-coated")),
         Finish("spot", "varnish", load_sample("art-coated"), "", "plate:Gloss", k=0.7),
-        Finish("foil", "foil", load_sample("cast-coated"), "", "plate:Foil", k=1.4),
+        Finish("foil", "foil", load_finish("cold-foil-gold"), "", "plate:Foil", k=1.4),
         Finish("board", "stock", load_sample("uncoated"), "", "plate:Gloss", True, k=0.5),
     )
     finishes = (finishes[0], *finishes[4 - count + 1 :]) if count > 2 else finishes[:count]
@@ -53,49 +56,65 @@ def pack_of(kind, *, count=2, transparent=False, colour="lab", sizes=None, **pla
     return Pack("tried", shape, finishes, artwork, Placement(**placed), colour)
 
 
-#: So that no column of pixels lies exactly between two triangles, whose footprints differ.
-TURNED = Eye(azimuth_deg=4.3, elevation_deg=3.0)
+#: A bottle of its own outline, radii and heights in millimetres.
+OUTLINE = ((0, 3), (20, 0), (30, 8), (30, 75), (33, 90), (33, 130), (28, 160), (14, 185), (13, 205))
 PACKS = {
-    "can": ({"kind": "can"}, {"eye": TURNED}),
-    "can, turned": ({"kind": "can", "turn_deg": 20.0, "scale": 0.5}, {"eye": TURNED}),
-    "bottle": ({"kind": "bottle", "count": 4}, {"eye": Eye(elevation_deg=20.0)}),
-    "carton": ({"kind": "carton", "count": 3}, {"eye": Eye(35.0, 25.0)}),
-    "pouch": ({"kind": "pouch", "transparent": True}, {"eye": Eye(-20.0, 10.0)}),
-    "cylinder": ({"kind": "cylinder"}, {"eye": Eye(azimuth_deg=170.0)}),
-    "sphere": ({"kind": "sphere", "count": 4}, {}),
-    "plane": ({"kind": "plane", "colour": "spectral"}, {"eye": Eye(50.0, 20.0)}),
-    "box": ({"kind": "box", "offset_x_mm": 20.0}, {"eye": Eye(30.0, 20.0)}),
-    "one finish": ({"kind": "can", "count": 1}, {"eye": TURNED}),
+    "can": ({"kind": "can"}, Eye()),
+    "can, turned": ({"kind": "can", "turn_deg": 20.0, "scale": 0.5}, Eye(4.3, 3.0)),
+    "bottle": ({"kind": "bottle", "count": 4}, Eye(elevation_deg=20.0)),
+    "bottle, outline": ({"kind": "bottle", "sizes": {"profile_mm": OUTLINE}}, Eye(-30.0, 5.0)),
+    "carton": ({"kind": "carton", "count": 3}, Eye(35.0, 25.0)),
+    "pouch": ({"kind": "pouch", "transparent": True}, Eye(-20.0, 10.0)),
+    "scan": ({"kind": "mesh", "count": 3}, Eye(20.0, 15.0)),
+    "cylinder": ({"kind": "cylinder"}, Eye(azimuth_deg=170.0)),
+    "sphere": ({"kind": "sphere", "count": 4}, Eye()),
+    "plane": ({"kind": "plane", "colour": "spectral"}, Eye(50.0, 20.0)),
+    "box": ({"kind": "box", "offset_x_mm": 20.0}, Eye(30.0, 20.0)),
+    "one finish": ({"kind": "pouch", "count": 1}, Eye()),
 }
 QUICK = ("can", "carton", "sphere", "plane")
-#: Each picture has to draw its lamp and its form by itself.
+#: Each picture has to draw its lamps and its form by itself.
 LAMP = Lamp(azimuth_deg=30.0, elevation_deg=20.0, ambient=0.2)
+FURTHER = (FurtherLamp(-40.0, 10.0, radius_m=0.1, share=0.4), FurtherLamp(5.0, 60.0, share=0.2))
+#: With smooth edges a picture knows the pixels that the object covers in part.
+SMOOTH = Display(edges="smooth")
 
 
 def both(name, look, size, gpu):
-    made, setup = PACKS[name]
+    made, eye = PACKS[name]
+    if made["kind"] == "mesh":
+        made = {**made, "sizes": {"file": scanned_pack("mustard_bottle")}}
     pack = pack_of(**made)
-    scene = Scene(pack.material, pack=pack, lamp=LAMP, **setup)
+    further = FURTHER if made.get("count", 2) > 2 else ()
+    setup = Setup(pack.shape, LAMP, eye, SMOOTH, further_lamps=further)
+    scene = Scene(pack.material, setup, pack=pack)
     return gpu.render(scene, look, size), ReferenceRenderer().render(scene, look, size)
 
 
 def compared(drawn, truth):
-    """dE2000 where both show the object, away from its outlines and from edges between faces."""
+    """dE2000 of the pixels that the object covers whole.
+
+    Left out is where one surface hides another: a pixel whose centre lies on that outline may see
+    either, by the last digit of a number.
+    """
     inside = drawn.on_object & truth.on_object
-    step = np.linalg.norm(drawn.point_m - truth.point_m, axis=-1)
-    inside &= step < 1e-5  # a pixel whose centre lies on an edge may see either side of it
+    for frame in (drawn, truth):
+        if frame.edges is not None:
+            column, row, _ = frame.edges.T.astype(int)
+            inside[row, column] = False
+    nearer = np.linalg.norm(drawn.point_m - truth.point_m, axis=-1) < 1e-5
+    assert np.mean(nearer[inside]) > 0.998
+    inside &= nearer
     return delta_e_2000(drawn.lab[inside], truth.lab[inside]), inside
 
 
 class TestPacksAgainstTheReference:
-    @pytest.mark.parametrize(
-        "name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.slow) for n in PACKS]
-    )
+    @pytest.mark.parametrize("name", QUICK)
     def test_colours(self, name, renderer):
         look = Look(sigma_n_deg=0.0, c=0.8, samples=1)
         drawn, truth = both(name, look, SIZE, renderer)
         apart, inside = compared(drawn, truth)
-        assert np.mean(inside) > 0.99 * np.mean(truth.on_object) > 0.0
+        assert np.mean(inside) > 0.85 * np.mean(truth.on_object) > 0.0
         assert np.percentile(apart, 99.9) <= P999
         assert np.percentile(np.abs(drawn.gloss_factor - truth.gloss_factor)[inside], 99.9) < 1e-3
 
@@ -134,7 +153,8 @@ class TestPacksAgainstTheReference:
     def test_colours_at_512(self, name, renderer):
         look = Look(sigma_n_deg=0.0, c=0.8, samples=1)
         drawn, truth = both(name, look, (512, 512), renderer)
-        apart, _ = compared(drawn, truth)
+        apart, inside = compared(drawn, truth)
+        assert np.mean(inside) > 0.97 * np.mean(truth.on_object)
         assert np.percentile(apart, 99.9) <= P999
 
 
@@ -159,3 +179,20 @@ class TestWhatIsDrawnAgain:
         moved = dataclasses.replace(pack, placement=Placement(offset_x_mm=5.0))
         draw(moved)
         assert (surface.drawn, uploads.made) == (tiles + 2, made)
+
+
+def test_artwork_too_large_for_the_device_is_drawn_coarser(renderer, monkeypatch):
+    pack, look = pack_of("plane"), Look(sigma_n_deg=0.0, c=0.8, samples=1)
+    scene = Scene(pack.material, pack=pack)
+    whole = renderer.render(scene, look, SIZE)
+    lab, shown = whole.lab, whole.on_object
+    assert not any("resolution" in warning for warning in whole.warnings)
+    monkeypatch.setattr(printed, "max_texture_size", lambda ctx: 50)
+    renderer.programs.uploads.release()
+    renderer.forget()
+    coarse = renderer.render(scene, look, SIZE)
+    assert any("1/8 of its resolution" in warning for warning in coarse.warnings)
+    apart = delta_e_2000(coarse.lab, lab)[shown]
+    assert 0.0 < np.mean(apart) < 20.0
+    renderer.programs.uploads.release()
+    renderer.forget()

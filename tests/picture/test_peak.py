@@ -4,11 +4,17 @@ import resource
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from relgloss_view.base import room
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.resources import asset
 from relgloss_view.base.room import GB, MB, Room
+from relgloss_view.pack.artwork.artwork import Artwork
+from relgloss_view.pack.finish import Finish
+from relgloss_view.pack.pack import Pack
+from relgloss_view.pack.shape import Shape
 from relgloss_view.picture import peak
 from relgloss_view.picture.peak import check_memory, check_picture, picture_bytes
 from relgloss_view.picture.scene.look import Look
@@ -64,6 +70,21 @@ class TestEstimates:
         assert picture_bytes(BIG, 4) < 3.2 * GB
         assert picture_bytes(BIG, backend="reference") < 3.5 * GB
         assert picture_bytes(BIG, uses=["multiscale"]) > 10 * GB
+
+    def test_packs_take_more(self):
+        """Their surface, their mesh, their artwork, each of which is counted."""
+        plain, shape = Scene(load_sample("art-coated")), Shape("can")
+        finishes = (Finish("ink", "ink", plain.material),)
+        xyz = np.ones((512, 512, 3), dtype=np.float16)
+        made = [
+            plain.placed(shape=shape),
+            Scene(plain.material, pack=Pack("bare", shape, finishes)),
+            Scene(plain.material, pack=Pack("printed", shape, finishes, Artwork(xyz, 50.0, 50.0))),
+        ]
+        size = (1024, 1024)
+        taken = [picture_bytes(size, scene=scene) for scene in (plain, *made)]
+        assert taken[0] == picture_bytes(size)
+        assert np.all(np.diff(taken) > 5 * MB)
 
     def test_more_takes_more(self):
         assert picture_bytes((100, 100), 2) > picture_bytes((100, 100))
@@ -158,8 +179,9 @@ def test_estimates_hold(tmp_path, size, use, words):
 
 
 @pytest.mark.slow
-def test_36_megapixels_take_at_most_4_gb(tmp_path):
+@pytest.mark.parametrize("more", [[], ["--pack", asset("packs", "can.toml"), "--edges", "smooth"]])
+def test_36_megapixels_take_at_most_4_gb(tmp_path, more):
     if min(r.left for r in room.rooms()) < 8 * GB:
         pytest.skip("less than 8 GB of memory is available")
-    taken = measured_peak("snapshot", "-o", tmp_path / "a.exr", "--size", "6144x6144")
+    taken = measured_peak("snapshot", "-o", tmp_path / "a.exr", "--size", "6144x6144", *more)
     assert taken < 4 * GB

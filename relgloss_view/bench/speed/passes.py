@@ -51,15 +51,15 @@ class TimedPrograms(Programs):
         depth: str = "",
         adds: bool = False,
         instances: int = 1,
+        culls: bool = False,
     ) -> None:
         """As Programs.draw."""
         query = self.ctx.query(time=True)
         self.ctx.finish()
         start = time.perf_counter()
         with query:
-            super().draw(
-                stage, defines, uniforms, target, mode, vertices, geometry, depth, adds, instances
-            )
+            own = mode, vertices, geometry, depth, adds, instances, culls
+            super().draw(stage, defines, uniforms, target, *own)
         self.ctx.finish()
         part = PASS_OF.get(stage, stage)
         self.wall_ms[part] += 1e3 * (time.perf_counter() - start)

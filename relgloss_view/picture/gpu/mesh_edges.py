@@ -16,26 +16,31 @@ from relgloss_view.base.arrays import AnyArray, Ints
 from relgloss_view.pack.mesh import Mesh
 from relgloss_view.picture.gpu.programs import Programs
 from relgloss_view.picture.gpu.targets import COVERAGE, MASK, Targets
-from relgloss_view.picture.gpu.triangles import Triangles, projection
+from relgloss_view.picture.gpu.triangles import (
+    Triangles,
+    array_of,
+    hides_backs,
+    listed,
+    projection,
+)
 from relgloss_view.picture.model.silhouette import EDGE_RAYS
 from relgloss_view.picture.model.view import Box, View
 
 TILE_PX = 2048  #: side of the parts in which the silhouette is looked for
+BLOCK = 4  #: side in pixels of what beside_edges looks at
 MARK = 1  #: as EDGE_MARK of mesh_edge.frag, of 255
 
 
 class Part:
     """Some triangles of a mesh, once for each place of a pixel."""
 
-    def __init__(self, ctx: moderngl.Context, triangles: Triangles, numbers: Ints) -> None:
-        corners = np.ascontiguousarray(triangles.mesh.triangles[numbers], dtype=np.uint32)
-        self._triangles = triangles
-        self._buffer = ctx.buffer(corners.tobytes())
+    def __init__(self, ctx: moderngl.Context, mesh: Mesh, numbers: Ints) -> None:
+        self._buffer = ctx.buffer(listed(mesh.points_m, mesh.triangles[numbers]).tobytes())
         self._array: moderngl.VertexArray | None = None
 
     def array(self, ctx: moderngl.Context, program: moderngl.Program) -> moderngl.VertexArray:
         """See programs.Geometry."""
-        self._array = self._triangles.array_of(ctx, program, self._buffer)
+        self._array = array_of(ctx, program, self._buffer)
         return self._array
 
     def release(self) -> None:
@@ -62,7 +67,7 @@ def draw_coverage(
     numbers = beside_edges(triangles.mesh, view, targets.read(*COVERAGE)[::-1, :, 0] == MARK)
     if len(numbers) == 0:
         return
-    part = Part(programs.ctx, triangles, numbers)
+    part = Part(programs.ctx, triangles.mesh, numbers)
     framebuffer.scissor = _scissor(view.bounds)
     uniforms = {
         **projection(triangles.mesh, view, (0, 0, *view.size)),
@@ -97,7 +102,8 @@ def _draw_mask(
     target.clear()
     wider = (box[0] - 0.25, box[1] - 0.25, box[2] + 0.25, box[3] + 0.25)
     uniforms = projection(triangles.mesh, view, wider)
-    programs.draw("mesh.frag", {}, uniforms, target, geometry=triangles)
+    culls = hides_backs(triangles.mesh, view)
+    programs.draw("mesh.frag", {}, uniforms, target, geometry=triangles, culls=culls)
 
 
 def _scissor(box: Box) -> Box:
@@ -105,13 +111,16 @@ def _scissor(box: Box) -> Box:
 
 
 def beside_edges(mesh: Mesh, view: View, marked: AnyArray) -> Ints:
-    """Numbers of the triangles whose bounds in the picture hold a marked pixel.
+    """Numbers of the triangles whose bounds in the picture come near a marked pixel.
 
-    marked: (H, W), rows from the bottom.
+    marked: (H, W), rows from the bottom. They are looked for in blocks of pixels, which keeps the
+    sums of a large picture small.
     """
-    height, width = marked.shape
+    height, width = (-(-side // BLOCK) for side in marked.shape)
+    rows = np.logical_or.reduceat(marked, np.arange(0, marked.shape[0], BLOCK), axis=0)
+    blocks = np.logical_or.reduceat(rows, np.arange(0, marked.shape[1], BLOCK), axis=1)
     sums = np.zeros((height + 1, width + 1), dtype=np.int64)
-    np.cumsum(np.cumsum(marked, axis=0), axis=1, out=sums[1:, 1:])
+    np.cumsum(np.cumsum(blocks, axis=0), axis=1, out=sums[1:, 1:])
     from_eye = mesh.points_m - view.eye_m
     depth = from_eye @ view.forward
     before = np.maximum(depth, 1e-9)[:, None]
@@ -120,8 +129,8 @@ def beside_edges(mesh: Mesh, view: View, marked: AnyArray) -> Ints:
     corners = places[mesh.triangles]
     behind = np.any(depth[mesh.triangles] <= 1e-9, axis=1)  # its bounds are not known
     limit = np.array([width, height])
-    low = np.clip(np.floor(corners.min(axis=1)) - 1.0, 0, limit).astype(np.int64)
-    high = np.clip(np.ceil(corners.max(axis=1)) + 1.0, 0, limit).astype(np.int64)
+    low = np.clip(np.floor((corners.min(axis=1) - 1.0) / BLOCK), 0, limit).astype(np.int64)
+    high = np.clip(np.ceil((corners.max(axis=1) + 1.0) / BLOCK), 0, limit).astype(np.int64)
     low[behind], high[behind] = 0, limit
     (x0, y0), (x1, y1) = low.T, high.T
     held = sums[y1, x1] - sums[y0, x1] - sums[y1, x0] + sums[y0, x0]

@@ -310,7 +310,7 @@ class Passes:
     def _make_room(self, request: Request) -> None:
         if (request.size, request.method.targets) != (self.targets.size, self.targets.numbers):
             self.release()
-            check_picture(request.size, opened=True)
+            check_picture(request.size, opened=True, scene=request.scene)
             try:
                 self.targets.resize(request.size, request.method.targets)
                 self.reduction.resize(request.size)

@@ -10,7 +10,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.room import Need, check_room
-from relgloss_view.pack.layers import REST, Layers
+from relgloss_view.pack.layers import Layers
 from relgloss_view.picture.gpu.context import max_texture_size
 from relgloss_view.picture.gpu.targets import bytes_of
 
@@ -27,13 +27,8 @@ class Printed:
 
     def __init__(self, ctx: moderngl.Context, layers: Layers) -> None:
         self.layers = layers
-        limit = max_texture_size(ctx)
+        self.first_level = first_level(layers, max_texture_size(ctx))
         sizes = [paint.shape[1::-1] for paint, _ in layers.levels]
-        self.first_level = next(
-            k
-            for k in range(len(sizes))
-            if max(_placed(sizes[k:])[1]) <= limit and len(sizes) - k <= MOST_LEVELS
-        )
         levels = layers.levels[self.first_level :]
         boxes, size = _placed(sizes[self.first_level :])
         count = layers.channels.shape[-1]
@@ -56,13 +51,17 @@ class Printed:
         except BaseException:
             self.release()
             raise
-        listed = np.zeros((MOST_LEVELS, 4))
+        listed = np.zeros((MOST_LEVELS, 4), dtype=np.float32)
         listed[: len(boxes)] = boxes
+        table = ctx.texture((MOST_LEVELS, 1), 4, listed.tobytes(), dtype="f4")
+        table.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        self._held.append(table)
         self.uniforms: dict[str, Any] = {
             "paint_image": paint,
             **{f"channels_{k}": texture for k, texture in enumerate(channels)},
             "per_atlas": (1.0 / size[0], 1.0 / size[1]),
-            "level_box": listed,
+            "level_table": table,
+            "artwork_texels": boxes[0][2:],
             "last_level": len(boxes) - 1,
         }
 
@@ -80,16 +79,6 @@ class Printed:
         if ctx.error != "GL_NO_ERROR":
             raise InputError(_NO_ROOM)
 
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What a user should know of it."""
-        if self.first_level == 0:
-            return ()
-        return (
-            f"the artwork has more pixels than this device takes: it is drawn at "
-            f"1/{2**self.first_level} of its resolution",
-        )
-
     def bytes(self) -> int:
         """Bytes on the device."""
         return sum(bytes_of(texture) for texture in self._held)
@@ -102,6 +91,27 @@ class Printed:
 
 
 _NO_ROOM = "the device has no memory for the pack's artwork; use one of fewer pixels"
+
+
+def first_level(layers: Layers, limit: int) -> int:
+    """The first mip level whose texture, with all that follow, is at most so many texels a side."""
+    sizes = [paint.shape[1::-1] for paint, _ in layers.levels]
+    return next(
+        k
+        for k in range(len(sizes))
+        if max(_placed(sizes[k:])[1]) <= limit and len(sizes) - k <= MOST_LEVELS
+    )
+
+
+def notes_of(ctx: moderngl.Context, layers: Layers) -> tuple[str, ...]:
+    """What a user should know of how a device draws layers."""
+    first = first_level(layers, max_texture_size(ctx))
+    if first == 0:
+        return ()
+    return (
+        f"the artwork has more pixels than this device takes: it is drawn at 1/{2**first} of its "
+        "resolution",
+    )
 
 
 def _placed(
@@ -122,22 +132,14 @@ def _placed(
     return boxes, (width + (rest[0][0] if rest else 0), max(height, top))
 
 
-def share_rows(layers: Layers) -> Array:
-    """Rows of artwork.glsl's share_rows (4 vectors each): lobes' shares, then the diffuse ones."""
-    count = len(layers.specular_channel)
-    rows = np.zeros((2 * count, 4, 4))
-    for first, half in ((0, layers.specular_channel), (count, layers.diffuse_channel)):
-        used = [channel for channel in half if channel >= 0]
-        for row, channel in zip(rows[first:], half, strict=False):
-            if channel >= 0:
-                row[channel // 4, channel % 4] = 1.0
-            elif channel == REST:
-                row[3, 0] = 1.0
-                for other in used:
-                    row[other // 4, other % 4] -= 1.0
-    rows[layers.outside_finish, 3, 1] = 1.0
-    rows[count + layers.outside_diffuse, 3, 1] = 1.0
-    return rows
+def share_defines(layers: Layers) -> dict[str, int | str]:
+    """The constants of artwork.glsl that say which channel holds which share."""
+    return {
+        "LOBE_CHANNELS": ", ".join(map(str, layers.specular_channel)),
+        "DIFFUSE_CHANNELS": ", ".join(map(str, layers.diffuse_channel)),
+        "OUTSIDE_LOBES": layers.outside_finish,
+        "OUTSIDE_DIFFUSE": layers.outside_diffuse,
+    }
 
 
 def part_rows(layers: Layers, printed: tuple[bool, ...]) -> Array:

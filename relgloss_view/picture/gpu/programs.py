@@ -130,12 +130,14 @@ class Programs:
         depth: str = "",
         adds: bool = False,
         instances: int = 1,
+        culls: bool = False,
     ) -> None:
         """Draw a stage into a target: one triangle that fills it, unless it has its own vertices.
 
         geometry: triangles to draw, so many instances of them. depth: what a depth must be beside
         the one that is there, such as '<', or '1' for any; '' leaves depths alone. adds: to what
-        is there. A uniform of the stage that is not given is an error.
+        is there. culls: triangles seen from behind. A uniform of the stage that is not given is an
+        error.
         """
         checkpoint()  # between passes
         array = self.get(stage, defines)
@@ -166,13 +168,15 @@ class Programs:
         if adds:
             self.ctx.enable(moderngl.BLEND)
             self.ctx.blend_func = moderngl.ONE, moderngl.ONE
+        if culls:
+            self.ctx.enable(moderngl.CULL_FACE)
         if geometry is None:
             array.render(mode, vertices=vertices)
         else:
             drawn = geometry.array(self.ctx, array.program)
             drawn.render(moderngl.TRIANGLES, instances=instances)
-        if depth or adds:
-            self.ctx.disable(moderngl.BLEND | moderngl.DEPTH_TEST)
+        if depth or adds or culls:
+            self.ctx.disable(moderngl.BLEND | moderngl.DEPTH_TEST | moderngl.CULL_FACE)
             self.ctx.depth_func = "<"
 
 

@@ -120,8 +120,11 @@ class Renderer:
             scaling=drawn.scaling,
             fetch=partial(self.passes.fetch, request),
             device=self._device,
-            warnings=scene_warnings(
-                scene, look, size, seen=drawn.object_pixels > 0, lit=drawn.white > 0.0
+            warnings=(
+                *scene_warnings(
+                    scene, look, size, seen=drawn.object_pixels > 0, lit=drawn.white > 0.0
+                ),
+                *self.passes.surface.notes(scene),
             ),
             method=request.method,
             object_pixels=drawn.object_pixels,

@@ -23,16 +23,15 @@ from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.shape import ANALYTIC
 from relgloss_view.picture.gpu.context import max_texture_size
 from relgloss_view.picture.gpu.held import Key, key_of
-from relgloss_view.picture.gpu.printed import share_rows
+from relgloss_view.picture.gpu.memory import MOST_TEXELS
+from relgloss_view.picture.gpu.printed import notes_of, share_defines
 from relgloss_view.picture.gpu.programs import Programs, Uniforms
 from relgloss_view.picture.gpu.targets import TRIANGLE, Targets, surface_targets
-from relgloss_view.picture.gpu.triangles import WIDE, projection
+from relgloss_view.picture.gpu.triangles import WIDE, hides_backs, projection
 from relgloss_view.picture.gpu.uploads import Uploads
 from relgloss_view.picture.model.view import Box, Size, View
 from relgloss_view.picture.scene.scene import Scene
 
-#: Places of a tile: with finishes they take up to 160 bytes each.
-MOST_TEXELS = 1 << 22
 WRAP_SHARE = 0.002  #: by which an artwork that goes around may differ from the girth
 
 
@@ -109,6 +108,10 @@ class Surface:
                     self._tile(form, view, tile, whole, samples, defines, uniforms),
                 )
 
+    def notes(self, scene: Scene) -> tuple[str, ...]:
+        """What a user should know of how a scene's artwork is drawn."""
+        return () if scene.pack is None else notes_of(self.ctx, layers_of(scene.pack))
+
     def tile_size(self, size: Size, samples: int) -> Size:
         """Width and height of the tiles, pixels: the whole picture where it fits."""
         most = max(1, max_texture_size(self.ctx) // samples)
@@ -174,6 +177,7 @@ class Surface:
             target,
             geometry=triangles,
             depth="<",
+            culls=hides_backs(mesh, view),
         )
         return {**triangles.uniforms, "triangle_image": self._targets.texture(*TRIANGLE)}
 
@@ -184,7 +188,6 @@ class Surface:
         return {
             **self.uploads.printed(form.layers).uniforms,
             "part_table": self.uploads.part_table(form.layers, label.printed),
-            "share_rows": share_rows(form.layers),
         }
 
     def _draw(
@@ -198,6 +201,7 @@ class Surface:
         constants = {**defines, "FINISHES": form.finishes, "MESH_WIDE": WIDE}
         if form.layers is not None:
             constants["CHANNELS"] = self.uploads.printed(form.layers).channel_targets
+            constants |= share_defines(form.layers)
         target: Any = self._targets.framebuffer(names)
         target.scissor = box
         self._programs.draw("surface.frag", constants, inputs, target)

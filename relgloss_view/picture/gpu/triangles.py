@@ -46,8 +46,8 @@ class Triangles:
     def _fill(self, ctx: moderngl.Context, mesh: Mesh) -> None:
         points = np.ascontiguousarray(mesh.points_m, dtype=np.float32)
         corners = np.ascontiguousarray(mesh.triangles, dtype=np.uint32)
-        self._points = self._keep(ctx, ctx.buffer(points.tobytes()))
-        self._corners = self._keep(ctx, ctx.buffer(corners.tobytes()))
+        # Three points of each triangle: a shared point can't know whose corner it is.
+        self._corners = self._keep(ctx, ctx.buffer(listed(points, corners).tobytes()))
         part = np.asarray(mesh.part)[corners[:, 0]] if self.count else np.zeros(0)
         label = np.asarray(mesh.label_m)
         self.uniforms: dict[str, Any] = {
@@ -66,11 +66,11 @@ class Triangles:
     def _list(self, ctx: moderngl.Context, rows: AnyArray, last: AnyArray) -> moderngl.Texture:
         """Rows (N, 3) and a fourth number each as a texture WIDE texels wide."""
         lines = max(1, -(-len(rows) // WIDE))
-        listed = np.zeros((lines * WIDE, 4), dtype=np.float32)
-        listed[: len(rows), :3] = rows
-        listed[: len(rows), 3] = last
+        texels = np.zeros((lines * WIDE, 4), dtype=np.float32)
+        texels[: len(rows), :3] = rows
+        texels[: len(rows), 3] = last
         texture: moderngl.Texture = self._keep(
-            ctx, ctx.texture((WIDE, lines), 4, listed.tobytes(), dtype="f4")
+            ctx, ctx.texture((WIDE, lines), 4, texels.tobytes(), dtype="f4")
         )
         texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
         return texture
@@ -79,19 +79,8 @@ class Triangles:
         """The mesh, ready to be drawn by a program of mesh.vert."""
         if self._array is None or self._array[0] is not program:
             self._drop_array()
-            self._array = program, self.array_of(ctx, program, self._corners)
+            self._array = program, array_of(ctx, program, self._corners)
         return self._array[1]
-
-    def array_of(
-        self, ctx: moderngl.Context, program: moderngl.Program, corners: moderngl.Buffer
-    ) -> moderngl.VertexArray:
-        """Some of its triangles, by the numbers of their points; the caller frees it."""
-        return ctx.vertex_array(
-            program,
-            [(self._points, "3f", "place_m")],
-            index_buffer=corners,
-            index_element_size=4,
-        )
 
     def _drop_array(self) -> None:
         if self._array is not None:
@@ -111,6 +100,28 @@ class Triangles:
         for one in self._held:
             one.release()
         self._held.clear()
+
+
+def array_of(
+    ctx: moderngl.Context, program: moderngl.Program, corners: moderngl.Buffer
+) -> moderngl.VertexArray:
+    """Triangles, as `listed` has them; the caller frees it."""
+    if "number" in program:
+        return ctx.vertex_array(program, [(corners, "3f 1f", "place_m", "number")])
+    return ctx.vertex_array(program, [(corners, "3f 1x4", "place_m")])
+
+
+def listed(points: AnyArray, corners: AnyArray) -> AnyArray:
+    """(T, 3, 4) float32: of each triangle three points and its number, counted from 1."""
+    rows = np.empty((len(corners), 3, 4), dtype=np.float32)
+    rows[..., :3] = points[corners]
+    rows[..., 3] = np.arange(1.0, len(corners) + 1.0)[:, None]
+    return rows
+
+
+def hides_backs(mesh: Mesh, view: View) -> bool:
+    """Whether no triangle is seen from behind: a closed mesh hides those from an eye outside."""
+    return mesh.is_closed and bool(np.any(np.abs(view.eye_m) > 1.01 * mesh.half_extent_m))
 
 
 def projection(mesh: Mesh, view: View, box: tuple[float, ...]) -> dict[str, Any]:

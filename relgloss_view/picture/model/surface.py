@@ -143,8 +143,11 @@ class ArtworkPlace(NamedTuple):
 def label_steps(shape: Shape, view: View, seen: Sight, samples: int = 1) -> tuple[Array, Array]:
     """Steps on the label, (N, 2) each, from places that are seen to the next sample right and down.
 
-    They follow from the plane that touches the surface there (Igehy 1999, ray differentials).
+    They follow from the plane that touches the surface there (Igehy 1999, ray differentials); of
+    triangles, the plane of the interpolated normal, since the planes of two triangles would make
+    two footprints at the edge between them.
     """
+    normal = seen.hit.normal
     mesh = forms.mesh_of(shape)
     if mesh is not None:
         corners = mesh.triangles[seen.triangle]
@@ -156,14 +159,13 @@ def label_steps(shape: Shape, view: View, seen: Sight, samples: int = 1) -> tupl
         du, dv = label[:, 1] - label[:, 0], label[:, 2] - label[:, 0]
         gradients = [along_u * du[:, [k]] + along_v * dv[:, [k]] for k in (0, 1)]
     else:
-        facet = seen.hit.normal
-        gradients = _gradients(shape.kind, facet)
+        gradients = _gradients(shape.kind, normal)
     travel = np.linalg.norm(seen.hit.point_m - view.eye_m, axis=-1) / np.linalg.norm(
         seen.ray, axis=-1
     )
     step = view.pixel_step / samples
     right, down = (
-        _moved(turn, facet, seen.ray, travel) for turn in (step * view.right, -step * view.up)
+        _moved(turn, normal, seen.ray, travel) for turn in (step * view.right, -step * view.up)
     )
     first, second = (
         np.stack([np.sum(g * move, axis=-1) for g in gradients], axis=-1) for move in (right, down)
