@@ -336,6 +336,8 @@ def _as_pdf(renderer: Renderer, source: Path, folder: Path, progress: ProgressRe
     with open_regular(source, EXPECTED) as file, (folder / "source.ps").open("wb") as copy:
         shutil.copyfileobj(file, copy)
     words = ["-sDEVICE=pdfwrite", "-dEPSCrop", "-sColorConversionStrategy=LeaveColorUnchanged"]
-    renderer.run([*words, "-sOutputFile=source.pdf", "source.ps"],
-                 lambda share, _: progress(0.05 + 0.05 * share, "converting PostScript"))  # fmt: skip
+    renderer.run(
+        [*words, "-sOutputFile=source.pdf", "source.ps"],
+        lambda share, _: progress(0.05 + 0.05 * share, "converting PostScript"),
+    )
     return folder / "source.pdf"

@@ -7,8 +7,9 @@ from pathlib import Path
 from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.base.reading import printable
+from relgloss_view.pack.forms.mesh_files import MESH_SUFFIXES
 from relgloss_view.viewer.files.open_job import OpenJob
-from relgloss_view.viewer.files.pack_files import ARTWORK_SUFFIXES, MESH_SUFFIXES
+from relgloss_view.viewer.files.pack_files import ARTWORK_SUFFIXES
 from relgloss_view.viewer.panels import floating
 from relgloss_view.viewer.shell import widgets
 

@@ -14,6 +14,7 @@ from imgui_bundle import imgui
 
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.reading import printable
+from relgloss_view.pack.forms.mesh_files import MESH_SUFFIXES
 from relgloss_view.pack.pack import Pack
 from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.viewer.drawing.arrangement import as_shown
@@ -21,7 +22,7 @@ from relgloss_view.viewer.files.new_material import NewMaterial
 from relgloss_view.viewer.files.open_job import Opened, OpenJob
 from relgloss_view.viewer.files.own_materials import safe_name
 from relgloss_view.viewer.files.pack_edits import MaskReader, PackWatch
-from relgloss_view.viewer.files.pack_files import ARTWORK_SUFFIXES, MESH_SUFFIXES, NO_PROFILE
+from relgloss_view.viewer.files.pack_files import ARTWORK_SUFFIXES, NO_PROFILE
 from relgloss_view.viewer.files.preparation import prepare
 from relgloss_view.viewer.files.scene_saving import save_scene
 from relgloss_view.viewer.files.session_reading import SessionReading
