@@ -9,6 +9,7 @@ import numpy as np
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
+from relgloss_view.pack.artwork.plate_names import plate_named
 from relgloss_view.pack.finish import Finish
 from relgloss_view.pack.pack import Pack
 
@@ -101,18 +102,12 @@ def _values(pack: Pack, mask: str, place: str) -> Bytes:
 def plate_of(pack: Pack, name: str, place: str, word: str = "plate") -> Bytes:
     """The plate of a name, or the only one whose name differs in case and blanks alone."""
     plates = {} if pack.artwork is None else pack.artwork.plates
-    if name in plates:
-        return plates[name]
-    alike = [other for other in plates if _folded(other) == _folded(name)]
-    if len(alike) == 1:
-        return plates[alike[0]]
+    found = plate_named(plates, name)
+    if found is not None:
+        return plates[found]
     if pack.artwork is None:
         raise InputError(f"{place}: the pack has no artwork")
     if not plates:
         raise InputError(f"{place}: the artwork has no {word} beside its colours")
     names = ", ".join(printable(other, 40) for other in plates)
     raise InputError(f"{place}: no such {word}; the artwork has {names}")
-
-
-def _folded(name: str) -> str:
-    return "".join(name.casefold().split())

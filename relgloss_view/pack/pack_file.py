@@ -18,6 +18,7 @@ from relgloss_view.material.material import Material
 from relgloss_view.pack.artwork.artwork import Artwork
 from relgloss_view.pack.built_in import FINISHES, PAPERS, load_finish
 from relgloss_view.pack.finish import MAX_FINISHES, Finish
+from relgloss_view.pack.finish_plates import has_right_plates, named_plates, with_right_plates
 from relgloss_view.pack.forms.mesh_files import MESH_SUFFIXES
 from relgloss_view.pack.kinds import ARTWORK as ARTWORK_FILE
 from relgloss_view.pack.kinds import kind_of_pack, pack_path
@@ -78,15 +79,18 @@ def pack_of_tables(
     shape = shape_named(table.get("form", "can"), folder)
     given = {key: table[key] for key in ARTWORK_ENTRIES if key in table}
     artwork, artwork_file = None, text(table.get("artwork", ""), "pack.artwork")
+    finishes: tuple[Finish, ...] = ()
+    masks: dict[str, Any] = {}
+    if FINISH in tables:
+        finishes, masks = _finishes(tables[FINISH], folder)
     if artwork_file:
-        artwork = open_artwork(folder / artwork_file, given, folder, progress)
+        how = {**given, "finish_plates": named_plates(finishes)}
+        artwork = open_artwork(folder / artwork_file, how, folder, progress)
     elif given:
         raise InputError(f"pack.{next(iter(given))}: expected an artwork beside it")
     notes: tuple[str, ...] = ()
-    if FINISH in tables:
-        finishes, masks = _finishes(tables[FINISH], folder)
-    else:
-        (finishes, notes), masks = finishes_of_artwork(artwork, shape), {}
+    if not finishes:
+        finishes, notes = finishes_of_artwork(artwork, shape)
     placement = build_part(Placement, "placement", table.get("placement", {}), "pack.")
     if artwork is not None and "placement" not in table and FINISH not in tables:
         placement, more = usual_placement(artwork, shape)
@@ -104,7 +108,7 @@ def pack_of_tables(
         **{key: table[key] for key in ("colour", "measured") if key in table},
     )
     check_masks(pack)
-    return pack
+    return with_right_plates(pack, progress, folder)
 
 
 def _check_entries(table: Mapping[str, Any], names: tuple[str, ...], place: str) -> None:
@@ -154,7 +158,8 @@ def _profile(values: object) -> list[tuple[float, ...]]:
     return points
 
 
-#: Artworks by file, stamp and entries, while a pack holds them: a scene is read more than once.
+#: Artworks by file, stamp, entries and plates of finishes, while a pack holds them: a scene is read
+#: more than once.
 _ARTWORKS: weakref.WeakValueDictionary[tuple[Any, ...], Artwork] = weakref.WeakValueDictionary()
 
 
@@ -184,11 +189,13 @@ def open_artwork(
     except InputError as error:
         raise InputError(str(error).replace("artworkoptions.", within, 1)) from None
     profile = values.get("profile")
-    key = (*_stamp(file), *(_stamp(Path(profile)) if profile else ()), repr(options))
-    artwork = _ARTWORKS.get(key)
-    if artwork is None:
-        artwork = read_artwork(file, options, progress)
-        _ARTWORKS[key] = artwork
+    alike = repr(dataclasses.replace(options, finish_plates=()))
+    key = (*_stamp(file), *(_stamp(Path(profile)) if profile else ()), alike)
+    for (*other, _), artwork in list(_ARTWORKS.items()):
+        if tuple(other) == key and has_right_plates(artwork, options.finish_plates):
+            return artwork
+    artwork = read_artwork(file, options, progress)
+    _ARTWORKS[(*key, artwork.finish_plates)] = artwork
     return artwork
 
 

@@ -179,6 +179,7 @@ def quick_pack(
     >>> [finish.name for finish in quick_pack("label.png", "can").finishes]
     ['ink', 'metal lid', 'metal base']
     """
+    from relgloss_view.pack.finish_plates import with_right_plates
     from relgloss_view.pack.pack_file import open_artwork, shape_named
 
     shape = shape_named(form, Path()) if isinstance(form, str) else form
@@ -197,4 +198,4 @@ def quick_pack(
         notes=(*notes, *more),
     )
     check_masks(pack)
-    return pack
+    return with_right_plates(pack, progress)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import os
+import time
 
 import numpy as np
 import pytest
@@ -22,6 +23,7 @@ from relgloss_view.viewer.drawing.mask_tints import ALPHA, TINTS, tinted
 from relgloss_view.viewer.drawing.picking import label_place, pick
 from relgloss_view.viewer.files.open_job import OpenJob
 from relgloss_view.viewer.files.pack_edits import PackWatch, Poll, merged
+from relgloss_view.viewer.files.plate_colours import PlateColours
 from relgloss_view.viewer.files.scene_saving import save_scene
 from relgloss_view.viewer.files.session_reading import SessionReading
 from relgloss_view.viewer.state import matching, packs
@@ -260,8 +262,6 @@ def test_a_sample_becomes_the_material_of_the_finish(state):
 
 def looked(watch, model, until, times=200):
     """Let looks and frames pass until something holds."""
-    import time
-
     for _ in range(times):
         watch.poll.look()
         watch.each_frame()
@@ -419,3 +419,61 @@ def test_a_plate_becomes_a_finish_below_the_varnishes(pack):
     assert packs.free_plates(foil) == ()
     varnish, _ = packs.with_plate(pack, "Lack 1", "soft-touch")
     assert varnish.finishes[-1].name == "Lack 1"
+
+
+def test_a_plate_that_becomes_a_finish_loses_its_colour_and_undo_gives_it_back(tmp_path):
+    """The artwork is read again in the background, for the steps that need it alone."""
+    path = write_artwork(tmp_path / "a.png")
+    pack = quick_pack(str(path))
+    plates = {"VP7": np.full((115, 207), 255, np.uint8)}
+    inked = dataclasses.replace(pack.artwork, plates=plates, coloured=frozenset({"VP7"}))
+    bare = dataclasses.replace(inked, coloured=frozenset(), finish_plates=frozenset({"VP7"}))
+    read = []
+
+    def open_artwork(file, given, folder, progress):
+        read.append(given["finish_plates"])
+        return bare if "VP7" in given["finish_plates"] else inked
+
+    pack = dataclasses.replace(pack, artwork=inked)
+    model = Model(State.initial().with_sample("test", Sample.of_pack(pack)))
+    colours = PlateColours(model, lambda: None)
+
+    def settled():
+        for _ in range(200):
+            colours.each_frame()
+            if not colours._worker.busy:
+                return model.pack("test").artwork
+            time.sleep(0.01)
+        raise AssertionError("it never ends")
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("relgloss_view.pack.pack_file.open_artwork", open_artwork)
+        assert settled() is inked  # the control: no finish names it
+        made, name = packs.with_plate(pack, "VP7", "matt-varnish")
+        model.set_pack("test", made)
+        assert settled() is bare
+        assert "VP7" in model.notes[-1].text
+        model.history.undo()
+        assert settled() is inked
+        model.history.redo()
+        assert settled() is bare
+        assert read == [("VP7",)]  # undo and redo read nothing
+        model.set_finish("test", name, mask="everywhere")
+        assert settled() is inked
+        assert read == [("VP7",), ()]
+
+
+def test_an_artwork_that_is_gone_keeps_its_colours(tmp_path):
+    pack = quick_pack(str(write_artwork(tmp_path / "a.png")))
+    plates = {"VP7": np.full((115, 207), 255, np.uint8)}
+    inked = dataclasses.replace(
+        pack.artwork, plates=plates, coloured=frozenset({"VP7"}), file=str(tmp_path / "gone.pdf")
+    )
+    made, _ = packs.with_plate(dataclasses.replace(pack, artwork=inked), "VP7", "matt-varnish")
+    model = Model(State.initial().with_sample("test", Sample.of_pack(made)))
+    colours = PlateColours(model, lambda: None)
+    for _ in range(40):
+        colours.each_frame()
+        time.sleep(0.01)
+    assert [note.fault for note in model.notes].count(True) == 1  # once
+    assert model.pack("test").artwork is inked

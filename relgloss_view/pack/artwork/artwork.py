@@ -22,7 +22,8 @@ class Artwork:
     shows; None where all of it is printed.
     width_mm, height_mm: printed size. plates: spot plates and further channels by name, (H, W)
     uint8, 255 where all of the plate prints; the process plates are not among them.
-    coloured: the plates that are inks, whose colour `xyz` holds already.
+    coloured: the plates that are inks, whose colour `xyz` holds already. finish_plates: the plates
+    that would be inks by their names and print no colour, as the options name them.
     file: it was read from. stamp: of the file when it was read, to notice that it was edited.
     notes: of reading, one sentence each: profile, resampling, what was left out.
 
@@ -37,6 +38,7 @@ class Artwork:
     plates: Mapping[str, Bytes] = field(default_factory=dict)
     file: str = ""
     coloured: frozenset[str] = frozenset()
+    finish_plates: frozenset[str] = frozenset()
     stamp: tuple[int, int] = (0, 0)  #: time of its last change, ns, and bytes
     notes: tuple[str, ...] = ()
 

@@ -18,6 +18,8 @@ class ArtworkOptions(Checked):
     dpi: of a PDF's raster (300 where None); of a picture, in place of its own. width_mm: printed
     width of a picture, in place of its resolution. most_px: pixels of the longer side; larger
     artwork is scaled down by area averages in linear light, with a note. intent: one of INTENTS.
+    finish_plates: names of spot colours of a PDF that print no colour although their names do not
+    show it; case and blanks do not matter, and names of colour systems (PANTONE, HKS) stay inks.
 
     >>> ArtworkOptions(width_mm=207.3).most_px
     4096
@@ -31,3 +33,4 @@ class ArtworkOptions(Checked):
     width_mm: float | None = parameter(None, 0.1, 1e5, "mm", "printed width of a picture")
     most_px: int = whole_number(4096, 1, 16_384, "px", "longest side that is kept")
     intent: str = choice("auto", INTENTS, "how the profile's white is taken")
+    finish_plates: tuple[str, ...] = ()

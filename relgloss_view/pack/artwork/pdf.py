@@ -64,7 +64,7 @@ def read_pdf(
             source = _as_pdf(renderer, source, folder, progress)
         page = examined(
             source, options.page, folder, has_cmyk,
-            shown=path, budget_s=budget_s, progress=progress,
+            shown=path, plates=options.finish_plates, budget_s=budget_s, progress=progress,
         )  # fmt: skip
         profile = _profile(page, own, options, folder, path)
         if len(page["names"]) > MOST_SPOTS:
@@ -89,16 +89,18 @@ def examined(
     has_profile: bool,
     shown: str | os.PathLike[str] | None = None,
     *,
+    plates: tuple[str, ...] = (),
     budget_s: float,
     progress: ProgressReport = no_progress,
 ) -> dict[str, Any]:
     """What pdf_examination.examine finds; InputError with its line.
 
-    shown: the file's name. budget_s: processor time that it may take.
+    shown: the file's name. plates: spot colours that are finishes. budget_s: processor time that
+    it may take.
     """
     search = os.pathsep.join(filter(None, (str(PACKAGE_FOLDER), os.environ.get("PYTHONPATH"))))
     words = [str(path), str(page), str(folder), "profile" if has_profile else "",
-             str(math.ceil(budget_s))]  # fmt: skip
+             str(math.ceil(budget_s)), json.dumps(plates)]  # fmt: skip
     child = Child(
         [sys.executable, "-m", followed.__name__, _MODULE, *words],
         followed=True,
@@ -232,12 +234,15 @@ def _rendered(
         height_mm=width_mm * height_pt / width_pt,
         inks=factors,
         coloured=frozenset(spots),
+        finish_plates=frozenset(plates) & frozenset(page["finishes"]),
         notes=tuple(notes),
     )
 
 
 def _notes(page: dict[str, Any], profile: Profile | None) -> list[str]:
     notes = []
+    if page["repaired"]:
+        notes.append("The PDF is damaged and was repaired: parts may be missing, so check it.")
     if page["pages"] > 1:
         notes.append(f"The PDF has {page['pages']} pages; one is read (entry page).")
     if profile is not None:
@@ -247,6 +252,10 @@ def _notes(page: dict[str, Any], profile: Profile | None) -> list[str]:
     if page["technical"]:
         listed = ", ".join(page["technical"][:20])
         notes.append(f"Plates that print no colour: {printable(listed, 300)}.")
+    notes += [
+        f"Plate {printable(name, 60)!r} is one of a finish of the pack, so it prints no colour."
+        for name in page["finishes"]
+    ]
     for name, step in page["layers"].items():
         notes.append(f"Plate {printable(name, 60)!r}: its layer is marked {printable(step, 40)}.")
     notes += [

@@ -1,11 +1,11 @@
 """What a page of a PDF holds, found in a process of its own: colorants, layers, profile, fonts.
 
-As a program: `python -m relgloss_view.pack.artwork.pdf_examination FILE PAGE FOLDER PROFILE S`,
-where PROFILE is 'profile' if the caller has one of CMYK, and S seconds of processor time. It prints
-JSON, and writes into FOLDER copies of the PDF for Ghostscript: `page.pdf`, trimmed and with its
-spot colours named RG0001, RG0002, so that no name can be lost in a file's name; and where no CMYK
-profile is at hand `colour.pdf`, whose finishes are /None, which prints nothing (ISO 32000-2:2020,
-8.6.6.4).
+As a program: `python -m relgloss_view.pack.artwork.pdf_examination FILE PAGE FOLDER PROFILE S
+PLATES`, where PROFILE is 'profile' if the caller has one of CMYK, S seconds of processor time, and
+PLATES a JSON list of spot colours that are finishes whatever their names are. It prints JSON, and
+writes into FOLDER copies of the PDF for Ghostscript: `page.pdf`, trimmed and with its spot colours
+named RG0001, RG0002, so that no name can be lost in a file's name; and where no CMYK profile is at
+hand `colour.pdf`, whose finishes are /None, which prints nothing (ISO 32000-2:2020, 8.6.6.4).
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from relgloss_view.pack.artwork.pdf_page import (
     name_of,
 )
 from relgloss_view.pack.artwork.pdf_streams import pieces, stream_bytes
-from relgloss_view.pack.artwork.plate_names import PROCESS, is_technical
+from relgloss_view.pack.artwork.plate_names import PROCESS, finishing_plates, is_technical
 
 EXPECTED = "a PDF"
 TINTS = 33  #: at which a spot colour's alternate is taken
@@ -207,7 +207,9 @@ def _rename(page: Page, keys: dict[str, str]) -> None:
                 attributes["/Colorants"] = pikepdf.Dictionary(named_now)
 
 
-def examine(path: str, number: int, folder: Path, has_profile: bool) -> dict[str, Any]:
+def examine(
+    path: str, number: int, folder: Path, has_profile: bool, plates: list[str]
+) -> dict[str, Any]:
     """What the caller needs of a page, and the copies for Ghostscript; InputError with one line."""
     import pikepdf
 
@@ -240,6 +242,8 @@ def examine(path: str, number: int, folder: Path, has_profile: bool) -> dict[str
         if len(names) > MOST_NAMES:
             raise InputError(f"{named(path)}: {len(names)} spot colours; at most {MOST_NAMES}")
         technical = [n for n in names if n in by_layer or is_technical(n)]
+        finishes = [n for n in finishing_plates(names, plates) if n not in technical]
+        technical += finishes
         stream, condition = output_intent(pdf, source)
         if stream is None and not has_profile and len(page.profiles) == 1:
             stream = page.profiles[0]
@@ -263,7 +267,7 @@ def examine(path: str, number: int, folder: Path, has_profile: bool) -> dict[str
         off = _switched_off(pdf, steps)
     return {
         "pages": count, "size_pt": [width, height], "unit": unit, "names": keys,
-        "technical": technical,
+        "technical": technical, "finishes": finishes, "repaired": bool(pdf.get_warnings()),
         "layers": by_layer, "alternates": looks, "profile": profile, "condition": condition,
         "cmyk": cmyk, "fonts": sorted(page.fonts), "off": off,
     }  # fmt: skip
@@ -289,13 +293,15 @@ def _switched_off(pdf: Any, steps: dict[tuple[int, int], str]) -> list[str]:
     return [printable(str(one.get("/Name", ""))) for one in off if one.objgen in steps]
 
 
-def answer(path: str, number: int, folder: Path, *, has_profile: bool) -> dict[str, Any]:
+def answer(
+    path: str, number: int, folder: Path, *, has_profile: bool, plates: list[str]
+) -> dict[str, Any]:
     """What examine finds, or 'error' with one line, whatever is wrong with the file."""
     logger = logging.getLogger("pikepdf")  # it warns of what it mends
     if not logger.handlers:
         logger.addHandler(logging.NullHandler())
     try:
-        found = examine(path, number, folder, has_profile)
+        found = examine(path, number, folder, has_profile, plates)
     except InputError as error:
         return {"error": str(error)}
     except Exception as error:
@@ -320,7 +326,11 @@ def main(words: list[str]) -> None:
     except (ImportError, ValueError, OSError):  # Windows, or a limit that is lower already
         pass
     path, number, folder, profile = words[:4]
-    print(json.dumps(answer(path, int(number), Path(folder), has_profile=profile == "profile")))
+    found = answer(
+        path, int(number), Path(folder), has_profile=profile == "profile",
+        plates=json.loads(words[5]),
+    )  # fmt: skip
+    print(json.dumps(found))
 
 
 if __name__ == "__main__":

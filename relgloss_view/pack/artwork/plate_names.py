@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
+from collections.abc import Iterable
 
 PROCESS = ("Cyan", "Magenta", "Yellow", "Black")
 #: Words of names that designers and printers give to what is no ink: English, German, French,
@@ -24,6 +25,8 @@ _WORDS = (
     "adhesive", "register", "holdout", "technical", "technik",
 )  # fmt: skip
 _TECHNICAL = frozenset(_WORDS)
+#: Systems of colours, whose names are those of inks.
+_SYSTEMS = frozenset({"pantone", "hks", "toyo", "dic", "ral", "focoltone", "trumatch"})
 #: Two words that are one, as in "Die Line", "Soft Touch", "Kiss-Cut".
 _PAIRS = frozenset({"softtouch", "dieline", "diecut", "kisscut", "thrucut", "spotuv", "cutline"})
 
@@ -40,7 +43,40 @@ def is_technical(name: str) -> bool:
     words = re.findall(r"[^\W\d_]+", spread.lower())
     joined = {a + b for a, b in itertools.pairwise(words)}
     whole = "".join(words)
-    coded = {"pantone", "hks", "toyo", "dic", "ral", "focoltone", "trumatch"} & set(words)
-    if coded:  # "PANTONE Cool White" is an ink, "Foil PANTONE 871" is none
+    if _SYSTEMS & set(words):  # "PANTONE Cool White" is an ink, "Foil PANTONE 871" is none
         return bool({"foil", "varnish", "emboss", "coldfoil", "hotfoil"} & set(words))
     return bool(_TECHNICAL & {*words, whole} or _PAIRS & joined)
+
+
+def plate_named(plates: Iterable[str], name: str) -> str | None:
+    """The plate of a name, or the only one whose name differs in case and blanks alone.
+
+    >>> plate_named(["Varnish", "VP 7"], "vp7")
+    'VP 7'
+    """
+    plates = list(plates)
+    if name in plates:
+        return name
+    alike = [other for other in plates if _folded(other) == _folded(name)]
+    return alike[0] if len(alike) == 1 else None
+
+
+def finishing_plates(plates: Iterable[str], names: Iterable[str]) -> list[str]:
+    """The plates that these names mean, in their own order, but for inks of a colour system.
+
+    A varnish may lie where PANTONE 186 C prints, which stays an ink.
+
+    >>> finishing_plates(["PANTONE 186 C", "VP7", "Red"], ["vp7", "PANTONE 186 C"])
+    ['VP7']
+    """
+    plates = list(plates)
+    meant = {plate_named(plates, name) for name in names}
+    return [one for one in plates if one in meant and not _is_coded(one)]
+
+
+def _is_coded(name: str) -> bool:
+    return bool(_SYSTEMS & set(re.findall(r"[^\W\d_]+", name.lower())))
+
+
+def _folded(name: str) -> str:
+    return "".join(name.casefold().split())

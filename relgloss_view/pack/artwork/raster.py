@@ -30,7 +30,8 @@ class Raster:
     CMYK counts upwards. alpha: (H, W) of 8 or 16 bits. premultiplied: whether the samples, as
     values of the device, are times alpha. plates: (H, W) uint8 by name. width_mm, height_mm: 0
     where the file names no resolution. inks: plates whose colour is not in the samples, each with
-    (256, 3) factors of XYZ by its digital value. coloured: plates that are inks.
+    (256, 3) factors of XYZ by its digital value. coloured: plates that are inks. finish_plates:
+    plates that are none as the options name them.
     """
 
     samples: Digital
@@ -42,6 +43,7 @@ class Raster:
     height_mm: float = 0.0
     inks: Mapping[str, Floats] = field(default_factory=dict)
     coloured: frozenset[str] = frozenset()
+    finish_plates: frozenset[str] = frozenset()
     notes: tuple[str, ...] = ()
 
     @property
@@ -156,6 +158,7 @@ def to_artwork(
         plates,
         file=file,
         coloured=raster.coloured,
+        finish_plates=raster.finish_plates,
         stamp=stamp,
         notes=tuple(notes),
     )

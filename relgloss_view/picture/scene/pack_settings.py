@@ -13,6 +13,7 @@ from relgloss_view.base.reading import printable, text
 from relgloss_view.base.toml import AUTO, build_part, plain
 from relgloss_view.pack.built_in import FINISHES, PAPERS
 from relgloss_view.pack.finish import Finish
+from relgloss_view.pack.finish_plates import with_right_plates
 from relgloss_view.pack.masks import check_masks
 from relgloss_view.pack.pack import Pack, Placement
 from relgloss_view.pack.pack_file import finish_material, read_pack
@@ -61,6 +62,7 @@ def with_pack_settings(pack: Pack, settings: Sequence[str]) -> Pack:
             raise InputError(f"--set {printable(setting, 80)}: {error}") from error
     if settings:
         check_masks(pack)
+        pack = with_right_plates(pack)
     return pack
 
 

@@ -23,6 +23,7 @@ from relgloss_view.viewer.files.open_job import Opened, OpenJob
 from relgloss_view.viewer.files.own_materials import safe_name
 from relgloss_view.viewer.files.pack_edits import MaskReader, PackWatch
 from relgloss_view.viewer.files.pack_files import ARTWORK_SUFFIXES, NO_PROFILE
+from relgloss_view.viewer.files.plate_colours import PlateColours
 from relgloss_view.viewer.files.preparation import prepare
 from relgloss_view.viewer.files.scene_saving import save_scene
 from relgloss_view.viewer.files.session_reading import SessionReading
@@ -75,6 +76,7 @@ class FileActions:
         self._session_reading: SessionReading | None = None
         self._masks = MaskReader(model, wake)
         self._watch = PackWatch(model, wake)
+        self._plates = PlateColours(model, wake)
         self._began_s = 0.0
 
     # --- the actions --------------------------------------------------------------------------
@@ -249,6 +251,7 @@ class FileActions:
         self.new_material.each_frame()
         self._masks.each_frame()
         self._watch.each_frame()
+        self._plates.each_frame()
         if self.session is not None and not self.model.coming:
             self.session.note(self.model.state)
             if self.session.due(time.monotonic()):
