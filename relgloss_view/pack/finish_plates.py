@@ -10,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.pack.artwork.artwork import Artwork
@@ -47,22 +48,24 @@ def _meant(artwork: Artwork, names: Iterable[str]) -> frozenset[str]:
     return meant & (artwork.coloured | artwork.finish_plates)
 
 
-def with_right_plates(
-    pack: Pack, progress: ProgressReport = no_progress, folder: Path | None = None
-) -> Pack:
+def with_right_plates(pack: Pack, progress: ProgressReport = no_progress) -> Pack:
     """The pack with its artwork read again where its finishes name other plates than before.
 
-    folder: in which a profile is looked for; None takes that of the pack's file. The same pack
-    where there is nothing to do, as with every artwork but a PDF. Raises InputError where the
-    artwork can't be read any more.
+    The same pack where there is nothing to do, as with every artwork but a PDF. Raises InputError
+    where the artwork can't be read any more.
     """
     from relgloss_view.pack.pack_file import open_artwork
 
     artwork, names = pack.artwork, named_plates(pack.finishes)
     if artwork is None or not artwork.file or has_right_plates(artwork, names):
         return pack
-    if folder is None:
-        folder = Path(pack.file).parent if pack.file else Path()
-    given = {**dict(pack.artwork_entries), "finish_plates": names}
-    read = open_artwork(Path(artwork.file), given, folder, progress)
+    read = open_artwork(Path(artwork.file), how_read(pack), Path(), progress)
     return dataclasses.replace(pack, artwork=read)
+
+
+def how_read(pack: Pack) -> dict[str, Any]:
+    """How a pack's artwork is to be read again, wherever its entries were written."""
+    given = {**dict(pack.artwork_entries), "finish_plates": named_plates(pack.finishes)}
+    if pack.artwork is not None and pack.artwork.profile_file:
+        given["profile"] = pack.artwork.profile_file
+    return given

@@ -108,7 +108,7 @@ def pack_of_tables(
         **{key: table[key] for key in ("colour", "measured") if key in table},
     )
     check_masks(pack)
-    return with_right_plates(pack, progress, folder)
+    return with_right_plates(pack, progress)
 
 
 def _check_entries(table: Mapping[str, Any], names: tuple[str, ...], place: str) -> None:

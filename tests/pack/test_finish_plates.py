@@ -2,6 +2,7 @@
 
 import dataclasses
 import shutil
+import tomllib
 from pathlib import Path
 
 import artwork_files as files
@@ -12,7 +13,7 @@ from relgloss_view.pack.artwork.options import ArtworkOptions
 from relgloss_view.pack.artwork.profile import read_profile
 from relgloss_view.pack.artwork.read import read_artwork
 from relgloss_view.pack.finish_plates import has_right_plates, with_right_plates
-from relgloss_view.pack.pack_file import open_artwork, read_pack, write_pack
+from relgloss_view.pack.pack_file import open_artwork, pack_of_tables, read_pack, write_pack
 from relgloss_view.pack.quick import quick_pack
 from relgloss_view.picture.scene.pack_settings import with_pack_settings
 
@@ -93,6 +94,18 @@ def test_settings_take_the_colour_out_and_put_it_back(folder):
     assert with_pack_settings(pack, ["finish.top.k=2"]).artwork is pack.artwork
     write_pack(folder / "b.toml", moved)
     assert read_pack(folder / "b.toml").artwork is moved.artwork
+
+
+def test_a_profile_beside_a_scene_is_found_again(folder, monkeypatch):
+    """A pack inside a scene has no file of its own, and its profile lies beside the scene."""
+    files.pdf(folder / "a.pdf", CONTENT, SPOTS, size=(80, 40))
+    (folder / "p.icc").write_bytes(CMYK.read_bytes())
+    text = PACK.format(plate="Rot", kind="varnish", material="matt-varnish")
+    tables = tomllib.loads(text.replace("dpi = 36", 'dpi = 36\nprofile = "p.icc"'))
+    monkeypatch.chdir("/")
+    pack = pack_of_tables(tables, folder)
+    moved = with_pack_settings(pack, ["finish.top.mask=plate:VP7"])
+    assert moved.artwork.finish_plates == {"VP7"}
 
 
 def test_a_name_that_means_a_finish_to_a_pack_alone(tmp_path):

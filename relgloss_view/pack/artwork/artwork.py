@@ -24,7 +24,8 @@ class Artwork:
     uint8, 255 where all of the plate prints; the process plates are not among them.
     coloured: the plates that are inks, whose colour `xyz` holds already. finish_plates: the plates
     that would be inks by their names and print no colour, as the options name them.
-    file: it was read from. stamp: of the file when it was read, to notice that it was edited.
+    file: it was read from. profile_file: of the options that it was read with, or ''.
+    stamp: of the file when it was read, to notice that it was edited.
     notes: of reading, one sentence each: profile, resampling, what was left out.
 
     >>> Artwork(np.ones((20, 40, 3), np.float16), width_mm=80.0, height_mm=40.0).size_px
@@ -37,6 +38,7 @@ class Artwork:
     alpha: Halves | None = None
     plates: Mapping[str, Bytes] = field(default_factory=dict)
     file: str = ""
+    profile_file: str = ""
     coloured: frozenset[str] = frozenset()
     finish_plates: frozenset[str] = frozenset()
     stamp: tuple[int, int] = (0, 0)  #: time of its last change, ns, and bytes

@@ -157,6 +157,7 @@ def to_artwork(
         alpha,
         plates,
         file=file,
+        profile_file=options.profile,
         coloured=raster.coloured,
         finish_plates=raster.finish_plates,
         stamp=stamp,

@@ -178,7 +178,7 @@ def read_again(pack: Pack, path: str, before: Pack) -> Pack:
     mask. before: the pack as its file held it. Raises InputError where the file can't be read, or
     what it holds does not serve the pack's finishes.
     """
-    from relgloss_view.pack.finish_plates import named_plates
+    from relgloss_view.pack.finish_plates import how_read
     from relgloss_view.pack.layers import layers_of
     from relgloss_view.pack.mask_file import read_mask
     from relgloss_view.pack.masks import check_masks
@@ -189,9 +189,7 @@ def read_again(pack: Pack, path: str, before: Pack) -> Pack:
         layers_of(merged(before, made, pack))
         return made
     if pack.artwork is not None and path == pack.artwork.file:
-        folder = Path(pack.file).parent if pack.file else Path()
-        how = {**dict(pack.artwork_entries), "finish_plates": named_plates(pack.finishes)}
-        artwork = open_artwork(Path(path), how, folder)
+        artwork = open_artwork(Path(path), how_read(pack), Path())
         made = dataclasses.replace(pack, artwork=artwork)
     elif path == pack.shape.file:  # whoever draws the form takes its mesh from the file
         made = pack
