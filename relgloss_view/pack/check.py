@@ -12,6 +12,7 @@ from relgloss_view.base.arrays import Array, Bytes
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable, read_beginning
 from relgloss_view.material.spectra import D65_XY, SRGB_PRIMARIES_XY, illuminant, rgb_to_xyz_matrix
+from relgloss_view.pack.artwork.artwork import REPAIRED
 from relgloss_view.pack.label import label_of
 from relgloss_view.pack.layers import layers_of
 from relgloss_view.pack.masks import CHANNEL, PART, PLATE, mask_of, plate_of
@@ -113,6 +114,7 @@ def check_pack(pack: Pack, picture_px_per_mm: float) -> PackCheck:
         outside = outside_srgb(paint[..., :3].astype(np.float64), paint[..., 3].astype(np.float64))
         density = artwork.size_px[0] / (artwork.width_mm * pack.placement.scale)
         fonts = _fonts(pack)
+        warnings += [REPAIRED] if REPAIRED in artwork.notes else []
         if any(label.printed):
             warnings += _sizes(pack, label_mm, label.around)
         else:
@@ -134,6 +136,7 @@ def check_pack(pack: Pack, picture_px_per_mm: float) -> PackCheck:
     if fonts:
         names = printable(", ".join(fonts), 120)
         warnings.append(f"Fonts that are not embedded in the PDF: {names}; outline the text.")
+    notes = (*pack.notes, *(() if artwork is None else artwork.notes), *layers.notes)
     return PackCheck(
         pack.name,
         pack.shape.kind,
@@ -149,7 +152,7 @@ def check_pack(pack: Pack, picture_px_per_mm: float) -> PackCheck:
         overlaps,
         outside,
         fonts,
-        (*pack.notes, *(() if artwork is None else artwork.notes), *layers.notes),
+        tuple(note for note in notes if note != REPAIRED),
         tuple(warnings),
     )
 

@@ -9,13 +9,16 @@ import artwork_files as files
 import numpy as np
 import pytest
 
+from relgloss_view.pack.artwork.artwork import REPAIRED
 from relgloss_view.pack.artwork.options import ArtworkOptions
 from relgloss_view.pack.artwork.profile import read_profile
 from relgloss_view.pack.artwork.read import read_artwork
+from relgloss_view.pack.check import check_pack
 from relgloss_view.pack.finish_plates import has_right_plates, with_right_plates
 from relgloss_view.pack.pack_file import open_artwork, pack_of_tables, read_pack, write_pack
 from relgloss_view.pack.quick import quick_pack
 from relgloss_view.picture.scene.pack_settings import with_pack_settings
+from relgloss_view.viewer.state.packs import artwork_words
 
 CMYK = Path("/usr/share/color/icc/ghostscript/default_cmyk.icc")
 SPOTS = {
@@ -144,8 +147,11 @@ def test_pictures_are_read_once_whatever_finishes_name(tmp_path):
 
 def test_a_pdf_that_was_repaired_gets_a_note(folder):
     artwork = read_artwork(folder / "a.pdf", ArtworkOptions(dpi=36.0))
-    assert not any("repaired" in note for note in artwork.notes)
+    assert REPAIRED not in artwork.notes
     whole = (folder / "a.pdf").read_bytes()
     (folder / "b.pdf").write_bytes(whole[: whole.rindex(b"xref")])
-    repaired = read_artwork(folder / "b.pdf", ArtworkOptions(dpi=36.0))
-    assert any("damaged and was repaired" in note for note in repaired.notes)
+    pack = quick_pack(folder / "b.pdf", given={"dpi": 36.0})
+    found = check_pack(pack, 4.0)
+    assert REPAIRED in found.warnings
+    assert REPAIRED not in found.notes
+    assert REPAIRED in artwork_words(pack)

@@ -11,6 +11,8 @@ import numpy.typing as npt
 from relgloss_view.base.arrays import Bytes
 
 Halves = npt.NDArray[np.float16]
+#: The note of a file of which parts may be missing.
+REPAIRED = "The PDF is damaged and was repaired: parts may be missing, so check it."
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,6 +26,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import decoding, named, open_regular, printable, read_beginning
 from relgloss_view.base.temporaries import scratch_folder
 from relgloss_view.base.terminal import ProgressReport, no_progress
+from relgloss_view.pack.artwork.artwork import REPAIRED
 from relgloss_view.pack.artwork.ghostscript import WAITING, Renderer, allowed_s, ghostscript
 from relgloss_view.pack.artwork.options import ArtworkOptions
 from relgloss_view.pack.artwork.pictures import gray_of, profile_of_file, quiet_pillow
@@ -242,7 +243,7 @@ def _rendered(
 def _notes(page: dict[str, Any], profile: Profile | None) -> list[str]:
     notes = []
     if page["repaired"]:
-        notes.append("The PDF is damaged and was repaired: parts may be missing, so check it.")
+        notes.append(REPAIRED)
     if page["pages"] > 1:
         notes.append(f"The PDF has {page['pages']} pages; one is read (entry page).")
     if profile is not None:

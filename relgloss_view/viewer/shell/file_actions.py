@@ -35,7 +35,7 @@ from relgloss_view.viewer.panels.own_dialog import Question
 from relgloss_view.viewer.state.command_line import snapshot_command
 from relgloss_view.viewer.state.matching import as_displayed
 from relgloss_view.viewer.state.model import Model
-from relgloss_view.viewer.state.packs import missing_plates, within_memory
+from relgloss_view.viewer.state.packs import artwork_words, missing_plates, within_memory
 from relgloss_view.viewer.state.session import Autosave
 from relgloss_view.viewer.state.state import State
 
@@ -384,9 +384,7 @@ class FileActions:
             model.report(f"{name} is the form now; the panel {'Pack' if pack else 'Scene'} has it")
             return
         else:
-            made = opened.artwork
-            plates = () if made is None or made.artwork is None else tuple(made.artwork.plates)
-            words = f"; plates: {', '.join(plates)}" if plates else ""
+            words = "" if opened.artwork is None else artwork_words(opened.artwork)
             model.report(f"{name} is the artwork of the {side} picture now{words}")
         missing = () if pack is None else missing_plates(pack)
         if missing:

@@ -256,6 +256,17 @@ def within_memory(states: list[State]) -> int:
     return len(states)
 
 
+def artwork_words(pack: Pack) -> str:
+    """What a line on a new artwork should hold beside its name: plates, and whether it is whole."""
+    from relgloss_view.pack.artwork.artwork import REPAIRED
+
+    artwork = pack.artwork
+    if artwork is None:
+        return ""
+    words = f"; plates: {', '.join(artwork.plates)}" if artwork.plates else ""
+    return f"{words}. {REPAIRED}" if REPAIRED in artwork.notes else words
+
+
 def missing_plates(pack: Pack) -> tuple[str, ...]:
     """Names of the plates that finishes of a pack need and that its artwork does not have."""
     have = set() if pack.artwork is None else set(pack.artwork.plates)
