@@ -50,7 +50,7 @@ class PlateColours:
                 return
 
     def _begin(self, wanted: _Reading, pack: Pack) -> None:
-        self._model.report(f"{_changed(wanted)}; the artwork is read again")
+        self._model.report(f"The artwork is read again, {_changed(wanted)}")
         self._worker.start(wanted, lambda: _read(pack))
 
     def _take(self, wanted: _Reading, made: Pack | None, fault: str) -> None:
@@ -69,7 +69,7 @@ class PlateColours:
             return dataclasses.replace(pack, artwork=artwork)
 
         model.history.amend_all(lambda state: packs.with_everywhere(state, change))
-        model.report(_changed(wanted))
+        model.report(f"The artwork is shown {_changed(wanted)}")
 
 
 def _wanted(pack: Pack) -> _Reading | None:
@@ -89,15 +89,14 @@ def _changed(wanted: _Reading) -> str:
     """What the artwork that was asked for differs in, in words."""
     before = wanted.artwork.finish_plates
     texts = [
-        f"{'plates' if len(names) > 1 else 'plate'} {printable(', '.join(sorted(names)), 80)} {how}"
-        for names, how in (
-            (wanted.plates - before, "without colour, as a finish names it"),
-            (before - wanted.plates, "with colour again"),
+        f"{kind} of {printable(', '.join(sorted(names)), 80)}"
+        for names, kind in (
+            (wanted.plates - before, "without the colour"),
+            (before - wanted.plates, "with the colour"),
         )
         if names
     ]
-    words = " and ".join(texts)
-    return words[:1].upper() + words[1:]
+    return " and ".join(texts)
 
 
 def _read(pack: Pack) -> Pack:
