@@ -129,4 +129,8 @@ def test_steps_on_the_label_are_those_of_the_next_rays(monkeypatch, kind):
         same &= (here.hit.face == other.hit.face) & (here.hit.face == (4 if kind == "box" else 0))
         assert np.sum(same) > 100
         taken = (other.hit.surface_m - here.hit.surface_m) / h
-        assert np.allclose(step[same], taken[same], rtol=2e-3, atol=1e-7)
+        # Of triangles the plane is that of the shading normal, up to half a facet of half a degree
+        # off: 0.0044 tan(70 degrees) of a step where the surface is seen that obliquely.
+        limit = 1.2e-2 if mesh else 2e-3
+        size = np.linalg.norm(taken[same], axis=-1)
+        assert np.all(np.linalg.norm(step[same] - taken[same], axis=-1) < limit * size + 1e-7)
