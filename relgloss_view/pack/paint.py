@@ -23,8 +23,7 @@ from relgloss_view.material.spectra import (
     rgb_to_xyz_matrix,
     white_from_xy,
 )
-
-D50_WHITE = np.array([0.9642, 1.0, 0.8249])  #: of ICC profiles (ICC.1:2022)
+from relgloss_view.pack.artwork.profile import D50 as D50_WHITE
 
 
 @lru_cache(maxsize=1)
