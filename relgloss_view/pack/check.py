@@ -12,11 +12,11 @@ from relgloss_view.base.arrays import Array, Bytes
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable, read_beginning
 from relgloss_view.material.spectra import D65_XY, SRGB_PRIMARIES_XY, rgb_to_xyz_matrix
+from relgloss_view.pack.artwork.profile import D50
 from relgloss_view.pack.label import SAME_GIRTH, label_of
 from relgloss_view.pack.layers import layers_of
 from relgloss_view.pack.masks import CHANNEL, PART, PLATE, mask_of, plate_of
 from relgloss_view.pack.pack import Pack
-from relgloss_view.pack.paint import D50_WHITE
 from relgloss_view.pack.quick import plates_without_finish
 
 EMPTY = 1e-4  #: a mask that covers less of the artwork is empty
@@ -236,7 +236,7 @@ def outside_srgb(xyz: Array, alpha: Array) -> float:
         return 0.0
     colour = xyz[printed] / alpha[printed][:, None]
     matrix = rgb_to_xyz_matrix(SRGB_PRIMARIES_XY, D65_XY)
-    colour = colour / D50_WHITE * matrix.sum(axis=1)
+    colour = colour / D50 * matrix.sum(axis=1)
     rgb = colour @ np.linalg.inv(matrix).T
     return float(np.mean(np.any((rgb < -GAMUT) | (rgb > 1.0 + GAMUT), axis=-1)))
 

@@ -123,7 +123,12 @@ def test_a_link_out_of_the_folder_is_not_followed(tmp_path):
         read_mesh(folder / "a.gltf")
     (folder / "a.bin").unlink()
     (folder / "a.bin").write_bytes(TRIANGLE.tobytes())
-    assert len(read_mesh(folder / "a.gltf").triangles) == 1
+    first = read_mesh(folder / "a.gltf")
+    assert len(first.triangles) == 1
+    assert read_mesh(folder / "a.gltf") is first
+    (folder / "a.bin").write_bytes((2.0 * TRIANGLE).tobytes())  # its buffer alone is another
+    os.utime(folder / "a.bin", ns=(1, 1))
+    assert read_mesh(folder / "a.gltf").half_extent_m[0] == pytest.approx(0.1)
 
 
 def test_a_mesh_is_read_once_until_its_file_changes(tmp_path):

@@ -114,6 +114,7 @@ def profile_for(
             raise InputError(
                 f"{named(options.profile)}: this profile is of {profile.space}; give one of CMYK"
             )
+        notes.append(f"The given profile is of {profile.space}, so it is left out.")
     if space == "CMYK":
         raise InputError(
             f"{named(path)}: CMYK without a profile; name the ICC profile of its printing "
