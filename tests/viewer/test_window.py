@@ -131,7 +131,7 @@ def tunes_the_scene(hand, found):
             hand.ctx.item_input_value(f"{SCENE}/##{label_of(owner, name)}", 12.5)
             hand.frames(1)
             found[f"{part}.{name}"] = getattr(model.state.part(part), name)
-    sizes = [f.name for f in dataclasses.fields(Shape) if f.name != "kind"]
+    sizes = [f.name for f in dataclasses.fields(Shape) if "range" in f.metadata]
     for kind in SHAPES:
         hand.choose(f"{SCENE}/##{label_of(Shape, 'kind')}", kind)
         hand.frames(2)
@@ -526,6 +526,8 @@ def test_every_slider_of_the_scene_sets_its_entry(found):
         "plane": ["plane", "height_m", "width_m"],
         "box": ["box", "height_m", "width_m", "depth_m"],
     }
+    assert got.pop("lamp.radius_m") == 10.0  # the ends of their ranges
+    assert got.pop("lamp.ambient") == 1.0
     assert len(got) == 12
     assert set(got.values()) == {12.5}
 
