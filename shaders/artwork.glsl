@@ -1,6 +1,6 @@
 // What is printed at a place of the label, averaged over the pixel: probes along the longer axis of its
 // footprint, each in two mip levels. Twins: relgloss_view/picture/model/texture.py and surface.py.
-// Constants: FINISHES, CHANNELS, and from the pack's layers LOBE_CHANNELS, PAINT_CHANNELS (by finish: the channel
+// Constants: FINISHES, CHANNELS, and from the pack's layers LOBE_CHANNELS, BODY_CHANNELS (by finish: the channel
 // of its share, SHARE_REST or SHARE_ZERO), OUTSIDE_LOBES, OUTSIDE_DIFFUSE (the finish where no artwork is).
 
 const float MOST_LEVELS = 16.0;
@@ -36,7 +36,7 @@ const int USED = CHANNELS > 0 ? CHANNELS : 1;
 const int SHARE_REST = -1;
 const int SHARE_ZERO = -2;
 const int LOBE_CHANNEL[FINISHES] = int[FINISHES](LOBE_CHANNELS);
-const int PAINT_CHANNEL[FINISHES] = int[FINISHES](PAINT_CHANNELS);
+const int BODY_CHANNEL[FINISHES] = int[FINISHES](BODY_CHANNELS);
 
 // What is filtered: colours, channels of the shares, and how much of the pixel the artwork covers.
 struct Texels {
@@ -159,7 +159,7 @@ Print print_at(vec2 label_m, vec4 turns, bool found, int part) {
     float diffuse_rest = texels.inner;
     for (int k = 0; k < FINISHES; ++k) {
         rest -= channel_of(LOBE_CHANNEL[k], texels);
-        diffuse_rest -= channel_of(PAINT_CHANNEL[k], texels);
+        diffuse_rest -= channel_of(BODY_CHANNEL[k], texels);
     }
     rest = max(rest, 0.0);
     diffuse_rest = max(diffuse_rest, 0.0);
@@ -168,7 +168,7 @@ Print print_at(vec2 label_m, vec4 turns, bool found, int part) {
     for (int k = 0; k < 4; ++k) print.shares[k] = vec4(0.0);
     for (int k = 0; k < FINISHES; ++k) {
         float lobes = share_of(LOBE_CHANNEL[k], rest, k == OUTSIDE_LOBES, texels);
-        float diffuse = share_of(PAINT_CHANNEL[k], diffuse_rest, k == OUTSIDE_DIFFUSE, texels);
+        float diffuse = share_of(BODY_CHANNEL[k], diffuse_rest, k == OUTSIDE_DIFFUSE, texels);
         lobes = cover.y < 0.0 ? lobes : float(k) == cover.y ? 1.0 : 0.0;
         diffuse = cover.z < 0.0 ? diffuse : float(k) == cover.z ? 1.0 : 0.0;
         print.shares[k / 4][k % 4] = lobes;

@@ -1,5 +1,5 @@
 // An analytic shape with finishes: the label's place of a point, and its gradients along the surface.
-// Twin: relgloss_view/picture/model/sight.py.
+// Twin: relgloss_view/picture/model/surface.py `_gradients`.
 
 Sight sight_through(vec3 start, vec3 ray) {
     Hit hit = meet(SHAPE, start, ray, half_extent_m);

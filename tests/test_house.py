@@ -179,7 +179,7 @@ class TestShaders:
         defines["OVERLAY"] = 3
         if stage == "surface.frag":
             defines |= {"SHAPE": 4, "FINISHES": 2, "CHANNELS": 2, "INK_SECOND": 1, "MESH_WIDE": 64}
-            defines |= {"LOBE_CHANNELS": "-1, 4", "PAINT_CHANNELS": "-1, -2"}
+            defines |= {"LOBE_CHANNELS": "-1, 4", "BODY_CHANNELS": "-1, -2"}
             defines |= {"OUTSIDE_LOBES": 0, "OUTSIDE_DIFFUSE": 0}
         file = tmp_path / stage
         file.write_text(ShaderSource(stage, defines).text, encoding="utf-8")

@@ -11,9 +11,10 @@ import numpy as np
 from relgloss_view.base.arrays import Array, Bytes
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable, read_beginning
-from relgloss_view.material.spectra import D65_XY, SRGB_PRIMARIES_XY, illuminant, rgb_to_xyz_matrix
+from relgloss_view.material.spectra import D65_XY, SRGB_PRIMARIES_XY, rgb_to_xyz_matrix
 from relgloss_view.pack.artwork.artwork import REPAIRED
-from relgloss_view.pack.label import label_of
+from relgloss_view.pack.artwork.profile import D50
+from relgloss_view.pack.label import SAME_GIRTH, label_of
 from relgloss_view.pack.layers import layers_of
 from relgloss_view.pack.masks import CHANNEL, PART, PLATE, mask_of, plate_of
 from relgloss_view.pack.pack import Pack
@@ -22,7 +23,6 @@ from relgloss_view.pack.quick import plates_without_finish
 EMPTY = 1e-4  #: a mask that covers less of the artwork is empty
 OVERLAP = 1e-3  #: of the artwork, that is worth a line
 SHORT_MM = 1.0  #: that the artwork may lack at an edge of the label
-WRAP = 0.002  #: an artwork that differs less from the girth joins without a seam
 GAMUT = 1e-3  #: linear light by which a colour may leave 0 to 1
 MANY_OUTSIDE = 0.02  #: of the artwork, that is worth a line
 MOST_TEXELS = 1 << 20  #: that the shares are taken of
@@ -239,7 +239,7 @@ def outside_srgb(xyz: Array, alpha: Array) -> float:
         return 0.0
     colour = xyz[printed] / alpha[printed][:, None]
     matrix = rgb_to_xyz_matrix(SRGB_PRIMARIES_XY, D65_XY)
-    colour = colour / illuminant("D50").white_xyz() * matrix.sum(axis=1)
+    colour = colour / D50 * matrix.sum(axis=1)
     rgb = colour @ np.linalg.inv(matrix).T
     return float(np.mean(np.any((rgb < -GAMUT) | (rgb > 1.0 + GAMUT), axis=-1)))
 
@@ -257,7 +257,7 @@ def _sizes(pack: Pack, label_mm: tuple[float, float], around: bool) -> list[str]
     for (word, size), whole, offset in zip(names, label_mm, offsets, strict=True):
         if around and word == "width":
             # A net of sharp edges is longer than the rounded carton, and the seam lies at an edge.
-            allowed = SHORT_MM / whole if pack.shape.kind == "carton" else WRAP
+            allowed = SHORT_MM / whole if pack.shape.kind == "carton" else SAME_GIRTH
             if abs(size / whole - 1.0) > allowed:
                 more = "overlaps itself" if size > whole else "leaves a gap"
                 lines.append(

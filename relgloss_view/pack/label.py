@@ -15,6 +15,8 @@ ANALYTIC_PARTS: dict[str, tuple[str, ...]] = {
     "box": ("right", "left", "top", "bottom", "front", "back"),
 }
 _PRINTED = ("side", "body", "front")
+#: An artwork whose width is within this share of the girth goes around without a seam.
+SAME_GIRTH = 0.002
 
 
 class Label(NamedTuple):

@@ -7,9 +7,9 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.material.material import Material
 from relgloss_view.material.spectra import illuminant
-from relgloss_view.pack.pack import Pack
+from relgloss_view.pack.pack import MEASURED, Pack
 
-BODY, AT_45_0 = "body", "45-0"
+_, AT_45_0 = MEASURED
 #: Less than the steps of an 8-bit artwork: nothing is subtracted.
 NOTHING = 1e-4
 

@@ -23,8 +23,7 @@ from relgloss_view.material.spectra import (
     rgb_to_xyz_matrix,
     white_from_xy,
 )
-
-D50_WHITE = np.array([0.9642, 1.0, 0.8249])  #: of ICC profiles (ICC.1:2022)
+from relgloss_view.pack.artwork.profile import D50
 
 
 @lru_cache(maxsize=1)
@@ -34,7 +33,7 @@ def paint_from_rgb() -> Array:
     >>> (paint_from_rgb() @ np.ones(3)).round(6).tolist()
     [0.9642, 1.0, 0.8249]
     """
-    responses = (BRADFORD @ D50_WHITE) / (BRADFORD @ white_from_xy(D65_XY))
+    responses = (BRADFORD @ D50) / (BRADFORD @ white_from_xy(D65_XY))
     adapted = np.linalg.solve(BRADFORD, responses[:, None] * BRADFORD)
     matrix = np.asarray(adapted @ rgb_to_xyz_matrix(SRGB_PRIMARIES_XY, D65_XY))
     matrix.setflags(write=False)
@@ -47,12 +46,12 @@ def paint_matrix(colour: str, lamp: Illuminant) -> Array:
     colour: one of pack.COLOUR_RULES.
 
     >>> from relgloss_view.material.spectra import illuminant
-    >>> white = paint_matrix("lab", illuminant("A")) @ D50_WHITE
+    >>> white = paint_matrix("lab", illuminant("A")) @ D50
     >>> bool(np.allclose(white, illuminant("A").white_xyz()))
     True
     """
     if colour == "lab":
-        return np.diag(lamp.white_xyz() / D50_WHITE)
+        return np.diag(lamp.white_xyz() / D50)
     wavelengths, basis = _mallett_yuksel()
     grid, weights = lamp.weighted_observer
     spectra = np.stack([np.interp(grid, wavelengths, column) for column in basis.T])

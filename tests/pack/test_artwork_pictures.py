@@ -8,7 +8,7 @@ import zlib
 import artwork_files as files
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, ImageCms
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.terminal import no_progress
@@ -105,6 +105,18 @@ def test_cmyk_of_a_jpeg_is_upright_with_and_without_the_mark_of_adobe(tmp_path):
     assert np.abs(upside.astype(int) - (255 - ink)).max() <= 2
     with pytest.raises(InputError, match=r"CMYK without a profile; .*--profile FILE.icc"):
         read.read_artwork(tmp_path / "a.jpg")
+
+
+def test_a_given_profile_of_another_space_is_named(tmp_path):
+    rgb = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
+    (tmp_path / "rgb.icc").write_bytes(rgb)
+    Image.new("L", (4, 4), 128).save(tmp_path / "gray.png")
+    Image.new("RGB", (4, 4), 128).save(tmp_path / "rgb.png")
+    options = ArtworkOptions(profile=str(tmp_path / "rgb.icc"))
+    notes = [
+        " ".join(read.read_artwork(tmp_path / f, options).notes) for f in ("gray.png", "rgb.png")
+    ]
+    assert ["profile is of RGB, so it is left out" in text for text in notes] == [True, False]
 
 
 @pytest.mark.parametrize("orientation", range(1, 9))

@@ -46,6 +46,8 @@ PLY = (
     b"ply\nformat %s 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
     b"element face %d\nproperty list uchar int vertex_indices\nend_header\n"
 )
+BINARY = b"binary_little_endian"
+POLYGONS = PLY.replace(b"%s", BINARY).replace(b"vertex 3", b"vertex 4").replace(b"int", b"uchar")
 THREE = b"v 0 0 0\nv .1 0 0\nv 0 .1 0\n"
 #: Files that make no mesh, with words of the one line that each gives.
 REFUSED = {
@@ -81,8 +83,13 @@ REFUSED = {
     "lines.obj": (b"\n" * 3_000_000, "lines"),
     "count.ply": (PLY % (b"binary_little_endian", 10**8), "more than 500000 triangles"),
     "short.ply": (PLY % (b"binary_little_endian", 9) + TRIANGLE.tobytes(), "ends before"),
+    "corners.ply": (
+        POLYGONS % 3000 + bytes(48) + (bytes([255]) + bytes(k % 4 for k in range(255))) * 3000,
+        "more than 500000 triangles"),
+    "words.ply": (POLYGONS.replace(BINARY, b"ascii") % 1 + b" " * 25_000_000, "numbers"),
     "header.ply": (b"ply\nelement vertex x\nend_header\n", "no line of PLY"),
     "count.stl": (b"x" * 80 + struct.pack("<I", 10**8) + bytes(50), "ends before"),
+    "count-of-text.stl": (b"solid\nfacet\n" + b"Vertex 0 0 0\n" * 1_500_001, "more than 500000"),
     "empty.glb": (b"", "no header"),
     "a.txt": (b"", "expected a mesh"),
 }  # fmt: skip
@@ -116,7 +123,12 @@ def test_a_link_out_of_the_folder_is_not_followed(tmp_path):
         read_mesh(folder / "a.gltf")
     (folder / "a.bin").unlink()
     (folder / "a.bin").write_bytes(TRIANGLE.tobytes())
-    assert len(read_mesh(folder / "a.gltf").triangles) == 1
+    first = read_mesh(folder / "a.gltf")
+    assert len(first.triangles) == 1
+    assert read_mesh(folder / "a.gltf") is first
+    (folder / "a.bin").write_bytes((2.0 * TRIANGLE).tobytes())  # its buffer alone is another
+    os.utime(folder / "a.bin", ns=(1, 1))
+    assert read_mesh(folder / "a.gltf").half_extent_m[0] == pytest.approx(0.1)
 
 
 def test_a_mesh_is_read_once_until_its_file_changes(tmp_path):

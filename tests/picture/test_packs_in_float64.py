@@ -19,9 +19,10 @@ from relgloss_view.material.spectra import (
     rgb_to_xyz_matrix,
 )
 from relgloss_view.pack.artwork.artwork import Artwork
+from relgloss_view.pack.artwork.profile import D50
 from relgloss_view.pack.finish import Finish
 from relgloss_view.pack.pack import Pack, Placement
-from relgloss_view.pack.paint import D50_WHITE, paint_from_rgb, paint_matrix
+from relgloss_view.pack.paint import paint_from_rgb, paint_matrix
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.model.difference import delta_e_2000
 from relgloss_view.picture.model.tone import DisplayModel
@@ -35,7 +36,7 @@ SIZE = (48, 48)
 
 
 def artwork_of(lab, plates=None, alpha=None, size=(8, 8), side_mm=60.0):
-    xyz = np.broadcast_to(xyz_from_lab(np.array(lab), D50_WHITE), (*size, 3))
+    xyz = np.broadcast_to(xyz_from_lab(np.array(lab), D50), (*size, 3))
     alpha = None if alpha is None else np.full(size, alpha, dtype=np.float16)
     xyz = (xyz if alpha is None else xyz * alpha[..., None]).astype(np.float16)
     return Artwork(xyz, side_mm, side_mm, alpha, plates or {})
@@ -160,10 +161,10 @@ def test_three_finishes_at_a_point_by_hand():
     assert np.allclose(frame.specular[row, column], arriving * specular, rtol=1e-5)
 
     first, second = brdf.oren_nayar(f, np.radians(20.0))
-    printed = 0.75 * xyz_from_lab(np.array((60.0, 30.0, 20.0)), D50_WHITE)
+    printed = 0.75 * xyz_from_lab(np.array((60.0, 30.0, 20.0)), D50)
     gray = 0.25 * light.white_xyz()
     linear = np.linalg.solve(paint_from_rgb(), printed / 0.75)
-    scale = light.white_xyz() / D50_WHITE
+    scale = light.white_xyz() / D50
     albedo = printed * scale + gray * 0.5
     squared = 0.75 * (paint_from_rgb() @ linear**2) * scale + gray * 0.25
     foil = 0.1 / np.pi * light.white_xyz()
@@ -215,7 +216,7 @@ def test_no_seam_where_the_artwork_is_as_wide_as_the_girth():
     shape = Shape()
     girth_mm = 1e3 * np.pi * shape.diameter_m
     wave = 0.4 + 0.3 * np.cos(4.0 * np.pi * (np.arange(256) + 0.5) / 256)
-    xyz = np.broadcast_to((wave[:, None] * D50_WHITE)[None], (4, 256, 3)).astype(np.float16)
+    xyz = np.broadcast_to((wave[:, None] * D50)[None], (4, 256, 3)).astype(np.float16)
 
     def ripple(width_mm):
         artwork = Artwork(xyz, width_mm, 100.0)
@@ -229,7 +230,7 @@ def test_no_seam_where_the_artwork_is_as_wide_as_the_girth():
 
 def test_a_placement_moves_turns_and_scales():
     """A dot of the artwork lies where the placement puts it, by millimetres on the label."""
-    xyz = np.full((61, 61, 3), 1.0) * D50_WHITE
+    xyz = np.full((61, 61, 3), 1.0) * D50
     xyz[30 - 20, 30 + 10] = 0.0  # 10 mm right of the artwork's centre and 20 mm up
     artwork = Artwork(xyz.astype(np.float16), 61.0, 61.0)
     place = Placement(offset_x_mm=4.0, offset_y_mm=-3.0, turn_deg=90.0, scale=0.5)

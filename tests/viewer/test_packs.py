@@ -417,6 +417,10 @@ def test_a_plate_becomes_a_finish_below_the_varnishes(pack):
     assert (name, foil.finish(name).kind) == ("Lack 1", "foil")
     assert [one.name for one in foil.finishes][-2:] == ["Lack 1", "Varnish"]
     assert packs.free_plates(foil) == ()
+    folded = foil.with_finish("Lack 1", mask="plate:lack1")  # as masks name it, so is it tied
+    assert (packs.free_plates(folded), packs.missing_plates(folded)) == ((), ())
+    other = foil.with_finish("Lack 1", mask="plate:Lack 2")  # the control
+    assert (packs.free_plates(other), packs.missing_plates(other)) == (("Lack 1",), ("Lack 2",))
     varnish, _ = packs.with_plate(pack, "Lack 1", "soft-touch")
     assert varnish.finishes[-1].name == "Lack 1"
 

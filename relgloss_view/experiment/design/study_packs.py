@@ -86,7 +86,8 @@ def pack_digest(pack: Pack) -> str:
     if pack.shape.kind == "mesh":
         mesh = forms.mesh_of(pack.shape)
         assert mesh is not None
-        for array in (mesh.points_m, mesh.normals, mesh.triangles, mesh.label_m):
+        digest.update(json.dumps([mesh.parts, mesh.printed]).encode("utf-8"))
+        for array in (mesh.points_m, mesh.normals, mesh.triangles, mesh.label_m, mesh.part):
             digest.update(b"mesh" + array.tobytes())
     for file in _files(pack):
         data = read_bytes(file, MOST_BYTES, "a file of a pack")

@@ -114,6 +114,7 @@ def profile_for(
             raise InputError(
                 f"{named(options.profile)}: this profile is of {profile.space}; give one of CMYK"
             )
+        notes.append(f"The given profile is of {profile.space}, so it is left out.")
     if space == "CMYK":
         raise InputError(
             f"{named(path)}: CMYK without a profile; name the ICC profile of its printing "
@@ -144,40 +145,41 @@ def gray_of(rgb: Profile) -> Profile:
 def quiet_pillow() -> Iterator[None]:
     """Pillow without its own limit of pixels, which check_size holds, and without its warnings.
 
-    libtiff prints on standard error itself, so that is turned away meanwhile.
+    libtiff prints on standard error itself, so that is turned away meanwhile. All of it belongs to
+    the process, so one thread at a time has it.
     """
     from PIL import Image
 
     logger = logging.getLogger("PIL")
     if not logger.handlers:
         logger.addHandler(logging.NullHandler())
-    most = Image.MAX_IMAGE_PIXELS
-    Image.MAX_IMAGE_PIXELS = None
-    try:
-        with warnings.catch_warnings(), _quiet_libraries():
-            warnings.simplefilter("ignore")
-            yield
-    finally:
-        Image.MAX_IMAGE_PIXELS = most
+    with _SILENCE:
+        most = Image.MAX_IMAGE_PIXELS
+        Image.MAX_IMAGE_PIXELS = None
+        try:
+            with warnings.catch_warnings(), _quiet_libraries():
+                warnings.simplefilter("ignore")
+                yield
+        finally:
+            Image.MAX_IMAGE_PIXELS = most
 
 
 @contextmanager
 def _quiet_libraries() -> Iterator[None]:
     """Standard error of the process, on which C libraries print, led to the null device."""
-    with _SILENCE:
-        try:
-            kept = os.dup(2)
-        except OSError:  # there is none
-            yield
-            return
-        try:
-            null = os.open(os.devnull, os.O_WRONLY)
-            os.dup2(null, 2)
-            os.close(null)
-            yield
-        finally:
-            os.dup2(kept, 2)
-            os.close(kept)
+    try:
+        kept = os.dup(2)
+    except OSError:  # there is none
+        yield
+        return
+    try:
+        null = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(null, 2)
+        os.close(null)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
 
 
 def _read(

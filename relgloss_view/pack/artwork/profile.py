@@ -27,7 +27,7 @@ from relgloss_view.pack.artwork.profile_curves import (
     sampled,
 )
 
-D50 = np.array([0.9642, 1.0, 0.8249])  #: the white of the connection space
+D50 = np.array([0.9642, 1.0, 0.8249])  #: the white of the connection space (ICC.1:2022)
 CHANNELS = {"GRAY": 1, "RGB": 3, "Lab": 3, "CMYK": 4}
 MOST_BYTES = 64 << 20  #: of a profile
 MOST_NODES = 4 << 20  #: of a table of colours

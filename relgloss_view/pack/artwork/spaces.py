@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Floats
+from relgloss_view.material.cielab import BRADFORD
 from relgloss_view.pack.artwork.profile import D50, Profile, matrix_space
 from relgloss_view.pack.artwork.profile_curves import Curve
 
@@ -14,10 +15,6 @@ P3 = ((0.680, 0.320), (0.265, 0.690), (0.150, 0.060), (0.3127, 0.3290))
 REC2020 = ((0.708, 0.292), (0.170, 0.797), (0.131, 0.046), (0.3127, 0.3290))
 #: ITU-T H.273, tables 2 and 3: colour primaries, and the transfers that pictures have.
 CICP_PRIMARIES = {1: REC709, 9: REC2020, 12: P3}
-#: Bradford's cone responses (Lam 1985), by which profiles adapt whites to D50.
-BRADFORD = np.array(
-    [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]]
-)
 
 Primaries = tuple[tuple[float, float], ...]
 

@@ -100,6 +100,7 @@ class _Document:
         self._primitives = 0
         self._notes: dict[str, None] = {}
         self._names: dict[str, int] = {}
+        self._files: list[str] = []  #: buffers beside it
 
     def loose(self) -> Loose:
         """All triangles of the scene, in its axes."""
@@ -123,6 +124,7 @@ class _Document:
             np.repeat(np.array(gathered.part, dtype=np.int64), counts),
             tuple(self._names),
             tuple(self._notes),
+            tuple(self._files),
         )
 
     # The tree of nodes
@@ -357,6 +359,7 @@ class _Document:
             inside = False
         if not inside:
             raise InputError(refusal)
+        self._files.append(str(path))
         used = sum(len(data) for data in self._buffers.values())
         return read_bytes(path, max(MOST_BUFFER - used, 0), "the buffer of a .gltf file")
 

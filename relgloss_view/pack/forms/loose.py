@@ -27,7 +27,7 @@ class Loose:
     """Triangles of a file. `corners`, `uv_corners` and `normal_corners` are (T, 3), -1 for none.
 
     points: (P, 3), in the file's unit. uv: (U, 2), v upwards. normals: (N, 3), of any length.
-    part: (T,), numbers of `parts`.
+    part: (T,), numbers of `parts`. beside: further files that were read.
     """
 
     points: Array
@@ -39,6 +39,7 @@ class Loose:
     part: Ints | None = None
     parts: tuple[str, ...] = ("body",)
     notes: tuple[str, ...] = ()
+    beside: tuple[str, ...] = ()
 
 
 def packed(loose: Loose, metres_per_unit: float | None) -> Mesh:

@@ -6,8 +6,8 @@ pictures are never opened: finishes and artwork come from the pack.
 
 from __future__ import annotations
 
-import functools
 import os
+import threading
 from collections.abc import Callable
 from pathlib import Path
 
@@ -37,7 +37,8 @@ MESH_SUFFIXES = (*_PARSERS, ".gltf")
 
 
 def read_mesh(file: str | os.PathLike[str], unit: str = "auto") -> Mesh:
-    """The mesh of a file, centred, in metres; the same object until the file changes.
+    """The mesh of a file, centred, in metres; the same object until the file changes, or one of
+    a .gltf's buffers.
 
     unit: of its coordinates, one of UNITS. 'auto' takes metres, as glTF prescribes; a file whose
     longest side would be above 10 m is taken as millimetres, which its notes state.
@@ -49,12 +50,35 @@ def read_mesh(file: str | os.PathLike[str], unit: str = "auto") -> Mesh:
     if not os.fspath(file):
         raise InputError("shape.file: expected the name of " + EXPECTED)
     check_regular(file, EXPECTED)
-    stamp = os.stat(file)
-    return _read(os.path.abspath(file), unit, stamp.st_mtime_ns, stamp.st_size)
+    key = os.path.abspath(file), unit
+    with _LOCK:  # the window reads in a thread, too
+        held = _HELD.pop(key, None)
+        if held is None or any(_stamp(name) != stamp for name, stamp in held[0].items()):
+            before = _stamp(key[0])
+            mesh, beside = _read(*key)
+            held = {key[0]: before, **{name: _stamp(name) for name in beside}}, mesh
+        _HELD[key] = held  # the last used one is the last
+        while len(_HELD) > KEPT:
+            del _HELD[next(iter(_HELD))]
+        return held[1]
 
 
-@functools.lru_cache(maxsize=KEPT)
-def _read(file: str, unit: str, _stamp: int, _size: int) -> Mesh:
+#: Meshes by file and unit, each with the stamps of all files that it was read from.
+_HELD: dict[tuple[str, str], tuple[dict[str, object], Mesh]] = {}
+_LOCK = threading.Lock()
+
+
+def _stamp(file: str) -> object:
+    """What changes where a file is edited; None where it is gone."""
+    try:
+        state = os.stat(file)
+    except OSError:
+        return None
+    return state.st_mtime_ns, state.st_size
+
+
+def _read(file: str, unit: str) -> tuple[Mesh, tuple[str, ...]]:
+    """The mesh of a file, and the files beside it that it names."""
     suffix = Path(file).suffix.lower()
     if suffix not in MESH_SUFFIXES:
         raise InputError(f"{named(file)}: expected {EXPECTED}")
@@ -66,7 +90,7 @@ def _read(file: str, unit: str, _stamp: int, _size: int) -> Mesh:
                 loose = parse_gltf(data, Path(file).parent)
             else:
                 loose = _PARSERS[suffix](data)
-            return packed(loose, None if unit == "auto" else UNITS[unit])
+            return packed(loose, None if unit == "auto" else UNITS[unit]), loose.beside
         except InputError as error:
             if str(error).startswith(named(file)):
                 raise

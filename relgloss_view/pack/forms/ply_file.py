@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,6 +15,8 @@ from relgloss_view.pack.forms.polygons import triangulated
 
 LONGEST_HEADER = 64 * 1024
 MOST_CORNERS = 256  #: of one polygon
+MOST_LISTED = 20 * MOST_TRIANGLES  #: numbers of a text's faces: corners, places on the label
+MOST_BLANKS = 24_000_000  #: of a text, between its numbers
 _TYPES = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4",
     "float": "f4", "double": "f8", "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2",
@@ -186,16 +189,20 @@ class _Words:
     """The numbers of a text, in their order."""
 
     def __init__(self, data: bytes) -> None:
+        if sum(map(data.count, (b" ", b"\t", b"\n", b"\r", b"\v", b"\f"))) > MOST_BLANKS:
+            raise InputError(f"has more than {MOST_BLANKS} numbers; save it as binary PLY or .glb")
         self._lines = data.split(b"\n") if data.count(b"\n") <= 8 * MOST_TRIANGLES else []
         self._next = 0
 
-    def rows(self, count: int) -> list[list[float]]:
+    def rows(self, count: int) -> Iterator[list[float]]:
+        """The numbers of the next lines; InputError where there are fewer, or other words."""
         rows = self._lines[self._next : self._next + count]
         if len(rows) < count:
             raise InputError(_DAMAGED)
         self._next += count
         try:
-            return [[float(word) for word in row.split()] for row in rows]
+            for row in rows:
+                yield [float(word) for word in row.split()]
         except ValueError:
             raise InputError("a line does not hold numbers; export it again") from None
 
@@ -205,7 +212,7 @@ def _text(words: _Words, element: _Element) -> dict[str, Array]:
         raise InputError(
             f"a list in '{printable(element.name, 20)}' is not read; export points and faces alone"
         )
-    rows = words.rows(element.count)
+    rows = list(words.rows(element.count))
     if any(len(row) != len(element.properties) for row in rows):
         raise InputError(
             f"a line of '{printable(element.name, 20)}' has too many or too few numbers"
@@ -216,8 +223,12 @@ def _text(words: _Words, element: _Element) -> dict[str, Array]:
 
 def _text_lists(words: _Words, element: _Element) -> dict[str, _Lists]:
     kept: dict[str, dict[int, tuple[list[Array], list[int]]]] = {}
+    total = 0
     for k, row in enumerate(words.rows(element.count)):
         at = 0
+        total += len(row)
+        if total > MOST_LISTED:
+            raise InputError(f"holds {TOO_MANY}")
         for p in element.properties:
             count = 1
             if len(p) == 3:
@@ -239,6 +250,9 @@ def _loose(vertex: dict[str, Array], lists: dict[str, _Lists]) -> Loose:
     faces = lists.get("vertex_indices") or lists.get("vertex_index")
     if faces is None:
         return Loose(points, np.zeros((0, 3), dtype=np.int64))
+    count = sum(len(polygons) * max(polygons.shape[1] - 2, 0) for polygons in faces[0])
+    if count > MOST_TRIANGLES:  # a polygon of a few bytes has hundreds
+        raise InputError(f"holds {TOO_MANY}")
     corners, rows, places = [], [], []
     for polygons, numbers in zip(*faces, strict=True):
         size = polygons.shape[1]

@@ -27,7 +27,7 @@ def parse_stl(data: bytes) -> Loose:
             return _loose(rows["points"].astype(float).reshape(-1, 3))
     if not _is_text(data):
         raise InputError("the file ends before its triangles do; export it again")
-    if data.count(b"vertex") + data.count(b"VERTEX") > 3 * MOST_TRIANGLES:
+    if data.lower().count(b"vertex") > 3 * MOST_TRIANGLES:
         raise InputError(f"holds {TOO_MANY}")
     found = _VERTEX.findall(data)
     try:

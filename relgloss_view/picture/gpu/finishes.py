@@ -16,12 +16,12 @@ from relgloss_view.pack.finish import Finish
 from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.paint import paint_from_rgb, paint_matrix
 from relgloss_view.picture.gpu.constants import NAMES, code
+from relgloss_view.picture.gpu.uniforms import NO_LOBE
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.model.drawn import drawn_diffuse, drawn_lobes, in_model
 from relgloss_view.picture.scene.look import Look
 
 LOBES = 2  #: of a finish, at most
-NO_LOBE = (1.0, 0.0, 1.5, 0.0)
 
 
 class DrawnFinish(NamedTuple):

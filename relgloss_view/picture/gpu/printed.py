@@ -136,7 +136,7 @@ def share_defines(layers: Layers) -> dict[str, int | str]:
     """The constants of artwork.glsl that say which channel holds which share."""
     return {
         "LOBE_CHANNELS": ", ".join(map(str, layers.specular_channel)),
-        "PAINT_CHANNELS": ", ".join(map(str, layers.diffuse_channel)),
+        "BODY_CHANNELS": ", ".join(map(str, layers.diffuse_channel)),
         "OUTSIDE_LOBES": layers.outside_finish,
         "OUTSIDE_DIFFUSE": layers.outside_diffuse,
     }

@@ -7,7 +7,6 @@ tiles, one after the other, each for the passes that read it before the next.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -29,10 +28,9 @@ from relgloss_view.picture.gpu.programs import Programs, Uniforms
 from relgloss_view.picture.gpu.targets import TRIANGLE, Targets, surface_targets
 from relgloss_view.picture.gpu.triangles import WIDE, hides_backs, projection
 from relgloss_view.picture.gpu.uploads import Uploads
+from relgloss_view.picture.model.surface import ArtworkPlace
 from relgloss_view.picture.model.view import Box, Size, View
 from relgloss_view.picture.scene.scene import Scene
-
-WRAP_SHARE = 0.002  #: by which an artwork that goes around may differ from the girth
 
 
 def is_read(scene: Scene) -> bool:
@@ -228,23 +226,10 @@ def reached(tile: Box, view: View) -> Box:
 def print_uniforms(pack: Pack, layers: Layers | None) -> dict[str, Any]:
     """Where the artwork lies on the label, as artwork.glsl takes it."""
     assert layers is not None
-    label, placement = label_of(pack.shape), pack.placement
-    turn = math.radians(placement.turn_deg)
-    per_m = 1e3 / placement.scale
-    across = np.array([math.cos(turn), math.sin(turn)]) * per_m / layers.width_mm
-    down = -np.array([-math.sin(turn), math.cos(turn)]) * per_m / layers.height_mm
-    girth_m = label.size_m[0] if label.around else 0.0
-    wraps = label.around and _as_wide(layers.width_mm * placement.scale, 1e3 * girth_m)
-    wraps = wraps and placement.turn_deg % 180.0 == 0.0
-    if wraps:  # exactly, so that no seam shows
-        across = np.array([math.copysign(1.0 / girth_m, math.cos(turn)), 0.0])
+    place = ArtworkPlace.of(pack.placement, layers, label_of(pack.shape))
     return {
-        "artwork_from_label": np.array([*across, *down]),
-        "label_offset_m": (1e-3 * placement.offset_x_mm, 1e-3 * placement.offset_y_mm),
-        "girth_m": girth_m,
-        "wraps": int(wraps),
+        "artwork_from_label": place.matrix.ravel(),
+        "label_offset_m": place.offset_m,
+        "girth_m": place.girth_m,
+        "wraps": int(place.repeats),
     }
-
-
-def _as_wide(width_mm: float, girth_mm: float) -> bool:
-    return abs(width_mm - girth_mm) <= WRAP_SHARE * girth_mm

@@ -11,7 +11,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.pack import forms
-from relgloss_view.pack.label import Label, label_of
+from relgloss_view.pack.label import SAME_GIRTH, Label, label_of
 from relgloss_view.pack.layers import REST, Layers, layers_of
 from relgloss_view.pack.pack import Pack, Placement
 from relgloss_view.pack.shape import Shape
@@ -21,8 +21,6 @@ from relgloss_view.picture.model.view import View, float32
 
 #: The least cosine between a ray and the surface that a footprint is reckoned with.
 GRAZING = 1e-4
-#: An artwork whose width is within this share of the girth goes around without a seam.
-SAME_GIRTH = 0.002
 
 
 class Surface(NamedTuple):

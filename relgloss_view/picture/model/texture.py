@@ -1,4 +1,4 @@
-"""Artwork filtered where a pixel sees it. The twin of shaders/texture.glsl, in float64 over arrays.
+"""Artwork filtered where a pixel sees it. The twin of shaders/artwork.glsl, in float64 over arrays.
 
 A picture is held at several levels, each half as large as the one before and each covering the
 whole picture (Williams 1983), as numbers linear in light. The footprint of a pixel is an ellipse,

@@ -45,6 +45,7 @@ SCENE_SUFFIXES = (".toml",)
 SAMPLE_SUFFIXES = (".json", ".csv", ".txt", ".bsdf", ".binary")
 OPEN_SUFFIXES = (*SCENE_SUFFIXES, *SAMPLE_SUFFIXES, *ARTWORK_SUFFIXES, *MESH_SUFFIXES)
 PROFILE_SUFFIXES = (".icc", ".icm")
+MASK_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff")  #: of what mask_file.read_mask reads
 
 
 class Wanted(NamedTuple):
@@ -137,7 +138,7 @@ class FileActions:
         def take(path: str) -> None:
             self._masks.read(path, side, finish)
 
-        self._ask(Question("Mask of the finish", take, ARTWORK_SUFFIXES))
+        self._ask(Question("Mask of the finish", take, MASK_SUFFIXES))
 
     def make_pack(self, side: str) -> None:
         """Put a can of the side's present sample in its place."""

@@ -6,10 +6,12 @@ import dataclasses
 import math
 from typing import Any
 
+from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.errors import InputError
 from relgloss_view.material.material import Material
 from relgloss_view.pack.artwork.artwork import Artwork
 from relgloss_view.pack.finish import MAX_FINISHES, Finish
+from relgloss_view.pack.masks import plate_of
 from relgloss_view.pack.pack import Pack, Placement
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.pack_settings import PACK_AMBIENT
@@ -144,10 +146,11 @@ def free_plates(pack: Pack) -> tuple[str, ...]:
     """Plates of a pack's artwork that no finish is tied to, but for those of cutters and such."""
     if pack.artwork is None:
         return ()
-    from relgloss_view.pack.quick import TECHNICAL
+    from relgloss_view.pack.quick import is_technical
 
-    tied = {one.mask.partition(":")[2] for one in pack.finishes if ":" in one.mask}
-    return tuple(n for n in pack.artwork.plates if n not in tied and not TECHNICAL.search(n))
+    tied = {id(plate) for plate in _plates_by_mask(pack).values()}
+    plates = pack.artwork.plates.items()
+    return tuple(n for n, plate in plates if id(plate) not in tied and not is_technical(n))
 
 
 def with_plate(pack: Pack, plate: str, source: str) -> tuple[Pack, str]:
@@ -269,10 +272,21 @@ def artwork_words(pack: Pack) -> str:
 
 def missing_plates(pack: Pack) -> tuple[str, ...]:
     """Names of the plates that finishes of a pack need and that its artwork does not have."""
-    have = set() if pack.artwork is None else set(pack.artwork.plates)
-    masks = [one.mask for one in pack.finishes]
-    wanted = [m.partition(":")[2] for m in masks if m.startswith(("plate:", "channel:"))]
-    return tuple(name for name in dict.fromkeys(wanted) if name not in have)
+    found = _plates_by_mask(pack)
+    return tuple(name for name, plate in found.items() if plate is None)
+
+
+def _plates_by_mask(pack: Pack) -> dict[str, Bytes | None]:
+    """The plates that finishes of a pack name, by the names that they use; None: there is none."""
+    found: dict[str, Bytes | None] = {}
+    for one in pack.finishes:
+        kind, _, name = one.mask.partition(":")
+        if kind in ("plate", "channel"):
+            try:
+                found[name] = plate_of(pack, name, "mask")
+            except InputError:
+                found[name] = None
+    return found
 
 
 def _is_close(one: Artwork, other: Artwork) -> bool:
