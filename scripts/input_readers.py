@@ -270,7 +270,7 @@ def _pdf(path: Path) -> object:
     from relgloss_view.pack.artwork import pdf_examination
 
     with tempfile.TemporaryDirectory() as folder:
-        answer = pdf_examination.answer(str(path), 1, Path(folder), has_profile=False)
+        answer = pdf_examination.answer(str(path), 1, Path(folder), has_profile=False, plates=[])
     if "error" in answer:
         raise InputError(answer["error"])
     return None
