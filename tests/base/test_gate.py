@@ -30,7 +30,7 @@ ELSEWHERE = {
     "picture/output/exr_parts.py": "what it has just written",
     "base/csv_files.py": "writes", "cli.py": "the null device",
     "material/spectra.py": "an asset", "gloss/meter/lobe_table.py": "an asset",
-    "pack/paint.py": "an asset",
+    "pack/paint.py": "an asset", "pack/artwork/pdf_examination.py": "its parent's words",
     "experiment/report/page.py": "what it has just written", "picture/output/png16.py": "writes",
     "picture/output/icc.py": "what it has made itself",
     "experiment/design/study_file.py": "copies what it has made",

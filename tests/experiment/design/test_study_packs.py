@@ -98,7 +98,7 @@ def test_without_its_files_a_study_can_be_analysed_but_not_drawn(folder, tmp_pat
         changed.scene(0)
     assert changed.scene(1).pack is None
     shutil.rmtree(folder)
-    with pytest.raises(InputError, match=r"sample 'pack'.*art\.png"):
+    with pytest.raises(InputError, match=r"sample 'pack'.*(art|mask)\.png"):
         study_from_dict(content, tmp_path).check_drawn_again()
 
 
