@@ -260,7 +260,7 @@ def finish_of_table(table: Mapping[str, Any], folder: Path, *, first: bool) -> F
     if "kind" not in values:
         kind = FINISHES.get(source, "ink")
         values["kind"] = "ink" if first and kind == "varnish" else kind
-    if "k" in values and "keeps_k" in {f.name for f in dataclasses.fields(Finish)}:
+    if "k" in values:
         values["keeps_k"] = True  # a match leaves a factor as the file gives it
     mask = text(table.get("mask", ""), "mask")
     source, material = finish_material(source, folder)
@@ -357,7 +357,7 @@ def _finish_entries(pack: Pack, finish: Finish, folder: Path) -> dict[str, Any]:
         table["invert"] = True
     if finish.sigma_n_deg is not None:
         table["sigma_n_deg"] = plain(finish.sigma_n_deg)
-    if finish.k != 1.0 or getattr(finish, "keeps_k", False):
+    if finish.k != 1.0 or finish.keeps_k:
         table["k"] = plain(number(finish.k, place, "a number", 0.0, 1e9))
     return table
 

@@ -12,7 +12,6 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable, text
 from relgloss_view.base.toml import AUTO, build_part, plain
 from relgloss_view.pack.built_in import FINISHES, PAPERS
-from relgloss_view.pack.finish import Finish
 from relgloss_view.pack.finish_plates import with_right_plates
 from relgloss_view.pack.masks import check_masks
 from relgloss_view.pack.pack import Pack, Placement
@@ -78,7 +77,7 @@ def _finish_entries(entry: str, value: object) -> dict[str, Any]:
         if str(value).lower() not in ("true", "false"):
             raise InputError(f"invert: expected true or false, found {printable(value, 40)}")
         return {entry: str(value).lower() == "true"}
-    if entry == "k" and "keeps_k" in {f.name for f in dataclasses.fields(Finish)}:
+    if entry == "k":
         return {entry: value, "keeps_k": True}
     return {entry: value}
 

@@ -18,6 +18,7 @@ from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.reading import printable
 from relgloss_view.pack.finish import Finish
 from relgloss_view.pack.pack import Pack
+from relgloss_view.pack.pack_file import beside
 from relgloss_view.viewer.files.background import Worker
 from relgloss_view.viewer.state import packs
 from relgloss_view.viewer.state.model import Model
@@ -41,11 +42,7 @@ def files_of(pack: Pack) -> tuple[str, ...]:
     artwork = () if pack.artwork is None or not pack.artwork.file else (pack.artwork.file,)
     own = (pack.file,) if pack.file else ()
     mesh = (pack.shape.file,) if pack.shape.file else ()
-    return (*own, *artwork, *mesh, *(_beside(pack, mask) for mask in pack.masks))
-
-
-def _beside(pack: Pack, name: str) -> str:
-    return str(Path(pack.file).parent / name) if pack.file else name
+    return (*own, *artwork, *mesh, *(beside(pack, mask) for mask in pack.masks))
 
 
 class Poll:
@@ -194,7 +191,7 @@ def read_again(pack: Pack, path: str, before: Pack) -> Pack:
     elif path == pack.shape.file:  # whoever draws the form takes its mesh from the file
         made = pack
     else:
-        names = [name for name in pack.masks if _beside(pack, name) == path]
+        names = [name for name in pack.masks if beside(pack, name) == path]
         masks = {**pack.masks, **dict.fromkeys(names, read_mask(path))}
         made = dataclasses.replace(pack, masks=masks)
     check_masks(made)
@@ -210,7 +207,7 @@ def _change(path: str, made: Pack, before: Pack | None) -> Callable[[Pack], Pack
             return merged(before or pack, made, pack)
         if pack.artwork is not None and path == pack.artwork.file:
             return dataclasses.replace(pack, artwork=made.artwork)
-        names = [name for name in pack.masks if _beside(pack, name) == path]
+        names = [name for name in pack.masks if beside(pack, name) == path]
         if not names:
             return pack
         return dataclasses.replace(pack, masks=_with(pack.masks, made.masks, names))

@@ -15,7 +15,7 @@ from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.file_kinds import likely_kind
 
 MESH = "mesh"
-ARTWORK_SUFFIXES = (".pdf", ".ai", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".psd")
+ARTWORK_SUFFIXES = (".pdf", ".ai", ".eps", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".psd")
 NO_PROFILE = "CMYK without a profile"  #: of the message where an artwork needs one
 
 
