@@ -75,11 +75,11 @@ def test_without_answers_nothing_is_known():
 
 
 def test_finds_the_ideal_with_60_answers():
-    """6 studies with ideals inside and at edges: a median error of at most half a step.
+    """9 studies with ideals inside and at edges: a median error of at most half a step.
 
     In steps of the posterior's own plane. The control: with six answers it is farther off.
     """
-    ideals = [(4.0, 1.9), (0.0, 4.5), (2.6, 0.0)] * 2
+    ideals = [(4.0, 1.9), (0.0, 4.5), (2.6, 0.0)] * 3
 
     def median_error(count):
         found = [
@@ -111,18 +111,18 @@ class TestVerdict:
     def test_ridge(self):
         statuses = [
             adaptive_verdict(asked((3.0, 2.0), (0.0, 1.3), 90, s), GRID, 0.01).status
-            for s in range(3)
+            for s in range(4)
         ]
-        assert statuses.count(RIDGE) >= 2
+        assert statuses.count(RIDGE) >= 3
 
     def test_by_chance(self):
         """What was chosen depends on the answers, and yet they tell nothing."""
         statuses = [
             adaptive_verdict(asked((0, 0), (0, 0), 60, s, by_chance=True), GRID, 0.01).status
-            for s in range(4)
+            for s in range(6)
         ]
         assert set(statuses) <= {CHANCE, BROAD}
-        assert statuses.count(CHANCE) >= 3
+        assert statuses.count(CHANCE) >= 5
 
     @pytest.mark.parametrize(
         "grid", [Grid((1.0,), GRID.c_fraction), Grid((0.0, 1.0, 2.0), (0.3, 0.6, 1.0))]

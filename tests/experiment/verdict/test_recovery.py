@@ -30,19 +30,19 @@ def shares(renderer, made, studies, kind="unique", truth="cells", draws=30, obse
 
 
 def test_the_true_setting_is_found(renderer):
-    """Four studies, each with its own truth: all beside it, at least 2 on it.
+    """Six studies, each with its own truth: all beside it, at least 4 on it.
 
-    Where a truth is exactly found with 80 %, fewer than 2 of 4 come with p = 0.03, and seeds are
+    Where a truth is exactly found with 80 %, fewer than 4 of 6 come with p = 0.10, and seeds are
     fixed. By chance one of 42 settings is found with 2 %, one of its neighbours with at most 21 %.
     """
-    told = shares(renderer, study(ONE, size_px=SIZE_PX), 4)
+    told = shares(renderer, study(ONE, size_px=SIZE_PX), 6)
     assert told.near == 1.0
-    assert told.exact >= 0.5
+    assert told.exact >= 0.66
 
 
 def test_at_random_nothing_is_declared_best(renderer):
     made = study(ONE, size_px=64)  # who answers at random does not look at the pictures
-    told = shares(renderer, made, 4, kind="random", draws=10)
+    told = shares(renderer, made, 6, kind="random", draws=10)
     assert told.nothing_declared == 1.0
     assert told.exact <= 0.3  # the control of the test above
 
