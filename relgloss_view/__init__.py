@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from relgloss_view.base.errors import GLUnavailableError as GLUnavailableError
     from relgloss_view.base.errors import InputError as InputError
     from relgloss_view.base.errors import RelglossError as RelglossError
+    from relgloss_view.display.display import Display as Display
     from relgloss_view.fitting import fit_material as fit_material
     from relgloss_view.fitting.estimate.estimate import estimate_material as estimate_material
     from relgloss_view.gloss.match import Reference as Reference
@@ -57,7 +58,6 @@ if TYPE_CHECKING:
     from relgloss_view.picture.scene.scene import Scene as Scene
     from relgloss_view.picture.scene.scene_file import load_scene as load_scene
     from relgloss_view.picture.scene.setting import Setting as Setting
-    from relgloss_view.picture.scene.setup import Display as Display
     from relgloss_view.picture.scene.setup import Eye as Eye
     from relgloss_view.picture.scene.setup import FurtherLamp as FurtherLamp
     from relgloss_view.picture.scene.setup import Lamp as Lamp
@@ -95,7 +95,8 @@ _HOMES = {
     "picture.scene.scene": ("Scene",),
     "picture.scene.scene_file": ("load_scene",),
     "picture.scene.setting": ("Setting",),
-    "picture.scene.setup": ("Display", "Eye", "FurtherLamp", "Lamp", "Setup", "Shape"),
+    "display.display": ("Display",),
+    "picture.scene.setup": ("Eye", "FurtherLamp", "Lamp", "Setup", "Shape"),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = ["__version__", *sorted(_HOME_OF)]

@@ -711,8 +711,8 @@ def _result_files() -> list[bytes]:
 def _profiles() -> list[bytes]:
     from PIL import ImageCms
 
-    from relgloss_view.picture.output.icc import matrix_profile, srgb_profile
-    from relgloss_view.picture.scene.setup import Display
+    from relgloss_view.display.display import Display
+    from relgloss_view.display.icc_writing import matrix_profile, srgb_profile
 
     gamma = matrix_profile(Display(transfer="gain-offset-gamma"))
     lab = ImageCms.ImageCmsProfile(ImageCms.createProfile("LAB")).tobytes()

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from pictures import assert_same_pixels
 
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.picture.model import tone
 
 SIZE = (512, 512)
@@ -24,7 +25,7 @@ def delta_e(frame, truth):
 def displayed_delta_e(frame, truth):
     """dE2000 of the displayed light, before quantisation."""
     colour = pytest.importorskip("colour")
-    model = tone.DisplayModel.of(frame.scene.display)
+    model = DisplayModel.of(frame.scene.display)
     back = np.linalg.inv(model.rgb_from_xyz).T
     a, b = (
         tone.lab_from_xyz(f.light.astype(np.float64) @ back, model.white) for f in (frame, truth)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from relgloss_view.display.display import Display
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.operators.operator import SceneLight
-from relgloss_view.picture.model.tone import DisplayModel
-from relgloss_view.picture.scene.setup import Display
 
 #: Equal energy: X = Y = Z and L = M = S, so that formulas for one number hold for each.
 EQUAL_ENERGY = Display(white_xy=(1 / 3, 1 / 3))

@@ -23,6 +23,7 @@ ROOMS = [
     "base",
     "measure",
     "material",
+    "display",
     "pack",
     "picture",
     "quality",

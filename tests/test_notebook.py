@@ -15,9 +15,9 @@ from PIL import Image
 import relgloss_view as r
 from relgloss_view.base.notebook import html_table, span
 from relgloss_view.base.resources import asset
+from relgloss_view.display.icc_writing import matrix_profile, srgb_profile
 from relgloss_view.material.material import FitRecord
 from relgloss_view.measure.table import NEGATIVE
-from relgloss_view.picture.output.icc import matrix_profile, srgb_profile
 
 HOSTILE = "<script>alert('a')</script> & \"b\" <img src=x onerror=alert(1)>\n\x1b[31m"
 TAGS = {"table", "caption", "tr", "th", "td", "p", "ul", "li"}

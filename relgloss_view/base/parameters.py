@@ -84,6 +84,15 @@ def choice(
     return field(default=default, metadata=metadata | {"later": later})
 
 
+def file_name(default: str, meaning: str, *, option: str | None = None, label: str = "") -> Any:
+    """A dataclass field for the name of a file; "" is none, and is not written to files.
+
+    Readers look for the file beside the file that names it.
+    """
+    metadata = {"file": True, "meaning": meaning, "option": option, "label": label, "later": True}
+    return field(default=default, metadata=metadata)
+
+
 def switch(default: bool, meaning: str, *, label: str = "") -> Any:
     """A dataclass field that is on or off."""
     metadata = {"switch": True, "meaning": meaning, "label": label}
@@ -108,6 +117,8 @@ class Checked:
             options = f.metadata.get("options")
             if options is not None and value not in options:
                 refuse(place, f"one of {', '.join(options)}", value)
+            if f.metadata.get("file") and not isinstance(value, str):
+                refuse(place, "the name of a file", value)
             if f.metadata.get("switch") and not isinstance(value, bool):
                 refuse(place, "true or false", value)
 

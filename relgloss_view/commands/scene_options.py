@@ -358,6 +358,8 @@ def _metavar(option: Option) -> str | None:
     """The name of the value in help: its unit, or N for a whole number."""
     if option.choices is not None:
         return None
+    if option.is_file:
+        return "FILE"
     limits = option.field.metadata["range"]
     name = "N" if option.field.metadata.get("whole") else limits.unit.upper() or "VALUE"
     return f"{name}|{AUTO}" if option.takes_auto else name

@@ -15,6 +15,7 @@ import numpy as np
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.terminal import ProgressReport, no_progress
+from relgloss_view.display.display import Display
 from relgloss_view.gloss.pose import pose_of
 from relgloss_view.gloss.samples import DEFAULT_GLOSS, SampleLook, computed_gloss
 from relgloss_view.gloss.shown import ORDER_TIE_LSTAR, Measures, agreement, measure, ranks
@@ -23,7 +24,7 @@ from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.output.parameters import SPLIT, warnings
 from relgloss_view.picture.pair import common_factor
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Setup
+from relgloss_view.picture.scene.setup import Setup
 
 if TYPE_CHECKING:
     from relgloss_view.quality.backends import FrameRenderer

@@ -9,10 +9,10 @@ from relgloss_view.base import pages
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.version import __version__
 from relgloss_view.base.words import sentence_case
+from relgloss_view.display.display import Display
 from relgloss_view.gloss.comparison import Cell, Comparison, DrawnSample, OperatorRow
 from relgloss_view.gloss.comparison_sheet import MEASURES, VERDICTS, body_words, number, percent
 from relgloss_view.gloss.samples import gloss_words
-from relgloss_view.picture.scene.setup import Display
 
 STYLE = """
 h2 { font-size: 1.1rem; font-weight: 600; margin: 2rem 0 .2rem; }
@@ -117,7 +117,7 @@ def _embedded(picture: Bytes, display: Display) -> str:
     """A picture as a data URL, PNG."""
     from PIL import Image
 
-    from relgloss_view.picture.output.icc import profile_of
+    from relgloss_view.display.icc_writing import profile_of
 
     file = io.BytesIO()
     Image.fromarray(picture).save(file, format="PNG", icc_profile=profile_of(display))

@@ -14,12 +14,12 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.base.interruptions import checkpoint
+from relgloss_view.display.display import Display
 from relgloss_view.gloss import eye
 from relgloss_view.operators.clip import Clip
 from relgloss_view.operators.operator import Displayed, SceneLight
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model.difference import delta_e_2000
-from relgloss_view.picture.scene.setup import Display
 
 BRIGHT_QUANTILE = 0.99
 HIGHLIGHT_LSTAR = 1.0  #: a highlight adds at least this much to L*, the body at most

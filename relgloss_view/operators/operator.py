@@ -18,11 +18,11 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array, Bytes, Floats, Mask
 from relgloss_view.base.parameters import Checked
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.picture.displayed import Digitised
 from relgloss_view.picture.displayed import Displayed as Displayed
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
-from relgloss_view.picture.model.tone import DisplayModel
 from relgloss_view.picture.model.view import View
 
 #: cd/m2 of the display's white, where an operator needs to know (science: sRGB at 100 cd/m2).

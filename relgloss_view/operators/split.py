@@ -7,9 +7,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.operators.operator import Displayed, Operator
 from relgloss_view.picture.frame import Frame
-from relgloss_view.picture.model.tone import DisplayModel
 
 
 @dataclass(frozen=True)

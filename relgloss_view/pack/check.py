@@ -10,10 +10,10 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array, Bytes
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.icc.profile import D50
 from relgloss_view.base.reading import printable, read_beginning
 from relgloss_view.material.spectra import D65_XY, SRGB_PRIMARIES_XY, rgb_to_xyz_matrix
 from relgloss_view.pack.artwork.artwork import REPAIRED
-from relgloss_view.pack.artwork.profile import D50
 from relgloss_view.pack.label import SAME_GIRTH, label_of
 from relgloss_view.pack.layers import layers_of
 from relgloss_view.pack.masks import CHANNEL, PART, PLATE, mask_of, plate_of

@@ -13,6 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.base.icc.profile import D50
 from relgloss_view.base.resources import asset
 from relgloss_view.material import brdf
 from relgloss_view.material.cielab import BRADFORD
@@ -23,7 +24,6 @@ from relgloss_view.material.spectra import (
     rgb_to_xyz_matrix,
     white_from_xy,
 )
-from relgloss_view.pack.artwork.profile import D50
 
 
 @lru_cache(maxsize=1)

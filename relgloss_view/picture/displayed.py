@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Bytes, Floats, Mask
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.silhouette import smoothed
-from relgloss_view.picture.model.tone import DisplayModel
 from relgloss_view.picture.stages import NEIGHBOURING_ROWS, Part
 
 #: What is computed from one pixel of a picture on its way takes some 200 bytes.
@@ -105,7 +105,7 @@ def shown_light(frame: Frame | Part, light: Floats) -> tuple[Array, Mask]:
 
     light: with the frame's samples; smooth silhouettes are mixed in where the frame has them.
     """
-    background = tone.DisplayModel.of(frame.scene.display).background_light
+    background = DisplayModel.of(frame.scene.display).background_light
     picture, on_object = np.asarray(light, dtype=np.float64), frame.on_object
     if frame.edges is None:
         return picture, on_object
@@ -119,7 +119,7 @@ def cut_out(frame: Frame | Part, light: Floats) -> tuple[Array, Array]:
     object covers, by smooth silhouettes where the frame has them. RGB is premultiplied by A (Porter
     and Duff 1984), so that RGB + (1 - A) times the surround's light is the picture as it shows.
     """
-    background = tone.DisplayModel.of(frame.scene.display).background_light
+    background = DisplayModel.of(frame.scene.display).background_light
     on_object = frame.on_object
     share = np.where(on_object, frame.coverage, 0.0).astype(np.float64)
     over = np.asarray(light, dtype=np.float64) - (1.0 - share[..., None]) * background

@@ -9,6 +9,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.terminal import ProgressReport, no_progress
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.material import brdf
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.body import Body, MaterialBody, PackBody
@@ -242,7 +243,7 @@ class ReferenceStages:
         return stages
 
     def _tone(self, rows: slice) -> dict[str, Array]:
-        display = tone.DisplayModel.of(self.scene.display)
+        display = DisplayModel.of(self.scene.display)
         diffuse, specular = self.diffuse[rows], self.specular[rows]
         covered = diffuse[..., 3:]
         seen = covered > 0.0
@@ -270,7 +271,7 @@ class ReferenceStages:
     def _display(self, rows: slice) -> dict[str, Array]:
         """What the display gets: smooth silhouettes and dither, where it asks for them."""
         display, height = self.scene.display, self.view.size[1]
-        model = tone.DisplayModel.of(display)
+        model = DisplayModel.of(display)
         # With the rows beside these, from which pixels at the silhouette may take their colour.
         more = slice(max(rows.start - 1, 0), min(rows.stop + 1, height))
         own = slice(rows.start - more.start, rows.stop - more.start)

@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.material import approximations, brdf
 from relgloss_view.material.approximations import mean_lobe, plain_lobe
 from relgloss_view.material.spectra import illuminant
@@ -100,7 +101,7 @@ class Proxy:
     def draw(self, method: Method) -> ProxyPicture:
         """The pixels by a method. Raises InputError where no c can show them (Scaling.of)."""
         split, c = self._scaled(*self._light(method), method)
-        display = tone.DisplayModel.of(self.scene.display)
+        display = DisplayModel.of(self.scene.display)
         if method.gamut != "as asked":
             display = dataclasses.replace(display, gamut=method.gamut)
         rgb, _ = tone.display_rgb(tone.scaled_lab(split, c), display)
@@ -120,7 +121,7 @@ class Proxy:
         if Variant.of(self.scene, self.look, 1, method).noise != "none":
             _, mirrored = self._light(method, mirrored=True)
             tried += [share * mirrored for share in GRAIN_SHARES]
-        display = tone.DisplayModel.of(self.scene.display)
+        display = DisplayModel.of(self.scene.display)
         white = illuminant(self.scene.lamp.illuminant).white_xyz()
         for light in tried:
             lab = tone.scaled_lab(tone.split_lab(diffuse, light, white), c)

@@ -14,7 +14,7 @@ from relgloss_view.base import font_tables
 from relgloss_view.base.decoding import decoded
 from relgloss_view.base.errors import LONGEST, InputError
 from relgloss_view.base.fonts import dejavu
-from relgloss_view.base.icc_profile import parse_profile
+from relgloss_view.base.icc.header import parse_profile
 from relgloss_view.base.reading import decoding, open_regular, read_bytes
 from relgloss_view.base.text_lines import TextLines
 
@@ -32,7 +32,7 @@ ELSEWHERE = {
     "material/spectra.py": "an asset", "gloss/meter/lobe_table.py": "an asset",
     "pack/paint.py": "an asset", "pack/artwork/pdf_examination.py": "its parent's words",
     "experiment/report/page.py": "what it has just written", "picture/output/png16.py": "writes",
-    "picture/output/icc.py": "what it has made itself",
+    "display/icc_writing.py": "what it has made itself",
     "experiment/design/study_file.py": "copies what it has made",
     "commands/experiment_new.py": "an asset", "commands/doctor.py": "the answer of its own child",
     "picture/gpu/shader.py": "a shader of its own", "bench/speed/floor.py": "a shader of its own",

@@ -15,13 +15,13 @@ from materials import paper
 from PIL import Image
 from test_cli import refused, run
 
+from relgloss_view.display.display import Display
+from relgloss_view.display.icc_writing import matrix_profile, srgb_profile
 from relgloss_view.gloss.match import Reference, matched_point
 from relgloss_view.gloss.samples import SampleLook
 from relgloss_view.material.files import save_material
-from relgloss_view.picture.output.icc import matrix_profile, srgb_profile
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import SAMPLES, load_sample
-from relgloss_view.picture.scene.setup import Display
 
 SMALL = ("--size", "64x64")
 

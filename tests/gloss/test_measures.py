@@ -10,6 +10,7 @@ import pytest
 from lights import gray
 from materials import paper
 
+from relgloss_view.display.display import Display
 from relgloss_view.gloss import eye
 from relgloss_view.gloss import shown as measures
 from relgloss_view.gloss.shown import Measures, Regions, agreement, ranks
@@ -19,7 +20,6 @@ from relgloss_view.operators.split import Split
 from relgloss_view.picture.model.difference import delta_e_2000
 from relgloss_view.picture.scene.look import Look, viewed_look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display
 
 SIZE = 200
 

@@ -13,13 +13,14 @@ from materials import paper
 from pictures import assert_same_pixels
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.display.display import Display
 from relgloss_view.operators.clip import Clip
 from relgloss_view.operators.operator import SceneLight
 from relgloss_view.operators.registry import DEFAULT_OPERATOR, OPERATORS, make_operator
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Eye
+from relgloss_view.picture.scene.setup import Eye
 
 LIGHT_OPERATORS = [name for name in OPERATORS if name != "split"]
 

@@ -13,14 +13,14 @@ import numpy as np
 import pytest
 from lights import EQUAL_ENERGY, gray, scene_light, shown_luminance
 
+from relgloss_view.display.display import Display
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.operators import tumblin_rushmeier, ward_histogram
 from relgloss_view.operators.registry import make_operator
 from relgloss_view.operators.schlick import Schlick, rational
 from relgloss_view.operators.tumblin_rushmeier import TumblinRushmeier, brightness_law
 from relgloss_view.operators.ward import Ward, contrast_scale
 from relgloss_view.operators.ward_histogram import WardHistogram, adjusted_curve, visible_difference
-from relgloss_view.picture.model.tone import DisplayModel
-from relgloss_view.picture.scene.setup import Display
 
 POINT_OPERATORS = ("tumblin-rushmeier", "ward", "schlick", "ward-histogram")
 

@@ -12,10 +12,10 @@ from pikepdf import Dictionary, Name
 from PIL import Image
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.icc.profile import read_profile
 from relgloss_view.pack.artwork import ghostscript, pdf
 from relgloss_view.pack.artwork.options import ArtworkOptions
 from relgloss_view.pack.artwork.pdf_functions import evaluate
-from relgloss_view.pack.artwork.profile import read_profile
 from relgloss_view.pack.artwork.read import read_artwork
 
 CMYK = Path("/usr/share/color/icc/ghostscript/default_cmyk.icc")

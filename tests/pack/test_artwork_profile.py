@@ -8,7 +8,7 @@ import colour
 import numpy as np
 import pytest
 
-from relgloss_view.pack.artwork.profile import D50, lab_space, read_profile, xyz_from_lab
+from relgloss_view.base.icc.profile import D50, lab_space, read_profile, xyz_from_lab
 from relgloss_view.pack.artwork.raster import Conversion
 from relgloss_view.pack.artwork.spaces import srgb
 

@@ -9,9 +9,9 @@ import artwork_files as files
 import numpy as np
 import pytest
 
+from relgloss_view.base.icc.profile import read_profile
 from relgloss_view.pack.artwork.artwork import REPAIRED
 from relgloss_view.pack.artwork.options import ArtworkOptions
-from relgloss_view.pack.artwork.profile import read_profile
 from relgloss_view.pack.artwork.read import read_artwork
 from relgloss_view.pack.check import check_pack
 from relgloss_view.pack.finish_plates import has_right_plates, with_right_plates

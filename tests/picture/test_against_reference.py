@@ -10,12 +10,13 @@ import pytest
 from frames import SIZE, SMALL, assert_same_picture, delta_e
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.display.display import Display
 from relgloss_view.material.material import Diffuse, Lobe
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import SAMPLES, load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp
+from relgloss_view.picture.scene.setup import Eye, Lamp
 
 MIDDLE = (224, 224)
 

@@ -9,9 +9,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from relgloss_view.display.display import Display
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.material import brdf
 from relgloss_view.picture.model import noise, shape, tone
-from relgloss_view.picture.scene.setup import Display
 
 #: No two axes are alike, and none is as long as a vector.
 BLOCK = (2, 4, 5)
@@ -34,7 +35,7 @@ def hashes(seed=1):
 
 
 def displayed(gamut):
-    model = tone.DisplayModel.of(Display(gamut=gamut))
+    model = DisplayModel.of(Display(gamut=gamut))
     return lambda lab: tone.display_rgb(lab, model)
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import relgloss_view
+from relgloss_view.display.display import Display
 from relgloss_view.pack.shape import ANALYTIC, Shape
 from relgloss_view.picture.gpu import constants
 from relgloss_view.picture.gpu.constants import NAMES, code, definitions, glsl_name
@@ -19,7 +20,6 @@ from relgloss_view.picture.method import Method
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display
 
 DEFINED = {
     glsl_name(table, name): (table, name) for table, names in NAMES.items() for name in names

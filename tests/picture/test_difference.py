@@ -6,16 +6,17 @@ import glsl
 import numpy as np
 import pytest
 
+from relgloss_view.display.display import Display
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.picture.gpu.overlays import draw_difference, draw_overlay
 from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.gpu.request import Request
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.difference import delta_e_2000
-from relgloss_view.picture.model.tone import DisplayModel
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Lamp
+from relgloss_view.picture.scene.setup import Lamp
 
 #: Sharma, Wu, Dalal 2005, table 1: pairs chosen for the formula's corners.
 PUBLISHED = [

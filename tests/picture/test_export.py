@@ -13,19 +13,20 @@ from pictures import assert_same_pixels
 from PIL import Image
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.display.display import Display
+from relgloss_view.display.icc_writing import matrix_profile
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.operators.registry import make_operator
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.displayed import cut_out
-from relgloss_view.picture.model.tone import DisplayModel, encode
+from relgloss_view.picture.model.tone import encode
 from relgloss_view.picture.output.contact_sheet import contact_sheet, thumbnail
 from relgloss_view.picture.output.export import save_frame
 from relgloss_view.picture.output.exr import LAYERS
-from relgloss_view.picture.output.icc import matrix_profile
 from relgloss_view.picture.output.parameters import parameters
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display
 
 OpenEXR = pytest.importorskip("OpenEXR")
 

@@ -15,6 +15,7 @@ import pytest
 from frames import SMALL, delta_e
 from scipy import special, stats
 
+from relgloss_view.display.display import Display
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.method import EXACT
 from relgloss_view.picture.model import noise
@@ -30,7 +31,7 @@ from relgloss_view.picture.model.grain_field import (
 from relgloss_view.picture.model.pixel_sampling import eye_grain_samples, sample_count
 from relgloss_view.picture.scene.look import Look, viewed_look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp
+from relgloss_view.picture.scene.setup import Eye, Lamp
 
 LAWS = ("paper", "tangent")
 SIDE = 1024  #: texels of a field

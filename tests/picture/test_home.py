@@ -8,6 +8,7 @@ import threading
 import pytest
 
 from relgloss_view.base.errors import RelglossError
+from relgloss_view.display.display import Display
 from relgloss_view.picture.gpu import home
 from relgloss_view.picture.gpu.overlays import draw_overlay
 from relgloss_view.picture.gpu.renderer import Renderer
@@ -15,7 +16,6 @@ from relgloss_view.picture.output.export import save_frame
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display
 
 SCENE = Scene(load_sample("art-coated"), display=Display(edges="smooth"))
 LOOK, SIZE = Look(sigma_n_deg=1.0, samples=1), (24, 16)

@@ -10,16 +10,17 @@ import pytest
 from PIL import Image, ImageCms
 
 from relgloss_view import Look, Scene, load_sample, open_renderer
-from relgloss_view.material.spectra import white_from_xy
-from relgloss_view.picture.model import tone
-from relgloss_view.picture.output.icc import (
+from relgloss_view.display.display import Display
+from relgloss_view.display.icc_writing import (
     adaptation_to_d50,
     matrix_profile,
     profile_of,
     srgb_profile,
 )
+from relgloss_view.display.model import DisplayModel
+from relgloss_view.material.spectra import white_from_xy
+from relgloss_view.picture.model import tone
 from relgloss_view.picture.output.png import save_png
-from relgloss_view.picture.scene.setup import Display
 
 P3 = ((0.68, 0.32), (0.265, 0.69), (0.15, 0.06))
 DISPLAYS = {
@@ -54,7 +55,7 @@ def lab_of(data, rgb):
 
 def light_of(display, rgb):
     """Linear light of digital values by bisection of the program's own encoding."""
-    model = tone.DisplayModel.of(display)
+    model = DisplayModel.of(display)
     low, high = np.zeros(rgb.shape), np.ones(rgb.shape)
     for _ in range(50):
         middle = 0.5 * (low + high)
@@ -64,7 +65,7 @@ def light_of(display, rgb):
 
 
 def expected_lab(display, rgb):
-    model = tone.DisplayModel.of(display)
+    model = DisplayModel.of(display)
     xyz = light_of(display, rgb) @ model.xyz_from_rgb.T
     adapted = xyz @ adaptation_to_d50(white_from_xy(display.white_xy)).T
     return tone.lab_from_xyz(adapted, np.array([0.9642, 1.0, 0.8249]))

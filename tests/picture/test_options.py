@@ -12,6 +12,7 @@ import pytest
 from relgloss_view.cli import main
 from relgloss_view.commands import snapshot
 from relgloss_view.commands.scene_options import add_scene_options, scene_from, scene_words_of
+from relgloss_view.display.display import Display
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.model.lamp_placement import lit_for_gloss
 from relgloss_view.picture.scene.look import Look
@@ -26,7 +27,7 @@ from relgloss_view.picture.scene.options import (
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.scene_file import TABLES
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Setup
+from relgloss_view.picture.scene.setup import Eye, Lamp, Setup
 
 #: Values of tuples and texts, which declare no range.
 OTHERS = {
@@ -35,6 +36,8 @@ OTHERS = {
     "white_xy": ((0.31, 0.32),),
     "profile_mm": (((30.0, 0.0), (32.5, 100.0)),),
     "file": (str(Path("pack.obj").absolute()),),
+    "profile": (str(Path("monitor.icc").absolute()),),
+    "seen_on": (str(Path("other.icc").absolute()),),
 }
 
 

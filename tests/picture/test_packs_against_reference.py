@@ -7,6 +7,7 @@ import pytest
 from scans import scanned_pack
 
 from relgloss_view import Look, Scene, load_sample
+from relgloss_view.display.display import Display
 from relgloss_view.pack.artwork.artwork import Artwork
 from relgloss_view.pack.built_in import load_finish
 from relgloss_view.pack.finish import Finish
@@ -16,7 +17,7 @@ from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.gpu import printed
 from relgloss_view.picture.model.difference import delta_e_2000
 from relgloss_view.picture.reference import ReferenceRenderer
-from relgloss_view.picture.scene.setup import Display, Eye, FurtherLamp, Lamp, Setup
+from relgloss_view.picture.scene.setup import Eye, FurtherLamp, Lamp, Setup
 
 SIZE = (72, 64)
 P999 = 0.05  #: dE2000

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from relgloss_view import Look, Scene, open_renderer
+from relgloss_view.base.icc.profile import D50
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.material import brdf
 from relgloss_view.material.cielab import lab_from_xyz, xyz_from_lab
 from relgloss_view.material.material import Diffuse, Lobe
@@ -19,13 +21,11 @@ from relgloss_view.material.spectra import (
     rgb_to_xyz_matrix,
 )
 from relgloss_view.pack.artwork.artwork import Artwork
-from relgloss_view.pack.artwork.profile import D50
 from relgloss_view.pack.finish import Finish
 from relgloss_view.pack.pack import Pack, Placement
 from relgloss_view.pack.paint import paint_from_rgb, paint_matrix
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.model.difference import delta_e_2000
-from relgloss_view.picture.model.tone import DisplayModel
 from relgloss_view.picture.scene.setup import Eye, Lamp, Setup
 
 LABS = [(60.0, 30.0, 20.0), (45.0, -25.0, 10.0), (80.0, 0.0, 40.0), (30.0, 10.0, -25.0)]

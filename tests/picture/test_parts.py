@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from relgloss_view.base.errors import RelglossError
+from relgloss_view.display.display import Display
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.operators.registry import make_operator
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture import stages
@@ -16,7 +18,7 @@ from relgloss_view.picture.output.export import save_frame
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Eye
+from relgloss_view.picture.scene.setup import Eye
 
 pytest.importorskip("OpenEXR")
 SIZE = (70, 50)
@@ -117,7 +119,7 @@ def test_extremes_of_parts_join_to_those_of_all():
 
 
 def test_dither_goes_on_from_part_to_part():
-    light, model = np.full((20, 9, 3), 0.2), tone.DisplayModel.of(Display())
+    light, model = np.full((20, 9, 3), 0.2), DisplayModel.of(Display())
     shows = np.ones((20, 9), dtype=bool)
     whole = tone.digital_steps(light, model, shows)
     part = tone.digital_steps(light[:7], model, shows[:7], 13)

@@ -13,6 +13,7 @@ from frames import SMALL
 from pictures import assert_same_pixels
 
 from relgloss_view.base.errors import InputError, RelglossError
+from relgloss_view.display.display import Display
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.gpu.held import FOLLOWING, Held, key_of
 from relgloss_view.picture.gpu.passes import PASSES
@@ -21,7 +22,7 @@ from relgloss_view.picture.method import FIRST_PASS, Method
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp
+from relgloss_view.picture.scene.setup import Eye, Lamp
 
 #: A change of every field that a picture can depend on.
 CHANGES = {

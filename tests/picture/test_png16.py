@@ -13,15 +13,15 @@ from PIL import Image, ImageCms
 
 from relgloss_view import cli
 from relgloss_view.base.errors import InputError
+from relgloss_view.display.display import Display
+from relgloss_view.display.icc_writing import matrix_profile, srgb_profile
 from relgloss_view.picture.output import png16
 from relgloss_view.picture.output.export import save_frame
-from relgloss_view.picture.output.icc import matrix_profile, srgb_profile
 from relgloss_view.picture.output.png import digital, save_pair, save_rgb
 from relgloss_view.picture.output.png16 import write_png16
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display
 
 mitsuba.set_variant("scalar_rgb")
 TEXT = {"Software": "relgloss", "Parameters": '{"name": "光沢 é", "n": 1}', "Command": "a\nb"}

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.display.display import Display
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.model.view import FILL, View
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.scene_file import load_scene, read_scene_file
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp, polar_point
+from relgloss_view.picture.scene.setup import Eye, Lamp, polar_point
 
 PARTS = (Shape, Lamp, Eye, Display, Look)
 

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from relgloss_view import Look, Scene, load_sample, open_renderer
+from relgloss_view.display.display import Display
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.operators.clip import Clip
 from relgloss_view.pack.shape import ANALYTIC as SHAPES
 from relgloss_view.pack.shape import Shape
@@ -16,7 +18,7 @@ from relgloss_view.picture.model.lamp_placement import lit_for_gloss
 from relgloss_view.picture.model.silhouette import coverage, edge_pixels, edge_place, edge_tiles
 from relgloss_view.picture.model.view import view_of
 from relgloss_view.picture.output.png import digital
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Setup
+from relgloss_view.picture.scene.setup import Eye, Lamp, Setup
 
 SIZE = (150, 110)
 SMOOTH = Display(edges="smooth")
@@ -140,7 +142,7 @@ def test_both_renderers_show_the_same_edges(kind, gpu, truth):
 def test_an_edge_is_mixed_in_linear_light(kind, truth):
     """Recomputed from the frame's own light, pixel by pixel."""
     frame = drawn(truth, SMOOTH, kind)
-    model = tone.DisplayModel.of(SMOOTH)
+    model = DisplayModel.of(SMOOTH)
     light, on = frame.light, frame.on_object
     checked = 0
     for column, row, share in frame.edges:
@@ -159,7 +161,7 @@ def test_an_edge_is_mixed_in_linear_light(kind, truth):
 def test_a_missed_pixel_takes_the_nearest_colour(truth):
     frame = drawn(truth, SMOOTH, "plane", sample="uncoated")
     on, light = frame.on_object, frame.light
-    background = tone.DisplayModel.of(SMOOTH).background_light
+    background = DisplayModel.of(SMOOTH).background_light
     seen = 0
     for column, row, share in frame.edges:
         x, y = int(column), int(row)
@@ -196,7 +198,7 @@ def test_no_number_of_a_picture_changes(look, gpu, truth):
 
 def test_the_plain_display_is_as_it_always_was(truth):
     frame = drawn(truth, Display())
-    model = tone.DisplayModel.of(Display())
+    model = DisplayModel.of(Display())
     expected = np.floor(255.0 * tone.encode(frame.light, model) + 0.5)
     np.testing.assert_array_equal(frame.display, expected)
     assert frame.edges is None
@@ -263,7 +265,7 @@ def test_a_gradient_shows_no_bands(backend, request):
     def error(display):
         setup = setup_of("plane", display, dataclasses.replace(EYE, field_of_view_deg=2.0))
         frame = renderer.render(Scene(load_sample("cast-coated"), setup), Look(c=0.0), SIZE)
-        model = tone.DisplayModel.of(display)
+        model = DisplayModel.of(display)
         exact = 255.0 * tone.encode(frame.light.astype(np.float64), model)[..., 1]
         whole = uniform_filter(frame.on_object.astype(float), 9) > 0.999
         difference = uniform_filter(frame.display[..., 1] - exact, 9)[whole]
@@ -290,7 +292,7 @@ def test_dither_is_the_same_each_time_and_keeps_whole_values(gpu):
     np.testing.assert_array_equal(drawn(gpu, display).display, once)
     plain = drawn(gpu, Display()).display.astype(int)
     assert np.max(np.abs(once - plain)) == 1
-    model = tone.DisplayModel.of(display)
+    model = DisplayModel.of(display)
     white = tone.digital_steps(np.ones((4, 4, 3)), model, np.ones((4, 4), dtype=bool))
     assert np.all(white == 255.0)
 

@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.display.display import Display
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.picture.frame import Extremes, Scaling
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.setup import Display
 
 colour = pytest.importorskip("colour")
 
-SRGB = tone.DisplayModel.of(Display())
+SRGB = DisplayModel.of(Display())
 WHITE = np.array([1.0168, 1.0, 0.6761])
 
 
@@ -76,7 +77,7 @@ def test_scaling_moves_the_specular_lightness_alone():
 
 
 def test_the_numbers_of_a_display_are_shared_and_so_not_writable():
-    assert tone.DisplayModel.of(Display()) is SRGB
+    assert DisplayModel.of(Display()) is SRGB
     for array in (SRGB.white, SRGB.xyz_from_rgb, SRGB.rgb_from_xyz):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 0.0
@@ -132,7 +133,7 @@ class TestEncoding:
         np.testing.assert_allclose(tone.encode(light, SRGB), expected, atol=1e-9)
 
     def test_gain_offset_gamma_is_inverted(self):
-        display = tone.DisplayModel.of(
+        display = DisplayModel.of(
             Display(transfer="gain-offset-gamma", gain=0.98, offset=0.02, gamma=2.4, flare=0.004)
         )
         digital = np.linspace(0, 1, 256)

@@ -11,10 +11,11 @@ import glsl
 import numpy as np
 import pytest
 
+from relgloss_view.display.display import Display
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.material import brdf
 from relgloss_view.picture.gpu import constants
 from relgloss_view.picture.model import noise, shape, silhouette, tone
-from relgloss_view.picture.scene.setup import Display
 
 
 def float32(values):
@@ -204,7 +205,7 @@ class TestTone:
     @pytest.mark.parametrize("gamut", ["chroma", "clip"])
     @pytest.mark.parametrize("transfer", ["srgb", "gain-offset-gamma"])
     def test_display(self, ctx, transfer, gamut):
-        display = tone.DisplayModel.of(
+        display = DisplayModel.of(
             Display(transfer=transfer, gamut=gamut, gain=0.98, offset=0.02, gamma=2.3, flare=0.003)
         )
         rng = np.random.default_rng(3)

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.display.display import Display
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.material.material import Diffuse
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.method import EXACT
@@ -14,7 +16,7 @@ from relgloss_view.picture.model.difference import delta_e_2000
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import SAMPLES, load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp
+from relgloss_view.picture.scene.setup import Eye, Lamp
 from relgloss_view.quality import planner
 from relgloss_view.quality.domains import outside
 from relgloss_view.quality.planner import (
@@ -45,7 +47,7 @@ def chosen(advice):
 
 def shown_lab(frame):
     """Lab of what the display shows, gamut mapping included."""
-    display = tone.DisplayModel.of(frame.scene.display)
+    display = DisplayModel.of(frame.scene.display)
     xyz = frame.light.astype(np.float64) @ display.xyz_from_rgb.T
     return tone.lab_from_xyz(xyz, display.white)
 

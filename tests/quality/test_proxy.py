@@ -6,6 +6,7 @@ import pytest
 from pictures import assert_same_pixels
 
 from relgloss_view.bench.speed import methods
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.method import EXACT, Method
@@ -33,7 +34,7 @@ def scene(sample="matte-coated", azimuth_deg=50.0, **shape):
 
 def shown_lab(frame):
     """Lab of what the display shows, gamut mapping included."""
-    display = tone.DisplayModel.of(frame.scene.display)
+    display = DisplayModel.of(frame.scene.display)
     xyz = frame.light.astype(np.float64) @ display.xyz_from_rgb.T
     return tone.lab_from_xyz(xyz, display.white)
 

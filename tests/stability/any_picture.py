@@ -7,6 +7,7 @@ import dataclasses
 from hypothesis import strategies as st
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.display.display import Display
 from relgloss_view.material.material import (
     ALBEDO_MAX,
     INDEX_RANGE,
@@ -23,7 +24,7 @@ from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp
+from relgloss_view.picture.scene.setup import Eye, Lamp
 
 #: Few bands: what a picture does depends on them by three sums alone.
 BANDS = (RGB, Bands(tuple(float(w) for w in range(400, 701, 50))))

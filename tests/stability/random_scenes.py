@@ -13,6 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.display.display import Display
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.material.material import (
     ALBEDO_MAX,
     DIFFUSE_MODELS,
@@ -31,7 +33,7 @@ from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.difference import delta_e_2000
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp
+from relgloss_view.picture.scene.setup import Eye, Lamp
 
 SIZE = (24, 24)
 DECADE = 10.0
@@ -186,6 +188,6 @@ class Difference:
 
 
 def _displayed_lab(frame):
-    model = tone.DisplayModel.of(frame.scene.display)
+    model = DisplayModel.of(frame.scene.display)
     xyz = frame.light.astype(np.float64) @ np.linalg.inv(model.rgb_from_xyz).T
     return tone.lab_from_xyz(np.maximum(xyz, 0.0), model.white)

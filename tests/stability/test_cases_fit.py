@@ -8,6 +8,8 @@ import fit_cases
 import numpy as np
 import pytest
 
+from relgloss_view.display.display import Display
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.fitting import fit_material
 from relgloss_view.material import brdf, spectra
 from relgloss_view.measure import gonio, ridge, table
@@ -15,8 +17,6 @@ from relgloss_view.measure import screening as screen
 from relgloss_view.measure.bands import Bands
 from relgloss_view.operators.multiscale import Multiscale
 from relgloss_view.operators.operator import SceneLight
-from relgloss_view.picture.model.tone import DisplayModel
-from relgloss_view.picture.scene.setup import Display
 
 colour = pytest.importorskip("colour")
 

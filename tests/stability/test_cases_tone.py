@@ -11,6 +11,8 @@ import pytest
 from both import finite
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.display.display import Display
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.material.material import Lobe
 from relgloss_view.material.spectra import illuminant, xyz_weights
 from relgloss_view.pack.shape import Shape
@@ -19,7 +21,7 @@ from relgloss_view.picture.method import Method
 from relgloss_view.picture.model import light, tone
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp
+from relgloss_view.picture.scene.setup import Eye, Lamp
 
 SMALL = (64, 48)
 WHITE = np.array([1.0168, 1.0, 0.6761])
@@ -183,7 +185,7 @@ def test_case_31_lab_there_and_back(ctx):
 
 def test_case_32_green_out_of_gamut(ctx, renderer):
     """Hue held within a degree and L* within 0.05; such pixels are counted."""
-    display = tone.DisplayModel.of(Display())
+    display = DisplayModel.of(Display())
     lab = np.array([[level, -110.0, 60.0] for level in np.linspace(20.0, 90.0, 15)])
     rows = ", ".join(map(repr, display.rgb_from_xyz.T.ravel().tolist()))
     white = ", ".join(map(repr, display.white.tolist()))

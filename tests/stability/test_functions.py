@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from both import finite
 
+from relgloss_view.display.display import Display
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.material import approximations, brdf
 from relgloss_view.picture.gpu import constants
 from relgloss_view.picture.gpu.targets import Targets
-from relgloss_view.picture.model import tone
-from relgloss_view.picture.scene.setup import Display
 
 COUNT = 250_000
 
@@ -111,7 +111,7 @@ def test_from_light_to_display(ctx, root, gamut, transfer):
         name: np.stack([magnitudes(rng, -38, 12) for _ in range(3)], axis=-1) for name in "ds"
     }
     inputs["c"] = magnitudes(rng, -12, 4)
-    display = tone.DisplayModel.of(Display())
+    display = DisplayModel.of(Display())
     rows, white = (
         ", ".join(map(repr, v.ravel().tolist()))
         for v in (

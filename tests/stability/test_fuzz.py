@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from materials import paper
 
+from relgloss_view.display.display import Display
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.gpu.programs import Programs
 from relgloss_view.picture.gpu.renderer import Renderer
@@ -19,7 +20,7 @@ from relgloss_view.picture.method import Method
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp
+from relgloss_view.picture.scene.setup import Eye, Lamp
 
 STAGES = ("diffuse", "specular", "lab", "light", "display", "normal", "tilted_normal", "point_m")
 COUNTS = ("clip_count", "out_of_gamut_count", "c")

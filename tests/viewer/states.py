@@ -10,13 +10,14 @@ from hypothesis import strategies as st
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.resources import asset
+from relgloss_view.display.display import Display
 from relgloss_view.material.files import load_material, save_material
 from relgloss_view.material.recolour import Colour
 from relgloss_view.material.spectra import SHIPPED_ILLUMINANTS
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Setup
+from relgloss_view.picture.scene.setup import Eye, Lamp, Setup
 from relgloss_view.viewer.state.state import Presentation, Side, State
 
 #: Names that files may have, and that quoting, TOML and argparse have to stand.

@@ -7,10 +7,11 @@ import re
 
 import pytest
 
+from relgloss_view.display.display import Display
 from relgloss_view.pack.shape import SIZES, Shape
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp
+from relgloss_view.picture.scene.setup import Eye, Lamp
 from relgloss_view.quality.planner import SAVINGS
 from relgloss_view.viewer.panels import drawing_words, scene
 from relgloss_view.viewer.shell.widgets import label_of

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.display.display import Display
 from relgloss_view.material import brdf
 from relgloss_view.material.material import Diffuse, FitRecord, Lobe, Material
 from relgloss_view.measure.bands import RGB
@@ -20,7 +21,7 @@ from relgloss_view.picture.output.export import save_frame
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp
+from relgloss_view.picture.scene.setup import Eye, Lamp
 from relgloss_view.viewer.plots import reflection
 from relgloss_view.viewer.plots.caches import PerFrame, Recent, light_of
 from relgloss_view.viewer.plots.lightness import BINS, Lightness

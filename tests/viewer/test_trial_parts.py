@@ -10,10 +10,10 @@ import pytest
 from PIL import ImageCms
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.display.display import Display
 from relgloss_view.experiment.design.study_file import load_study
 from relgloss_view.experiment.session.flow import Flow, Phase, Progress
 from relgloss_view.experiment.session.store import Store
-from relgloss_view.picture.scene.setup import Display
 from relgloss_view.viewer.drawing.arrangement import centred
 from relgloss_view.viewer.drawing.canvas import surround_gray
 from relgloss_view.viewer.state.state import Presentation

@@ -11,10 +11,11 @@ import driven
 import numpy as np
 import pytest
 
+from relgloss_view.display.display import Display
 from relgloss_view.pack.shape import ANALYTIC as SHAPES
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp
+from relgloss_view.picture.scene.setup import Eye, Lamp
 from relgloss_view.viewer.panels import scene
 from relgloss_view.viewer.shell.widgets import label_of
 from relgloss_view.viewer.state.matching import share_of_match

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
@@ -119,14 +120,14 @@ def shown_c(c_max: float | None) -> float:
 
 def shown_lab(frame: Frame) -> Array:
     """(H, W, 3), what the display shows, relative to its white."""
-    display = tone.DisplayModel.of(frame.scene.display)
+    display = DisplayModel.of(frame.scene.display)
     xyz = frame.light.astype(np.float64) @ display.xyz_from_rgb.T
     return tone.lab_from_xyz(xyz, display.white)
 
 
 def lab_of_light(scene: Scene, diffuse: Array, specular: Array, white: Array, c: float) -> Array:
     """(H, W, 3), what the display shows of XYZ of both reflections, scaled by c."""
-    display = tone.DisplayModel.of(scene.display)
+    display = DisplayModel.of(scene.display)
     lab = tone.scaled_lab(tone.split_lab(diffuse, specular, white), c)
     shown, _ = tone.display_rgb(lab, display)
     return tone.lab_from_xyz(shown @ display.xyz_from_rgb.T, display.white)

@@ -14,6 +14,7 @@ import numpy as np
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.reading import printable
 from relgloss_view.base.version import __version__
+from relgloss_view.display.display import Display
 from relgloss_view.fitting.derived import peak
 from relgloss_view.fitting.estimate.estimate import TAILS, Estimate
 from relgloss_view.gloss.meter.meter import specular_gloss
@@ -26,7 +27,6 @@ from relgloss_view.picture.output.png import save_rgb
 from relgloss_view.picture.pair import common_factor
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display
 from relgloss_view.quality.backends import open_renderer
 
 SIZE = (400, 400)  #: pixels of a picture

@@ -23,6 +23,7 @@ from relgloss_view.base import followed
 from relgloss_view.base.arrays import Bytes, Floats
 from relgloss_view.base.child import PACKAGE_FOLDER, Child
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.icc.profile import Profile, lab_space, read_profile
 from relgloss_view.base.reading import decoding, named, open_regular, printable, read_beginning
 from relgloss_view.base.temporaries import scratch_folder
 from relgloss_view.base.terminal import ProgressReport, no_progress
@@ -31,7 +32,6 @@ from relgloss_view.pack.artwork.ghostscript import WAITING, Renderer, allowed_s,
 from relgloss_view.pack.artwork.options import ArtworkOptions
 from relgloss_view.pack.artwork.pictures import gray_of, profile_of_file, quiet_pillow
 from relgloss_view.pack.artwork.plate_names import PROCESS
-from relgloss_view.pack.artwork.profile import Profile, lab_space, read_profile
 from relgloss_view.pack.artwork.raster import MM_PER_INCH, USUAL_DPI, Raster
 from relgloss_view.pack.artwork.spaces import srgb
 

@@ -14,18 +14,18 @@ import numpy as np
 
 from relgloss_view.base.arrays import AnyArray, Bytes, Digital
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.interruptions import checkpoint
-from relgloss_view.base.reading import decoding, named, open_regular, read_bytes
-from relgloss_view.base.room import Need, check_room
-from relgloss_view.base.terminal import ProgressReport
-from relgloss_view.pack.artwork.options import ArtworkOptions
-from relgloss_view.pack.artwork.profile import (
+from relgloss_view.base.icc.profile import (
     MOST_BYTES,
     Profile,
     lab_space,
     matrix_space,
     read_profile,
 )
+from relgloss_view.base.interruptions import checkpoint
+from relgloss_view.base.reading import decoding, named, open_regular, read_bytes
+from relgloss_view.base.room import Need, check_room
+from relgloss_view.base.terminal import ProgressReport
+from relgloss_view.pack.artwork.options import ArtworkOptions
 from relgloss_view.pack.artwork.raster import MM_PER_INCH, Raster
 from relgloss_view.pack.artwork.spaces import cicp_space, power_light, rgb_to_xyz, srgb
 

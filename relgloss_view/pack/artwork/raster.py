@@ -10,11 +10,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from relgloss_view.base.arrays import AnyArray, Array, Bytes, Digital, Floats
+from relgloss_view.base.icc.profile import Profile, cell_polynomials
 from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.pack.artwork.artwork import Artwork
 from relgloss_view.pack.artwork.options import ArtworkOptions
-from relgloss_view.pack.artwork.profile import Profile, cell_polynomials
 
 AT_ONCE = 1 << 14  #: pixels of one step of the conversion
 USUAL_DPI = 300.0  #: of a picture that names no resolution

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Floats
+from relgloss_view.base.icc.curves import Curve
+from relgloss_view.base.icc.profile import D50, Profile, matrix_space
 from relgloss_view.material.cielab import BRADFORD
-from relgloss_view.pack.artwork.profile import D50, Profile, matrix_space
-from relgloss_view.pack.artwork.profile_curves import Curve
 
 #: x and y of red, green, blue and white.
 REC709 = ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06), (0.3127, 0.3290))

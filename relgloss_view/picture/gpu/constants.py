@@ -9,11 +9,11 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
+from relgloss_view.display.display import DITHERS, GAMUTS, TRANSFERS
 from relgloss_view.material import approximations
 from relgloss_view.pack.shape import ANALYTIC
 from relgloss_view.picture import method
 from relgloss_view.picture.scene.look import GRAINS, NOISE_LAWS
-from relgloss_view.picture.scene.setup import DITHERS, GAMUTS, TRANSFERS
 
 #: What pass 1 writes: the weights of the shapes, XYZ, the split of L*, or the last two.
 WRITES = ("weights", "xyz", "split", "xyz and split")

@@ -6,6 +6,7 @@ import moderngl
 import numpy as np
 
 from relgloss_view.base.errors import RelglossError
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.picture.gpu.constants import code
 from relgloss_view.picture.gpu.context import make_current
 from relgloss_view.picture.gpu.renderer import Renderer
@@ -15,7 +16,6 @@ from relgloss_view.picture.gpu.uniforms import display_uniforms, white_uniform
 from relgloss_view.picture.gpu.variant import tone_defines
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.model import tone
-from relgloss_view.picture.model.tone import DisplayModel
 from relgloss_view.picture.model.view import Size
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.material import brdf
 from relgloss_view.material.albedo_table import STEPS, diffuse_table, lobe_table
 from relgloss_view.material.approximations import mean_lobe, plain_lobe
@@ -18,7 +19,6 @@ from relgloss_view.picture.model.grain import field_step
 from relgloss_view.picture.model.grain_field import FIELD_TILE
 from relgloss_view.picture.model.lights import lamps_of, share_of
 from relgloss_view.picture.model.pixel_sampling import eye_grain_samples, grainiest
-from relgloss_view.picture.model.tone import DisplayModel
 from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene

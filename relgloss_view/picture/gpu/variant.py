@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from relgloss_view.display.display import Display
 from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.shape import ANALYTIC
 from relgloss_view.picture import method
@@ -19,7 +20,6 @@ from relgloss_view.picture.model.lights import lamps_of
 from relgloss_view.picture.model.view import from_afar
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Ints
+from relgloss_view.display.display import Display
 from relgloss_view.pack.shape import ANALYTIC
 from relgloss_view.picture.model import grain_field, noise, shape
 from relgloss_view.picture.model.pixel_sampling import eye_grain_samples, grainiest
 from relgloss_view.picture.model.view import float32
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display
 
 CENTRE = (0.5, 0.5)
 

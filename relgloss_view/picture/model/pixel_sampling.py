@@ -8,6 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from relgloss_view.display.display import Display
 from relgloss_view.pack import forms
 from relgloss_view.pack.mesh import Mesh
 from relgloss_view.pack.shape import CURVED
@@ -16,7 +17,7 @@ from relgloss_view.picture.model.sight import plane_normal
 from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Display, FurtherLamp, Lamp
+from relgloss_view.picture.scene.setup import FurtherLamp, Lamp
 
 MAX_SAMPLES = 16
 #: Samples of a Gaussian lobe this many standard deviations apart sum to its energy within

@@ -5,15 +5,11 @@ Ishii et al., eqs. 1-4, with CIE 15's piecewise lightness. XYZ is relative to Y_
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import lru_cache
-
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Ints, Mask
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.material import cielab
-from relgloss_view.material.spectra import rgb_to_xyz_matrix, white_from_xy
-from relgloss_view.picture.scene.setup import Display
 
 LAB_EPSILON = cielab.EPSILON
 GAMUT_TOLERANCE = 1e-4
@@ -116,40 +112,6 @@ def in_gamut(rgb: Array) -> Mask:
     return np.asarray(np.all((rgb >= -GAMUT_TOLERANCE) & (rgb <= 1.0 + GAMUT_TOLERANCE), axis=-1))
 
 
-@dataclass(frozen=True)
-class DisplayModel:
-    """The numbers of a display that both renderers use."""
-
-    white: Array  #: XYZ, Y = 1
-    xyz_from_rgb: Array  #: (3, 3)
-    rgb_from_xyz: Array  #: (3, 3)
-    transfer: str
-    gamut: str
-    curve: tuple[float, float, float, float]  #: gain, offset, gamma, flare
-    background_light: float  #: linear, relative to white
-
-    @classmethod
-    def of(cls, display: Display) -> DisplayModel:
-        """Derive the numbers from the declared display; not to be written to, they are shared."""
-        return _model_of(display)
-
-
-@lru_cache(maxsize=16)
-def _model_of(display: Display) -> DisplayModel:
-    xyz_from_rgb = rgb_to_xyz_matrix(display.primaries_xy, display.white_xy)
-    rgb_from_xyz = np.asarray(np.linalg.inv(xyz_from_rgb), dtype=np.float64)
-    arrays = white_from_xy(display.white_xy), xyz_from_rgb, rgb_from_xyz
-    for array in arrays:
-        array.setflags(write=False)
-    return DisplayModel(
-        *arrays,
-        display.transfer,
-        display.gamut,
-        (display.gain, display.offset, display.gamma, display.flare),
-        float(lab_f_inverse(np.array((display.background_lstar + 16.0) / 116.0))),
-    )
-
-
 def display_rgb(lab: Array, display: DisplayModel) -> tuple[Array, Mask]:
     """Linear display RGB (..., 3), 0 to 1, and (...) whether each colour is inside the gamut.
 
@@ -176,7 +138,7 @@ def display_rgb(lab: Array, display: DisplayModel) -> tuple[Array, Mask]:
             fits = in_gamut(rgb_of(held, middle[:, None] * chroma))
             low, high = np.where(fits, middle, low), np.where(fits, high, middle)
         rgb[~inside] = rgb_of(held, low[:, None] * chroma)
-    return np.clip(rgb, 0.0, 1.0), inside
+    return np.clip(rgb, display.darkest, 1.0), inside
 
 
 def srgb_encode(light: Array) -> Array:
@@ -201,8 +163,15 @@ def encode(rgb: Array, display: DisplayModel) -> Array:
     >>> encode(np.array([0.25]), gamma).tolist()
     [0.5]
     """
+    if display.screen is not None and display.screen_from_rgb is not None:
+        rgb = np.clip(np.maximum(rgb, display.darkest) @ display.screen_from_rgb.T, 0.0, 1.0)
+        return encode(rgb, display.screen)
+    if np.any(display.floor):
+        rgb = np.maximum(rgb - display.floor, 0.0) / (1.0 - display.floor)
     if display.transfer == "srgb":
         return srgb_encode(rgb)
+    if display.emission is not None:
+        return display.emission.digital(rgb.reshape(-1, 3)).reshape(rgb.shape)
     gain, offset, gamma, flare = display.curve
     white = (gain + offset) ** gamma + flare
     light = np.maximum(rgb * white - flare, 0.0)

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from relgloss_view.base.arrays import Bytes
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.picture.displayed import Displayed, shown_light
 from relgloss_view.picture.frame import Frame
-from relgloss_view.picture.model.tone import DisplayModel, encode
+from relgloss_view.picture.model.tone import encode
 from relgloss_view.picture.output.lettering import Lettering
 
 PAPER_GRAY = 119  #: sRGB of L* 50

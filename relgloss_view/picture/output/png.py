@@ -14,13 +14,14 @@ from relgloss_view.base.arrays import Array, Digital
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.version import __version__
 from relgloss_view.base.writing import whole_file
+from relgloss_view.display.display import Display
+from relgloss_view.display.icc_writing import profile_of
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.picture.displayed import Displayed, shown_light
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
-from relgloss_view.picture.output.icc import profile_of
 from relgloss_view.picture.output.parameters import parameters
 from relgloss_view.picture.output.png16 import write_png16
-from relgloss_view.picture.scene.setup import Display
 from relgloss_view.picture.stages import parts_of
 
 SOFTWARE = f"relgloss {__version__}"
@@ -76,7 +77,7 @@ def save_pair(
     left, right = (digital(*both, bits) for both in zip(frames, displayed, strict=True))
     if mirrored:
         left, right = right[:, ::-1], left[:, ::-1]
-    model = tone.DisplayModel.of(display)
+    model = DisplayModel.of(display)
     surround = _quantised(np.array(tone.encode(np.array(model.background_light), model)), bits)
     gap = np.full((left.shape[0], gap_px, 3), surround, dtype=surround.dtype)
     text = _text(json.dumps(pair), "\n".join(commands))
@@ -87,7 +88,7 @@ def digital(frame: Frame, displayed: Displayed | None, bits: int) -> Digital:
     """(H, W, 3), digital values of the display: the picture's own 8 bits, or its light in 16."""
     if bits == 8:
         return frame.display if displayed is None else displayed.digital
-    model = tone.DisplayModel.of(frame.scene.display)
+    model = DisplayModel.of(frame.scene.display)
     values = np.empty((frame.size[1], frame.size[0], 3), dtype=np.uint16)
     for part in parts_of(frame):
         light, _ = shown_light(

@@ -21,6 +21,7 @@ from relgloss_view.base.parameters import Range
 from relgloss_view.base.reading import printable
 from relgloss_view.base.toml import AUTO, plain
 from relgloss_view.base.words import sentence_case
+from relgloss_view.display.display import Display
 from relgloss_view.material.recolour import DEFAULT_ILLUMINANT, Colour
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.pack.shape import Shape
@@ -30,7 +31,7 @@ from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.picture.scene.scene_file import TABLES, build
 from relgloss_view.picture.scene.scene_writer import check_sample
 from relgloss_view.picture.scene.setting import Setting
-from relgloss_view.picture.scene.setup import Display, FurtherLamp, Setup
+from relgloss_view.picture.scene.setup import FurtherLamp, Setup
 
 SET = "--set"
 NEW_DISPLAY = Display().for_the_eye()  #: of pictures that no scene file describes
@@ -65,6 +66,11 @@ class Option:
         return names
 
     @property
+    def is_file(self) -> bool:
+        """Whether the option names a file; "" is none."""
+        return bool(self.field.metadata.get("file"))
+
+    @property
     def takes_auto(self) -> bool:
         """Whether "auto" leaves the choice to the program, where the entry is None.
 
@@ -80,6 +86,8 @@ class Option:
     def help_with(self, default: Any) -> str:
         """The help of a command that begins with another value than the entry's own default."""
         metadata = self.field.metadata
+        if self.is_file:
+            return sentence_case(metadata["meaning"])
         if self.choices is not None:
             plain = str(default)
             new = getattr(NEW_DISPLAY, self.entry) if self.table == "display" else plain
@@ -94,7 +102,7 @@ class Option:
 
     def read(self, text: str) -> float | int | str | None:
         """The option's value from its word; ValueError where the word is no number."""
-        if self.choices is not None:
+        if self.choices is not None or self.is_file:
             return text
         if self.takes_auto and text == AUTO:
             return None
@@ -178,7 +186,9 @@ def scene_words(setup: Setup, look: Look) -> list[str]:
     words: list[str] = []
     for option in OPTIONS:
         value = getattr(parts[option.table], option.entry)
-        if value is not None or option.takes_auto:
+        if option.is_file:
+            words += shell.option(option.flag, _full_name(str(value))) if value else []
+        elif value is not None or option.takes_auto:
             words += option.words(value)
     stated = {(option.table, option.entry) for option in OPTIONS}
     for table, part in parts.items():
@@ -277,8 +287,12 @@ def written_value(value: object, entry: str = "") -> str:
     if not isinstance(value, str):
         return AUTO if value is None else repr(plain(value))
     if entry == "file" or (entry == "illuminant" and not is_lamp_name(value)):
-        value = pasted_name(str(Path(value).absolute()))
+        value = _full_name(value)
     return value if read_value(value) is value else repr(value)
+
+
+def _full_name(name: str) -> str:
+    return pasted_name(str(Path(name).absolute()))
 
 
 def pasted_name(name: str) -> str:

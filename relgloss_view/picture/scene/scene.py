@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from relgloss_view.base.reading import printable
+from relgloss_view.display.display import Display
 from relgloss_view.material.material import Material
 from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.look import Look
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Setup
+from relgloss_view.picture.scene.setup import Eye, Lamp, Setup
 
 
 @dataclass(frozen=True, init=False)

@@ -13,6 +13,8 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable, refuse, text
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.base.toml import build_part, read_toml, table_of
+from relgloss_view.display.display import Display
+from relgloss_view.display.read import monitor_of
 from relgloss_view.material.recolour import Colour
 from relgloss_view.material.spectra import illuminant, is_lamp_name
 from relgloss_view.pack.forms import mesh_of
@@ -36,6 +38,8 @@ COLOUR_ENTRIES = tuple(f.name for f in dataclasses.fields(Colour))
 #: A pack within the scene, which is then the sample. Of a reference: [reference.pack].
 PACK_TABLES = (PACK, FINISH)
 SAMPLE_ENTRIES = ("name", "material", *PACK_TABLES, "table", *COLOUR_ENTRIES)
+#: The entries of [display] that name files.
+DISPLAY_FILES = tuple(f.name for f in dataclasses.fields(Display) if f.metadata.get("file"))
 MAX_BYTES = 1024 * 1024
 EXPECTED = "a scene file (TOML)"
 
@@ -125,6 +129,7 @@ def _scene_file(
         reference_look = Look()
     parts["lamp"] = lamp_beside(parts["lamp"], folder, replacements)
     parts["shape"] = shape_beside(parts["shape"], folder, replacements)
+    parts["display"] = display_beside(parts["display"], folder, replacements)
     look = parts.pop("look")
     of_sample = content.get("sample", {})
     of_pack = {name: content[name] for name in PACK_TABLES if name in content}
@@ -284,6 +289,25 @@ def shape_beside(shape: Shape, folder: Path, replacements: list[str] | None) -> 
         replacements.append(f"{error} (a {Shape().kind} is used as the form)")
         return Shape()
     return shape
+
+
+def display_beside(display: Display, folder: Path, replacements: list[str] | None) -> Display:
+    """The display with its files, if it has any, in the scene's folder. Raises InputError."""
+    for entry in DISPLAY_FILES:
+        name = getattr(display, entry)
+        if not name:
+            continue
+        file = str(folder / name)
+        try:
+            monitor_of(file)  # a faulty file is reported with the name of the scene file
+        except InputError as error:
+            if replacements is None:
+                raise
+            replacements.append(f"{error} (the display is taken without it)")
+            file = ""
+        changed: dict[str, Any] = {entry: file}
+        display = dataclasses.replace(display, **changed)
+    return display
 
 
 def build(name: str, values: object, within: str = "") -> Any:

@@ -15,7 +15,7 @@ from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.pack_file import PACK, pack_tables, read_pack
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
-from relgloss_view.picture.scene.scene_file import FURTHER_LAMP, SceneFile
+from relgloss_view.picture.scene.scene_file import DISPLAY_FILES, FURTHER_LAMP, SceneFile
 
 
 def write_scene_file(
@@ -79,6 +79,9 @@ def _tables(content: SceneFile, folder: Path, forgiving: bool) -> dict[str, Any]
         _put(tables["lamp"], "illuminant", _place(lamp, folder), "lamp", forgiving)
     if shape is not None and shape.file:
         _put(tables["shape"], "file", _place(shape.file, folder), "shape", forgiving)
+    for entry in DISPLAY_FILES:
+        if file := getattr(content.setup.display, entry):
+            _put(tables["display"], entry, _place(file, folder), "display", forgiving)
     if content.match is not None:
         tables["match"] = entries(content.match)
     if content.presentation:

@@ -15,9 +15,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from relgloss_view.base.arrays import Array
-from relgloss_view.base.errors import InputError
 from relgloss_view.base.parameters import Checked, choice, parameter
 from relgloss_view.base.reading import refuse
+from relgloss_view.display.display import Display
 from relgloss_view.pack.shape import Shape
 
 
@@ -217,135 +217,6 @@ class Eye(Checked):
     def position_m(self) -> Array:
         """World position, (3,)."""
         return polar_point(self.azimuth_deg, self.elevation_deg, self.distance_m)
-
-
-TRANSFERS = ("srgb", "gain-offset-gamma")
-GAMUTS = ("chroma", "clip")  #: reduce chroma at held L* and hue, or cut RGB
-EDGES = ("sampled", "smooth")  #: of silhouettes: what a pixel's sample meets, or its share
-DITHERS = ("none", "ordered")
-MIN_GAMUT_AREA = 1e-3  #: twice the triangle's area in the xy diagram; sRGB has 0.22
-
-
-def _is_table(value: object, rows: int) -> bool:
-    return isinstance(value, tuple) and len(value) == rows
-
-
-def _is_xy(value: object) -> bool:
-    """Whether a value is a chromaticity that a light can have."""
-    if not (isinstance(value, tuple) and len(value) == 2):
-        return False
-    if any(isinstance(v, bool) or not isinstance(v, int | float) for v in value):
-        return False
-    x, y = value
-    return bool(x >= 0.0 and y > 0.0 and x + y <= 1.0)
-
-
-@dataclass(frozen=True)
-class Display(Checked):
-    """The monitor, whose white shows L* = 100.
-
-    transfer: 'srgb' (IEC 61966-2-1:1999), or 'gain-offset-gamma' (Berns 1996).
-    gain, offset, gamma, flare: light = (gain d + offset)^gamma + flare of a digital value d from 0
-    to 1; gain 0.1 to 10, offset -0.5 to 0.5, gamma 0.5 to 5, flare 0 to 0.2.
-    gamut: 'chroma' reduces the chroma of colours that the monitor can't show, 'clip' cuts RGB.
-    primaries_xy, white_xy: CIE 1931 chromaticities.
-    background_lstar: L* of the neutral surround, 0 to 100.
-    pixel_pitch_mm: from one pixel to the next, 0.01 to 100 mm. viewing_distance_m: from the monitor
-    to the observer, 0.05 to 100 m. How large a grain is at the eye follows from both.
-    edges: 'sampled', a pixel shows what its sample meets, or 'smooth', the share of it that the
-    object covers. dither: of 8-bit values, 'none' or 'ordered'.
-
-    Edges and dither change digital values only: no measured number, and no 16-bit value by dither.
-    `for_the_eye` has both. Raises InputError where a value is out of its range or the primaries
-    lie on a line.
-
-    >>> Display(transfer="gain-offset-gamma", gamma=2.4).white_xy
-    (0.3127, 0.329)
-    >>> Display(gamma=7.0)
-    Traceback (most recent call last):
-    ...
-    relgloss_view.base.errors.InputError: display.gamma: expected 0.5 to 5, found 7.0
-    """
-
-    transfer: str = choice("srgb", TRANSFERS, "how RGB becomes light")
-    gamut: str = choice(
-        "chroma",
-        GAMUTS,
-        "chroma: reduces the chroma of colours that the display can't show; clip: cuts RGB",
-        label="Out-of-gamut colours",
-    )
-    gain: float = parameter(1.0, 0.1, 10.0, "", "light = (gain d + offset)^gamma + flare")
-    offset: float = parameter(0.0, -0.5, 0.5, "", "see gain")
-    gamma: float = parameter(2.2, 0.5, 5.0, "", "see gain")
-    flare: float = parameter(0.0, 0.0, 0.2, "", "see gain")
-    primaries_xy: tuple[tuple[float, float], ...] = ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06))
-    white_xy: tuple[float, float] = (0.3127, 0.3290)
-    background_lstar: float = parameter(
-        50.0,
-        0.0,
-        100.0,
-        "L*",
-        "lightness of the neutral surround of the pictures",
-        label="Surround lightness (L*)",
-    )
-    pixel_pitch_mm: float = parameter(
-        0.27, 0.01, 100.0, "mm", "from one pixel of the monitor to the next", label="Pixel pitch"
-    )
-    viewing_distance_m: float = parameter(
-        0.6, 0.05, 100.0, "m", "from the monitor to the observer", label="Viewing distance"
-    )
-
-    edges: str = choice(
-        "sampled",
-        EDGES,
-        "smooth: a pixel at the silhouette shows the share of it that the object covers; "
-        "sampled: what its centre meets",
-        option="--edges",
-        label="Silhouettes",
-        later=True,
-    )
-    dither: str = choice(
-        "none",
-        DITHERS,
-        "ordered: half a step of 8 bits is added or taken away, so that gradients show no bands",
-        option="--dither",
-        label="Dither",
-        later=True,
-    )
-
-    @property
-    def pixel_arcmin(self) -> float:
-        """Angle of a pixel at the observer's eye, minutes of arc.
-
-        >>> round(Display().pixel_arcmin, 3)
-        1.547
-        """
-        return 60.0 * math.degrees(math.atan2(1e-3 * self.pixel_pitch_mm, self.viewing_distance_m))
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.gain + self.offset <= 0.0 or max(self.offset, 0.0) >= self.gain + self.offset:
-            raise InputError(
-                f"display.gain {self.gain:g} with display.offset {self.offset:g}: white is no "
-                "brighter than black; expected gain + offset above 0 and above offset"
-            )
-        if not (_is_table(self.primaries_xy, 3) and all(_is_xy(xy) for xy in self.primaries_xy)):
-            raise InputError(
-                "display.primaries_xy: expected three chromaticities, as [[x, y], ...]"
-            )
-        if not _is_xy(self.white_xy):
-            raise InputError("display.white_xy: expected a chromaticity, as [x, y]")
-        (rx, ry), (gx, gy), (bx, by) = self.primaries_xy
-        area = (gx - rx) * (by - ry) - (bx - rx) * (gy - ry)
-        if abs(area) < MIN_GAMUT_AREA:
-            raise InputError("display.primaries_xy: the three primaries lie on a line")
-
-    def for_the_eye(self) -> Display:
-        """The display with smooth silhouettes and dither, as new pictures are shown.
-
-        Scene files, studies and grids keep the values of their own, so that their pixels stay.
-        """
-        return dataclasses.replace(self, edges="smooth", dither="ordered")
 
 
 @dataclass(frozen=True)

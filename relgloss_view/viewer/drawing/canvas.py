@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from relgloss_view.display.display import Display
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.picture.model import tone
-from relgloss_view.picture.model.tone import DisplayModel
 from relgloss_view.picture.model.view import Box, Size, View
-from relgloss_view.picture.scene.setup import Display
 from relgloss_view.viewer.drawing.arrangement import Arrangement, Rect
 from relgloss_view.viewer.drawing.pair_renderer import SidePicture
 from relgloss_view.viewer.state.state import DIFFERENCE, Presentation

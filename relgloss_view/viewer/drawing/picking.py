@@ -112,7 +112,7 @@ def plate_values(pack: Pack, place_mm: Mm) -> dict[str, float]:
 
 def _lab(paint: Array) -> Lab | None:
     """Lab under D50 of premultiplied paint; None where hardly anything is printed."""
-    from relgloss_view.pack.artwork.profile import D50
+    from relgloss_view.base.icc.profile import D50
 
     if paint[3] < 0.5 / 255.0:
         return None

@@ -6,13 +6,13 @@ import numpy as np
 from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.base.reading import printable
+from relgloss_view.display.display import Display
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.pack.pack import Pack
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
-from relgloss_view.picture.model.tone import DisplayModel
 from relgloss_view.picture.model.view import View
 from relgloss_view.picture.pair import ratio_words
-from relgloss_view.picture.scene.setup import Display
 from relgloss_view.viewer.drawing.arrangement import Arrangement
 from relgloss_view.viewer.panels import overlay_legend
 from relgloss_view.viewer.panels.drawing_words import drawing_words

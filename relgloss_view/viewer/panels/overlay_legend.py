@@ -11,10 +11,10 @@ from collections.abc import Callable
 import numpy as np
 from imgui_bundle import ImVec2, ImVec4, imgui
 
+from relgloss_view.display.display import Display
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
-from relgloss_view.picture.model.tone import DisplayModel
-from relgloss_view.picture.scene.setup import Display
 from relgloss_view.viewer.shell.theme import em, gray
 
 #: What each overlay shows: whole words, and shorter ones for narrow pictures.

@@ -6,9 +6,10 @@ import math
 
 from imgui_bundle import ImVec2, imgui
 
+from relgloss_view.display.display import Display
 from relgloss_view.material.spectra import SHIPPED_ILLUMINANTS
 from relgloss_view.pack.shape import SHAPES, SIZES, Shape
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp
+from relgloss_view.picture.scene.setup import Eye, Lamp
 from relgloss_view.viewer.drawing import camera
 from relgloss_view.viewer.panels import lamps
 from relgloss_view.viewer.shell import sliders, widgets

@@ -6,8 +6,8 @@ import weakref
 from collections.abc import Callable, Hashable
 from typing import Generic, TypeVar
 
+from relgloss_view.display.display import Display
 from relgloss_view.picture.frame import Frame
-from relgloss_view.picture.scene.setup import Display
 
 T = TypeVar("T")
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from relgloss_view.base.parameters import Checked, choice, parameter, switch
+from relgloss_view.display.display import Display
 from relgloss_view.gloss.match import DEFAULT_REFERENCE, Reference, matched, own_sigma_n_deg
 from relgloss_view.operators.registry import DEFAULT_OPERATOR, OPERATORS
 from relgloss_view.pack.shape import Shape
@@ -20,7 +21,7 @@ from relgloss_view.picture.scene.match import Match
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, Sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setting import Setting
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Setup
+from relgloss_view.picture.scene.setup import Eye, Lamp, Setup
 
 SIDES = ("reference", "test")
 

@@ -11,7 +11,7 @@ from imgui_bundle import hello_imgui  # first: it brings the GLFW that glfw find
 import glfw
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.icc_profile import parse_profile
+from relgloss_view.base.icc.header import parse_profile
 from relgloss_view.base.reading import decoding, printable, read_bytes
 from relgloss_view.viewer.shell.platform import monitor_of, pixel_pitch_m
 from relgloss_view.viewer.shell.window import Window

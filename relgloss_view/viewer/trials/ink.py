@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from relgloss_view.display.display import Display
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.picture.model import tone
-from relgloss_view.picture.model.tone import DisplayModel
-from relgloss_view.picture.scene.setup import Display
 
 #: Contrasts to the surround (WCAG 2, which asks for 4.5 for text and 3 for large text). A surround
 #: of L* = 50 admits 4.7 at most.

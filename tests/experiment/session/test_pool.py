@@ -11,6 +11,7 @@ import pytest
 from cases import answer, answer_all, percepts, replaced, started, study
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.display.display import Display
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.design.study import Procedure, Screen
 from relgloss_view.experiment.observers.population import Population
@@ -21,7 +22,7 @@ from relgloss_view.experiment.session.store import Store
 from relgloss_view.experiment.verdict.analysis import Options, analyse
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.setting import Setting
-from relgloss_view.picture.scene.setup import Display, Eye, Lamp, Setup
+from relgloss_view.picture.scene.setup import Eye, Lamp, Setup
 
 SMALL = Grid((0.0, 2.0), (0.5, 1.0))
 

@@ -8,9 +8,10 @@ from functools import lru_cache
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.display.display import Display
+from relgloss_view.display.read import monitor_of
 from relgloss_view.material.cielab import bradford
 from relgloss_view.material.spectra import rgb_to_xyz_matrix, white_from_xy
-from relgloss_view.picture.scene.setup import Display
 
 VERSION = 0x04300000
 DATE = (2026, 1, 1, 0, 0, 0)  #: fixed, so that the same display has the same bytes
@@ -34,6 +35,10 @@ def profile_of(display: Display) -> bytes:
     >>> profile_of(Display(transfer="gain-offset-gamma"))[36:40]
     b'acsp'
     """
+    if display.profile:
+        own = monitor_of(display.profile).icc
+        if own is not None:
+            return own
     return srgb_profile() if is_srgb(display) else matrix_profile(display)
 
 

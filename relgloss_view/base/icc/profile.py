@@ -18,14 +18,14 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Floats
-from relgloss_view.base.icc_profile import parse_profile
-from relgloss_view.pack.artwork.profile_curves import (
+from relgloss_view.base.icc.curves import (
     MOST_ENTRIES,
     Curve,
     curve_of,
     identity,
     sampled,
 )
+from relgloss_view.base.icc.header import parse_profile
 
 D50 = np.array([0.9642, 1.0, 0.8249])  #: the white of the connection space (ICC.1:2022)
 CHANNELS = {"GRAY": 1, "RGB": 3, "Lab": 3, "CMYK": 4}

@@ -1,0 +1,1 @@
+"""ICC profiles, read within bounds and evaluated in floating point."""

@@ -1,0 +1,86 @@
+"""Monitor: what a screen emits for its digital values, by an ICC profile or by readings.
+
+Light is relative to the screen's own white, as it is emitted and not as it is adapted to D50.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from relgloss_view.base.arrays import Array
+from relgloss_view.display.tone_curve import ToneCurve
+
+
+class Emission(Protocol):
+    """How digital values (N, 3) become light of the channels, 0 black and 1 white, and back."""
+
+    @property
+    def kind(self) -> str:
+        """'curves' or 'table'."""
+
+    def light(self, digital: Array) -> Array:
+        """(N, 3) of digital values (N, 3); of a table also below 0 and above 1."""
+
+    def digital(self, light: Array) -> Array:
+        """(N, 3), 0 to 1, of light (N, 3): those that show what is nearest to it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """Channels that add: one curve each."""
+
+    curves: tuple[ToneCurve, ToneCurve, ToneCurve]
+    kind: str = "curves"
+
+    def light(self, digital: Array) -> Array:
+        """(N, 3) of digital values (N, 3)."""
+        return np.stack([c.light(digital[:, k]) for k, c in enumerate(self.curves)], axis=1)
+
+    def digital(self, light: Array) -> Array:
+        """(N, 3) of light (N, 3)."""
+        return np.stack([c.digital(light[:, k]) for k, c in enumerate(self.curves)], axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class Monitor:
+    """What is known of a screen.
+
+    white: XYZ (3,), Y = 1. xyz_from_rgb: (3, 3), from linear RGB, where (1, 1, 1) is white, to XYZ.
+    floor: (3,), linear RGB that the screen shows at black. So digital values d show
+    xyz_from_rgb @ (floor + (1 - floor) * emission.light(d)).
+    luminance_cd_m2: of white; None where nothing says it. black_known: whether the source says what
+    black shows; floor is 0 otherwise. notes: what is missing or surprises, for people. icc: the
+    profile that pictures for this screen embed; None where it is made of the rest.
+    """
+
+    name: str
+    source: str  #: "profile" or "readings"
+    white: Array
+    xyz_from_rgb: Array
+    floor: Array
+    emission: Emission
+    luminance_cd_m2: float | None = None
+    black_known: bool = False
+    notes: tuple[str, ...] = ()
+    icc: bytes | None = None
+
+    def xyz(self, digital: Array) -> Array:
+        """XYZ (N, 3) of digital values (N, 3), relative to white at Y = 1."""
+        rgb = self.floor + (1.0 - self.floor) * self.emission.light(digital)
+        return np.asarray(rgb @ self.xyz_from_rgb.T)
+
+
+def with_black(matrix: Array, black_xyz: Array) -> tuple[Array, Array]:
+    """(xyz_from_rgb, floor) of a screen whose channels add `matrix` (3, 3) to a black (3,).
+
+    XYZ = matrix @ t + black with t from 0 to 1 is xyz_from_rgb @ (floor + (1 - floor) t).
+
+    >>> m, f = with_black(np.eye(3), np.full(3, 0.25))
+    >>> m.diagonal().tolist(), f.tolist()
+    ([1.25, 1.25, 1.25], [0.2, 0.2, 0.2])
+    """
+    share = np.linalg.solve(matrix, black_xyz)
+    return matrix * (1.0 + share), share / (1.0 + share)
