@@ -63,6 +63,8 @@ def _model_of(display: Display, monitor: Monitor | None, other: Monitor | None) 
         brighter = seen.luminance_cd_m2 / screen.luminance_cd_m2
         matrix = _kept(brighter * screen.rgb_from_xyz @ seen.xyz_from_rgb)
         return dataclasses.replace(seen, screen=screen, screen_from_rgb=matrix)
+    if monitor is not None:
+        display = _with_the_files_own(display, monitor)
     floor, luminance, emission = np.zeros(3), display.luminance_cd_m2, None
     transfer = display.transfer
     if monitor is None:
@@ -97,6 +99,15 @@ def _model_of(display: Display, monitor: Monitor | None, other: Monitor | None) 
         luminance,
         emission,
         monitor,
+    )
+
+
+def _with_the_files_own(display: Display, monitor: Monitor) -> Display:
+    """The display with the black and the reflected light of its file, where the scene has none."""
+    return dataclasses.replace(
+        display,
+        black_cd_m2=monitor.black_cd_m2 if display.black_cd_m2 is None else display.black_cd_m2,
+        reflected_cd_m2=display.reflected_cd_m2 or monitor.reflected_cd_m2,
     )
 
 

@@ -44,6 +44,24 @@ class Curves:
         return np.stack([c.digital(light[:, k]) for k, c in enumerate(self.curves)], axis=1)
 
 
+@dataclass(frozen=True)
+class Numbers:
+    """The numbers of a fitted model, from which curves, matrix and white follow exactly.
+
+    kind: "gain-offset-gamma" (Berns 1996) or "curves". xyz_from_rgb: 3 rows. floor: as Monitor has
+    it. offset, gamma: of each channel, for the first kind: light = ((1 - offset) d + offset)^gamma,
+    less what that is at 0, and 1 at 1. samples: of each channel for the second kind, the light at
+    evenly spaced digital values, straight between them.
+    """
+
+    kind: str
+    xyz_from_rgb: tuple[tuple[float, float, float], ...]
+    floor: tuple[float, float, float]
+    offset: tuple[float, ...] = ()
+    gamma: tuple[float, ...] = ()
+    samples: tuple[tuple[float, ...], ...] = ()
+
+
 @dataclass(frozen=True, eq=False)
 class Monitor:
     """What is known of a screen.
@@ -54,6 +72,10 @@ class Monitor:
     luminance_cd_m2: of white; None where nothing says it. black_known: whether the source says what
     black shows; floor is 0 otherwise. notes: what is missing or surprises, for people. icc: the
     profile that pictures for this screen embed; None where it is made of the rest.
+
+    black_cd_m2, reflected_cd_m2: what a display file sets instead of what the model has; a scene's
+    own entries come before them. fitted: the numbers of a model from readings. verdict: of its fit,
+    "good" or "poor"; "" where nothing was fitted. beside: further files that it was read from.
     """
 
     name: str
@@ -66,6 +88,11 @@ class Monitor:
     black_known: bool = False
     notes: tuple[str, ...] = ()
     icc: bytes | None = None
+    black_cd_m2: float | None = None
+    reflected_cd_m2: float = 0.0
+    fitted: Numbers | None = None
+    verdict: str = ""
+    beside: tuple[str, ...] = ()
 
     def xyz(self, digital: Array) -> Array:
         """XYZ (N, 3) of digital values (N, 3), relative to white at Y = 1."""
