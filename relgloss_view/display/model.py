@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -61,6 +61,15 @@ class DisplayModel:
     def background_rgb(self) -> Array:
         """(3,), linear RGB of the surround as the display shows it."""
         return np.maximum(self.background_light, self.lowest)
+
+    @cached_property
+    def fills_cube(self) -> bool:
+        """Whether digital values show all linear RGB from black to white; a table may not."""
+        if self.emission is None or self.emission.kind == "curves":
+            return True
+        axis = np.linspace(0.0, 1.0, 9)
+        nodes = np.stack(np.meshgrid(axis, axis, axis), axis=-1).reshape(-1, 3)
+        return bool(np.all(self.emission.reach(nodes)))
 
     @property
     def black_cd_m2(self) -> float:

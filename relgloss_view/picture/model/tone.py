@@ -107,9 +107,17 @@ def largest_c(l_diffuse: Array, l_specular: Array) -> Array:
     return np.where(seen, (100.0 - l_diffuse) / np.where(seen, l_specular, 1.0), 1e30)
 
 
-def in_gamut(rgb: Array) -> Mask:
-    """Whether linear RGB lies in the display's cube."""
-    return np.asarray(np.all((rgb >= -GAMUT_TOLERANCE) & (rgb <= 1.0 + GAMUT_TOLERANCE), axis=-1))
+def in_gamut(rgb: Array, display: DisplayModel) -> Mask:
+    """Whether linear RGB (..., 3) lies in the display's cube, and its table shows it if it has one.
+
+    Shown as a table shows it is what lies within half a just visible difference (Table.reach).
+    """
+    inside = np.asarray(np.all((rgb >= -GAMUT_TOLERANCE) & (rgb <= 1.0 + GAMUT_TOLERANCE), axis=-1))
+    if display.emission is None or display.fills_cube:
+        return inside
+    bounded = np.clip(rgb[inside], display.lowest, 1.0)
+    inside[inside] = display.emission.reach((bounded - display.floor) / (1.0 - display.floor))
+    return inside
 
 
 def display_rgb(lab: Array, display: DisplayModel) -> tuple[Array, Mask]:
@@ -129,13 +137,13 @@ def display_rgb(lab: Array, display: DisplayModel) -> tuple[Array, Mask]:
 
     bounded = np.clip(lab[..., :1], 0.0, 100.0)
     rgb = rgb_of(bounded, lab[..., 1:])
-    inside = in_gamut(rgb)
+    inside = in_gamut(rgb, display)
     if not np.all(inside) and display.gamut == "chroma":
         held, chroma = bounded[~inside], lab[..., 1:][~inside]
         low, high = np.zeros(len(held)), np.ones(len(held))
         for _ in range(BISECTIONS):
             middle = 0.5 * (low + high)
-            fits = in_gamut(rgb_of(held, middle[:, None] * chroma))
+            fits = in_gamut(rgb_of(held, middle[:, None] * chroma), display)
             low, high = np.where(fits, middle, low), np.where(fits, high, middle)
         rgb[~inside] = rgb_of(held, low[:, None] * chroma)
     return np.clip(rgb, display.lowest, 1.0), inside
@@ -166,12 +174,13 @@ def encode(rgb: Array, display: DisplayModel) -> Array:
     if display.screen is not None and display.screen_from_rgb is not None:
         rgb = np.clip(np.maximum(rgb, display.darkest) @ display.screen_from_rgb.T, 0.0, 1.0)
         return encode(rgb, display.screen)
+    if display.emission is not None:  # a table shows some light below 0 of a channel
+        light = (rgb - display.floor) / (1.0 - display.floor)
+        return display.emission.digital(light.reshape(-1, 3)).reshape(rgb.shape)
     if np.any(display.floor):
         rgb = np.maximum(rgb - display.floor, 0.0) / (1.0 - display.floor)
     if display.transfer == "srgb":
         return srgb_encode(rgb)
-    if display.emission is not None:
-        return display.emission.digital(rgb.reshape(-1, 3)).reshape(rgb.shape)
     gain, offset, gamma, flare = display.curve
     white = (gain + offset) ** gamma + flare
     light = np.maximum(rgb * white - flare, 0.0)
