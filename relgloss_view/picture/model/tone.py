@@ -126,6 +126,7 @@ def display_rgb(lab: Array, display: DisplayModel) -> tuple[Array, Mask]:
     lab: (..., 3), relative to the display's white. Outside the gamut, 'chroma' keeps L* and hue and
     reduces chroma by bisection to the gamut's edge; 'clip' cuts each channel.
 
+    >>> from relgloss_view.display.display import Display
     >>> rgb, inside = display_rgb(np.array([[50.0, 0.0, 0.0]]), DisplayModel.of(Display()))
     >>> rgb.round(3).tolist(), inside.tolist()
     ([[0.184, 0.184, 0.184]], [True])
@@ -167,6 +168,7 @@ def encode(rgb: Array, display: DisplayModel) -> Array:
 
     sRGB, or the inverse of light = (gain d + offset)^gamma + flare (Berns 1996).
 
+    >>> from relgloss_view.display.display import Display
     >>> gamma = DisplayModel.of(Display(transfer="gain-offset-gamma", gamma=2.0))
     >>> encode(np.array([0.25]), gamma).tolist()
     [0.5]
@@ -190,6 +192,7 @@ def encode(rgb: Array, display: DisplayModel) -> Array:
 def as_shown(rgb: Array, display: DisplayModel) -> Array:
     """Linear RGB (..., 3) that the display shows of what it is asked for: no less than its black.
 
+    >>> from relgloss_view.display.display import Display
     >>> as_shown(np.zeros((1, 3)), DisplayModel.of(Display(black_cd_m2=2.0))).round(3).tolist()
     [[0.02, 0.02, 0.02]]
     """
@@ -199,6 +202,7 @@ def as_shown(rgb: Array, display: DisplayModel) -> Array:
 def surround_digital(display: DisplayModel) -> Array:
     """(3,), digital values of the neutral surround, 0 to 1. By a profile the channels differ.
 
+    >>> from relgloss_view.display.display import Display
     >>> surround_digital(DisplayModel.of(Display())).round(3).tolist()
     [0.466, 0.466, 0.466]
     """
@@ -208,6 +212,7 @@ def surround_digital(display: DisplayModel) -> Array:
 def neutral_digital(light: float, display: DisplayModel) -> tuple[float, float, float]:
     """Digital values of a gray of linear light relative to white, which is cut to 0 to 1.
 
+    >>> from relgloss_view.display.display import Display
     >>> [round(v, 3) for v in neutral_digital(0.184, DisplayModel.of(Display()))]
     [0.466, 0.466, 0.466]
     """
