@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import struct
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -15,7 +16,9 @@ from relgloss_view.display.monitor import Curves, Monitor
 from relgloss_view.display.read import monitor_of
 from relgloss_view.material.cielab import bradford
 
-VERSION = 0x04300000
+VERSION, OLD_VERSION = 0x04300000, 0x02400000
+COPYRIGHT = "No copyright, use freely"
+LONGEST_NAME = 200
 DATE = (2026, 1, 1, 0, 0, 0)  #: fixed, so that the same display has the same bytes
 D50_XYZ = np.array([0.9642, 1.0, 0.8249])  #: of the connection space (ICC.1:2010, 7.2.16)
 RELATIVE_COLORIMETRIC = 1
@@ -68,13 +71,13 @@ def profile_of_monitor(monitor: Monitor) -> bytes:
         return monitor.icc
     if not isinstance(monitor.emission, Curves):
         raise ValueError("a look-up table is not written as a profile")
-    nodes = np.linspace(0.0, 1.0, CURVE_ENTRIES)
-    light = monitor.floor + (1.0 - monitor.floor) * monitor.emission.light(
-        np.repeat(nodes[:, None], 3, axis=1)
-    )
-    curves = [_sampled(light[:, k]) for k in range(3)]
-    return _matrix_and_curves(
-        monitor.white, monitor.xyz_from_rgb, curves, monitor.name, monitor.luminance_cd_m2
+    emission, floor = monitor.emission, monitor.floor
+    return _sampled_profile(
+        monitor.white,
+        monitor.xyz_from_rgb,
+        lambda digital: floor + (1.0 - floor) * emission.light(digital),
+        monitor.name,
+        monitor.luminance_cd_m2,
     )
 
 
@@ -103,40 +106,60 @@ def srgb_profile() -> bytes:
 
 @lru_cache(maxsize=8)
 def matrix_profile(display: Display) -> bytes:
-    """A display profile of version 4.3: primaries and white by a matrix, transfer by a formula.
+    """A display profile of primaries and white by a matrix, and of transfer and black by curves.
 
-    display: one that no file describes; what it reflects is left out. Colorants are adapted to D50
-    by Bradford's transform. Sources: ICC.1:2010 (ISO 15076-1), 8.4.3 for the tags, 9.2.23 for the
-    luminance of white in cd/m2, 10.16 for the curves.
+    display: one that no file describes; what it reflects is left out. sRGB's curve is a formula, of
+    version 4.3. Other ones are sampled, of version 2.4, which older programs read too (Argyll 2.3).
     """
-    model = DisplayModel.of(_screen(display))
-    curve = _curve(display, float(model.floor[0]))
-    transfer = "sRGB curve" if display.transfer == "srgb" else f"gamma {display.gamma:g}"
-    return _matrix_and_curves(
-        model.white, model.xyz_from_rgb, [curve] * 3, transfer, display.luminance_cd_m2
-    )
+    screen = _screen(display)
+    model = DisplayModel.of(screen)
+    name, luminance = f"gamma {display.gamma:g}", display.luminance_cd_m2
+    if display.transfer == "srgb":
+        curve = _srgb_curve(float(model.floor[0]))
+        tags = _tags(model.white, model.xyz_from_rgb, (curve,) * 3, luminance)
+        tags |= {b"desc": _text("relgloss display, sRGB curve"), b"cprt": _text(COPYRIGHT)}
+        return _profile(tags | {b"wtpt": _xyz(D50_XYZ)}, VERSION)
+    return _sampled_profile(model.white, model.xyz_from_rgb, model.light, name, luminance)
 
 
-def _matrix_and_curves(
-    white: Array, xyz_from_rgb: Array, curves: list[bytes], name: str, luminance: float | None
+def _sampled_profile(
+    white: Array,
+    xyz_from_rgb: Array,
+    light_of: Callable[[Array], Array],
+    name: str,
+    luminance: float | None,
 ) -> bytes:
+    """A profile of version 2.4, with a curve of CURVE_ENTRIES a channel; ICC.1:2001, 6.3.1.2.
+
+    light_of: linear RGB (N, 3), black included, of digital values (N, 3).
+    """
+    nodes = np.linspace(0.0, 1.0, CURVE_ENTRIES)
+    light = light_of(np.repeat(nodes[:, None], 3, axis=1))
+    tags = _tags(white, xyz_from_rgb, [_sampled(light[:, k]) for k in range(3)], luminance)
+    # The screen's own white, which version 2 has here, and version 4 in `chad` alone.
+    tags[b"wtpt"] = _xyz(white)
+    tags[b"desc"] = _old_text(f"relgloss display, {name}")
+    tags[b"cprt"] = b"text" + bytes(4) + COPYRIGHT.encode("ascii") + b"\0"
+    return _profile(tags, OLD_VERSION)
+
+
+def _tags(
+    white: Array, xyz_from_rgb: Array, curves: Sequence[bytes], luminance: float | None
+) -> dict[bytes, bytes]:
+    """Colorants, adapted to D50 by Bradford's transform, curves, and the luminance of white.
+
+    Sources: ICC.1:2010 (ISO 15076-1), 8.4.3 for the tags, 9.2.23 for cd/m2, 10.5 and 10.16 for the
+    curves.
+    """
     adaptation = adaptation_to_d50(white)
     colorants = adaptation @ xyz_from_rgb
-    tags = {
-        b"desc": _text(f"relgloss display, {name}"),
-        b"cprt": _text("No copyright, use freely"),
-        b"wtpt": _xyz(D50_XYZ),
-        b"chad": b"sf32" + bytes(4) + _fixed(adaptation.ravel()),
-        b"rXYZ": _xyz(colorants[:, 0]),
-        b"gXYZ": _xyz(colorants[:, 1]),
-        b"bXYZ": _xyz(colorants[:, 2]),
-        b"rTRC": curves[0],
-        b"gTRC": curves[1],
-        b"bTRC": curves[2],
-    }
+    tags = {b"desc": b"", b"cprt": b"", b"wtpt": b""}  # in this order
+    tags[b"chad"] = b"sf32" + bytes(4) + _fixed(adaptation.ravel())
+    tags |= {name + b"XYZ": _xyz(colorants[:, k]) for k, name in enumerate((b"r", b"g", b"b"))}
+    tags |= {name + b"TRC": curves[k] for k, name in enumerate((b"r", b"g", b"b"))}
     if luminance is not None:
         tags[b"lumi"] = _xyz(np.array([0.0, luminance, 0.0]))
-    return _profile(tags)
+    return tags
 
 
 def adaptation_to_d50(white_xyz: Array) -> Array:
@@ -148,25 +171,14 @@ def adaptation_to_d50(white_xyz: Array) -> Array:
     return bradford(white_xyz, D50_XYZ)
 
 
-def _curve(display: Display, floor: float) -> bytes:
-    """Light of digital values as a parametric curve: of type 3 for sRGB, otherwise of type 4.
-
-    floor: the neutral light under it, below 0 where a declared black is darker than the curve's.
-    """
+def _srgb_curve(floor: float) -> bytes:
+    """sRGB's curve (IEC 61966-2-1:1999) over a neutral light, as a parametric one."""
     own = 1.0 - floor
-    if display.transfer == "srgb":  # IEC 61966-2-1:1999
-        numbers = (1.0 / 1.055, 0.055 / 1.055, 1.0 / 12.92, 0.04045)
-        if not floor:
-            return _parametric(3, (2.4, *numbers))
-        scale, slope = own ** (1.0 / 2.4), own * numbers[2]
-        bent = (2.4, scale * numbers[0], scale * numbers[1], slope, numbers[3])
-        return _parametric(4, (*bent, floor, floor))
-    gain, offset, gamma, flare = display.gain, display.offset, display.gamma, display.flare
-    white = (gain + offset) ** gamma + flare
-    scale = (own / white) ** (1.0 / gamma) if floor else white ** (-1.0 / gamma)
-    dark = max(-offset / gain, 0.0)  # below it the display shows its flare alone
-    shown = floor + own * flare / white
-    return _parametric(4, (gamma, scale * gain, scale * offset, 0.0, dark, shown, shown))
+    if not floor:
+        return _parametric(3, (2.4, 1.0 / 1.055, 0.055 / 1.055, 1.0 / 12.92, 0.04045))
+    scale = own ** (1.0 / 2.4) / 1.055
+    numbers = (2.4, scale, 0.055 * scale, own / 12.92, 0.04045, floor, floor)
+    return _parametric(4, numbers)
 
 
 def _sampled(light: Array) -> bytes:
@@ -195,7 +207,13 @@ def _text(text: str) -> bytes:
     return b"mluc" + bytes(4) + struct.pack(">II2s2sII", 1, 12, b"en", b"US", len(data), 28) + data
 
 
-def _profile(tags: dict[bytes, bytes]) -> bytes:
+def _old_text(text: str) -> bytes:
+    """Text as textDescriptionType, in ASCII; ICC.1:2001, 6.5.17."""
+    data = text[:LONGEST_NAME].encode("ascii", "replace") + b"\0"
+    return b"desc" + bytes(4) + struct.pack(">I", len(data)) + data + bytes(4 + 4 + 2 + 1 + 67)
+
+
+def _profile(tags: dict[bytes, bytes], version: int) -> bytes:
     """Header, table and data of a profile; equal data are written once."""
     table, body, places = b"", b"", {}
     start = 128 + 4 + 12 * len(tags)
@@ -206,7 +224,7 @@ def _profile(tags: dict[bytes, bytes]) -> bytes:
         table += struct.pack(">4sII", name, places[data], len(data))
     header = struct.pack(
         ">I4sI4s4s4s6H4s4sI4sI8sI12s4s44s",
-        start + len(body), b"", VERSION, b"mntr", b"RGB ", b"XYZ ", *DATE, b"acsp", b"", 0, b"",
+        start + len(body), b"", version, b"mntr", b"RGB ", b"XYZ ", *DATE, b"acsp", b"", 0, b"",
         0, b"", RELATIVE_COLORIMETRIC, _fixed(D50_XYZ), b"", b"",
     )  # fmt: skip
     return header + struct.pack(">I", len(tags)) + table + body
