@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.parameters import Checked, choice, file_name, parameter
+from relgloss_view.display.seen import ABSOLUTE, SEEN_WHITES
 
 TRANSFERS = ("srgb", "gain-offset-gamma")
 GAMUTS = ("chroma", "clip")  #: reduce chroma at held L* and hue, or cut RGB
@@ -75,7 +76,8 @@ class Display(Checked):
     it, or nobody knows (USUAL_CD_M2). black_cd_m2: what the monitor emits at digital 0; None where
     the profile says it, or offset and flare do. reflected_cd_m2: light of the room that the screen
     reflects, everywhere; it adds to both (DisplayModel). seen_on: a file like `profile`, of
-    another monitor: this one shows what that one would.
+    another monitor: this one shows what that one would. seen_white: in the same cd/m2, or so that
+    the other's white just fits.
 
     Edges and dither change digital values only: no measured number, and no 16-bit value by dither.
     `for_the_eye` has both. Raises InputError where a value is out of its range, the primaries lie
@@ -161,6 +163,15 @@ class Display(Checked):
         "another display, whose picture is shown on this one: an ICC profile or a display file",
         option="--seen-on",
         label="Seen on",
+    )
+    seen_white: str = choice(
+        ABSOLUTE,
+        SEEN_WHITES,
+        "how bright the other display of --seen-on is shown. absolute: in the same cd/m2; matched: "
+        "so that its white just fits into this display's",
+        option="--seen-white",
+        label="The other's white",
+        later=True,
     )
 
     @property

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import struct
 from collections.abc import Callable, Sequence
 from functools import lru_cache
@@ -83,15 +82,10 @@ def profile_of_monitor(monitor: Monitor) -> bytes:
 
 @lru_cache(maxsize=8)
 def _made(screen: Display, monitor: Monitor) -> bytes:
-    """The profile of a display file's monitor with what a scene declares beside it."""
-    model = DisplayModel.of(screen)
-    declared = dataclasses.replace(
-        monitor,
-        xyz_from_rgb=model.xyz_from_rgb,
-        floor=model.floor,
-        luminance_cd_m2=model.luminance_cd_m2 if model.luminance_known else None,
-    )
-    return profile_of_monitor(declared)
+    """The profile of a display file's monitor, with what a scene declares beside it."""
+    model = DisplayModel.emitted(screen)
+    luminance = model.luminance_cd_m2 if model.luminance_known else None
+    return _sampled_profile(model.white, model.xyz_from_rgb, model.light, monitor.name, luminance)
 
 
 @lru_cache(maxsize=1)
@@ -111,8 +105,7 @@ def matrix_profile(display: Display) -> bytes:
     display: one that no file describes; what it reflects is left out. sRGB's curve is a formula, of
     version 4.3. Other ones are sampled, of version 2.4, which older programs read too (Argyll 2.3).
     """
-    screen = _screen(display)
-    model = DisplayModel.of(screen)
+    model = DisplayModel.emitted(_screen(display))
     name, luminance = f"gamma {display.gamma:g}", display.luminance_cd_m2
     if display.transfer == "srgb":
         curve = _srgb_curve(float(model.floor[0]))

@@ -12,6 +12,7 @@ from relgloss_view.base.arrays import Array, Floats
 from relgloss_view.display.display import USUAL_CD_M2, Display, check_black
 from relgloss_view.display.monitor import Emission, Monitor, with_black
 from relgloss_view.display.read import monitor_of
+from relgloss_view.display.seen import SeenOn, between
 from relgloss_view.material import cielab
 from relgloss_view.material.spectra import rgb_to_xyz_matrix, white_from_xy
 
@@ -56,6 +57,8 @@ class DisplayModel:
     screen_from_rgb: Array | None = None  #: (3, 3), from this one's linear RGB to the screen's
     luminance_known: bool = False  #: else it is USUAL_CD_M2
     black_known: bool = False  #: else what black shows is only what is reflected
+    reflected_cd_m2: float = 0.0  #: light of the room in both of these
+    seen: SeenOn | None = None  #: how the screen shows this one; without a screen: as it is
 
     @property
     def background_rgb(self) -> Array:
@@ -107,23 +110,23 @@ class DisplayModel:
         other = monitor_of(display.seen_on) if display.seen_on else None
         return _model_of(display, monitor, other)
 
+    @classmethod
+    def emitted(cls, display: Display) -> DisplayModel:
+        """What the screen itself emits, as profiles have it: without the light of the room."""
+        monitor = monitor_of(display.profile) if display.profile else None
+        if monitor is not None and monitor.reflected_cd_m2:
+            monitor = dataclasses.replace(monitor, reflected_cd_m2=0.0)
+        return _model_of(
+            dataclasses.replace(display, reflected_cd_m2=0.0, seen_on=""), monitor, None
+        )
 
-@lru_cache(maxsize=16)
+
+@lru_cache(maxsize=64)
 def _model_of(display: Display, monitor: Monitor | None, other: Monitor | None) -> DisplayModel:
     if other is not None:
-        screen = _model_of(dataclasses.replace(display, seen_on=""), monitor, None)
-        plain = dataclasses.replace(
-            display,
-            seen_on="",
-            profile=display.seen_on,
-            luminance_cd_m2=None,
-            black_cd_m2=None,
-            reflected_cd_m2=0.0,
-        )
-        seen = _model_of(plain, other, None)
-        brighter = seen.luminance_cd_m2 / screen.luminance_cd_m2
-        matrix = _kept(brighter * screen.rgb_from_xyz @ seen.xyz_from_rgb)
-        return dataclasses.replace(seen, screen=screen, screen_from_rgb=matrix)
+        return _seen_on(display, monitor, other)
+    if monitor is not None:
+        display = _with_the_files_own(display, monitor)
     floor, luminance, emission = np.zeros(3), display.luminance_cd_m2, None
     transfer = display.transfer
     curve = (display.gain, display.offset, display.gamma, display.flare)
@@ -165,6 +168,16 @@ def _model_of(display: Display, monitor: Monitor | None, other: Monitor | None) 
         monitor,
         luminance_known=luminance_known,
         black_known=_black_is_known(display, monitor),
+        reflected_cd_m2=display.reflected_cd_m2,
+    )
+
+
+def _with_the_files_own(display: Display, monitor: Monitor) -> Display:
+    """The display with the black and the reflected light of its file, where the scene has none."""
+    return dataclasses.replace(
+        display,
+        black_cd_m2=monitor.black_cd_m2 if display.black_cd_m2 is None else display.black_cd_m2,
+        reflected_cd_m2=display.reflected_cd_m2 or monitor.reflected_cd_m2,
     )
 
 
@@ -180,6 +193,34 @@ def _black_is_known(display: Display, monitor: Monitor | None) -> bool:
     if monitor is None:
         return display.transfer == "gain-offset-gamma"
     return monitor.black_known
+
+
+def _seen_on(display: Display, monitor: Monitor | None, other: Monitor) -> DisplayModel:
+    """The model of the other display, with the screen that shows it."""
+    own = dataclasses.replace(display, seen_on="", seen_white=Display.seen_white)
+    of_other = dataclasses.replace(
+        own, profile=display.seen_on, luminance_cd_m2=None, black_cd_m2=None, reflected_cd_m2=0.0
+    )
+    screen, seen = _model_of(own, monitor, None), _model_of(of_other, other, None)
+    luminances = (
+        seen.luminance_cd_m2 if seen.luminance_known else None,
+        screen.luminance_cd_m2 if screen.luminance_known else None,
+    )
+    matrix, how, scale = between(
+        seen.xyz_from_rgb, screen.rgb_from_xyz, *luminances, display.seen_white
+    )
+    blacks = [float(m.xyz_from_rgb[1] @ m.darkest) for m in (seen, screen)]
+    known = seen.black_known, screen.black_known
+    facts = SeenOn(other.name, how, scale, *luminances, blacks[0], blacks[1], known)
+    if _same(own, monitor, other):
+        return dataclasses.replace(screen, seen=facts)
+    return dataclasses.replace(seen, screen=screen, screen_from_rgb=_kept(matrix), seen=facts)
+
+
+def _same(own: Display, monitor: Monitor | None, other: Monitor) -> bool:
+    """Whether the other display is this one, so that nothing is to be carried over."""
+    declared = own.luminance_cd_m2, own.black_cd_m2, own.reflected_cd_m2
+    return monitor is other and declared == (None, None, 0.0)
 
 
 def _with_declared_black(

@@ -259,7 +259,11 @@ class ReferenceStages:
             display.background_rgb,
         )
         flags = np.where(
-            seen[..., 0], (lab[..., 0] > 100.0 + tone.CLIP_TOLERANCE) + 2 * ~inside, 0
+            seen[..., 0],
+            (lab[..., 0] > 100.0 + tone.CLIP_TOLERANCE)
+            + 2 * ~inside
+            + 4 * tone.cut_by_screen(shown, display),
+            0,
         ).astype(np.uint8)
         return {
             "split": np.where(seen, split, (tone.OFF_OBJECT, 0.0, 0.0, 0.0)),

@@ -15,8 +15,8 @@ from relgloss_view.display.model import DisplayModel
 from relgloss_view.display.monitor import Monitor
 from relgloss_view.display.read import monitor_of
 from relgloss_view.material.cielab import lab_from_xyz
+from relgloss_view.material.difference import delta_e_2000
 from relgloss_view.material.spectra import white_from_xy
-from relgloss_view.picture.model.difference import delta_e_2000
 
 D50 = np.array([0.9642, 1.0, 0.8249])
 P3 = ((0.68, 0.32), (0.265, 0.69), (0.15, 0.06))

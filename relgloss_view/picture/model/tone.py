@@ -9,6 +9,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array, Ints, Mask
 from relgloss_view.display.model import DisplayModel
+from relgloss_view.display.seen import beyond
 from relgloss_view.material import cielab
 
 LAB_EPSILON = cielab.EPSILON
@@ -163,6 +164,22 @@ def srgb_encode(light: Array) -> Array:
     )
 
 
+def on_screen(rgb: Array, display: DisplayModel) -> Array:
+    """Linear RGB of the screen that shows a display's light (..., 3), before it is cut.
+
+    A display that no other one shows is its own screen. The display shows no less than its black.
+    """
+    rgb = np.maximum(rgb, display.darkest)
+    return rgb if display.screen_from_rgb is None else np.asarray(rgb @ display.screen_from_rgb.T)
+
+
+def cut_by_screen(rgb: Array, display: DisplayModel) -> Mask:
+    """(...) whether the screen that shows a display's light (..., 3) can't show it as it is."""
+    if display.screen is None:
+        return np.zeros(rgb.shape[:-1], dtype=bool)
+    return beyond(on_screen(rgb, display), display.screen.darkest)
+
+
 def encode(rgb: Array, display: DisplayModel) -> Array:
     """Digital values, 0 to 1, of linear light, 0 to 1, through the display's transfer function.
 
@@ -173,9 +190,8 @@ def encode(rgb: Array, display: DisplayModel) -> Array:
     >>> encode(np.array([0.25]), gamma).tolist()
     [0.5]
     """
-    if display.screen is not None and display.screen_from_rgb is not None:
-        rgb = np.clip(np.maximum(rgb, display.darkest) @ display.screen_from_rgb.T, 0.0, 1.0)
-        return encode(rgb, display.screen)
+    if display.screen is not None:
+        return encode(np.clip(on_screen(rgb, display), 0.0, 1.0), display.screen)
     if display.emission is not None:  # a table shows some light below 0 of a channel
         light = (rgb - display.floor) / (1.0 - display.floor)
         return display.emission.digital(light.reshape(-1, 3)).reshape(rgb.shape)

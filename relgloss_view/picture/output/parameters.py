@@ -12,6 +12,7 @@ from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model.pixel_sampling import sample_count
 from relgloss_view.picture.output.shown_on import display_numbers, display_warnings
 from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.seen import seen_numbers, seen_warnings
 
 SPLIT = "split"  #: name of the operator whose picture a frame itself holds
 
@@ -49,6 +50,7 @@ def parameters(frame: Frame, displayed: Displayed | None = None) -> dict[str, An
         "look": asdict(look),
         "method": frame.method.differences(),
         "fit_quality": scene.material.fit.quality if scene.material.fit else None,
+        "seen_on": seen_numbers(frame, displayed),
         "pack": None if scene.pack is None else pack_numbers(scene.pack, look),
         "warnings": list(warnings(frame, displayed)),
         "device": frame.device,
@@ -94,7 +96,7 @@ def pack_numbers(pack: Pack, look: Look) -> dict[str, Any]:
 
 def warnings(frame: Frame, displayed: Displayed | None = None) -> tuple[str, ...]:
     """The warnings that go with a picture; those about c belong to the split's picture only."""
-    of_display = display_warnings(frame, displayed)
+    of_display = (*display_warnings(frame, displayed), *seen_warnings(frame, displayed))
     if displayed is None:
         return (*frame.warnings, *of_display)
     of_c = frame.scaling.warnings

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.base.reading import printable
-from relgloss_view.display.display import Display
+from relgloss_view.display.display import USUAL_CD_M2, Display
 from relgloss_view.display.model import DisplayModel
 from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
@@ -40,7 +40,7 @@ def display_numbers(display: Display) -> dict[str, Any]:
         "luminance_assumed": not model.luminance_known,
         "black_cd_m2": float(f"{max(model.black_cd_m2, 0.0):.7g}"),
         "black_assumed": not model.black_known,
-        "reflected_cd_m2": display.reflected_cd_m2,
+        "reflected_cd_m2": model.reflected_cd_m2,
         "icc_sha256": None if icc is None else hashlib.sha256(icc).hexdigest(),
         "notes": [] if monitor is None else [printable(note, 300) for note in monitor.notes],
     }
@@ -75,7 +75,7 @@ def _too_dark(frame: Frame, displayed: Displayed | None, model: DisplayModel) ->
     about = "" if model.luminance_known else "about "
     mend = (
         "Darken the room"
-        if frame.scene.display.reflected_cd_m2 > 0.5 * black
+        if model.reflected_cd_m2 > 0.5 * black
         else ("Use a display with a darker black")
     )
     return (
@@ -101,22 +101,27 @@ def _out_of_gamut(
 
 
 def _assumed(display: Display, displayed: Displayed | None, model: DisplayModel) -> tuple[str, ...]:
-    if _screen(model).luminance_known:
-        return ()
-    depends = []
-    if displayed is not None and displayed.settings.get(ASKS_WHITE, 0.0) is None:
-        depends.append(f"the picture of {displayed.operator}")
+    asks = displayed is not None and displayed.settings.get(ASKS_WHITE, 0.0) is None
+    operator = f"the picture of {displayed.operator}" if displayed is not None and asks else ""
+    if model.screen is not None and operator and not model.luminance_known:
+        return (
+            f"{operator} depends on the luminance of the other display's white, which is not "
+            f"known; {USUAL_CD_M2:g} cd/m2 is assumed. Write a display file for it with its "
+            "luminance_cd_m2.",
+        )
+    screen = _screen(model)
+    depends = [operator] if operator and model.screen is None else []
     if display.black_cd_m2 is not None:
         depends.append("display.black_cd_m2")
-    if display.reflected_cd_m2 > 0.0:
+    if screen.reflected_cd_m2 > 0.0:
         depends.append("display.reflected_cd_m2")
-    if not depends:
+    if screen.luminance_known or not depends:
         return ()
     depend = "depends" if len(depends) == 1 else "depend"
-    assumed = model.luminance_cd_m2 - (display.reflected_cd_m2 if model.screen is None else 0.0)
     return (
         f"{' and '.join(depends)} {depend} on the luminance of the display's white, which is not "
-        f"known; {assumed:g} cd/m2 is assumed. Give it with --set display.luminance_cd_m2=VALUE.",
+        f"known; {USUAL_CD_M2:g} cd/m2 is assumed. Give it with --set "
+        "display.luminance_cd_m2=VALUE.",
     )
 
 
