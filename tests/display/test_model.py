@@ -9,10 +9,12 @@ import pytest
 from screens import BLACK, GAMMAS, profile_file, shown
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.cli import main
 from relgloss_view.display.display import USUAL_CD_M2, Display
 from relgloss_view.display.model import DisplayModel
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.scene.scene_file import load_scene
+from relgloss_view.picture.scene.setup import Setup
 
 FLARE = Display(transfer="gain-offset-gamma", gain=0.9, offset=0.1, gamma=2.2, flare=0.02)
 PLAIN = {"sRGB": Display(), "flare": FLARE}
@@ -146,6 +148,12 @@ def test_contradictions_are_refused_in_one_line(entries, words):
 def test_a_black_that_contradicts_the_profile_is_refused(profile, tmp_path):
     with pytest.raises(InputError, match="has 160 cd/m2, found 170"):
         DisplayModel.of(Display(profile=profile, black_cd_m2=170.0))
+    with pytest.raises(InputError, match="found 170"):  # so no window ever draws it
+        Setup().with_entries("display", profile=profile, black_cd_m2=170.0)
+    words = ["snapshot", "--backend", "reference", "--size", "24x20", "--display", profile, "-o"]
+    words += [str(tmp_path / "a.png"), "--set"]
+    assert main([*words, "display.black_cd_m2=150"]) == 0
+    assert main([*words, "display.black_cd_m2=170"]) != 0
     scene = tmp_path / "s.toml"
     scene.write_text(f'[display]\nprofile = "{profile}"\nblack_cd_m2 = 170\n')
     with pytest.raises(InputError, match=r"display\.black_cd_m2"):
