@@ -129,7 +129,6 @@ def test_the_gray_of_the_surround_has_three_digital_values(profile):
 @pytest.mark.parametrize(
     ("entries", "words"),
     [
-        ({"black_cd_m2": 120.0}, "assumed to have 100 cd/m2"),
         ({"luminance_cd_m2": 80.0, "black_cd_m2": 80.0}, "has 80 cd/m2, found 80"),
         ({"luminance_cd_m2": 80.0, "black_cd_m2": 81.0, "transfer": "gain-offset-gamma"}, "81"),
         ({"black_cd_m2": -1.0}, "expected 0 to 1000"),
@@ -143,6 +142,13 @@ def test_contradictions_are_refused_in_one_line(entries, words):
         Display(**entries)
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_black_above_the_assumed_white_is_refused():
+    """The white of a profile takes the place of the assumed one: only a setup has all of it."""
+    with pytest.raises(InputError, match="is assumed to have 100 cd/m2"):
+        Setup(display=Display(black_cd_m2=120.0))
+    assert DisplayModel.of(Setup(display=Display(black_cd_m2=90.0)).display).floor[0] == 0.9
 
 
 def test_a_black_that_contradicts_the_profile_is_refused(profile, tmp_path):

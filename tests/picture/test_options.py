@@ -84,7 +84,7 @@ def drawn_without(option):
 
 
 def changed(table, entry, value):
-    """A setup and a look with one entry changed; a display's gain goes with its offset, its black with white."""
+    """A setup and a look with one entry changed; gain goes with offset, black with white."""
     setup, look = Setup(), Look()
     if table == "look":
         return setup, look.with_entries(**{entry: value})

@@ -226,7 +226,7 @@ class Setup:
 
     Each field has the name of its table in a scene file; that of the further lamps, at most three,
     is [[further_lamp]]. Raises InputError where there are more, or where the display's black is as
-    bright as the white of its profile.
+    bright as its white, which may be that of its profile.
 
     >>> setup = Setup().with_entries("lamp", azimuth_deg=110.0)
     >>> setup.lamp.azimuth_deg, setup.eye == Eye()
@@ -245,7 +245,7 @@ class Setup:
             refuse("further_lamps", "a tuple of FurtherLamp", lamps)
         if len(lamps) > MOST_FURTHER_LAMPS:
             refuse("further_lamp", f"at most {MOST_FURTHER_LAMPS} lamps", len(lamps))
-        if self.display.profile and self.display.black_cd_m2 is not None:
+        if self.display.black_cd_m2 is not None:
             DisplayModel.of(dataclasses.replace(self.display, seen_on=""))
 
     @property
