@@ -164,7 +164,7 @@ def _draw(
         if not operator.uses_c:  # one row
             rows, captions = [[row[0] for row in rows]], [[texts[0] for texts in captions]]
         save_rgb(
-            contact_sheet(rows, captions, title, note),
+            contact_sheet(rows, captions, title, note, display=scene.display),
             folder / SHEET,
             {"Software": f"relgloss {__version__}", "Title": title},
             display=scene.display,

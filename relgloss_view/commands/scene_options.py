@@ -247,6 +247,10 @@ def scene_from(args: argparse.Namespace) -> tuple[Scene, Look, tuple[int, int]]:
         setup = setup.placed(shape=pack.shape)
         if args.scene is None:  # one small lamp leaves half black, and foil nothing to mirror
             setup = setup.with_entries("lamp", ambient=PACK_AMBIENT)
+    values = _values(args)
+    # What a display's file holds decides which numbers beside it contradict it.
+    files = {o.flag: values[o.flag] for o in OPTIONS if o.is_file and o.flag in values}
+    setup, look = with_options(setup, look, files)
     setup, look = with_settings(setup, look, others)
     if getattr(args, "published", False):
         other = any(getattr(args, source) is not None for source in SOURCES[1:])
@@ -256,7 +260,7 @@ def scene_from(args: argparse.Namespace) -> tuple[Scene, Look, tuple[int, int]]:
                 f"{', '.join(SAMPLES)} only; give --sigma-n and --c-fraction"
             )
         look = look.at(SAMPLES[args.sample or DEFAULT_SAMPLE])
-    setup, look = with_options(setup, look, _values(args))
+    setup, look = with_options(setup, look, values)
     setup = with_further_lamps(setup, args.further_lamp)
     if getattr(args, "c", None) == MAX:
         look = look.with_entries(c_fraction=FULL_SHARE)

@@ -81,7 +81,8 @@ class Display(Checked):
 
     Edges and dither change digital values only: no measured number, and no 16-bit value by dither.
     `for_the_eye` has both. Raises InputError where a value is out of its range, the primaries lie
-    on a line, or white is hardly brighter than black.
+    on a line, or a declared white is hardly brighter than black. A white that is not declared is
+    compared with black when a setup is made.
 
     >>> Display(transfer="gain-offset-gamma", gamma=2.4).white_xy
     (0.3127, 0.329)
@@ -200,10 +201,8 @@ class Display(Checked):
         area = (gx - rx) * (by - ry) - (bx - rx) * (gy - ry)
         if abs(area) < MIN_GAMUT_AREA:
             raise InputError("display.primaries_xy: the three primaries lie on a line")
-        luminance = self.luminance_cd_m2
-        if self.black_cd_m2 is not None and (luminance is not None or not self.profile):
-            known = luminance is not None
-            check_black(self.black_cd_m2, luminance or USUAL_CD_M2, known=known)
+        if self.black_cd_m2 is not None and self.luminance_cd_m2 is not None:
+            check_black(self.black_cd_m2, self.luminance_cd_m2, known=True)
 
     def for_the_eye(self) -> Display:
         """The display with smooth silhouettes and dither, as new pictures are shown.

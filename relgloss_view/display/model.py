@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -57,12 +57,22 @@ class DisplayModel:
     screen_from_rgb: Array | None = None  #: (3, 3), from this one's linear RGB to the screen's
     luminance_known: bool = False  #: else it is USUAL_CD_M2
     black_known: bool = False  #: else what black shows is only what is reflected
+    reflected_cd_m2: float = 0.0  #: light of the room in both of these
     seen: SeenOn | None = None  #: how the screen shows this one; without a screen: as it is
 
     @property
     def background_rgb(self) -> Array:
         """(3,), linear RGB of the surround as the display shows it."""
         return np.maximum(self.background_light, self.lowest)
+
+    @cached_property
+    def fills_cube(self) -> bool:
+        """Whether digital values show all linear RGB from black to white; a table may not."""
+        if self.emission is None or self.emission.kind == "curves":
+            return True
+        axis = np.linspace(0.0, 1.0, 9)
+        nodes = np.stack(np.meshgrid(axis, axis, axis), axis=-1).reshape(-1, 3)
+        return bool(np.all(self.emission.reach(nodes)))
 
     @property
     def black_cd_m2(self) -> float:
@@ -99,6 +109,16 @@ class DisplayModel:
         monitor = monitor_of(display.profile) if display.profile else None
         other = monitor_of(display.seen_on) if display.seen_on else None
         return _model_of(display, monitor, other)
+
+    @classmethod
+    def emitted(cls, display: Display) -> DisplayModel:
+        """What the screen itself emits, as profiles have it: without the light of the room."""
+        monitor = monitor_of(display.profile) if display.profile else None
+        if monitor is not None and monitor.reflected_cd_m2:
+            monitor = dataclasses.replace(monitor, reflected_cd_m2=0.0)
+        return _model_of(
+            dataclasses.replace(display, reflected_cd_m2=0.0, seen_on=""), monitor, None
+        )
 
 
 @lru_cache(maxsize=64)
@@ -148,6 +168,7 @@ def _model_of(display: Display, monitor: Monitor | None, other: Monitor | None) 
         monitor,
         luminance_known=luminance_known,
         black_known=_black_is_known(display, monitor),
+        reflected_cd_m2=display.reflected_cd_m2,
     )
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.base.arrays import Bytes
+from relgloss_view.display.display import Display
 from relgloss_view.gloss.comparison import (
     BROKEN,
     KEPT,
@@ -19,7 +20,7 @@ from relgloss_view.gloss.comparison import (
     OperatorRow,
 )
 from relgloss_view.gloss.samples import gloss_words
-from relgloss_view.picture.output.contact_sheet import INK_GRAY, PAPER_GRAY
+from relgloss_view.picture.output.contact_sheet import INK_GRAY, PAPER_GRAY, gray_on
 from relgloss_view.picture.output.lettering import Lettering
 
 MUTED_GRAY = 208
@@ -64,10 +65,12 @@ class _Pen:
     x: float
     y: float
     width: float
+    display: Display
 
     def write(self, text: str, font: Lettering, gray: int = INK_GRAY) -> None:
+        ink = gray_on(self.display, gray)
         for line in self._wrapped(text, font):
-            font.draw(self.draw, (self.x, self.y), line.replace(NO_BREAK, " "), (gray,) * 3)
+            font.draw(self.draw, (self.x, self.y), line.replace(NO_BREAK, " "), ink)
             self.y += 1.35 * font.size
 
     def skip(self, pixels: float) -> None:
@@ -88,6 +91,7 @@ def comparison_sheet(comparison: Comparison, title: str, note: str) -> Bytes:
     """The sheet's pixels (H, W, 3); text is gray, so that no colour is near a picture."""
     from PIL import Image, ImageDraw
 
+    display = comparison.display
     height, width = _size(comparison)
     text_px = max(12, min(18, width // 20))
     head_px = round(1.6 * text_px)
@@ -103,22 +107,22 @@ def comparison_sheet(comparison: Comparison, title: str, note: str) -> Bytes:
             round(gap + side + len(comparison.samples) * (cell + gap) + gap),
             round(top + len(comparison.rows) * row_height + 2 * line),
         ),
-        (PAPER_GRAY,) * 3,
+        gray_on(display, PAPER_GRAY),
     )
-    draw = ImageDraw.Draw(sheet)
-    _Pen(draw, gap, 0.8 * head_px, sheet.width - 2 * gap).write(title, head)
+    draw, rule = ImageDraw.Draw(sheet), gray_on(display, LINE_GRAY)
+    _Pen(draw, gap, 0.8 * head_px, sheet.width - 2 * gap, display).write(title, head)
     x_of = [2 * gap + side + k * (cell + gap) for k in range(len(comparison.samples))]
     for x, drawn in zip(x_of, comparison.samples, strict=True):
-        _heading(_Pen(draw, x, 2.9 * head_px, cell), drawn, comparison, (large, small))
+        _heading(_Pen(draw, x, 2.9 * head_px, cell, display), drawn, comparison, (large, small))
     for n, row in enumerate(comparison.rows):
         y = top + n * row_height
-        draw.line((gap, y - 0.5 * gap, sheet.width - gap, y - 0.5 * gap), fill=(LINE_GRAY,) * 3)
-        _operator(_Pen(draw, gap, y, side), row, (large, small))
+        draw.line((gap, y - 0.5 * gap, sheet.width - gap, y - 0.5 * gap), fill=rule)
+        _operator(_Pen(draw, gap, y, side, display), row, (large, small))
         for x, drawn in zip(x_of, comparison.samples, strict=True):
             content = row.cells[drawn.sample.label]
             sheet.paste(Image.fromarray(content.picture), (round(x), round(y)))
-            _caption(_Pen(draw, x, y + height + 0.3 * line, cell + gap), content, small)
-    _Pen(draw, gap, sheet.height - 1.7 * line, sheet.width).write(note, small, MUTED_GRAY)
+            _caption(_Pen(draw, x, y + height + 0.3 * line, cell + gap, display), content, small)
+    _Pen(draw, gap, sheet.height - 1.7 * line, sheet.width, display).write(note, small, MUTED_GRAY)
     return np.asarray(sheet)
 
 

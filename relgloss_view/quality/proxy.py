@@ -127,6 +127,8 @@ class Proxy:
             lab = tone.scaled_lab(tone.split_lab(diffuse, light, white), c)
             lab[:, 0] = np.clip(lab[:, 0], 0.0, 100.0)
             rgb = tone.xyz_from_lab(lab, display.white) @ display.rgb_from_xyz.T
+            if not display.fills_cube and not np.all(tone.in_gamut(rgb, display)):
+                return True
             if np.any(rgb < -tone.GAMUT_TOLERANCE) or np.any(rgb > 1.0 - GAMUT_MARGIN):
                 return True
         return False

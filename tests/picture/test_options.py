@@ -84,7 +84,7 @@ def drawn_without(option):
 
 
 def changed(table, entry, value):
-    """A setup and a look with one entry changed; a display's gain goes with its offset."""
+    """A setup and a look with one entry changed; gain goes with offset, black with white."""
     setup, look = Setup(), Look()
     if table == "look":
         return setup, look.with_entries(**{entry: value})
@@ -93,6 +93,8 @@ def changed(table, entry, value):
         entries["gain"] = 2.0
     if entry == "gain":
         entries["offset"] = 0.05
+    if entry == "black_cd_m2":
+        entries["luminance_cd_m2"] = 10000.0
     if value == "mesh":
         entries["file"] = OTHERS["file"][0]
     return setup.with_entries(table, **entries), look

@@ -67,7 +67,8 @@ def parts(kind, **fixed):
 
     def make(entries):
         try:
-            return kind(**entries)
+            part = kind(**entries)
+            return Setup(display=part).display if kind is Display else part
         except InputError:
             return None
 

@@ -108,9 +108,17 @@ def largest_c(l_diffuse: Array, l_specular: Array) -> Array:
     return np.where(seen, (100.0 - l_diffuse) / np.where(seen, l_specular, 1.0), 1e30)
 
 
-def in_gamut(rgb: Array) -> Mask:
-    """Whether linear RGB lies in the display's cube."""
-    return np.asarray(np.all((rgb >= -GAMUT_TOLERANCE) & (rgb <= 1.0 + GAMUT_TOLERANCE), axis=-1))
+def in_gamut(rgb: Array, display: DisplayModel) -> Mask:
+    """Whether linear RGB (..., 3) lies in the display's cube, and its table shows it if it has one.
+
+    Shown as a table shows it is what lies within half a just visible difference (Table.reach).
+    """
+    inside = np.asarray(np.all((rgb >= -GAMUT_TOLERANCE) & (rgb <= 1.0 + GAMUT_TOLERANCE), axis=-1))
+    if display.emission is None or display.fills_cube:
+        return inside
+    bounded = np.clip(rgb[inside], display.lowest, 1.0)
+    inside[inside] = display.emission.reach((bounded - display.floor) / (1.0 - display.floor))
+    return inside
 
 
 def display_rgb(lab: Array, display: DisplayModel) -> tuple[Array, Mask]:
@@ -119,6 +127,7 @@ def display_rgb(lab: Array, display: DisplayModel) -> tuple[Array, Mask]:
     lab: (..., 3), relative to the display's white. Outside the gamut, 'chroma' keeps L* and hue and
     reduces chroma by bisection to the gamut's edge; 'clip' cuts each channel.
 
+    >>> from relgloss_view.display.display import Display
     >>> rgb, inside = display_rgb(np.array([[50.0, 0.0, 0.0]]), DisplayModel.of(Display()))
     >>> rgb.round(3).tolist(), inside.tolist()
     ([[0.184, 0.184, 0.184]], [True])
@@ -130,13 +139,13 @@ def display_rgb(lab: Array, display: DisplayModel) -> tuple[Array, Mask]:
 
     bounded = np.clip(lab[..., :1], 0.0, 100.0)
     rgb = rgb_of(bounded, lab[..., 1:])
-    inside = in_gamut(rgb)
+    inside = in_gamut(rgb, display)
     if not np.all(inside) and display.gamut == "chroma":
         held, chroma = bounded[~inside], lab[..., 1:][~inside]
         low, high = np.zeros(len(held)), np.ones(len(held))
         for _ in range(BISECTIONS):
             middle = 0.5 * (low + high)
-            fits = in_gamut(rgb_of(held, middle[:, None] * chroma))
+            fits = in_gamut(rgb_of(held, middle[:, None] * chroma), display)
             low, high = np.where(fits, middle, low), np.where(fits, high, middle)
         rgb[~inside] = rgb_of(held, low[:, None] * chroma)
     return np.clip(rgb, display.lowest, 1.0), inside
@@ -176,18 +185,20 @@ def encode(rgb: Array, display: DisplayModel) -> Array:
 
     sRGB, or the inverse of light = (gain d + offset)^gamma + flare (Berns 1996).
 
+    >>> from relgloss_view.display.display import Display
     >>> gamma = DisplayModel.of(Display(transfer="gain-offset-gamma", gamma=2.0))
     >>> encode(np.array([0.25]), gamma).tolist()
     [0.5]
     """
     if display.screen is not None:
         return encode(np.clip(on_screen(rgb, display), 0.0, 1.0), display.screen)
+    if display.emission is not None:  # a table shows some light below 0 of a channel
+        light = (rgb - display.floor) / (1.0 - display.floor)
+        return display.emission.digital(light.reshape(-1, 3)).reshape(rgb.shape)
     if np.any(display.floor):
         rgb = np.maximum(rgb - display.floor, 0.0) / (1.0 - display.floor)
     if display.transfer == "srgb":
         return srgb_encode(rgb)
-    if display.emission is not None:
-        return display.emission.digital(rgb.reshape(-1, 3)).reshape(rgb.shape)
     gain, offset, gamma, flare = display.curve
     white = (gain + offset) ** gamma + flare
     light = np.maximum(rgb * white - flare, 0.0)
@@ -197,6 +208,7 @@ def encode(rgb: Array, display: DisplayModel) -> Array:
 def as_shown(rgb: Array, display: DisplayModel) -> Array:
     """Linear RGB (..., 3) that the display shows of what it is asked for: no less than its black.
 
+    >>> from relgloss_view.display.display import Display
     >>> as_shown(np.zeros((1, 3)), DisplayModel.of(Display(black_cd_m2=2.0))).round(3).tolist()
     [[0.02, 0.02, 0.02]]
     """
@@ -206,6 +218,7 @@ def as_shown(rgb: Array, display: DisplayModel) -> Array:
 def surround_digital(display: DisplayModel) -> Array:
     """(3,), digital values of the neutral surround, 0 to 1. By a profile the channels differ.
 
+    >>> from relgloss_view.display.display import Display
     >>> surround_digital(DisplayModel.of(Display())).round(3).tolist()
     [0.466, 0.466, 0.466]
     """
@@ -215,6 +228,7 @@ def surround_digital(display: DisplayModel) -> Array:
 def neutral_digital(light: float, display: DisplayModel) -> tuple[float, float, float]:
     """Digital values of a gray of linear light relative to white, which is cut to 0 to 1.
 
+    >>> from relgloss_view.display.display import Display
     >>> [round(v, 3) for v in neutral_digital(0.184, DisplayModel.of(Display()))]
     [0.466, 0.466, 0.466]
     """

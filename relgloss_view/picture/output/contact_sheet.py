@@ -7,14 +7,26 @@ from collections.abc import Sequence
 import numpy as np
 
 from relgloss_view.base.arrays import Bytes
+from relgloss_view.display.display import Display
 from relgloss_view.display.model import DisplayModel
 from relgloss_view.picture.displayed import Displayed, shown_light
 from relgloss_view.picture.frame import Frame
-from relgloss_view.picture.model.tone import encode
+from relgloss_view.picture.model.tone import encode, neutral_digital
 from relgloss_view.picture.output.lettering import Lettering
 
 PAPER_GRAY = 119  #: sRGB of L* 50
 INK_GRAY = 245
+
+
+def gray_on(display: Display, gray: int) -> tuple[int, int, int]:
+    """Digital values of a display that show the light of a gray of sRGB, 0 to 255.
+
+    >>> gray_on(Display(), 119), gray_on(Display(transfer="gain-offset-gamma", gamma=1.8), 119)
+    ((119, 119, 119), (100, 100, 100))
+    """
+    light = float(DisplayModel.of(Display()).light(np.full((1, 3), gray / 255.0))[0, 0])
+    red, green, blue = (round(255.0 * v) for v in neutral_digital(light, DisplayModel.of(display)))
+    return red, green, blue
 
 
 def thumbnail(frame: Frame, longest_px: int, displayed: Displayed | None = None) -> Bytes:
@@ -42,10 +54,13 @@ def contact_sheet(
     captions: Sequence[Sequence[str]],
     title: str = "",
     note: str = "",
+    *,
+    display: Display | None = None,
 ) -> Bytes:
     """Equal-sized 8-bit pictures (H, W, 3) on one sheet; returns its pixels (H, W, 3).
 
-    Text is gray, so that no colour is near a picture.
+    display: that the pictures are for; sRGB where none is given. The sheet has L* 50 on it, and
+    text is gray, so that no colour is near a picture.
     """
     from PIL import Image, ImageDraw
 
@@ -62,10 +77,10 @@ def contact_sheet(
             gap + columns * (width + gap),
             top + len(rows) * (height + caption_px + gap) - gap + bottom,
         ),
-        (PAPER_GRAY,) * 3,
+        gray_on(display or Display(), PAPER_GRAY),
     )
     pen = ImageDraw.Draw(sheet)
-    ink = (INK_GRAY,) * 3
+    ink = gray_on(display or Display(), INK_GRAY)
     heading.draw(pen, (gap, (top - 1.4 * text_px) / 2), title, ink)
     for r, (row, texts) in enumerate(zip(rows, captions, strict=True)):
         for k, (picture, text) in enumerate(zip(row, texts, strict=True)):

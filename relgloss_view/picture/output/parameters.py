@@ -10,6 +10,7 @@ from relgloss_view.pack.pack import Pack
 from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model.pixel_sampling import sample_count
+from relgloss_view.picture.output.shown_on import display_numbers, display_warnings
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.seen import seen_numbers, seen_warnings
 
@@ -45,6 +46,7 @@ def parameters(frame: Frame, displayed: Displayed | None = None) -> dict[str, An
         "eye_m": [round(float(v), 9) for v in scene.eye.position_m],
         **{name: asdict(getattr(scene, name)) for name in ("shape", "lamp", "eye", "display")},
         "further_lamps": [asdict(lamp) for lamp in scene.setup.further_lamps],
+        "shown_on": display_numbers(scene.display),
         "look": asdict(look),
         "method": frame.method.differences(),
         "fit_quality": scene.material.fit.quality if scene.material.fit else None,
@@ -94,9 +96,9 @@ def pack_numbers(pack: Pack, look: Look) -> dict[str, Any]:
 
 def warnings(frame: Frame, displayed: Displayed | None = None) -> tuple[str, ...]:
     """The warnings that go with a picture; those about c belong to the split's picture only."""
-    of_screen = seen_warnings(frame, displayed)
+    of_display = (*display_warnings(frame, displayed), *seen_warnings(frame, displayed))
     if displayed is None:
-        return (*frame.warnings, *of_screen)
+        return (*frame.warnings, *of_display)
     of_c = frame.scaling.warnings
     of_scene = (text for text in frame.warnings if text not in of_c)
-    return (*of_scene, *displayed.warnings, *of_screen)
+    return (*of_scene, *displayed.warnings, *of_display)

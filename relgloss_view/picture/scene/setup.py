@@ -18,6 +18,7 @@ from relgloss_view.base.arrays import Array
 from relgloss_view.base.parameters import Checked, choice, parameter
 from relgloss_view.base.reading import refuse
 from relgloss_view.display.display import Display
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.pack.shape import Shape
 
 
@@ -224,7 +225,8 @@ class Setup:
     """The surroundings of a sample in a picture: its shape, the lamps, the eye and the display.
 
     Each field has the name of its table in a scene file; that of the further lamps, at most three,
-    is [[further_lamp]]. Raises InputError where there are more.
+    is [[further_lamp]]. Raises InputError where there are more, or where the display's black is as
+    bright as its white, which may be that of its profile.
 
     >>> setup = Setup().with_entries("lamp", azimuth_deg=110.0)
     >>> setup.lamp.azimuth_deg, setup.eye == Eye()
@@ -243,6 +245,8 @@ class Setup:
             refuse("further_lamps", "a tuple of FurtherLamp", lamps)
         if len(lamps) > MOST_FURTHER_LAMPS:
             refuse("further_lamp", f"at most {MOST_FURTHER_LAMPS} lamps", len(lamps))
+        if self.display.black_cd_m2 is not None:
+            DisplayModel.of(dataclasses.replace(self.display, seen_on=""))
 
     @property
     def is_plain(self) -> bool:
