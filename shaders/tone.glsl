@@ -92,7 +92,7 @@ vec3 display_rgb(int gamut, vec3 lab, vec3 display_white, mat3 rgb_from_xyz, out
     // needs them.
     do {
         rgb = rgb_from_xyz * xyz_from_lab(vec3(lab.x, tried * lab.yz), display_white);
-        kept = in_gamut(rgb) ? tried : kept;
+        kept = in_gamut(rgb) && table_reach(rgb) ? tried : kept;
         step *= 0.5;
         tried = step < SMALLEST_STEP ? kept : kept + step;
     } while (gamut == GAMUT_CHROMA && kept < 1.0 && step >= 0.5 * SMALLEST_STEP);

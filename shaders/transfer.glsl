@@ -16,6 +16,25 @@ float srgb_encode(float v) {
 // A row for each channel: (digital value, what it gains until the next texel) at light (k / last)^4.
 uniform sampler2D transfer_curves;
 #endif
+#if TRANSFER == TRANSFER_TABLE
+// (digital values, how far what they show is from the light) at light (k / last)^(8/3) of each channel.
+uniform sampler3D transfer_table;
+#endif
+#endif
+#ifdef REACH
+#if REACH == 1
+uniform sampler3D reach_table;   // as transfer_table, of the display whose gamut counts
+uniform vec3 display_floor;      // its linear RGB at digital 0
+uniform vec3 display_per_range;  // 1 / (1 - display_floor)
+#endif
+#endif
+
+#ifdef TABLE_NODES
+// Where light lies in a table, whose nodes are even in the power of 3/8: closer where digital values are steep.
+vec3 table_place(vec3 light) {
+    vec3 fourth = sqrt(sqrt(clamp(light, 0.0, 1.0)));
+    return (1.0 / TABLE_NODES) * ((TABLE_NODES - 1.0) * (fourth * sqrt(fourth)) + 0.5);
+}
 #endif
 
 // Digital values by one curve a channel, straight between nodes that lie closer towards black, where
@@ -37,11 +56,35 @@ vec3 curves_encode(vec3 light) {
     return digital;
 }
 
+// Digital values by a look-up table.
+vec3 table_encode(vec3 light) {
+    vec3 digital = light;
+#ifdef TRANSFER
+#if TRANSFER == TRANSFER_TABLE
+    digital = clamp(textureLod(transfer_table, table_place(light), 0.0).rgb, 0.0, 1.0);
+#endif
+#endif
+    return digital;
+}
+
+// Whether a display's table shows linear RGB, to within a distance in CIELAB; of one without a table, true.
+bool table_reach(vec3 rgb) {
+    bool reached = true;
+#ifdef REACH
+#if REACH == 1
+    vec3 light = (rgb - display_floor) * display_per_range;
+    reached = textureLod(reach_table, table_place(light), 0.0).a <= TABLE_REACHED;
+#endif
+#endif
+    return reached;
+}
+
 // Digital values of light: sRGB; the inverse of (gain d + offset)^gamma + flare (Berns 1996) with
 // curve = (gain, offset, gamma, flare), where light is relative to white; or a profile's.
 vec3 encode(int transfer, vec3 rgb, vec4 curve) {
     if (transfer == TRANSFER_SRGB) return vec3(srgb_encode(rgb.r), srgb_encode(rgb.g), srgb_encode(rgb.b));
     if (transfer == TRANSFER_CURVES) return curves_encode(rgb);
+    if (transfer == TRANSFER_TABLE) return table_encode(rgb);
     float white = pow(curve.x + curve.y, curve.z) + curve.w;
     vec3 light = max(rgb * white - curve.w, 0.0);
     return clamp((pow(light, vec3(1.0 / curve.z)) - curve.y) / curve.x, 0.0, 1.0);

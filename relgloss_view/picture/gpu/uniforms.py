@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.display.model import DisplayModel
+from relgloss_view.display.table import Table
 from relgloss_view.material import brdf
 from relgloss_view.material.albedo_table import STEPS, diffuse_table, lobe_table
 from relgloss_view.material.approximations import mean_lobe, plain_lobe
@@ -191,7 +192,13 @@ def display_uniforms(scene: Scene, uploads: Uploads) -> Uniforms:
         "screen_per_range": 1.0 / (1.0 - screen.floor),
         "screen_darkest": screen.darkest,
         "display_curve": screen.curve,
+        "display_floor": display.floor,
+        "display_per_range": 1.0 / (1.0 - display.floor),
     }
     if screen.emission is not None and screen.transfer == "curves":
         uniforms["transfer_curves"] = uploads.curves(screen.emission)
+    if isinstance(screen.emission, Table):
+        uniforms["transfer_table"] = uploads.table(screen.emission)
+    if isinstance(display.emission, Table):
+        uniforms["reach_table"] = uploads.table(display.emission)
     return uniforms

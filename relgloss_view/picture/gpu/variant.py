@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.display.display import Display
-from relgloss_view.display.inverse_nodes import CURVE_CELLS
+from relgloss_view.display.inverse_nodes import CURVE_CELLS, TABLE_NODES
 from relgloss_view.display.model import DisplayModel
+from relgloss_view.display.table import REACHED
 from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.shape import ANALYTIC
 from relgloss_view.picture import method
@@ -251,9 +252,13 @@ def tone_defines(
     """The constants of a stage that shows colours."""
     gamut = display.gamut if chosen.gamut == "as asked" else chosen.gamut
     defines: dict[str, int | str] = {"GAMUT": code("GAMUT", gamut)}
+    model = DisplayModel.of(display)
+    screen = model.screen or model
+    defines["REACH"] = int(model.transfer == "table")
+    if "table" in (model.transfer, screen.transfer):
+        defines["TABLE_NODES"] = f"{TABLE_NODES}.0"
+        defines["TABLE_REACHED"] = f"{REACHED}"
     if stage != "light.frag":  # which is linear
-        model = DisplayModel.of(display)
-        screen = model.screen or model
         defines["TRANSFER"] = code("TRANSFER", screen.transfer)
         defines["SEEN_ON"] = int(model.screen is not None)
         if screen.transfer == "curves":
