@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from made_profiles import D50, assembled, calibration_tags, table_profile, xyz_tag
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.resources import asset
@@ -69,6 +70,7 @@ def readers() -> dict[str, Reader]:
         Reader("picture", ".png", _artwork, _pictures, 2.0),
         Reader("pdf", ".pdf", _pdf, _pdfs, 0.3),
         Reader("profile", ".icc", _profile, _device_profiles),
+        Reader("display", ".icc", _display, _screens, 2.0),
         Reader("font", ".ttf", _font, _fonts),
         Reader("table", ".csv", _own_table, _own_tables, 0.5),
         Reader("session", ".sqlite", _session, _sessions, 2.0),
@@ -119,6 +121,8 @@ def sound(result: object) -> str | None:
                 return "a kept direction is below the horizon"
         if kept.shape[1] != result.bands.count or len(result.group) != len(result.reasons):
             return "the arrays of a measurement do not fit each other"
+    if isinstance(result, ShownByMonitor):
+        return result.fault()
     if isinstance(result, Material):
         numbers = [*result.diffuse.albedo, *(s for lobe in result.specular for s in lobe.strength)]
         if not np.isfinite(numbers).all():
@@ -274,6 +278,42 @@ def _pdf(path: Path) -> object:
     if "error" in answer:
         raise InputError(answer["error"])
     return None
+
+
+@dataclass(frozen=True)
+class ShownByMonitor:
+    """A monitor's numbers, its light of digital values, and the digital values of light."""
+
+    numbers: list[float]
+    light: np.ndarray
+    digital: np.ndarray
+    additive: bool
+
+    def fault(self) -> str | None:
+        """What is wrong with them, or None."""
+        if not (np.isfinite(self.numbers).all() and np.isfinite(self.light).all()):
+            return "a number or a light of the monitor is not finite"
+        if self.additive and not (self.light.min() >= 0.0 and self.light.max() <= 1.0):
+            return "a light of a curve is not between 0 and 1"
+        if not (self.digital.min() >= 0.0 and self.digital.max() <= 1.0):
+            return "a digital value is not finite or not between 0 and 1"
+        return None
+
+
+def _display(path: Path) -> object:
+    from relgloss_view.display.read import monitor_of
+
+    monitor = monitor_of(str(path))
+    axis = np.linspace(0.0, 1.0, 5)
+    colours = np.stack(np.meshgrid(axis, axis, axis), axis=-1).reshape(-1, 3)
+    numbers = [*monitor.white, *monitor.xyz_from_rgb.ravel(), *monitor.floor]
+    numbers += [] if monitor.luminance_cd_m2 is None else [monitor.luminance_cd_m2]
+    numbers += [] if monitor.calibration is None else [*monitor.calibration.ravel()]
+    light = monitor.emission.light(colours)
+    wide = np.concatenate([colours**2, 1.4 * colours - 0.2])
+    return ShownByMonitor(
+        numbers, light, monitor.emission.digital(wide), monitor.emission.kind == "curves"
+    )
 
 
 def _profile(path: Path) -> object:
@@ -719,6 +759,17 @@ def _profiles() -> list[bytes]:
     return [srgb_profile(), gamma, lab]
 
 
+def _screens() -> list[bytes]:
+    """Profiles of monitors: of matrices, with all tags that are read, and of each kind of table."""
+    table, formula = calibration_tags()
+    tags = {b"lumi": xyz_tag(160.0 * D50), b"bkpt": xyz_tag(0.003 * D50)}
+    made = [*_profiles()[:2]]
+    for kind, vcgt in (("mft1", table), ("mft2", formula), ("mAB ", table)):
+        held = {**tags, b"vcgt": vcgt}
+        made += [table_profile(kind, lab=lab, points=5, tags=held) for lab in (True, False)]
+    return made
+
+
 def _device_profiles() -> list[bytes]:
     """Profiles of matrices, and of tables mft2 and mAB of three and one channels."""
     head = bytearray(_profiles()[0][:128])
@@ -857,6 +908,7 @@ def structured_bombs(size: int) -> list[tuple[str, bytes]]:
     """Names and bytes of binary files whose parts claim much: for the reader that has the name."""
     made = [(f"bsdf: {name}", data) for name, data in _bsdf_bombs(size)]
     made += [(f"icc: {name}", data) for name, data in _icc_bombs(size)]
+    made += [(f"display: {name}", data) for name, data in _screen_bombs(size)]
     made += [(f"font: {name}", data) for name, data in _font_bombs(size)]
     return [(name, data) for name, data in made if len(data) <= size]
 
@@ -878,6 +930,31 @@ def _bsdf_bombs(size: int) -> list[tuple[str, bytes]]:
     many = bsdf_of({f"f{k}": np.zeros(0, np.uint8) for k in range(900)})
     long = bsdf_of({"a" * (60_000 - k): np.zeros(0, np.uint8) for k in range(size // 60_100)})
     return [("slices", slices), ("a fine grid", fine), ("fields", many), ("long names", long)]
+
+
+def _screen_bombs(size: int) -> list[tuple[str, bytes]]:
+    """Profiles of screens: tags that overlap, tables and curves that claim much, a large one."""
+    whole = bytearray(_screens()[0].ljust(size, b"\0"))
+    struct.pack_into(">II", whole, 0, len(whole), 0)
+    struct.pack_into(">I", whole, 128, 100)
+    for k in range(8, 100):
+        struct.pack_into(">4sII", whole, 132 + 12 * k, b"t%03d" % k, 2000 + k, len(whole) - 2100)
+    made = [("a hundred tags that overlap", bytes(whole))]
+    table = bytearray(table_profile("mft2", points=5))
+    table[table.index(b"mft2") + 10] = 255
+    made.append(("a grid of 255 a channel", bytes(table)))
+    new = bytearray(table_profile("mAB ", points=5))
+    at = new.index(b"mAB ") + 32 + 72
+    new[at : at + 3] = bytes((255, 255, 255))
+    made.append(("a new grid of 255 a channel", bytes(new)))
+    for entries in (0xFFFFFFFF, 0x7FFFFFFF, 1 << 16):
+        curve = b"curv" + bytes(4) + struct.pack(">IH", entries, 1)
+        same = {name: xyz_tag(D50) for name in (b"rXYZ", b"gXYZ", b"bXYZ")}
+        tags = {**same, b"rTRC": curve, b"gTRC": curve, b"bTRC": curve}
+        made.append((f"a curve of {entries} entries", assembled(tags, lab=False, version=2)))
+    fits = int((size / 8.0) ** (1.0 / 3.0))
+    made.append(("a large table", table_profile("mft2", points=min(fits, 50))))
+    return made
 
 
 def _icc_bombs(size: int) -> list[tuple[str, bytes]]:

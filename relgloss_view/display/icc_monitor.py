@@ -50,6 +50,7 @@ def monitor_of_profile(data: bytes, name: str) -> Monitor:
         raise ValueError(f"an ICC profile of {profile.space}; {EXPECTED} (RGB)")
     to_emitted, white_notes = emitted_from_connection(profile)
     notes = [*white_notes]
+    curves = [_curve(profile, k, notes) for k in range(3)] if profile.matrix is not None else []
     ends = _connection(profile, np.vstack([np.zeros(3), np.eye(3), np.ones(3)])) @ to_emitted.T
     check_primaries(ends)
     ends = ends / ends[4, 1]
@@ -70,8 +71,7 @@ def monitor_of_profile(data: bytes, name: str) -> Monitor:
     if not (np.isfinite(floor).all() and floor.min() > -0.05 and floor.max() < 0.9):
         raise ValueError("an ICC profile whose black is as bright as white, or of no screen's hue")
     emission: Curves | Table
-    if profile.matrix is not None:
-        curves = [_curve(profile, k, notes) for k in range(3)]
+    if curves:
         emission = Curves((curves[0], curves[1], curves[2]))
     else:
         scale = 1.0 / (to_emitted @ _connection(profile, np.ones((1, 3)))[0])[1]

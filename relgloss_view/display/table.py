@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array
+from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.icc.profile import D50
 from relgloss_view.material.cielab import lab_from_xyz
 
@@ -25,6 +25,11 @@ STEP = 1e-6
 SETTLED = 1e-9  #: of CIELAB or of digital values: a hundredth of a step of 16 bits is 1.5e-7
 REACHED = 0.25  #: CIELAB distance up to which a light counts as shown; 1 is just visible
 MOST_DAMPING = 1e6
+ROUNDS = 2  #: of leaving plateaus, of more than one channel
+HALVINGS = 14  #: of the way to a plateau's end, to a quarter of a step of 12 bits
+FAR = 1e-3  #: CIELAB distance beyond which another start is tried
+NEIGHBOURS = 8
+FLAT = 1e-6  #: slope of CIELAB by a channel; usual ones are about 100
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,14 +116,58 @@ class Table:
     def _solved(self, target: Array) -> tuple[Array, Array]:
         starts, tree = self._samples
         digital = starts[tree.query(target)[1]]
+        left = self._searched(target, digital)
+        for _ in range(ROUNDS):
+            stuck = np.flatnonzero(left > SETTLED)
+            flat = np.abs(self._slopes(digital[stuck])).max(axis=1) < FLAT
+            if not flat.any():
+                break
+            for k in range(3):
+                for end in (0.0, 1.0):
+                    self._leave_plateau(target, digital, left, stuck[flat[:, k]], k, end)
+        self._start_elsewhere(target, digital, left)
+        return digital, left
+
+    def _leave_plateau(
+        self, target: Array, digital: Array, left: Array, which: Ints, k: int, end: float
+    ) -> None:
+        """Search again from where channel k's plateau ends on the way to `end`, for `which`."""
+        on, beyond = digital[which], digital[which]
+        lab = self._lab(on)
+        beyond[:, k] = end
+        for _ in range(HALVINGS):
+            middle = 0.5 * (on + beyond)
+            same = np.abs(self._lab(middle) - lab).max(axis=1, keepdims=True) < SETTLED
+            on, beyond = np.where(same, middle, on), np.where(same, beyond, middle)
+        new_left = self._searched(target[which], beyond)
+        better = new_left < left[which]
+        digital[which[better]], left[which[better]] = beyond[better], new_left[better]
+
+    def _start_elsewhere(self, target: Array, digital: Array, left: Array) -> None:
+        """Search again from the sample, of those near by, that is farthest from what was found.
+
+        Where steps of a table fold it, another of its parts may be nearer.
+        """
+        samples, tree = self._samples
+        far = np.flatnonzero(left > FAR)
+        if not len(far):
+            return
+        near = samples[tree.query(target[far], NEIGHBOURS)[1]]
+        away = np.abs(near - digital[far, None]).max(axis=2).argmax(axis=1)
+        again = near[np.arange(len(far)), away]
+        new_left = self._searched(target[far], again)
+        better = new_left < left[far]
+        digital[far[better]], left[far[better]] = again[better], new_left[better]
+
+    def _searched(self, target: Array, digital: Array) -> Array:
+        """Bring digital values (N, 3) nearer to CIELAB values; the distance (N,) that is left."""
         off = self._lab(digital) - target
         square = np.sum(off * off, axis=1)
         active, damping = np.arange(len(target)), np.full(len(target), 1e-6)
         slopes = self._slopes(digital)
         for _ in range(ITERATIONS):
             at = digital[active]
-            step = _step(at, off[active], slopes, damping[active])
-            new = np.clip(at + step, 0.0, 1.0)
+            new = np.clip(at + _step(at, off[active], slopes, damping[active]), 0.0, 1.0)
             new_off = self._lab(new) - target[active]
             new_square = np.sum(new_off * new_off, axis=1)
             better = new_square < square[active]
@@ -133,7 +182,7 @@ class Table:
             active, slopes = active[~done], slopes[~done]
             if not len(active):
                 break
-        return digital, np.sqrt(square)
+        return np.asarray(np.sqrt(square))
 
 
 def _step(at: Array, off: Array, slopes: Array, damping: Array) -> Array:

@@ -73,6 +73,8 @@ def sampled(values: Array) -> Curve:
 
 def _parametric(form: int, p: list[float]) -> Curve:
     g, a, b, c, d, e, f = (*p, *(0.0,) * (7 - len(p)))
+    if not all(math.isfinite(v) for v in p) or g <= 0.0:
+        raise ValueError("a damaged ICC profile (a curve without numbers)")
     if form == 0:
         return _power(g)
     if form == 1:
@@ -89,6 +91,4 @@ def _parametric(form: int, p: list[float]) -> Curve:
             upper = np.maximum(a * x + b, 0.0) ** g + high
         return np.clip(np.where(x >= split, upper, slope * x + low), 0.0, 1.0).astype(x.dtype)
 
-    if not all(math.isfinite(v) for v in p) or g <= 0.0:
-        raise ValueError("a damaged ICC profile (a curve without numbers)")
     return curve

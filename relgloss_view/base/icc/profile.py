@@ -10,7 +10,6 @@ Source: ICC.1:2022, 6.3 (encodings), 9.2 (tags), 10.6 (curv), 10.10 to 10.12 (mf
 from __future__ import annotations
 
 import dataclasses
-import math
 import struct
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -19,32 +18,14 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Floats
-from relgloss_view.base.icc.curves import (
-    MOST_ENTRIES,
-    Curve,
-    curve_of,
-    identity,
-    sampled,
-)
+from relgloss_view.base.icc.curves import Curve, curve_of, identity
 from relgloss_view.base.icc.header import parse_profile
+from relgloss_view.base.icc.tables import Grid, Steps, each, table_steps
 
 D50 = np.array([0.9642, 1.0, 0.8249])  #: the white of the connection space (ICC.1:2022)
+XYZ_ONE = 1.0 + 32767.0 / 32768.0  #: the largest value of XYZ in the connection space
 CHANNELS = {"GRAY": 1, "RGB": 3, "Lab": 3, "CMYK": 4}
 MOST_BYTES = 64 << 20  #: of a profile
-MOST_NODES = 4 << 20  #: of a table of colours
-_XYZ_ONE = 1.0 + 32767.0 / 32768.0
-
-
-@dataclass(frozen=True, eq=False)
-class Grid:
-    """A table of colours: nodes (g1, ..., gn, 3), evenly spaced over 0 to 1 in each channel."""
-
-    nodes: Array
-
-    @property
-    def channels(self) -> int:
-        """How many channels go in."""
-        return self.nodes.ndim - 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +36,7 @@ class Profile:
     white: XYZ of the medium under D50, Y = 1 the perfect diffuser. curves: one a channel. grid:
     None where the curves' values are linear light. after: from what the curves or the grid give,
     (N, 3) or (N, 1), to XYZ. matrix: (3, 3), where `after` is it alone. tags: the data of each tag,
-    none where it lies outside the file.
+    none where it lies outside the file. lab: whether the connection space is CIELAB.
     """
 
     space: str
@@ -67,6 +48,7 @@ class Profile:
     after: Callable[[Floats], Floats]
     matrix: Array | None = None
     tags: Mapping[bytes, bytes] = field(default_factory=dict, repr=False)
+    lab: bool = False
 
     @property
     def channels(self) -> int:
@@ -112,7 +94,7 @@ def read_profile(data: bytes) -> Profile:
         profile = _profile(
             tags, head.colour_space, head.description, kind == b"prtr", pcs == b"Lab "
         )
-        return dataclasses.replace(profile, tags=tags)
+        return dataclasses.replace(profile, tags=tags, lab=pcs == b"Lab ")
     except (struct.error, IndexError) as error:
         raise ValueError(f"a damaged ICC profile ({error})") from None
 
@@ -181,17 +163,47 @@ def cell_polynomials(grid: Grid, dtype: np.dtype[Any]) -> Floats:
 _TABLES: dict[int, tuple[Grid, Floats]] = {}
 
 
+def _after(steps: Steps, lab: bool) -> Callable[[Floats], Floats]:
+    """From what the grid of a table gives to XYZ."""
+
+    def after(v: Floats) -> Floats:
+        w = each(steps.middle, v)
+        if steps.turn is not None:
+            shift = steps.shift.astype(v.dtype)
+            w = np.clip(w @ steps.turn.T.astype(v.dtype) + shift, 0.0, 1.0)
+        w = each(steps.last, w)
+        if not lab:
+            return w * v.dtype.type(XYZ_ONE)
+        return xyz_from_lab(_lab_v2(w) if steps.old_lab else _lab_v4(w))
+
+    return after
+
+
+def _lab_v2(v: Floats) -> Floats:
+    """CIELAB of 16 bits before version 4, and of tables mft2: 0xFF00 is L* = 100 (10.10)."""
+    span = 65535.0 / 256.0
+    return v * np.array([100.0 * 65535.0 / 65280.0, span, span], v.dtype) - np.array(
+        [0.0, 128.0, 128.0], v.dtype
+    )
+
+
 def _lab_v4(v: Floats) -> Floats:
     return v * np.array([100.0, 255.0, 255.0], v.dtype) - np.array([0.0, 128.0, 128.0], v.dtype)
 
 
 def tags_of(data: bytes) -> dict[bytes, bytes]:
-    """The data of each tag of a profile whose header was parsed; none where it lies outside."""
+    """The data of each tag of a profile whose header was parsed; none where it lies outside.
+
+    Tags may share data. Raises ValueError where they overlap otherwise and claim more than there
+    is, which would take a hundred times the file's memory.
+    """
     count = struct.unpack_from(">I", data, 128)[0]
-    tags: dict[bytes, bytes] = {}
-    for tag, offset, length in struct.iter_unpack(">4sII", data[132 : 132 + 12 * count]):
-        tags[tag] = data[offset : offset + length] if offset + length <= len(data) else b""
-    return tags
+    places = list(struct.iter_unpack(">4sII", data[132 : 132 + 12 * count]))
+    inside = {(o, length) for _, o, length in places if o + length <= len(data)}
+    if sum(length for _, length in inside) > 2 * len(data):
+        raise ValueError("a damaged ICC profile (its tags overlap)")
+    parts = {(o, length): data[o : o + length] for o, length in inside}
+    return {tag: parts.get((o, length), b"") for tag, o, length in places}
 
 
 def _profile(
@@ -202,8 +214,10 @@ def _profile(
         white = D50
     for name in (b"A2B1", b"A2B0"):
         if name in tags:
-            curves, grid, after = _table(tags[name], CHANNELS[space], lab)
-            return Profile(space, description, output, white, curves, grid, after)
+            steps = table_steps(tags[name], CHANNELS[space], backward=False)
+            return Profile(
+                space, description, output, white, steps.first, steps.grid, _after(steps, lab)
+            )
     if space == "GRAY" and b"kTRC" in tags:
         gray = curve_of(tags[b"kTRC"])[0]
 
@@ -233,132 +247,3 @@ def _profile(
 def _xyz_tag(part: bytes) -> tuple[float, float, float]:
     x, y, z = struct.unpack_from(">iii", part, 8)
     return x / 65536.0, y / 65536.0, z / 65536.0
-
-
-def _table(
-    part: bytes, channels: int, lab: bool
-) -> tuple[tuple[Curve, ...], Grid | None, Callable[[Floats], Floats]]:
-    kind = part[:4]
-    if part[8:10] != bytes((channels, 3)):
-        raise ValueError("a damaged ICC profile (a table of other channels)")
-    if kind in (b"mft1", b"mft2"):
-        return _old_table(part, channels, lab, 1 if kind == b"mft1" else 2)
-    if kind == b"mAB ":
-        return _new_table(part, channels, lab)
-    raise ValueError("an ICC profile with a table of an unknown kind")
-
-
-def _grid(values: Array, shape: tuple[int, ...]) -> Grid:
-    if not np.isfinite(values).all():
-        raise ValueError("a damaged ICC profile (a table without numbers)")
-    return Grid(values.reshape(*shape, 3))
-
-
-def _check_nodes(shape: tuple[int, ...], data: int, size: int) -> int:
-    nodes = math.prod(shape)
-    if min(shape) < 2 or nodes > MOST_NODES or 3 * nodes * size > data:
-        raise ValueError("a damaged ICC profile (a table is larger than its tag)")
-    return nodes
-
-
-def _old_table(
-    part: bytes, channels: int, lab: bool, size: int
-) -> tuple[tuple[Curve, ...], Grid, Callable[[Floats], Floats]]:
-    points = part[10]
-    if size == 2:
-        into, out = struct.unpack_from(">HH", part, 48)
-        at = 52
-    else:
-        into, out, at = 256, 256, 48
-    if not (2 <= into <= 4096 and 2 <= out <= 4096):
-        raise ValueError("a damaged ICC profile (a curve without entries)")
-    kind, top = (">u2", 65535.0) if size == 2 else (">u1", 255.0)
-
-    def numbers(count: int, at: int) -> Array:
-        if at + count * size > len(part):
-            raise ValueError("a damaged ICC profile (a table is larger than its tag)")
-        return np.frombuffer(part, kind, count, at).astype(np.float64) / top
-
-    first = numbers(channels * into, at).reshape(channels, into)
-    at += channels * into * size
-    shape = (points,) * channels
-    nodes = _check_nodes(shape, len(part) - at, size)
-    grid = _grid(numbers(3 * nodes, at), shape)
-    last = numbers(3 * out, at + 3 * nodes * size).reshape(3, out)
-    outputs = tuple(sampled(row) for row in last)
-    if lab:
-        # Of 8 bits the encoding is that of version 4; of 16 bits 0xFF00 is L* = 100 (10.10).
-        scale = 65535.0 / 65280.0 if size == 2 else 1.0
-
-        def after(v: Floats) -> Floats:
-            w = _each(outputs, v)
-            return xyz_from_lab(_lab_of_mft(w, scale))
-
-    else:
-
-        def after(v: Floats) -> Floats:
-            return _each(outputs, v) * v.dtype.type(_XYZ_ONE)
-
-    return tuple(sampled(row) for row in first), grid, after
-
-
-def _lab_of_mft(v: Floats, scale: float) -> Floats:
-    if scale == 1.0:
-        return _lab_v4(v)
-    span = 65535.0 / 256.0
-    return v * np.array([100.0 * scale, span, span], v.dtype) - np.array(
-        [0.0, 128.0, 128.0], v.dtype
-    )
-
-
-def _each(curves: tuple[Curve, ...], v: Floats) -> Floats:
-    if all(c is identity for c in curves):
-        return v
-    return np.stack([c(v[:, k]) for k, c in enumerate(curves)], axis=1)
-
-
-def _curves_at(part: bytes, offset: int, count: int) -> tuple[Curve, ...]:
-    if offset == 0:
-        return (identity,) * count
-    made = []
-    for _ in range(count):
-        curve, size = curve_of(part[offset : offset + 12 + 2 * MOST_ENTRIES])
-        made.append(curve)
-        offset += (size + 3) // 4 * 4
-    return tuple(made)
-
-
-def _new_table(
-    part: bytes, channels: int, lab: bool
-) -> tuple[tuple[Curve, ...], Grid | None, Callable[[Floats], Floats]]:
-    b, matrix, m, clut, a = struct.unpack_from(">5I", part, 12)
-    last, middle = _curves_at(part, b, 3), _curves_at(part, m, 3)
-    turn, shift = np.eye(3), np.zeros(3)
-    if matrix:
-        numbers = np.array(struct.unpack_from(">12i", part, matrix)) / 65536.0
-        turn, shift = numbers[:9].reshape(3, 3), numbers[9:]
-    grid = None
-    if clut:
-        shape = tuple(part[clut : clut + channels])
-        size = part[clut + 16]
-        if size not in (1, 2) or len(shape) != channels:
-            raise ValueError("a damaged ICC profile (a table of an unknown depth)")
-        nodes = _check_nodes(shape, len(part) - clut - 20, size)
-        kind, top = (">u2", 65535.0) if size == 2 else (">u1", 255.0)
-        grid = _grid(
-            np.frombuffer(part, kind, 3 * nodes, clut + 20).astype(np.float64) / top, shape
-        )
-        first = _curves_at(part, a, channels)
-    elif channels == 3:
-        first = (identity,) * 3
-    else:
-        raise ValueError("a damaged ICC profile (its table is missing)")
-
-    def after(v: Floats) -> Floats:
-        w = _each(middle, v)
-        if matrix:
-            w = np.clip(w @ turn.T.astype(v.dtype) + shift.astype(v.dtype), 0.0, 1.0)
-        w = _each(last, w)
-        return xyz_from_lab(_lab_v4(w)) if lab else w * v.dtype.type(_XYZ_ONE)
-
-    return first, grid, after

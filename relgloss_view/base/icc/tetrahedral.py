@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Floats
-from relgloss_view.base.icc.profile import Grid
+from relgloss_view.base.icc.tables import Grid
 
 
 def tetrahedral(grid: Grid, values: Floats) -> Array:
