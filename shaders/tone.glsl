@@ -78,6 +78,23 @@ bool in_gamut(vec3 rgb) {
         && all(lessThanEqual(rgb, vec3(1.0 + GAMUT_TOLERANCE)));
 }
 
+#ifdef REACH
+#if REACH == 1
+uniform vec3 display_floor;      // linear RGB at digital 0
+uniform vec3 display_per_range;  // 1 / (1 - display_floor)
+#endif
+#endif
+
+// Whether linear RGB is in the gamut of a display with a table too, where REACH says that there is one.
+bool in_table(vec3 rgb) {
+#ifdef REACH
+#if REACH == 1
+    rgb = (rgb - display_floor) * display_per_range;
+#endif
+#endif
+    return table_reach(rgb);
+}
+
 const float SMALLEST_STEP = 1.0 / 65536.0;  // of the bisection
 
 // Linear display RGB of a Lab colour whose white is the display's. Out of gamut, GAMUT_CHROMA holds L* and
@@ -92,7 +109,7 @@ vec3 display_rgb(int gamut, vec3 lab, vec3 display_white, mat3 rgb_from_xyz, out
     // needs them.
     do {
         rgb = rgb_from_xyz * xyz_from_lab(vec3(lab.x, tried * lab.yz), display_white);
-        kept = in_gamut(rgb) && table_reach(rgb) ? tried : kept;
+        kept = in_gamut(rgb) && in_table(rgb) ? tried : kept;
         step *= 0.5;
         tried = step < SMALLEST_STEP ? kept : kept + step;
     } while (gamut == GAMUT_CHROMA && kept < 1.0 && step >= 0.5 * SMALLEST_STEP);

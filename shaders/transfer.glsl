@@ -17,15 +17,13 @@ float srgb_encode(float v) {
 uniform sampler2D transfer_curves;
 #endif
 #if TRANSFER == TRANSFER_TABLE
-// (digital values, how far what they show is from the light) at light (k / last)^(8/3) of each channel.
+// Digital values at light (k / last)^(8/3) of each channel; beyond 0 and 1 where none shows that light.
 uniform sampler3D transfer_table;
 #endif
 #endif
 #ifdef REACH
 #if REACH == 1
-uniform sampler3D reach_table;   // as transfer_table, of the display whose gamut counts
-uniform vec3 display_floor;      // its linear RGB at digital 0
-uniform vec3 display_per_range;  // 1 / (1 - display_floor)
+uniform sampler3D reach_table;  // as transfer_table, of the display whose gamut counts
 #endif
 #endif
 
@@ -67,13 +65,16 @@ vec3 table_encode(vec3 light) {
     return digital;
 }
 
-// Whether a display's table shows linear RGB, to within a distance in CIELAB; of one without a table, true.
-bool table_reach(vec3 rgb) {
+// Of digital values: from 0 to 1 they go through some 100 units of CIELAB, so this is what Table.REACHED is.
+const float TABLE_SLACK = 0.003;
+
+// Whether a display's table shows light; of a display without one, true.
+bool table_reach(vec3 light) {
     bool reached = true;
 #ifdef REACH
 #if REACH == 1
-    vec3 light = (rgb - display_floor) * display_per_range;
-    reached = textureLod(reach_table, table_place(light), 0.0).a <= TABLE_REACHED;
+    vec3 digital = textureLod(reach_table, table_place(light), 0.0).rgb;
+    reached = all(greaterThan(digital, vec3(-TABLE_SLACK))) && all(lessThan(digital, vec3(1.0 + TABLE_SLACK)));
 #endif
 #endif
     return reached;

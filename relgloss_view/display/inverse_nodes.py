@@ -28,16 +28,15 @@ def curve_nodes(emission: Emission) -> Array:
 
 
 def table_nodes(table: Table) -> Array:
-    """(TABLE_NODES, TABLE_NODES, TABLE_NODES, 4): blue first, then green, then red.
+    """(TABLE_NODES, TABLE_NODES, TABLE_NODES, 4): blue first, then green, then red; the last is 1.
 
-    Each node has digital values, and how far what they show is from its light in CIELAB. Nodes are
-    even in the power of 3/8 of light, of which transfer.glsl's table_place finds the place. Digital
-    values of light that the table does not reach run on straight beyond 0 and 1, by MOST_BEYOND at
-    most, so that cells at the table's edge have no bend inside.
+    Nodes are even in the power of 3/8 of light, of which transfer.glsl's table_place finds the
+    place. Digital values of light that the table does not reach run on straight beyond 0 and 1, by
+    MOST_BEYOND at most: cells at the table's edge then have no bend inside, and show where it is.
     """
     axis = np.linspace(0.0, 1.0, TABLE_NODES) ** (8.0 / 3.0)
     blue, green, red = np.meshgrid(axis, axis, axis, indexing="ij")
     light = np.stack([red, green, blue], axis=-1).reshape(-1, 3)
-    digital, left = table.run_on(light, MOST_BEYOND)
-    nodes = np.concatenate([digital, left[:, None]], axis=1)
+    digital = table.run_on(light, MOST_BEYOND)
+    nodes = np.concatenate([digital, np.ones((len(light), 1))], axis=1)
     return nodes.reshape(TABLE_NODES, TABLE_NODES, TABLE_NODES, 4)

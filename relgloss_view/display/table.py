@@ -73,10 +73,10 @@ class Table:
             digital[part], left[part] = self._solved(lab[part])
         return digital, left
 
-    def run_on(self, light: Array, most: float) -> tuple[Array, Array]:
-        """As `solved`; digital values of light that is not shown run on straight beyond 0 and 1.
+    def run_on(self, light: Array, most: float) -> Array:
+        """Digital values (N, 3) of light; of light that is not shown they run on beyond 0 and 1.
 
-        most: by how much they do. For what interpolates between them.
+        most: by how much they do, straight on in CIELAB. For what interpolates between them.
         """
         digital, left = self.solved(light)
         far = left > 1e-6
@@ -84,7 +84,7 @@ class Table:
         off = lab_from_xyz(xyz, D50) - self._lab(digital[far])
         step = np.einsum("nij,nj->ni", np.linalg.pinv(self._slopes(digital[far])), off)
         digital[far] += np.clip(step, -most, most)
-        return digital, left
+        return digital
 
     @cached_property
     def _connection_from_rgb(self) -> Array:

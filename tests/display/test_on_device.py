@@ -20,7 +20,7 @@ from relgloss_view.display.inverse_nodes import CURVE_CELLS
 from relgloss_view.display.model import DisplayModel
 from relgloss_view.display.monitor import Curves
 from relgloss_view.display.read import monitor_of
-from relgloss_view.display.table import REACHED, Table
+from relgloss_view.display.table import Table
 from relgloss_view.display.tone_curve import ToneCurve
 from relgloss_view.picture.gpu.constants import code
 from relgloss_view.picture.gpu.evaluate import evaluate
@@ -75,15 +75,14 @@ def shown_by_table(ctx, table, light):
     got = evaluate(
         ctx,
         ["transfer.glsl"],
-        "result = vec4(encode(TRANSFER_TABLE, v.xyz, vec4(1)), "
-        "textureLod(transfer_table, table_place(v.xyz), 0.0).a);",
+        "result = vec4(encode(TRANSFER_TABLE, v.xyz, vec4(1)), table_reach(v.xyz) ? 1 : 0);",
         {"v": light.astype(np.float32)},
         defines={
             "TRANSFER": code("TRANSFER", "table"),
             "TABLE_NODES": f"{inverse_nodes.TABLE_NODES}.0",
-            "TABLE_REACHED": f"{REACHED}",
+            "REACH": 1,
         },
-        samplers={"transfer_table": texture},
+        samplers={"transfer_table": texture, "reach_table": texture},
     )
     uploads.release()
     return got.astype(np.float64)
@@ -132,7 +131,7 @@ class TestTable:
         got = shown_by_table(ctx, table, light[inside])
         assert np.abs(got[:, :3] - digital[inside]).max() < 1.0 / 255.0
         assert np.mean(np.abs(got[:, :3] - digital[inside])) < 0.25 / 255.0
-        assert np.all(got[:, 3] <= REACHED)
+        assert np.all(got[:, 3] == 1.0)
         # Negative control: by curves alone, as if channels added, it is further off.
         assert np.abs(light[inside] ** (1.0 / 2.2) - digital[inside]).max() > 1.0 / 255.0
 
@@ -145,8 +144,8 @@ class TestTable:
         got = shown_by_table(ctx, table, light)[:, 3]
         reached, beyond = left < 0.05, left > 1.0
         assert np.sum(reached) > 100 and np.sum(beyond) > 100
-        assert np.mean(got[reached] <= REACHED) > 0.99
-        assert np.mean(got[beyond] > REACHED) > 0.99
+        assert np.mean(got[reached]) > 0.99
+        assert np.mean(got[beyond]) < 0.01
 
 
 def steps_off(first, second):

@@ -11,7 +11,6 @@ import numpy as np
 from relgloss_view.display.display import Display
 from relgloss_view.display.inverse_nodes import CURVE_CELLS, TABLE_NODES
 from relgloss_view.display.model import DisplayModel
-from relgloss_view.display.table import REACHED
 from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.shape import ANALYTIC
 from relgloss_view.picture import method
@@ -257,7 +256,6 @@ def tone_defines(
     defines["REACH"] = int(model.transfer == "table")
     if "table" in (model.transfer, screen.transfer):
         defines["TABLE_NODES"] = f"{TABLE_NODES}.0"
-        defines["TABLE_REACHED"] = f"{REACHED}"
     if stage != "light.frag":  # which is linear
         defines["TRANSFER"] = code("TRANSFER", screen.transfer)
         defines["SEEN_ON"] = int(model.screen is not None)
