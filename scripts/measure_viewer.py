@@ -3,7 +3,8 @@
 Usage: python scripts/measure_viewer.py [drag] [pack] [display] [start] [idle] [soak]
                                        [--frames N] [--profile FILE]
 
-`display` drags c for sRGB and for the displays of --profile, which may be given several times. `pack` drags on a can with an ink, a spot varnish and an artwork of 4096 x 4096 pixels.
+`display` drags c for sRGB and for the displays of --profile, which may be given several times.
+`pack` drags on a can with an ink, a spot varnish and an artwork of 4096 x 4096 pixels.
 
 Everything runs on GLFW's null platform but `idle`, which needs a display. Times are of whole
 frames, interface and all, each ended by a finish. The pictures are two of 640 x 640 pixels.
@@ -19,6 +20,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -37,10 +39,14 @@ def main() -> int:
     parser.add_argument("--profile", action="append", default=[])
     args = parser.parse_args()
     for name in args.what:
-        profiles = partial(display, args.profile)
-        {"drag": drag, "pack": pack, "display": profiles, "start": start, "idle": idle}.get(
-            name, lambda: soak(args.frames)
-        )()
+        modes: dict[str, Callable[[], None]] = {
+            "drag": drag,
+            "pack": pack,
+            "display": partial(display, args.profile),
+            "start": start,
+            "idle": idle,
+        }
+        modes.get(name, lambda: soak(args.frames))()
     return 0
 
 

@@ -17,6 +17,7 @@ uniform vec3 display_white;    // Y = 1
 uniform mat3 rgb_from_xyz;     // display XYZ, white at Y = 1, to linear RGB
 uniform vec3 display_lowest;  // linear RGB, below which nothing is shown
 uniform vec3 background_rgb;
+uniform vec3 background_digital;  // of the surround
 
 layout(location = 0) out vec4 display;
 
@@ -30,6 +31,10 @@ void main() {
     vec3 rgb = share > 0.0 ? over(shown, share, background_rgb) : background_rgb;
     float flags = (lab.x > 100.0 + CLIP_TOLERANCE ? 1.0 : 0.0) + (inside ? 0.0 : 2.0) + (cut_by_screen(shown) ? 4.0 : 0.0);
     float dither = DITHER == DITHER_ORDERED && share > 0.0 ? dither_step(at) : 0.0;
-    display = vec4(digital_of(rgb) + (1.0 / 255.0) * dither,
+    // The gamut's test has read the table: what covers a whole pixel needs no second look.
+    vec3 digital = REACH == 1 && SEEN_ON == 0 && SAMPLED == 0
+        ? (share > 0.0 ? clamp(table_digital, 0.0, 1.0) : background_digital)
+        : digital_of(rgb);
+    display = vec4(digital + (1.0 / 255.0) * dither,
                    1.0 - (1.0 / 255.0) * (share > 0.0 ? flags : 0.0));
 }

@@ -85,6 +85,8 @@ uniform vec3 display_per_range;  // 1 / (1 - display_floor)
 #endif
 #endif
 
+vec3 table_digital = vec3(0.0);  // of the last colour that in_table was asked for; not cut to 0 to 1
+
 // Whether linear RGB is in the gamut of a display with a table too, where REACH says that there is one.
 bool in_table(vec3 rgb) {
 #ifdef REACH
@@ -92,7 +94,7 @@ bool in_table(vec3 rgb) {
     rgb = (rgb - display_floor) * display_per_range;
 #endif
 #endif
-    return table_reach(rgb);
+    return table_reach(rgb, table_digital);
 }
 
 const float SMALLEST_STEP = 1.0 / 65536.0;  // of the bisection
@@ -109,7 +111,8 @@ vec3 display_rgb(int gamut, vec3 lab, vec3 display_white, mat3 rgb_from_xyz, out
     // needs them.
     do {
         rgb = rgb_from_xyz * xyz_from_lab(vec3(lab.x, tried * lab.yz), display_white);
-        kept = in_gamut(rgb) && in_table(rgb) ? tried : kept;
+        bool reached = in_table(rgb);
+        kept = in_gamut(rgb) && reached ? tried : kept;
         step *= 0.5;
         tried = step < SMALLEST_STEP ? kept : kept + step;
     } while (gamut == GAMUT_CHROMA && kept < 1.0 && step >= 0.5 * SMALLEST_STEP);

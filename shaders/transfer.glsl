@@ -68,12 +68,13 @@ vec3 table_encode(vec3 light) {
 // Of digital values: from 0 to 1 they go through some 100 units of CIELAB, so this is what Table.REACHED is.
 const float TABLE_SLACK = 0.003;
 
-// Whether a display's table shows light; of a display without one, true.
-bool table_reach(vec3 light) {
+// Whether a display's table shows light, and by which digital values, not cut to 0 to 1; of a display without one, true.
+bool table_reach(vec3 light, out vec3 digital) {
     bool reached = true;
+    digital = vec3(0.0);
 #ifdef REACH
 #if REACH == 1
-    vec3 digital = textureLod(reach_table, table_place(light), 0.0).rgb;
+    digital = textureLod(reach_table, table_place(light), 0.0).rgb;
     reached = all(greaterThan(digital, vec3(-TABLE_SLACK))) && all(lessThan(digital, vec3(1.0 + TABLE_SLACK)));
 #endif
 #endif

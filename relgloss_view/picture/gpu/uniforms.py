@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from relgloss_view.base.arrays import Array
+from relgloss_view.display.display import Display
 from relgloss_view.display.model import DisplayModel
+from relgloss_view.display.monitor import Monitor
 from relgloss_view.display.table import Table
 from relgloss_view.material import brdf
 from relgloss_view.material.albedo_table import STEPS, diffuse_table, lobe_table
@@ -21,6 +25,7 @@ from relgloss_view.picture.model.grain import field_step
 from relgloss_view.picture.model.grain_field import FIELD_TILE
 from relgloss_view.picture.model.lights import lamps_of, share_of
 from relgloss_view.picture.model.pixel_sampling import eye_grain_samples, grainiest
+from relgloss_view.picture.model.tone import surround_digital
 from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
@@ -177,6 +182,12 @@ def white_uniform(scene: Scene) -> Uniforms:
     return {"white": illuminant(scene.lamp.illuminant).white_xyz()}
 
 
+@lru_cache(maxsize=16)
+def _surround(display: Display, *_monitors: Monitor | None) -> Array:
+    """The surround's digital values; of a table they take a search. Monitors are of its files."""
+    return surround_digital(DisplayModel.of(display))
+
+
 def display_uniforms(scene: Scene, uploads: Uploads) -> Uniforms:
     """The display, and the screen that shows it: the display itself, unless another one is seen."""
     display = DisplayModel.of(scene.display)
@@ -187,6 +198,7 @@ def display_uniforms(scene: Scene, uploads: Uploads) -> Uniforms:
         "rgb_from_xyz": display.rgb_from_xyz.T,  # columns first
         "display_lowest": display.lowest,
         "background_rgb": display.background_rgb,
+        "background_digital": _surround(scene.display, display.monitor, screen.monitor),
         "screen_from_rgb": between.T,
         "screen_floor": screen.floor,
         "screen_per_range": 1.0 / (1.0 - screen.floor),
