@@ -1,7 +1,9 @@
 """Measure the window: what a drag, a start and an hour of it cost on this machine.
 
-Usage: python scripts/measure_viewer.py [drag] [pack] [start] [idle] [soak] [--frames N]
+Usage: python scripts/measure_viewer.py [drag] [pack] [display] [start] [idle] [soak]
+                                       [--frames N] [--profile FILE]
 
+`display` drags c for sRGB and for the displays of --profile, which may be given several times.
 `pack` drags on a can with an ink, a spot varnish and an artwork of 4096 x 4096 pixels.
 
 Everything runs on GLFW's null platform but `idle`, which needs a display. Times are of whole
@@ -11,12 +13,15 @@ frames, interface and all, each ended by a finish. The pictures are two of 640 x
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import os
 import random
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -31,11 +36,17 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("what", nargs="*", default=["drag", "start"])
     parser.add_argument("--frames", type=int, default=SOAK_FRAMES)
+    parser.add_argument("--profile", action="append", default=[])
     args = parser.parse_args()
     for name in args.what:
-        {"drag": drag, "pack": pack, "start": start, "idle": idle}.get(
-            name, lambda: soak(args.frames)
-        )()
+        modes: dict[str, Callable[[], None]] = {
+            "drag": drag,
+            "pack": pack,
+            "display": partial(display, args.profile),
+            "start": start,
+            "idle": idle,
+        }
+        modes.get(name, lambda: soak(args.frames))()
     return 0
 
 
@@ -52,6 +63,19 @@ def drag() -> None:
             "the camera": lambda m, x: m.set_part("eye", "e", azimuth_deg=float(60 * x)),
         },
     )
+
+
+def display(profiles: list[str]) -> None:
+    """Twice each, in turn, since other work on the machine comes and goes."""
+    from relgloss_view.viewer.state.state import State
+
+    for profile in 2 * ["", *profiles]:
+        state = State.initial()
+        shown = dataclasses.replace(state.setup.display, profile=profile)
+        state = dataclasses.replace(state, setup=dataclasses.replace(state.setup, display=shown))
+        print(f"display {profile or 'sRGB'}:", end=" ")
+        drags = {"c": lambda m, x: m.set_look("test", "c", c=None, c_fraction=float(x))}
+        _drag(state, drags)
 
 
 def pack() -> None:

@@ -148,7 +148,12 @@ TWINS = {
     "noise.glsl": ("picture/model/noise.py", {"cosine_of_turn", "direction_of_turn", "turn"}),
     "grain_field.glsl": ("picture/model/grain_field.py", set()),
     "shape.glsl": ("picture/model/shape.py", {"arc_tangent", "meet_face"}),
-    "tone.glsl": ("picture/model/tone.py", {"on_object"}),
+    "tone.glsl": ("picture/model/tone.py", {"on_object", "over", "in_table"}),
+    "transfer.glsl": (
+        "picture/model/tone.py",
+        {"curves_encode", "table_place", "table_encode", "table_reach"},  # what images hold
+    ),
+    "screen.glsl": ("picture/model/tone.py", {"digital_of"}),
     "approximations.glsl": ("material/approximations.py", set()),
     "lamp_size.glsl": ("picture/model/lights.py", {"sized"}),
     "difference.glsl": ("material/difference.py", set()),
@@ -177,7 +182,8 @@ class TestShaders:
         names = ("SHAPE", "DIFFUSE", "NOISE", "GRAIN", "TRANSFER", "NOISY_DIFFUSE", "GAMUT")
         defines = dict.fromkeys((*names, "SAMPLED"), 1) | {"LOBES": 2, "BLOCK": 16, "FIRST": 1}
         defines |= {"BANDS": 0, "WRITES": 0, "STRIDE": 1, "DITHER": 1}
-        defines["OVERLAY"] = 3
+        defines |= {"OVERLAY": 3, "SEEN_ON": 1, "REACH": 1, "CURVE_CELLS": "8.0"}
+        defines |= {"TABLE_NODES": "9.0"}
         if stage == "surface.frag":
             defines |= {"SHAPE": 4, "FINISHES": 2, "CHANNELS": 2, "INK_SECOND": 1, "MESH_WIDE": 64}
             defines |= {"LOBE_CHANNELS": "-1, 4", "BODY_CHANNELS": "-1, -2"}

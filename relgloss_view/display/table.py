@@ -73,6 +73,19 @@ class Table:
             digital[part], left[part] = self._solved(lab[part])
         return digital, left
 
+    def run_on(self, light: Array, most: float) -> Array:
+        """Digital values (N, 3) of light; of light that is not shown they run on beyond 0 and 1.
+
+        most: by how much they do, straight on in CIELAB. For what interpolates between them.
+        """
+        digital, left = self.solved(light)
+        far = left > 1e-6
+        xyz = (self.floor + (1.0 - self.floor) * light[far]) @ self._connection_from_rgb.T
+        off = lab_from_xyz(xyz, D50) - self._lab(digital[far])
+        step = np.einsum("nij,nj->ni", np.linalg.pinv(self._slopes(digital[far])), off)
+        digital[far] += np.clip(step, -most, most)
+        return digital
+
     @cached_property
     def _connection_from_rgb(self) -> Array:
         return np.asarray(np.linalg.inv(self.rgb_from_connection), np.float64)

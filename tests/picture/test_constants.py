@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import relgloss_view
-from relgloss_view.display.display import Display
+from relgloss_view.display.display import TRANSFERS, Display
 from relgloss_view.pack.shape import ANALYTIC, Shape
 from relgloss_view.picture.gpu import constants
 from relgloss_view.picture.gpu.constants import NAMES, code, definitions, glsl_name
@@ -103,7 +103,8 @@ class TestTables:
                 assert Variant.of(scene, Look(), 1, chosen).defines()[table] == code(table, name)
         for gamut in NAMES["GAMUT"]:
             assert tone_defines(Display(gamut=gamut), "tone.frag")["GAMUT"] == code("GAMUT", gamut)
-        for transfer in NAMES["TRANSFER"]:
+        assert set(NAMES["TRANSFER"]) == {*TRANSFERS, "curves", "table"}  # those two of files
+        for transfer in TRANSFERS:
             defines = tone_defines(Display(transfer=transfer), "tone.frag")
             assert defines["TRANSFER"] == code("TRANSFER", transfer)
 
@@ -168,6 +169,8 @@ class TestShaders:
             "METALS",
             "BANDS",
             "SAMPLED",
+            "SEEN_ON",
+            "REACH",
             "NOISY_DIFFUSE",
             "CAPS",
             "AFAR",

@@ -22,8 +22,8 @@ def evaluate(
     inputs: Mapping[str, AnyArray],
     *,
     integers: bool = False,
-    defines: Mapping[str, int] | None = None,
-    samplers: Mapping[str, moderngl.Texture] | None = None,
+    defines: Mapping[str, int | str] | None = None,
+    samplers: Mapping[str, moderngl.Texture | moderngl.Texture3D] | None = None,
 ) -> AnyArray:
     """Run `body`, which sets `result`, for each row of the inputs; returns (N, 4).
 
@@ -34,7 +34,11 @@ def evaluate(
     make_current(ctx)
     count = len(next(iter(inputs.values())))
     size = (WIDTH, -(-count // WIDTH))
-    constants = {"WIDTH": WIDTH, **(defines or {}), **({"INTEGERS": 1} if integers else {})}
+    constants: dict[str, int | str] = {
+        "WIDTH": WIDTH,
+        **(defines or {}),
+        **({"INTEGERS": 1} if integers else {}),
+    }
     source = ShaderSource("evaluate", constants, _composed(includes, body, inputs))
     textures = {name: _texture(ctx, size, values) for name, values in inputs.items()}
     target = ctx.texture(size, 4, dtype="u4" if integers else "f4")

@@ -150,7 +150,7 @@ class Programs:
             if name not in uniforms:
                 raise ShaderError(f"{stage}: uniform {name!r} has no value")
             value = uniforms[name]
-            if isinstance(value, moderngl.Texture):
+            if isinstance(value, moderngl.Texture | moderngl.Texture3D):
                 value.use(unit)
                 member.value = unit
                 unit += 1

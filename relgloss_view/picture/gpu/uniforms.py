@@ -3,22 +3,29 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from relgloss_view.base.arrays import Array
+from relgloss_view.display.display import Display
 from relgloss_view.display.model import DisplayModel
+from relgloss_view.display.monitor import Monitor
+from relgloss_view.display.table import Table
 from relgloss_view.material import brdf
 from relgloss_view.material.albedo_table import STEPS, diffuse_table, lobe_table
 from relgloss_view.material.approximations import mean_lobe, plain_lobe
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.gpu.programs import Uniforms
+from relgloss_view.picture.gpu.uploads import Uploads
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.model.drawn import drawn_diffuse, drawn_facets, drawn_lobes, in_model
 from relgloss_view.picture.model.grain import field_step
 from relgloss_view.picture.model.grain_field import FIELD_TILE
 from relgloss_view.picture.model.lights import lamps_of, share_of
 from relgloss_view.picture.model.pixel_sampling import eye_grain_samples, grainiest
+from relgloss_view.picture.model.tone import surround_digital
 from relgloss_view.picture.model.view import Size, View
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
@@ -175,12 +182,35 @@ def white_uniform(scene: Scene) -> Uniforms:
     return {"white": illuminant(scene.lamp.illuminant).white_xyz()}
 
 
-def display_uniforms(scene: Scene) -> Uniforms:
-    """The display."""
+@lru_cache(maxsize=16)
+def _surround(display: Display, *_monitors: Monitor | None) -> Array:
+    """The surround's digital values; of a table they take a search. Monitors are of its files."""
+    return surround_digital(DisplayModel.of(display))
+
+
+def display_uniforms(scene: Scene, uploads: Uploads) -> Uniforms:
+    """The display, and the screen that shows it: the display itself, unless another one is seen."""
     display = DisplayModel.of(scene.display)
-    return {
+    screen = display.screen or display
+    between = np.eye(3) if display.screen_from_rgb is None else display.screen_from_rgb
+    uniforms: dict[str, Any] = {
         "display_white": display.white,
         "rgb_from_xyz": display.rgb_from_xyz.T,  # columns first
-        "display_curve": display.curve,
-        "background_light": display.background_light,
+        "display_lowest": display.lowest,
+        "background_rgb": display.background_rgb,
+        "background_digital": _surround(scene.display, display.monitor, screen.monitor),
+        "screen_from_rgb": between.T,
+        "screen_floor": screen.floor,
+        "screen_per_range": 1.0 / (1.0 - screen.floor),
+        "screen_darkest": screen.darkest,
+        "display_curve": screen.curve,
+        "display_floor": display.floor,
+        "display_per_range": 1.0 / (1.0 - display.floor),
     }
+    if screen.emission is not None and screen.transfer == "curves":
+        uniforms["transfer_curves"] = uploads.curves(screen.emission)
+    if isinstance(screen.emission, Table):
+        uniforms["transfer_table"] = uploads.table(screen.emission)
+    if isinstance(display.emission, Table):
+        uniforms["reach_table"] = uploads.table(display.emission)
+    return uniforms
