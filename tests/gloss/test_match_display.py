@@ -17,8 +17,16 @@ from relgloss_view.gloss.match_display import (
     screens_of,
 )
 from relgloss_view.gloss.samples import SampleLook
+from relgloss_view.gloss.shown import measure
+from relgloss_view.operators.split import Split
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import SAMPLES, load_sample
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.picture.scene.setup import Setup
+
+
+#: What the gamut's tolerance, 1e-4 of white, may cut of an L* above 40 (slope at most 90 a white).
+CUT_LSTAR = 0.01
 
 
 def lightness(y: float) -> float:
@@ -103,3 +111,42 @@ def test_words_and_numbers(pair):
     numbers = screen_numbers(screens_of(strong)[0], reference, [m])
     assert numbers["black"] == pytest.approx(0.2)
     assert np.isfinite(numbers["samples"][0]["opened_c"])
+
+
+class TestPicturesOnDisplays:
+    """What a display shows of the papers at the published settings, in the float64 reference."""
+
+    def measured(self, reference, names=tuple(SAMPLES), **display):
+        setup = Setup().with_entries("display", **display)
+        measures = {}
+        for name in names:
+            look = Look().at(SAMPLES[name])
+            frame = reference.render(Scene(load_sample(name), setup), look, (48, 48))
+            measures[name] = measure(frame, Split().draw(frame)).highlight, frame.c_max
+        return measures
+
+    def test_luminance_and_gamut_change_neither_order_nor_what_is_added(self, reference):
+        first = self.measured(reference)
+        p3 = ((0.68, 0.32), (0.265, 0.69), (0.15, 0.06))
+        other = self.measured(
+            reference, primaries_xy=p3, luminance_cd_m2=80.0, black_cd_m2=1.6
+        )  # L* 15 at black: no body beside a highlight is as dark
+        for name in SAMPLES:
+            assert other[name] == pytest.approx(first[name], abs=CUT_LSTAR)
+        added = [added for added, _ in other.values()]
+        assert added == sorted(added, reverse=True)  # SAMPLES are in the order of their gloss
+
+    def test_black_is_no_highlight(self, reference):
+        """The unlit side is seen as black: L* 43, where uncoated's highlight adds 6."""
+        (dark, _), (lit, _) = (
+            self.measured(reference, ("uncoated",), black_cd_m2=black, luminance_cd_m2=100.0)[
+                "uncoated"
+            ]
+            for black in (0.0, 13.0)
+        )
+        assert lit == pytest.approx(dark, abs=CUT_LSTAR)
+        assert lightness(0.13) > dark + 10.0
+        (hidden, _) = self.measured(
+            reference, ("uncoated",), black_cd_m2=60.0, luminance_cd_m2=100.0
+        )["uncoated"]
+        assert hidden < dark - 1.0  # L* 82 hides some of it
