@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array, Floats, Mask
+from relgloss_view.base.arrays import Array, Floats
 from relgloss_view.base.reading import printable
 from relgloss_view.display.model import DisplayModel
 from relgloss_view.display.seen import (
@@ -69,12 +69,12 @@ class Tally:
 
 
 def _outside_table(rgb: Array, screen: DisplayModel) -> float:
-    """How many of (N, 3) in the RGB cube a look-up-table profile can't show; from SOLVED of them."""
+    """How many of (N, 3) in the RGB cube a look-up table can't show, by SOLVED of them."""
     if screen.emission is None or screen.emission.kind != "table" or not len(rgb):
         return 0.0
     some = np.clip(rgb[:: -(-len(rgb) // SOLVED)], screen.darkest, 1.0)
     light = (some - screen.floor) / (1.0 - screen.floor)
-    return float(np.mean(~screen.emission.reach(light))) * len(rgb)
+    return (1.0 - float(np.mean(screen.emission.reach(light)))) * len(rgb)
 
 
 _COUNTED: weakref.WeakKeyDictionary[Frame, ScreenLimits] = weakref.WeakKeyDictionary()

@@ -24,7 +24,6 @@ from relgloss_view.picture.scene.sample import SAMPLES, load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Setup
 
-
 #: What the gamut's tolerance, 1e-4 of white, may cut of an L* above 40 (slope at most 90 a white).
 CUT_LSTAR = 0.01
 
