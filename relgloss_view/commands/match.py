@@ -14,6 +14,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, Progress, ProgressReport, table, warn
 from relgloss_view.base.writing import check_writable, together
+from relgloss_view.commands.match_display import display_lines
 from relgloss_view.commands.match_pack import run_pack
 from relgloss_view.commands.scene_options import (
     SAMPLE_METAVAR,
@@ -106,6 +107,7 @@ def run(args: argparse.Namespace) -> int:
     """Compute the curves, check them on pictures, write the files that were asked for, print."""
     from relgloss_view.commands.sample_arguments import sample_argument, sample_arguments
     from relgloss_view.gloss.match import Reference, as_numbers, match_curve
+    from relgloss_view.gloss.match_display import screen_numbers, screens_of
     from relgloss_view.gloss.match_plot import write_match_plot
     from relgloss_view.picture.scene.sample import SAMPLES
     from relgloss_view.quality.backends import open_renderer
@@ -147,6 +149,9 @@ def run(args: argparse.Namespace) -> int:
     if args.json:
         numbers: dict[str, Any] = {"outputs": written, "size": list(size), "note": CAVEAT}
         numbers |= as_numbers(reference, curves)
+        numbers["displays"] = [
+            screen_numbers(screen, reference, curves) for screen in screens_of(scene.display)
+        ]
         numbers["poses"] = [_pose_numbers(pose) for pose in checked]
         print(json.dumps(numbers))
         return status
@@ -159,6 +164,10 @@ def run(args: argparse.Namespace) -> int:
     for m, argument in zip(curves, samples, strict=True):
         print()
         print("\n".join(_sample_lines(m, argument.origin, reference)))
+    of_display = display_lines(scene.display, reference, curves)
+    if of_display:
+        print()
+        print("\n".join(of_display))
     print()
     print(_order_table(checked))
     print()

@@ -320,8 +320,9 @@ def scene_words_of(args: argparse.Namespace) -> list[str]:
     if args.scene is None and not any(s.startswith("look.grain=") for s in args.set):
         values = {GRAIN_KIND: args.default_look.grain, **values}
     if plain:
-        own = {o.flag: o.field.default for o in OPTIONS if o.table == "display"}
-        values = own | values
+        shown = [o for o in OPTIONS if o.table == "display"]
+        plainer = [o for o in shown if o.field.default != getattr(NEW_DISPLAY, o.entry)]
+        values = {o.flag: o.field.default for o in plainer} | values
     for option in OPTIONS:
         words += option.words(values[option.flag]) if option.flag in values else []
     lamp = GIVEN_LAMP if plain and args.lamp is None else args.lamp

@@ -108,6 +108,8 @@ class DisplayModel:
         """Derive the numbers from the declared display; the same object while its files stay."""
         monitor = monitor_of(display.profile) if display.profile else None
         other = monitor_of(display.seen_on) if display.seen_on else None
+        if monitor is None and other is None:
+            return _declared(display)
         return _model_of(display, monitor, other)
 
     @classmethod
@@ -122,6 +124,12 @@ class DisplayModel:
 
 
 @lru_cache(maxsize=64)
+def _declared(display: Display) -> DisplayModel:
+    """Of a display without files, which holds no tables and so is kept longer."""
+    return _model_of(display, None, None)
+
+
+@lru_cache(maxsize=16)
 def _model_of(display: Display, monitor: Monitor | None, other: Monitor | None) -> DisplayModel:
     if other is not None:
         return _seen_on(display, monitor, other)

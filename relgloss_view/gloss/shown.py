@@ -15,7 +15,9 @@ import numpy as np
 from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.display.display import Display
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.gloss import eye
+from relgloss_view.material.cielab import lightness as lightness_of
 from relgloss_view.operators.clip import Clip
 from relgloss_view.operators.operator import Displayed, SceneLight
 from relgloss_view.picture.frame import Frame
@@ -107,11 +109,15 @@ def measure(frame: Frame, picture: Displayed) -> Measures:
 def highlight(lightness: Array, frame: Frame, regions: Regions) -> float | None:
     """What the highlight adds to L* at its brightest pixel: L* less the diffuse part's.
 
-    Of the split that is c L_s* (Ishii et al., eq. 2), whose ratio a match keeps.
+    Of the split that is c L_s* (Ishii et al., eq. 2), whose ratio a match keeps. A diffuse part
+    that is darker than the display's black is seen as that black, which is no highlight.
     """
     if not np.any(regions.whole):
         return None
-    return float(np.max((lightness - frame.split[0])[regions.whole]))
+    display = DisplayModel.of(frame.scene.display)
+    black = lightness_of(display.xyz_from_rgb[1] @ display.darkest)
+    body = np.maximum(frame.split[0], black)
+    return float(np.max((lightness - body)[regions.whole]))
 
 
 def contrast_gloss(lightness: Array, regions: Regions) -> float | None:

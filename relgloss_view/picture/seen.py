@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array, Floats, Mask
+from relgloss_view.base.arrays import Array, Floats
 from relgloss_view.base.reading import printable
 from relgloss_view.display.model import DisplayModel
 from relgloss_view.display.seen import (
@@ -24,6 +24,7 @@ from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.stages import parts_of
 
+SOLVED = 4096  #: pixels of a part whose colours a table is searched for, which takes long
 LEAST_SHARE = 5e-4  #: of the object, below which nothing is worth a warning
 
 
@@ -42,7 +43,7 @@ class Tally:
 
     def __init__(self, display: DisplayModel) -> None:
         self._display = display
-        self._counts = np.zeros(4, dtype=np.int64)
+        self._counts = np.zeros(4)
         self._pixels = 0
 
     def add(self, light: Floats) -> None:
@@ -51,27 +52,29 @@ class Tally:
         screen = self._display.screen
         if screen is not None and len(light):
             rgb = tone.on_screen(np.asarray(light, dtype=np.float64), self._display)
-            cut = beyond(rgb, screen.darkest) | _misses_table(rgb, screen)
+            cut = beyond(rgb, screen.darkest)
             low = np.any(rgb < screen.darkest - SCREEN_TOLERANCE, axis=-1)
             luminance, black = rgb @ screen.xyz_from_rgb[1], screen.xyz_from_rgb[1] @ screen.darkest
             darker = low & (luminance < black)
             high = np.any(rgb > 1.0 + SCREEN_TOLERANCE, axis=-1)
             brighter = high & (~low | (luminance > 1.0))
             saturated = cut & ~darker & (low | ~high)
+            outside = _outside_table(rgb[~cut], screen)
             self._counts += [np.sum(m) for m in (cut, brighter, darker, saturated)]
+            self._counts += np.array([outside, 0.0, 0.0, outside])
 
     def limits(self) -> ScreenLimits:
         """The shares of what was counted."""
         return ScreenLimits(*(float(n) / max(self._pixels, 1) for n in self._counts))
 
 
-def _misses_table(rgb: Array, screen: DisplayModel) -> Mask:
-    """(N,) whether the nearest that a look-up-table profile can show is another colour."""
-    if screen.emission is None or screen.emission.kind != "table":
-        return np.zeros(len(rgb), dtype=bool)
-    light = (np.clip(rgb, screen.darkest, 1.0) - screen.floor) / (1.0 - screen.floor)
-    nearest = screen.emission.light(screen.emission.digital(light))
-    return np.asarray(np.any(np.abs(nearest - light) > SCREEN_TOLERANCE, axis=-1))
+def _outside_table(rgb: Array, screen: DisplayModel) -> float:
+    """How many of (N, 3) in the RGB cube a look-up table can't show, by SOLVED of them."""
+    if screen.emission is None or screen.emission.kind != "table" or not len(rgb):
+        return 0.0
+    some = np.clip(rgb[:: -(-len(rgb) // SOLVED)], screen.darkest, 1.0)
+    light = (some - screen.floor) / (1.0 - screen.floor)
+    return (1.0 - float(np.mean(screen.emission.reach(light)))) * len(rgb)
 
 
 _COUNTED: weakref.WeakKeyDictionary[Frame, ScreenLimits] = weakref.WeakKeyDictionary()

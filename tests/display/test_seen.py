@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 from materials import paper
 
+from relgloss_view.cli import main
 from relgloss_view.display import model as model_module
 from relgloss_view.display.display import Display
 from relgloss_view.display.icc_monitor import monitor_of_profile
+from relgloss_view.display.icc_writing import matrix_profile
 from relgloss_view.display.model import DisplayModel
 from relgloss_view.display.monitor import Curves, Monitor, with_black
 from relgloss_view.display.tone_curve import ToneCurve
@@ -206,3 +209,29 @@ class TestPictures:
             assert limits is not None
             assert limits.cut >= limits.brighter
             assert np.array_equal(displayed.digital[0, 0], frame.display[0, 0])  # the surround
+
+
+def display_file(folder, name, cd_m2, gamma):
+    """A display file that names a profile of a curve beside it."""
+    display = Display(transfer="gain-offset-gamma", gamma=gamma)
+    (folder / f"{name}.icc").write_bytes(matrix_profile(display))
+    (folder / f"{name}.toml").write_text(
+        f'format = "relgloss-display"\nversion = 1\nname = "{name}"\n[display]\n'
+        f'luminance_cd_m2 = {cd_m2}\nprofile = "{name}.icc"\n'
+    )
+    return str(folder / f"{name}.toml")
+
+
+def test_on_the_command_line(tmp_path, capsys):
+    mine, theirs = (
+        display_file(tmp_path, *words) for words in (("mine", 160.0, 2.2), ("theirs", 250.0, 2.0))
+    )
+    words = ["snapshot", "--backend", "reference", "--size", "32x24", "--c", "0.3"]
+    words += ["--display", mine, "--seen-on", theirs, "-o", str(tmp_path / "out.png")]
+    for white, scale in (("absolute", 1.0), ("matched", 0.64)):
+        assert main([*words, "--seen-white", white, "--json"]) == 0
+        numbers = json.loads(capsys.readouterr().out)
+        assert numbers["seen_on"]["how"] == white
+        assert numbers["seen_on"]["scale"] == pytest.approx(scale, rel=1e-3)  # 1/65536 in ICC
+    assert main(words) == 0
+    assert "as theirs shows it, in the same cd/m2: its white has 250" in capsys.readouterr().out
