@@ -162,11 +162,12 @@ def fit_candidate(
     whitening: Array,
     unsteady: float = 0.0,
     start: Shape | None = None,
+    offsets: tuple[float, float] = OFFSET,
 ) -> Fitted:
     """Fit a candidate to readings (N, 3) of digital values (N, 3); unsteady as Shape.light has it.
 
     whitening: (N, 3, 3), what makes residuals of a patch independent with variance 1. start: the
-    curves that a bent one bends; those of the same kind without knots.
+    curves that a bent one bends; those of the same kind without knots. offsets: least and largest.
     """
     from scipy.optimize import least_squares
 
@@ -191,7 +192,7 @@ def fit_candidate(
     else:
         count = 1 if kind.shared else 3
         first = np.tile([0.02, 2.2], count)
-        low, high = (np.tile([OFFSET[k], GAMMA[k]], count) for k in range(2))
+        low, high = (np.tile([offsets[k], GAMMA[k]], count) for k in range(2))
 
         def shape_of(x: Array) -> Shape:
             offset, gamma = np.broadcast_to(x.reshape(-1, 2), (3, 2)).T

@@ -25,8 +25,9 @@ from relgloss_view.material.difference import delta_e_2000
 
 FOLDS = 5
 ROUNDS = 3  #: of weights and fits in turn
-#: A patch this far off is misread: one reading in a million is, by chance (chi2 of 3).
-MISREAD_Z2 = 30.66
+#: A patch this far off is misread: one reading in a million is, by chance (chi2 of 3). One that
+#: nobody would see does no harm.
+MISREAD_Z2, MISREAD_DE2000 = 30.66, 2.0
 MOST_MISREAD = 0.05  #: share of the patches; where more are off, the model is wrong and not they
 MOST_PATCHES = 10_000
 FEWEST_COLOURS = 8  #: different digital values; fewer can't carry a matrix, a black and curves
@@ -179,17 +180,20 @@ def _weighted(digital: Array, xyz: Array) -> tuple[Array, Noise, Fitted]:
     for turn in range(ROUNDS + 1):
         noise = estimate_noise(model, digital[kept], xyz[kept], noise)
         whitening = noise.whitening(model, digital)
-        z2 = standardised(model, digital, xyz, whitening, noise.digital)
-        off = z2 > MISREAD_Z2
-        kept = ~off if off.mean() <= MOST_MISREAD else np.ones(len(digital), dtype=bool)
+        kept = _kept(model, digital, xyz, whitening, noise.digital)
         kind = bent if enough and turn >= ROUNDS - 1 else plain
         start = model.shape if kind is bent and model.kind is plain else start
         model = fit_candidate(kind, digital[kept], xyz[kept], whitening[kept], noise.digital, start)
     noise = estimate_noise(model, digital[kept], xyz[kept], noise)
-    z2 = standardised(model, digital, xyz, noise.whitening(model, digital), noise.digital)
-    off = z2 > MISREAD_Z2
-    kept = ~off if off.mean() <= MOST_MISREAD else np.ones(len(digital), dtype=bool)
-    return kept, noise, model
+    whitening = noise.whitening(model, digital)
+    return _kept(model, digital, xyz, whitening, noise.digital), noise, model
+
+
+def _kept(model: Fitted, digital: Array, xyz: Array, whitening: Array, unsteady: float) -> Array:
+    """Which patches are not misread; all of them where so many are off that the model is wrong."""
+    z2 = standardised(model, digital, xyz, whitening, unsteady)
+    off = (z2 > MISREAD_Z2) & (_difference(model, digital, xyz) > MISREAD_DE2000)
+    return ~off if off.mean() <= MOST_MISREAD else np.ones(len(digital), dtype=bool)
 
 
 def _fitted(
