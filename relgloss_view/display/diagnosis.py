@@ -89,8 +89,8 @@ def _refuse_other_columns(readings: Readings) -> None:
     bright = xyz[int(np.argmax(readings.rgb.sum(axis=1)))]
     if bright[1] <= 0.0 or white_of(xyz, readings.rgb) <= 0.0:
         raise InputError(
-            f"{source}: white has X, Y, Z = {_numbers(bright)}, without luminance; the columns hold "
-            "something else, such as CIELAB: export XYZ"
+            f"{source}: white has X, Y, Z = {_numbers(bright)}, without luminance; the columns "
+            "hold something else, such as CIELAB: export XYZ"
         )
     lit = xyz[xyz[:, 1] > 0.01 * xyz[:, 1].max()]
     if np.all(lit[:, :2] <= 1.0) and np.all(lit[:, 0] + lit[:, 1] <= 1.001) and bright[2] > 1.5:
@@ -115,7 +115,7 @@ def diagnose(
     return [
         *_of_channels(fit),
         *_of_additivity(fit.model, digital, xyz, whitening, unsteady),
-        *_of_ends(digital, xyz, whitening, unsteady),
+        *_of_ends(digital, xyz, whitening, unsteady, fine),
         *_of_unit(readings, fit),
         *_of_white(fit),
         *_of_coverage(readings),
@@ -146,14 +146,15 @@ def _of_additivity(
     colour, share = found
     if share < 0.0:
         why = (
-            f"The channels do not add: {colour} is {-100.0 * share:.0f} % darker than its channels "
-            "alone together, as OLED and HDR displays are that limit their power"
+            f"The channels do not add: {colour} is about {-100.0 * share:.0f} % darker than its "
+            "channels alone together, as OLED and HDR displays are that limit their power"
         )
         mend = "switch brightness limiting, HDR and local dimming off, or show small patches"
     else:
         why = (
-            f"The channels do not add: {colour} is {100.0 * share:.0f} % brighter than its "
-            "channels alone together, as displays with a white subpixel (RGBW) and vivid modes are"
+            f"The channels do not add: {colour} is about {100.0 * share:.0f} % brighter than "
+            "its channels alone together, as displays with a white subpixel (RGBW) and vivid modes "
+            "are"
         )
         mend = "choose the display's sRGB or reference mode"
     return [
@@ -164,28 +165,30 @@ def _of_additivity(
     ]
 
 
-def _of_ends(digital: Array, xyz: Array, whitening: Array, unsteady: float) -> list[Finding]:
+def _of_ends(
+    digital: Array, xyz: Array, whitening: Array, unsteady: float, fine: Fitted
+) -> list[Finding]:
     findings = []
-    tops = clipped(digital, xyz, whitening, unsteady)
+    tops = clipped(digital, xyz, whitening, unsteady, fine)
     if tops:
         level = min(tops.values())
         findings.append(
             Finding(
-                f"Whites are clipped: {listed([CHANNELS[k] for k in tops])} shows no more light "
-                f"above {100.0 * level:.0f} % of its scale. Highlights lose their steps: lower the "
-                "display's contrast setting, or set its input range to full (0 to 255), and "
-                "measure again."
+                f"Whites are clipped: above {100.0 * level:.0f} % of the scale of "
+                f"{listed([CHANNELS[k] for k in tops])} the light stays the same. "
+                "Highlights lose their steps: lower the display's contrast setting, or set its "
+                "input range to full (0 to 255), and measure again."
             )
         )
-    bottoms = crushed(digital, xyz, whitening, unsteady)
+    bottoms = crushed(digital, xyz, whitening, unsteady, fine)
     if bottoms:
         level = max(bottoms.values())
         findings.append(
             Finding(
-                f"Blacks are crushed: {listed([CHANNELS[k] for k in bottoms])} shows no light "
-                f"below {100.0 * level:.0f} % of its scale. Dark tones are lost: raise the "
-                "display's brightness (black level) setting, or set its input range to full (0 to "
-                "255), and measure again."
+                f"Blacks are crushed: below {100.0 * level:.0f} % of the scale of "
+                f"{listed([CHANNELS[k] for k in bottoms])} no light is added. Dark "
+                "tones are lost: raise the display's brightness (black level) setting, or set "
+                "its input range to full (0 to 255), and measure again."
             )
         )
     return findings

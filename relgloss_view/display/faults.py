@@ -19,6 +19,7 @@ CHANNELS = ("red", "green", "blue")
 TOPS = (0.97, 0.94, 0.9, 0.85, 0.8, 0.7)
 BOTTOMS = (0.03, 0.06, 0.1, 0.15, 0.2)
 BETTER = 35.0
+WORSE = 2.0  #: factor of the squared distance that fine curves leave
 SEEN_SHARE, SEEN_SE = 0.03, 5.0  #: of a colour's luminance that does not add; its standard errors
 DRIFTED, DRIFTED_SE = 0.02, 5.0
 _SUMS = {"white": (0, 1, 2), "yellow": (0, 1), "cyan": (1, 2), "magenta": (0, 2)}
@@ -78,21 +79,59 @@ def additivity(
             continue
         if largest is None or abs(extra / alone) > abs(largest[1]):
             largest = name, extra / alone
-    return largest
+    if largest is None:
+        return None
+    read = _read_share(_SUMS[largest[0]], digital, xyz[:, 1])
+    return largest[0], largest[1] if read is None else read
 
 
-def clipped(digital: Array, xyz: Array, whitening: Array, unsteady: float) -> dict[int, float]:
-    """Channels whose light ends below the top of their scale, and the level where."""
-    return _ended(digital, xyz, whitening, unsteady, TOPS)
+def _read_share(channels: tuple[int, ...], digital: Array, y: Array) -> float | None:
+    """By what share a full mixed colour read brighter than its primaries did together.
+
+    None where one of them, or black, was not measured.
+    """
+
+    def at(lit: tuple[int, ...]) -> float:
+        wanted = np.array([1.0 if k in lit else 0.0 for k in range(3)])
+        return float(np.median(y[np.all(np.abs(digital - wanted) < 1e-3, axis=1)]))
+
+    present = {tuple(row) for row in digital.round(3).tolist()}
+    needed = [channels, (), *((k,) for k in channels)]
+    if any(tuple(float(k in lit) for k in range(3)) not in present for lit in needed):
+        return None
+    black = at(())
+    alone = sum(at((k,)) - black for k in channels)
+    share = (at(channels) - black) / alone - 1.0 if alone > 0.0 else 0.0
+    return share if abs(share) >= SEEN_SHARE else None
 
 
-def crushed(digital: Array, xyz: Array, whitening: Array, unsteady: float) -> dict[int, float]:
-    """Channels whose light begins above 0, and the level where."""
-    return _ended(digital, xyz, whitening, unsteady, BOTTOMS)
+def clipped(
+    digital: Array, xyz: Array, whitening: Array, unsteady: float, fine: Fitted
+) -> dict[int, float]:
+    """Channels whose light ends below the top of their scale, and the level where.
+
+    fine: a model with fine curves, which must not be better: an S-shaped curve is none of these.
+    """
+    return _ended(digital, xyz, whitening, unsteady, fine, TOPS)
+
+
+def crushed(
+    digital: Array, xyz: Array, whitening: Array, unsteady: float, fine: Fitted
+) -> dict[int, float]:
+    """Channels whose light begins above 0, and the level where.
+
+    fine: a model with fine curves, which must not be better: an S-shaped curve is none of these.
+    """
+    return _ended(digital, xyz, whitening, unsteady, fine, BOTTOMS)
 
 
 def _ended(
-    digital: Array, xyz: Array, whitening: Array, unsteady: float, levels: tuple[float, ...]
+    digital: Array,
+    xyz: Array,
+    whitening: Array,
+    unsteady: float,
+    fine: Fitted,
+    levels: tuple[float, ...],
 ) -> dict[int, float]:
     """Of each channel the level that makes a fit of gain, offset and gamma much better.
 
@@ -109,13 +148,17 @@ def _ended(
                 changed[:, k] = np.maximum((digital[:, k] - level) / (1.0 - level), 0.0)
         return changed
 
+    def far(model: Fitted, at: Array) -> float:
+        z = np.einsum("nij,nj->ni", whitening, xyz - model.xyz(at, unsteady))
+        return float(np.sum(np.minimum(np.sum(z * z, axis=1), 100.0)))
+
     def cost(changed: Array) -> float:
         model = fit_candidate(
             KINDS[1], changed, xyz, whitening, unsteady, offsets=OFFSET if top else (0.0, OFFSET[1])
         )
-        z = np.einsum("nij,nj->ni", whitening, xyz - model.xyz(changed, unsteady))
-        return float(np.sum(np.minimum(np.sum(z * z, axis=1), 100.0)))
+        return far(model, changed)
 
+    curved = far(fine, digital)
     plain = cost(digital)
     found: dict[int, float] = {}
     for channels in ((0, 1, 2), (0,), (1,), (2,)):
@@ -124,6 +167,8 @@ def _ended(
         costs = [cost(cut(channels, level)) for level in levels]
         best = int(np.argmin(costs))
         if plain - costs[best] < BETTER or costs[best] > 0.7 * plain:
+            continue
+        if costs[best] > WORSE * curved + BETTER:
             continue
         end = levels[best]
         if len(channels) == 1:
