@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.words import listed
 from relgloss_view.display.candidates import Fitted
@@ -106,7 +106,7 @@ def _refuse_other_columns(readings: Readings) -> None:
 
 
 def diagnose(
-    readings: Readings, fit: DisplayFit, kept: Array, fine: Fitted, whitening: Array
+    readings: Readings, fit: DisplayFit, kept: Mask, fine: Fitted, whitening: Array
 ) -> list[Finding]:
     """All findings. kept: patches that were fitted. fine: the finest candidate. whitening: of
     the kept patches."""
@@ -305,7 +305,7 @@ def _of_coverage(readings: Readings) -> list[Finding]:
     return findings
 
 
-def _of_repeats(readings: Readings, fit: DisplayFit, kept: Array) -> list[Finding]:
+def _of_repeats(readings: Readings, fit: DisplayFit, kept: Mask) -> list[Finding]:
     findings = []
     digital, xyz = readings.rgb[kept], readings.xyz[kept]
     change = drift(fit.model, digital, xyz, fit.noise.digital)

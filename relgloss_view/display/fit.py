@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.display.candidates import KINDS, Fitted, Kind, Shape, fit_candidate
 from relgloss_view.display.fitted_monitor import monitor_of_fit
 from relgloss_view.display.gamut import area_of_srgb, share_of_srgb, xy_of
@@ -165,7 +165,7 @@ def fit_display(readings: Readings, seed: int = 0) -> DisplayFit:
     )
 
 
-def _weighted(digital: Array, xyz: Array) -> tuple[Array, Noise, Fitted]:
+def _weighted(digital: Array, xyz: Array) -> tuple[Mask, Noise, Fitted]:
     """Which patches are not misread, the noise of the readings, a model that they belong to.
 
     Fits and weights take turns; the second model has bent curves, so that what a curve of gain,
@@ -198,7 +198,7 @@ def _robust(model: Fitted, digital: Array, xyz: Array, noise: Noise) -> Array:
     return np.asarray(whitening * np.sqrt(weight)[:, None, None])
 
 
-def _kept(model: Fitted, digital: Array, xyz: Array, whitening: Array, unsteady: float) -> Array:
+def _kept(model: Fitted, digital: Array, xyz: Array, whitening: Array, unsteady: float) -> Mask:
     """Which patches are not misread; all of them where so many are off that the model is wrong."""
     z2 = standardised(model, digital, xyz, whitening, unsteady)
     off = (z2 > MISREAD_Z2) & (_difference(model, digital, xyz) > MISREAD_DE2000)
@@ -207,7 +207,8 @@ def _kept(model: Fitted, digital: Array, xyz: Array, whitening: Array, unsteady:
     repeated = np.bincount(group)[group] > 1
     confirmed = np.bincount(group, off)[group] == np.bincount(group)[group]
     off &= ~(repeated & confirmed)  # two readings that agree are right
-    return ~off if off.mean() <= MOST_MISREAD else np.ones(len(digital), dtype=bool)
+    every: Mask = np.ones(len(digital), dtype=bool)
+    return np.asarray(~off) if off.mean() <= MOST_MISREAD else every
 
 
 def _fitted(
