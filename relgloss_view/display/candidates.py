@@ -204,7 +204,13 @@ def fit_candidate(
         return np.concatenate([off.ravel(), held(x)])
 
     found = least_squares(
-        residuals, first, bounds=(low, high), x_scale="jac", max_nfev=30, ftol=1e-6, xtol=1e-6
+        residuals,
+        first,
+        bounds=(low, high),
+        x_scale="jac",
+        max_nfev=12 if kind.knots else 30,
+        ftol=1e-6,
+        xtol=1e-6,
     )
     shape = shape_of(found.x)
     coefficients = _linear(shape.light(digital, unsteady), xyz, whitening)
