@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array, Mask
+from relgloss_view.base.arrays import Array, Ints, Mask
 from relgloss_view.display.candidates import KINDS, Fitted, Kind, Shape, fit_candidate
 from relgloss_view.display.fitted_monitor import monitor_of_fit
 from relgloss_view.display.gamut import area_of_srgb, share_of_srgb, xy_of
@@ -224,7 +224,7 @@ def _fitted(
     return models
 
 
-def _folds(group: Array, groups: int, seed: int) -> Array:
+def _folds(group: Ints, groups: int, seed: int) -> Array:
     """The fold of each patch; patches of the same digital values share one."""
     order = np.random.default_rng(seed).permutation(groups)
     return np.asarray((np.argsort(order) % FOLDS)[group])
