@@ -313,6 +313,7 @@ REPLACING = {
     "measure/readers/astm_e1392.py",
     "measure/readers/spectral_columns.py",
     "base/cells.py",
+    "display/readings_table.py",  # headings
     "measure/readers/csv_table.py",
     "measure/readers/header.py",
     "measure/readers/headings.py",

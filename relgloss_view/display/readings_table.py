@@ -223,6 +223,7 @@ def _rows(
 ) -> tuple[Array, tuple[str, ...]]:
     """The numbers (N, 6) of the rows, and their places."""
     wanted = (*heads.digital, *heads.colour)
+    width = len(_cells(lines[start - 1] if start else lines[0], delimiter))
     numbers: list[list[float]] = []
     places: list[str] = []
     for k in range(start, len(lines)):
@@ -237,6 +238,11 @@ def _rows(
                 )
             notes.append(f"line {k + 1} and what follows it is no row of numbers: passed over")
             break
+        if len(found) > width and any(found[width:]):
+            raise InputError(
+                f"{path}: line {k + 1}: {len(found)} cells, and {width} in the line of the "
+                "headings; write numbers without thousands separators"
+            )
         if len(numbers) == MOST_ROWS:
             raise InputError(f"{path}: more than {MOST_ROWS} patches; split the file")
         numbers.append([_number(path, k, found[c], comma) for c in wanted])
