@@ -9,10 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 from relgloss_view.base.arrays import Array
-from relgloss_view.base.icc.profile import D50, Profile, read_profile
+from relgloss_view.base.icc.profile import Profile, read_profile
+from relgloss_view.display.icc_white import emitted_from_connection
 from relgloss_view.display.monitor import Curves, Monitor, with_black
 from relgloss_view.display.tone_curve import ToneCurve
-from relgloss_view.material.cielab import bradford
 
 
 def monitor_of_profile(data: bytes, name: str) -> Monitor:
@@ -23,7 +23,7 @@ def monitor_of_profile(data: bytes, name: str) -> Monitor:
     if profile.grid is not None:
         raise ValueError("an ICC profile with look-up tables, which is not read yet")
     ends = profile.xyz(np.vstack([np.zeros(3), np.eye(3), np.ones(3)]), "relative")
-    to_emitted = bradford(D50, profile.white)
+    to_emitted, notes = emitted_from_connection(profile)
     black, white = to_emitted @ ends[0], to_emitted @ ends[4]
     matrix = to_emitted @ (ends[1:4] - ends[0]).T
     xyz_from_rgb, floor = with_black(matrix / white[1], black / white[1])
@@ -35,6 +35,7 @@ def monitor_of_profile(data: bytes, name: str) -> Monitor:
         xyz_from_rgb,
         floor,
         Curves((curves[0], curves[1], curves[2])),
+        notes=notes,
         icc=data,
     )
 
