@@ -33,11 +33,14 @@ COMMANDS = {
     "match": "find settings that keep a sample's gloss ratio to a reference picture",
     "gloss": "compute what gloss meters would read on a material",
     "pack": "check, write and list packs: a form, an artwork and finishes",
+    "display": "show what a monitor shows, from its profile or from readings, and check it",
     "experiment": "run, simulate and analyse the subjective evaluation",
     "bench": "chart speed against accuracy of every way to draw",
     "doctor": "check this machine's OpenGL and libraries, and how to get what is missing",
 }
 DEFAULT_COMMAND = "view"
+#: Commands of a command; the first is meant where its word is left out.
+OWN_COMMANDS = {"display": ("show", "check", "convert", "patches")}
 INTERRUPTED = 130
 LONGEST_FAULT = 1000  #: characters
 
@@ -133,10 +136,18 @@ def _run(words: list[str]) -> int:
     temporaries.prepare(words[1:])
     if words[0] in COMMANDS:
         check_start()
-    args = _parser(words).parse_args(words)
+    args = _parser(words).parse_args(_with_own_command(words))
     args.argv = words
     SIGNALS.work()
     return int(args.run(args))
+
+
+def _with_own_command(words: list[str]) -> list[str]:
+    """`relgloss display FILE` as `relgloss display show FILE`, which is what it means."""
+    own = OWN_COMMANDS.get(words[0], ())
+    if len(words) > 1 and own and words[1] not in (*own, "-h", "--help"):
+        return [words[0], own[0], *words[1:]]
+    return words
 
 
 def _check_working_folder() -> None:
