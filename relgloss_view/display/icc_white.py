@@ -29,8 +29,8 @@ NO_WHITE = (
     "adaptation to it (chad). Pictures are made for a white of D50."
 )
 TWO_WHITES = (
-    "The profile holds two whites that contradict each other (wtpt and chad). Pictures are made for "
-    "the white of chad."
+    "The profile holds two whites that contradict each other (wtpt and chad). Pictures are made "
+    "for the white of chad."
 )
 
 
@@ -47,7 +47,7 @@ def emitted_from_connection(profile: Profile) -> tuple[Array, tuple[str, ...]]:
     if adaptation is None:
         notes = () if known and not neutral else (NO_WHITE,)
         return bradford(D50, profile.white), notes
-    back = np.linalg.inv(adaptation)
+    back = np.asarray(np.linalg.inv(adaptation), np.float64)
     if not known or neutral or _same(profile.white, back @ D50):
         return back, ()
     if np.abs(adaptation - np.eye(3)).max() < SAME_WHITE:  # it adapts nothing

@@ -27,6 +27,9 @@ class Emission(Protocol):
     def digital(self, light: Array) -> Array:
         """(N, 3), 0 to 1, of light (N, 3): those that show what is nearest to it."""
 
+    def reach(self, light: Array) -> Array:
+        """(N,) whether some digital values show light (N, 3)."""
+
 
 @dataclass(frozen=True, eq=False)
 class Curves:
@@ -43,6 +46,11 @@ class Curves:
         """(N, 3) of light (N, 3)."""
         return np.stack([c.digital(light[:, k]) for k, c in enumerate(self.curves)], axis=1)
 
+    def reach(self, light: Array) -> Array:
+        """(N,) whether some digital values show light (N, 3): whether it is from 0 to 1."""
+        slack = 1e-6  # of float32
+        return np.asarray(((light >= -slack) & (light <= 1.0 + slack)).all(axis=1))
+
 
 @dataclass(frozen=True, eq=False)
 class Monitor:
@@ -53,7 +61,9 @@ class Monitor:
     xyz_from_rgb @ (floor + (1 - floor) * emission.light(d)).
     luminance_cd_m2: of white; None where nothing says it. black_known: whether the source says what
     black shows; floor is 0 otherwise. notes: what is missing or surprises, for people. icc: the
-    profile that pictures for this screen embed; None where it is made of the rest.
+    profile that pictures for this screen embed; None where it is made of the rest. calibration:
+    (3, n), the video card's curves that the source supposes, values out for values evenly spaced
+    over 0 to 1; None where it supposes none.
     """
 
     name: str
@@ -66,11 +76,17 @@ class Monitor:
     black_known: bool = False
     notes: tuple[str, ...] = ()
     icc: bytes | None = None
+    calibration: Array | None = None
 
     def xyz(self, digital: Array) -> Array:
         """XYZ (N, 3) of digital values (N, 3), relative to white at Y = 1."""
         rgb = self.floor + (1.0 - self.floor) * self.emission.light(digital)
         return np.asarray(rgb @ self.xyz_from_rgb.T)
+
+    def digital(self, xyz: Array) -> Array:
+        """Digital values (N, 3), 0 to 1, of XYZ (N, 3): those that show what is nearest to it."""
+        rgb = np.linalg.solve(self.xyz_from_rgb, xyz.T).T
+        return self.emission.digital((rgb - self.floor) / (1.0 - self.floor))
 
 
 def with_black(matrix: Array, black_xyz: Array) -> tuple[Array, Array]:

@@ -1,4 +1,4 @@
-"""The white of a screen from its ICC profile: `chad`, `wtpt`, neither, and both in contradiction."""
+"""The white of a screen from its ICC profile: `chad`, `wtpt`, neither, and a contradiction."""
 
 from __future__ import annotations
 

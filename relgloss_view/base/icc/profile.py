@@ -54,7 +54,8 @@ class Profile:
     space: a key of CHANNELS. output: whether it is of a print, so that its white is a paper.
     white: XYZ of the medium under D50, Y = 1 the perfect diffuser. curves: one a channel. grid:
     None where the curves' values are linear light. after: from what the curves or the grid give,
-    (N, 3) or (N, 1), to XYZ. tags: the data of each tag, none where it lies outside the file.
+    (N, 3) or (N, 1), to XYZ. matrix: (3, 3), where `after` is it alone. tags: the data of each tag,
+    none where it lies outside the file.
     """
 
     space: str
@@ -64,6 +65,7 @@ class Profile:
     curves: tuple[Curve, ...]
     grid: Grid | None
     after: Callable[[Floats], Floats]
+    matrix: Array | None = None
     tags: Mapping[bytes, bytes] = field(default_factory=dict, repr=False)
 
     @property
@@ -76,11 +78,19 @@ class Profile:
         absolute = intent == "absolute" or (intent == "auto" and self.output)
         return self.white / D50 if absolute else np.ones(3)
 
-    def xyz(self, device: Floats, intent: str = "auto") -> Floats:
-        """XYZ under D50, (N, 3), of device values (N, channels), 0 to 1."""
+    def xyz(
+        self,
+        device: Floats,
+        intent: str = "auto",
+        between: Callable[[Grid, Floats], Floats] | None = None,
+    ) -> Floats:
+        """XYZ under D50, (N, 3), of device values (N, channels), 0 to 1.
+
+        between: how the nodes of a grid are interpolated; None: multilinear.
+        """
         values = np.stack([c(device[:, k]) for k, c in enumerate(self.curves)], axis=1)
         if self.grid is not None:
-            values = interpolated(self.grid, values)
+            values = (between or interpolated)(self.grid, values)
         return self.after(values) * self.scale(intent)
 
 
@@ -215,6 +225,7 @@ def _profile(
                 curves,
                 None,
                 lambda v: v @ to_xyz.T.astype(v.dtype),
+                to_xyz,
             )
     raise ValueError("an ICC profile without a table or a matrix from the device to CIELAB or XYZ")
 
