@@ -1,80 +1,74 @@
-"""The triangle of a display's primaries, held against those of standard spaces.
-
-Areas are those of the CIE 1976 u'v' diagram, where equal distances look more alike than in xy.
-Sources of primaries: IEC 61966-2-1:1999 (sRGB), SMPTE EG 432-1:2010 (Display P3 has its primaries),
-Adobe RGB (1998), version 2005-05.
-"""
+"""Gamuts as triangles in the chromaticity diagram x, y, beside sRGB's."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.material.spectra import SRGB_PRIMARIES_XY
 
-#: Primaries of standard spaces, CIE 1931 xy.
-STANDARDS = {
-    "sRGB": ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06)),
-    "Display P3": ((0.680, 0.320), (0.265, 0.690), (0.150, 0.060)),
-    "Adobe RGB": ((0.64, 0.33), (0.21, 0.71), (0.15, 0.06)),
-}
+Point = tuple[float, float]
 
 
-@dataclass(frozen=True)
-class Coverage:
-    """covered: share of the standard's triangle that the display shows; size: ratio of areas."""
+def xy_of(xyz: Array) -> Point:
+    """Chromaticity of XYZ (3,); (0, 0) of no light.
 
-    covered: float
-    size: float
-
-
-def uv_of_xy(xy: Sequence[Sequence[float]] | Array) -> Array:
-    """CIE 1976 u', v' (N, 2) of chromaticities x, y (N, 2); CIE 15:2004, 8.1.
-
-    >>> uv_of_xy([(0.3127, 0.3290)]).round(4).tolist()
-    [[0.1978, 0.4683]]
+    >>> xy_of(np.array([1.0, 1.0, 2.0]))
+    (0.25, 0.25)
     """
-    x, y = np.asarray(xy, dtype=np.float64).T
-    below = -2.0 * x + 12.0 * y + 3.0
-    return np.stack([4.0 * x / below, 9.0 * y / below], axis=1)
+    total = float(np.sum(xyz))
+    if total <= 0.0:
+        return 0.0, 0.0
+    return float(xyz[0] / total), float(xyz[1] / total)
 
 
-def coverage(primaries_xy: Sequence[Sequence[float]], standard: str) -> Coverage:
-    """How much of a standard's gamut three primaries have.
+def area_of_srgb(primaries: Sequence[Point]) -> float:
+    """Area of a triangle of primaries; sRGB's is 1.
 
-    >>> coverage(STANDARDS["sRGB"], "sRGB").covered
+    >>> round(area_of_srgb(SRGB_PRIMARIES_XY), 12)
     1.0
     """
-    own, other = uv_of_xy(primaries_xy), uv_of_xy(STANDARDS[standard])
-    whole = abs(_area(other))
-    common = min(abs(_area(_within(own, other))) / whole, 1.0)
-    return Coverage(round(common, 9), abs(_area(own)) / whole)
+    return abs(_area(primaries)) / abs(_area(SRGB_PRIMARIES_XY))
 
 
-def _area(polygon: Array) -> float:
-    """The signed area of a polygon (N, 2), positive where it turns left."""
-    if len(polygon) < 3:
-        return 0.0
-    x, y = polygon.T
-    return float(0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+def share_of_srgb(primaries: Sequence[Point]) -> float:
+    """How much of sRGB's triangle another one covers, 0 to 1 (Sutherland and Hodgman 1974).
+
+    >>> round(share_of_srgb([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]), 12)
+    1.0
+    """
+    corners = list(primaries) if _area(primaries) > 0.0 else list(primaries)[::-1]
+    cut: list[Point] = list(SRGB_PRIMARIES_XY)
+    for k, start in enumerate(corners):
+        cut = _on_the_left(cut, start, corners[(k + 1) % len(corners)])
+        if not cut:
+            return 0.0
+    return abs(_area(cut)) / abs(_area(SRGB_PRIMARIES_XY))
 
 
-def _within(polygon: Array, triangle: Array) -> Array:
-    """The part of a convex polygon inside a triangle (Sutherland and Hodgman 1974)."""
-    if _area(triangle) < 0.0:
-        triangle = triangle[::-1]
-    for start, end in zip(triangle, np.roll(triangle, -1, axis=0), strict=True):
-        normal = np.array([start[1] - end[1], end[0] - start[0]])  # to the left, inside
-        depth = (polygon - start) @ normal
-        kept: list[Array] = []
-        for k in range(len(polygon)):
-            here, before = depth[k], depth[k - 1]
-            if (here < 0.0) != (before < 0.0):
-                share = before / (before - here)
-                kept.append(polygon[k - 1] + share * (polygon[k] - polygon[k - 1]))
-            if here >= 0.0:
-                kept.append(polygon[k])
-        polygon = np.array(kept).reshape(-1, 2)
-    return polygon
+def _area(corners: Sequence[Point]) -> float:
+    return 0.5 * sum(
+        x * corners[(k + 1) % len(corners)][1] - corners[(k + 1) % len(corners)][0] * y
+        for k, (x, y) in enumerate(corners)
+    )
+
+
+def _on_the_left(corners: list[Point], start: Point, end: Point) -> list[Point]:
+    """The part of a polygon on the left of a line."""
+
+    def side(p: Point) -> float:
+        across = (end[0] - start[0]) * (p[1] - start[1])
+        return across - (end[1] - start[1]) * (p[0] - start[0])
+
+    kept: list[Point] = []
+    for k, p in enumerate(corners):
+        before = corners[k - 1]
+        a, b = side(before), side(p)
+        if (a >= 0.0) != (b >= 0.0):
+            t = a / (a - b)
+            kept.append((before[0] + t * (p[0] - before[0]), before[1] + t * (p[1] - before[1])))
+        if b >= 0.0:
+            kept.append(p)
+    return kept

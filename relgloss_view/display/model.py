@@ -105,6 +105,8 @@ class DisplayModel:
 def _model_of(display: Display, monitor: Monitor | None, other: Monitor | None) -> DisplayModel:
     if other is not None:
         return _seen_on(display, monitor, other)
+    if monitor is not None:
+        display = _with_the_files_own(display, monitor)
     floor, luminance, emission = np.zeros(3), display.luminance_cd_m2, None
     transfer = display.transfer
     curve = (display.gain, display.offset, display.gamma, display.flare)
@@ -146,6 +148,15 @@ def _model_of(display: Display, monitor: Monitor | None, other: Monitor | None) 
         monitor,
         luminance_known=luminance_known,
         black_known=_black_is_known(display, monitor),
+    )
+
+
+def _with_the_files_own(display: Display, monitor: Monitor) -> Display:
+    """The display with the black and the reflected light of its file, where the scene has none."""
+    return dataclasses.replace(
+        display,
+        black_cd_m2=monitor.black_cd_m2 if display.black_cd_m2 is None else display.black_cd_m2,
+        reflected_cd_m2=display.reflected_cd_m2 or monitor.reflected_cd_m2,
     )
 
 

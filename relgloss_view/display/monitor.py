@@ -52,6 +52,24 @@ class Curves:
         return np.asarray(((light >= -slack) & (light <= 1.0 + slack)).all(axis=1))
 
 
+@dataclass(frozen=True)
+class Numbers:
+    """The numbers of a fitted model, from which curves, matrix and white follow exactly.
+
+    kind: "gain-offset-gamma" (Berns 1996) or "curves". xyz_from_rgb: 3 rows. floor: as Monitor has
+    it. offset, gamma: of each channel, for the first kind: light = ((1 - offset) d + offset)^gamma,
+    less what that is at 0, and 1 at 1. samples: of each channel for the second kind, the light at
+    evenly spaced digital values, straight between them.
+    """
+
+    kind: str
+    xyz_from_rgb: tuple[tuple[float, float, float], ...]
+    floor: tuple[float, float, float]
+    offset: tuple[float, ...] = ()
+    gamma: tuple[float, ...] = ()
+    samples: tuple[tuple[float, ...], ...] = ()
+
+
 @dataclass(frozen=True, eq=False)
 class Monitor:
     """What is known of a screen.
@@ -64,6 +82,10 @@ class Monitor:
     profile that pictures for this screen embed; None where it is made of the rest. calibration:
     (3, n), the video card's curves that the source supposes, values out for values evenly spaced
     over 0 to 1; None where it supposes none.
+
+    black_cd_m2, reflected_cd_m2: what a display file sets instead of what the model has; a scene's
+    own entries come before them. fitted: the numbers of a model from readings. verdict: of its fit,
+    "good" or "poor"; "" where nothing was fitted. beside: further files that it was read from.
     """
 
     name: str
@@ -77,6 +99,11 @@ class Monitor:
     notes: tuple[str, ...] = ()
     icc: bytes | None = None
     calibration: Array | None = None
+    black_cd_m2: float | None = None
+    reflected_cd_m2: float = 0.0
+    fitted: Numbers | None = None
+    verdict: str = ""
+    beside: tuple[str, ...] = ()
 
     def xyz(self, digital: Array) -> Array:
         """XYZ (N, 3) of digital values (N, 3), relative to white at Y = 1."""

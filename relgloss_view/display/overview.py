@@ -11,7 +11,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.icc.profile import read_profile
 from relgloss_view.display.display import USUAL_CD_M2
-from relgloss_view.display.gamut import STANDARDS, Coverage, coverage
+from relgloss_view.display.coverage import STANDARDS, Coverage, coverage
 from relgloss_view.display.monitor import Monitor
 from relgloss_view.display.temperature import correlated_temperature
 
