@@ -39,14 +39,7 @@ def converted(
         return xyz
     if wanted == LAB:
         return cielab.lab_from_xyz(xyz, white)
-    return values if given == RGB else digital(monitor, xyz @ np.linalg.inv(turn).T)
-
-
-def digital(monitor: Monitor, xyz: Array) -> Array:
-    """Digital values (N, 3) that show emitted XYZ (N, 3), or what is nearest to them."""
-    rgb = xyz @ np.linalg.inv(monitor.xyz_from_rgb).T
-    light = (rgb - monitor.floor) / (1.0 - monitor.floor)
-    return monitor.emission.digital(np.clip(light, 0.0, 1.0))
+    return values if given == RGB else monitor.digital(xyz @ np.linalg.inv(turn).T)
 
 
 def outside(monitor: Monitor, values: Array, given: str, intent: str, *, pcs: bool) -> Mask:

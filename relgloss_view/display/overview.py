@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.base.arrays import Array
-from relgloss_view.base.icc.profile import read_profile
 from relgloss_view.display.display import USUAL_CD_M2
 from relgloss_view.display.coverage import STANDARDS, Coverage, coverage
 from relgloss_view.display.monitor import Monitor
 from relgloss_view.display.temperature import correlated_temperature
 
 XY = tuple[float, float]
+LEAST_BLACK = 1e-7  #: share of white; below it black has no light
 HALF = 0.5  #: digital value at which a channel's gamma is found
 LUMINANCE, BLACK, CALIBRATION = "white luminance", "black", "calibration"
 #: What mends a missing number, with the words for each.
@@ -28,10 +28,6 @@ STEPS = {
 LOAD_CALIBRATION = (
     "the profile holds a calibration (vcgt), and is right only while the system has it loaded; "
     "Argyll's `dispwin FILE` loads it"
-)
-SWAPPED = (
-    "Two channels are exchanged: red, green and blue are not where a monitor has them. Pictures "
-    "follow the file; measure the monitor again if that is wrong."
 )
 
 
@@ -49,7 +45,7 @@ class Overview:
 
     white_xy: CIE 1931. temperature: correlated, K, with its distance from the Planckian locus in uv
     of 1960; None for a white that has none. black: share of white's luminance; None where the
-    source does not hold it. primaries_xy: of R, G, B without the light of black. gamma: of each
+    source does not hold it. reflected_cd_m2: light of the room. primaries_xy: of R, G, B without the light of black. gamma: of each
     channel, at half of the digital range. calibrated: whether an ICC profile holds
     tone curves for the graphics card; None for readings.
     """
@@ -61,6 +57,7 @@ class Overview:
     temperature: tuple[float, float] | None
     luminance_cd_m2: float | None
     black: float | None
+    reflected_cd_m2: float
     primaries_xy: tuple[XY, XY, XY]
     gamut: Mapping[str, Coverage]
     gamma: tuple[float, float, float]
@@ -78,7 +75,7 @@ class Overview:
     @property
     def contrast(self) -> float | None:
         """White's luminance over black's; None where black is unknown or without light."""
-        return 1.0 / self.black if self.black else None
+        return 1.0 / self.black if self.black and self.black > LEAST_BLACK else None
 
     def as_json(self) -> dict[str, Any]:
         """The overview as JSON holds it."""
@@ -94,6 +91,7 @@ class Overview:
                 "duv": None if temperature is None else temperature[1],
             },
             "black": {"share": self.black, "luminance_cd_m2": self.black_cd_m2},
+            "reflected_cd_m2": self.reflected_cd_m2,
             "contrast": self.contrast,
             "primaries_xy": [list(xy) for xy in self.primaries_xy],
             "gamut": {
@@ -112,7 +110,10 @@ def overview_of(monitor: Monitor) -> Overview:
     ends = monitor.xyz(np.vstack([np.eye(3), np.ones(3)]))
     primaries = tuple(xy_of(xyz - dark) for xyz in ends[:3])
     own = primaries[0], primaries[1], primaries[2]
-    calibrated = None if monitor.icc is None else b"vcgt" in read_profile(monitor.icc).tags
+    luminance, reflected = monitor.luminance_cd_m2, monitor.reflected_cd_m2
+    black = float(dark[1] / ends[3][1]) if monitor.black_known else None
+    if monitor.black_cd_m2 is not None:
+        black = monitor.black_cd_m2 / (luminance or USUAL_CD_M2)
     missing = [
         Missing(what, STEPS[what])
         for what, there in (
@@ -127,14 +128,15 @@ def overview_of(monitor: Monitor) -> Overview:
         monitor.emission.kind,
         xy_of(ends[3]),
         correlated_temperature(xy_of(ends[3])),
-        monitor.luminance_cd_m2,
-        max(float(dark[1] / ends[3][1]), 0.0) if monitor.black_known else None,
+        luminance,
+        None if black is None else max(black, 0.0),
+        reflected,
         own,
         {name: coverage(own, name) for name in STANDARDS},
         _gamma(monitor),
-        calibrated,
+        None if monitor.icc is None else monitor.calibration is not None,
         tuple(missing),
-        (*monitor.notes, *([SWAPPED] if _swapped(own) else [])),
+        monitor.notes,
     )
 
 
@@ -151,9 +153,3 @@ def _gamma(monitor: Monitor) -> tuple[float, float, float]:
     light = np.diag(monitor.emission.light(HALF * np.eye(3)))
     red, green, blue = (np.log(np.clip(light, 1e-9, 1.0)) / np.log(HALF)).tolist()
     return red, green, blue
-
-
-def _swapped(primaries: tuple[XY, XY, XY]) -> bool:
-    """Whether red, green and blue run clockwise in the diagram, as no three lights of theirs do."""
-    (rx, ry), (gx, gy), (bx, by) = primaries
-    return (gx - rx) * (by - ry) - (bx - rx) * (gy - ry) < 0.0
