@@ -42,22 +42,14 @@ def with_readings(monitor: Monitor, readings: Readings) -> tuple[Monitor, Agreem
 
     Raises InputError where no reading is of white.
     """
-    white = _mean(readings, np.all(readings.rgb >= 1.0 - AT_END, axis=1))
-    if white is None or white[1] <= 0.0:
-        raise InputError(
-            f"{readings.source}: no reading of white (R, G and B at their largest); measure white "
-            "and black at least"
-        )
+    white = _white(readings)
     black = _mean(readings, np.all(readings.rgb <= AT_END, axis=1))
     luminance = float(white[1]) if readings.absolute else monitor.luminance_cd_m2
     black_cd_m2 = None
     if black is not None and luminance is not None:
         black_cd_m2 = max(float(black[1] / white[1]), 0.0) * luminance
-    shown = monitor.xyz(readings.rgb)
-    differences = delta_e_2000(
-        lab_from_xyz(readings.xyz / white[1], monitor.white), lab_from_xyz(shown, monitor.white)
-    )
-    worst = int(np.argmax(differences))
+    apart = _differences(monitor, readings, white)
+    worst = int(np.argmax(apart))
     changed = dataclasses.replace(
         monitor,
         luminance_cd_m2=luminance,
@@ -66,12 +58,32 @@ def with_readings(monitor: Monitor, readings: Readings) -> tuple[Monitor, Agreem
     )
     return changed, Agreement(
         readings.count,
-        float(differences.mean()),
-        float(differences[worst]),
+        float(apart.mean()),
+        float(apart[worst]),
         readings.places[worst],
         luminance,
         black_cd_m2,
     )
+
+
+def differences(monitor: Monitor, readings: Readings) -> Array:
+    """dE2000 (N,) between readings and what a monitor shows, relative to white. InputError."""
+    return _differences(monitor, readings, _white(readings))
+
+
+def _differences(monitor: Monitor, readings: Readings, white: Array) -> Array:
+    read = lab_from_xyz(readings.xyz / white[1], monitor.white)
+    return delta_e_2000(read, lab_from_xyz(monitor.xyz(readings.rgb), monitor.white))
+
+
+def _white(readings: Readings) -> Array:
+    white = _mean(readings, np.all(readings.rgb >= 1.0 - AT_END, axis=1))
+    if white is None or white[1] <= 0.0:
+        raise InputError(
+            f"{readings.source}: no reading of white (R, G and B at their largest); measure white "
+            "and black at least"
+        )
+    return white
 
 
 def _mean(readings: Readings, patches: Mask) -> Array | None:

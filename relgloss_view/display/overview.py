@@ -11,10 +11,14 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.display.display import USUAL_CD_M2
 from relgloss_view.display.coverage import STANDARDS, Coverage, coverage
+from relgloss_view.display.icc_monitor import NO_BLACK
+from relgloss_view.display.icc_tags import CALIBRATED, NO_LUMINANCE
 from relgloss_view.display.monitor import Monitor
 from relgloss_view.display.temperature import correlated_temperature
 
 XY = tuple[float, float]
+#: Notes of profiles that are shown as something missing, or as the calibration.
+SHOWN_OTHERWISE = (NO_LUMINANCE, NO_BLACK, CALIBRATED)
 LEAST_BLACK = 1e-7  #: share of white; below it black has no light
 HALF = 0.5  #: digital value at which a channel's gamma is found
 LUMINANCE, BLACK, CALIBRATION = "white luminance", "black", "calibration"
@@ -45,9 +49,9 @@ class Overview:
 
     white_xy: CIE 1931. temperature: correlated, K, with its distance from the Planckian locus in uv
     of 1960; None for a white that has none. black: share of white's luminance; None where the
-    source does not hold it. reflected_cd_m2: light of the room. primaries_xy: of R, G, B without the light of black. gamma: of each
-    channel, at half of the digital range. calibrated: whether an ICC profile holds
-    tone curves for the graphics card; None for readings.
+    source does not hold it. reflected_cd_m2: light of the room. primaries_xy: of R, G, B without the
+    light of black. gamma: of each channel, at half of the digital range. calibrated: whether an ICC
+    profile holds tone curves for the graphics card; None for readings.
     """
 
     name: str
@@ -136,7 +140,7 @@ def overview_of(monitor: Monitor) -> Overview:
         _gamma(monitor),
         None if monitor.icc is None else monitor.calibration is not None,
         tuple(missing),
-        monitor.notes,
+        tuple(note for note in monitor.notes if note not in SHOWN_OTHERWISE),
     )
 
 
