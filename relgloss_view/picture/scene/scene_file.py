@@ -301,7 +301,7 @@ def display_beside(display: Display, folder: Path, replacements: list[str] | Non
         try:
             # A faulty file is reported with the name of the scene file, and so are numbers of the
             # scene that contradict it.
-            later = dict.fromkeys(DISPLAY_FILES[DISPLAY_FILES.index(entry) + 1:], "")
+            later = dict.fromkeys(DISPLAY_FILES[DISPLAY_FILES.index(entry) + 1 :], "")
             DisplayModel.of(dataclasses.replace(display, **(later | of_entry)))
         except InputError as error:
             if replacements is None:
