@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from dataclasses import dataclass
 
@@ -67,7 +68,7 @@ def obstacle(model: Model, request: ExportRequest) -> str:
     It passes by itself: a smaller picture is drawn while something is dragged, or a change has not
     been drawn yet.
     """
-    if request.size is not None:
+    if request.size is not None or drawn_again(model):
         return ""
     if model.draft or model.dragging:
         return "waiting for the full picture"
@@ -78,6 +79,11 @@ def obstacle(model: Model, request: ExportRequest) -> str:
     return ""
 
 
+def drawn_again(model: Model) -> bool:
+    """Whether files need pictures of their own: they are for the scene's display, not a monitor."""
+    return model.on_screen is not model.state
+
+
 def write(model: Model, request: ExportRequest) -> str:
     """Write the files; returns a message. RelglossError where one can't be written.
 
@@ -85,6 +91,8 @@ def write(model: Model, request: ExportRequest) -> str:
     """
     for file in request.files:
         check_writable(file)
+    if request.size is None and drawn_again(model):
+        request = dataclasses.replace(request, size=model.picture_size)
     frames = {side: _frame(model, side, request.size) for side in request.sides}
     displayed = {side: _displayed(model, side, frame, request) for side, frame in frames.items()}
     commands, missing = _commands(model, request, frames)

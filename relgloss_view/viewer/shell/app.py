@@ -22,6 +22,7 @@ from relgloss_view.viewer.drawing.operator_pictures import OperatorPictures
 from relgloss_view.viewer.drawing.pair_renderer import DrawnPair, PairRenderer, passes_since
 from relgloss_view.viewer.drawing.plate_pictures import PlatePictures
 from relgloss_view.viewer.files.measurement_tables import MeasurementTables
+from relgloss_view.viewer.files.monitor_profile import MonitorProfile
 from relgloss_view.viewer.panels import (
     fit,
     gloss,
@@ -98,6 +99,7 @@ class App:
         self.menu_wanted = False  #: whether the keyboard opens the menu in this frame
         self.help_window = ""  #: title of the window of the menu Help that shows
         self._window: Window | None = None
+        self._monitor: MonitorProfile | None = None  #: none without a display
         self._frame_began_s = 0.0
         self._lost = False
         self._names_read: tuple[str, ...] = ()  #: of the samples, against the fonts
@@ -112,6 +114,11 @@ class App:
         self.pair_renderer = PairRenderer(ctx)
         self._window = window
         self.model.render_at = self._render_at
+        if not window.headless:
+            self._monitor = MonitorProfile(
+                self.model, window.system, self.wake, window.gamma_ramp
+            )
+            self._monitor.await_first(window.monitor_place())
         navigation.enable()
         if self.kept_layout.docking:
             imgui.load_ini_settings_from_memory(self.kept_layout.docking)
@@ -127,6 +134,8 @@ class App:
         self._report_letters()
         actions.take_keys(self)
         self.files.each_frame()
+        if self._monitor is not None:
+            self._monitor.each_frame(self._window.monitor_place())
         self._tables.each_frame()
         self._note_hand()
         presentation = self.model.state.presentation
@@ -165,7 +174,7 @@ class App:
         self._warming_waits = not self._rested(now_s)
         if self._warming_waits:
             return False
-        warmed = self.pair_renderer.warm(self.model.state, self.files.new_material.about_to_show)
+        warmed = self.pair_renderer.warm(self.model.on_screen, self.files.new_material.about_to_show)
         if not warmed:
             self.pair_renderer.tidy()
         assert self._window is not None
@@ -186,6 +195,8 @@ class App:
     def finish(self) -> None:
         """The context is about to go."""
         self.files.close()
+        if self._monitor is not None:
+            self._monitor.close()
         self.model.attempt(self.save_layout)
         if self.pair_renderer is not None:
             self.pair_renderer.release()
@@ -288,7 +299,7 @@ class App:
     def _show_stage(self) -> None:
         canvas = stage.show(self.model, self._draw_pictures)
         assert self._window is not None
-        self._window.surround = surround_gray(self.model.state.setup.display)
+        self._window.surround = surround_gray(self.model.on_screen.setup.display)
         self._window.canvas = canvas
         wanted = self.model.take_view is not None and not self.model.draft
         self._window.below = self._give_view if wanted and self.drawn_pane is not None else None
@@ -297,7 +308,7 @@ class App:
         assert self.pair_renderer is not None
         assert self._window is not None
         model = self.model
-        state = model.state
+        state = model.on_screen
         if self.flip_held:
             state = state.with_part("presentation", flipped=not state.presentation.flipped)
         arrangement = arranged(pane, state.presentation, largest=self.pair_renderer.largest)

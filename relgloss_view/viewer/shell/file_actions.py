@@ -211,7 +211,7 @@ class FileActions:
 
             presentation = dataclasses.asdict(self.model.state.presentation)
             text = {"Software": "relgloss", "Presentation": json.dumps(presentation)}
-            display = self.model.state.setup.display
+            display = self.model.on_screen.setup.display
             if self.model.attempt(lambda: save_rgb(pixels, path, text, display=display)):
                 height, width = pixels.shape[:2]
                 folder, name = os.path.split(os.path.abspath(path))
