@@ -1,7 +1,7 @@
 """The curves that a display's profile asks the graphics card to apply: Apple's tag vcgt.
 
-Source: the tag is no part of ICC.1; Apple, ColorSync reference (CMVideoCardGammaType), as Argyll and
-littleCMS write it: a table of 8 or 16 bits, or gamma, minimum and maximum a channel.
+Source: the tag is no part of ICC.1; Apple, ColorSync reference (CMVideoCardGammaType), as Argyll
+and littleCMS write it: a table of 8 or 16 bits, or gamma, minimum and maximum a channel.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def _curves(tag: bytes) -> Array | None:
     if form == 1:
         numbers = np.array(struct.unpack_from(">9i", tag, HEADER), dtype=np.float64) / 65536.0
         gamma, low, high = numbers.reshape(3, 3).T[..., None]
-        return np.clip(low + (high - low) * np.linspace(0.0, 1.0, NODES) ** gamma, 0.0, 1.0)
+        return np.asarray(low + (high - low) * np.linspace(0.0, 1.0, NODES) ** gamma).clip(0.0, 1.0)
     channels, count, size = struct.unpack_from(">3H", tag, HEADER)
     if form != 0 or channels not in (1, 3) or size not in (1, 2) or not 2 <= count <= MOST_ENTRIES:
         return None

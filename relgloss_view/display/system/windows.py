@@ -39,6 +39,8 @@ class WindowsScreens(Asked):
 
     def __init__(self) -> None:
         super().__init__()
+        self._user: Any
+        self._gdi: Any
         if sys.platform != "win32":
             raise OSError("no Windows")
         library: Any = ctypes

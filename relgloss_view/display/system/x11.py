@@ -21,7 +21,14 @@ ATOM = "_ICC_PROFILE"
 SETTLING_S = 0.05  #: a profile is often set on the root window and the output, one after the other
 QUERY_SCREENS = 5  #: of Xinerama
 #: Of RandR.
-QUERY_VERSION, SELECT_INPUT, OUTPUT_INFO, OUTPUT_PROPERTY, CRTC_INFO, RESOURCES = 0, 4, 9, 15, 20, 25
+QUERY_VERSION, SELECT_INPUT, OUTPUT_INFO, OUTPUT_PROPERTY, CRTC_INFO, RESOURCES = (
+    0,
+    4,
+    9,
+    15,
+    20,
+    25,
+)
 SCREENS_AND_PROPERTIES = 1 | 2 | 4 | 8
 MOST_MONITORS = 64
 MOST_WATCHED = 16  #: monitors whose properties are watched

@@ -12,7 +12,7 @@ import os
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -34,29 +34,50 @@ KEPT = 8  #: files, so that a window on each of several monitors has its own
 FRESH_S = 86400.0  #: a file that was taken longer ago is marked as in use again
 FIRST_ANSWER_S = 0.4  #: the first picture waits as long, and is then drawn for the right screen
 
-#: Red, green and blue curves of the graphics card, 0 to 1, (3, n); None where it has none.
-ReadRamp = Callable[[], "Array | None"]
+
+class OnMonitor(Protocol):
+    """The window, as far as it knows its monitor. Its methods are called on its thread."""
+
+    headless: bool
+
+    @property
+    def system(self) -> str:
+        """The window system's name, as display.system has it."""
+
+    def monitor_place(self) -> Place | None:
+        """Where the monitor lies that the window is on."""
+
+    def gamma_ramp(self) -> Array | None:
+        """The graphics card's curves of that monitor, 0 to 1, (3, n); None where it has none."""
+
+
+def watched_monitor(
+    model: Model, window: OnMonitor, wake: Callable[[], None]
+) -> MonitorProfile | None:
+    """The watched monitor of a window, after a first answer; None without a display."""
+    if window.headless:
+        return None
+    monitor = MonitorProfile(model, window, wake)
+    monitor.await_first()
+    return monitor
 
 
 class MonitorProfile:
-    """Keeps model.screen up to date. `read_ramp` is called on the window's thread."""
+    """Keeps model.screen up to date."""
 
-    def __init__(
-        self, model: Model, system: str, wake: Callable[[], None], read_ramp: ReadRamp
-    ) -> None:
-        self._model, self._read_ramp = model, read_ramp
-        self._watch: Watch[Screen] = Watch(system, screen_of, wake)
+    def __init__(self, model: Model, window: OnMonitor, wake: Callable[[], None]) -> None:
+        self._model, self._window = model, window
+        self._watch: Watch[Screen] = Watch(window.system, screen_of, wake)
         self._first = True
-        self._reported = ""  #: the last fault or note of a screen
 
-    def await_first(self, place: Place | None) -> None:
+    def await_first(self) -> None:
         """Wait for the first answer, but not for long."""
-        self._watch.look_at(place)
+        self._watch.look_at(self._window.monitor_place())
         self._watch.wait(FIRST_ANSWER_S)
 
-    def each_frame(self, place: Place | None) -> None:
-        """Take another profile; place: of the monitor that the window lies on."""
-        self._watch.look_at(place)
+    def each_frame(self) -> None:
+        """Take another profile, and that of another monitor where the window has moved there."""
+        self._watch.look_at(self._window.monitor_place())
         screen = self._watch.take()
         if screen is None:
             return
@@ -71,7 +92,9 @@ class MonitorProfile:
     def _report(self, before: Screen, screen: Screen) -> None:
         model = self._model
         if screen.fault:
-            model.report(f"{screen.reason}; sRGB is assumed unless the scene declares more", fault=True)
+            model.report(
+                f"{screen.reason}; sRGB is assumed unless the scene declares more", fault=True
+            )
             return
         if not takes(model.state, screen):
             if before.file and not self._first and takes(model.state, before):
@@ -81,12 +104,13 @@ class MonitorProfile:
             model.report(f"pictures are drawn for this monitor, {screen.name} ({screen.source})")
         for note in screen.notes:
             model.report(f"{screen.name}: {note}")
-        ramp = None if screen.calibration is None else self._read_ramp()
-        if ramp is not None and not calibration_is_loaded(screen.calibration, ramp):
+        wanted = screen.calibration
+        ramp = None if wanted is None else self._window.gamma_ramp()
+        if wanted is not None and ramp is not None and not calibration_is_loaded(wanted, ramp):
             model.report(
-                f"the calibration of {screen.name} is not loaded into the graphics card, or another "
-                "program, as one that warms colours at night, has changed it: the monitor shows "
-                "something else than its profile",
+                f"the calibration of {screen.name} is not in the graphics card, or a program that "
+                "warms colours at night has changed it: load it, for example with dispwin -L, or "
+                "the monitor shows something else than its profile",
                 fault=True,
             )
 

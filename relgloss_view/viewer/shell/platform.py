@@ -150,7 +150,7 @@ def monitor_place(window: Any) -> Place | None:
 def gamma_ramp(window: Any) -> Array | None:
     """The graphics card's curves of the monitor that shows most of a window, 0 to 1, (3, n)."""
     monitor = monitor_of(window)
-    ramp = None if monitor is None else glfw.get_gamma_ramp(monitor)
+    ramp: Any = None if monitor is None else glfw.get_gamma_ramp(monitor)
     if ramp is None or len(ramp.red) < 2:
         return None
     return np.array([ramp.red, ramp.green, ramp.blue], dtype=np.float64)
