@@ -22,15 +22,18 @@ from relgloss_view.viewer.state.state import Presentation
 
 LONGEST_NAME = 40  #: characters of a file
 CLEAR_EM = 1.8  #: width of the button that takes a file away
-_WHITE = Reach(20.0, 2000.0, digits="%.0f", logarithmic=True)
-_BLACK = Reach(0.0, 5.0, digits="%.3f")
-_REFLECTED = Reach(0.0, 50.0, digits="%.1f")
-_SURROUND = {
+#: Sliders by entry: of what is known of the display, of the surround, of the presentation.
+OF_DISPLAY = {
+    "luminance_cd_m2": Reach(20.0, 2000.0, digits="%.0f", logarithmic=True),
+    "black_cd_m2": Reach(0.0, 5.0, digits="%.3f"),
+    "reflected_cd_m2": Reach(0.0, 50.0, digits="%.1f"),
+}
+SURROUND = {
     "background_lstar": Reach(digits="%.0f"),
     "pixel_pitch_mm": Reach(0.05, 0.6, digits="%.3f"),
     "viewing_distance_m": Reach(0.2, 3.0, digits="%.2f", logarithmic=True),
 }
-_PRESENTATION = {
+PRESENTATION = {
     "gap_px": Reach(high=200.0, digits="%.0f"),
     "difference_max": Reach(high=50.0, digits="%.1f"),
 }
@@ -43,13 +46,13 @@ def show(model: Model, files: FileActions) -> None:
     if changed:
         model.set_part("presentation", screen=chosen)
     widgets.label("")
-    widgets.wrapped(f"{widgets.sentence(screen_words(model.state, model.screen)[0])}", dim=True)
+    widgets.wrapped(f"{screen_words(model.state, model.screen)[0]}.", dim=True)
     _file(model, files, Display, PROFILE, model.state.setup.display.profile)
     _light(model)
     for entry in SEEN_ON:
         _file(model, files, Presentation, entry, getattr(model.state.presentation, entry))
-    _sliders(model, "display", Display, _SURROUND)
-    _sliders(model, "presentation", Presentation, _PRESENTATION)
+    _sliders(model, "display", Display, SURROUND)
+    _sliders(model, "presentation", Presentation, PRESENTATION)
     for name in ("gamut", "edges", "dither"):
         changed, chosen = widgets.choice(Display, name, getattr(model.state.setup.display, name))
         if changed:
@@ -78,7 +81,7 @@ def _light(model: Model) -> None:
     """White, black, and what the screen reflects: of the screen that pictures are drawn for."""
     display = model.on_screen.setup.display
     known, by = luminance_of(display)
-    _optional(model, "luminance_cd_m2", known, by, _WHITE)
+    _optional(model, "luminance_cd_m2", known, by)
     try:
         bare = Display(profile=display.profile)
         darkest = DisplayModel.of(bare)
@@ -87,8 +90,8 @@ def _light(model: Model) -> None:
         share = 0.0
     white = display.luminance_cd_m2 or known
     by = "by its profile" if display.profile and takes_black(model) else "assumed"
-    _optional(model, "black_cd_m2", share * white, by, _BLACK)
-    _sliders(model, "display", Display, {"reflected_cd_m2": _REFLECTED})
+    _optional(model, "black_cd_m2", share * white, by)
+    _sliders(model, "display", Display, {"reflected_cd_m2": OF_DISPLAY["reflected_cd_m2"]})
 
 
 def takes_black(model: Model) -> bool:
@@ -96,9 +99,9 @@ def takes_black(model: Model) -> bool:
     return takes(model.state, model.screen) or bool(model.state.setup.display.profile)
 
 
-def _optional(model: Model, name: str, known: float, by: str, reach: Reach) -> None:
+def _optional(model: Model, name: str, known: float, by: str) -> None:
     """A number that the display may leave to its profile: reset, it does so again."""
-    declared = getattr(model.state.setup.display, name)
+    declared, reach = getattr(model.state.setup.display, name), OF_DISPLAY[name]
     value = known if declared is None else declared
     if declared is None:
         reach = Reach(reach.low, reach.high, f"{reach.digits} cd/m2, {by}", reach.logarithmic)
