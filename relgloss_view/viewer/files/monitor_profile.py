@@ -19,7 +19,6 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.decoration import fault_line
 from relgloss_view.base.errors import RelglossError
-from relgloss_view.base.icc.calibration import calibration_of
 from relgloss_view.base.reading import printable
 from relgloss_view.base.writing import make_folder, whole_file
 from relgloss_view.display.monitor import Monitor
@@ -102,8 +101,6 @@ class MonitorProfile:
             return
         if not self._first:
             model.report(f"pictures are drawn for this monitor, {screen.name} ({screen.source})")
-        for note in screen.notes:
-            model.report(f"{screen.name}: {note}")
         wanted = screen.calibration
         ramp = None if wanted is None else self._window.gamma_ramp()
         if wanted is not None and ramp is not None and not calibration_is_loaded(wanted, ramp):
@@ -137,7 +134,7 @@ def screen_of(answer: Answer) -> Screen:
         profile.source,
         monitor.luminance_cd_m2,
         notes=monitor.notes,
-        calibration=calibration_of(profile.data),
+        calibration=monitor.calibration,
     )
 
 

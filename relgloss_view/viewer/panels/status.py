@@ -13,7 +13,7 @@ from relgloss_view.viewer.shell.actions import TURN_LAMP
 from relgloss_view.viewer.shell.layout import STATUS
 from relgloss_view.viewer.shell.theme import POPUP, em, gray
 from relgloss_view.viewer.shell.widgets import sentence, tooltip
-from relgloss_view.viewer.state.screens import screen_words
+from relgloss_view.viewer.state.screens import screen_words, takes
 
 if TYPE_CHECKING:
     from relgloss_view.viewer.shell.app import App
@@ -166,7 +166,8 @@ def _details(app: App) -> str:
     model = app.model
     passes = ", ".join(f"{side} {name}" for side, name in model.redrawn)
     lines = [f"Drawn for {screen_words(model.state, model.screen)[0]}."]
-    lines += [f"{sentence(model.screen.reason)}"] if model.screen.fault else []
+    lines += [sentence(model.screen.reason)] if model.screen.fault else []
+    lines += list(model.screen.notes) if takes(model.state, model.screen) else []
     lines += [f"Passes drawn last: {passes or 'none'}."]
     frame = model.frames.get(model.active_side)
     if frame is not None:
