@@ -20,11 +20,6 @@ from relgloss_view.material.cielab import lightness, ratio_of_f
 
 GAMMA = (0.5, 5.0)
 OFFSET = (-0.4, 0.4)
-#: How much the slope of a bent curve may change from knot to knot, of its lightness: the standard
-#: deviation that the fit expects before it sees a reading. A wobble of 1 L* between knots is two.
-BEND = 0.03
-
-
 #: Means of the four quarters of a normal distribution; they keep its mean deviation, 0.798.
 _QUARTERS = (-1.2711, -0.3246, 0.3246, 1.2711)
 
@@ -36,6 +31,7 @@ class Kind:
     name: str
     shared: bool
     knots: int = 0  #: inner knots of each curve; 0 for gain, offset, gamma alone
+    bend: float = 0.03  #: by how much slopes of the lightness differ from knot to knot, as a rule
 
     @property
     def parameters(self) -> int:
@@ -49,7 +45,7 @@ KINDS = (
     Kind("gain-offset-gamma, one a channel", False),
     Kind("monotone curve, one for all channels", True, 7),
     Kind("monotone curve, one a channel", False, 7),
-    Kind("fine monotone curve, one a channel", False, 19),
+    Kind("fine monotone curve, one a channel", False, 19, 0.15),
 )
 
 
@@ -162,11 +158,12 @@ def fit_candidate(
     whitening: Array,
     unsteady: float = 0.0,
     start: Shape | None = None,
+    offsets: tuple[float, float] = OFFSET,
 ) -> Fitted:
     """Fit a candidate to readings (N, 3) of digital values (N, 3); unsteady as Shape.light has it.
 
     whitening: (N, 3, 3), what makes residuals of a patch independent with variance 1. start: the
-    curves that a bent one bends; those of the same kind without knots.
+    curves that a bent one bends; those of the same kind without knots. offsets: least and largest.
     """
     from scipy.optimize import least_squares
 
@@ -184,14 +181,13 @@ def fit_candidate(
             return Shape(base.offset, base.gamma, np.broadcast_to(bent, (3, steps + 1)))
 
         def held(x: Array) -> Array:
-            # log-slopes of neighbours differ by BEND times the knots' distance, as a rule
             rows = x.reshape(-1, steps)
-            scale = BEND * np.sqrt(steps)
+            scale = kind.bend * np.sqrt(steps)
             return np.concatenate([(np.diff(rows, axis=1) / scale).ravel(), rows.sum(axis=1)])
     else:
         count = 1 if kind.shared else 3
         first = np.tile([0.02, 2.2], count)
-        low, high = (np.tile([OFFSET[k], GAMMA[k]], count) for k in range(2))
+        low, high = (np.tile([offsets[k], GAMMA[k]], count) for k in range(2))
 
         def shape_of(x: Array) -> Shape:
             offset, gamma = np.broadcast_to(x.reshape(-1, 2), (3, 2)).T

@@ -24,9 +24,11 @@ from relgloss_view.material.cielab import lab_from_xyz
 from relgloss_view.material.difference import delta_e_2000
 
 FOLDS = 5
-ROUNDS = 3  #: of weights and fits in turn
-#: A patch this far off is misread: one reading in a million is, by chance (chi2 of 3).
-MISREAD_Z2 = 30.66
+HUBER = 2.5  #: standard deviations, in three dimensions
+ROUNDS = 4  #: of weights and fits in turn
+#: A patch this far off is misread: one reading in a million is, by chance (chi2 of 3). One that
+#: nobody would see does no harm.
+MISREAD_Z2, MISREAD_DE2000 = 30.66, 2.0
 MOST_MISREAD = 0.05  #: share of the patches; where more are off, the model is wrong and not they
 MOST_PATCHES = 10_000
 FEWEST_COLOURS = 8  #: different digital values; fewer can't carry a matrix, a black and curves
@@ -169,27 +171,43 @@ def _weighted(digital: Array, xyz: Array) -> tuple[Array, Noise, Fitted]:
     Fits and weights take turns; the second model has bent curves, so that what a curve of gain,
     offset and gamma misses does not pass for noise.
     """
-    plain, bent = KINDS[1], KINDS[3]
-    kept = np.ones(len(digital), dtype=bool)
-    enough = len(np.unique(digital.round(6), axis=0)) >= bent.parameters + 6
+    plain = KINDS[1]
+    colours = len(np.unique(digital.round(6), axis=0))
+    bent = next((k for k in reversed(KINDS) if k.parameters + 6 <= colours), plain)
     scale = 0.01 * float(np.max(xyz[:, 1]))
     whitening = np.broadcast_to(np.eye(3) / scale, (len(digital), 3, 3))
     noise, start = Noise(digital=0.0), None
     model = fit_candidate(plain, digital, xyz, whitening)
-    for turn in range(ROUNDS + 1):
-        noise = estimate_noise(model, digital[kept], xyz[kept], noise)
-        whitening = noise.whitening(model, digital)
-        z2 = standardised(model, digital, xyz, whitening, noise.digital)
-        off = z2 > MISREAD_Z2
-        kept = ~off if off.mean() <= MOST_MISREAD else np.ones(len(digital), dtype=bool)
-        kind = bent if enough and turn >= ROUNDS - 1 else plain
-        start = model.shape if kind is bent and model.kind is plain else start
-        model = fit_candidate(kind, digital[kept], xyz[kept], whitening[kept], noise.digital, start)
-    noise = estimate_noise(model, digital[kept], xyz[kept], noise)
-    z2 = standardised(model, digital, xyz, noise.whitening(model, digital), noise.digital)
-    off = z2 > MISREAD_Z2
-    kept = ~off if off.mean() <= MOST_MISREAD else np.ones(len(digital), dtype=bool)
-    return kept, noise, model
+    for turn in range(ROUNDS):
+        noise = estimate_noise(model, digital, xyz, noise)
+        whitening = _robust(model, digital, xyz, noise)
+        # At last with fine curves: those of gain, offset and gamma may be what is wrong.
+        kind = bent if turn == ROUNDS - 1 else plain
+        start = model.shape if kind is not plain else None
+        model = fit_candidate(kind, digital, xyz, whitening, noise.digital, start)
+    noise = estimate_noise(model, digital, xyz, noise)
+    whitening = noise.whitening(model, digital)
+    return _kept(model, digital, xyz, whitening, noise.digital), noise, model
+
+
+def _robust(model: Fitted, digital: Array, xyz: Array, noise: Noise) -> Array:
+    """Whitening in which a patch that is far off counts by its distance only (Huber 1964)."""
+    whitening = noise.whitening(model, digital)
+    z2 = standardised(model, digital, xyz, whitening, noise.digital)
+    weight = np.minimum(1.0, HUBER / np.sqrt(np.maximum(z2, 1e-12)))
+    return np.asarray(whitening * np.sqrt(weight)[:, None, None])
+
+
+def _kept(model: Fitted, digital: Array, xyz: Array, whitening: Array, unsteady: float) -> Array:
+    """Which patches are not misread; all of them where so many are off that the model is wrong."""
+    z2 = standardised(model, digital, xyz, whitening, unsteady)
+    off = (z2 > MISREAD_Z2) & (_difference(model, digital, xyz) > MISREAD_DE2000)
+    _, group = np.unique(digital.round(6), axis=0, return_inverse=True)
+    group = np.asarray(group).ravel()
+    repeated = np.bincount(group)[group] > 1
+    confirmed = np.bincount(group, off)[group] == np.bincount(group)[group]
+    off &= ~(repeated & confirmed)  # two readings that agree are right
+    return ~off if off.mean() <= MOST_MISREAD else np.ones(len(digital), dtype=bool)
 
 
 def _fitted(

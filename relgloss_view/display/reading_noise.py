@@ -22,14 +22,16 @@ FLOOR, FEWEST = 2e-5, 2e-3
 LEAST_UNSTEADY = 2e-3  #: half a step of 8 bits; less than that is none
 STEP = 1e-3  #: of digital values, for slopes
 TAIL = 5.0  #: degrees of freedom of the t distribution
+#: What its scale is of the standard deviation where the noise is normal, in three dimensions.
+SCALE_OF_NORMAL = 0.8855
 
 
 @dataclass(frozen=True)
 class Noise:
     """Standard deviations.
 
-    amount: of white's Y. share: of a reading. mixed: of the mean of X, Y, Z. digital: of digital
-    values.
+    amount: of white's Y. share: of a reading. mixed: of a patch's Y, in X, Y and Z alike. digital:
+    of digital values.
 
     >>> Noise().share
     0.01
@@ -62,8 +64,7 @@ def estimate_noise(model: Fitted, digital: Array, xyz: Array, before: Noise | No
     parts = _parts(model, digital)
 
     def cost(x: Array) -> float:
-        noise = _noise_of(x)
-        covariance = _covariance(noise, *parts)
+        covariance = SCALE_OF_NORMAL**2 * _covariance(_noise_of(x), *parts)
         z2 = np.einsum("ni,ni->n", off, np.linalg.solve(covariance, off[:, :, None])[:, :, 0])
         spread = np.linalg.slogdet(covariance)[1]
         return float(np.sum((TAIL + 3.0) * np.log1p(z2 / TAIL) + spread))
@@ -86,7 +87,7 @@ def standardised(
 
 
 def _noise_of(x: Array) -> Noise:
-    amount, share, mixed, digital = np.exp(np.clip(x, -20.0, 0.0))
+    amount, share, mixed, digital = np.exp(np.clip(x, -20.0, 0.0)) / SCALE_OF_NORMAL
     unsteady = float(digital) if digital >= LEAST_UNSTEADY else 0.0
     return Noise(max(float(amount), FLOOR), max(float(share), FEWEST), float(mixed), unsteady)
 
@@ -101,7 +102,7 @@ def _parts(model: Fitted, digital: Array) -> tuple[float, Array, Array]:
 
 def _covariance(noise: Noise, white: float, expected: Array, slopes: Array) -> Array:
     total = noise.digital**2 * np.einsum("nik,njk->nij", slopes, slopes)
-    mixed = noise.mixed * expected.mean(axis=1, keepdims=True)
+    mixed = noise.mixed * expected[:, 1:2]
     own = (noise.amount * white) ** 2 + (noise.share * expected) ** 2 + mixed**2
     total[:, range(3), range(3)] += own
     return np.asarray(total)
