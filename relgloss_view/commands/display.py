@@ -13,7 +13,7 @@ from relgloss_view.base.shell import command_line, operand
 from relgloss_view.base.terminal import warn
 from relgloss_view.base.writing import check_writable
 from relgloss_view.cli import OWN_COMMANDS
-from relgloss_view.commands import display_convert, display_patches
+from relgloss_view.commands import display_check, display_convert, display_patches
 from relgloss_view.commands.display_files import (
     DISPLAY_FILE,
     PROFILE,
@@ -49,6 +49,7 @@ def add(commands: Any) -> None:
     )
     own = parser.add_subparsers(dest="display_command", metavar="FILE|COMMAND", required=True)
     _add_show(own)
+    display_check.add(own)
     display_convert.add(own)
     display_patches.add(own)
 
@@ -100,6 +101,8 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.display.read import monitor_of
     from relgloss_view.display.readings import read_readings
 
+    if args.seed < 0:
+        raise InputError(f"--seed {args.seed}: expected a whole number of 0 or more")
     _check_places(args)
     kind, second = kind_of(args.file), args.readings
     fit, readings, agreement = None, None, None

@@ -79,10 +79,12 @@ def run(args: argparse.Namespace) -> int:
     values = _colours(args.colours, args.given)
     intent, pcs = args.intent, args.pcs
     result = converted(monitor, values, args.given, args.wanted, intent, pcs=pcs)
-    beyond = [] if args.given == RGB else outside(monitor, values, args.given, intent, pcs=pcs)
-    count = int(sum(beyond))
+    beyond: list[bool] = []
+    if args.given != RGB:
+        beyond = outside(monitor, values, args.given, intent, pcs=pcs).tolist()
+    count = sum(beyond)
     if args.json:
-        numbers = {"values": result.tolist(), "outside": [bool(one) for one in beyond]}
+        numbers = {"values": result.tolist(), "outside": beyond}
         print(json.dumps({"from": args.given, "to": args.wanted, **numbers}))
         return 0
     print("\n".join(" ".join(f"{number + 0.0:.7f}" for number in row) for row in result))

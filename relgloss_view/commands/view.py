@@ -213,9 +213,7 @@ def _displays(args: argparse.Namespace) -> dict[str, str]:
     return named
 
 
-def _show(
-    app: App, opened: list[Opened], colour: Colour | None, displays: dict[str, str]
-) -> None:
+def _show(app: App, opened: list[Opened], colour: Colour | None, displays: dict[str, str]) -> None:
     """Show the opened files in the window: a scene first, then the samples on its sides.
 
     The test picture's sample gets the colour. Beside a pack, which is the test, one sample is the

@@ -13,6 +13,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.base.icc.profile import D50, read_profile
+from relgloss_view.display.few_readings import with_own_black
 from relgloss_view.display.monitor import Monitor
 from relgloss_view.material import cielab
 
@@ -31,6 +32,7 @@ def converted(
     `outside`.
     """
     white, turn = _space(monitor, intent, pcs)
+    monitor = with_own_black(monitor)
     if given == RGB:
         xyz = monitor.xyz(values) @ turn.T
     else:

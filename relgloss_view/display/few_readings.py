@@ -9,11 +9,13 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.base.errors import InputError
-from relgloss_view.display.monitor import Monitor
+from relgloss_view.display.display import USUAL_CD_M2
+from relgloss_view.display.monitor import Monitor, with_black
 from relgloss_view.display.readings import Readings
 from relgloss_view.material.cielab import lab_from_xyz
 from relgloss_view.material.difference import delta_e_2000
 
+MOST_BLACK = 0.999  #: share of white
 AT_END = 1e-3  #: how near to 0 or 1 digital values of black and white are
 #: Mean dE2000 from which readings are of another monitor than the profile's, or of one that has
 #: changed: twice what two instruments of one kind differ by on displays (about 1.5).
@@ -48,14 +50,14 @@ def with_readings(monitor: Monitor, readings: Readings) -> tuple[Monitor, Agreem
     black_cd_m2 = None
     if black is not None and luminance is not None:
         black_cd_m2 = max(float(black[1] / white[1]), 0.0) * luminance
-    apart = _differences(monitor, readings, white)
-    worst = int(np.argmax(apart))
     changed = dataclasses.replace(
         monitor,
         luminance_cd_m2=luminance,
         black_cd_m2=monitor.black_cd_m2 if black_cd_m2 is None else black_cd_m2,
         black_known=monitor.black_known or black_cd_m2 is not None,
     )
+    apart = _differences(with_own_black(changed), readings, white)
+    worst = int(np.argmax(apart))
     return changed, Agreement(
         readings.count,
         float(apart.mean()),
@@ -64,6 +66,18 @@ def with_readings(monitor: Monitor, readings: Readings) -> tuple[Monitor, Agreem
         luminance,
         black_cd_m2,
     )
+
+
+def with_own_black(monitor: Monitor) -> Monitor:
+    """The monitor whose model shows the black that its display file sets, where it sets one."""
+    if monitor.black_cd_m2 is None:
+        return monitor
+    luminance = monitor.luminance_cd_m2 or USUAL_CD_M2
+    black = monitor.white * min(monitor.black_cd_m2 / luminance, MOST_BLACK)
+    added = monitor.xyz_from_rgb * (1.0 - monitor.floor)
+    added = added * np.linalg.solve(added, monitor.white - black)  # white stays what it is
+    xyz_from_rgb, floor = with_black(added, black)
+    return dataclasses.replace(monitor, xyz_from_rgb=xyz_from_rgb, floor=floor, black_cd_m2=None)
 
 
 def differences(monitor: Monitor, readings: Readings) -> Array:

@@ -49,7 +49,7 @@ class Overview:
 
     white_xy: CIE 1931. temperature: correlated, K, with its distance from the Planckian locus in uv
     of 1960; None for a white that has none. black: share of white's luminance; None where the
-    source does not hold it. reflected_cd_m2: light of the room. primaries_xy: of R, G, B without the
+    source does not hold it. reflected_cd_m2: of the room. primaries_xy: of R, G, B without the
     light of black. gamma: of each channel, at half of the digital range. calibrated: whether an ICC
     profile holds tone curves for the graphics card; None for readings.
     """
