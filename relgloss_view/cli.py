@@ -136,7 +136,7 @@ def _run(words: list[str]) -> int:
     temporaries.prepare(words[1:])
     if words[0] in COMMANDS:
         check_start()
-    args = _parser(words).parse_args(_with_own_command(words))
+    args = _parser(words).parse_args(words)
     args.argv = words
     SIGNALS.work()
     return int(args.run(args))
@@ -211,7 +211,7 @@ def _is_opengl(error: Exception) -> bool:
 
 
 def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = _Commands(
         prog="relgloss",
         description="Pictures of printed packaging that keep the ratio of gloss between samples.",
         epilog="`relgloss` alone opens the window; `relgloss COMMAND --help` explains each command "
@@ -226,6 +226,15 @@ def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
         else:
             commands.add_parser(name, help=summary)
     return parser
+
+
+class _Commands(argparse.ArgumentParser):
+    """The parser of the whole line."""
+
+    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """As argparse's, with the word that a command of commands may leave out."""
+        words = None if args is None else _with_own_command(list(args))
+        return super().parse_args(words, namespace)
 
 
 class _WholeNames(argparse.ArgumentParser):

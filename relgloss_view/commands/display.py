@@ -12,7 +12,6 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.shell import command_line, operand
 from relgloss_view.base.terminal import warn
 from relgloss_view.base.writing import check_writable
-from relgloss_view.cli import OWN_COMMANDS
 from relgloss_view.commands import display_check, display_convert, display_patches
 from relgloss_view.commands.display_files import (
     DISPLAY_FILE,
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
     from relgloss_view.display.monitor import Monitor
     from relgloss_view.display.readings import Readings
 
-SHOW = OWN_COMMANDS["display"][0]
+SHOW = "show"  #: the command that is meant where its word is left out (cli.OWN_COMMANDS)
 REPORTS = (".html", ".png")
 WARNING = 600  #: characters
 SEED = 0

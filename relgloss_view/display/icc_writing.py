@@ -64,7 +64,7 @@ def matrix_profile(display: Display) -> bytes:
     curve = _curve(display)
     transfer = "sRGB curve" if display.transfer == "srgb" else f"gamma {display.gamma:g}"
     tags = {
-        b"desc": _text(f"relgloss display, {transfer}"),
+        b"desc": _text("relgloss display, " + transfer),
         b"cprt": _text("No copyright, use freely"),
         b"wtpt": _xyz(D50_XYZ),
         b"chad": b"sf32" + bytes(4) + _fixed(adaptation.ravel()),
