@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.base.arrays import Array
-from relgloss_view.display.display import USUAL_CD_M2
 from relgloss_view.display.coverage import STANDARDS, Coverage, coverage
+from relgloss_view.display.display import USUAL_CD_M2
 from relgloss_view.display.icc_monitor import NO_BLACK
 from relgloss_view.display.icc_tags import CALIBRATED, NO_LUMINANCE
 from relgloss_view.display.monitor import Monitor
