@@ -1,4 +1,4 @@
-"""Luminance and black of a profile's monitor from a few readings, and whether they agree with it."""
+"""Luminance and black of a profile's monitor from a few readings, and how well they agree."""
 
 from __future__ import annotations
 
