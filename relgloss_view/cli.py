@@ -33,11 +33,14 @@ COMMANDS = {
     "match": "find settings that keep a sample's gloss ratio to a reference picture",
     "gloss": "compute what gloss meters would read on a material",
     "pack": "check, write and list packs: a form, an artwork and finishes",
+    "display": "show what a monitor shows, from its profile or from readings, and check it",
     "experiment": "run, simulate and analyse the subjective evaluation",
     "bench": "chart speed against accuracy of every way to draw",
     "doctor": "check this machine's OpenGL and libraries, and how to get what is missing",
 }
 DEFAULT_COMMAND = "view"
+#: Commands of a command; the first is meant where its word is left out.
+OWN_COMMANDS = {"display": ("show", "check", "convert", "patches")}
 INTERRUPTED = 130
 LONGEST_FAULT = 1000  #: characters
 
@@ -139,6 +142,14 @@ def _run(words: list[str]) -> int:
     return int(args.run(args))
 
 
+def _with_own_command(words: list[str]) -> list[str]:
+    """`relgloss display FILE` as `relgloss display show FILE`, which is what it means."""
+    own = OWN_COMMANDS.get(words[0], ())
+    if len(words) > 1 and own and words[1] not in (*own, "-h", "--help"):
+        return [words[0], own[0], *words[1:]]
+    return words
+
+
 def _check_working_folder() -> None:
     """InputError where the working folder was removed, so that no name means anything."""
     try:
@@ -200,7 +211,7 @@ def _is_opengl(error: Exception) -> bool:
 
 
 def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = _Commands(
         prog="relgloss",
         description="Pictures of printed packaging that keep the ratio of gloss between samples.",
         epilog="`relgloss` alone opens the window; `relgloss COMMAND --help` explains each command "
@@ -215,6 +226,15 @@ def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
         else:
             commands.add_parser(name, help=summary)
     return parser
+
+
+class _Commands(argparse.ArgumentParser):
+    """The parser of the whole line."""
+
+    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """As argparse's, with the word that a command of commands may leave out."""
+        words = None if args is None else _with_own_command(list(args))
+        return super().parse_args(words, namespace)
 
 
 class _WholeNames(argparse.ArgumentParser):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
 import platform
 import shutil
 import sys
@@ -79,6 +80,8 @@ class Findings:
     font_paths: tuple[str, ...]  #: of the fonts that names are drawn with
     missing_scripts: Mapping[str, str]  #: that none of them has, each with what mends it
     ghostscript: str | None = None  #: the program that renders artwork in PDF
+    monitor: str | None = None  #: the profile that the system has for the first monitor, by name
+    monitor_reason: str = ""  #: why there is none, or why it can't be used
 
     @property
     def chosen(self) -> str | None:
@@ -95,6 +98,7 @@ class Findings:
             "opengl": {name: check.as_json() for name, check in self.contexts.items()},
             "chosen": self.chosen,
             "ghostscript": self.ghostscript,
+            "display": {"profile": self.monitor, "reason": self.monitor_reason},
             "fonts": {"files": list(self.font_paths), "missing": list(self.missing_scripts)},
             "memory": {
                 "bytes_per_pixel": self.bytes_per_pixel,
@@ -126,7 +130,28 @@ def _findings() -> Findings:
         tuple(file.path for file in fonts.font_files()),
         fonts.missing_scripts(),
         next((found for name in PROGRAMS if (found := shutil.which(name))), None),
+        *_monitor(),
     )
+
+
+def _monitor() -> tuple[str | None, str]:
+    """The name of the profile of the first monitor and where it is from, or why there is none."""
+    from relgloss_view.display.icc_monitor import monitor_of_profile
+    from relgloss_view.display.system.watch import MACOS, WAYLAND, WINDOWS, X11, answer_once
+
+    system = {"win32": WINDOWS, "darwin": MACOS}.get(sys.platform, X11)
+    if system == X11 and not os.environ.get("DISPLAY"):
+        if not os.environ.get("WAYLAND_DISPLAY"):
+            return None, "there is no display here"
+        system = WAYLAND
+    answer = answer_once(None, system)
+    if answer.profile is None:
+        return None, answer.reason
+    try:
+        monitor = monitor_of_profile(answer.profile.data, answer.profile.name)
+    except ValueError as error:
+        return None, f"{answer.profile.source}: {error}"
+    return f"{monitor.name} ({answer.profile.source})", ""
 
 
 def _version(name: str) -> str | None:
@@ -221,6 +246,12 @@ def _print(findings: Findings) -> None:
         if findings.ghostscript is not None
         else "artwork in PDF: Ghostscript is not installed (Debian: apt install ghostscript); "
         "pictures are read without it"
+    )
+    print(
+        f"profile of the monitor: {printable(findings.monitor)}"
+        if findings.monitor is not None
+        else f"profile of the monitor: none ({printable(findings.monitor_reason)}); "
+        "docs/prepare-your-monitor.md shows how to get one"
     )
     if findings.chosen is not None:
         print(f"pictures are drawn with {findings.chosen}")

@@ -20,6 +20,8 @@ from relgloss_view.commands.artwork_options import (
     artwork_entries,
 )
 from relgloss_view.commands.lab_text import lab_words
+from relgloss_view.display.display import Display
+from relgloss_view.display.read import monitor_of
 from relgloss_view.material.recolour import DEFAULT_ILLUMINANT, Colour
 from relgloss_view.pack.kinds import SHIPPED
 from relgloss_view.pack.masks import check_masks
@@ -53,7 +55,7 @@ from relgloss_view.picture.scene.pack_settings import (
 )
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, SAMPLES, Sample
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.scene_file import read_scene_file
+from relgloss_view.picture.scene.scene_file import DISPLAY_FILES, read_scene_file
 from relgloss_view.picture.scene.setting import FULL_SHARE
 from relgloss_view.picture.scene.setup import Setup
 from relgloss_view.quality.backends import BACKENDS
@@ -261,6 +263,7 @@ def scene_from(args: argparse.Namespace) -> tuple[Scene, Look, tuple[int, int]]:
             )
         look = look.at(SAMPLES[args.sample or DEFAULT_SAMPLE])
     setup, look = with_options(setup, look, values)
+    check_display_files(setup.display)
     setup = with_further_lamps(setup, args.further_lamp)
     if getattr(args, "c", None) == MAX:
         look = look.with_entries(c_fraction=FULL_SHARE)
@@ -272,6 +275,14 @@ def scene_from(args: argparse.Namespace) -> tuple[Scene, Look, tuple[int, int]]:
         pack = dataclasses.replace(pack, shape=setup.shape)
         check_masks(pack)
     return Scene(sample.material, setup, pack=pack), look, size
+
+
+def check_display_files(display: Display) -> None:
+    """InputError where a file of a display is missing or foreign: before anything is drawn."""
+    for name in DISPLAY_FILES:
+        file = getattr(display, name)
+        if file:
+            monitor_of(file)
 
 
 def sample_from(args: argparse.Namespace) -> Sample | None:
@@ -324,7 +335,9 @@ def scene_words_of(args: argparse.Namespace) -> list[str]:
         plainer = [o for o in shown if o.field.default != getattr(NEW_DISPLAY, o.entry)]
         values = {o.flag: o.field.default for o in plainer} | values
     for option in OPTIONS:
-        words += option.words(values[option.flag]) if option.flag in values else []
+        if option.flag in values:
+            value = values[option.flag]
+            words += shell.option(option.flag, value) if option.is_file else option.words(value)
     lamp = GIVEN_LAMP if plain and args.lamp is None else args.lamp
     words += [LAMP, lamp] if lamp is not None else []
     width, height = args.size

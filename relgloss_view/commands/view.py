@@ -12,12 +12,15 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Progress, warn
 from relgloss_view.base.writing import check_writable
 from relgloss_view.commands.scene_options import add_colour_options, colour_from, size_of_text
+from relgloss_view.picture.scene.options import OPTIONS
 
 if TYPE_CHECKING:
     from relgloss_view.material.recolour import Colour
     from relgloss_view.viewer.files.open_job import Opened
     from relgloss_view.viewer.shell.app import App
 
+#: Options that name displays, and the entry of the window's state that each sets.
+DISPLAYS = {"--display": "profile", "--seen-on": "test_seen_on"}
 DEFAULT_FRAMES = 3  #: the first settles the layout
 MOST_FRAMES = 100_000
 STEP_S = 0.05
@@ -41,6 +44,10 @@ def add(commands: Any) -> None:
         "built-in paper",
     )
     add_colour_options(parser)
+    for flag, entry in DISPLAYS.items():
+        option = next(option for option in OPTIONS if option.flag == flag)
+        more = "; only the test picture" if entry != "profile" else ""
+        parser.add_argument(flag, metavar="FILE", help=f"{option.help}{more}")
     parser.add_argument("--fresh", action="store_true", help="Start without the last session")
     parser.add_argument(
         "--screenshot",
@@ -88,6 +95,7 @@ def _screenshot(args: argparse.Namespace) -> int:
         named = args.screenshot or "''"
         raise InputError(f"--screenshot {named}: expected a name that ends in .png")
     check_writable(args.screenshot)
+    displays = _displays(args)
     opened = _opened(args.files)
     from relgloss_view.viewer.shell.app import App
     from relgloss_view.viewer.shell.window import Window
@@ -95,7 +103,7 @@ def _screenshot(args: argparse.Namespace) -> int:
     from relgloss_view.viewer.state.state import State
 
     app = App(State.initial())
-    _show(app, opened, colour_from(args))
+    _show(app, opened, colour_from(args), displays)
     window = Window(
         app, args.window or DEFAULT_SIZE, headless=True, font_scale=args.font_scale or 1.0
     )
@@ -127,6 +135,7 @@ def _interactive(args: argparse.Namespace) -> int:
 
     checkpoint()  # the imports have taken a while
     check_display()
+    displays = _displays(args)
     opened = _opened(args.files)
     layout_path, session_path, faults = None, None, []
     try:
@@ -145,7 +154,7 @@ def _interactive(args: argparse.Namespace) -> int:
         app.files.session = Autosave(session_path, app.model.state)
         if restored.coming:
             app.files.read_session(session_path, restored.coming)
-    _show(app, opened, colour_from(args))
+    _show(app, opened, colour_from(args), displays)
     if layout_path is not None:
         app.keep_layout(layout_path, load_layout(layout_path))
     size = args.window or app.kept_layout.size
@@ -191,12 +200,26 @@ def _opened(files: list[str]) -> list[Opened]:
     return opened
 
 
-def _show(app: App, opened: list[Opened], colour: Colour | None) -> None:
+def _displays(args: argparse.Namespace) -> dict[str, str]:
+    """The files of the displays that were named, by entry; InputError where one is of none."""
+    from relgloss_view.viewer.files.display_files import check_display
+
+    named = {}
+    for flag, entry in DISPLAYS.items():
+        file = getattr(args, flag.removeprefix("--").replace("-", "_"))
+        if file is not None:
+            check_display(file)
+            named[entry] = str(Path(file).absolute())
+    return named
+
+
+def _show(app: App, opened: list[Opened], colour: Colour | None, displays: dict[str, str]) -> None:
     """Show the opened files in the window: a scene first, then the samples on its sides.
 
     The test picture's sample gets the colour. Beside a pack, which is the test, one sample is the
     reference. A form comes before the artwork that lies on it.
     """
+    from relgloss_view.viewer.files.display_files import with_display
     from relgloss_view.viewer.state.matching import with_colour
 
     state = app.model.state
@@ -221,6 +244,8 @@ def _show(app: App, opened: list[Opened], colour: Colour | None) -> None:
             app.files.note_pack(one.pack)
     if colour is not None:
         state = with_colour(state, "test", colour)
+    for entry, file in displays.items():
+        state = with_display(state, entry, file)
     app.model.change(state)
 
 

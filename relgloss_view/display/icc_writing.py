@@ -110,7 +110,7 @@ def matrix_profile(display: Display) -> bytes:
     if display.transfer == "srgb":
         curve = _srgb_curve(float(model.floor[0]))
         tags = _tags(model.white, model.xyz_from_rgb, (curve,) * 3, luminance)
-        tags |= {b"desc": _text("relgloss display, sRGB curve"), b"cprt": _text(COPYRIGHT)}
+        tags |= {b"desc": _text("relgloss display" + ", sRGB curve"), b"cprt": _text(COPYRIGHT)}
         return _profile(tags | {b"wtpt": _xyz(D50_XYZ)}, VERSION)
     return _sampled_profile(model.white, model.xyz_from_rgb, model.light, name, luminance)
 
@@ -131,7 +131,7 @@ def _sampled_profile(
     tags = _tags(white, xyz_from_rgb, [_sampled(light[:, k]) for k in range(3)], luminance)
     # The screen's own white, which version 2 has here, and version 4 in `chad` alone.
     tags[b"wtpt"] = _xyz(white)
-    tags[b"desc"] = _old_text(f"relgloss display, {name}")
+    tags[b"desc"] = _old_text("relgloss display" + f", {name}")
     tags[b"cprt"] = b"text" + bytes(4) + COPYRIGHT.encode("ascii") + b"\0"
     return _profile(tags, OLD_VERSION)
 
