@@ -220,7 +220,8 @@ class PairRenderer:
             if variant in self._tried:  # where not all of them have room, this has an end
                 continue
             self._warm.forget()  # or it would not ask for what it holds
-            with self._programs.noted() as asked:
+            gone = contextlib.suppress(RelglossError)  # a file of the display
+            with self._programs.noted() as asked, gone:
                 self._warm.prepare(*missing[variant])
             self._warmed[variant] = asked
             self._tried.add(variant)
@@ -346,7 +347,9 @@ def _variant(scene: Scene, look: Look) -> object:
     tilted = dataclasses.replace(look, sigma_n_deg=1.0)
     sampled = eye_grain_samples(scene.display, tilted) > 1
     variant = Variant.of(as_drawn(scene, look), tilted)
-    return variant, sampled, scene.display.gamut, scene.display.transfer
+    display = scene.display
+    files = display.profile, display.seen_on
+    return variant, sampled, display.gamut, display.transfer, files
 
 
 def _wants_difference(state: State) -> bool:
