@@ -1,8 +1,8 @@
 """The monitor's own profile in a real window: taken, named, drawn for, and let go of.
 
-An X server without a monitor has the properties that a desktop sets; xprop and Argyll's dispwin set
-them, and Argyll's xicclu gives the digital values that the profile asks for. Run as a program with a
-folder, this file is the window, which writes what it shows whenever that changes.
+An X server without a monitor has the properties that a desktop sets; Argyll's dispwin sets them
+(xprop sets 64 bytes at most), and Argyll's xicclu gives the digital values that a profile asks for.
+Run as a program with a folder, this file is the window, which writes what it shows.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import contextlib
 import json
 import os
 import shutil
+import struct
 import subprocess
 import sys
 import time
@@ -21,10 +22,12 @@ import numpy as np
 import pytest
 from x_server import LONGEST_S, environment, needs_server, running
 
-COLORD = Path("/usr/share/color/icc/colord")
+from relgloss_view.display.system.x_connection import Connection
+
 ARGYLL = Path("/usr/share/color/argyll/ref")
 ATOM = "_ICC_PROFILE"
 WINDOW = (640, 480)
+CHANGE_PROPERTY, CARDINAL = 18, 6  #: of the X protocol
 
 pytestmark = needs_server
 
@@ -138,8 +141,11 @@ def xprop(display, *words):
 
 def put(display, data, atom=ATOM):
     """Set a property to bytes, as the specification has it: CARDINAL, 8 bits."""
-    numbers = ",".join(str(byte) for byte in data)
-    xprop(display, "-f", atom, "8c", "-set", atom, numbers)
+    connection = Connection(display)
+    head = struct.pack("=3IB3xI", connection.root, connection.atom(atom), CARDINAL, 8, len(data))
+    connection.send(CHANGE_PROPERTY, 0, head + data + bytes(-len(data) % 4))
+    assert connection.property_of_root(connection.atom(atom), 1 << 20) == (data, 8, 0)
+    connection.close()
 
 
 def asked(profile, lstar):
@@ -149,7 +155,7 @@ def asked(profile, lstar):
     profile's connection space.
     """
     done = subprocess.run(
-        ["xicclu", "-ff", "-fif", "-ir", "-pl", "-s255", str(profile)],
+        ["xicclu", "-fb", "-ir", "-pl", "-s255", str(profile)],
         input=f"{lstar} 0 0\n",
         capture_output=True,
         text=True,
@@ -160,7 +166,7 @@ def asked(profile, lstar):
     return np.array([float(w) for w in words.split("->")[-1].split("[")[0].split()[:3]])
 
 
-@needs("xprop", "xicclu", file=COLORD / "ProPhotoRGB.icc")
+@needs("xprop", "xicclu", file=ARGYLL / "ProPhoto.icm")
 def test_a_profile_is_taken_changed_damaged_and_removed(tmp_path, display):
     """A change is seen within a second; 1 s of it may be the machine's, which is shared.
 
@@ -172,14 +178,14 @@ def test_a_profile_is_taken_changed_damaged_and_removed(tmp_path, display):
         srgb = np.array(first["gray"])
         assert np.abs(srgb - 255.0 * 0.670).max() < 2.0  # L* 70 of IEC 61966-2-1
         grays, pictures = [], [first["picture"]]
-        for name in ("ProPhotoRGB", "AppleRGB"):
-            data = (COLORD / f"{name}.icc").read_bytes()
+        for name in ("ProPhoto", "ProPhotoLin"):
+            data = (ARGYLL / f"{name}.icm").read_bytes()
             began_s = time.monotonic()
             put(display, data)
             found = shows(lambda found: found["file"] and found["gray"] not in (*grays, [*srgb]))
             assert found["at_s"] - began_s < 2.0
             assert "assumed" not in found["line"]
-            assert np.abs(np.array(found["gray"]) - asked(COLORD / f"{name}.icc", 70.0)).max() <= 1
+            assert np.abs(np.array(found["gray"]) - asked(ARGYLL / f"{name}.icm", 70.0)).max() <= 1
             assert np.abs(np.array(found["gray"]) - srgb).max() > 5  # the control
             assert Path(found["file"]).read_bytes() == data
             assert found["picture"] not in pictures  # redrawn, too
@@ -192,7 +198,7 @@ def test_a_profile_is_taken_changed_damaged_and_removed(tmp_path, display):
         assert "not an ICC profile" in found["line"]
         assert found["picture"] == first["picture"]
         assert sum("not an ICC profile" in note for note in found["notes"]) == 1
-        put(display, (COLORD / "AppleRGB.icc").read_bytes())
+        put(display, (ARGYLL / "ProPhotoLin.icm").read_bytes())
         shows(lambda found: found["gray"] == grays[1])
         xprop(display, "-remove", ATOM)
         found = shows(lambda found: found["gray"] == [*srgb])

@@ -14,7 +14,7 @@ import pytest
 from relgloss_view import cli
 
 ROOT = Path(cli.__file__).parents[1]
-LONGEST_S = 60.0
+LONGEST_S = 20.0
 SCREEN = "1400x900x24"
 TITLE = "^relgloss$"
 LOOKS = 20  #: at a program that should be at rest, in half a second
