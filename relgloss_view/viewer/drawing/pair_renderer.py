@@ -22,7 +22,7 @@ from relgloss_view.picture.gpu.overlays import draw_difference, draw_overlay
 from relgloss_view.picture.gpu.programs import Key, Programs
 from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.gpu.targets import OVERLAY, TONE
-from relgloss_view.picture.gpu.variant import Variant
+from relgloss_view.picture.gpu.variant import Variant, tone_defines
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.model.drawn import as_drawn
 from relgloss_view.picture.model.pixel_sampling import eye_grain_samples
@@ -347,9 +347,7 @@ def _variant(scene: Scene, look: Look) -> object:
     tilted = dataclasses.replace(look, sigma_n_deg=1.0)
     sampled = eye_grain_samples(scene.display, tilted) > 1
     variant = Variant.of(as_drawn(scene, look), tilted)
-    display = scene.display
-    files = display.profile, display.seen_on
-    return variant, sampled, display.gamut, display.transfer, files
+    return variant, sampled, tuple(tone_defines(scene.display, "tone.frag").items())
 
 
 def _wants_difference(state: State) -> bool:
