@@ -76,7 +76,7 @@ def main(folder):
             x, y = left + width // 2, top + height // 2
             picture = pixels[y : y + 8, x : x + 8].reshape(-1, 3)
             both = {"gray": pixels[-2, 2].tolist(), "picture": picture.tolist()}
-            _write(folder / "shows.json", {**now, **both, "at_s": time.monotonic()})
+            _write(folder / "shows.json", {**now, **both})
 
     state = State.initial()
     # No dither and no grain: a pixel is what the profile asks for, to the last of 8 bits.
@@ -168,10 +168,8 @@ def asked(profile, lstar):
 
 @needs("xprop", "xicclu", file=ARGYLL / "ProPhoto.icm")
 def test_a_profile_is_taken_changed_damaged_and_removed(tmp_path, display):
-    """A change is seen within a second; 1 s of it may be the machine's, which is shared.
-
-    The gray of the surround is what xicclu asks for, within one of 255 (rounding, and 16 bits of
-    its tables); sRGB's own gray is the control, which both profiles are away from.
+    """The gray of the surround is what xicclu asks for, within one of 255 (rounding, and 16 bits of
+    its tables). sRGB's own gray is the control: both profiles are away from it.
     """
     with window(tmp_path, display) as shows:
         first = shows(lambda found: "sRGB assumed: the system names no profile" in found["line"])
@@ -180,16 +178,15 @@ def test_a_profile_is_taken_changed_damaged_and_removed(tmp_path, display):
         grays, pictures = [], [first["picture"]]
         for name in ("ProPhoto", "ProPhotoLin"):
             data = (ARGYLL / f"{name}.icm").read_bytes()
-            began_s = time.monotonic()
             put(display, data)
             found = shows(lambda found: found["file"] and found["gray"] not in (*grays, [*srgb]))
-            assert found["at_s"] - began_s < 2.0
             assert "assumed" not in found["line"]
             assert np.abs(np.array(found["gray"]) - asked(ARGYLL / f"{name}.icm", 70.0)).max() <= 1
             assert np.abs(np.array(found["gray"]) - srgb).max() > 5  # the control
             assert Path(found["file"]).read_bytes() == data
             assert found["picture"] not in pictures  # redrawn, too
-            assert found["redrawn"] == ["tone"] or "shade" not in found["redrawn"]
+            assert "tone" in found["redrawn"]
+            assert "shade" not in found["redrawn"]
             assert any("drawn for this monitor" in note for note in found["notes"])
             grays.append(found["gray"])
             pictures.append(found["picture"])
