@@ -47,17 +47,21 @@ def show(model: Model, files: FileActions) -> None:
     widgets.wrapped(f"{screen_words(model.state, model.screen)[0]}.", dim=True)
     _file(model, files, Display, PROFILE, model.state.setup.display.profile)
     _light(model)
-    presentation, choices = model.state.presentation, ["gamut", "edges", "dither"]
+    presentation = model.state.presentation
     for entry in SEEN_ON:
         _file(model, files, Presentation, entry, getattr(presentation, entry))
     if any(getattr(presentation, entry) for entry in SEEN_ON):
-        choices.insert(0, "seen_white")
+        _choice(model, "seen_white")
     _sliders(model, "display", Display, SURROUND)
     _sliders(model, "presentation", Presentation, PRESENTATION)
-    for name in choices:
-        changed, chosen = widgets.choice(Display, name, getattr(model.state.setup.display, name))
-        if changed:
-            model.set_part("display", **{name: chosen})
+    for name in ("gamut", "edges", "dither"):
+        _choice(model, name)
+
+
+def _choice(model: Model, name: str) -> None:
+    changed, chosen = widgets.choice(Display, name, getattr(model.state.setup.display, name))
+    if changed:
+        model.set_part("display", **{name: chosen})
 
 
 def _file(model: Model, files: FileActions, owner: type, entry: str, file: str) -> None:
