@@ -223,5 +223,60 @@ def test_argylls_dispwin_is_followed(tmp_path, display):
         shows(lambda found: "the system names no profile" in found["line"])
 
 
+# --- files keep the scene's display ---------------------------------------------------------------
+
+
+def export(folder):
+    """Without a display: the picture on the screen and in a file, before and with a profile."""
+    from relgloss_view.display.system.answer import Answer, SystemProfile
+    from relgloss_view.viewer.files.monitor_profile import screen_of
+    from relgloss_view.viewer.files.picture_export import PNG8, ExportRequest, write
+    from relgloss_view.viewer.shell.app import App
+    from relgloss_view.viewer.shell.window import Window
+    from relgloss_view.viewer.state.state import State
+
+    class Exporting(App):
+        drawn = 0
+
+        def frame(self):
+            super().frame()
+            self.drawn += 1
+            if self.drawn in (3, 6):
+                name = "with.png" if self.drawn == 6 else "without.png"
+                write(self.model, ExportRequest("test", PNG8, str(folder / name)))
+                shown = np.array(self.model.frames["test"].display)
+                np.save(folder / name.replace("png", "npy"), shown)
+            if self.drawn == 3:
+                profile = SystemProfile((folder / "monitor.icc").read_bytes(), "", "a test")
+                self.model.screen = screen_of(Answer(profile))
+
+    Window(Exporting(State.initial()), (500, 300), headless=True).run(7)
+
+
+def test_an_export_is_for_the_scenes_display(tmp_path):
+    """The control: on the screen the picture with a profile is another one."""
+    from PIL import Image
+
+    from relgloss_view.display.display import Display
+    from relgloss_view.display.icc_writing import profile_of
+
+    other = Display(transfer="gain-offset-gamma", gamma=1.8)
+    (tmp_path / "monitor.icc").write_bytes(profile_of(other))
+    done = subprocess.run(
+        [sys.executable, __file__, str(tmp_path), "export"],
+        env=environment(tmp_path),
+        capture_output=True,
+        text=True,
+        timeout=LONGEST_S,
+    )
+    assert done.returncode == 0, done.stderr[-3000:]
+    files = [Image.open(tmp_path / f"{name}.png") for name in ("without", "with")]
+    np.testing.assert_array_equal(*files)
+    assert {file.info["icc_profile"] for file in files} == {profile_of(Display())}
+    assert "--display" not in files[1].info["Command"]
+    shown = [np.load(tmp_path / f"{name}.npy") for name in ("without", "with")]
+    assert np.abs(shown[0].astype(int) - shown[1]).max() > 10
+
+
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    (export if len(sys.argv) > 2 else main)(Path(sys.argv[1]))

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import os
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.commands import view
 from relgloss_view.display.display import Display
 from relgloss_view.display.icc_writing import profile_of
 from relgloss_view.display.system.answer import Answer, SystemProfile
@@ -173,6 +175,16 @@ def test_a_profile_opens_as_the_scenes_display(tmp_path, profile):
     assert opened.presentation.screen == AS_DECLARED
     assert with_display(opened, PROFILE, "").setup.display.profile == ""
     assert STATE.presentation.screen == THIS_MONITOR
+
+
+def test_the_command_opens_a_display_beside_a_scene(tmp_path, profile):
+    save_state(tmp_path / "scene.toml", STATE)
+    opened = view._opened([profile, str(tmp_path / "scene.toml")])
+    app = SimpleNamespace(model=Model(STATE), files=SimpleNamespace(scene_path=None))
+    view._show(app, opened, None)
+    assert app.model.state == with_display(STATE, PROFILE, profile)
+    with pytest.raises(InputError, match="2 displays given"):
+        view._opened([profile, profile])
 
 
 def test_a_calibration_that_is_not_loaded_is_noticed():
