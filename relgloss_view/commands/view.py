@@ -40,8 +40,8 @@ def add(commands: Any) -> None:
         "files",
         metavar="FILE",
         nargs="*",
-        help="Scene, material, measured table, pack file, artwork or mesh, or the name of a "
-        "built-in paper",
+        help="Scene, material, measured table, pack file, artwork, mesh, display (ICC profile or "
+        "display file), or the name of a built-in paper",
     )
     add_colour_options(parser)
     for flag, entry in DISPLAYS.items():
@@ -112,7 +112,7 @@ def _screenshot(args: argparse.Namespace) -> int:
     checkpoint()
     from relgloss_view.picture.output.png import save_rgb
 
-    save_rgb(pixels, args.screenshot, {})
+    save_rgb(pixels, args.screenshot, {}, display=app.model.on_screen.setup.display)
     frames = "1 frame" if args.frames == 1 else f"{args.frames} frames"
     print(f"{printable(args.screenshot)}: the window after {frames}")
     return 0
@@ -229,6 +229,8 @@ def _show(app: App, opened: list[Opened], colour: Colour | None, displays: dict[
             app.files.scene_path = one.path
         if one.warning:
             app.model.report(one.warning, fault=True)
+    for one in opened:
+        state = one.applied(state, "test") if one.display else state
     samples = [one for one in opened if one.sample is not None]
     of_pack = [one for one in opened if one.is_of_a_pack]
     sides = ("reference", "test") if len(samples) == 2 or of_pack else ("test",)
@@ -260,8 +262,13 @@ def _check_files(files: list[str]) -> None:
     """Raise InputError for too many files before the first is fitted, which takes a while."""
     from relgloss_view.pack.kinds import ARTWORK, PACK
     from relgloss_view.picture.scene.file_kinds import SCENE
+    from relgloss_view.viewer.files.display_files import is_display_file
     from relgloss_view.viewer.files.pack_files import MESH, file_kind
 
+    displays = sum(is_display_file(file) for file in files)
+    if displays > 1:
+        raise InputError(f"{displays} displays given: expected at most 1")
+    files = [file for file in files if not is_display_file(file)]
     named = [file for file in files if not _is_built_in(file)]
     kinds = [file_kind(file) for file in named]
     for kind, words in ((SCENE, "scenes"), (PACK, "packs"), (ARTWORK, "artworks"), (MESH, "forms")):

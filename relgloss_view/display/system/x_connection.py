@@ -41,12 +41,15 @@ class _Roots(ctypes.Structure):
 
 
 class Connection:
-    """Requests and events of the display that DISPLAY names. OSError where there is none."""
+    """Requests and events of a display, by default the one that DISPLAY names.
 
-    def __init__(self) -> None:
+    OSError where there is none.
+    """
+
+    def __init__(self, display: str | None = None) -> None:
         self._xcb = _library()
         number = ctypes.c_int()
-        self._c = self._xcb.xcb_connect(None, ctypes.byref(number))
+        self._c = self._xcb.xcb_connect(display and display.encode(), ctypes.byref(number))
         if self._xcb.xcb_connection_has_error(self._c):
             self._xcb.xcb_disconnect(self._c)
             raise OSError("no X server can be reached")

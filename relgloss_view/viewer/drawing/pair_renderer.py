@@ -220,7 +220,8 @@ class PairRenderer:
             if variant in self._tried:  # where not all of them have room, this has an end
                 continue
             self._warm.forget()  # or it would not ask for what it holds
-            with self._programs.noted() as asked:
+            gone = contextlib.suppress(RelglossError)  # a file of the display
+            with self._programs.noted() as asked, gone:
                 self._warm.prepare(*missing[variant])
             self._warmed[variant] = asked
             self._tried.add(variant)

@@ -7,17 +7,15 @@ from typing import Any
 
 from imgui_bundle import imgui
 
-from relgloss_view.base.errors import RelglossError
 from relgloss_view.base.reading import printable
 from relgloss_view.display.display import Display
-from relgloss_view.display.model import DisplayModel
 from relgloss_view.viewer.files.display_files import PROFILE, SEEN_ON, with_display
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.file_actions import FileActions
 from relgloss_view.viewer.shell.theme import em
 from relgloss_view.viewer.shell.widgets import Reach
 from relgloss_view.viewer.state.model import Model
-from relgloss_view.viewer.state.screens import luminance_of, name_of_other, screen_words, takes
+from relgloss_view.viewer.state.screens import black_of, luminance_of, name_of_other, screen_words
 from relgloss_view.viewer.state.state import Presentation
 
 LONGEST_NAME = 40  #: characters of a file
@@ -49,14 +47,21 @@ def show(model: Model, files: FileActions) -> None:
     widgets.wrapped(f"{screen_words(model.state, model.screen)[0]}.", dim=True)
     _file(model, files, Display, PROFILE, model.state.setup.display.profile)
     _light(model)
+    presentation = model.state.presentation
     for entry in SEEN_ON:
-        _file(model, files, Presentation, entry, getattr(model.state.presentation, entry))
+        _file(model, files, Presentation, entry, getattr(presentation, entry))
+    if any(getattr(presentation, entry) for entry in SEEN_ON):
+        _choice(model, "seen_white")
     _sliders(model, "display", Display, SURROUND)
     _sliders(model, "presentation", Presentation, PRESENTATION)
     for name in ("gamut", "edges", "dither"):
-        changed, chosen = widgets.choice(Display, name, getattr(model.state.setup.display, name))
-        if changed:
-            model.set_part("display", **{name: chosen})
+        _choice(model, name)
+
+
+def _choice(model: Model, name: str) -> None:
+    changed, chosen = widgets.choice(Display, name, getattr(model.state.setup.display, name))
+    if changed:
+        model.set_part("display", **{name: chosen})
 
 
 def _file(model: Model, files: FileActions, owner: type, entry: str, file: str) -> None:
@@ -82,21 +87,9 @@ def _light(model: Model) -> None:
     display = model.on_screen.setup.display
     known, by = luminance_of(display)
     _optional(model, "luminance_cd_m2", known, by)
-    try:
-        bare = Display(profile=display.profile)
-        darkest = DisplayModel.of(bare)
-        share = float(darkest.xyz_from_rgb[1] @ darkest.darkest)
-    except RelglossError:
-        share = 0.0
-    white = display.luminance_cd_m2 or known
-    by = "by its profile" if display.profile and takes_black(model) else "assumed"
-    _optional(model, "black_cd_m2", share * white, by)
+    black, by = black_of(display, display.luminance_cd_m2 or known)
+    _optional(model, "black_cd_m2", black, by)
     _sliders(model, "display", Display, {"reflected_cd_m2": OF_DISPLAY["reflected_cd_m2"]})
-
-
-def takes_black(model: Model) -> bool:
-    """Whether the display that pictures are drawn for has a profile."""
-    return takes(model.state, model.screen) or bool(model.state.setup.display.profile)
 
 
 def _optional(model: Model, name: str, known: float, by: str) -> None:

@@ -132,6 +132,7 @@ class App:
         self.files.each_frame()
         if self._monitor is not None:
             self._monitor.each_frame()
+        self.model.check_displays()
         self._tables.each_frame()
         self._note_hand()
         presentation = self.model.state.presentation

@@ -36,6 +36,7 @@ from relgloss_view.viewer.state.command_line import snapshot_command
 from relgloss_view.viewer.state.matching import as_displayed, with_plain_pack
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.packs import artwork_words, missing_plates, within_memory
+from relgloss_view.viewer.state.screens import name_of
 from relgloss_view.viewer.state.session import Autosave
 from relgloss_view.viewer.state.state import State
 
@@ -224,7 +225,10 @@ class FileActions:
             name = f"{safe_name(title)}.png"
             imgui.set_clipboard_text(snapshot_command(state, side, model.picture_size, name))
             width, height = model.picture_size
-            model.report(f"copied: the command that draws the {side} picture, {width}x{height}")
+            text = f"copied: the command that draws the {side} picture, {width}x{height}"
+            other = model.on_screen is not model.state
+            text += f", for {name_of(state.setup.display)}, not for this monitor" if other else ""
+            model.report(text)
 
         model.attempt(copy)
 

@@ -6,6 +6,8 @@ files, copied commands and the session keep the scene's.
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,10 +17,11 @@ from relgloss_view.base.errors import RelglossError
 from relgloss_view.base.reading import printable
 from relgloss_view.display.display import USUAL_CD_M2, Display
 from relgloss_view.display.icc_writing import is_srgb
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.display.monitor import Monitor
 from relgloss_view.display.read import monitor_of
 from relgloss_view.display.system.answer import NONE_NAMED
-from relgloss_view.viewer.state.state import THIS_MONITOR, State
+from relgloss_view.viewer.state.state import SIDES, THIS_MONITOR, State
 
 LONGEST_NAME = 60  #: characters
 
@@ -42,12 +45,31 @@ class Screen:
     calibration: Array | None = None
 
 
-def for_screen(state: State, screen: Screen) -> State:
+def unreadable_files(state: State) -> dict[str, str]:
+    """The files of a state's displays that can't be read now, with the reasons."""
+    presentation = state.presentation
+    files = state.setup.display.profile, *(presentation.seen_on(side) for side in SIDES)
+    faults = {}
+    for file in files:
+        try:
+            _ = monitor_of(file) if file else None
+        except RelglossError as error:
+            faults[file] = str(error)
+    return faults
+
+
+def for_screen(state: State, screen: Screen, without: Collection[str] = ()) -> State:
     """The state as the window draws it.
 
-    Where pictures are for this monitor and it has a profile, that takes the place of what the scene
-    declares. White luminance, black and reflected light stay: who sets them sees them here.
+    without: files that can't be read, which count as none. Where pictures are for this monitor and
+    it has a profile, that takes the place of what the scene declares. White luminance, black and
+    reflected light stay: who sets them sees them here.
     """
+    if without:
+        lost = {f"{s}_seen_on": "" for s in SIDES if state.presentation.seen_on(s) in without}
+        state = state.with_part("presentation", **lost)
+        if state.setup.display.profile in without:
+            state = state.with_part("display", profile="")
     if not takes(state, screen):
         return state
     return state.with_part("display", profile=screen.file)
@@ -94,6 +116,20 @@ def luminance_of(display: Display) -> tuple[float, str]:
     if monitor is not None and monitor.luminance_cd_m2 is not None:
         return monitor.luminance_cd_m2, "by its profile"
     return USUAL_CD_M2, "assumed"
+
+
+def black_of(display: Display, white_cd_m2: float) -> tuple[float, str]:
+    """Luminance of a display's black in cd/m2 by itself, and who gives it."""
+    bare = dataclasses.replace(
+        display, luminance_cd_m2=None, black_cd_m2=None, reflected_cd_m2=0.0, seen_on=""
+    )
+    try:
+        model = DisplayModel.of(bare)
+    except RelglossError:
+        return 0.0, "assumed"
+    share = float(model.xyz_from_rgb[1] @ model.darkest)
+    by = ("by its profile" if display.profile else "declared") if model.black_known else "assumed"
+    return share * white_cd_m2, by
 
 
 def screen_words(state: State, screen: Screen) -> tuple[str, str]:
