@@ -64,10 +64,12 @@ def run(args: argparse.Namespace) -> int:
     if args.stimuli is not None:
         folder = own_folder(args.stimuli, {MANIFEST: FORMAT}, "experiment export", alone=True)
     with scratch_folder() as lamps:
-        pool = read_pool(args.files, lamps)
+        pool = read_pool(args.files, lamps, pool_displays=True)  # a table analyses nothing
         for record in pool.records:
             for line in warnings(record.losses, record.path):
                 warn(line)
+        for line in pool.displays.beyond:
+            warn(line)
         written: dict[str, Any] = {}
         with together():
             if table is not None:
