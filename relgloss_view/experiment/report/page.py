@@ -232,7 +232,7 @@ def _displays(analysis: Analysis) -> str:
     rows = []
     first = next((d for d in displays.displays if d is not None), None)
     for number, display in enumerate(displays.displays, 1):
-        shown = [s for s in displays.shown_on if displays.number_of(s.display) == number - 1]
+        shown = [s for s in displays.shown_on if displays.place_of(s.display) == number - 1]
         answers = str(sum(s.answers for s in shown))
         files = ", ".join(dict.fromkeys(printable(s.path, 300) for s in shown))
         if display is None or first is None:

@@ -146,7 +146,7 @@ def display_numbers(displays: PooledDisplays) -> list[dict[str, Any] | None]:
         if display is None or first is None:
             rows.append(None)
             continue
-        shown = [s for s in displays.shown_on if displays.number_of(s.display) == number]
+        shown = [s for s in displays.shown_on if displays.place_of(s.display) == number]
         apart = dataclasses.asdict(difference(first, display))
         rows.append(
             {

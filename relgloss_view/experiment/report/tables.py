@@ -45,13 +45,14 @@ def answer_rows(pool: Pool) -> Iterable[CsvRow]:
     study = pool.study
     settings = study.grid.settings
     for record, observer, member in answerers(pool):
+        runs = {answer.run for answer in member.answers}
         shown_on = {
             run.id: (
-                pool.displays.number_of(run.display) + 1,
+                1 + (pool.displays.place_of(run.display) or 0),
                 "" if run.display is None else run.display.name,
             )
             for run in record.runs
-            if any(answer.run == run.id for answer in member.answers)
+            if run.id in runs
         }
         for answer in member.answers:
             trial = answer.trial

@@ -7,6 +7,7 @@ import itertools
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from relgloss_view.base.errors import InputError
@@ -46,10 +47,13 @@ class PooledDisplays:
     def _of_people(self) -> list[DisplayRecord | None]:
         return [s.display for s in self.shown_on if not s.simulated]
 
-    def number_of(self, display: DisplayRecord | None) -> int:
-        """The place of a display among `displays`, from 0."""
-        wanted = _identity(display)
-        return [_identity(own) for own in self.displays].index(wanted)
+    def place_of(self, display: DisplayRecord | None) -> int | None:
+        """The place of a display among `displays`, from 0; None where no answer has it."""
+        return self._places.get(_identity(display))
+
+    @cached_property
+    def _places(self) -> dict[DisplayRecord | None, int]:
+        return {_identity(display): at for at, display in enumerate(self.displays)}
 
     def _first_of_each(self) -> list[tuple[DisplayRecord | None, ShownOn]]:
         firsts: dict[DisplayRecord | None, ShownOn] = {}

@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from relgloss_view.display.display import Display
 from relgloss_view.display.kept_file import KeptFile, keep_file
@@ -51,6 +52,21 @@ class Sitting:
             return cls(display, DisplayRecord.of(display, origin))
         file = keep_file(display.profile)
         return cls(display, DisplayRecord.of(display, origin, file.digest), file)
+
+
+def display_of_record(
+    study: Study, record: DisplayRecord, files: Sequence[KeptFile], folder: Path
+) -> Display | None:
+    """The display that pictures were drawn for, to draw them again; None where its file is gone.
+
+    files: that the session keeps; they are put into `folder`.
+    """
+    if record.origin in (STUDY, ASSUMED):
+        return study.setup.display
+    for file in files:
+        if file.digest == record.digest:
+            return Sitting.of_file(study, file.put_into(folder), record.origin).display
+    return None
 
 
 def declares_screen(display: Display) -> bool:

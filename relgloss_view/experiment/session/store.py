@@ -30,6 +30,7 @@ from relgloss_view.experiment.session.records import (
     PERSON,
     Answer,
     Observer,
+    Run,
     damaged_rows,
     read_answers,
     read_details,
@@ -170,13 +171,13 @@ class Store:
     ) -> int:
         """Keep that a program starts to show pictures: on what device and screen; its number.
 
-        sitting: the display that pictures are drawn for. Its file takes the place of `profile`, and
-        is kept by the first run that has it.
+        profile: the monitor's, which pictures are not drawn for. sitting: the display that they are
+        drawn for; its file, where there is no `profile`, is kept by the first run that has it.
         """
         kept = dict(screen)
         if sitting is not None:
             kept[DISPLAY] = sitting.record.to_dict()
-            if sitting.file is not None:
+            if profile is None and sitting.file is not None:
                 profile = sitting.file.to_bytes()
                 if self._rows("SELECT 1 FROM run WHERE profile = ? LIMIT 1", profile):
                     profile = None
@@ -188,22 +189,26 @@ class Store:
             assert row.lastrowid is not None
         return row.lastrowid
 
-    def displays(self, observer: Observer | None = None) -> list[DisplayRecord | None]:
-        """Of the runs so far, of an observer or of all: the display that each was drawn for."""
-        assert self._connection is not None
-        with damaged_rows(self.path):
-            runs = list(read_runs(self._connection))
-        return [r.display for r in runs if observer is None or r.observer == observer.number]
+    def answered_displays(self, observer: Observer) -> list[DisplayRecord | None]:
+        """The displays of an observer's runs that have standing answers, None: not recorded."""
+        answered = {answer.run for answer in self.answers(observer)}
+        return [run.display for run in self._runs() if run.id in answered]
 
     def last_given_display(self) -> str | None:
         """The file that was last given with --display, put where drawing finds it; None: none."""
         assert self._connection is not None
-        given = [d for d in self.displays() if d is not None and d.origin == OPTION]
+        displays = [run.display for run in self._runs()]
+        given = [d.digest for d in displays if d is not None and d.origin == OPTION]
         if not given:
             return None
         with damaged_rows(self.path):
-            file = read_display_file(self._connection, given[-1].digest)
+            file = read_display_file(self._connection, given[-1])
         return None if file is None else file.put_into(self._folder)
+
+    def _runs(self) -> list[Run]:
+        assert self._connection is not None
+        with damaged_rows(self.path):
+            return list(read_runs(self._connection))
 
     def end_run(self, run: int) -> None:
         """Keep that the program ended by itself, and was not killed."""
