@@ -178,19 +178,21 @@ def _studies_on(pool: Pool, scratch: Path) -> list[Study]:
     """The study on each display of the pool; InputError where a display's file is not kept."""
     from relgloss_view.experiment.session.sitting import display_of_record
 
-    files = [file for record in pool.records for file in record.display_files]
+    by_path = {record.path: record for record in pool.records}
     studies = []
-    for record in pool.displays.displays:
-        if record is None:  # of an earlier version, which drew for the study's display
-            studies.append(pool.study)
+    for shown in pool.displays.first_of_each:
+        kept = by_path[shown.path]
+        if shown.display is None:  # of an earlier version, which drew for the study's display
+            studies.append(kept.study)
             continue
-        display = display_of_record(pool.study, record, files, scratch)
+        display = display_of_record(kept.study, shown.display, kept.display_files, scratch)
         if display is None:
             raise InputError(
-                f"the file of the display {printable(record.name, 60)!r} is not in the session: "
-                "its pictures can't be drawn again"
+                f"{printable(shown.path)}: the file of the display "
+                f"{printable(shown.display.name, 60)!r} is not in it, so that its pictures can't "
+                "be drawn again"
             )
-        studies.append(pool.study.shown_on(display))
+        studies.append(kept.study.shown_on(display))
     return studies
 
 

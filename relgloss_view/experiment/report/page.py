@@ -254,7 +254,7 @@ def _displays(analysis: Analysis) -> str:
             )
         )
     heads = (
-        "display", "name", "known", "white, cd/m2", "black, cd/m2", "white x, y",
+        "display", "name", "from", "white, cd/m2", "black, cd/m2", "white x, y",
         "reflected, cd/m2", "differs from the first", "answers", "files",
     )  # fmt: skip
     notes = [line for line in displays.notes if line not in displays.beyond]

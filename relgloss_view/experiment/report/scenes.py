@@ -46,7 +46,7 @@ def write_scenes(
     if not written:
         return {}
     lamp = _lamp_in(folder, study.setup.lamp)
-    display = _display_in(folder, study.setup.display)
+    display = _display_in(folder, study.setup.display, {*names.values(), of_reference})
     reference = _sample_in(folder, study.reference, of_reference)
     files = {}
     for label, choice in written.items():
@@ -96,13 +96,15 @@ def _sample_in(folder: Path, sample: Sample, name: str) -> Sample:
     return Sample(sample.material, file=str(file))
 
 
-def _display_in(folder: Path, display: Display) -> Display:
-    """The study's display as scenes in the folder name it."""
-    files = {
-        entry: keep_file(file).put_into(folder, entry)
-        for entry in DISPLAY_FILES
-        if (file := getattr(display, entry))
-    }
+def _display_in(folder: Path, display: Display, taken: set[str]) -> Display:
+    """The study's display as scenes in the folder name it; taken: names that its files can't have."""
+    files = {}
+    for entry in DISPLAY_FILES:
+        if file := getattr(display, entry):
+            stem = f"display-{entry}"
+            while stem in taken:
+                stem += "_"
+            files[entry] = keep_file(file).put_into(folder, stem)
     return dataclasses.replace(display, **files)  # type: ignore[arg-type]
 
 

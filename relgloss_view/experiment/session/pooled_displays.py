@@ -39,10 +39,10 @@ class PooledDisplays:
     shown_on: tuple[ShownOn, ...] = ()
     beyond: tuple[str, ...] = ()
 
-    @property
+    @cached_property
     def displays(self) -> tuple[DisplayRecord | None, ...]:
         """Each display once, in the order in which answers have it; None for an unknown one."""
-        return tuple(display for display, _ in self._first_of_each())
+        return tuple(shown.display for shown in self.first_of_each)
 
     def _of_people(self) -> list[DisplayRecord | None]:
         return [s.display for s in self.shown_on if not s.simulated]
@@ -55,11 +55,13 @@ class PooledDisplays:
     def _places(self) -> dict[DisplayRecord | None, int]:
         return {_identity(display): at for at, display in enumerate(self.displays)}
 
-    def _first_of_each(self) -> list[tuple[DisplayRecord | None, ShownOn]]:
+    @cached_property
+    def first_of_each(self) -> tuple[ShownOn, ...]:
+        """The first answers on each of `displays`."""
         firsts: dict[DisplayRecord | None, ShownOn] = {}
         for shown in self.shown_on:
             firsts.setdefault(_identity(shown.display), shown)
-        return [(shown.display, shown) for shown in firsts.values()]
+        return tuple(firsts.values())
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -112,14 +114,17 @@ def pooled_displays(records: Sequence[Record], *, pool_all: bool) -> PooledDispl
     Raises InputError otherwise, in a line that names both files, what differs and how to mend it.
     """
     made = PooledDisplays(displays_of(records))
-    each = [(display, shown) for display, shown in made._first_of_each() if display is not None]
+    each = [shown for shown in made.first_of_each if shown.display is not None]
     if len(each) > MOST_DISPLAYS:
         raise InputError(
-            f"{printable(each[-1][1].path)}: more than {MOST_DISPLAYS} different displays; "
+            f"{printable(each[-1].path)}: more than {MOST_DISPLAYS} different displays; "
             "analyse fewer files at once"
         )
     beyond = []
-    for (first, one), (second, other) in itertools.combinations(each, 2):
+    for one, other in itertools.combinations(each, 2):
+        first, second = one.display, other.display
+        assert first is not None
+        assert second is not None
         over = difference(first, second).beyond
         if over:
             line = f"{_who(one, other)}: {'; '.join(over)} ({first.words}; {second.words})"
