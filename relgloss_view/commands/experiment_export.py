@@ -102,9 +102,7 @@ def _write_answers(path: Path, pool: Pool) -> int:
     return len(rows)
 
 
-def _draw_stimuli(
-    folder: Path, pool: Pool, backend: str, scratch: Path
-) -> list[dict[str, Any]]:
+def _draw_stimuli(folder: Path, pool: Pool, backend: str, scratch: Path) -> list[dict[str, Any]]:
     """Draw the reference and every setting of every sample; what the manifest says of each.
 
     They are drawn for each display that observers saw them on: digital values are a display's own.
@@ -126,14 +124,14 @@ def _draw_stimuli(
     for record in pool.records:
         shown_on = {run.id: run.display for run in record.runs}
         for picture in record.pictures:
-            at = pool.displays.place_of(shown_on.get(picture.run))
-            if at is not None:
-                key = (at, picture.sample, picture.setting)
+            place = pool.displays.place_of(shown_on.get(picture.run))
+            if place is not None:
+                key = (place, picture.sample, picture.setting)
                 digests.setdefault(key, set()).add(picture.sha256)
     names = file_names([sample.label for sample in pool.study.samples])
     of_study: list[tuple[int | None, int | None]] = [(None, None)]
     of_study += [(k, j) for k in range(len(names)) for j in range(len(pool.study.grid))]
-    wanted = [(at, *pair) for at in range(len(studies)) for pair in of_study]
+    wanted = [(display, *pair) for display in range(len(studies)) for pair in of_study]
     stimuli = []
     with (
         open_renderer(backend) as renderer,

@@ -66,6 +66,8 @@ class KeptFile:
     @classmethod
     def from_dict(cls, content: Mapping[str, Any]) -> KeptFile:
         """The file of to_dict; ValueError for anything else."""
+        if not isinstance(content, Mapping) or set(content) != {"name", "data", "profile"}:
+            raise ValueError("display file")
         name, profile = content["name"], content["profile"]
         if not (isinstance(name, str) and len(name) <= MOST_NAME):
             raise ValueError("display file")
@@ -80,13 +82,10 @@ class KeptFile:
         """The file of to_bytes; ValueError for anything else."""
         if value[36:40] == PROFILE:
             return cls("display.icc", value)
-        content = parse_json(value.decode("utf-8"), 10)
-        if not isinstance(content, dict) or set(content) != {"name", "data", "profile"}:
-            raise ValueError("display file")
-        return cls.from_dict(content)
+        return cls.from_dict(parse_json(value.decode("utf-8"), 10))
 
     def put_into(self, folder: Path, stem: str = "") -> str:
-        """Write it into a folder, its profile beside it, and return the file's name with the folder.
+        """Write it into a folder, its profile beside it; the path of what was written.
 
         stem: of the names; from the digest by default. A file that lies there already stays.
         """
@@ -150,4 +149,7 @@ def _text(data: bytes) -> str:
 def _bytes(text: object) -> bytes:
     if not isinstance(text, str):
         raise ValueError("display file")
-    return base64.b64decode(text, validate=True)
+    try:
+        return base64.b64decode(text, validate=True)
+    except ValueError:
+        raise ValueError("display file") from None

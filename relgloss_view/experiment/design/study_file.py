@@ -207,7 +207,7 @@ def _grid(values: Mapping[str, Any]) -> Grid:
 
 
 def study_to_dict(study: Study) -> dict[str, Any]:
-    """The study as JSON holds it, whole: materials, a lamp's table and a display's files are inside.
+    """The study as JSON holds it, whole: materials, a lamp's table, a display's files are inside.
 
     Raises InputError where a display's file can't be read any more.
     """

@@ -26,6 +26,7 @@ from relgloss_view.experiment.report.glossary import terms
 from relgloss_view.experiment.report.plots import OVERVIEW, Plot
 from relgloss_view.experiment.report.results import counts_of
 from relgloss_view.experiment.session.display_difference import difference
+from relgloss_view.experiment.session.pool import Pool
 from relgloss_view.experiment.verdict.analysis import Analysis, SampleResult
 
 STYLE = """
@@ -75,7 +76,7 @@ def report_page(
             for result in analysis.samples
         ),
         _observers(analysis),
-        _displays(analysis),
+        displays_part(pool),
         "<h2>Glossary</h2>",
         "<dl>",
         *(f"<dt>{escape(term)}</dt><dd>{escape(said)}</dd>" for term, said in terms(analysis)),
@@ -226,9 +227,9 @@ def _observers(analysis: Analysis) -> str:
     return f'<h2>Observers</h2>\n<p class="muted">{kept}</p>\n{rows_as_table}'
 
 
-def _displays(analysis: Analysis) -> str:
+def displays_part(pool: Pool) -> str:
     """What the answers were given on: a display's gloss is its own."""
-    displays = analysis.pool.displays
+    displays = pool.displays
     rows = []
     first = next((d for d in displays.displays if d is not None), None)
     for number, display in enumerate(displays.displays, 1):

@@ -97,7 +97,10 @@ def _sample_in(folder: Path, sample: Sample, name: str) -> Sample:
 
 
 def _display_in(folder: Path, display: Display, taken: set[str]) -> Display:
-    """The study's display as scenes in the folder name it; taken: names that its files can't have."""
+    """The study's display as scenes in the folder name it.
+
+    taken: names that its files can't have.
+    """
     files = {}
     for entry in DISPLAY_FILES:
         if file := getattr(display, entry):

@@ -92,9 +92,7 @@ def difference(first: DisplayRecord, second: DisplayRecord) -> DisplayDifference
         dark = [record.table[BLACK, 1] for record in (first, second)]
         if min(dark) > 0.0:
             contrasts = (float(1.0 / dark[0]), float(1.0 / dark[1]))
-    return DisplayDifference(
-        float(np.mean(apart)), float(np.max(apart)), ratio, black, contrasts
-    )
+    return DisplayDifference(float(np.mean(apart)), float(np.max(apart)), ratio, black, contrasts)
 
 
 def _lab(record: DisplayRecord) -> np.ndarray:

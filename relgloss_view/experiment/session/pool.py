@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -71,7 +71,7 @@ class Pool:
     study: Study
     members: tuple[Member, ...]
     records: tuple[Record, ...]
-    displays: PooledDisplays = PooledDisplays()
+    displays: PooledDisplays = field(default_factory=PooledDisplays)
 
     @property
     def simulated(self) -> bool:

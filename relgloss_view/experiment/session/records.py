@@ -118,7 +118,9 @@ def read_record(path: Path, lamp_folder: Path) -> Record:
             runs=runs,
             pictures=tuple(_read_pictures(connection)),
             losses=opened.losses,
-            display_files=_display_files(connection, runs),
+            display_files=read_display_files(
+                connection, {run.display.digest for run in runs if run.display}
+            ),
         )
 
 
@@ -225,6 +227,7 @@ def read_answers(
 
 
 def read_runs(connection: sqlite3.Connection) -> Iterator[Run]:
+    """The runs of a session file, in their order."""
     rows = connection.execute(
         "SELECT id, observer, begun_utc, ended_utc, version, device, screen FROM run ORDER BY id"
     )
@@ -243,26 +246,24 @@ def read_runs(connection: sqlite3.Connection) -> Iterator[Run]:
         )
 
 
-def _display_files(connection: sqlite3.Connection, runs: Iterable[Run]) -> tuple[KeptFile, ...]:
-    digests = sorted({run.display.digest for run in runs if run.display and run.display.digest})
-    files = (read_display_file(connection, digest) for digest in digests)
-    return tuple(file for file in files if file is not None)
-
-
-def read_display_file(connection: sqlite3.Connection, digest: str) -> KeptFile | None:
-    """The file of a display that a run has kept, by its digest; None where none has."""
-    rows = connection.execute("SELECT profile FROM run WHERE profile IS NOT NULL ORDER BY id")
-    for (value,) in rows:
-        with contextlib.suppress(ValueError, KeyError, InputError):
-            file = KeptFile.from_bytes(value)
-            if file.digest == digest:
-                return file
-    return None
+def read_display_files(connection: sqlite3.Connection, digests: set[str]) -> tuple[KeptFile, ...]:
+    """The files of displays that runs have kept, those of some digests, each once."""
+    files: dict[str, KeptFile] = {}
+    if digests:
+        rows = connection.execute("SELECT profile FROM run WHERE profile IS NOT NULL ORDER BY id")
+        for (value,) in rows:
+            # A damaged file is none: its digest, which the record states, finds nothing.
+            with contextlib.suppress(ValueError, KeyError, TypeError, AttributeError, InputError):
+                file = KeptFile.from_bytes(value)
+                if file.digest in digests:
+                    files.setdefault(file.digest, file)
+    return tuple(files.values())
 
 
 def _read_pictures(connection: sqlite3.Connection) -> Iterator[Picture]:
     rows = connection.execute(
-        "SELECT sample, setting, sha256, device, first_run FROM picture ORDER BY sample, setting, rowid"
+        "SELECT sample, setting, sha256, device, first_run FROM picture "
+        "ORDER BY sample, setting, rowid"
     )
     for sample, setting, sha256, device, run in rows:
         yield Picture(

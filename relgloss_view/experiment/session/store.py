@@ -34,7 +34,7 @@ from relgloss_view.experiment.session.records import (
     damaged_rows,
     read_answers,
     read_details,
-    read_display_file,
+    read_display_files,
     read_observers,
     read_runs,
     read_study,
@@ -202,8 +202,8 @@ class Store:
         if not given:
             return None
         with damaged_rows(self.path):
-            file = read_display_file(self._connection, given[-1])
-        return None if file is None else file.put_into(self._folder)
+            files = read_display_files(self._connection, {given[-1]})
+        return files[0].put_into(self._folder) if files else None
 
     def _runs(self) -> list[Run]:
         assert self._connection is not None

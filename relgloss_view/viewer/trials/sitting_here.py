@@ -43,9 +43,7 @@ def sitting_here(
     return SittingHere(sitting, tuple(lines))
 
 
-def _system_record(
-    store: Store, of_system: str | None
-) -> tuple[DisplayRecord | None, list[str]]:
+def _system_record(store: Store, of_system: str | None) -> tuple[DisplayRecord | None, list[str]]:
     if of_system is None:
         return None, []
     try:

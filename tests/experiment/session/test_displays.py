@@ -6,19 +6,25 @@ import json
 
 import numpy as np
 import pytest
-from cases import answer, started, study, to_trial
+from cases import Clock, answer, started, study, to_trial
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.cli import main
 from relgloss_view.display.display import Display
 from relgloss_view.display.icc_writing import matrix_profile, srgb_profile
 from relgloss_view.display.record import ASSUMED, OPTION, STUDY, SYSTEM, DisplayRecord
 from relgloss_view.experiment.design.grid import Grid
+from relgloss_view.experiment.design.stimuli import digest_of, draw_reference
 from relgloss_view.experiment.design.study_file import (
     load_study,
     study_digest,
     study_from_dict,
     study_to_dict,
 )
+from relgloss_view.experiment.report import sentences
+from relgloss_view.experiment.report.page import displays_part
+from relgloss_view.experiment.report.results import display_numbers
+from relgloss_view.experiment.report.tables import ANSWER_COLUMNS, answer_rows
 from relgloss_view.experiment.session.display_difference import (
     MOST_BLACK_LSTAR,
     MOST_LUMINANCE_RATIO,
@@ -65,8 +71,7 @@ def sit(file, made, sitting, name=None, answers=1):
 def _begun(store, sitting, name):
     observer = store.observer(name)
     run = store.begin_run(observer, "device", {"platform": "test"}, sitting=sitting)
-    clock = started.__globals__["Clock"]()
-    flow = Flow(store, observer, run, clock)
+    flow = Flow(store, observer, run, Clock())
     to_trial(flow)
     return flow
 
@@ -77,9 +82,11 @@ def _begun(store, sitting, name):
 def test_the_record_is_what_srgb_emits():
     """Against the matrix and the curve of IEC 61966-2-1, as the standard prints them."""
     kept = record(luminance_cd_m2=120.0, reflected_cd_m2=0.0)
-    matrix = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+    matrix = np.array(
+        [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
+    )
     half = ((0.5 + 0.055) / 1.055) ** 2.4
-    place = [k for k in range(125) if k == 2 * 25 + 4 * 5 + 0][0]  # (0.5, 1, 0)
+    place = 2 * 25 + 4 * 5  # (0.5, 1, 0)
     assert np.allclose(kept.table[place], matrix @ [half, 1.0, 0.0], atol=2e-4)
     assert kept.white_xy == (0.3127, 0.329)
     assert (kept.luminance_cd_m2, kept.luminance_known) == (120.0, True)
@@ -175,9 +182,7 @@ def test_the_place_of_a_profile_does_not_count_but_its_content(profiles, tmp_pat
     for name in ("srgb", "again", "p3"):
         file = tmp_path / f"{name}.toml"
         relative = profiles[name].removeprefix(f"{tmp_path}/")
-        file.write_text(
-            f'[[samples]]\nname = "uncoated"\n[display]\nprofile = "{relative}"\n'
-        )
+        file.write_text(f'[[samples]]\nname = "uncoated"\n[display]\nprofile = "{relative}"\n')
         digests.append(study_digest(study_to_dict(load_study(file))))
     assert digests[0] == digests[1] != digests[2]
 
@@ -309,3 +314,45 @@ def test_one_observer_on_two_displays(profiles, tmp_path):
     sit(file, made, Sitting.of_file(made, profiles["p3"], OPTION), "O1")
     with pytest.raises(InputError, match="O1 continued on a display that differs too much"):
         read_pool([file], tmp_path)
+
+
+# --- what is made of it ---------------------------------------------------------------------------
+
+
+def test_reports_name_each_display(tmp_path):
+    files = two_files(tmp_path, Display(luminance_cd_m2=100.0), Display(luminance_cd_m2=300.0))
+    pool = read_pool(files, tmp_path, pool_displays=True)
+    lines = sentences.displays(pool)
+    assert lines[0].startswith("display 1: sRGB (of the study), 100 cd/m2")
+    assert lines[1].startswith("display 2: sRGB (of the study), 300 cd/m2")
+    assert "pooled all the same" in lines[2]
+    first, second = display_numbers(pool.displays)
+    assert (first["answers"], second["answers"]) == (1, 1)
+    assert second["from_the_first"]["luminance_ratio"] == pytest.approx(3.0)
+    rows = [dict(zip(ANSWER_COLUMNS, row, strict=True)) for row in answer_rows(pool)]
+    assert [(row["display"], row["display_name"]) for row in rows] == [(1, "sRGB"), (2, "sRGB")]
+    page = displays_part(pool)
+    assert "ratio of white luminances 3" in page
+    assert "Perceived gloss belongs to a display" in page
+
+
+def test_stimuli_are_drawn_again_for_each_display(tmp_path, renderer):
+    """And each is compared with what was shown on that display alone."""
+    made = study(grid=Grid((0.0,), (1.0,)), size_px=64)
+    srgb = Sitting.of_study(made)
+    half = Sitting.of_study(made.shown_on(Display(transfer="gain-offset-gamma", gamma=3.0)))
+    for name, sitting in (("O1", srgb), ("O2", half)):
+        on = made.shown_on(sitting.display)
+        own = tmp_path / f"{name}.sqlite"
+        sit(own, on, sitting, name)
+        with Store(own) as store:
+            frame = draw_reference(renderer, on)
+            store.keep_picture(1, None, None, digest_of(frame), frame.device, {})
+    files = [str(tmp_path / f"{name}.sqlite") for name in ("O1", "O2")]
+    assert main(["experiment", "export", *files, "--stimuli", str(tmp_path / "out")]) == 0
+    manifest = json.loads((tmp_path / "out" / "manifest.json").read_text())
+    references = [s for s in manifest["stimuli"] if s["sample"] is None]
+    assert [s["display"] for s in references] == [0, 1]
+    assert [s["as_shown"] for s in references] == [True, True]
+    assert references[0]["sha256"] != references[1]["sha256"]
+    assert [d["name"] for d in manifest["displays"]] == ["sRGB", "declared, gamma 3"]
