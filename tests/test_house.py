@@ -151,7 +151,7 @@ TWINS = {
     "tone.glsl": ("picture/model/tone.py", {"on_object"}),
     "approximations.glsl": ("material/approximations.py", set()),
     "lamp_size.glsl": ("picture/model/lights.py", {"sized"}),
-    "difference.glsl": ("picture/model/difference.py", set()),
+    "difference.glsl": ("material/difference.py", set()),
 }
 
 
@@ -306,7 +306,7 @@ REPLACING = {
     "measure/readers/aspecular.py",
     "measure/readers/astm_e1392.py",
     "measure/readers/spectral_columns.py",
-    "measure/readers/cells.py",
+    "base/cells.py",
     "measure/readers/csv_table.py",
     "measure/readers/header.py",
     "measure/readers/headings.py",

@@ -15,3 +15,5 @@ UInts = NDArray[np.uint32]  #: 32 bits, as GLSL's uint
 Bytes = NDArray[np.uint8]  #: digital values of 8 bits, or bytes of a file
 Digital = NDArray[np.uint8] | NDArray[np.uint16]  #: digital values of 8 or 16 bits
 AnyArray = NDArray[Any]  #: whatever type a file or a device gives
+#: Red, green and blue of one colour.
+Rgb = tuple[float, float, float]

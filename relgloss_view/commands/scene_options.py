@@ -329,7 +329,7 @@ def scene_words_of(args: argparse.Namespace) -> list[str]:
 def _values(args: argparse.Namespace) -> dict[str, Any]:
     """The values of the options that were given, by flag."""
     values = {o.flag: getattr(args, o.name) for o in OPTIONS if hasattr(args, o.name)}
-    return {flag: value for flag, value in values.items() if value not in (MATCHED, MAX)}
+    return {f: value for f, value in values.items() if f != "--c" or value not in (MATCHED, MAX)}
 
 
 def wants_match(args: argparse.Namespace, look: Look) -> bool:

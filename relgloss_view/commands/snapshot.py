@@ -49,10 +49,12 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Draw, write, and print the sample and its setting."""
+    from relgloss_view.display.model import DisplayModel
     from relgloss_view.picture.model.pixel_sampling import sample_count
     from relgloss_view.picture.output.export import check_suffix, save_frame
     from relgloss_view.picture.output.parameters import SPLIT, parameters, warnings
     from relgloss_view.picture.peak import check_picture
+    from relgloss_view.picture.seen import seen_words
     from relgloss_view.quality.backends import open_renderer
 
     output = check_suffix(args.output)
@@ -95,6 +97,9 @@ def run(args: argparse.Namespace) -> int:
     marks = scene.marks
     sample += f" ({marks})" if marks else ""
     print(f"{printable(output)}: {sample}, {settings}")
+    seen = DisplayModel.of(scene.display).seen
+    if seen is not None:
+        print(f"  {seen_words(seen)}")
     if picture is not None:
         print(f"  {match_words(picture, frame)}")
     elif operator.uses_c and look.c is None and look.c_fraction is None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.parameters import Checked, choice, file_name, parameter
+from relgloss_view.display.seen import ABSOLUTE, SEEN_WHITES
 
 TRANSFERS = ("srgb", "gain-offset-gamma")
 GAMUTS = ("chroma", "clip")  #: reduce chroma at held L* and hue, or cut RGB
@@ -15,6 +16,8 @@ EDGES = ("sampled", "smooth")  #: of silhouettes: what a pixel's sample meets, o
 DITHERS = ("none", "ordered")
 MIN_GAMUT_AREA = 1e-3  #: twice the triangle's area in the xy diagram; sRGB has 0.22
 USUAL_CD_M2 = 100.0  #: luminance of a white of which nothing is known
+#: Of white. A black of more leaves no range in which a picture could be shown.
+MOST_BLACK = 0.99
 
 
 def _is_table(value: object, rows: int) -> bool:
@@ -29,6 +32,27 @@ def _is_xy(value: object) -> bool:
         return False
     x, y = value
     return bool(x >= 0.0 and y > 0.0 and x + y <= 1.0)
+
+
+def check_black(black_cd_m2: float, luminance_cd_m2: float, *, known: bool) -> None:
+    """InputError where a display's white is hardly brighter than its black.
+
+    known: whether the luminance of white is stated somewhere.
+
+    >>> check_black(120.0, 100.0, known=False)
+    Traceback (most recent call last):
+    ...
+    relgloss_view.base.errors.InputError: display.black_cd_m2: expected less than 99 % of white, \
+which is assumed to have 100 cd/m2 (display.luminance_cd_m2 states it), found 120
+    """
+    if black_cd_m2 > MOST_BLACK * luminance_cd_m2:
+        has = f"has {luminance_cd_m2:g} cd/m2"
+        if not known:
+            has = f"is assumed to {has.replace('has', 'have')} (display.luminance_cd_m2 states it)"
+        raise InputError(
+            f"display.black_cd_m2: expected less than {100 * MOST_BLACK:g} % of white, which "
+            f"{has}, found {black_cd_m2:g}"
+        )
 
 
 @dataclass(frozen=True)
@@ -48,14 +72,16 @@ class Display(Checked):
 
     profile: a file that says what the monitor shows: an ICC profile, or a display file. It takes
     the place of transfer, gain, offset, gamma, flare and chromaticities. "" where those say it.
-    luminance_cd_m2: of white; None where the profile says it, or nobody knows (USUAL_CD_M2).
-    black_cd_m2: what the monitor shows at black; None where the profile says it. reflected_cd_m2:
-    light of the room that the screen reflects, everywhere. seen_on: a file like `profile`, of
-    another monitor: this one shows what that one would.
+    luminance_cd_m2: of white, as an instrument on the screen reads it; None where the profile says
+    it, or nobody knows (USUAL_CD_M2). black_cd_m2: what the monitor emits at digital 0; None where
+    the profile says it, or offset and flare do. reflected_cd_m2: light of the room that the screen
+    reflects, everywhere; it adds to both (DisplayModel). seen_on: a file like `profile`, of
+    another monitor: this one shows what that one would. seen_white: in the same cd/m2, or so that
+    the other's white just fits.
 
     Edges and dither change digital values only: no measured number, and no 16-bit value by dither.
-    `for_the_eye` has both. Raises InputError where a value is out of its range or the primaries
-    lie on a line.
+    `for_the_eye` has both. Raises InputError where a value is out of its range, the primaries lie
+    on a line, or white is hardly brighter than black.
 
     >>> Display(transfer="gain-offset-gamma", gamma=2.4).white_xy
     (0.3127, 0.329)
@@ -138,6 +164,15 @@ class Display(Checked):
         option="--seen-on",
         label="Seen on",
     )
+    seen_white: str = choice(
+        ABSOLUTE,
+        SEEN_WHITES,
+        "how bright the other display of --seen-on is shown. absolute: in the same cd/m2; matched: "
+        "so that its white just fits into this display's",
+        option="--seen-white",
+        label="The other's white",
+        later=True,
+    )
 
     @property
     def pixel_arcmin(self) -> float:
@@ -165,6 +200,10 @@ class Display(Checked):
         area = (gx - rx) * (by - ry) - (bx - rx) * (gy - ry)
         if abs(area) < MIN_GAMUT_AREA:
             raise InputError("display.primaries_xy: the three primaries lie on a line")
+        luminance = self.luminance_cd_m2
+        if self.black_cd_m2 is not None and (luminance is not None or not self.profile):
+            known = luminance is not None
+            check_black(self.black_cd_m2, luminance or USUAL_CD_M2, known=known)
 
     def for_the_eye(self) -> Display:
         """The display with smooth silhouettes and dither, as new pictures are shown.

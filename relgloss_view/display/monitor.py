@@ -27,6 +27,9 @@ class Emission(Protocol):
     def digital(self, light: Array) -> Array:
         """(N, 3), 0 to 1, of light (N, 3): those that show what is nearest to it."""
 
+    def reach(self, light: Array) -> Array:
+        """(N,) whether some digital values show light (N, 3)."""
+
 
 @dataclass(frozen=True, eq=False)
 class Curves:
@@ -43,6 +46,29 @@ class Curves:
         """(N, 3) of light (N, 3)."""
         return np.stack([c.digital(light[:, k]) for k, c in enumerate(self.curves)], axis=1)
 
+    def reach(self, light: Array) -> Array:
+        """(N,) whether some digital values show light (N, 3): whether it is from 0 to 1."""
+        slack = 1e-6  # of float32
+        return np.asarray(((light >= -slack) & (light <= 1.0 + slack)).all(axis=1))
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """The numbers of a fitted model, from which curves, matrix and white follow exactly.
+
+    kind: "gain-offset-gamma" (Berns 1996) or "curves". xyz_from_rgb: 3 rows. floor: as Monitor has
+    it. offset, gamma: of each channel, for the first kind: light = ((1 - offset) d + offset)^gamma,
+    less what that is at 0, and 1 at 1. samples: of each channel for the second kind, the light at
+    evenly spaced digital values, straight between them.
+    """
+
+    kind: str
+    xyz_from_rgb: tuple[tuple[float, float, float], ...]
+    floor: tuple[float, float, float]
+    offset: tuple[float, ...] = ()
+    gamma: tuple[float, ...] = ()
+    samples: tuple[tuple[float, ...], ...] = ()
+
 
 @dataclass(frozen=True, eq=False)
 class Monitor:
@@ -53,7 +79,13 @@ class Monitor:
     xyz_from_rgb @ (floor + (1 - floor) * emission.light(d)).
     luminance_cd_m2: of white; None where nothing says it. black_known: whether the source says what
     black shows; floor is 0 otherwise. notes: what is missing or surprises, for people. icc: the
-    profile that pictures for this screen embed; None where it is made of the rest.
+    profile that pictures for this screen embed; None where it is made of the rest. calibration:
+    (3, n), the video card's curves that the source supposes, values out for values evenly spaced
+    over 0 to 1; None where it supposes none.
+
+    black_cd_m2, reflected_cd_m2: what a display file sets instead of what the model has; a scene's
+    own entries come before them. fitted: the numbers of a model from readings. verdict: of its fit,
+    "good" or "poor"; "" where nothing was fitted. beside: further files that it was read from.
     """
 
     name: str
@@ -66,11 +98,22 @@ class Monitor:
     black_known: bool = False
     notes: tuple[str, ...] = ()
     icc: bytes | None = None
+    calibration: Array | None = None
+    black_cd_m2: float | None = None
+    reflected_cd_m2: float = 0.0
+    fitted: Numbers | None = None
+    verdict: str = ""
+    beside: tuple[str, ...] = ()
 
     def xyz(self, digital: Array) -> Array:
         """XYZ (N, 3) of digital values (N, 3), relative to white at Y = 1."""
         rgb = self.floor + (1.0 - self.floor) * self.emission.light(digital)
         return np.asarray(rgb @ self.xyz_from_rgb.T)
+
+    def digital(self, xyz: Array) -> Array:
+        """Digital values (N, 3), 0 to 1, of XYZ (N, 3): those that show what is nearest to it."""
+        rgb = np.linalg.solve(self.xyz_from_rgb, xyz.T).T
+        return self.emission.digital((rgb - self.floor) / (1.0 - self.floor))
 
 
 def with_black(matrix: Array, black_xyz: Array) -> tuple[Array, Array]:

@@ -8,12 +8,15 @@ from collections import OrderedDict
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.icc.profile import MOST_BYTES
 from relgloss_view.base.reading import read_bytes
+from relgloss_view.base.shell import command_line, operand
+from relgloss_view.display.display_file import is_display_file, read_display
 from relgloss_view.display.icc_monitor import monitor_of_profile
 from relgloss_view.display.monitor import Monitor
+from relgloss_view.display.readings import is_readings
 
 EXPECTED = "an ICC profile or a display file"
 KEPT = 16
-_READ: OrderedDict[str, tuple[tuple[int, int], Monitor]] = OrderedDict()
+_READ: OrderedDict[str, tuple[tuple[tuple[int, int] | None, ...], Monitor]] = OrderedDict()
 
 
 def monitor_of(path: str) -> Monitor:
@@ -21,25 +24,38 @@ def monitor_of(path: str) -> Monitor:
 
     The same object is returned while the file is the same. Raises InputError where it is neither.
     """
-    try:
-        state = os.stat(path)
-        stamp = state.st_mtime_ns, state.st_size
-    except (OSError, ValueError):
-        if path in _READ:
-            return _READ[path][1]
-        stamp = (0, 0)
-    if path in _READ and _READ[path][0] == stamp:
-        _READ.move_to_end(path)
-        return _READ[path][1]
+    stamp = _stamp(path)
+    if path in _READ:
+        before, monitor = _READ[path]
+        if stamp is None or before == (stamp, *(_stamp(p) for p in monitor.beside)):
+            _READ.move_to_end(path)
+            return monitor
     monitor = _read(path)
     while len(_READ) >= KEPT:
         _READ.popitem(last=False)
-    _READ[path] = stamp, monitor
+    _READ[path] = (stamp, *(_stamp(p) for p in monitor.beside)), monitor
     return monitor
+
+
+def _stamp(path: str) -> tuple[int, int] | None:
+    """Time and size of a file; None where it is gone."""
+    try:
+        state = os.stat(path)
+    except (OSError, ValueError):
+        return None
+    return state.st_mtime_ns, state.st_size
 
 
 def _read(path: str) -> Monitor:
     data = read_bytes(path, MOST_BYTES, EXPECTED)
+    if is_display_file(data):
+        return read_display(path)
+    if data[36:40] != b"acsp" and is_readings(data):
+        words = ["relgloss", "display", operand(path), "-o", "monitor.toml"]
+        raise InputError(
+            f"{path}: these are readings of a display; fit a model to them, and give its file: "
+            f"{command_line(words)}"
+        )
     try:
         return monitor_of_profile(data, os.path.basename(path))
     except ValueError as error:

@@ -16,7 +16,6 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.parameters import choice, parameter, switch
 from relgloss_view.operators.operator import (
-    DISPLAY_CD_M2,
     Displayed,
     LightOperator,
     SceneLight,
@@ -118,15 +117,16 @@ class Multiscale(LightOperator):
     local: float = parameter(
         0.5, 0.0, 1.0, "", "A: 0 adapts to the picture's mean, 1 to each place"
     )
-    display_cd_m2: float = parameter(
-        DISPLAY_CD_M2, 1.0, 1e5, "cd/m2", "luminance of the display's white"
+    display_cd_m2: float | None = parameter(
+        None, 1.0, 1e5, "cd/m2", "luminance of the display's white; none takes the display's own"
     )
-    display_mean_cd_m2: float = parameter(
-        0.5 * DISPLAY_CD_M2,
+    display_mean_cd_m2: float | None = parameter(
+        None,
         0.01,
         1e5,
         "cd/m2",
-        "luminance that the display's observer is adapted to",
+        "luminance that the display's observer is adapted to; none takes half of the display's own "
+        "white",
     )
     white: str = choice(
         "display",
@@ -155,12 +155,14 @@ class Multiscale(LightOperator):
         frequency = self.pixels_per_degree or light.pixels_per_degree
         adapted = responses(planes, frequency, self.local, rods=self.rods, in_place=True)
         del planes
-        back = cone_gain(CONES @ light.display.white * self.display_mean_cd_m2)
+        white_cd_m2 = self.display_cd_m2 or light.display_white_cd_m2
+        mean_cd_m2 = self.display_mean_cd_m2 or 0.5 * light.display_white_cd_m2
+        back = cone_gain(CONES @ light.display.white * mean_cd_m2)
         below = 0
 
         def xyz_of(part: SceneLight) -> Array:
             nonlocal below
-            cones = adapted[:, part.rows] / (back * self.display_cd_m2)[:, None, None]
+            cones = adapted[:, part.rows] / (back * white_cd_m2)[:, None, None]
             xyz = np.moveaxis(np.tensordot(np.linalg.inv(CONES), cones, axes=1), 0, -1)
             xyz = xyz[part.on_object]
             below += int(np.sum(np.any(xyz < -1e-9, axis=-1)))

@@ -25,8 +25,6 @@ from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.view import View
 
-#: cd/m2 of the display's white, where an operator needs to know (science: sRGB at 100 cd/m2).
-DISPLAY_CD_M2 = 100.0
 #: Of a picture. What is computed from one pixel takes some 300 bytes.
 PIXELS_AT_A_TIME = 1 << 16
 
@@ -89,6 +87,11 @@ class SceneLight:
     def xyz_cd_m2(self) -> Array:
         """(H, W, 3), all light together, Y in cd/m2; computed anew, 24 bytes a pixel."""
         return self._sum(slice(None))
+
+    @property
+    def display_white_cd_m2(self) -> float:
+        """Luminance of the display's white; the usual 100 cd/m2 where nobody knows it."""
+        return self.display.luminance_cd_m2
 
     @property
     def display_xyz(self) -> Array:
@@ -205,7 +208,7 @@ def show_rgb(
     def shown(part: SceneLight) -> tuple[Array, Mask, Mask]:
         rgb, out_of_gamut = rgb_of(part)
         clipped = np.any(rgb > 1.0 + tone.GAMUT_TOLERANCE, axis=-1)
-        return np.clip(rgb, 0.0, 1.0), clipped, out_of_gamut
+        return np.clip(rgb, light.display.lowest, 1.0), clipped, out_of_gamut
 
     return _compose(operator, light, shown)
 
@@ -228,11 +231,11 @@ def _compose(operator: str, light: SceneLight, shown_of: ShownOf) -> Displayed:
     for rows in rows_at_a_time(light.shape):
         part = light.part(rows)
         seen = part.on_object
-        picture = np.full((*seen.shape, 3), display.background_light)
+        picture = np.full((*seen.shape, 3), display.background_rgb)
         if np.any(seen):
             rgb, clipped[rows][seen], out_of_gamut[rows][seen] = shown_of(part)
             share = part.coverage[seen].astype(np.float64)[:, None]
-            picture[seen] = share * rgb + (1.0 - share) * display.background_light
+            picture[seen] = share * rgb + (1.0 - share) * display.background_rgb
         if at_once is not None:
             at_once.add(picture)
         else:

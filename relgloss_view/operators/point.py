@@ -12,7 +12,6 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.parameters import parameter
 from relgloss_view.operators.operator import (
-    DISPLAY_CD_M2,
     Displayed,
     LightOperator,
     SceneLight,
@@ -30,9 +29,13 @@ class PointOperator(LightOperator):
     Where the result is outside the display's gamut it is mapped as every operator's is.
     """
 
-    display_cd_m2: float = parameter(
-        DISPLAY_CD_M2, 1.0, 1e5, "cd/m2", "luminance of the display's white"
+    display_cd_m2: float | None = parameter(
+        None, 1.0, 1e5, "cd/m2", "luminance of the display's white; none takes the display's own"
     )
+
+    def white_cd_m2(self, light: SceneLight) -> float:
+        """Luminance of the display's white: as it is set, or as the display's is known."""
+        return self.display_cd_m2 or light.display_white_cd_m2
 
     @abstractmethod
     def curve(self, luminance: Array, light: SceneLight) -> Curve:

@@ -55,11 +55,12 @@ class TumblinRushmeier(PointOperator):
         """See PointOperator."""
         scene = light.adaptation_cd_m2 * 10.0**self.adaptation_offset
         alpha_w, beta_w = brightness_law(scene)
-        alpha_d, beta_d = brightness_law(self.display_cd_m2 / math.sqrt(self.contrast))
+        white = self.white_cd_m2(light)
+        alpha_d, beta_d = brightness_law(white / math.sqrt(self.contrast))
 
         def shown(luminance: Array) -> Array:
             log_shown = alpha_w * np.log10(luminance / LAMBERT_CD_M2) + beta_w - beta_d
             shown_cd_m2 = LAMBERT_CD_M2 * 10.0 ** np.minimum(log_shown / alpha_d, 100.0)
-            return np.asarray(shown_cd_m2 / self.display_cd_m2 - 1.0 / self.contrast)
+            return np.asarray(shown_cd_m2 / white - 1.0 / self.contrast)
 
         return shown

@@ -32,5 +32,6 @@ class Ward(PointOperator):
 
     def curve(self, luminance: Array, light: SceneLight) -> Curve:
         """See PointOperator."""
-        scale = contrast_scale(light.adaptation_cd_m2, self.display_cd_m2)
-        return lambda luminance: luminance * (scale / self.display_cd_m2)
+        white = self.white_cd_m2(light)
+        scale = contrast_scale(light.adaptation_cd_m2, white)
+        return lambda luminance: luminance * (scale / white)

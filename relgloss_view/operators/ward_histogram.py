@@ -134,12 +134,13 @@ class WardHistogram(PointOperator):
             lit = light.on_object & (whole > 0.0)
             adaptation, weights = whole[lit], light.coverage[lit].astype(np.float64)
         samples = np.log(np.maximum(adaptation, DARKEST_CD_M2))
-        top = math.log(self.display_cd_m2)
+        white = self.white_cd_m2(light)
+        top = math.log(white)
         display_log = (top - math.log(self.contrast), top)
         human = self.ceiling == "human"
         tone_curve = adjusted_curve(samples, weights, display_log, human=human)
         if tone_curve is None:
-            factor = self._factor(samples, weights, display_log)
+            factor = self._factor(samples, weights, display_log) / white
             return lambda luminance: luminance * factor
 
         def shown(luminance: Array) -> Array:
@@ -153,10 +154,10 @@ class WardHistogram(PointOperator):
         return shown
 
     def _factor(self, samples: Array, weights: Array, display_log: tuple[float, float]) -> float:
-        """Display luminance, relative to its white, over scene luminance."""
+        """Display luminance over scene luminance."""
         middle = math.exp(0.5 * sum(display_log))
         mean = math.exp(float(np.average(samples, weights=weights)))
         if self.ceiling == "human":
             seen = visible_difference(np.array([middle, mean]))
-            return float(seen[0] / seen[1]) / self.display_cd_m2
-        return middle / mean / self.display_cd_m2
+            return float(seen[0] / seen[1])
+        return middle / mean

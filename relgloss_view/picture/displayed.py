@@ -64,7 +64,8 @@ class Displayed:
     @cached_property
     def lab(self) -> Array:
         """(H, W, 3), L*, a*, b* of the displayed picture, relative to the display's white."""
-        return tone.lab_from_xyz(self.light @ self.display.xyz_from_rgb.T, self.display.white)
+        light = tone.as_shown(self.light, self.display)
+        return tone.lab_from_xyz(light @ self.display.xyz_from_rgb.T, self.display.white)
 
 
 class Digitised:
@@ -105,7 +106,7 @@ def shown_light(frame: Frame | Part, light: Floats) -> tuple[Array, Mask]:
 
     light: with the frame's samples; smooth silhouettes are mixed in where the frame has them.
     """
-    background = DisplayModel.of(frame.scene.display).background_light
+    background = DisplayModel.of(frame.scene.display).background_rgb
     picture, on_object = np.asarray(light, dtype=np.float64), frame.on_object
     if frame.edges is None:
         return picture, on_object
@@ -118,11 +119,14 @@ def cut_out(frame: Frame | Part, light: Floats) -> tuple[Array, Array]:
     light: linear, with the frame's samples, over the surround. A is the share of the pixel that the
     object covers, by smooth silhouettes where the frame has them. RGB is premultiplied by A (Porter
     and Duff 1984), so that RGB + (1 - A) times the surround's light is the picture as it shows.
+    Where the object is black, RGB is the display's black, reflected light included.
     """
-    background = DisplayModel.of(frame.scene.display).background_light
+    display = DisplayModel.of(frame.scene.display)
+    background = display.background_rgb
     on_object = frame.on_object
     share = np.where(on_object, frame.coverage, 0.0).astype(np.float64)
-    over = np.asarray(light, dtype=np.float64) - (1.0 - share[..., None]) * background
+    shown = tone.as_shown(np.asarray(light, dtype=np.float64), display)
+    over = shown - (1.0 - share[..., None]) * background
     picture = np.where(on_object[..., None], np.maximum(over, 0.0), 0.0)
     if frame.edges is None:
         return picture, share

@@ -255,11 +255,15 @@ class ReferenceStages:
         shown, inside = tone.display_rgb(lab, display)
         light = np.where(
             seen,
-            covered * shown + (1.0 - covered) * display.background_light,
-            display.background_light,
+            covered * shown + (1.0 - covered) * display.background_rgb,
+            display.background_rgb,
         )
         flags = np.where(
-            seen[..., 0], (lab[..., 0] > 100.0 + tone.CLIP_TOLERANCE) + 2 * ~inside, 0
+            seen[..., 0],
+            (lab[..., 0] > 100.0 + tone.CLIP_TOLERANCE)
+            + 2 * ~inside
+            + 4 * tone.cut_by_screen(shown, display),
+            0,
         ).astype(np.uint8)
         return {
             "split": np.where(seen, split, (tone.OFF_OBJECT, 0.0, 0.0, 0.0)),
@@ -281,7 +285,7 @@ class ReferenceStages:
             edges = self._edges
             edges = edges[(edges[:, 1] >= more.start) & (edges[:, 1] < more.stop)]
             edges = edges - (0.0, float(more.start), 0.0)
-            light, shows = smoothed(light, shows, edges, model.background_light)
+            light, shows = smoothed(light, shows, edges, model.background_rgb)
         dithered = shows[own] if display.dither == "ordered" else None
         steps = tone.digital_steps(light[own], model, dithered, height - rows.stop)
         return {"display": np.concatenate([steps, 255.0 - stages["flags"][own]], axis=-1)}

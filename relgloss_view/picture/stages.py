@@ -97,6 +97,11 @@ class Stages:
         """(H, W), where chroma is reduced because the display can't show the colour."""
         return np.asarray(self._flags & 2, dtype=bool)
 
+    @property
+    def cut_by_screen(self) -> Mask:
+        """(H, W), where this display can't show what the one of `seen_on` shows."""
+        return np.asarray(self._flags & 4, dtype=bool)
+
     @cached_property
     def light(self) -> Floats:
         """(H, W, 3), linear display RGB over the surround, 0 to 1."""
@@ -104,7 +109,7 @@ class Stages:
 
     @cached_property
     def _display(self) -> Bytes:
-        """Its alpha is 255, less 1 where clipped, less 2 where out of gamut."""
+        """Its alpha is 255, less 1 where clipped, 2 where out of gamut, 4 where the screen cuts."""
         return self._stage("display").astype(np.uint8)
 
     @property

@@ -104,7 +104,7 @@ class Proxy:
         display = DisplayModel.of(self.scene.display)
         if method.gamut != "as asked":
             display = dataclasses.replace(display, gamut=method.gamut)
-        rgb, _ = tone.display_rgb(tone.scaled_lab(split, c), display)
+        rgb = tone.as_shown(tone.display_rgb(tone.scaled_lab(split, c), display)[0], display)
         return ProxyPicture(
             tone.lab_from_xyz(rgb @ display.xyz_from_rgb.T, display.white), split[:, 1]
         )

@@ -27,6 +27,7 @@ BOTTLE = (
 FORMS = {
     "can": Shape("can"),
     "low can": Shape("can", diameter_m=0.1, height_m=0.03, neck_diameter_m=0.02),
+    "very flat can": Shape("can", diameter_m=8.07, height_m=0.001, neck_diameter_m=1.036),
     "straight can": Shape("can", neck_diameter_m=0.2),
     "bottle": Shape("bottle"),
     "wide bottle": Shape("bottle", diameter_m=1.0, height_m=0.05),

@@ -42,6 +42,8 @@ def values(f):
     meta = f.metadata
     if "options" in meta:
         made = st.sampled_from(meta["options"])
+    elif meta.get("file"):
+        made = st.just(f.default)  # what files there are, a test knows itself
     elif meta.get("switch"):
         made = st.booleans()
     elif "range" in meta:

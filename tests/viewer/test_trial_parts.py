@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import struct
 from types import SimpleNamespace
 
@@ -39,8 +40,12 @@ class TestInk:
     @pytest.mark.parametrize("lstar", [0.0, 20.0, 40.0, 50.0, 60.0, 80.0, 100.0])
     def test_contrasts_to_the_surround(self, lstar):
         display = Display(background_lstar=lstar)
-        surround = surround_gray(display)
-        grays = Ink.on(display)
+        surround, *others = surround_gray(display)
+        assert others == [surround, surround]
+        inks = Ink.on(display)
+        for red, green, blue in dataclasses.astuple(inks):
+            assert red == green == blue
+        grays = Ink(*(red for red, _, _ in dataclasses.astuple(inks)))
         assert contrast(grays.text, surround) > 4.5  # WCAG 2, level AA
         assert contrast(grays.quiet, surround) == pytest.approx(ink.QUIET, abs=0.05)
         assert contrast(grays.faint, surround) == pytest.approx(ink.FAINT, abs=0.03)
@@ -52,7 +57,8 @@ class TestInk:
 
     def test_another_display(self):
         gamma = Display(transfer="gain-offset-gamma", gamma=1.8)
-        assert 0.0 <= Ink.on(gamma).text < Ink.on(gamma).quiet < surround_gray(gamma)
+        text, quiet, surround = Ink.on(gamma).text, Ink.on(gamma).quiet, surround_gray(gamma)
+        assert 0.0 <= text[0] < quiet[0] < surround[0]
 
 
 class TestKeys:

@@ -9,10 +9,11 @@ Source: ICC.1:2022, 6.3 (encodings), 9.2 (tags), 10.6 (curv), 10.10 to 10.12 (mf
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import struct
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -53,7 +54,8 @@ class Profile:
     space: a key of CHANNELS. output: whether it is of a print, so that its white is a paper.
     white: XYZ of the medium under D50, Y = 1 the perfect diffuser. curves: one a channel. grid:
     None where the curves' values are linear light. after: from what the curves or the grid give,
-    (N, 3) or (N, 1), to XYZ.
+    (N, 3) or (N, 1), to XYZ. matrix: (3, 3), where `after` is it alone. tags: the data of each tag,
+    none where it lies outside the file.
     """
 
     space: str
@@ -63,6 +65,8 @@ class Profile:
     curves: tuple[Curve, ...]
     grid: Grid | None
     after: Callable[[Floats], Floats]
+    matrix: Array | None = None
+    tags: Mapping[bytes, bytes] = field(default_factory=dict, repr=False)
 
     @property
     def channels(self) -> int:
@@ -74,11 +78,19 @@ class Profile:
         absolute = intent == "absolute" or (intent == "auto" and self.output)
         return self.white / D50 if absolute else np.ones(3)
 
-    def xyz(self, device: Floats, intent: str = "auto") -> Floats:
-        """XYZ under D50, (N, 3), of device values (N, channels), 0 to 1."""
+    def xyz(
+        self,
+        device: Floats,
+        intent: str = "auto",
+        between: Callable[[Grid, Floats], Floats] | None = None,
+    ) -> Floats:
+        """XYZ under D50, (N, 3), of device values (N, channels), 0 to 1.
+
+        between: how the nodes of a grid are interpolated; None: multilinear.
+        """
         values = np.stack([c(device[:, k]) for k, c in enumerate(self.curves)], axis=1)
         if self.grid is not None:
-            values = interpolated(self.grid, values)
+            values = (between or interpolated)(self.grid, values)
         return self.after(values) * self.scale(intent)
 
 
@@ -96,7 +108,11 @@ def read_profile(data: bytes) -> Profile:
     if pcs not in (b"Lab ", b"XYZ "):
         raise ValueError("an ICC profile without CIELAB or XYZ")
     try:
-        return _profile(data, head.colour_space, head.description, kind == b"prtr", pcs == b"Lab ")
+        tags = tags_of(data)
+        profile = _profile(
+            tags, head.colour_space, head.description, kind == b"prtr", pcs == b"Lab "
+        )
+        return dataclasses.replace(profile, tags=tags)
     except (struct.error, IndexError) as error:
         raise ValueError(f"a damaged ICC profile ({error})") from None
 
@@ -169,11 +185,18 @@ def _lab_v4(v: Floats) -> Floats:
     return v * np.array([100.0, 255.0, 255.0], v.dtype) - np.array([0.0, 128.0, 128.0], v.dtype)
 
 
-def _profile(data: bytes, space: str, description: str, output: bool, lab: bool) -> Profile:
+def tags_of(data: bytes) -> dict[bytes, bytes]:
+    """The data of each tag of a profile whose header was parsed; none where it lies outside."""
     count = struct.unpack_from(">I", data, 128)[0]
     tags: dict[bytes, bytes] = {}
     for tag, offset, length in struct.iter_unpack(">4sII", data[132 : 132 + 12 * count]):
         tags[tag] = data[offset : offset + length] if offset + length <= len(data) else b""
+    return tags
+
+
+def _profile(
+    tags: dict[bytes, bytes], space: str, description: str, output: bool, lab: bool
+) -> Profile:
     white = np.array(_xyz_tag(tags[b"wtpt"])) if b"wtpt" in tags else D50
     if not (np.isfinite(white).all() and white.min() >= 0.01 and white.max() <= 2.0):
         white = D50
@@ -202,6 +225,7 @@ def _profile(data: bytes, space: str, description: str, output: bool, lab: bool)
                 curves,
                 None,
                 lambda v: v @ to_xyz.T.astype(v.dtype),
+                to_xyz,
             )
     raise ValueError("an ICC profile without a table or a matrix from the device to CIELAB or XYZ")
 

@@ -121,8 +121,8 @@ def shown_c(c_max: float | None) -> float:
 def shown_lab(frame: Frame) -> Array:
     """(H, W, 3), what the display shows, relative to its white."""
     display = DisplayModel.of(frame.scene.display)
-    xyz = frame.light.astype(np.float64) @ display.xyz_from_rgb.T
-    return tone.lab_from_xyz(xyz, display.white)
+    light = tone.as_shown(frame.light.astype(np.float64), display)
+    return tone.lab_from_xyz(light @ display.xyz_from_rgb.T, display.white)
 
 
 def lab_of_light(scene: Scene, diffuse: Array, specular: Array, white: Array, c: float) -> Array:
@@ -130,7 +130,8 @@ def lab_of_light(scene: Scene, diffuse: Array, specular: Array, white: Array, c:
     display = DisplayModel.of(scene.display)
     lab = tone.scaled_lab(tone.split_lab(diffuse, specular, white), c)
     shown, _ = tone.display_rgb(lab, display)
-    return tone.lab_from_xyz(shown @ display.xyz_from_rgb.T, display.white)
+    light = tone.as_shown(shown, display)
+    return tone.lab_from_xyz(light @ display.xyz_from_rgb.T, display.white)
 
 
 def mean_of_grains(renderer: FrameRenderer, truth: Truth, seeds: range) -> tuple[Errors, Truth]:

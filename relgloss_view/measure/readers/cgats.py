@@ -7,17 +7,16 @@ with SPEC_nnn and a scale, SPECTRAL_NORM.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
+from relgloss_view.base import cells
 from relgloss_view.base.arrays import Array
+from relgloss_view.base.cgats import Table, Take, read_tables
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
-from relgloss_view.base.text_lines import TextLines
-from relgloss_view.measure.readers import cells, multi_angle
+from relgloss_view.measure.readers import multi_angle
 from relgloss_view.measure.readers.aspecular import Aspecular, split_aspecular
 from relgloss_view.measure.readers.options import ReadOptions
 from relgloss_view.measure.readers.samples import (
@@ -31,33 +30,11 @@ from relgloss_view.measure.readers.spectral_columns import spectral_columns
 from relgloss_view.measure.table import Measurement
 
 EXPECTED = "a CGATS file of samples"
-MAX_BYTES = 32 * 1024 * 1024
-MOST_LINES = 500_000
-LONGEST_LINE = 200_000
-MOST_FIELDS = 5_000
-MOST_FIELDS_IN_ALL = 50_000  #: of all tables
-MOST_SETS = 30_000
-MOST_KEYWORDS = 2_000
-MOST_TABLES = 1_000
 
-_TOKEN = re.compile(r'"([^"]*)"|(\S+)')
 _LAMP = re.compile(r"EMISSION|EMISSIVE|AMBIENT|TRANSMI|TRANSPAREN", re.IGNORECASE)
 _GEOMETRY_FIELDS = ("MEASUREMENT_GEOMETRY", "GEOMETRY", "ANGLE", "MEASUREMENT_ANGLE", "ASPECULAR")
 _NAME_FIELDS = ("SAMPLE_NAME", "NAME", "SAMPLE_ID", "SAMPLEID", "ID", "SAMPLE_LOC")
 _SOURCE_WORDS = ("INSTRUMENTATION", "TARGET_INSTRUMENT", "MEASUREMENT_SOURCE", "ORIGINATOR")
-
-
-@dataclass
-class _Table:
-    """One BEGIN_DATA_FORMAT ... END_DATA of a file."""
-
-    fields: list[str] = field(default_factory=list)
-    keywords: dict[str, str] = field(default_factory=dict)
-
-    def column(self, names: tuple[str, ...]) -> int | None:
-        """The column of the first of some fields that is there."""
-        upper = {name.upper(): k for k, name in reversed(list(enumerate(self.fields)))}
-        return next((upper[name] for name in names if name in upper), None)
 
 
 def read(path: Path, options: ReadOptions) -> Measurement:
@@ -68,11 +45,11 @@ def read(path: Path, options: ReadOptions) -> Measurement:
 def read_samples(path: Path) -> SampleFile:
     """All samples of a CGATS file that have a spectrum. Raises InputError that names the line."""
     result = SampleFile()
-    limits = {"most_bytes": MAX_BYTES, "most_lines": MOST_LINES, "longest_line": LONGEST_LINE}
-    with TextLines(path, EXPECTED, **limits) as text:
-        if text.note:
-            result.notes.append(text.note)
-        _read_tables(path, enumerate(text.lines(), 1), result)
+
+    def begin(table: Table) -> Take:
+        return _RowReader(path, table, result).take
+
+    result.notes += read_tables(path, EXPECTED, begin)
     distinguish(result)
     if not result.samples and not result.colours:
         raise InputError(
@@ -82,110 +59,10 @@ def read_samples(path: Path) -> SampleFile:
     return result
 
 
-def _read_tables(path: Path, lines: Iterator[tuple[int, str]], result: SampleFile) -> None:
-    table = _Table()
-    tables = fields = sets = 0
-    for number, line in lines:
-        words = _words(line)
-        if not words:
-            continue
-        first = words[0].upper()
-        if first == "BEGIN_DATA_FORMAT":
-            table.fields = _format(path, number, words[1:], lines)
-            fields += len(table.fields)
-            if fields > MOST_FIELDS_IN_ALL:
-                raise InputError(
-                    f"{path}: line {number}: more than {MOST_FIELDS_IN_ALL} fields; split it"
-                )
-        elif first == "BEGIN_DATA":
-            tables += 1
-            if tables > MOST_TABLES:
-                raise InputError(f"{path}: line {number}: more than {MOST_TABLES} tables; split it")
-            if not table.fields:
-                raise InputError(
-                    f"{path}: line {number}: data without fields; a BEGIN_DATA_FORMAT must stand "
-                    "above it"
-                )
-            sets += _read_rows(path, table, lines, result, MOST_SETS - sets)
-        elif len(words) > 1 and len(table.keywords) < MOST_KEYWORDS:
-            table.keywords[first] = " ".join(words[1:])[:200]
-
-
-def _words(line: str) -> list[str]:
-    """The tokens of a line, quotes removed; none of a comment."""
-    if line.lstrip().startswith("#"):
-        return []
-    return [quoted or plain for quoted, plain in _TOKEN.findall(line)]
-
-
-def _format(
-    path: Path, start: int, words: list[str], lines: Iterator[tuple[int, str]]
-) -> list[str]:
-    fields: list[str] = []
-    while True:
-        for k, word in enumerate(words):
-            if word.upper() == "END_DATA_FORMAT":
-                return fields + words[:k]
-        fields += words
-        if len(fields) > MOST_FIELDS:
-            raise InputError(f"{path}: line {start}: more than {MOST_FIELDS} fields")
-        following = next(lines, None)
-        if following is None:
-            raise InputError(
-                f"{path}: line {start}: the file ends before END_DATA_FORMAT; it is cut off"
-            )
-        words = _words(following[1])
-
-
-def _read_rows(
-    path: Path, table: _Table, lines: Iterator[tuple[int, str]], result: SampleFile, most: int
-) -> int:
-    """Take the sets of one table, at most `most`; returns how many there are."""
-    reader = _RowReader(path, table, result)
-    width = len(table.fields)
-    pending: list[str] = []
-    begun = count = 0
-    for number, line in lines:
-        words = _words(line)
-        if not words:
-            continue
-        if words[0].upper() == "END_DATA":
-            break
-        if "\t" in line and len(words) != width:
-            # Names with spaces, and empty cells, stand between tabs.
-            cells_of_line = [cell.strip().strip('"') for cell in line.strip("\r\n").split("\t")]
-            while len(cells_of_line) > width and not cells_of_line[-1]:
-                cells_of_line.pop()
-            if len(cells_of_line) == width:
-                words = cells_of_line
-        if not pending:
-            begun = number
-        pending += words
-        if len(pending) > width:
-            raise InputError(
-                f"{path}: line {number}: {len(pending)} values of a set of {width} fields; put "
-                "names with spaces in quotes"
-            )
-        if len(pending) == width:
-            count += 1
-            if count > most:
-                raise InputError(f"{path}: more than {MOST_SETS} sets; split the file")
-            reader.take(begun, pending)
-            pending = []
-    else:
-        if not pending:
-            result.notes.append("END_DATA is missing: the file may be cut off")
-    if pending:
-        raise InputError(
-            f"{path}: line {begun}: a set of {len(pending)} values; {width} fields are declared"
-        )
-    return count
-
-
 class _RowReader:
     """Makes samples of the sets of one table."""
 
-    def __init__(self, path: Path, table: _Table, result: SampleFile) -> None:
+    def __init__(self, path: Path, table: Table, result: SampleFile) -> None:
         self._path, self._result, self._table = path, result, table
         keywords = table.keywords
         # Kinds that are no reflectance are passed over once for all.
@@ -244,18 +121,7 @@ class _RowReader:
         add_sample(self._path, self._result, sample)
 
     def _numbers(self, line: int, words: list[str], columns: tuple[int, ...]) -> Array:
-        values = []
-        for k in columns:
-            text = words[k].strip()
-            try:
-                text = text.replace(",", ".") if text.count(",") == 1 else text
-                values.append(cells.reading(text))
-            except InputError as error:
-                raise InputError(
-                    f"{self._path}: line {line}, field {self._table.fields[k][:30]}: found "
-                    f"{printable(words[k], 30)!r}, expected a number; {error}"
-                ) from None
-        return np.array(values)
+        return np.array(self._table.numbers(self._path, line, words, columns))
 
 
 def _pairs(fields: list[str]) -> tuple[tuple[int, ...], tuple[int, ...], bool] | None:

@@ -15,11 +15,11 @@ from pathlib import Path
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Ints
+from relgloss_view.base.cells import MAX_MAGNITUDE
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.text_lines import TextLines
 from relgloss_view.base.two_columns import MARK_RATIO, MARKS
-from relgloss_view.measure.readers.cells import MAX_MAGNITUDE
 from relgloss_view.measure.readers.header import (
     PADDING,
     SEPARATOR_LINE,

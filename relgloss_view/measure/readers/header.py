@@ -6,9 +6,9 @@ import re
 from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 
+from relgloss_view.base.cells import is_number
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
-from relgloss_view.measure.readers.cells import is_number
 from relgloss_view.measure.readers.headings import (
     DEGREES,
     RADIANS,

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+from relgloss_view.base import cells
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.text_lines import TextLines
-from relgloss_view.measure.readers import cells
 
 MAX_BYTES = 400_000_000
 MAX_LINES = 2_000_000

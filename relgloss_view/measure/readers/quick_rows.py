@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from relgloss_view.measure.readers import cells
+from relgloss_view.base import cells
 
 
 @dataclass(frozen=True)

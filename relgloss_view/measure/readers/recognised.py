@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from relgloss_view.base import cells
 from relgloss_view.base.decoding import decoded_beginning, wide_encoding
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.foreign import HEAD_BYTES, foreign_format
@@ -12,7 +13,6 @@ from relgloss_view.base.reading import read_beginning
 from relgloss_view.measure.readers import (
     EXPECTED,
     FORMATS,
-    cells,
     gcms,
     generic,
     merl,

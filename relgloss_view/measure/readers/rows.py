@@ -11,10 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
+from relgloss_view.base import cells
 from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
-from relgloss_view.measure.readers import cells, quick_rows
+from relgloss_view.measure.readers import quick_rows
 from relgloss_view.measure.readers.headings import (
     RADIANS,
     angle_heading,

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from relgloss_view.base import cells
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.decoding import decoded_beginning
 from relgloss_view.base.errors import InputError
@@ -27,7 +28,6 @@ from relgloss_view.base.two_columns import (
     read_rows,
 )
 from relgloss_view.measure.quantity import canonical_quantity
-from relgloss_view.measure.readers import cells
 from relgloss_view.measure.readers.aspecular import split_aspecular
 from relgloss_view.measure.readers.csv_table import whole_lines
 from relgloss_view.measure.readers.headings import angle_heading, is_wavelength

@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 
 from relgloss_view.base.arrays import AnyArray, Array
+from relgloss_view.base.cells import MAX_MAGNITUDE
 from relgloss_view.base.decoding import decoded, wide_encoding
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.foreign import HEAD_BYTES
 from relgloss_view.base.reading import printable, read_bytes
-from relgloss_view.measure.readers.cells import MAX_MAGNITUDE
 
 MAX_BYTES = 300_000_000
 EXPECTED = "an SSDD file of libbsdf"

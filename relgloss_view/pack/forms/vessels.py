@@ -70,6 +70,8 @@ def _shoulder(
         angle, slope = float(np.arccos(1.0 - step / both)), 0.0
     elif len(fits):
         angle, slope = float(angles[fits[0]]), float(slopes[fits[0]])
+    elif step / float(np.tan(angles[-1])) >= most:  # so is a cone without arcs: a much flatter one
+        return most, [line("neck", (radius, top - most), (neck, top))]
     else:  # the arcs alone are too high
         return _shoulder(radius, neck, 0.5 * k, most, top)
     height = both * np.sin(angle) + slope * np.cos(angle)

@@ -113,11 +113,13 @@ def edge_pixels(share: Array) -> Array:
     return np.stack([columns, rows, share[rows, columns]], axis=-1).astype(np.float64)
 
 
-def smoothed(light: Array, on_object: Mask, edges: Array, background: float) -> tuple[Array, Mask]:
+def smoothed(
+    light: Array, on_object: Mask, edges: Array, background: float | Array
+) -> tuple[Array, Mask]:
     """A picture with smooth silhouettes, and where it shows any of the object (H, W).
 
     light: (H, W, 3), linear display RGB with one sample a pixel. on_object: (H, W), whose sample
-    meets the object. edges: of edge_pixels. background: linear light of the surround.
+    meets the object. edges: of edge_pixels. background: linear light of the surround, or its RGB.
 
     A pixel whose sample misses the object takes the colour of the nearest one that shows it.
     """

@@ -9,6 +9,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array, Ints, Mask
 from relgloss_view.display.model import DisplayModel
+from relgloss_view.display.seen import beyond
 from relgloss_view.material import cielab
 
 LAB_EPSILON = cielab.EPSILON
@@ -113,7 +114,7 @@ def in_gamut(rgb: Array) -> Mask:
 
 
 def display_rgb(lab: Array, display: DisplayModel) -> tuple[Array, Mask]:
-    """Linear display RGB (..., 3), 0 to 1, and (...) whether each colour is inside the gamut.
+    """Linear display RGB (..., 3), `lowest` to 1, and (...) whether each is inside the gamut.
 
     lab: (..., 3), relative to the display's white. Outside the gamut, 'chroma' keeps L* and hue and
     reduces chroma by bisection to the gamut's edge; 'clip' cuts each channel.
@@ -138,7 +139,7 @@ def display_rgb(lab: Array, display: DisplayModel) -> tuple[Array, Mask]:
             fits = in_gamut(rgb_of(held, middle[:, None] * chroma))
             low, high = np.where(fits, middle, low), np.where(fits, high, middle)
         rgb[~inside] = rgb_of(held, low[:, None] * chroma)
-    return np.clip(rgb, display.darkest, 1.0), inside
+    return np.clip(rgb, display.lowest, 1.0), inside
 
 
 def srgb_encode(light: Array) -> Array:
@@ -154,6 +155,22 @@ def srgb_encode(light: Array) -> Array:
     )
 
 
+def on_screen(rgb: Array, display: DisplayModel) -> Array:
+    """Linear RGB of the screen that shows a display's light (..., 3), before it is cut.
+
+    A display that no other one shows is its own screen. The display shows no less than its black.
+    """
+    rgb = np.maximum(rgb, display.darkest)
+    return rgb if display.screen_from_rgb is None else np.asarray(rgb @ display.screen_from_rgb.T)
+
+
+def cut_by_screen(rgb: Array, display: DisplayModel) -> Mask:
+    """(...) whether the screen that shows a display's light (..., 3) can't show it as it is."""
+    if display.screen is None:
+        return np.zeros(rgb.shape[:-1], dtype=bool)
+    return beyond(on_screen(rgb, display), display.screen.darkest)
+
+
 def encode(rgb: Array, display: DisplayModel) -> Array:
     """Digital values, 0 to 1, of linear light, 0 to 1, through the display's transfer function.
 
@@ -163,9 +180,8 @@ def encode(rgb: Array, display: DisplayModel) -> Array:
     >>> encode(np.array([0.25]), gamma).tolist()
     [0.5]
     """
-    if display.screen is not None and display.screen_from_rgb is not None:
-        rgb = np.clip(np.maximum(rgb, display.darkest) @ display.screen_from_rgb.T, 0.0, 1.0)
-        return encode(rgb, display.screen)
+    if display.screen is not None:
+        return encode(np.clip(on_screen(rgb, display), 0.0, 1.0), display.screen)
     if np.any(display.floor):
         rgb = np.maximum(rgb - display.floor, 0.0) / (1.0 - display.floor)
     if display.transfer == "srgb":
@@ -176,6 +192,34 @@ def encode(rgb: Array, display: DisplayModel) -> Array:
     white = (gain + offset) ** gamma + flare
     light = np.maximum(rgb * white - flare, 0.0)
     return np.asarray(np.clip((np.power(light, 1.0 / gamma) - offset) / gain, 0.0, 1.0))
+
+
+def as_shown(rgb: Array, display: DisplayModel) -> Array:
+    """Linear RGB (..., 3) that the display shows of what it is asked for: no less than its black.
+
+    >>> as_shown(np.zeros((1, 3)), DisplayModel.of(Display(black_cd_m2=2.0))).round(3).tolist()
+    [[0.02, 0.02, 0.02]]
+    """
+    return np.maximum(rgb, display.darkest) if np.any(display.darkest) else rgb
+
+
+def surround_digital(display: DisplayModel) -> Array:
+    """(3,), digital values of the neutral surround, 0 to 1. By a profile the channels differ.
+
+    >>> surround_digital(DisplayModel.of(Display())).round(3).tolist()
+    [0.466, 0.466, 0.466]
+    """
+    return encode(display.background_rgb, display)
+
+
+def neutral_digital(light: float, display: DisplayModel) -> tuple[float, float, float]:
+    """Digital values of a gray of linear light relative to white, which is cut to 0 to 1.
+
+    >>> [round(v, 3) for v in neutral_digital(0.184, DisplayModel.of(Display()))]
+    [0.466, 0.466, 0.466]
+    """
+    red, green, blue = encode(np.full(3, min(max(light, 0.0), 1.0)), display).tolist()
+    return red, green, blue
 
 
 def dither_step(column: Ints, row: Ints) -> Array:

@@ -11,6 +11,7 @@ from relgloss_view.picture.displayed import Displayed
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model.pixel_sampling import sample_count
 from relgloss_view.picture.scene.look import Look
+from relgloss_view.picture.seen import seen_numbers, seen_warnings
 
 SPLIT = "split"  #: name of the operator whose picture a frame itself holds
 
@@ -47,6 +48,7 @@ def parameters(frame: Frame, displayed: Displayed | None = None) -> dict[str, An
         "look": asdict(look),
         "method": frame.method.differences(),
         "fit_quality": scene.material.fit.quality if scene.material.fit else None,
+        "seen_on": seen_numbers(frame, displayed),
         "pack": None if scene.pack is None else pack_numbers(scene.pack, look),
         "warnings": list(warnings(frame, displayed)),
         "device": frame.device,
@@ -92,7 +94,9 @@ def pack_numbers(pack: Pack, look: Look) -> dict[str, Any]:
 
 def warnings(frame: Frame, displayed: Displayed | None = None) -> tuple[str, ...]:
     """The warnings that go with a picture; those about c belong to the split's picture only."""
+    of_screen = seen_warnings(frame, displayed)
     if displayed is None:
-        return frame.warnings
+        return (*frame.warnings, *of_screen)
     of_c = frame.scaling.warnings
-    return (*(text for text in frame.warnings if text not in of_c), *displayed.warnings)
+    of_scene = (text for text in frame.warnings if text not in of_c)
+    return (*of_scene, *displayed.warnings, *of_screen)

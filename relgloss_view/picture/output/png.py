@@ -77,8 +77,7 @@ def save_pair(
     left, right = (digital(*both, bits) for both in zip(frames, displayed, strict=True))
     if mirrored:
         left, right = right[:, ::-1], left[:, ::-1]
-    model = DisplayModel.of(display)
-    surround = _quantised(np.array(tone.encode(np.array(model.background_light), model)), bits)
+    surround = _quantised(tone.surround_digital(DisplayModel.of(display)), bits)
     gap = np.full((left.shape[0], gap_px, 3), surround, dtype=surround.dtype)
     text = _text(json.dumps(pair), "\n".join(commands))
     save_rgb(np.concatenate([left, gap, right], axis=1), file, text, display=display)

@@ -179,8 +179,9 @@ def wants_auto_lamp(setup: Setup, settings: Sequence[str], chosen: str | None) -
 def scene_words(setup: Setup, look: Look) -> list[str]:
     """Words of a command line that make this setup and look, exactly.
 
-    Entries with an option are always stated; of the others, those that are not the default. A
-    lamp's or a mesh's file is named in full. Raises InputError where its name is not UTF-8.
+    Entries with an option are stated, but for one of the display that every picture begins with; of
+    the others, those that are not the default. A lamp's or a mesh's file is named in full. Raises
+    InputError where its name is not UTF-8.
     """
     parts = {**setup.parts(), "look": look}
     words: list[str] = []
@@ -188,7 +189,7 @@ def scene_words(setup: Setup, look: Look) -> list[str]:
         value = getattr(parts[option.table], option.entry)
         if option.is_file:
             words += shell.option(option.flag, _full_name(str(value))) if value else []
-        elif value is not None or option.takes_auto:
+        elif (value is not None or option.takes_auto) and not _goes_without_saying(option, value):
             words += option.words(value)
     stated = {(option.table, option.entry) for option in OPTIONS}
     for table, part in parts.items():
@@ -202,6 +203,12 @@ def scene_words(setup: Setup, look: Look) -> list[str]:
     if wants_auto_lamp(setup, [], None):
         words += [LAMP, GIVEN_LAMP]
     return words
+
+
+def _goes_without_saying(option: Option, value: object) -> bool:
+    """Whether every display, new or of a file, has this value where nothing else is given."""
+    new = getattr(NEW_DISPLAY, option.entry) if option.table == "display" else None
+    return value == option.field.default == new
 
 
 def further_lamp_of(text: str) -> FurtherLamp:

@@ -14,7 +14,7 @@ from relgloss_view.base.reading import printable, refuse, text
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.base.toml import build_part, read_toml, table_of
 from relgloss_view.display.display import Display
-from relgloss_view.display.read import monitor_of
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.material.recolour import Colour
 from relgloss_view.material.spectra import illuminant, is_lamp_name
 from relgloss_view.pack.forms import mesh_of
@@ -297,16 +297,18 @@ def display_beside(display: Display, folder: Path, replacements: list[str] | Non
         name = getattr(display, entry)
         if not name:
             continue
-        file = str(folder / name)
+        of_entry: dict[str, Any] = {entry: str(folder / name)}
         try:
-            monitor_of(file)  # a faulty file is reported with the name of the scene file
+            # A faulty file is reported with the name of the scene file, and so are numbers of the
+            # scene that contradict it.
+            later = dict.fromkeys(DISPLAY_FILES[DISPLAY_FILES.index(entry) + 1 :], "")
+            DisplayModel.of(dataclasses.replace(display, **(later | of_entry)))
         except InputError as error:
             if replacements is None:
                 raise
             replacements.append(f"{error} (the display is taken without it)")
-            file = ""
-        changed: dict[str, Any] = {entry: file}
-        display = dataclasses.replace(display, **changed)
+            of_entry = {entry: "", "black_cd_m2": None}
+        display = dataclasses.replace(display, **of_entry)
     return display
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from relgloss_view.base.arrays import Rgb
 from relgloss_view.display.display import Display
 from relgloss_view.display.model import DisplayModel
 from relgloss_view.picture.model import tone
@@ -44,11 +45,14 @@ class Canvas:
         return Canvas([move(rect) for rect in self.surround], copies)
 
 
-def surround_gray(display: Display) -> float:
-    """Gray of the pictures' surround as the window shows it, 0 to 1, to the last of 8 bits."""
-    model = DisplayModel.of(display)
-    encoded = tone.encode(np.array(model.background_light), model)
-    return float(np.round(255.0 * encoded)) / 255.0
+def surround_gray(display: Display) -> Rgb:
+    """Digital values of the pictures' surround in the window, each 0 to 1, to the last of 8 bits.
+
+    On a display of a profile its neutral gray takes three different ones.
+    """
+    encoded = tone.surround_digital(DisplayModel.of(display))
+    red, green, blue = (np.round(255.0 * encoded) / 255.0).tolist()
+    return red, green, blue
 
 
 def canvas_of(

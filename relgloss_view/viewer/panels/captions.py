@@ -17,7 +17,7 @@ from relgloss_view.viewer.drawing.arrangement import Arrangement
 from relgloss_view.viewer.panels import overlay_legend
 from relgloss_view.viewer.panels.drawing_words import drawing_words
 from relgloss_view.viewer.panels.list_rows import fitting
-from relgloss_view.viewer.shell.theme import em, gray
+from relgloss_view.viewer.shell.theme import coloured, em, gray
 from relgloss_view.viewer.state.matching import share_of_match
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.state import DIFFERENCE, WIPE
@@ -32,6 +32,7 @@ NUMBERS_EM, TITLE_EM = 4.0, 7.0
 LONGEST_FAULT = 300  #: characters
 LEGEND_EM = (14.0, 0.8)
 LEGEND_STEPS = 50
+DARK_INK, LIGHT_INK = 0.0072, 0.5225  #: light relative to white; sRGB 0.08 and 0.75
 
 
 def show(
@@ -217,15 +218,16 @@ def _room_above(model: Model, side: str, height: int) -> int:
 
 def ink_on(display: Display) -> int:
     """A gray that can be read on the surround without catching the eye."""
-    dark = display.background_lstar >= 45.0
-    return int(imgui.color_convert_float4_to_u32(gray(0.08 if dark else 0.75)))
+    light = DARK_INK if display.background_lstar >= 45.0 else LIGHT_INK
+    ink = tone.neutral_digital(light, DisplayModel.of(display))
+    return int(imgui.color_convert_float4_to_u32(coloured(ink)))
 
 
 def paper_on(display: Display) -> int:
     """The surround's gray, let through a little, so that words read over an object too."""
     model = DisplayModel.of(display)
-    value = float(tone.encode(np.array(model.background_light), model))
-    return int(imgui.color_convert_float4_to_u32(gray(value, 0.85)))
+    paper = tone.neutral_digital(model.background_light, model)
+    return int(imgui.color_convert_float4_to_u32(coloured(paper, 0.85)))
 
 
 def _legend(

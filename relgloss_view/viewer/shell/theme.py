@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from imgui_bundle import ImVec2, ImVec4, hello_imgui, imgui, implot
 
+from relgloss_view.base.arrays import Rgb
 from relgloss_view.base.fonts import font_files
 
 FONT_PX = 15.0
@@ -39,6 +40,11 @@ CURVES = (
 def gray(value: float, alpha: float = 1.0) -> ImVec4:
     """A neutral colour."""
     return ImVec4(value, value, value, alpha)
+
+
+def coloured(digital: Rgb, alpha: float = 1.0) -> ImVec4:
+    """A colour of three digital values."""
+    return ImVec4(*digital, alpha)
 
 
 def em(count: float) -> float:

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from relgloss_view.base.allocator import keep_large_apart
-from relgloss_view.base.arrays import Bytes
+from relgloss_view.base.arrays import Bytes, Rgb
 from relgloss_view.base.interruptions import SIGNALS, checkpoint, uninterrupted
 
 # imgui_bundle first: it brings the GLFW that the glfw module then finds, so that both use one.
@@ -91,10 +91,10 @@ class Window:
         self.headless = headless
         self.font_scale = font_scale
         self._tune = tune
-        #: The canvas below the interface, and the gray of the surround. It is cleared and
+        #: The canvas below the interface, and the surround's digital values. It is cleared and
         #: copied: to blend it as the interface does takes a software driver several times as long.
         self.canvas = Canvas()
-        self.surround = 0.0
+        self.surround: Rgb = (0.0, 0.0, 0.0)
         #: Called when all but the interface is painted: `pixels` then reads the canvas.
         self.below: Callable[[], None] | None = None
         self._ctx: Any = None
@@ -295,12 +295,11 @@ class Window:
             self._screen.clear(theme.PANEL, theme.PANEL, theme.PANEL, 1.0)
 
     def _fill(self) -> None:
-        gray, height = self.surround, self.size_now()[1]
+        height = self.size_now()[1]
         for left, top, width, tall in self.canvas.surround:
             if width > 0 and tall > 0:
-                self._screen.clear(
-                    gray, gray, gray, 1.0, viewport=(left, height - top - tall, width, tall)
-                )
+                place = left, height - top - tall, width, tall
+                self._screen.clear(*self.surround, 1.0, viewport=place)
         assert self._blitter is not None
         for copy in self.canvas.copies:
             left, top, width, tall = copy.place

@@ -7,9 +7,10 @@ from collections.abc import Callable, Sequence
 
 from imgui_bundle import ImVec2, imgui
 
+from relgloss_view.base.arrays import Rgb
 from relgloss_view.experiment.design.study import ALWAYS, ON_DEMAND
 from relgloss_view.picture.model.view import Size
-from relgloss_view.viewer.shell.theme import gray
+from relgloss_view.viewer.shell.theme import coloured
 from relgloss_view.viewer.trials.ink import Ink
 
 REST_S, FADE_S = 1.5, 0.3  #: from the last movement until it fades, and how long that takes
@@ -156,5 +157,5 @@ def _draw_field(lines: Sequence[tuple[str, int]], ink: Ink, alpha: float) -> Non
         y += LINE * px
 
 
-def _colour(shade: float, alpha: float) -> int:
-    return int(imgui.color_convert_float4_to_u32(gray(shade, alpha)))
+def _colour(shade: Rgb, alpha: float) -> int:
+    return int(imgui.color_convert_float4_to_u32(coloured(shade, alpha)))

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from relgloss_view.base.arrays import Rgb
 from relgloss_view.display.display import Display
 from relgloss_view.display.model import DisplayModel
 from relgloss_view.picture.model import tone
@@ -22,14 +23,14 @@ FLARE = 0.05  #: of a screen in a room, relative to white; part of the definitio
 
 @dataclass(frozen=True)
 class Ink:
-    """Grays as the display shows them, 0 to 1."""
+    """Neutral grays in the display's digital values, each 0 to 1."""
 
-    text: float
-    quiet: float  #: of what explains
-    faint: float  #: of what must not draw the eye
-    field: float  #: of what can be clicked
-    hovered: float
-    pressed: float
+    text: Rgb
+    quiet: Rgb  #: of what explains
+    faint: Rgb  #: of what must not draw the eye
+    field: Rgb  #: of what can be clicked
+    hovered: Rgb
+    pressed: Rgb
 
     @classmethod
     def on(cls, display: Display) -> Ink:
@@ -38,13 +39,13 @@ class Ink:
         return cls(*(contrasting(display, contrast) for contrast in contrasts))
 
 
-def contrasting(display: Display, contrast: float) -> float:
-    """The gray, 0 to 1, of a contrast to the surround; black or white where that is too much.
+def contrasting(display: Display, contrast: float) -> Rgb:
+    """The gray of a contrast to the surround; black or white where that is too much.
 
     It is darker than a light surround and lighter than a dark one: what reaches further.
     """
     model = DisplayModel.of(display)
-    surround = model.background_light + FLARE
+    surround = max(model.background_light, float(np.max(model.lowest))) + FLARE
     darker = surround / FLARE >= (1.0 + FLARE) / surround
     light = (surround / contrast if darker else surround * contrast) - FLARE
-    return float(tone.encode(np.array(min(max(light, 0.0), 1.0)), model))
+    return tone.neutral_digital(light, model)

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 from imgui_bundle import ImVec2, imgui
 
+from relgloss_view.base.arrays import Rgb
 from relgloss_view.base.words import sentence_case
 from relgloss_view.experiment.session.flow import Flow, Phase
 from relgloss_view.picture.model.view import Size
-from relgloss_view.viewer.shell.theme import gray
+from relgloss_view.viewer.shell.theme import coloured
 from relgloss_view.viewer.trials import keys
 from relgloss_view.viewer.trials.ink import Ink
 
@@ -161,11 +162,11 @@ def show(page: Page, ink: Ink, window: Size, *, keyed: bool = True) -> str | Non
     return action or pressed
 
 
-def line(text: str, shade: float, size: float, window: Size, top: float) -> None:
+def line(text: str, shade: Rgb, size: float, window: Size, top: float) -> None:
     """A line of text in the middle of the window's width, `top` pixels from its upper edge."""
     size = round(size)
     wide = _size(text, size).x
-    colour = imgui.color_convert_float4_to_u32(gray(shade))
+    colour = imgui.color_convert_float4_to_u32(coloured(shade))
     place = ImVec2(max(round(0.5 * (window[0] - wide)), 0.0), round(top))
     imgui.get_background_draw_list().add_text(imgui.get_font(), size, place, colour, text)
 
@@ -234,9 +235,9 @@ def _rows(buttons: tuple[Button, ...], column: float) -> list[list[Button]]:
     return rows
 
 
-def _words(text: str, shade: float, size: float) -> None:
+def _words(text: str, shade: Rgb, size: float) -> None:
     imgui.push_font(None, size)
-    imgui.push_style_color(imgui.Col_.text, gray(shade))
+    imgui.push_style_color(imgui.Col_.text, coloured(shade))
     imgui.push_text_wrap_pos(0.0)
     imgui.text_unformatted(text)
     imgui.pop_text_wrap_pos()
@@ -271,13 +272,13 @@ def _push_look(ink: Ink, size: float) -> None:
     )
     imgui.push_style_var(imgui.StyleVar_.frame_border_size, 0.0)
     imgui.push_style_var(imgui.StyleVar_.item_spacing, ImVec2(BETWEEN * size, 0.0))
-    imgui.push_style_color(imgui.Col_.text, gray(ink.text))
+    imgui.push_style_color(imgui.Col_.text, coloured(ink.text))
     for name, shade in (
         ("button", ink.field), ("button_hovered", ink.hovered), ("button_active", ink.pressed),
         ("scrollbar_grab", ink.hovered), ("scrollbar_grab_hovered", ink.pressed),
         ("scrollbar_grab_active", ink.pressed),
     ):  # fmt: skip
-        imgui.push_style_color(getattr(imgui.Col_, name), gray(shade))
+        imgui.push_style_color(getattr(imgui.Col_, name), coloured(shade))
 
 
 def _pop_look() -> None:
