@@ -43,8 +43,8 @@ class DisplayRecord:
 
     name: of the display. source: one of SOURCES. origin: one of ORIGINS. digest: SHA-256 of what
     its file states, "" without a file. luminance_cd_m2: of white, with reflected light; the usual
-    one where luminance_known is false. black_cd_m2: at digital 0, with reflected light. It is 0
-    where black_known is false and nothing is reflected. white_xy, primaries_xy: CIE 1931. xyz: of
+    one where luminance_known is false. black_cd_m2: at digital 0, with reflected light; 0 where
+    black_known is false. white_xy, primaries_xy: CIE 1931. xyz: of
     COLOURS, relative to white at Y = 1, (125, 3) as one list.
 
     >>> record = DisplayRecord.of(Display(), ASSUMED)
@@ -71,27 +71,23 @@ class DisplayRecord:
         model = DisplayModel.of(display)
         model = model if model.screen is None else model.screen
         monitor = model.monitor
-        xyz = emitted_xyz(model, COLOURS)
-        luminance = float(model.luminance_cd_m2)
-        known = display.luminance_cd_m2 is not None
-        black_known = display.black_cd_m2 is not None
+        xyz = model.xyz(COLOURS)
+        reflected = display.reflected_cd_m2
         if monitor is None:
             source, name = "declared", _declared_name(display)
-            black_known |= display.transfer == "gain-offset-gamma" and display.flare > 0.0
         else:
             source, name = monitor.source, monitor.name
-            known |= monitor.luminance_cd_m2 is not None
-            black_known |= monitor.black_known
+            reflected = reflected or monitor.reflected_cd_m2
         return cls(
             name=printable(name, LONGEST_NAME)[:LONGEST_NAME],
             source=source,
             origin=origin,
             digest=digest,
-            luminance_cd_m2=_kept(luminance),
-            luminance_known=known,
-            black_cd_m2=_kept(luminance * max(float(xyz[BLACK, 1]), 0.0)),
-            black_known=black_known,
-            reflected_cd_m2=_kept(display.reflected_cd_m2),
+            luminance_cd_m2=_kept(float(model.luminance_cd_m2)),
+            luminance_known=model.luminance_known,
+            black_cd_m2=_kept(max(model.black_cd_m2, 0.0)),
+            black_known=model.black_known,
+            reflected_cd_m2=_kept(reflected),
             white_xy=_xy(model.white),
             primaries_xy=tuple(_xy(column) for column in model.xyz_from_rgb.T),
             xyz=tuple(_kept(v) for v in xyz.ravel()),
@@ -103,11 +99,6 @@ class DisplayRecord:
         return np.array(self.xyz).reshape(-1, 3)
 
     @property
-    def black_is_stated(self) -> bool:
-        """Whether anything is known of what black shows."""
-        return self.black_known or self.reflected_cd_m2 > 0.0
-
-    @property
     def words(self) -> str:
         """The display in a line, for people.
 
@@ -115,7 +106,7 @@ class DisplayRecord:
         'sRGB (of the study), 160 cd/m2, black unknown'
         """
         light = f"{self.luminance_cd_m2:.3g} cd/m2" if self.luminance_known else "luminance unknown"
-        dark = f"black {self.black_cd_m2:.3g} cd/m2" if self.black_is_stated else "black unknown"
+        dark = f"black {self.black_cd_m2:.3g} cd/m2" if self.black_known else "black unknown"
         return f"{printable(self.name, 60)} ({ORIGINS[self.origin]}), {light}, {dark}"
 
     def to_dict(self) -> dict[str, Any]:
@@ -152,27 +143,6 @@ class DisplayRecord:
         if min(values["xyz"][3 * WHITE :]) <= 0.0:
             raise ValueError("display")
         return cls(**values)
-
-
-def emitted_xyz(model: DisplayModel, digital: Array) -> Array:
-    """XYZ (N, 3), relative to white at Y = 1, of digital values (N, 3), each 0 to 1.
-
-    Sources: IEC 61966-2-1:1999 for sRGB, Berns 1996 for gain, offset and gamma.
-
-    >>> gray = emitted_xyz(DisplayModel.of(Display()), np.full((1, 3), 0.5))
-    >>> round(float(gray[0, 1]), 4)
-    0.214
-    """
-    if model.emission is not None:
-        light = model.emission.light(digital)
-    elif model.transfer == "srgb":
-        light = np.where(digital <= 0.04045, digital / 12.92, ((digital + 0.055) / 1.055) ** 2.4)
-    else:
-        gain, offset, gamma, flare = model.curve
-        light = np.maximum(gain * digital + offset, 0.0) ** gamma + flare
-        light = light / ((gain + offset) ** gamma + flare)
-    rgb = model.floor + (1.0 - model.floor) * light
-    return np.asarray(rgb @ model.xyz_from_rgb.T)
 
 
 def _declared_name(display: Display) -> str:

@@ -246,7 +246,7 @@ def displays_part(pool: Pool) -> str:
                 printable(display.name, 80),
                 ORIGINS[display.origin],
                 f"{display.luminance_cd_m2:.3g}" if display.luminance_known else "unknown",
-                f"{display.black_cd_m2:.3g}" if display.black_is_stated else "unknown",
+                f"{display.black_cd_m2:.3g}" if display.black_known else "unknown",
                 ", ".join(f"{v:.4f}" for v in display.white_xy),
                 f"{display.reflected_cd_m2:.3g}",
                 apart,

@@ -14,7 +14,7 @@ import numpy as np
 
 from relgloss_view.display.record import BLACK, WHITE, DisplayRecord
 from relgloss_view.material.cielab import lab_from_xyz
-from relgloss_view.picture.model.difference import delta_e_2000
+from relgloss_view.material.difference import delta_e_2000
 
 #: Mean over the fixed colours, each relative to its own display's white: less than a third of a
 #: step of c in L*.
@@ -87,7 +87,7 @@ def difference(first: DisplayRecord, second: DisplayRecord) -> DisplayDifference
     if first.luminance_known and second.luminance_known:
         ratio = first.luminance_cd_m2 / second.luminance_cd_m2
         ratio = max(ratio, 1.0 / ratio)
-    if first.black_is_stated and second.black_is_stated:
+    if first.black_known and second.black_known:
         black = float(abs(a[BLACK, 0] - b[BLACK, 0]))
         dark = [record.table[BLACK, 1] for record in (first, second)]
         if min(dark) > 0.0:

@@ -96,7 +96,7 @@ def test_black_and_reflected_light_are_in_it():
     kept = record(luminance_cd_m2=100.0, black_cd_m2=0.5, reflected_cd_m2=2.0)
     assert kept.black_cd_m2 == pytest.approx(2.5)
     assert kept.luminance_cd_m2 == pytest.approx(102.0)
-    assert not record().black_is_stated
+    assert not record().black_known
 
 
 def test_a_record_survives_json_and_refuses_what_is_none():
