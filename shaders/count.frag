@@ -19,7 +19,7 @@ void main() {
             ivec2 at = first + ivec2(x, y);
             vec4 source = texelFetch(source_image, min(at, region.zw - 1), 0);
             if (FIRST == 1) {
-                float flags = 255.0 - floor(255.0 * source.a + 0.5);
+                float flags = mod(255.0 - floor(255.0 * source.a + 0.5), 4.0);
                 float outside = floor(0.5 * flags);
                 source.xy = vec2(flags - 2.0 * outside, outside);
             }

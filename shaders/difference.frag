@@ -11,7 +11,7 @@ uniform sampler2D second_image;
 uniform mat3 xyz_from_rgb;
 uniform vec3 display_white;
 uniform float top;
-uniform float surround;  // digital value
+uniform vec3 surround;  // digital values
 
 layout(location = 0) out vec4 overlay;
 
@@ -25,5 +25,5 @@ void main() {
     // L* of the map is proportional to the difference, so that equal steps look equal.
     float light = lab_f_inverse((100.0 * clamp(share, 0.0, 1.0) + 16.0) / 116.0);
     float shade = stripe ? 0.6 : srgb_encode(light);
-    overlay = vec4(vec3(max(p.a, q.a) > 0.0 ? shade : surround), 1.0);
+    overlay = vec4(max(p.a, q.a) > 0.0 ? vec3(shade) : surround, 1.0);
 }

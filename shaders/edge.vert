@@ -5,18 +5,19 @@
 // object takes the colour of the nearest pixel that shows it. Its flags in alpha are those of tone.frag.
 // The vertex stage does all of it, since a software driver draws a point as a block of 16 pixels.
 //   edge_list = (column, row from the bottom, share of the pixel that the object covers)
-// Constants: GAMUT, TRANSFER, DITHER.
+// Constants: GAMUT, TRANSFER, DITHER, SEEN_ON.
 
 #include "texel.glsl"
 #include "tone.glsl"
+#include "screen.glsl"
 
 uniform sampler2D edge_list;
 uniform sampler2D split_image;
 uniform float c;
 uniform vec3 display_white;
 uniform mat3 rgb_from_xyz;
-uniform vec4 display_curve;
-uniform float background_light;
+uniform vec3 display_lowest;  // linear RGB, below which nothing is shown
+uniform vec3 background_rgb;
 
 flat out vec4 edge_display;
 
@@ -37,11 +38,11 @@ void main() {
     float share = on_object(split) ? place.z : 0.0;
     bool inside;
     vec3 lab = scaled_lab(split, c);
-    vec3 shown = display_rgb(GAMUT, lab, display_white, rgb_from_xyz, inside);
-    vec3 rgb = share > 0.0 ? mix(vec3(background_light), shown, share) : vec3(background_light);
-    float flags = (lab.x > 100.0 + CLIP_TOLERANCE ? 1.0 : 0.0) + (inside ? 0.0 : 2.0);
+    vec3 shown = max(display_rgb(GAMUT, lab, display_white, rgb_from_xyz, inside), display_lowest);
+    vec3 rgb = share > 0.0 ? over(shown, share, background_rgb) : background_rgb;
+    float flags = (lab.x > 100.0 + CLIP_TOLERANCE ? 1.0 : 0.0) + (inside ? 0.0 : 2.0) + (cut_by_screen(shown) ? 4.0 : 0.0);
     float dither = DITHER == DITHER_ORDERED && share > 0.0 ? dither_step(at) : 0.0;
-    edge_display = vec4(encode(TRANSFER, rgb, display_curve) + (1.0 / 255.0) * dither,
+    edge_display = vec4(digital_of(rgb) + (1.0 / 255.0) * dither,
                         1.0 - (1.0 / 255.0) * (own ? flags : 0.0));
     gl_Position = vec4(2.0 * (place.xy + 0.5) * per_size - 1.0, 0.0, 1.0);
     gl_PointSize = 1.0;

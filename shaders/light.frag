@@ -13,7 +13,8 @@ uniform sampler2D split_image;
 uniform float c;
 uniform vec3 display_white;
 uniform mat3 rgb_from_xyz;
-uniform float background_light;
+uniform vec3 display_lowest;  // linear RGB, below which nothing is shown
+uniform vec3 background_rgb;
 
 layout(location = 0) out vec4 light;
 layout(location = 1) out vec4 lab;
@@ -24,7 +25,7 @@ void main() {
     float share = SAMPLED == 1 ? texel(diffuse_image, at).a : on_object(split) ? 1.0 : 0.0;
     bool inside;
     vec3 scaled = scaled_lab(split, c);
-    vec3 shown = display_rgb(GAMUT, scaled, display_white, rgb_from_xyz, inside);
-    light = vec4(share > 0.0 ? mix(vec3(background_light), shown, share) : vec3(background_light), share);
+    vec3 shown = max(display_rgb(GAMUT, scaled, display_white, rgb_from_xyz, inside), display_lowest);
+    light = vec4(share > 0.0 ? over(shown, share, background_rgb) : background_rgb, share);
     lab = share > 0.0 ? vec4(scaled, 1.0) : vec4(0.0);
 }

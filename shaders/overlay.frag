@@ -1,9 +1,10 @@
 #version 330 core
 
-// What is shown over a picture, or instead of it, to look into it. Constants: OVERLAY, GAMUT, TRANSFER.
+// What is shown over a picture, or instead of it, to look into it. Constants: OVERLAY, GAMUT, TRANSFER, SEEN_ON.
 // Only OVERLAY_LIGHTNESS and OVERLAY_NORMALS use colour: the others stay neutral beside the pictures.
 
 #include "tone.glsl"
+#include "screen.glsl"
 
 uniform sampler2D diffuse_image;
 uniform sampler2D split_image;
@@ -13,8 +14,8 @@ uniform vec3 white;
 uniform float c;
 uniform vec3 display_white;
 uniform mat3 rgb_from_xyz;
-uniform vec4 display_curve;
-uniform float background_light;
+uniform vec3 display_lowest;  // linear RGB, below which nothing is shown
+uniform vec3 background_rgb;
 
 layout(location = 0) out vec4 overlay;
 
@@ -24,9 +25,9 @@ const int DOT_PX = 3;
 
 vec3 shown(vec3 lab, float share) {
     bool inside;
-    vec3 rgb = display_rgb(GAMUT, lab, display_white, rgb_from_xyz, inside);
-    rgb = share > 0.0 ? mix(vec3(background_light), rgb, share) : vec3(background_light);
-    return encode(TRANSFER, rgb, display_curve);
+    vec3 rgb = max(display_rgb(GAMUT, lab, display_white, rgb_from_xyz, inside), display_lowest);
+    rgb = share > 0.0 ? over(rgb, share, background_rgb) : background_rgb;
+    return digital_of(rgb);
 }
 
 // A pattern of black and white: stripes, or white dots on black.
@@ -61,7 +62,7 @@ void main() {
     if (OVERLAY == OVERLAY_NORMALS) {
         vec4 normal = texelFetch(tilted_normal_image, at, 0);
         colour = normal.a > 0.0 ? 0.5 + 0.5 * normal.xyz
-                                : encode(TRANSFER, vec3(background_light), display_curve);
+                                : digital_of(background_rgb);
     }
     overlay = vec4(colour, 1.0);
 }

@@ -1,6 +1,7 @@
-// CIELAB split, scaling, gamut and display (Ishii et al., eqs. 1-4). Twin: relgloss_view/picture/model/tone.py.
+// CIELAB split, scaling, gamut (Ishii et al., eqs. 1-4). Twin: relgloss_view/picture/model/tone.py.
 
 #include "cube_root.glsl"
+#include "transfer.glsl"
 
 // CIE 15:2004 with the exact constants, so that value and slope are continuous. Multiplied by, not
 // divided by: software drivers divide even by constants.
@@ -99,22 +100,10 @@ vec3 display_rgb(int gamut, vec3 lab, vec3 display_white, mat3 rgb_from_xyz, out
     return clamp(rgb, 0.0, 1.0);
 }
 
-// IEC 61966-2-1:1999. The power is the minimax polynomial (Remez) of 1.055 t^(5/3) - 0.055 in t = v^(1/4),
-// within 1.4e-6 of full scale: a tenth of one step of 16 bits, and a third of the time of pow.
-float srgb_encode(float v) {
-    float t = sqrt(sqrt(max(v, 0.0)));
-    float power = -0.0595466087 + t * (0.1396041357 + t * (1.3659210503 + t * (-0.8529574526
-                + t * (0.6571882900 + t * (-0.3184159918 + t * 0.0682079792)))));
-    return v <= 0.0031308 ? 12.92 * v : power;
-}
-
-// Digital values of light relative to the display's white: sRGB, or the inverse of
-// (gain d + offset)^gamma + flare (Berns 1996) with curve = (gain, offset, gamma, flare).
-vec3 encode(int transfer, vec3 rgb, vec4 curve) {
-    if (transfer == TRANSFER_SRGB) return vec3(srgb_encode(rgb.r), srgb_encode(rgb.g), srgb_encode(rgb.b));
-    float white = pow(curve.x + curve.y, curve.z) + curve.w;
-    vec3 light = max(rgb * white - curve.w, 0.0);
-    return clamp((pow(light, vec3(1.0 / curve.z)) - curve.y) / curve.x, 0.0, 1.0);
+// Light that covers a share of a pixel, over another light. Not by mix(): a driver chooses between two
+// ways of rounding it, by what else it can share.
+vec3 over(vec3 light, float share, vec3 below) {
+    return (1.0 - share) * below + share * light;
 }
 
 // What is added to a digital value before it is rounded, in steps: above -0.5 and below 0.5, evenly spread,

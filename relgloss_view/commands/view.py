@@ -104,7 +104,7 @@ def _screenshot(args: argparse.Namespace) -> int:
     checkpoint()
     from relgloss_view.picture.output.png import save_rgb
 
-    save_rgb(pixels, args.screenshot, {})
+    save_rgb(pixels, args.screenshot, {}, display=app.model.on_screen.setup.display)
     frames = "1 frame" if args.frames == 1 else f"{args.frames} frames"
     print(f"{printable(args.screenshot)}: the window after {frames}")
     return 0

@@ -144,10 +144,10 @@ class Display(Checked):
         label="Profile of the display",
     )
     luminance_cd_m2: float | None = parameter(
-        None, 1.0, 10000.0, "cd/m2", "luminance of the display's white", label="White luminance"
+        None, 1.0, 10000.0, "cd/m2", "luminance of the display's white", label="Display white"
     )
     black_cd_m2: float | None = parameter(
-        None, 0.0, 1000.0, "cd/m2", "luminance of the display's black", label="Black luminance"
+        None, 0.0, 1000.0, "cd/m2", "luminance of the display's black", label="Display black"
     )
     reflected_cd_m2: float = parameter(
         0.0,

@@ -13,7 +13,7 @@ from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.setup import Eye, Lamp
 from relgloss_view.quality.planner import SAVINGS
-from relgloss_view.viewer.panels import drawing_words, scene
+from relgloss_view.viewer.panels import display, drawing_words, scene
 from relgloss_view.viewer.shell.widgets import label_of
 from relgloss_view.viewer.state.state import Presentation
 
@@ -24,8 +24,8 @@ SCENE = {
     Lamp: (*scene._LAMP, "illuminant", "y_n"),
     Shape: ("kind", *SIZES["box"], "diameter_m"),
     Eye: tuple(scene._EYE),
-    Display: (*scene._DISPLAY, "gamut"),
-    Presentation: tuple(scene._PRESENTATION),
+    Display: ("profile", *display.OF_DISPLAY, *display.SURROUND, "gamut", "edges", "dither"),
+    Presentation: ("screen", *display.SEEN_ON, *display.PRESENTATION),
 }
 
 

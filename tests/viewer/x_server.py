@@ -27,10 +27,10 @@ needs_server = pytest.mark.skipif(
 
 
 @contextlib.contextmanager
-def running():
-    """The name of a display whose server runs as long as the block."""
+def running(*more):
+    """The name of a display whose server runs as long as the block; more: its further options."""
     reading, writing = os.pipe()
-    words = ["Xvfb", "-displayfd", str(writing), "-screen", "0", SCREEN, "-nolisten", "tcp"]
+    words = ["Xvfb", "-displayfd", str(writing), "-screen", "0", SCREEN, "-nolisten", "tcp", *more]
     words.append("-noreset")  # else the pointer comes back to the middle with each last client
     server = subprocess.Popen(words, pass_fds=[writing], stderr=subprocess.DEVNULL)
     os.close(writing)

@@ -28,6 +28,8 @@ OVERLAYS = (
     "normals",
 )
 
+OF_FILES = ("curves", "table")  #: transfers that a profile or a display file has
+
 #: The names of each table, in the order of their numbers.
 NAMES: Mapping[str, tuple[str, ...]] = {
     "SHAPE": (*ANALYTIC, "triangles"),
@@ -42,7 +44,7 @@ NAMES: Mapping[str, tuple[str, ...]] = {
     "CUBE_ROOT": ("householder", "power", "table"),
     "WRITES": WRITES,
     "GAMUT": GAMUTS,
-    "TRANSFER": TRANSFERS,
+    "TRANSFER": (*TRANSFERS, *OF_FILES),
     "DITHER": DITHERS,
     "OVERLAY": OVERLAYS,
 }

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import moderngl
-import numpy as np
 
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.display.model import DisplayModel
@@ -45,7 +44,7 @@ def draw_overlay(
         defines = tone_defines(scene.display, "overlay.frag")
         defines["OVERLAY"] = code("OVERLAY", overlay)
         uniforms = {
-            **display_uniforms(scene),
+            **display_uniforms(scene, renderer.programs.uploads),
             **white_uniform(scene),
             **passes.images(names),
             "c": drawn.scaling.c,
@@ -78,7 +77,7 @@ def draw_difference(
             "xyz_from_rgb": display.xyz_from_rgb.T,  # columns first
             "display_white": display.white,
             "top": top,
-            "surround": float(tone.encode(np.array(display.background_light), display)),
+            "surround": tone.surround_digital(display),
         }
         with second.passes.all_or_nothing():
             second.passes.draw("overlay", "difference.frag", {}, uniforms, OVERLAY, None)

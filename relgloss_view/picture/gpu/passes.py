@@ -346,7 +346,7 @@ class Passes:
         self, name: str, request: Request, scaling: Scaling, targets: tuple[str, ...]
     ) -> Drawing:
         """Scale and show: the display's picture, or its float numbers."""
-        around: Uniforms = display_uniforms(request.scene)
+        around: Uniforms = display_uniforms(request.scene, self.programs.uploads)
         samples = sample_count(request.scene, request.look, request.size)
         defines = tone_defines(request.scene.display, f"{name}.frag", samples, request.method)
         sources = ("diffuse", "split") if samples > 1 else ("split",)
@@ -389,7 +389,7 @@ class Passes:
             return
         defines = tone_defines(scene.display, "edge.frag", 1, request.method)
         uniforms = {
-            **display_uniforms(scene),
+            **display_uniforms(scene, self.programs.uploads),
             **per_size(size),
             **self.images(SPLIT),
             "edge_list": listed.texture,

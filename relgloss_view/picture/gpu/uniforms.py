@@ -13,6 +13,7 @@ from relgloss_view.material.albedo_table import STEPS, diffuse_table, lobe_table
 from relgloss_view.material.approximations import mean_lobe, plain_lobe
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.picture.gpu.programs import Uniforms
+from relgloss_view.picture.gpu.uploads import Uploads
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.model.drawn import drawn_diffuse, drawn_facets, drawn_lobes, in_model
 from relgloss_view.picture.model.grain import field_step
@@ -175,12 +176,22 @@ def white_uniform(scene: Scene) -> Uniforms:
     return {"white": illuminant(scene.lamp.illuminant).white_xyz()}
 
 
-def display_uniforms(scene: Scene) -> Uniforms:
-    """The display."""
+def display_uniforms(scene: Scene, uploads: Uploads) -> Uniforms:
+    """The display, and the screen that shows it: the display itself, unless another one is seen."""
     display = DisplayModel.of(scene.display)
-    return {
+    screen = display.screen or display
+    between = np.eye(3) if display.screen_from_rgb is None else display.screen_from_rgb
+    uniforms: dict[str, Any] = {
         "display_white": display.white,
         "rgb_from_xyz": display.rgb_from_xyz.T,  # columns first
-        "display_curve": display.curve,
-        "background_light": display.background_light,
+        "display_lowest": display.lowest,
+        "background_rgb": display.background_rgb,
+        "screen_from_rgb": between.T,
+        "screen_floor": screen.floor,
+        "screen_per_range": 1.0 / (1.0 - screen.floor),
+        "screen_darkest": screen.darkest,
+        "display_curve": screen.curve,
     }
+    if screen.emission is not None and screen.transfer == "curves":
+        uniforms["transfer_curves"] = uploads.curves(screen.emission)
+    return uniforms

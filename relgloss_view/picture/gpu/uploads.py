@@ -9,6 +9,8 @@ from typing import Any
 import moderngl
 import numpy as np
 
+from relgloss_view.display.inverse_nodes import curve_nodes
+from relgloss_view.display.monitor import Emission
 from relgloss_view.pack.layers import Layers
 from relgloss_view.pack.mesh import Mesh
 from relgloss_view.picture.gpu.printed import Printed, part_rows
@@ -48,6 +50,18 @@ class Uploads:
             return texture
 
         held: moderngl.Texture = self._get("parts", (layers, printed), made)
+        return held
+
+    def curves(self, emission: Emission) -> moderngl.Texture:
+        """A monitor's curves, from light to digital values."""
+
+        def made() -> moderngl.Texture:
+            nodes = curve_nodes(emission).astype(np.float32)
+            texture = self.ctx.texture((nodes.shape[1], 3), 2, nodes.tobytes(), dtype="f4")
+            texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+            return texture
+
+        held: moderngl.Texture = self._get("curves", emission, made)
         return held
 
     def _get(self, kind: str, key: object, make: Callable[[], Any]) -> Any:

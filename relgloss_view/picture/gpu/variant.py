@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.display.display import Display
+from relgloss_view.display.inverse_nodes import CURVE_CELLS
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.shape import ANALYTIC
 from relgloss_view.picture import method
@@ -245,12 +247,17 @@ def _sees_a_cap(scene: Scene) -> bool:
 
 def tone_defines(
     display: Display, stage: str, samples: int = 1, chosen: method.Method = method.EXACT
-) -> dict[str, int]:
+) -> dict[str, int | str]:
     """The constants of a stage that shows colours."""
     gamut = display.gamut if chosen.gamut == "as asked" else chosen.gamut
-    defines = {"GAMUT": code("GAMUT", gamut)}
+    defines: dict[str, int | str] = {"GAMUT": code("GAMUT", gamut)}
     if stage != "light.frag":  # which is linear
-        defines["TRANSFER"] = code("TRANSFER", display.transfer)
+        model = DisplayModel.of(display)
+        screen = model.screen or model
+        defines["TRANSFER"] = code("TRANSFER", screen.transfer)
+        defines["SEEN_ON"] = int(model.screen is not None)
+        if screen.transfer == "curves":
+            defines["CURVE_CELLS"] = f"{CURVE_CELLS}.0"
     if stage not in ("overlay.frag", "edge.frag"):
         defines["SAMPLED"] = int(samples > 1)
     if stage in ("tone.frag", "edge.frag"):

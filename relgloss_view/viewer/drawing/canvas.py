@@ -88,6 +88,8 @@ def _wiped(rect: Rect, edge: int, side: str, *, mirrored: bool) -> Rect:
 def _box(presentation: Presentation, rect: Rect, picture: SidePicture) -> Rect:
     """The part of a picture's rectangle that can show the object; the rest is surround."""
     plain = presentation.overlay == "none" and presentation.compare != DIFFERENCE
+    if picture.frame.scene.display.seen_on:  # whose surround is not this display's
+        return rect
     if not (plain or presentation.haploscopic):
         return rect
     left, bottom, right, top = View.of(picture.frame.scene, picture.size).bounds

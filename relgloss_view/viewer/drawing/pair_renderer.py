@@ -22,7 +22,7 @@ from relgloss_view.picture.gpu.overlays import draw_difference, draw_overlay
 from relgloss_view.picture.gpu.programs import Key, Programs
 from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.gpu.targets import OVERLAY, TONE
-from relgloss_view.picture.gpu.variant import Variant
+from relgloss_view.picture.gpu.variant import Variant, tone_defines
 from relgloss_view.picture.method import EXACT, Method
 from relgloss_view.picture.model.drawn import as_drawn
 from relgloss_view.picture.model.pixel_sampling import eye_grain_samples
@@ -220,7 +220,8 @@ class PairRenderer:
             if variant in self._tried:  # where not all of them have room, this has an end
                 continue
             self._warm.forget()  # or it would not ask for what it holds
-            with self._programs.noted() as asked:
+            gone = contextlib.suppress(RelglossError)  # a file of the display
+            with self._programs.noted() as asked, gone:
                 self._warm.prepare(*missing[variant])
             self._warmed[variant] = asked
             self._tried.add(variant)
@@ -346,7 +347,7 @@ def _variant(scene: Scene, look: Look) -> object:
     tilted = dataclasses.replace(look, sigma_n_deg=1.0)
     sampled = eye_grain_samples(scene.display, tilted) > 1
     variant = Variant.of(as_drawn(scene, look), tilted)
-    return variant, sampled, scene.display.gamut, scene.display.transfer
+    return variant, sampled, tuple(tone_defines(scene.display, "tone.frag").items())
 
 
 def _wants_difference(state: State) -> bool:

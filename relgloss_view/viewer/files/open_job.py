@@ -1,5 +1,5 @@
-"""Opening a file in the background: a scene, a pack, artwork, a mesh, a material, or a measurement,
-which is fitted first.
+"""Opening a file in the background: a scene, a display, a pack, artwork, a mesh, a material, or a
+measurement, which is fitted first.
 
 A thread does it and leaves the fit itself to a process (see fit_process.py). What is cancelled is
 done with at once and leaves no file.
@@ -23,7 +23,7 @@ from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.file_kinds import MATERIAL, SCENE
 from relgloss_view.picture.scene.sample import Sample
-from relgloss_view.viewer.files import pack_files
+from relgloss_view.viewer.files import display_files, pack_files
 from relgloss_view.viewer.files.fit_process import FitProcess
 from relgloss_view.viewer.files.own_materials import keep_material
 from relgloss_view.viewer.state import matching, packs
@@ -47,6 +47,7 @@ class Opened:
     pack: Pack | None = None
     artwork: Pack | None = None
     shape: Shape | None = None
+    display: str = ""  #: the entry that an ICC profile or a display file is for
 
     @property
     def is_of_a_pack(self) -> bool:
@@ -61,6 +62,8 @@ class Opened:
         """
         if self.state is not None:
             return self.state
+        if self.display:
+            return display_files.with_display(state, self.display, self.path)
         present = packs.pack_of(state, side)
         if self.pack is not None:
             changed = matching.with_sample(state, side, Sample.of_pack(self.pack))
@@ -88,6 +91,12 @@ class Opened:
             state = matching.with_sample(state, side, Sample.of_pack(pack))
             return packs.first_lit(state) if side == "test" else state
         return packs.with_pack(state, side, packs.with_artwork(present, made))
+
+
+def opened_display(path: str, entry: str = display_files.PROFILE) -> Opened:
+    """A display for the scene, or for a side that is seen on it. Raises InputError."""
+    display_files.check_display(path)
+    return Opened(path, display=entry)
 
 
 class OpenJob:
@@ -183,6 +192,8 @@ class OpenJob:
         return "thin out the table" if is_table else "give it fewer pixels or triangles"
 
     def _open(self) -> Opened:
+        if display_files.is_display_file(self.path):
+            return opened_display(self.path)
         kind = pack_files.file_kind(self.path)
         if kind == PACK:
             return Opened(self.path, pack=pack_files.opened_pack(self.path, self._report))

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
+import json
 import os
 from dataclasses import dataclass
 
+from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.errors import InputError, RelglossError
 from relgloss_view.base.writing import check_writable, together
 from relgloss_view.operators.registry import DEFAULT_OPERATOR, make_operator
@@ -13,7 +16,7 @@ from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.model.drawn import as_drawn
 from relgloss_view.picture.model.view import Size
 from relgloss_view.picture.output.export import save_frame
-from relgloss_view.picture.output.png import save_pair
+from relgloss_view.picture.output.png import SOFTWARE, save_pair, save_rgb
 from relgloss_view.viewer.drawing.arrangement import as_shown
 from relgloss_view.viewer.state.command_line import snapshot_command
 from relgloss_view.viewer.state.matching import as_displayed
@@ -67,7 +70,7 @@ def obstacle(model: Model, request: ExportRequest) -> str:
     It passes by itself: a smaller picture is drawn while something is dragged, or a change has not
     been drawn yet.
     """
-    if request.size is not None:
+    if request.size is not None or drawn_again(model):
         return ""
     if model.draft or model.dragging:
         return "waiting for the full picture"
@@ -78,6 +81,11 @@ def obstacle(model: Model, request: ExportRequest) -> str:
     return ""
 
 
+def drawn_again(model: Model) -> bool:
+    """Whether files need pictures of their own: they are for the scene's display, not a monitor."""
+    return model.on_screen is not model.state
+
+
 def write(model: Model, request: ExportRequest) -> str:
     """Write the files; returns a message. RelglossError where one can't be written.
 
@@ -85,6 +93,8 @@ def write(model: Model, request: ExportRequest) -> str:
     """
     for file in request.files:
         check_writable(file)
+    if request.size is None and drawn_again(model):
+        request = dataclasses.replace(request, size=model.picture_size)
     frames = {side: _frame(model, side, request.size) for side in request.sides}
     displayed = {side: _displayed(model, side, frame, request) for side, frame in frames.items()}
     commands, missing = _commands(model, request, frames)
@@ -107,6 +117,16 @@ def write(model: Model, request: ExportRequest) -> str:
                 )
     text = f"exported {' and '.join(request.files)}"
     return f"{text}; without a command: {missing}" if missing else text
+
+
+def write_view(model: Model, path: str, pixels: Bytes) -> None:
+    """Write what the pane shows, (H, W, 3), with the profile of the screen that it is drawn for."""
+    text = {"Software": SOFTWARE, "Presentation": json.dumps(vars(model.state.presentation))}
+    display = model.on_screen.setup.display
+    if model.attempt(lambda: save_rgb(pixels, path, text, display=display)):
+        height, width = pixels.shape[:2]
+        folder, name = os.path.split(os.path.abspath(path))
+        model.report(f"exported {name}, {width} x {height} px, to {folder}")
 
 
 def _frame(model: Model, side: str, size: Size | None) -> Frame:

@@ -20,6 +20,7 @@ from relgloss_view.viewer.panels.list_rows import fitting
 from relgloss_view.viewer.shell.theme import coloured, em, gray
 from relgloss_view.viewer.state.matching import share_of_match
 from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.screens import name_of_other
 from relgloss_view.viewer.state.state import DIFFERENCE, WIPE
 
 #: A line in one wording or several, the longest first.
@@ -44,9 +45,8 @@ def show(
 ) -> None:
     """Write over the surround of each picture; what would not fit is left out."""
     presentation = model.state.presentation
-    ink = ink_on(model.state.setup.display)
-    paper = paper_on(model.state.setup.display)
     for side, rect in arrangement.rects.items():
+        ink, paper = ink_on(model.display_of(side)), paper_on(model.display_of(side))
         left, top, width, height = rect
         right = presentation.compare == WIPE and (side == "test") != presentation.mirror
         if height < em(NUMBERS_EM):
@@ -62,10 +62,11 @@ def show(
             painter.add_rect_filled(place, ImVec2(place.x + size.x, place.y + size.y), paper)
             painter.add_text(place, ink, text)
     corner = ImVec2(origin.x + em(0.6), origin.y + max(r[3] for r in arrangement.rects.values()))
+    ink = ink_on(model.on_screen.setup.display)
     if presentation.compare == DIFFERENCE:
         _legend(painter, corner, ink, ("0", f"{presentation.difference_max:g} dE2000"))
     elif presentation.overlay != "none":
-        _name_overlay(model, painter, origin, arrangement, (ink, paper))
+        _name_overlay(model, painter, origin, arrangement)
 
 
 def _name_overlay(
@@ -73,15 +74,16 @@ def _name_overlay(
     painter: imgui.ImDrawList,
     origin: ImVec2,
     arrangement: Arrangement,
-    colours: tuple[int, int],
 ) -> None:
     """The overlay's legend in the lower left corner of each picture; once where they overlap."""
-    overlay, display = model.state.presentation.overlay, model.state.setup.display
+    overlay = model.state.presentation.overlay
     places = {rect: side for side, rect in arrangement.rects.items()}
     apart = len(places) == len(arrangement.rects)
     for (left, top, width, height), side in places.items():
         corner = ImVec2(origin.x + left + em(0.6), origin.y + top + height)
         frame = model.frames.get(side) if apart and side not in model.operator_pictures else None
+        display = model.display_of(side)
+        colours = ink_on(display), paper_on(display)
         overlay_legend.show(painter, corner, width - em(1.2), colours, display, overlay, frame)
 
 
@@ -107,6 +109,9 @@ def _texts(model: Model, side: str, faults: dict[str, str], room: float, free: i
     one_line = _fitting(numbers, room)
     texts += [one_line] if one_line else _broken(numbers[-1], room)
     more: list[Line] = []
+    if seen_on := state.presentation.seen_on(side):
+        name = name_of_other(seen_on)
+        more.append((f"As {name} shows it", f"As {name[:24]} shows it", "As another shows it"))
     words = ratio_words(frame.scaling.factor)
     if words:
         more.append((words, words.partition(":")[0]))

@@ -29,6 +29,7 @@ from relgloss_view.viewer.panels.own_dialog import Question
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import em
 from relgloss_view.viewer.state.model import Model
+from relgloss_view.viewer.state.screens import name_of
 from relgloss_view.viewer.state.state import DIFFERENCE
 
 TITLE = "Export"
@@ -107,8 +108,8 @@ class Export:
             "Format",
             FORMATS,
             self.format,
-            "PNG, with the sRGB profile, for looking; OpenEXR, with every stage in floats, for "
-            "computing.",
+            "PNG, with the profile of the scene's display, for looking; OpenEXR, with every stage "
+            "in floats, for computing.",
         )
         if changed:
             self.format = chosen
@@ -159,6 +160,8 @@ class Export:
             text = f"{width} x {height} px, with its parameters and command"
         if presentation.overlay != "none" or presentation.compare == DIFFERENCE:
             text += ". Without overlay or map; File > Export view writes these too"
+        text += f". Drawn for {name_of(self.model.state.setup.display)}, as the scene declares"
+        text += ", not for this monitor" if self.model.on_screen is not self.model.state else ""
         widgets.label("")
         widgets.wrapped(f"{text}.", dim=True)
 

@@ -16,13 +16,13 @@ SWATCH_EM = 0.8
 
 def show(model: Model, painter: imgui.ImDrawList, origin: ImVec2, arrangement: Arrangement) -> None:
     """Lay the tints over the pictures, and name them in the lower left corner of each."""
-    display = model.state.setup.display
     mirrored = model.state.presentation.mirror
     for side, rect in arrangement.rects.items():
         texture = model.tints.get(side)
         pack = model.pack(side)
         if texture is None or pack is None:
             continue
+        display = model.display_of(side)
         left, top = origin.x + rect[0], origin.y + rect[1]
         low, high = ImVec2(left, top), ImVec2(left + rect[2], top + rect[3])
         across = (1.0, 0.0) if mirrored else (0.0, 1.0)

@@ -6,17 +6,17 @@ import math
 
 from imgui_bundle import ImVec2, imgui
 
-from relgloss_view.display.display import Display
 from relgloss_view.material.spectra import SHIPPED_ILLUMINANTS
 from relgloss_view.pack.shape import SHAPES, SIZES, Shape
 from relgloss_view.picture.scene.setup import Eye, Lamp
 from relgloss_view.viewer.drawing import camera
-from relgloss_view.viewer.panels import lamps
+from relgloss_view.viewer.panels import display, lamps
 from relgloss_view.viewer.shell import sliders, widgets
+from relgloss_view.viewer.shell.file_actions import FileActions
 from relgloss_view.viewer.shell.theme import em, gray
 from relgloss_view.viewer.shell.widgets import Reach
 from relgloss_view.viewer.state.model import Model
-from relgloss_view.viewer.state.state import SIDES, Presentation
+from relgloss_view.viewer.state.state import SIDES
 
 DIAL_EM = 7.0
 HIGHLIGHT_HELP = (
@@ -39,18 +39,9 @@ _LAMP: Sliders = {
     "ambient": Reach(digits="%.2f"),
 }
 _EYE: Sliders = {"azimuth_deg": _ANGLE, "elevation_deg": _ANGLE, "distance_m": _DISTANCE}
-_DISPLAY: Sliders = {
-    "background_lstar": Reach(digits="%.0f"),
-    "pixel_pitch_mm": Reach(0.05, 0.6, digits="%.3f"),
-    "viewing_distance_m": Reach(0.2, 3.0, digits="%.2f", logarithmic=True),
-}
-_PRESENTATION: Sliders = {
-    "gap_px": Reach(high=200.0, digits="%.0f"),
-    "difference_max": Reach(high=50.0, digits="%.1f"),
-}
 
 
-def show(model: Model) -> None:
+def show(model: Model, files: FileActions) -> None:
     """Controls of lamp, object, eye and display."""
     imgui.separator_text("Lamp")
     _dial(model)
@@ -66,10 +57,7 @@ def show(model: Model) -> None:
     if widgets.button("Reset camera", "frame the object from the front"):
         model.change(model.state.placed(eye=camera.framed(model.state.setup.eye)))
     imgui.separator_text("Display and surround")
-    _sliders(model, "display", Display, _DISPLAY)
-    _sliders(model, "presentation", Presentation, _PRESENTATION)
-    for name in ("gamut", "edges", "dither"):
-        _choice(model, "display", Display, name)
+    display.show(model, files)
 
 
 def _sliders(model: Model, part: str, owner: type, sliders: Sliders) -> None:

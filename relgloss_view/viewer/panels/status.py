@@ -12,7 +12,8 @@ from relgloss_view.viewer.panels.drawing_words import drawing_words, quality_wor
 from relgloss_view.viewer.shell.actions import TURN_LAMP
 from relgloss_view.viewer.shell.layout import STATUS
 from relgloss_view.viewer.shell.theme import POPUP, em, gray
-from relgloss_view.viewer.shell.widgets import tooltip
+from relgloss_view.viewer.shell.widgets import sentence, tooltip
+from relgloss_view.viewer.state.screens import screen_words, takes
 
 if TYPE_CHECKING:
     from relgloss_view.viewer.shell.app import App
@@ -34,6 +35,7 @@ CROWDED = (
 )
 LINE_EM = 1.75
 NUMBERS_SHARE = 0.6  #: of the line's width
+SCREEN_SHARE = 0.6  #: of that, for the display in whole words
 
 
 def height() -> float:
@@ -141,7 +143,9 @@ def _numbers(app: App, width: float) -> str:
     """As much as fits into a width, the most important first from the right."""
     model = app.model
     frame = model.frames.get(model.active_side)
-    parts = [f"{1e3 * model.frame_s:.0f} ms a frame"]
+    whole, brief = screen_words(model.state, model.screen)
+    roomy = imgui.calc_text_size(whole).x < SCREEN_SHARE * width
+    parts = [f"{1e3 * model.frame_s:.0f} ms a frame", whole if roomy else brief]
     if frame is not None:
         wide, tall = frame.size
         picture = model.displayed(model.active_side) or frame
@@ -161,7 +165,10 @@ def _numbers(app: App, width: float) -> str:
 def _details(app: App) -> str:
     model = app.model
     passes = ", ".join(f"{side} {name}" for side, name in model.redrawn)
-    lines = [f"Passes drawn last: {passes or 'none'}."]
+    lines = [f"Drawn for {screen_words(model.state, model.screen)[0]}."]
+    lines += [sentence(model.screen.reason)] if model.screen.fault else []
+    lines += list(model.screen.notes) if takes(model.state, model.screen) else []
+    lines += [f"Passes drawn last: {passes or 'none'}."]
     frame = model.frames.get(model.active_side)
     if frame is not None:
         displayed = model.displayed(model.active_side)

@@ -8,7 +8,6 @@ from typing import Any
 
 from imgui_bundle import imgui
 
-from relgloss_view.base import fonts
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.base.writing import make_folder
 from relgloss_view.picture.frame import Frame
@@ -22,6 +21,7 @@ from relgloss_view.viewer.drawing.operator_pictures import OperatorPictures
 from relgloss_view.viewer.drawing.pair_renderer import DrawnPair, PairRenderer, passes_since
 from relgloss_view.viewer.drawing.plate_pictures import PlatePictures
 from relgloss_view.viewer.files.measurement_tables import MeasurementTables
+from relgloss_view.viewer.files.monitor_profile import MonitorProfile, watched_monitor
 from relgloss_view.viewer.panels import (
     fit,
     gloss,
@@ -49,6 +49,7 @@ from relgloss_view.viewer.shell.layout import (
     Layout,
     Panel,
 )
+from relgloss_view.viewer.shell.letters import Letters
 from relgloss_view.viewer.shell.navigation import AltKey
 from relgloss_view.viewer.shell.window import Window
 from relgloss_view.viewer.state import matching
@@ -81,7 +82,7 @@ class App:
                 Panel("Pack", SAMPLE, lambda: pack.show(self.model, self.files), at_first=False),
                 Panel("Look", GLOSS, lambda: look.show(self.model)),
                 Panel("Gloss", GLOSS, lambda: gloss.show(self.model, self._gloss_readings)),
-                Panel("Scene", LIGHT, lambda: scene.show(self.model)),
+                Panel("Scene", LIGHT, lambda: scene.show(self.model, self.files)),
                 Panel("Lightness", BELOW, lambda: lightness.show(self.model), at_first=False),
                 Panel("Reflection", BELOW, lambda: reflection.show(self.model), at_first=False),
                 Panel("Fit", BELOW, lambda: fit.show(self.model), at_first=False),
@@ -98,9 +99,10 @@ class App:
         self.menu_wanted = False  #: whether the keyboard opens the menu in this frame
         self.help_window = ""  #: title of the window of the menu Help that shows
         self._window: Window | None = None
+        self._monitor: MonitorProfile | None = None  #: none without a display
         self._frame_began_s = 0.0
         self._lost = False
-        self._names_read: tuple[str, ...] = ()  #: of the samples, against the fonts
+        self._letters = Letters(self.model)
         self._layout_kept_s = 0.0
         self._held_at_s = 0.0  #: when the hand last held something
         self._warming_waits = False  #: until the hand has rested
@@ -112,6 +114,7 @@ class App:
         self.pair_renderer = PairRenderer(ctx)
         self._window = window
         self.model.render_at = self._render_at
+        self._monitor = watched_monitor(self.model, window, self.wake)
         navigation.enable()
         if self.kept_layout.docking:
             imgui.load_ini_settings_from_memory(self.kept_layout.docking)
@@ -124,9 +127,12 @@ class App:
         if self.pair_renderer.lost(self._window.is_texture) or self._lost:
             self._lost = False
             self.rebuild()
-        self._report_letters()
+        self._letters.report()
         actions.take_keys(self)
         self.files.each_frame()
+        if self._monitor is not None:
+            self._monitor.each_frame()
+        self.model.check_displays()
         self._tables.each_frame()
         self._note_hand()
         presentation = self.model.state.presentation
@@ -165,7 +171,9 @@ class App:
         self._warming_waits = not self._rested(now_s)
         if self._warming_waits:
             return False
-        warmed = self.pair_renderer.warm(self.model.state, self.files.new_material.about_to_show)
+        warmed = self.pair_renderer.warm(
+            self.model.on_screen, self.files.new_material.about_to_show
+        )
         if not warmed:
             self.pair_renderer.tidy()
         assert self._window is not None
@@ -186,6 +194,8 @@ class App:
     def finish(self) -> None:
         """The context is about to go."""
         self.files.close()
+        if self._monitor is not None:
+            self._monitor.close()
         self.model.attempt(self.save_layout)
         if self.pair_renderer is not None:
             self.pair_renderer.release()
@@ -247,18 +257,6 @@ class App:
         self.pair_renderer = PairRenderer(ctx)
         self.model.report("the graphics device lost its objects; everything was made again")
 
-    def _report_letters(self) -> None:
-        """Warn once of a name that no font here can show."""
-        sides = (self.model.state.side(side) for side in SIDES)
-        samples = [side.sample for side in sides]
-        names = tuple((s.material if s.pack is None else s.pack).name for s in samples)
-        if names == self._names_read:
-            return
-        self._names_read = names
-        texts = {f"the name of the {s}": n for s, n in zip(SIDES, names, strict=True)}
-        for line in fonts.warnings(texts):
-            self.model.report_once(line, fault=True)
-
     # --- one frame ----------------------------------------------------------------------------
 
     def _note_hand(self) -> None:
@@ -288,7 +286,7 @@ class App:
     def _show_stage(self) -> None:
         canvas = stage.show(self.model, self._draw_pictures)
         assert self._window is not None
-        self._window.surround = surround_gray(self.model.state.setup.display)
+        self._window.surround = surround_gray(self.model.on_screen.setup.display)
         self._window.canvas = canvas
         wanted = self.model.take_view is not None and not self.model.draft
         self._window.below = self._give_view if wanted and self.drawn_pane is not None else None
@@ -297,7 +295,7 @@ class App:
         assert self.pair_renderer is not None
         assert self._window is not None
         model = self.model
-        state = model.state
+        state = model.on_screen
         if self.flip_held:
             state = state.with_part("presentation", flipped=not state.presentation.flipped)
         arrangement = arranged(pane, state.presentation, largest=self.pair_renderer.largest)

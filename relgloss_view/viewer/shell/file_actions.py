@@ -2,27 +2,27 @@
 
 from __future__ import annotations
 
-import dataclasses
-import json
 import os
 import time
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
 from imgui_bundle import imgui
 
-from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.pack.forms.mesh_files import MESH_SUFFIXES
 from relgloss_view.pack.pack import Pack
-from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.viewer.drawing.arrangement import as_shown
+from relgloss_view.viewer.files.display_files import DISPLAY_SUFFIXES, display_note
 from relgloss_view.viewer.files.new_material import NewMaterial
-from relgloss_view.viewer.files.open_job import Opened, OpenJob
+from relgloss_view.viewer.files.open_job import Opened, OpenJob, opened_display
 from relgloss_view.viewer.files.own_materials import safe_name
 from relgloss_view.viewer.files.pack_edits import MaskReader, PackWatch
 from relgloss_view.viewer.files.pack_files import ARTWORK_SUFFIXES, NO_PROFILE
+from relgloss_view.viewer.files.picture_export import write_view
 from relgloss_view.viewer.files.plate_colours import PlateColours
 from relgloss_view.viewer.files.preparation import prepare
 from relgloss_view.viewer.files.scene_saving import save_scene
@@ -33,9 +33,10 @@ from relgloss_view.viewer.panels.file_dialogs import FileDialogs
 from relgloss_view.viewer.panels.new_material import NewMaterialPanel
 from relgloss_view.viewer.panels.own_dialog import Question
 from relgloss_view.viewer.state.command_line import snapshot_command
-from relgloss_view.viewer.state.matching import as_displayed
+from relgloss_view.viewer.state.matching import as_displayed, with_plain_pack
 from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.packs import artwork_words, missing_plates, within_memory
+from relgloss_view.viewer.state.screens import name_of
 from relgloss_view.viewer.state.session import Autosave
 from relgloss_view.viewer.state.state import State
 
@@ -45,16 +46,21 @@ SCENE_SUFFIXES = (".toml",)
 SAMPLE_SUFFIXES = (".json", ".csv", ".txt", ".bsdf", ".binary")
 OPEN_SUFFIXES = (*SCENE_SUFFIXES, *SAMPLE_SUFFIXES, *ARTWORK_SUFFIXES, *MESH_SUFFIXES)
 PROFILE_SUFFIXES = (".icc", ".icm")
+OPEN_SUFFIXES += PROFILE_SUFFIXES
 MASK_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff")  #: of what mask_file.read_mask reads
 
 
 class Wanted(NamedTuple):
-    """A file to open, the side that it is for, the finish whose material it is, its profile."""
+    """A file to open, the side that it is for, the finish whose material it is, its profile.
+
+    display: the entry that a display is for.
+    """
 
     path: str
     side: str = "test"
     finish: str = ""
     profile: str = ""
+    display: str = ""
 
 
 class FileActions:
@@ -113,12 +119,21 @@ class FileActions:
 
     def _ask_profile(self, wanted: Wanted) -> None:
         """Ask for the profile of an artwork that has none, and open it with that."""
-        path, side, finish, _ = wanted
+        path, side, finish = wanted[:3]
 
         def take(profile: str) -> None:
             self.open_path(path, side, finish, profile)
 
         self._ask(Question("ICC profile of the print", take, PROFILE_SUFFIXES))
+
+    def ask_display(self, title: str, entry: str) -> None:
+        """Ask for an ICC profile or a display file for an entry; see files.display_files."""
+
+        def take(path: str) -> None:
+            self._waiting.append(Wanted(path, display=entry))
+            self._wake()
+
+        self._ask(Question(title, take, DISPLAY_SUFFIXES))
 
     def ask_mesh(self, side: str) -> None:
         """Ask for a mesh, which becomes the form of a side's pack."""
@@ -142,20 +157,8 @@ class FileActions:
 
     def make_pack(self, side: str) -> None:
         """Put a can of the side's present sample in its place."""
-        from relgloss_view.pack.finish import Finish
-        from relgloss_view.viewer.state import matching, packs
-
         model = self.model
-
-        def make() -> None:
-            sample = model.state.side(side).sample
-            source = sample.name or sample.file or ""
-            base = Finish("Base", "stock", sample.material, source=source)
-            pack = Pack("Plain pack", packs.form_of(model.state), (base,))
-            state = matching.with_sample(model.state, side, Sample.of_pack(pack), keep=True)
-            model.change(packs.first_lit(state) if side == "test" else state)
-
-        model.attempt(make)
+        model.attempt(lambda: model.change(with_plain_pack(model.state, side)))
 
     def replace_reference(self) -> None:
         """Ask for the file of another reference sample and open it."""
@@ -206,18 +209,7 @@ class FileActions:
         )
 
     def _write_view(self, path: str) -> None:
-        def take(pixels: Bytes) -> None:
-            from relgloss_view.picture.output.png import save_rgb
-
-            presentation = dataclasses.asdict(self.model.state.presentation)
-            text = {"Software": "relgloss", "Presentation": json.dumps(presentation)}
-            display = self.model.state.setup.display
-            if self.model.attempt(lambda: save_rgb(pixels, path, text, display=display)):
-                height, width = pixels.shape[:2]
-                folder, name = os.path.split(os.path.abspath(path))
-                self.model.report(f"exported {name}, {width} x {height} px, to {folder}")
-
-        self.model.take_view = take
+        self.model.take_view = partial(write_view, self.model, path)
         self._wake()
 
     def copy_command(self) -> None:
@@ -233,7 +225,10 @@ class FileActions:
             name = f"{safe_name(title)}.png"
             imgui.set_clipboard_text(snapshot_command(state, side, model.picture_size, name))
             width, height = model.picture_size
-            model.report(f"copied: the command that draws the {side} picture, {width}x{height}")
+            text = f"copied: the command that draws the {side} picture, {width}x{height}"
+            other = model.on_screen is not model.state
+            text += f", for {name_of(state.setup.display)}, not for this monitor" if other else ""
+            model.report(text)
 
         model.attempt(copy)
 
@@ -248,7 +243,8 @@ class FileActions:
             self._wanted = wanted = self._waiting.pop(0)
             self._began_s = time.monotonic()
             self._prepared = None
-            self._job = OpenJob(wanted.path, self._wake, self._prepare, profile=wanted.profile)
+            read = partial(self._read_display, wanted) if wanted.display else None
+            self._job = OpenJob(wanted.path, self._wake, self._prepare, read, wanted.profile)
         self.new_material.each_frame()
         self._masks.each_frame()
         self._watch.each_frame()
@@ -340,6 +336,9 @@ class FileActions:
             self.scene_path = opened.path
             model.report(f"opened the scene {name}")
             return
+        if opened.display:
+            model.report(display_note(opened.display, opened.path))
+            return
         if opened.sample is None:
             self._report_pack(opened, name)
             return
@@ -357,6 +356,11 @@ class FileActions:
             model.report(f"{text}; it is the {self._wanted.side} sample now")
         if opened.warning:
             model.report(opened.warning, fault=True)
+
+    @staticmethod
+    def _read_display(wanted: Wanted, report: ProgressReport) -> Opened:
+        report(0.5, "reading the display")
+        return opened_display(os.path.abspath(wanted.path), wanted.display)
 
     def _prepare(self, opened: Opened) -> None:
         """Make what the pictures of an opened file need; in the job's thread."""

@@ -15,9 +15,11 @@ import imgui_bundle  # noqa: F401 - brings the GLFW that the glfw module then fi
 import glfw
 import numpy as np
 
+from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import GLUnavailableError
 from relgloss_view.base.interruptions import SIGNALS
 from relgloss_view.base.temporaries import scratch_file
+from relgloss_view.display.system.answer import Place
 from relgloss_view.picture.gpu import probe
 from relgloss_view.picture.gpu.context import REMEDY as NO_GL_REMEDY
 
@@ -123,6 +125,35 @@ def pixel_pitch_m(window: Any) -> float | None:
     if mode is None or width_mm <= 0:
         return None
     return 1e-3 * width_mm / float(mode.size.width)
+
+
+def system_name() -> str:
+    """The window system below GLFW, as display.system names it; "null" without one."""
+    names = {
+        glfw.PLATFORM_X11: "x11",
+        glfw.PLATFORM_WAYLAND: "wayland",
+        glfw.PLATFORM_WIN32: "win32",
+        glfw.PLATFORM_COCOA: "cocoa",
+    }
+    return names.get(glfw.get_platform(), "null")
+
+
+def monitor_place(window: Any) -> Place | None:
+    """Where the monitor lies that shows most of a window; None where there is none."""
+    monitor = monitor_of(window)
+    mode = None if monitor is None else glfw.get_video_mode(monitor)
+    if mode is None:
+        return None
+    return Place(*glfw.get_monitor_pos(monitor), mode.size.width, mode.size.height)
+
+
+def gamma_ramp(window: Any) -> Array | None:
+    """The graphics card's curves of the monitor that shows most of a window, 0 to 1, (3, n)."""
+    monitor = monitor_of(window)
+    ramp: Any = None if monitor is None else glfw.get_gamma_ramp(monitor)
+    if ramp is None or len(ramp.red) < 2:
+        return None
+    return np.array([ramp.red, ramp.green, ramp.blue], dtype=np.float64)
 
 
 def held_size(size: tuple[int, int]) -> tuple[int, int]:

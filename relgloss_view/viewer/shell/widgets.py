@@ -129,14 +129,23 @@ class Reach:
 
 
 def slider(
-    owner: type, name: str, value: float, reach: Reach = Reach(), *, default: float | None = None
+    owner: type,
+    name: str,
+    value: float,
+    reach: Reach = Reach(),
+    *,
+    default: float | None = None,
+    unit: bool = True,
 ) -> tuple[bool, float]:
-    """A slider for a declared number; a double click goes to `default`, or to the field's."""
+    """A slider for a declared number; a double click goes to `default`, or to the field's.
+
+    unit: written behind the number, unless the format of `reach` has it.
+    """
     field = declared(owner, name)
     allowed: Range = field.metadata["range"]
     start: float | None = field.default if default is None else default  # type: ignore[assignment]
     flags = imgui.SliderFlags_.logarithmic if reach.logarithmic else imgui.SliderFlags_.none
-    unit = f" {allowed.unit}" if allowed.unit else ""
+    of_number = f" {allowed.unit}" if allowed.unit and unit else ""
     text = label_of(owner, name)
     label(text)
     low = allowed.low if reach.low is None else reach.low
@@ -145,11 +154,11 @@ def slider(
     if whole:
         ends = int(low), min(int(high), 2**30)
         changed, whole_number = sliders.int_slider(
-            f"##{text}", int(value), *ends, f"%d{unit}", int(flags)
+            f"##{text}", int(value), *ends, f"%d{of_number}", int(flags)
         )
         number = float(whole_number)
     else:
-        written = f"{reach.digits}{unit}"
+        written = f"{reach.digits}{of_number}"
         changed, number = sliders.float_slider(f"##{text}", value, low, high, written, int(flags))
     resetting = sliders.resetting()
     tooltip(_meaning(allowed, start, text, (low, high)))

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from relgloss_view.base.allocator import keep_large_apart
-from relgloss_view.base.arrays import Bytes, Rgb
+from relgloss_view.base.arrays import Array, Bytes, Rgb
 from relgloss_view.base.interruptions import SIGNALS, checkpoint, uninterrupted
 
 # imgui_bundle first: it brings the GLFW that the glfw module then finds, so that both use one.
@@ -22,6 +22,7 @@ from imgui_bundle import hello_imgui, imgui, immapp  # isort: skip
 import glfw
 import numpy as np
 
+from relgloss_view.display.system.answer import Place
 from relgloss_view.picture.gpu.context import (
     Blitter,
     Offscreen,
@@ -33,12 +34,15 @@ from relgloss_view.viewer.drawing.canvas import Canvas
 from relgloss_view.viewer.shell import theme
 from relgloss_view.viewer.shell.keyboard import Keyboard, listen
 from relgloss_view.viewer.shell.platform import (
+    gamma_ramp,
     held_size,
     load,
+    monitor_place,
     no_window,
     open_platform,
     pixel_pitch_m,
     quiet_errors,
+    system_name,
     terminating,
 )
 
@@ -188,6 +192,19 @@ class Window:
         if self.headless:
             return None
         return pixel_pitch_m(self.handle)
+
+    @property
+    def system(self) -> str:
+        """The window system; "null" where there is no display."""
+        return "null" if self.headless else system_name()
+
+    def monitor_place(self) -> Place | None:
+        """Where the monitor lies that the window is on."""
+        return None if self.headless else monitor_place(self.handle)
+
+    def gamma_ramp(self) -> Array | None:
+        """The graphics card's curves of that monitor, 0 to 1, (3, n)."""
+        return None if self.headless else gamma_ramp(self.handle)
 
     def _loop(self, params: hello_imgui.RunnerParams, frames: int | None) -> None:
         while not (params.app_shall_exit or self._error is not None or SIGNALS.noted):

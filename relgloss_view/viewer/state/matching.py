@@ -14,6 +14,8 @@ from relgloss_view.gloss.match import Reference, absolute_c, full_c, matched, ow
 from relgloss_view.gloss.pack_match import match_pack
 from relgloss_view.gloss.samples import SampleLook
 from relgloss_view.material.recolour import Colour
+from relgloss_view.pack.finish import Finish
+from relgloss_view.pack.pack import Pack
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.match import MOST_C, Match
@@ -204,6 +206,16 @@ def swapped(state: State) -> State:
             test_sigma_n_deg=match.reference_sigma_n_deg,
         )
     return dataclasses.replace(state, reference=state.test, test=state.reference, match=match)
+
+
+def with_plain_pack(state: State, side: str) -> State:
+    """The state with a can of a side's present sample in its place."""
+    sample = state.side(side).sample
+    source = sample.name or sample.file or ""
+    base = Finish("Base", "stock", sample.material, source=source)
+    pack = Pack("Plain pack", packs.form_of(state), (base,))
+    state = with_sample(state, side, Sample.of_pack(pack), keep=True)
+    return packs.first_lit(state) if side == "test" else state
 
 
 def as_displayed(state: State, factor: float) -> State:

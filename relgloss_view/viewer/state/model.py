@@ -12,6 +12,7 @@ from relgloss_view.base.arrays import Array, Bytes
 from relgloss_view.base.decoration import fault_line
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.base.reading import printable
+from relgloss_view.display.display import Display
 from relgloss_view.measure.table import Measurement
 from relgloss_view.pack.finish import Finish
 from relgloss_view.pack.pack import Pack, Placement
@@ -24,6 +25,7 @@ from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.viewer.plots.lightness import Lightness
 from relgloss_view.viewer.state import matching, packs
 from relgloss_view.viewer.state.history import History
+from relgloss_view.viewer.state.screens import Screen, for_screen, unreadable_files
 from relgloss_view.viewer.state.state import State
 
 LONGEST_NOTE = 400  #: characters
@@ -125,6 +127,9 @@ class Model:
         self.factor = 1.0  #: of both c in this view, so that neither picture clips
         self.gap_px = 0  #: between the pictures on the screen
         self.pixel_pitch_m: float | None = None  #: of the monitor; None where it reports none
+        self.screen = Screen()  #: what the system has for the monitor
+        self._on_screen: tuple[State, Screen, State] | None = None
+        self._unreadable: dict[str, str] = {}  #: files of displays
         #: Draws a side's picture at another size, in pixels; may raise RelglossError.
         self.render_at: Callable[[str, Size], Frame] | None = None
         self._held_until_s = 0.0
@@ -133,6 +138,34 @@ class Model:
     def state(self) -> State:
         """The present state."""
         return self.history.state
+
+    @property
+    def on_screen(self) -> State:
+        """The present state as the window draws it: for its monitor, unless it is to be another.
+
+        The same object as long as neither changes.
+        """
+        kept = self._on_screen
+        if kept is None or kept[0] is not self.state or kept[1] is not self.screen:
+            shown = for_screen(self.state, self.screen, self._unreadable)
+            kept = self.state, self.screen, shown
+            self._on_screen = kept
+        return kept[2]
+
+    def check_displays(self) -> None:
+        """Look at the files of displays, once a frame: one that is damaged is drawn without."""
+        faults = unreadable_files(self.state)
+        for file in faults.keys() - self._unreadable.keys():
+            self.report(f"{faults[file]} (pictures are drawn without it)", fault=True)
+        if faults.keys() != self._unreadable.keys():
+            self._on_screen = None
+        self._unreadable = faults
+
+    def display_of(self, side: str) -> Display:
+        """The display that a side is drawn for, with the one that it is seen on."""
+        display = self.on_screen.setup.display
+        seen_on = self.on_screen.presentation.seen_on(side)
+        return dataclasses.replace(display, seen_on=seen_on) if seen_on else display
 
     def hold(self) -> None:
         """Let a gesture without a held button, such as turns of the wheel, last for a moment."""

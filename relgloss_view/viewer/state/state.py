@@ -9,7 +9,7 @@ import dataclasses
 from dataclasses import dataclass
 from typing import Any
 
-from relgloss_view.base.parameters import Checked, choice, parameter, switch
+from relgloss_view.base.parameters import Checked, choice, file_name, parameter, switch
 from relgloss_view.display.display import Display
 from relgloss_view.gloss.match import DEFAULT_REFERENCE, Reference, matched, own_sigma_n_deg
 from relgloss_view.operators.registry import DEFAULT_OPERATOR, OPERATORS
@@ -28,6 +28,8 @@ SIDES = ("reference", "test")
 SIDE_BY_SIDE, WIPE, FLIP, DIFFERENCE = "side by side", "wipe", "flip", "difference"
 COMPARE_MODES = (SIDE_BY_SIDE, WIPE, FLIP, DIFFERENCE)
 OVERLAYS = ("none", *constants.OVERLAYS)
+THIS_MONITOR, AS_DECLARED = "this monitor", "as the scene declares"
+SCREENS = (THIS_MONITOR, AS_DECLARED)
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,31 @@ class Presentation(Checked):
         "the test picture's tones",
         label="Tone mapping (operator)",
     )
+    screen: str = choice(
+        THIS_MONITOR,
+        SCREENS,
+        "this monitor: by the profile that the system has for it, where there is one; as the scene "
+        "declares: by the scene's own display, which files and copied commands always have",
+        label="Show for",
+        later=True,
+    )
+    reference_seen_on: str = file_name(
+        "",
+        "another display, whose picture of the reference is shown here: an ICC profile or a "
+        "display file",
+        label="Reference seen on",
+    )
+    test_seen_on: str = file_name(
+        "",
+        "another display, whose picture of the test is shown here: an ICC profile or a display "
+        "file",
+        label="Test seen on",
+    )
+
+    def seen_on(self, side: str) -> str:
+        """The file of the display whose picture a side shows; "" for this one's."""
+        file: str = getattr(self, f"{side}_seen_on")
+        return file
 
     def operator(self, side: str) -> str:
         """The tone-mapping operator of a side, one of SIDES."""
@@ -136,8 +163,11 @@ class State:
         return side
 
     def scene(self, name: str) -> Scene:
-        """What a side's renderer draws."""
-        return self.side(name).sample.scene(self.setup)
+        """What a side's renderer draws, on the display that this side is seen on."""
+        setup, seen_on = self.setup, self.presentation.seen_on(name)
+        if seen_on != setup.display.seen_on:
+            setup = setup.with_entries("display", seen_on=seen_on)
+        return self.side(name).sample.scene(setup)
 
     def part(self, name: str) -> Shape | Lamp | Eye | Display | Presentation:
         """One part of the state: shape, lamp, eye, display or presentation."""
