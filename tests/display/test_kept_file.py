@@ -11,9 +11,12 @@ from relgloss_view.display.icc_writing import srgb_profile
 from relgloss_view.display.kept_file import MOST_BYTES, KeptFile, keep_file
 from relgloss_view.display.read import monitor_of
 
-TEXT = (
-    b'format = "relgloss-display"\n[display]\nprofile = "%s"  # beside it\nluminance_cd_m2 = 160\n'
-)
+TEXT = b"""format = "relgloss-display"
+version = 1
+[display]
+profile = "%s"  # beside it
+luminance_cd_m2 = 160
+"""
 
 
 def test_a_display_file_and_its_profile_are_one(tmp_path):
@@ -40,6 +43,17 @@ def test_it_survives_json_and_a_session(tmp_path):
         assert KeptFile.from_bytes(kept.to_bytes()) == kept
         assert kept.put_into(tmp_path) == kept.put_into(tmp_path)
     assert monitor_of(kept.put_into(tmp_path)).name == "sRGB built-in"
+
+
+def test_a_display_file_is_kept_with_the_profile_beside_it(tmp_path):
+    (tmp_path / "here").mkdir()
+    (tmp_path / "here" / "monitor.icc").write_bytes(srgb_profile())
+    (tmp_path / "here" / "a.toml").write_bytes(TEXT % b"monitor.icc")
+    kept = keep_file(tmp_path / "here" / "a.toml")
+    assert kept == KeptFile("a.toml", TEXT % b"monitor.icc", srgb_profile())
+    again = monitor_of(kept.put_into(tmp_path))
+    assert again.luminance_cd_m2 == 160.0
+    assert keep_file(kept.put_into(tmp_path)).digest == kept.digest
 
 
 def test_what_is_no_display_is_refused(tmp_path):

@@ -20,6 +20,7 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.shell import command_line, operand
 from relgloss_view.base.temporaries import scratch_folder
 from relgloss_view.base.version import __version__
+from relgloss_view.display.kept_file import KeptFile
 from relgloss_view.display.record import OPTION, DisplayRecord
 from relgloss_view.experiment.design.study import Study
 from relgloss_view.experiment.design.study_file import study_digest, study_to_dict
@@ -203,7 +204,11 @@ class Store:
             return None
         with damaged_rows(self.path):
             files = read_display_files(self._connection, {given[-1]})
-        return files[0].put_into(self._folder) if files else None
+        return self.put(files[0]) if files else None
+
+    def put(self, file: KeptFile) -> str:
+        """Write a display's file where drawing finds it until the store is closed; its path."""
+        return file.put_into(self._folder)
 
     def _runs(self) -> list[Run]:
         assert self._connection is not None

@@ -83,8 +83,9 @@ class Trials:
         io.config_flags &= ~int(imgui.ConfigFlags_.nav_enable_keyboard)  # keys are answers here
         stay_open(window)
         self._window = window
-        of_system = None if self._profile is not None else system_display(window)
-        here = self._here = sitting_here(self.store, self.observer, self._display, of_system)
+        of_system = (None, "") if self._profile is not None else system_display(window)
+        here = sitting_here(self.store, self.observer, self._display, *of_system)
+        self._here = here
         study = self.store.study.shown_on(here.sitting.display)
         window.surround = surround_gray(study.setup.display)
         self._ink = Ink.on(study.setup.display)

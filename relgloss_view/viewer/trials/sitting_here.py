@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.display.record import SYSTEM, DisplayRecord
+from relgloss_view.display.kept_file import KeptFile
+from relgloss_view.display.record import SYSTEM
+from relgloss_view.display.system.watch import answer_once
 from relgloss_view.experiment.session.records import Observer
 from relgloss_view.experiment.session.sitting import Sitting, choose_sitting, remarks
 from relgloss_view.experiment.session.store import Store
@@ -26,32 +28,43 @@ class SittingHere:
 
 
 def sitting_here(
-    store: Store, observer: Observer, given: str | None, of_system: str | None
+    store: Store,
+    observer: Observer,
+    given: str | None,
+    of_system: KeptFile | None = None,
+    fault: str = "",
 ) -> SittingHere:
     """The display that an observer's pictures are drawn for from now on. Raises InputError.
 
-    given: the file of --display. of_system: the file of the system's profile; one that can't be
-    used is passed over with a remark.
+    given: the file of --display. of_system: the system's profile; one that can't be used is passed
+    over with a remark. fault: why the system's can't even be taken.
     """
     study = store.study
     before = store.answered_displays(observer)
     last_given = store.last_given_display()
-    system, lines = _system_record(store, of_system)
-    usable = of_system if system is not None else None
+    lines: list[str] = []
+    system, file = None, None
+    if of_system is not None:
+        try:
+            file = store.put(of_system)
+            system = Sitting.of_file(study, file, SYSTEM).record
+        except InputError as error:
+            fault = str(error)
+    lines += [f"the system's own profile can't be used: {fault}"] if fault else []
+    usable = file if system is not None else None
     sitting = choose_sitting(study, given, usable, before, last_given)
     lines += remarks(sitting, before, system)
     return SittingHere(sitting, tuple(lines))
 
 
-def _system_record(store: Store, of_system: str | None) -> tuple[DisplayRecord | None, list[str]]:
-    if of_system is None:
-        return None, []
-    try:
-        return Sitting.of_file(store.study, of_system, SYSTEM).record, []
-    except InputError as error:
-        return None, [f"the system's own profile can't be used: {error}"]
+def system_display(window: Window) -> tuple[KeptFile | None, str]:
+    """The system's own profile of the window's monitor, None without one.
 
-
-def system_display(window: Window) -> str | None:
-    """The file of the system's own profile of the monitor that a window is on; None: none known."""
-    return None
+    And why one that the system has can't be taken; "" otherwise.
+    """
+    if window.headless:
+        return None, ""
+    answer = answer_once(window.monitor_place(), window.system)
+    if answer.profile is None:
+        return None, answer.reason if answer.fault else ""
+    return KeptFile(answer.profile.name, answer.profile.data), ""
