@@ -105,7 +105,7 @@ def read_record(path: Path, lamp_folder: Path) -> Record:
         (undone,) = connection.execute(
             "SELECT count(*) FROM answer WHERE undone_utc IS NOT NULL"
         ).fetchone()
-        runs = tuple(read_runs(connection))
+        runs = tuple(_read_runs(connection))
         return Record(
             path=path,
             study=study,
@@ -226,8 +226,12 @@ def read_answers(
     ]
 
 
-def read_runs(connection: sqlite3.Connection) -> Iterator[Run]:
+def read_runs(connection: sqlite3.Connection) -> list[Run]:
     """The runs of a session file, in their order."""
+    return list(_read_runs(connection))
+
+
+def _read_runs(connection: sqlite3.Connection) -> Iterator[Run]:
     rows = connection.execute(
         "SELECT id, observer, begun_utc, ended_utc, version, device, screen FROM run ORDER BY id"
     )

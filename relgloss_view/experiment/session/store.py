@@ -213,7 +213,7 @@ class Store:
     def _runs(self) -> list[Run]:
         assert self._connection is not None
         with damaged_rows(self.path):
-            return list(read_runs(self._connection))
+            return read_runs(self._connection)
 
     def end_run(self, run: int) -> None:
         """Keep that the program ended by itself, and was not killed."""
