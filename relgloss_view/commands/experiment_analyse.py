@@ -55,6 +55,12 @@ def add(commands: Any) -> None:
         help="Treatment of proportions of 0 and 1 in condition D: clip them to 1/(2N), or drop "
         "them (default clip)",
     )
+    parser.add_argument(
+        "--pool-displays",
+        action="store_true",
+        help="Pool answers on displays that differ by more than the limits too. The report then "
+        "states what differs",
+    )
     parser.add_argument("--json", action="store_true", help="Print the results as JSON")
     parser.set_defaults(run=run)
 
@@ -84,10 +90,12 @@ def run(args: argparse.Namespace) -> int:
     if args.output is not None:
         folder = own_folder(args.output, {RESULTS: FORMAT}, "experiment analyse", alone=True)
     with scratch_folder() as lamps:
-        pool = read_pool(args.files, lamps)
+        pool = read_pool(args.files, lamps, pool_displays=args.pool_displays)
         for record in pool.records:
             for line in warnings(record.losses, record.path):
                 warn(line)
+        for line in pool.displays.beyond:
+            warn(line)
         with Progress("analyse") as progress, contextlib.ExitStack() as stack:
             # The place is tried first: an analysis takes minutes.
             place = None if folder is None else whole_folder(folder, RESULTS, earlier_files)

@@ -18,6 +18,8 @@ from relgloss_view.commands.output_folder import own_folder, stimuli_files
 from relgloss_view.quality.backends import BACKENDS
 
 if TYPE_CHECKING:
+    from relgloss_view.display.record import DisplayRecord
+    from relgloss_view.experiment.design.study import Study
     from relgloss_view.experiment.session.pool import Pool
 
 FORMAT, VERSION = "relgloss-stimuli", 1
@@ -64,16 +66,18 @@ def run(args: argparse.Namespace) -> int:
     if args.stimuli is not None:
         folder = own_folder(args.stimuli, {MANIFEST: FORMAT}, "experiment export", alone=True)
     with scratch_folder() as lamps:
-        pool = read_pool(args.files, lamps)
+        pool = read_pool(args.files, lamps, pool_displays=True)  # a table analyses nothing
         for record in pool.records:
             for line in warnings(record.losses, record.path):
                 warn(line)
+        for line in pool.displays.beyond:
+            warn(line)
         written: dict[str, Any] = {}
         with together():
             if table is not None:
                 written["answers"] = _write_answers(table, pool)
             if folder is not None:
-                written["stimuli"] = _draw_stimuli(folder, pool, args.backend)
+                written["stimuli"] = _draw_stimuli(folder, pool, args.backend, lamps)
     if args.json:
         print(json.dumps({"files": args.files, **written}))
         return 0
@@ -98,8 +102,11 @@ def _write_answers(path: Path, pool: Pool) -> int:
     return len(rows)
 
 
-def _draw_stimuli(folder: Path, pool: Pool, backend: str) -> list[dict[str, Any]]:
-    """Draw the reference and every setting of every sample; what the manifest says of each."""
+def _draw_stimuli(folder: Path, pool: Pool, backend: str, scratch: Path) -> list[dict[str, Any]]:
+    """Draw the reference and every setting of every sample; what the manifest says of each.
+
+    They are drawn for each display that observers saw them on: digital values are a display's own.
+    """
     from relgloss_view.experiment.design.stimuli import (
         digest_of,
         draw_reference,
@@ -110,15 +117,21 @@ def _draw_stimuli(folder: Path, pool: Pool, backend: str) -> list[dict[str, Any]
     from relgloss_view.picture.output.writers import Writers
     from relgloss_view.quality.backends import open_renderer
 
-    study = pool.study
-    study.check_drawn_again()
-    digests: dict[tuple[int | None, int | None], set[str]] = {}
+    pool.study.check_drawn_again()
+    displays = pool.displays.displays
+    studies = _studies_on(pool, scratch)
+    digests: dict[tuple[int, int | None, int | None], set[str]] = {}
     for record in pool.records:
+        shown_on = {run.id: run.display for run in record.runs}
         for picture in record.pictures:
-            digests.setdefault((picture.sample, picture.setting), set()).add(picture.sha256)
-    names = file_names([sample.label for sample in study.samples])
-    wanted: list[tuple[int | None, int | None]] = [(None, None)]
-    wanted += [(k, j) for k in range(len(names)) for j in range(len(study.grid))]
+            place = pool.displays.place_of(shown_on.get(picture.run))
+            if place is not None:
+                key = (place, picture.sample, picture.setting)
+                digests.setdefault(key, set()).add(picture.sha256)
+    names = file_names([sample.label for sample in pool.study.samples])
+    of_study: list[tuple[int | None, int | None]] = [(None, None)]
+    of_study += [(k, j) for k in range(len(names)) for j in range(len(pool.study.grid))]
+    wanted = [(display, *pair) for display in range(len(studies)) for pair in of_study]
     stimuli = []
     with (
         open_renderer(backend) as renderer,
@@ -126,22 +139,24 @@ def _draw_stimuli(folder: Path, pool: Pool, backend: str) -> list[dict[str, Any]
         whole_folder(folder, MANIFEST, lambda old: stimuli_files(old, MANIFEST)) as temporary,
         Writers() as writers,
     ):
-        for number, (sample, setting) in enumerate(wanted):
+        for number, (display, sample, setting) in enumerate(wanted):
+            study, suffix = studies[display], f"-display{display + 1}" if display else ""
             if sample is None or setting is None:
-                frame, name = draw_reference(renderer, study), "reference.png"
+                frame, name = draw_reference(renderer, study), f"reference{suffix}.png"
             else:
                 frame = draw_stimulus(renderer, study, sample, setting)
                 at = study.grid.settings[setting]
-                name = f"{names[sample]}-{setting:03d}.png"
+                name = f"{names[sample]}-{setting:03d}{suffix}.png"
                 progress(number / len(wanted), f"{study.samples[sample].label}, {at.words}")
             digest = digest_of(frame)
-            digests_then = digests.get((sample, setting))
+            digests_then = digests.get((display, sample, setting))
             writers.save(frame, temporary / name, "")
             stimuli.append(
                 {
                     "file": name,
                     "sample": None if sample is None else study.samples[sample].label,
                     "setting": setting,
+                    "display": display,
                     **frame_record(frame),
                     "sha256": digest,
                     "as_shown": None if digests_then is None else digests_then == {digest},
@@ -149,11 +164,40 @@ def _draw_stimuli(folder: Path, pool: Pool, backend: str) -> list[dict[str, Any]
             )
         manifest = {
             "format": FORMAT, "version": VERSION, "relgloss_version": __version__,
-            "device": frame.device, "stimuli": stimuli,
+            "device": frame.device, "displays": [_display_words(d) for d in displays],
+            "stimuli": stimuli,
         }  # fmt: skip
         text = json.dumps(manifest, indent=1) + "\n"
         (temporary / MANIFEST).write_text(text, encoding="utf-8")
     return stimuli
+
+
+def _studies_on(pool: Pool, scratch: Path) -> list[Study]:
+    """The study on each display of the pool; InputError where a display's file is not kept."""
+    from relgloss_view.experiment.session.sitting import display_of_record
+
+    by_path = {record.path: record for record in pool.records}
+    studies = []
+    for shown in pool.displays.first_of_each:
+        kept = by_path[shown.path]
+        if shown.display is None:  # of an earlier version, which drew for the study's display
+            studies.append(kept.study)
+            continue
+        display = display_of_record(kept.study, shown.display, kept.display_files, scratch)
+        if display is None:
+            raise InputError(
+                f"{printable(shown.path)}: the file of the display "
+                f"{printable(shown.display.name, 60)!r} is not in it, so that its pictures can't "
+                "be drawn again"
+            )
+        studies.append(kept.study.shown_on(display))
+    return studies
+
+
+def _display_words(record: DisplayRecord | None) -> dict[str, str] | None:
+    if record is None:
+        return None
+    return {"name": record.name, "origin": record.origin, "digest": record.digest}
 
 
 def _words(stimuli: list[dict[str, Any]]) -> str:

@@ -69,11 +69,19 @@ def add(commands: Any) -> None:
         type=size_of_text,
         help="Window size in pixels, in place of the full screen",
     )
-    parser.add_argument(
+    screen = parser.add_mutually_exclusive_group()
+    screen.add_argument(
+        "--display",
+        metavar="FILE",
+        help="Display in front of the observer: an ICC profile, or a display file that `relgloss "
+        "display` wrote. Pictures are drawn for it, and the session keeps it. By default the last "
+        "one given for this session, then the study's, then the system's own profile, then sRGB",
+    )
+    screen.add_argument(
         "--display-profile",
         metavar="FILE.icc",
-        help="ICC profile of the display, kept with the answers. Pictures are not converted "
-        "through it: the study's [display] describes the display",
+        help="ICC profile of the display, kept with the answers. Pictures are not drawn for it; "
+        "--display draws for it",
     )
     parser.add_argument("--json", action="store_true", help="Print the outcome as JSON")
     parser.set_defaults(run=run)
@@ -85,6 +93,7 @@ def run(args: argparse.Namespace) -> int:
 
     check_window()
     from relgloss_view.commands.view import warn_if_clamped
+    from relgloss_view.display.kept_file import keep_file
     from relgloss_view.experiment.session.losses import warnings
     from relgloss_view.experiment.session.store import Store
     from relgloss_view.viewer.shell.platform import open_platform
@@ -96,6 +105,8 @@ def run(args: argparse.Namespace) -> int:
 
     checkpoint()  # the imports have taken a while
     profile = None if args.display_profile is None else read_profile(args.display_profile)
+    if args.display is not None:
+        keep_file(args.display)  # a faulty one is reported before a session file is made
     path, study = _session(args.study, args.output)
     open_platform(headless=False)  # where no window can show, no file is made
     with Store(path, study) as store:
@@ -108,7 +119,7 @@ def run(args: argparse.Namespace) -> int:
         for line in letters.warnings(store.study):
             warn(line)
         with Progress("experiment") as progress:
-            program = Trials(store, observer, profile, progress)
+            program = Trials(store, observer, profile, progress, args.display, _announce)
             if args.window is None:
                 window = Window(program, tune=full_screen)
             else:
@@ -120,6 +131,10 @@ def run(args: argparse.Namespace) -> int:
     _tell(args, path, observer.name, *program.progress)
     checkpoint()
     return 0
+
+
+def _announce(line: str) -> None:
+    print(printable(line, 1000), file=sys.stderr, flush=True)
 
 
 def _observer(store: Store, name: str | None, *, new: bool) -> Observer:

@@ -14,11 +14,17 @@ import driven
 import numpy as np
 import pytest
 
+from relgloss_view.display.display import Display
+from relgloss_view.display.icc_writing import matrix_profile
+from relgloss_view.display.record import OPTION
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.experiment.design.stimuli import digest_of, draw_reference, draw_stimulus
-from relgloss_view.experiment.design.study import Procedure, Screen, Study, StudySample
+from relgloss_view.experiment.design.study import RATIO, Procedure, Screen, Study, StudySample
 from relgloss_view.experiment.design.trial_order import planned_trials
 from relgloss_view.experiment.session.flow import EARLIEST_S
+from relgloss_view.experiment.session.records import read_record
+from relgloss_view.experiment.session.sitting import Sitting
+from relgloss_view.experiment.session.store import Store
 from relgloss_view.picture.scene.sample import Sample, load_sample
 
 SIZE = (640, 480)
@@ -53,7 +59,13 @@ def opened(folder, run):
 
     told = []
     with Store(run.get("session", folder / "session.sqlite"), small_study(**run["study"])) as store:
-        program = Trials(store, store.observer(OBSERVER), tell=lambda *told_: told.append(told_))
+        program = Trials(
+            store,
+            store.observer(OBSERVER),
+            tell=lambda *told_: told.append(told_),
+            display=run.get("display"),
+            announce=told.append,
+        )
         program.told = told
         yield program
 
@@ -482,7 +494,24 @@ def declines(hand, found):
     found["declined"] = [screen(hand), page(hand)]
 
 
+def shows_that_the_display_has_changed(hand, found):
+    hand.frames(2)
+    fault = hand.app.fault
+    found["first"] = [fault.heading, fault.text, page(hand)]
+    press(hand, "_1")
+    found["still"] = hand.app.fault is fault
+    press(hand, "enter")
+    found["then"] = [hand.app.fault is None, screen(hand)]
+    press(hand, "enter")
+    press(hand, "enter")
+    to_trial(hand)
+    park(hand)
+    found["corner"] = seen(hand)[2, 2].tolist()
+    found["announced"] = [line for line in hand.app.told if isinstance(line, str)]
+
+
 SESSIONS = {
+    "display": [shows_that_the_display_has_changed],
     "walk": [
         leads_to_the_first_trial,
         shows_the_pictures_themselves,
@@ -737,6 +766,40 @@ def test_what_was_shown_is_kept(resumed, renderer):
     for setting in range(len(study.grid)):
         wanted[0, setting] = digest_of(draw_stimulus(renderer, study, 0, setting))
     assert got == wanted
+
+
+def test_another_display_is_shown_before_continuing(tmp_path, renderer):
+    """The page, then pictures and surround that are drawn for it, and kept with its record."""
+    wide = Display(transfer="gain-offset-gamma", gamma=1.8)  # its L* 50 is another digital value
+    for name, display in (("before", Display()), ("now", wide)):
+        (tmp_path / f"{name}.icc").write_bytes(matrix_profile(display))
+    session = tmp_path / "session.sqlite"
+    study = small_study()
+    with Store(session, study) as store:
+        observer = store.observer(OBSERVER)
+        sitting = Sitting.of_file(study, str(tmp_path / "before.icc"), OPTION)
+        run = store.begin_run(observer, "d", {}, sitting=sitting)
+        store.consent(observer)
+        store.plan(observer, planned_trials(study, observer.number))
+        store.answer(observer, store.trials(observer)[0], RATIO, 0, 1.0, run)
+    found = driven_session(
+        "display", tmp_path, session=str(session), display=str(tmp_path / "now.icc")
+    )["shows_that_the_display_has_changed"]
+    heading, text, buttons = found["first"]
+    assert heading == "Please check the display"
+    assert text.startswith("The display has changed since the last sitting, from ")
+    assert buttons == ["End (Ctrl+Q)"]
+    assert found["still"]
+    assert found["then"] == [True, "instructions"]
+    assert found["announced"][0].startswith("pictures are drawn for ")
+    lightness_50 = round(255.0 * 0.18418651851 ** (1.0 / 1.8))
+    assert np.max(np.abs(np.array(found["corner"]) - lightness_50)) <= 1
+    record = read_record(session, tmp_path)
+    assert [r.display.origin for r in record.runs] == [OPTION] * 2
+    on_wide = study.shown_on(Display(profile=str(tmp_path / "now.icc")))
+    reference = next(p for p in record.pictures if p.sample is None)
+    assert reference.sha256 == digest_of(draw_reference(renderer, on_wide))
+    assert reference.sha256 != digest_of(draw_reference(renderer, study))
 
 
 def test_adaptation_can_be_cut_short(mirror):

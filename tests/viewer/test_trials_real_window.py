@@ -7,6 +7,7 @@ import contextlib
 import os
 import re
 import signal
+import struct
 import subprocess
 import sys
 import threading
@@ -25,6 +26,10 @@ from x_server import (
     until,
 )
 
+from relgloss_view.display.display import Display
+from relgloss_view.display.icc_writing import matrix_profile
+from relgloss_view.display.record import SYSTEM
+from relgloss_view.display.system.x_connection import Connection
 from relgloss_view.experiment.design.trial_order import planned_trials
 from relgloss_view.experiment.session.records import read_record
 
@@ -121,10 +126,22 @@ def press_until(display, key, condition):
     until(pressed)
 
 
+def set_profile(display, data):
+    """Set the root's _ICC_PROFILE, as a desktop does: ChangeProperty (18) of CARDINAL (6)."""
+    connection = Connection(display)
+    atom = connection.atom("_ICC_PROFILE")
+    head = struct.pack("=3IB3xI", connection.root, atom, 6, 8, len(data))
+    connection.send(18, 0, head + data + bytes(-len(data) % 4))
+    assert connection.property_of_root(atom, 1 << 20)[0] == data
+    connection.close()
+
+
 def test_keys_answer_and_what_was_acknowledged_outlives_a_kill(tmp_path, display):
     study = tmp_path / "mine.toml"
     study.write_text(STUDY)
     file = tmp_path / "mine.sqlite"
+    profile = matrix_profile(Display(transfer="gain-offset-gamma", gamma=1.8))
+    set_profile(display, profile)
     with session(tmp_path, display, study) as first:
         assert first.acknowledged == 0
         assert not first.judging
@@ -159,6 +176,9 @@ def test_keys_answer_and_what_was_acknowledged_outlives_a_kill(tmp_path, display
     assert [a.category for a in record.answers[len(kept) :]] == [2] * (TOTAL - len(kept))
     assert record.observers[0].ended
     assert record.runs[1].ended_utc is not None
+    assert "pictures are drawn for relgloss display, gamma 1.8 (of the system)" in first.told
+    assert [run.display.origin for run in record.runs] == [SYSTEM, SYSTEM]
+    assert [kept.data for kept in record.display_files] == [profile]
     screen = record.runs[1].screen
     assert screen["full_screen"]
     assert screen["window_px"] == screen["monitor"]["resolution_px"] == [1400, 900]

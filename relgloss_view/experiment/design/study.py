@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.parameters import Checked, choice, parameter, switch, whole_number
 from relgloss_view.base.reading import printable, refuse, text
+from relgloss_view.display.display import Display
 from relgloss_view.experiment.design.grid import Grid
 from relgloss_view.picture.model.view import check_size
 from relgloss_view.picture.scene.look import Look
@@ -184,6 +185,10 @@ class Study:
 
     def _scene(self, sample: Sample) -> Scene:
         return sample.scene(self.setup)
+
+    def shown_on(self, display: Display) -> Study:
+        """The study with its pictures drawn for another display."""
+        return dataclasses.replace(self, setup=dataclasses.replace(self.setup, display=display))
 
     def with_procedure(self, **changes: object) -> Study:
         """The study with entries of its procedure changed."""

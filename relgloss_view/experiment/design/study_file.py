@@ -18,6 +18,9 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import numbers_of, printable, refuse
 from relgloss_view.base.resources import asset
 from relgloss_view.base.toml import build_part, entries, read_toml
+from relgloss_view.display.display import Display
+from relgloss_view.display.kept_file import KeptFile, keep_file
+from relgloss_view.display.read import monitor_of
 from relgloss_view.experiment.design.grid import Grid, share_of
 from relgloss_view.experiment.design.study import Adaptive, Procedure, Screen, Study, StudySample
 from relgloss_view.experiment.design.study_packs import pack_from_dict, pack_to_dict, prepared
@@ -27,9 +30,11 @@ from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, SAMPLES, Sample
 from relgloss_view.picture.scene.scene_file import (
+    DISPLAY_FILES,
     FURTHER_LAMP,
     TABLES,
     build,
+    display_beside,
     further_lamps,
     lamp_beside,
     read_sample,
@@ -44,6 +49,7 @@ PARTS: dict[str, type[Any]] = {"procedure": Procedure, "adaptive": Adaptive, "sc
 #: that a session continues with the study that it was begun with.
 ADDED = {"display": ("pixel_pitch_mm", "viewing_distance_m"), "look": ("grain_arcmin",)}
 WORDS = ("title", "categories", "consent", "instructions")  #: the entries of [study]
+KEPT_FILES = "display_files"  #: the files that [display] names, by entry
 BUILT_IN = ("paper",)  #: studies by name
 
 
@@ -92,6 +98,7 @@ def _study(content: Mapping[str, Any], folder: Path) -> Study:
     parts = {name: build(name, content.get(name, {})) for name in TABLES}
     parts["lamp"] = lamp_beside(parts["lamp"], folder, None)
     parts["shape"] = shape_beside(parts["shape"], folder, None)
+    parts["display"] = display_beside(parts["display"], folder, None)
     for entry in ("sigma_n_deg", "c", "c_fraction"):
         if entry in content.get("look", {}):
             raise InputError(f"look.{entry}: the settings come from [grid]; leave it out here")
@@ -200,7 +207,10 @@ def _grid(values: Mapping[str, Any]) -> Grid:
 
 
 def study_to_dict(study: Study) -> dict[str, Any]:
-    """The study as JSON holds it, whole: materials and a lamp's table are inside it."""
+    """The study as JSON holds it, whole: materials, a lamp's table, a display's files are inside.
+
+    Raises InputError where a display's file can't be read any more.
+    """
     lamp, lamps = study.setup.lamp.illuminant, study.setup.further_lamps
     return {
         "study": {name: _plain(getattr(study, name)) for name in WORDS},
@@ -216,11 +226,12 @@ def study_to_dict(study: Study) -> dict[str, Any]:
         **({FURTHER_LAMP: [entries(k) for k in lamps]} if lamps else {}),
         "look": entries(study.look),
         "lamp_table": None if is_lamp_name(lamp) else lamp_text(lamp),
+        **_kept_files(study.setup.display),
     }  # fmt: skip
 
 
 def study_from_dict(content: Mapping[str, Any], lamp_folder: Path) -> Study:
-    """The study of study_to_dict. A lamp's table is put into a folder, where drawing finds it."""
+    """The study of study_to_dict. Files of lamp and display are put into a folder for drawing."""
     reference = content["reference"]
     parts = {name: build(name, content[name]) for name in TABLES}
     if content["lamp_table"] is not None:
@@ -229,6 +240,7 @@ def study_from_dict(content: Mapping[str, Any], lamp_folder: Path) -> Study:
         if not file.exists():
             file.write_bytes(data)
         parts["lamp"] = dataclasses.replace(parts["lamp"], illuminant=str(file))
+    parts["display"] = _with_files(parts["display"], content.get(KEPT_FILES, {}), lamp_folder)
     words = dict(content["study"])
     words["categories"] = tuple(words["categories"])
     return Study(
@@ -257,7 +269,25 @@ def study_digest(content: Mapping[str, Any]) -> str:
                     part.pop(name)
     if seen["lamp_table"] is not None:
         seen["lamp"].pop("illuminant")  # where the table lies
+    for entry, kept in seen.get(KEPT_FILES, {}).items():
+        seen["display"].pop(entry)  # where the file lies
+        seen[KEPT_FILES][entry] = KeptFile.from_dict(kept).digest
     return hashlib.sha256(json.dumps(seen, sort_keys=True).encode("utf-8")).hexdigest()
+
+
+def _kept_files(display: Display) -> dict[str, Any]:
+    files = {entry: keep_file(file) for entry in DISPLAY_FILES if (file := getattr(display, entry))}
+    return {KEPT_FILES: {entry: file.to_dict() for entry, file in files.items()}} if files else {}
+
+
+def _with_files(display: Display, kept: Mapping[str, Any], folder: Path) -> Display:
+    """The display with its kept files in a folder; never with one that lies elsewhere."""
+    if set(kept) != {entry for entry in DISPLAY_FILES if getattr(display, entry)}:
+        raise InputError("display: its files are not those that are kept")
+    put = {entry: KeptFile.from_dict(file).put_into(folder) for entry, file in kept.items()}
+    for file in put.values():
+        monitor_of(file)  # a damaged one is reported here
+    return dataclasses.replace(display, **put)  # type: ignore[arg-type]
 
 
 def _sample_to_dict(sample: Sample) -> dict[str, Any]:

@@ -17,6 +17,7 @@ from relgloss_view.experiment.observers.population import Population, SimulatedO
 from relgloss_view.experiment.observers.truth import right_settings
 from relgloss_view.experiment.session.flow import Flow, Phase
 from relgloss_view.experiment.session.records import SIMULATED, Observer
+from relgloss_view.experiment.session.sitting import Sitting
 from relgloss_view.experiment.session.store import Store
 
 DEVICE = "none: simulated"
@@ -102,7 +103,8 @@ def _run(
 ) -> None:
     """One observer, from consent to the end."""
     clock = VirtualClock()
-    flow = Flow(store, observer, store.begin_run(observer, DEVICE, {}), clock)
+    assumed = Sitting.of_study(store.study)  # pictures that nobody displays are drawn for it
+    flow = Flow(store, observer, store.begin_run(observer, DEVICE, {}, sitting=assumed), clock)
     answers = _answers(flow, clock, simulated, percepts)
     while flow.phase is not Phase.FINISHED:
         with store.batch():

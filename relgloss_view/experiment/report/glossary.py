@@ -17,6 +17,13 @@ def terms(analysis: Analysis) -> list[tuple[str, str]]:
             "the surface normal, in degrees.",
         ),
         (
+            "display",
+            "Perceived gloss belongs to a display, and so does R, the ratio of gloss between two "
+            "objects or their pictures: a screen with less luminance or a lighter black shows less "
+            "gloss. These settings hold for the displays that are listed, and for displays like "
+            "them.",
+        ),
+        (
             "closeness",
             "How close observers find a setting's ratio of gloss to that of the objects; larger is "
             "closer, 0 is the mean of all settings. The unit is the dispersion: the standard "

@@ -13,6 +13,7 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.shell import command_line, operand
 from relgloss_view.base.version import __version__
 from relgloss_view.base.words import sentence_case
+from relgloss_view.display.record import ORIGINS
 from relgloss_view.experiment.report import sentences
 from relgloss_view.experiment.report.answerers import path_words, people, silent
 from relgloss_view.experiment.report.chosen_setting import (
@@ -24,6 +25,8 @@ from relgloss_view.experiment.report.figures import DPI
 from relgloss_view.experiment.report.glossary import terms
 from relgloss_view.experiment.report.plots import OVERVIEW, Plot
 from relgloss_view.experiment.report.results import counts_of
+from relgloss_view.experiment.session.display_difference import difference
+from relgloss_view.experiment.session.pool import Pool
 from relgloss_view.experiment.verdict.analysis import Analysis, SampleResult
 
 STYLE = """
@@ -65,6 +68,7 @@ def report_page(
         f'<p class="muted">{escape(people(pool))}; {answers} answers.</p>',
         "" if simulated is None else f'<p class="notice">{escape(simulated)}</p>',
         *(f'<p class="notice">{escape(line)}</p>' for line in sentences.losses_words(pool)),
+        *(f'<p class="notice">{escape(line)}</p>' for line in pool.displays.beyond),
         _verdicts(analysis),
         _overview(folder),
         *(
@@ -72,6 +76,7 @@ def report_page(
             for result in analysis.samples
         ),
         _observers(analysis),
+        displays_part(pool),
         "<h2>Glossary</h2>",
         "<dl>",
         *(f"<dt>{escape(term)}</dt><dd>{escape(said)}</dd>" for term, said in terms(analysis)),
@@ -220,6 +225,49 @@ def _observers(analysis: Analysis) -> str:
     kept = "The results contain everybody who answered."
     rows_as_table = table(heads, rows, texts=(1, 7))
     return f'<h2>Observers</h2>\n<p class="muted">{kept}</p>\n{rows_as_table}'
+
+
+def displays_part(pool: Pool) -> str:
+    """What the answers were given on: a display's gloss is its own."""
+    displays = pool.displays
+    rows = []
+    first = next((d for d in displays.displays if d is not None), None)
+    for number, display in enumerate(displays.displays, 1):
+        shown = [s for s in displays.shown_on if displays.place_of(s.display) == number - 1]
+        answers = str(sum(s.answers for s in shown))
+        files = ", ".join(dict.fromkeys(printable(s.path, 300) for s in shown))
+        if display is None or first is None:
+            rows.append((str(number), "unknown", *"------", answers, files))
+            continue
+        apart = "-" if display is first else difference(first, display).words
+        rows.append(
+            (
+                str(number),
+                printable(display.name, 80),
+                ORIGINS[display.origin],
+                f"{display.luminance_cd_m2:.3g}" if display.luminance_known else "unknown",
+                f"{display.black_cd_m2:.3g}" if display.black_known else "unknown",
+                ", ".join(f"{v:.4f}" for v in display.white_xy),
+                f"{display.reflected_cd_m2:.3g}",
+                apart,
+                answers,
+                files,
+            )
+        )
+    heads = (
+        "display", "name", "from", "white, cd/m2", "black, cd/m2", "white x, y",
+        "reflected, cd/m2", "differs from the first", "answers", "files",
+    )  # fmt: skip
+    notes = [line for line in displays.notes if line not in displays.beyond]
+    return "\n".join(
+        [
+            "<h2>Displays</h2>",
+            '<p class="muted">Perceived gloss belongs to a display, and so does the ratio R of two '
+            "glosses. The settings are those for the displays below.</p>",
+            *(f"<p>{escape(sentence_case(line))}.</p>" for line in notes),
+            table(heads, rows, texts=(1, 2, 7, 9)),
+        ]
+    )
 
 
 def _made_with(analysis: Analysis, command: str | None) -> str:

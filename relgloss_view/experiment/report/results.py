@@ -22,8 +22,10 @@ from relgloss_view.experiment.report.chosen_setting import (
 )
 from relgloss_view.experiment.report.sentences import notes, sentence, unscaled
 from relgloss_view.experiment.scaling.bootstrap import ScaleValues
+from relgloss_view.experiment.session.display_difference import difference
 from relgloss_view.experiment.session.pool import Pool
-from relgloss_view.experiment.session.records import Record
+from relgloss_view.experiment.session.pooled_displays import PooledDisplays
+from relgloss_view.experiment.session.records import Record, Run
 from relgloss_view.experiment.verdict.analysis import JOINT, Analysis, SampleResult
 from relgloss_view.experiment.verdict.recovery import (
     Recovery,
@@ -63,6 +65,8 @@ def as_numbers(analysis: Analysis) -> dict[str, Any]:
         "truths": {label: setting_numbers(truth) for label, truth in truths(pool).items()} or None,
         "simulated_observers": made(pool),
         "files": [_file(record) for record in pool.records],
+        "displays": display_numbers(pool.displays),
+        "display_notes": pool.displays.notes,
         "observers": [
             {**dataclasses.asdict(o), "relation": _relation(o.relation), "told": o.remarks}
             for o in analysis.observers
@@ -122,8 +126,36 @@ def _file(record: Record) -> dict[str, Any]:
         "answers": len(record.answers),
         "taken_back": record.undone,
         "losses": [dataclasses.asdict(loss) for loss in record.losses],
-        "runs": [dataclasses.asdict(run) for run in record.runs],
+        "runs": [_run(run) for run in record.runs],
     }
+
+
+def _run(run: Run) -> dict[str, Any]:
+    """A run, with its display by name and digest: `displays` has the rest."""
+    own = {name: value for name, value in vars(run).items() if name != "display"}
+    display = run.display
+    named = None if display is None else {k: getattr(display, k) for k in ("name", "digest")}
+    return {**own, "display": named}
+
+
+def display_numbers(displays: PooledDisplays) -> list[dict[str, Any] | None]:
+    """Each display of a pool with its difference from the first; None for an unknown one."""
+    first = next((d for d in displays.displays if d is not None), None)
+    rows: list[dict[str, Any] | None] = []
+    for number, display in enumerate(displays.displays):
+        if display is None or first is None:
+            rows.append(None)
+            continue
+        shown = [s for s in displays.shown_on if displays.place_of(s.display) == number]
+        apart = dataclasses.asdict(difference(first, display))
+        rows.append(
+            {
+                **display.to_dict(),
+                "answers": sum(s.answers for s in shown),
+                "from_the_first": apart,
+            }
+        )
+    return rows
 
 
 def _relation(relation: Any) -> dict[str, Any]:

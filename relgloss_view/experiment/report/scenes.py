@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
+from relgloss_view.display.display import Display
+from relgloss_view.display.kept_file import keep_file
 from relgloss_view.experiment.design.study import Study
 from relgloss_view.experiment.design.study_packs import full_c_of_pack
 from relgloss_view.experiment.report.chosen_setting import chosen_setting
@@ -17,7 +19,7 @@ from relgloss_view.pack.pack_file import write_pack
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.match import MOST_C, Match
 from relgloss_view.picture.scene.sample import SAMPLES, Sample, load_sample
-from relgloss_view.picture.scene.scene_file import SceneFile
+from relgloss_view.picture.scene.scene_file import DISPLAY_FILES, SceneFile
 from relgloss_view.picture.scene.scene_writer import write_scene_file
 from relgloss_view.picture.scene.setup import Lamp
 
@@ -31,7 +33,7 @@ def write_scenes(
     """A scene for each sample whose leading setting may be shown; by label, the file's name.
 
     `names` are file names by label, without an ending; `of_reference` is one for the reference.
-    Materials that are not built in, and a lamp's table, are written beside the scenes.
+    Materials that are not built in, a lamp's table, and a display's files are written beside them.
     """
     study = analysis.pool.study
     samples = {sample.label: sample.sample for sample in study.samples if not sample.lost}
@@ -44,13 +46,14 @@ def write_scenes(
     if not written:
         return {}
     lamp = _lamp_in(folder, study.setup.lamp)
+    display = _display_in(folder, study.setup.display, {*names.values(), of_reference})
     reference = _sample_in(folder, study.reference, of_reference)
     files = {}
     for label, choice in written.items():
         content = SceneFile(
             _sample_in(folder, samples[label], names[label]),
             study.test_look(choice.setting),
-            dataclasses.replace(study.setup, lamp=lamp),
+            dataclasses.replace(study.setup, lamp=lamp, display=display),
             reference,
             study.reference_look,
             match=_match(study, samples[label], study.test_look(choice.setting)),
@@ -91,6 +94,21 @@ def _sample_in(folder: Path, sample: Sample, name: str) -> Sample:
     file = folder / f"{name}{MATERIAL}"
     save_material(sample.material, file)
     return Sample(sample.material, file=str(file))
+
+
+def _display_in(folder: Path, display: Display, taken: set[str]) -> Display:
+    """The study's display as scenes in the folder name it.
+
+    taken: names that its files can't have.
+    """
+    files = {}
+    for entry in DISPLAY_FILES:
+        if file := getattr(display, entry):
+            stem = f"display-{entry}"
+            while stem in taken:
+                stem += "_"
+            files[entry] = keep_file(file).put_into(folder, stem)
+    return dataclasses.replace(display, **files)  # type: ignore[arg-type]
 
 
 def _lamp_in(folder: Path, lamp: Lamp) -> Lamp:

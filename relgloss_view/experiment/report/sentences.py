@@ -75,6 +75,7 @@ def _who(analysis: Analysis) -> list[str]:
     pool = analysis.pool
     lines = [f"{people(pool)}; {sum(o.answers for o in analysis.observers)} answers"]
     lines += [f"  {line}" for line in files(pool)]
+    lines += [f"  {line}" for line in displays(pool)]
     warning = simulated_words(pool)
     return lines if warning is None else [*lines, warning]
 
@@ -88,6 +89,17 @@ def files(pool: Pool) -> list[str]:
         line += "".join(f"; {words}" for words in losses.sentences(record.losses, record.path))
         lines.append(line)
     return lines
+
+
+def displays(pool: Pool) -> list[str]:
+    """Each display that answers were given on, in a line, and what to know of them."""
+    named = pool.displays.displays
+    words = ["unknown" if display is None else display.words for display in named]
+    lines = [
+        f"display {number}: {line}" if len(words) > 1 else f"display: {line}"
+        for number, line in enumerate(words, 1)
+    ]
+    return [*lines, *pool.displays.notes]
 
 
 def losses_words(pool: Pool) -> list[str]:

@@ -23,7 +23,7 @@ SCALE_COLUMNS = (
 )  # fmt: skip
 ANSWER_COLUMNS = (
     "file", "observer", "kind", "position", "sample", "sigma_n_deg", "c_fraction", "repeat",
-    "question", "category", "category_name", "response_s",
+    "question", "category", "category_name", "response_s", "display", "display_name",
 )  # fmt: skip
 CsvRow = Sequence[object]
 
@@ -38,10 +38,22 @@ def write_tables(folder: Path, analysis: Analysis) -> None:
 
 
 def answer_rows(pool: Pool) -> Iterable[CsvRow]:
-    """Every standing answer; positions and repeats from 0, categories from 1, as the keys are."""
+    """Every standing answer; positions and repeats from 0, categories from 1, as the keys are.
+
+    Displays are numbered from 1, as in the report; the name of an unknown one is empty.
+    """
     study = pool.study
     settings = study.grid.settings
     for record, observer, member in answerers(pool):
+        runs = {answer.run for answer in member.answers}
+        shown_on = {
+            run.id: (
+                1 + (pool.displays.place_of(run.display) or 0),
+                "" if run.display is None else run.display.name,
+            )
+            for run in record.runs
+            if run.id in runs
+        }
         for answer in member.answers:
             trial = answer.trial
             setting = settings[trial.setting]
@@ -58,6 +70,7 @@ def answer_rows(pool: Pool) -> Iterable[CsvRow]:
                 answer.category + 1,
                 study.categories[answer.category],
                 answer.response_s,
+                *shown_on.get(answer.run, ("", "")),
             )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +14,12 @@ import numpy as np
 from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
+from relgloss_view.display.display import Display
 from relgloss_view.experiment.design.study import Procedure, Study
 from relgloss_view.experiment.session.losses import warnings
+from relgloss_view.experiment.session.pooled_displays import PooledDisplays, pooled_displays
 from relgloss_view.experiment.session.records import SIMULATED, Answer, Record, read_record
+from relgloss_view.experiment.session.sitting import OF_THE_SCREEN
 from relgloss_view.material.lamp_file import lamp_text
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.setup import Lamp
@@ -68,6 +71,7 @@ class Pool:
     study: Study
     members: tuple[Member, ...]
     records: tuple[Record, ...]
+    displays: PooledDisplays = field(default_factory=PooledDisplays)
 
     @property
     def simulated(self) -> bool:
@@ -89,10 +93,13 @@ class Pool:
         )  # fmt: skip
 
 
-def read_pool(paths: Sequence[str | os.PathLike[str]], lamp_folder: Path) -> Pool:
+def read_pool(
+    paths: Sequence[str | os.PathLike[str]], lamp_folder: Path, *, pool_displays: bool = False
+) -> Pool:
     """Read session files of one study; InputError where they don't belong together.
 
-    Observers of different files are different people, whatever their pseudonyms.
+    Observers of different files are different people, whatever their pseudonyms. pool_displays:
+    whether answers on displays that differ by more than the limits are pooled all the same.
     """
     records: list[Record] = []
     for path in paths:
@@ -119,7 +126,8 @@ def read_pool(paths: Sequence[str | os.PathLike[str]], lamp_folder: Path) -> Poo
             for line in warnings(record.losses, record.path):
                 raise InputError(f"{line} (it holds no answers)")
         raise InputError(f"{printable(paths[0])}: nobody has answered yet; run the study first")
-    return Pool(records[0].study, tuple(members), tuple(records))
+    displays = pooled_displays(records, pool_all=pool_displays)
+    return Pool(records[0].study, tuple(members), tuple(records), displays)
 
 
 def _check_no_copy(first: Record, other: Record) -> None:
@@ -147,6 +155,10 @@ def _check_same(first: Record, other: Record) -> None:
             ours, theirs = (dataclasses.replace(x, **standard) for x in (ours, theirs))
         elif name == "lamp":
             ours, theirs = (dataclasses.replace(x, illuminant=_lamp(x)) for x in (ours, theirs))
+        elif name == "display" and _displays_known(first) and _displays_known(other):
+            # What the observers looked at is compared by the records of their sittings.
+            plain = {entry: getattr(Display(), entry) for entry in OF_THE_SCREEN}
+            ours, theirs = (dataclasses.replace(x, **plain) for x in (ours, theirs))
         elif name == "reference":
             ours, theirs = ours.material, theirs.material
         if ours != theirs:
@@ -154,6 +166,11 @@ def _check_same(first: Record, other: Record) -> None:
                 f"{printable(other.path)}: its study has another {name.replace('_', ' ')} than "
                 f"{printable(first.path)}; analyse them apart"
             )
+
+
+def _displays_known(record: Record) -> bool:
+    known = {run.id for run in record.runs if run.display is not None}
+    return all(answer.run in known for answer in record.answers)
 
 
 def _judged_parts(study: Study) -> dict[str, Any]:

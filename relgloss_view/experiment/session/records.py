@@ -13,6 +13,8 @@ from typing import Any
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.json_files import parse_json
 from relgloss_view.base.reading import printable
+from relgloss_view.display.kept_file import KeptFile
+from relgloss_view.display.record import DisplayRecord
 from relgloss_view.experiment.design.study import QUESTIONS, Study
 from relgloss_view.experiment.design.study_file import study_from_dict
 from relgloss_view.experiment.design.trial_order import Trial
@@ -23,6 +25,7 @@ PERSON, SIMULATED = "person", "simulated"
 MOST_TEXT = 65_536  #: characters of a text, but for the study's
 MOST_DEPTH, MOST_VALUES = 4, 2_000  #: of a value in JSON
 MOST_STUDY_VALUES = 5_000_000  #: of a study in JSON, with its materials
+DISPLAY = "display"  #: of a run's screen: the record of what pictures were drawn for
 LARGEST = 2**53  #: of numbers without another limit; a float holds each below exactly
 
 
@@ -47,6 +50,7 @@ class Answer:
     question: str
     category: int
     response_s: float
+    run: int = 0
 
 
 @dataclass(frozen=True)
@@ -57,6 +61,7 @@ class Picture:
     setting: int | None  #: of the grid
     sha256: str  #: of its digital values
     device: str
+    run: int  #: in which it was shown first
 
 
 @dataclass(frozen=True)
@@ -70,6 +75,7 @@ class Run:
     version: str  #: of relgloss
     device: str
     screen: dict[str, Any]  #: window, monitor and platform
+    display: DisplayRecord | None = None  #: that pictures were drawn for; None in older files
 
 
 @dataclass(frozen=True)
@@ -87,6 +93,7 @@ class Record:
     runs: tuple[Run, ...]
     pictures: tuple[Picture, ...]  #: what was shown
     losses: tuple[Loss, ...]  #: what it is known to lack of what was answered
+    display_files: tuple[KeptFile, ...] = ()  #: those that runs have kept, each once
 
 
 def read_record(path: Path, lamp_folder: Path) -> Record:
@@ -98,6 +105,7 @@ def read_record(path: Path, lamp_folder: Path) -> Record:
         (undone,) = connection.execute(
             "SELECT count(*) FROM answer WHERE undone_utc IS NOT NULL"
         ).fetchone()
+        runs = tuple(_read_runs(connection))
         return Record(
             path=path,
             study=study,
@@ -107,9 +115,12 @@ def read_record(path: Path, lamp_folder: Path) -> Record:
             details=tuple(read_details(connection, o.number) for o in observers),
             answers=tuple(read_answers(connection, study)),
             undone=int(undone),
-            runs=tuple(_read_runs(connection)),
+            runs=runs,
             pictures=tuple(_read_pictures(connection)),
             losses=opened.losses,
+            display_files=read_display_files(
+                connection, {run.display.digest for run in runs if run.display}
+            ),
         )
 
 
@@ -198,7 +209,7 @@ def read_answers(
     chosen, values = ("", ()) if observer is None else ("AND a.observer = ? ", (observer,))
     rows = connection.execute(
         "SELECT a.observer, t.position, t.sample, t.setting, t.repeat, a.question, a.category, "
-        "a.response_ms FROM answer a JOIN trial t USING (observer, position) "
+        "a.response_ms, a.run FROM answer a JOIN trial t USING (observer, position) "
         f"WHERE a.undone_utc IS NULL {chosen}ORDER BY a.observer, t.position, a.id",
         values,
     )
@@ -209,9 +220,15 @@ def read_answers(
             _one_of(QUESTIONS, question, "answer.question"),
             _whole(category, "answer.category", len(study.categories)),
             _whole(response_ms, "answer.response_ms") / 1000.0,
+            _whole(run, "answer.run"),
         )
-        for observer, *trial, question, category, response_ms in rows
+        for observer, *trial, question, category, response_ms, run in rows
     ]
+
+
+def read_runs(connection: sqlite3.Connection) -> list[Run]:
+    """The runs of a session file, in their order."""
+    return list(_read_runs(connection))
 
 
 def _read_runs(connection: sqlite3.Connection) -> Iterator[Run]:
@@ -219,6 +236,8 @@ def _read_runs(connection: sqlite3.Connection) -> Iterator[Run]:
         "SELECT id, observer, begun_utc, ended_utc, version, device, screen FROM run ORDER BY id"
     )
     for number, observer, begun, ended, version, device, screen in rows:
+        kept = _object(screen, "run.screen")
+        display = kept.pop(DISPLAY, None)
         yield Run(
             _whole(number, "run.id"),
             _whole(observer, "run.observer"),
@@ -226,20 +245,37 @@ def _read_runs(connection: sqlite3.Connection) -> Iterator[Run]:
             None if ended is None else _text(ended, "run.ended_utc"),
             _text(version, "run.version"),
             _text(device, "run.device"),
-            _object(screen, "run.screen"),
+            kept,
+            None if display is None else DisplayRecord.from_dict(display),
         )
+
+
+def read_display_files(connection: sqlite3.Connection, digests: set[str]) -> tuple[KeptFile, ...]:
+    """The files of displays that runs have kept, those of some digests, each once."""
+    files: dict[str, KeptFile] = {}
+    if digests:
+        rows = connection.execute("SELECT profile FROM run WHERE profile IS NOT NULL ORDER BY id")
+        for (value,) in rows:
+            # A damaged file is none: its digest, which the record states, finds nothing.
+            with contextlib.suppress(ValueError, KeyError, TypeError, AttributeError, InputError):
+                file = KeptFile.from_bytes(value)
+                if file.digest in digests:
+                    files.setdefault(file.digest, file)
+    return tuple(files.values())
 
 
 def _read_pictures(connection: sqlite3.Connection) -> Iterator[Picture]:
     rows = connection.execute(
-        "SELECT sample, setting, sha256, device FROM picture ORDER BY sample, setting, rowid"
+        "SELECT sample, setting, sha256, device, first_run FROM picture "
+        "ORDER BY sample, setting, rowid"
     )
-    for sample, setting, sha256, device in rows:
+    for sample, setting, sha256, device, run in rows:
         yield Picture(
             None if sample is None else _whole(sample, "picture.sample"),
             None if setting is None else _whole(setting, "picture.setting"),
             _text(sha256, "picture.sha256"),
             _text(device, "picture.device"),
+            _whole(run, "picture.first_run"),
         )
 
 

@@ -20,21 +20,28 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.shell import command_line, operand
 from relgloss_view.base.temporaries import scratch_folder
 from relgloss_view.base.version import __version__
+from relgloss_view.display.kept_file import KeptFile
+from relgloss_view.display.record import OPTION, DisplayRecord
 from relgloss_view.experiment.design.study import Study
 from relgloss_view.experiment.design.study_file import study_digest, study_to_dict
 from relgloss_view.experiment.design.trial_order import Trial
 from relgloss_view.experiment.session import session_file, tally
 from relgloss_view.experiment.session.records import (
+    DISPLAY,
     PERSON,
     Answer,
     Observer,
+    Run,
     damaged_rows,
     read_answers,
     read_details,
+    read_display_files,
     read_observers,
+    read_runs,
     read_study,
     read_trials,
 )
+from relgloss_view.experiment.session.sitting import Sitting
 
 LONGEST_NAME = 40
 
@@ -62,8 +69,8 @@ class Store:
         self.losses = opened.losses  #: what the file is known to lack of what was answered
         self._lamps = contextlib.ExitStack()
         try:
-            lamps = self._lamps.enter_context(scratch_folder())
-            held, digest, _ = read_study(self._connection, lamps, self.path)
+            self._folder = self._lamps.enter_context(scratch_folder())
+            held, digest, _ = read_study(self._connection, self._folder, self.path)
             if content is not None and study_digest(content) != digest:
                 line = command_line(["relgloss", "experiment", "run", operand(path)])
                 raise InputError(
@@ -161,15 +168,52 @@ class Store:
         device: str,
         screen: Mapping[str, Any],
         profile: bytes | None = None,
+        sitting: Sitting | None = None,
     ) -> int:
-        """Keep that a program starts to show pictures: on what device and screen; its number."""
+        """Keep that a program starts to show pictures: on what device and screen; its number.
+
+        profile: the monitor's, which pictures are not drawn for. sitting: the display that they are
+        drawn for; its file, where there is no `profile`, is kept by the first run that has it.
+        """
+        kept = dict(screen)
+        if sitting is not None:
+            kept[DISPLAY] = sitting.record.to_dict()
+            if profile is None and sitting.file is not None:
+                profile = sitting.file.to_bytes()
+                if self._rows("SELECT 1 FROM run WHERE profile = ? LIMIT 1", profile):
+                    profile = None
         with self._writing() as connection:
             row = connection.execute(
                 "INSERT INTO run VALUES (NULL, ?, ?, NULL, ?, ?, ?, ?)",
-                (observer.number, _now(), __version__, device, json.dumps(dict(screen)), profile),
+                (observer.number, _now(), __version__, device, json.dumps(kept), profile),
             )
             assert row.lastrowid is not None
         return row.lastrowid
+
+    def answered_displays(self, observer: Observer) -> list[DisplayRecord | None]:
+        """The displays of an observer's runs that have standing answers, None: not recorded."""
+        answered = {answer.run for answer in self.answers(observer)}
+        return [run.display for run in self._runs() if run.id in answered]
+
+    def last_given_display(self) -> str | None:
+        """The file that was last given with --display, put where drawing finds it; None: none."""
+        assert self._connection is not None
+        displays = [run.display for run in self._runs()]
+        given = [d.digest for d in displays if d is not None and d.origin == OPTION]
+        if not given:
+            return None
+        with damaged_rows(self.path):
+            files = read_display_files(self._connection, {given[-1]})
+        return self.put(files[0]) if files else None
+
+    def put(self, file: KeptFile) -> str:
+        """Write a display's file where drawing finds it until the store is closed; its path."""
+        return file.put_into(self._folder)
+
+    def _runs(self) -> list[Run]:
+        assert self._connection is not None
+        with damaged_rows(self.path):
+            return read_runs(self._connection)
 
     def end_run(self, run: int) -> None:
         """Keep that the program ended by itself, and was not killed."""

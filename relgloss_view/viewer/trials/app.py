@@ -24,6 +24,7 @@ from relgloss_view.viewer.trials.device import Profile, screen_of, stay_open
 from relgloss_view.viewer.trials.experimenter_line import ExperimenterLine, Tell, continues
 from relgloss_view.viewer.trials.ink import Ink
 from relgloss_view.viewer.trials.pair import Pair
+from relgloss_view.viewer.trials.sitting_here import SittingHere, sitting_here, system_display
 
 #: Phases after which pictures come: they are drawn while these show.
 _BEFORE_TRIALS = (Phase.INSTRUCTIONS, Phase.OBJECT, Phase.ADAPTATION, Phase.PAUSE, Phase.GAP)
@@ -45,13 +46,22 @@ class Trials:
         observer: Observer,
         profile: Profile | None = None,
         tell: Tell = lambda share, text: None,
+        display: str | None = None,
+        announce: Callable[[str], object] = lambda line: None,
     ) -> None:
-        """tell: takes the experimenter's progress, as base.terminal's Progress does."""
+        """tell: takes the experimenter's progress, as base.terminal's Progress does.
+
+        profile: the monitor's, kept and not drawn for. display: a file of the display that pictures
+        are drawn for. announce: takes lines about the display, for the terminal.
+        """
         self.store, self.observer = store, observer
         self.flow: Flow | None = None  #: from the start on
         self.fault: pages.Page | None = None  #: what could not be done, until somebody goes back
         self._failed: dict[str, str] = {}  #: what could not be done and was not since, and why
         self._profile, self._tell = profile, tell
+        self._display, self._announce = display, announce
+        self._later: list[pages.Page] = []  #: for the experimenter, after the present fault
+        self._here: SittingHere | None = None  #: from the start on
         study = store.study
         self._ink = Ink.on(study.setup.display)
         self._strip = CategoryStrip(study.screen.scale, time.perf_counter)
@@ -73,18 +83,27 @@ class Trials:
         io.config_flags &= ~int(imgui.ConfigFlags_.nav_enable_keyboard)  # keys are answers here
         stay_open(window)
         self._window = window
-        window.surround = surround_gray(self.store.study.setup.display)
+        of_system = (None, "") if self._profile is not None else system_display(window)
+        here = sitting_here(self.store, self.observer, self._display, *of_system)
+        self._here = here
+        study = self.store.study.shown_on(here.sitting.display)
+        window.surround = surround_gray(study.setup.display)
+        self._ink = Ink.on(study.setup.display)
         run = self.store.begin_run(
             self.observer,
             str(ctx.info["GL_RENDERER"]),
             screen_of(window, self._profile),
             None if self._profile is None else self._profile.data,
+            here.sitting,
         )
-        self._pair = Pair(ctx, self.store, run)
+        self._pair = Pair(ctx, self.store, run, study)
         self._note = continues(self.store, self.observer)
         unreadable = letters.warnings(self.store.study)
+        if here.remarks:
+            self._later.append(pages.display_page(here.remarks))
         if unreadable:
-            self.fault = pages.letters_page(unreadable)
+            self._later.append(pages.letters_page(unreadable))
+        self._next_page()
         self.flow = Flow(self.store, self.observer, run, time.perf_counter)
         self._digits = keys.digit_chords(len(self.store.study.categories))
 
@@ -93,6 +112,7 @@ class Trials:
         flow, window, pair = self._there()
         if self._line is None:  # not before: while a window opens, the terminal is held back
             self._line = ExperimenterLine(flow, time.perf_counter, self._tell)
+            self._announce_display()
         pair.restore(window.is_texture, lost=self._lost)
         self._lost = False
         size = window.size_now()
@@ -211,12 +231,21 @@ class Trials:
         elif action == pages.CLOSE:
             window.close()
         elif action == pages.RETRY:
-            self.fault = None
+            self._next_page()
         if action is not None and action != pages.RETRY and self.fault is None:
             assert self._line is not None
             self._line.note_break()
             self._note = ""
             self._attempt(self._line.refresh, NOT_KEPT)
+
+    def _next_page(self) -> None:
+        """Show the next page for the experimenter; none where all were read."""
+        self.fault = self._later.pop(0) if self._later else None
+
+    def _announce_display(self) -> None:
+        if self._here is not None:
+            for line in (self._here.words, *self._here.remarks):
+                self._announce(line)
 
     def _attempt(self, action: Callable[[], object], heading: str) -> bool:
         """Do something that has to be kept; returns whether it was done.

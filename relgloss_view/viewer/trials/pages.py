@@ -110,6 +110,19 @@ def letters_page(warnings: list[str]) -> Page:
     )
 
 
+def display_page(lines: tuple[str, ...]) -> Page:
+    """What is to be known of the display before anything is asked; for the experimenter."""
+    return Page(
+        "Please check the display",
+        "\n\n".join(f"{sentence_case(line)}." for line in lines),
+        "This page is for the experimenter.",
+        (
+            Button("Continue all the same (Enter)", RETRY, keys.ENTER),
+            Button("End (Ctrl+Q)", CLOSE, keys.QUIT),
+        ),
+    )
+
+
 def small_page(window: Size, needed: Size) -> Page:
     """The pictures don't fit into the window, and are never shown scaled."""
     return Page(

@@ -32,11 +32,12 @@ def state_of(study: Study, trial: Trial) -> State:
 class Pair:
     """Draws the pictures of a trial once, and keeps what they were in the session file."""
 
-    def __init__(self, ctx: Any, store: Store, run: int) -> None:
+    def __init__(self, ctx: Any, store: Store, run: int, study: Study) -> None:
+        """study: the store's, on the display in front of the observer."""
         self._ctx = ctx
         self._store, self._run = store, run
-        self._study = store.study
-        self._presentation = presentation_of(store.study)
+        self._study = study
+        self._presentation = presentation_of(study)
         self._pictures = PairRenderer(ctx)
         self._of: tuple[int, int] | None = None  #: sample and setting of what is drawn
         self._shown: dict[str, SidePicture] = {}
