@@ -14,7 +14,6 @@ CURVE_CELLS = 1024
 
 #: Nodes of a table along each channel.
 TABLE_NODES = 49
-MOST_BEYOND = 0.3
 
 
 def curve_nodes(emission: Emission) -> Array:
@@ -32,11 +31,11 @@ def table_nodes(table: Table) -> Array:
 
     Nodes are even in the power of 3/8 of light, of which transfer.glsl's table_place finds the
     place. Digital values of light that the table does not reach run on straight beyond 0 and 1, by
-    MOST_BEYOND at most: cells at the table's edge then have no bend inside, and show where it is.
+    table.MOST_BEYOND at most: cells at the table's edge then have no bend inside, and show it.
     """
     axis = np.linspace(0.0, 1.0, TABLE_NODES) ** (8.0 / 3.0)
     blue, green, red = np.meshgrid(axis, axis, axis, indexing="ij")
     light = np.stack([red, green, blue], axis=-1).reshape(-1, 3)
-    digital = table.run_on(light, MOST_BEYOND)
+    digital = table.run_on(light)
     nodes = np.concatenate([digital, np.ones((len(light), 1))], axis=1)
     return nodes.reshape(TABLE_NODES, TABLE_NODES, TABLE_NODES, 4)

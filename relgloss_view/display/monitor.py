@@ -27,6 +27,12 @@ class Emission(Protocol):
     def digital(self, light: Array) -> Array:
         """(N, 3), 0 to 1, of light (N, 3): those that show what is nearest to it."""
 
+    def cut(self, light: Array) -> Array:
+        """(N, 3), 0 to 1, of light (N, 3): what a device gives, which cuts each channel by itself.
+
+        The same as `digital` where some digital values show the light.
+        """
+
     def reach(self, light: Array) -> Array:
         """(N,) whether some digital values show light (N, 3)."""
 
@@ -45,6 +51,10 @@ class Curves:
     def digital(self, light: Array) -> Array:
         """(N, 3) of light (N, 3)."""
         return np.stack([c.digital(light[:, k]) for k, c in enumerate(self.curves)], axis=1)
+
+    def cut(self, light: Array) -> Array:
+        """(N, 3) of light (N, 3)."""
+        return self.digital(light)
 
     def reach(self, light: Array) -> Array:
         """(N,) whether some digital values show light (N, 3): whether it is from 0 to 1."""

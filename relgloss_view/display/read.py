@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 from collections import OrderedDict
 
 from relgloss_view.base.errors import InputError
@@ -17,6 +18,7 @@ from relgloss_view.display.readings import is_readings
 EXPECTED = "an ICC profile or a display file"
 KEPT = 16
 _READ: OrderedDict[str, tuple[tuple[tuple[int, int] | None, ...], Monitor]] = OrderedDict()
+_LOCK = threading.Lock()  #: the window's thread that watches the monitor reads, too
 
 
 def monitor_of(path: str) -> Monitor:
@@ -25,16 +27,17 @@ def monitor_of(path: str) -> Monitor:
     The same object is returned while the file is the same. Raises InputError where it is neither.
     """
     stamp = _stamp(path)
-    if path in _READ:
-        before, monitor = _READ[path]
-        if stamp is None or before == (stamp, *(_stamp(p) for p in monitor.beside)):
-            _READ.move_to_end(path)
-            return monitor
-    monitor = _read(path)
-    while len(_READ) >= KEPT:
-        _READ.popitem(last=False)
-    _READ[path] = (stamp, *(_stamp(p) for p in monitor.beside)), monitor
-    return monitor
+    with _LOCK:
+        if path in _READ:
+            before, monitor = _READ[path]
+            if stamp is None or before == (stamp, *(_stamp(p) for p in monitor.beside)):
+                _READ.move_to_end(path)
+                return monitor
+        monitor = _read(path)
+        while len(_READ) >= KEPT:
+            _READ.popitem(last=False)
+        _READ[path] = (stamp, *(_stamp(p) for p in monitor.beside)), monitor
+        return monitor
 
 
 def _stamp(path: str) -> tuple[int, int] | None:

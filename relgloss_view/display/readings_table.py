@@ -32,6 +32,7 @@ MOST_BYTES = 16 * 1024 * 1024
 MOST_ROWS = 30_000
 MOST_COLUMNS = 500
 LONGEST_LINE = 20_000
+LONGEST_HEADING = 200  #: characters; the time of the patterns grows with its square
 MOST_TITLES = 60  #: lines above the headings
 
 #: Headings, without units and signs, in lower case; X, Y, Z and x, y are told apart by their case.
@@ -150,7 +151,7 @@ def _numeric(line: str) -> bool:
 
 def _plain(heading: str) -> str:
     """A heading without its unit and signs; its case stays."""
-    bare = _UNIT.sub("", heading.lstrip("#"))
+    bare = _UNIT.sub("", heading[:LONGEST_HEADING].lstrip("#"))
     for unit in (_CD_M2, _FOOT_LAMBERT, _SCALE, _RELATIVE):
         bare = bare if unit.fullmatch(bare.strip()) else unit.sub("", bare)
     return "".join(c for c in bare if c.isalnum())

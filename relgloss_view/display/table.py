@@ -24,6 +24,7 @@ CHUNK = 1 << 16  #: colours that are searched at once
 STEP = 1e-6
 SETTLED = 1e-9  #: of CIELAB or of digital values: a hundredth of a step of 16 bits is 1.5e-7
 REACHED = 0.25  #: CIELAB distance up to which a light counts as shown; 1 is just visible
+MOST_BEYOND = 0.3  #: of digital values beyond 0 and 1
 MOST_DAMPING = 1e6
 ROUNDS = 2  #: of leaving plateaus, of more than one channel
 HALVINGS = 14  #: of the way to a plateau's end, to a quarter of a step of 12 bits
@@ -73,17 +74,22 @@ class Table:
             digital[part], left[part] = self._solved(lab[part])
         return digital, left
 
-    def run_on(self, light: Array, most: float) -> Array:
+    def cut(self, light: Array) -> Array:
+        """(N, 3), 0 to 1, of light (N, 3): `run_on`, each channel cut by itself."""
+        return np.clip(self.run_on(light), 0.0, 1.0)
+
+    def run_on(self, light: Array) -> Array:
         """Digital values (N, 3) of light; of light that is not shown they run on beyond 0 and 1.
 
-        most: by how much they do, straight on in CIELAB. For what interpolates between them.
+        They do straight on in CIELAB, by MOST_BEYOND at most, so that values between those of
+        nodes can be interpolated.
         """
         digital, left = self.solved(light)
         far = left > 1e-6
         xyz = (self.floor + (1.0 - self.floor) * light[far]) @ self._connection_from_rgb.T
         off = lab_from_xyz(xyz, D50) - self._lab(digital[far])
         step = np.einsum("nij,nj->ni", np.linalg.pinv(self._slopes(digital[far])), off)
-        digital[far] += np.clip(step, -most, most)
+        digital[far] += np.clip(step, -MOST_BEYOND, MOST_BEYOND)
         return digital
 
     @cached_property

@@ -194,7 +194,7 @@ def encode(rgb: Array, display: DisplayModel) -> Array:
         return encode(np.clip(on_screen(rgb, display), 0.0, 1.0), display.screen)
     if display.emission is not None:  # a table shows some light below 0 of a channel
         light = (rgb - display.floor) / (1.0 - display.floor)
-        return display.emission.digital(light.reshape(-1, 3)).reshape(rgb.shape)
+        return display.emission.cut(light.reshape(-1, 3)).reshape(rgb.shape)
     if np.any(display.floor):
         rgb = np.maximum(rgb - display.floor, 0.0) / (1.0 - display.floor)
     if display.transfer == "srgb":
