@@ -65,7 +65,7 @@ vec3 table_encode(vec3 light) {
     return digital;
 }
 
-// Of digital values: from 0 to 1 they go through some 100 units of CIELAB, so this is what Table.REACHED is.
+// Of digital values, as SLACK of display/table.py.
 const float TABLE_SLACK = 0.003;
 
 // Whether a display's table shows light, and by which digital values, not cut to 0 to 1; of a display without one, true.

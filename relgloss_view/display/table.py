@@ -23,7 +23,7 @@ CHUNK = 1 << 16  #: colours that are searched at once
 #: Half the distance of digital values by which the forward table's slope is taken.
 STEP = 1e-6
 SETTLED = 1e-9  #: of CIELAB or of digital values: a hundredth of a step of 16 bits is 1.5e-7
-REACHED = 0.25  #: CIELAB distance up to which a light counts as shown; 1 is just visible
+SLACK = 0.003  #: of digital values: about 0.3 in CIELAB, a third of what is just visible
 MOST_BEYOND = 0.3  #: of digital values beyond 0 and 1
 MOST_DAMPING = 1e6
 ROUNDS = 2  #: of leaving plateaus, of more than one channel
@@ -56,8 +56,9 @@ class Table:
         return self.solved(light)[0]
 
     def reach(self, light: Array) -> Array:
-        """(N,) whether digital values show light (N, 3), to within REACHED in CIELAB."""
-        return np.asarray(self.solved(light)[1] <= REACHED)
+        """(N,) whether digital values show light (N, 3): `run_on` stays within 0 to 1, by SLACK."""
+        digital = self.run_on(light)
+        return np.asarray(((digital >= -SLACK) & (digital <= 1.0 + SLACK)).all(axis=1))
 
     def solved(self, light: Array) -> tuple[Array, Array]:
         """Digital values (N, 3) of light (N, 3), and the CIELAB distance (N,) that is left.
