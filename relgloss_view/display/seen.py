@@ -69,8 +69,9 @@ def between(
 def beyond(rgb: Array, darkest: Array) -> Mask:
     """(...) whether a screen can't show linear RGB (..., 3); darkest: (3,), what it shows at black.
 
-    >>> beyond(np.array([[1.0, 0.5, 0.1], [1.1, 0.5, 0.1], [0.5, 0.5, 0.0]]), np.full(3, 0.05))
-    array([False,  True,  True])
+    >>> rgb = np.array([[1.0, 0.5, 0.1], [1.1, 0.5, 0.1], [0.5, 0.5, 0.0]])
+    >>> beyond(rgb, np.full(3, 0.05)).tolist()
+    [False, True, True]
     """
     low, high = darkest - SCREEN_TOLERANCE, 1.0 + SCREEN_TOLERANCE
     return np.asarray(np.any((rgb > high) | (rgb < low), axis=-1))

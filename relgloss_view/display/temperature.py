@@ -26,7 +26,7 @@ def correlated_temperature(xy: tuple[float, float]) -> tuple[float, float] | Non
 
     >>> temperature, distance = correlated_temperature((0.3127, 0.3290))
     >>> round(temperature), round(distance, 4)
-    (6503, 0.0032)
+    (6504, 0.0032)
     """
     kelvin, locus = _locus()
     x, y = xy
@@ -39,7 +39,11 @@ def correlated_temperature(xy: tuple[float, float]) -> tuple[float, float] | Non
     if along[k] > FARTHEST or k in (0, _STEPS - 1):
         return None
     side = 1.0 if point[1] > locus[k, 1] else -1.0
-    return float(kelvin[k]), side * float(along[k])
+    # The least of the parabola through three squared distances, in steps of the logarithm.
+    before, at, after = along[k - 1 : k + 2] ** 2
+    shift = 0.5 * (before - after) / (before - 2.0 * at + after)
+    least = max(at - 0.25 * (before - after) * shift, 0.0)
+    return float(kelvin[k] * (kelvin[k + 1] / kelvin[k]) ** shift), side * float(np.sqrt(least))
 
 
 @lru_cache(maxsize=1)

@@ -61,7 +61,7 @@ class OnScreen:
 def screens_of(display: Display) -> tuple[Screen, ...]:
     """The other display of `seen_on`, and this one where its black is known and no other is seen.
 
-    >>> screens_of(Display()), screens_of(Display(black_cd_m2=2.0))[0].black
+    >>> screens_of(Display()), round(screens_of(Display(black_cd_m2=2.0))[0].black, 9)
     ((), 0.02)
     """
     model = DisplayModel.of(display)

@@ -74,7 +74,7 @@ FUNCTIONS = {
     "split": (lambda d, s: tone.split_lab(d, s, WHITE), vectors(7, 0, 1), vectors(8, 0, 1)),
     "scaled": (lambda v: tone.scaled_lab(v, 0.4), vectors(9, 0.0, 50.0, 4)),
     "false colour": (tone.false_colour, vectors(10, 0.0, 100.0)[:, 0]),
-    "gamut": (tone.in_gamut, vectors(11, -0.1, 1.1)),
+    "gamut": (lambda v: tone.in_gamut(v, DisplayModel.of(Display())), vectors(11, -0.1, 1.1)),
     "display, chroma": (displayed("chroma"), vectors(12, -20.0, 120.0)),
     "display, clip": (displayed("clip"), vectors(12, -20.0, 120.0)),
     **{f"meet {kind}": (meeting(kind), SURE) for kind in ("cylinder", "sphere", "plane", "box")},

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import shlex
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ from relgloss_view.cli import main
 from relgloss_view.commands import snapshot
 from relgloss_view.commands.scene_options import add_scene_options, scene_from, scene_words_of
 from relgloss_view.display.display import Display
+from relgloss_view.display.icc_writing import matrix_profile
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.model.lamp_placement import lit_for_gloss
 from relgloss_view.picture.scene.look import Look
@@ -29,6 +31,15 @@ from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.scene_file import TABLES
 from relgloss_view.picture.scene.setup import Eye, Lamp, Setup
 
+FILES = tempfile.TemporaryDirectory()  #: of displays, which commands read before they draw
+
+
+def profile_file(name):
+    file = Path(FILES.name, name)
+    file.write_bytes(matrix_profile(Display(transfer="gain-offset-gamma")))
+    return file
+
+
 #: Values of tuples and texts, which declare no range.
 OTHERS = {
     "illuminant": ("D65",),
@@ -36,8 +47,8 @@ OTHERS = {
     "white_xy": ((0.31, 0.32),),
     "profile_mm": (((30.0, 0.0), (32.5, 100.0)),),
     "file": (str(Path("pack.obj").absolute()),),
-    "profile": (str(Path("monitor.icc").absolute()),),
-    "seen_on": (str(Path("other.icc").absolute()),),
+    "profile": (str(profile_file("monitor.icc")),),
+    "seen_on": (str(profile_file("other.icc")),),
 }
 
 
@@ -108,7 +119,9 @@ def test_every_table_has_entries():
 
 
 @pytest.mark.parametrize(
-    ("table", "field", "value"), ENTRIES, ids=lambda x: getattr(x, "name", str(x))
+    ("table", "field", "value"),
+    ENTRIES,
+    ids=lambda x: getattr(x, "name", str(x).rsplit("/", 1)[-1]),
 )
 def test_an_entry_comes_back_from_the_printed_command(table, field, value):
     setup, look = changed(table, field.name, value)

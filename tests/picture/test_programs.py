@@ -58,7 +58,7 @@ def test_few_programs_draw_the_same_pictures(ctx):
 
 def test_the_last_used_ones_stay(ctx):
     programs = Programs(ctx, 4)
-    names = {"GAMUT": 0, "TRANSFER": 1, "SAMPLED": 0, "DITHER": 0}
+    names = {"GAMUT": 0, "TRANSFER": 1, "SAMPLED": 0, "DITHER": 0, "SEEN_ON": 0, "REACH": 0}
     made = [programs.get("tone.frag", names | {"DITHER": k % 2, "GAMUT": k // 2}) for k in range(4)]
     assert programs.get("tone.frag", names) is made[0]  # used again: now the second is the oldest
     programs.get("tone.frag", names | {"SAMPLED": 1})

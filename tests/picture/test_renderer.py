@@ -112,7 +112,7 @@ class TestPrograms:
         with pytest.raises(ShaderError, match=r"uniform '\w+' has no value"):
             renderer.programs.draw(
                 "tone.frag",
-                {"TRANSFER": 0, "GAMUT": 0, "SAMPLED": 0, "DITHER": 0},
+                {"TRANSFER": 0, "GAMUT": 0, "SAMPLED": 0, "DITHER": 0, "SEEN_ON": 0, "REACH": 0},
                 {},
                 target,
             )

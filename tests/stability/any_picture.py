@@ -24,7 +24,7 @@ from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Eye, Lamp
+from relgloss_view.picture.scene.setup import Eye, Lamp, Setup
 
 #: Few bands: what a picture does depends on them by three sums alone.
 BANDS = (RGB, Bands(tuple(float(w) for w in range(400, 701, 50))))
@@ -62,7 +62,9 @@ def parts(kind, **fixed):
 
 def _made(kind, entries):
     try:
-        return kind(**entries)
+        made = kind(**entries)
+        # A black may contradict a white that only a setup assumes.
+        return Setup(display=made).display if kind is Display else made
     except InputError:
         return None
 

@@ -33,7 +33,7 @@ from relgloss_view.picture.model import tone
 from relgloss_view.picture.model.difference import delta_e_2000
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
-from relgloss_view.picture.scene.setup import Eye, Lamp
+from relgloss_view.picture.scene.setup import Eye, Lamp, Setup
 
 SIZE = (24, 24)
 DECADE = 10.0
@@ -71,7 +71,9 @@ def _part(rng, part, **fixed):
     while True:
         entries = {f.name: _field(rng, f) for f in dataclasses.fields(part)} | fixed
         try:
-            return part(**entries)
+            made = part(**entries)
+            # A black may contradict a white that only a setup assumes.
+            return Setup(display=made).display if part is Display else made
         except InputError:
             continue
 
