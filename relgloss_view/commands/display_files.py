@@ -25,6 +25,11 @@ def kind_of(path: str) -> str:
         return PROFILE
     if is_display_file(head):
         return DISPLAY_FILE
+    if path.lower().endswith(".toml"):
+        raise InputError(
+            f"{printable(path)}: not a display file; expected {EXPECTED} (of a scene, give the "
+            "file that its [display] names)"
+        )
     return READINGS
 
 

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 MOST_NAMED = 8  #: misread patches
 LABEL = 16  #: width of the labels
+LEAST_BLACK = 1e-6  #: of white, below which a number would only be rounding
 LONGEST = 300  #: characters of a note
 KINDS = {
     "curves": "one curve a channel, and a matrix",
@@ -70,7 +71,10 @@ def black_words(overview: Overview) -> str:
     """Black as a share of white and as a luminance."""
     if overview.black is None:
         return "not known"
-    share = f"{100.0 * overview.black:.3g} % of white"
+    if overview.black < LEAST_BLACK:
+        share = f"less than {100.0 * LEAST_BLACK:.4f} % of white"
+    else:
+        share = f"{100.0 * overview.black:.3g} % of white"
     if overview.black_cd_m2 is None:
         return share
     return f"{overview.black_cd_m2:.3g} cd/m2, {share}"

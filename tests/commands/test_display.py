@@ -132,6 +132,11 @@ def test_a_display_file_lies_beside_its_profile(capsys, folder):
     assert "beside" in err
 
 
+def test_a_scene_is_no_display(capsys, folder):
+    (folder / "scene.toml").write_text('[display]\nprofile = "monitor.icc"\n')
+    assert "scene.toml: not a display file" in refused(capsys, "display", "scene.toml")
+
+
 def test_the_check_finds_what_changed(capsys):
     write_readings(black=0.2)
     run(capsys, "display", "readings.csv", "-o", "monitor.toml")
