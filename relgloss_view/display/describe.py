@@ -72,9 +72,8 @@ def black_words(overview: Overview) -> str:
     if overview.black is None:
         return "not known"
     if overview.black < LEAST_BLACK:
-        share = f"less than {100.0 * LEAST_BLACK:.4f} % of white"
-    else:
-        share = f"{100.0 * overview.black:.3g} % of white"
+        return f"less than {100.0 * LEAST_BLACK:.4f} % of white"
+    share = f"{100.0 * overview.black:.3g} % of white"
     if overview.black_cd_m2 is None:
         return share
     return f"{overview.black_cd_m2:.3g} cd/m2, {share}"

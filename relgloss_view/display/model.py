@@ -59,6 +59,11 @@ class DisplayModel:
     black_known: bool = False  #: else what black shows is only what is reflected
     reflected_cd_m2: float = 0.0  #: light of the room in both of these
     seen: SeenOn | None = None  #: how the screen shows this one; without a screen: as it is
+    #: Digital values of single lights, which the window asks for in every frame: a table takes
+    #: milliseconds to invert.
+    held: dict[object, tuple[float, ...]] = field(
+        init=False, default_factory=dict, repr=False, compare=False
+    )
 
     @property
     def background_rgb(self) -> Array:

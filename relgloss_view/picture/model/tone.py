@@ -16,6 +16,7 @@ LAB_EPSILON = cielab.EPSILON
 GAMUT_TOLERANCE = 1e-4
 CLIP_TOLERANCE = 1e-3
 BISECTIONS = 16
+MOST_HELD = 256  #: lights whose digital values a display holds
 OFF_OBJECT = -60000.0  #: L_d* of a pixel that shows nothing of the object
 #: Below this L_s* a highlight is invisible, and c_max has no meaning.
 NO_LOBE_LSTAR = 0.5
@@ -222,7 +223,9 @@ def surround_digital(display: DisplayModel) -> Array:
     >>> surround_digital(DisplayModel.of(Display())).round(3).tolist()
     [0.466, 0.466, 0.466]
     """
-    return encode(display.background_rgb, display)
+    if "surround" not in display.held:
+        display.held["surround"] = tuple(encode(display.background_rgb, display).tolist())
+    return np.array(display.held["surround"])
 
 
 def neutral_digital(light: float, display: DisplayModel) -> tuple[float, float, float]:
@@ -232,7 +235,12 @@ def neutral_digital(light: float, display: DisplayModel) -> tuple[float, float, 
     >>> [round(v, 3) for v in neutral_digital(0.184, DisplayModel.of(Display()))]
     [0.466, 0.466, 0.466]
     """
-    red, green, blue = encode(np.full(3, min(max(light, 0.0), 1.0)), display).tolist()
+    light = min(max(float(light), 0.0), 1.0)
+    if light not in display.held:
+        if len(display.held) >= MOST_HELD:
+            display.held.clear()
+        display.held[light] = tuple(encode(np.full(3, light), display).tolist())
+    red, green, blue = display.held[light]
     return red, green, blue
 
 
