@@ -10,10 +10,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.icc.profile import MOST_BYTES
 from relgloss_view.base.reading import read_bytes
 from relgloss_view.base.shell import command_line, operand
-from relgloss_view.display.display_file import is_display_file, read_display
-from relgloss_view.display.icc_monitor import monitor_of_profile
 from relgloss_view.display.monitor import Monitor
-from relgloss_view.display.readings import is_readings
 
 EXPECTED = "an ICC profile or a display file"
 KEPT = 16
@@ -50,6 +47,11 @@ def _stamp(path: str) -> tuple[int, int] | None:
 
 
 def _read(path: str) -> Monitor:
+    # Imported where a file is read: a command without one starts sooner.
+    from relgloss_view.display.display_file import is_display_file, read_display
+    from relgloss_view.display.icc_monitor import monitor_of_profile
+    from relgloss_view.display.readings import is_readings
+
     data = read_bytes(path, MOST_BYTES, EXPECTED)
     if is_display_file(data):
         return read_display(path)

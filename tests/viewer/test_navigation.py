@@ -154,6 +154,12 @@ def moves_all(title):
                 for way in ways:
                     for press in way:
                         hand.key(press)
+                    dialogs = hand.app.files.dialogs
+                    if dialogs.open:  # a button that asks for a file has asked
+                        dialogs.close()
+                        hand.frames(2)
+                        moved.add(item)
+                        break
                     if now() != (before, side):
                         moved.add(item)
                         break

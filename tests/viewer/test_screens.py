@@ -181,7 +181,7 @@ def test_the_command_opens_a_display_beside_a_scene(tmp_path, profile):
     save_state(tmp_path / "scene.toml", STATE)
     opened = view._opened([profile, str(tmp_path / "scene.toml")])
     app = SimpleNamespace(model=Model(STATE), files=SimpleNamespace(scene_path=None))
-    view._show(app, opened, None)
+    view._show(app, opened, None, {})
     assert app.model.state == with_display(STATE, PROFILE, profile)
     with pytest.raises(InputError, match="2 displays given"):
         view._opened([profile, profile])
