@@ -16,7 +16,7 @@ from relgloss_view.pack.shape import ANALYTIC as SHAPES
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.setup import Eye, Lamp
-from relgloss_view.viewer.panels import scene
+from relgloss_view.viewer.panels import display, scene
 from relgloss_view.viewer.shell.widgets import label_of
 from relgloss_view.viewer.state.matching import share_of_match
 from relgloss_view.viewer.state.state import COMPARE_MODES, Presentation
@@ -126,9 +126,14 @@ def tunes_the_scene(hand, found):
     kept = model.state
     hand.app.layout.focus("Scene")
     hand.frames(3)
-    sliders = {"lamp": Lamp, "eye": Eye, "display": Display, "presentation": Presentation}
-    for part, owner in sliders.items():
-        for name in getattr(scene, f"_{part.upper()}"):
+    sliders = {
+        "lamp": (Lamp, scene._LAMP),
+        "eye": (Eye, scene._EYE),
+        "display": (Display, display.SURROUND),
+        "presentation": (Presentation, display.PRESENTATION),
+    }
+    for part, (owner, names) in sliders.items():
+        for name in names:
             hand.ctx.item_input_value(f"{SCENE}/##{label_of(owner, name)}", 12.5)
             hand.frames(1)
             found[f"{part}.{name}"] = getattr(model.state.part(part), name)
