@@ -112,7 +112,7 @@ def largest_c(l_diffuse: Array, l_specular: Array) -> Array:
 def in_gamut(rgb: Array, display: DisplayModel) -> Mask:
     """Whether linear RGB (..., 3) lies in the display's cube, and its table shows it if it has one.
 
-    Shown as a table shows it is what lies within half a just visible difference (Table.reach).
+    What a table shows is decided as on the device (Table.reach).
     """
     inside = np.asarray(np.all((rgb >= -GAMUT_TOLERANCE) & (rgb <= 1.0 + GAMUT_TOLERANCE), axis=-1))
     if display.emission is None or display.fills_cube:
