@@ -16,12 +16,13 @@ import numpy as np
 from relgloss_view.base.arrays import Array, Ints, Mask
 from relgloss_view.display.candidates import KINDS, Fitted, Kind, Shape, fit_candidate
 from relgloss_view.display.fitted_monitor import monitor_of_fit
-from relgloss_view.display.gamut import area_of_srgb, share_of_srgb, xy_of
+from relgloss_view.display.gamut import area_of_srgb, share_of_srgb
 from relgloss_view.display.monitor import Monitor
 from relgloss_view.display.reading_noise import Noise, estimate_noise, standardised
 from relgloss_view.display.readings import Readings
 from relgloss_view.material.cielab import lab_from_xyz
 from relgloss_view.material.difference import delta_e_2000
+from relgloss_view.material.spectra import xy_of
 
 FOLDS = 5
 HUBER = 2.5  #: standard deviations, in three dimensions

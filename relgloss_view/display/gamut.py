@@ -4,24 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
-from relgloss_view.base.arrays import Array
 from relgloss_view.material.spectra import SRGB_PRIMARIES_XY
 
 Point = tuple[float, float]
-
-
-def xy_of(xyz: Array) -> Point:
-    """Chromaticity of XYZ (3,); (0, 0) of no light.
-
-    >>> xy_of(np.array([1.0, 1.0, 2.0]))
-    (0.25, 0.25)
-    """
-    total = float(np.sum(xyz))
-    if total <= 0.0:
-        return 0.0, 0.0
-    return float(xyz[0] / total), float(xyz[1] / total)
 
 
 def area_of_srgb(primaries: Sequence[Point]) -> float:

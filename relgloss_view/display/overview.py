@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array
 from relgloss_view.display.coverage import STANDARDS, Coverage, coverage
 from relgloss_view.display.display import USUAL_CD_M2
 from relgloss_view.display.icc_monitor import NO_BLACK
 from relgloss_view.display.icc_tags import CALIBRATED, NO_LUMINANCE
 from relgloss_view.display.monitor import Monitor
 from relgloss_view.display.temperature import correlated_temperature
+from relgloss_view.material.spectra import xy_of
 
 XY = tuple[float, float]
 #: Notes of profiles that are shown as something missing, or as the calibration.
@@ -142,14 +142,6 @@ def overview_of(monitor: Monitor) -> Overview:
         tuple(missing),
         tuple(note for note in monitor.notes if note not in SHOWN_OTHERWISE),
     )
-
-
-def xy_of(xyz: Array) -> XY:
-    """Chromaticity of XYZ (3,); of no light, that of equal energy."""
-    total = float(xyz.sum())
-    if total <= 0.0:
-        return 1.0 / 3.0, 1.0 / 3.0
-    return float(xyz[0]) / total, float(xyz[1]) / total
 
 
 def _gamma(monitor: Monitor) -> tuple[float, float, float]:

@@ -55,6 +55,18 @@ def rgb_to_xyz_matrix(
     return np.asarray(columns * scale)
 
 
+def xy_of(xyz: Array) -> tuple[float, float]:
+    """Chromaticity of XYZ (3,); of no light, that of equal energy.
+
+    >>> xy_of(np.array([1.0, 1.0, 2.0]))
+    (0.25, 0.25)
+    """
+    total = float(np.sum(xyz))
+    if total <= 0.0:
+        return 1.0 / 3.0, 1.0 / 3.0
+    return float(xyz[0] / total), float(xyz[1] / total)
+
+
 def white_from_xy(xy: tuple[float, float]) -> Array:
     """XYZ of a white of chromaticity (x, y) with Y = 1.
 

@@ -194,8 +194,8 @@ def test_openexr_is_what_the_screen_shows(frames, tmp_path):
     # Within the rounding of colorants to 1/65536.
     np.testing.assert_allclose(header["chromaticities"][:6], np.ravel(WIDE), atol=1e-3)
     np.testing.assert_allclose(header["chromaticities"][6:], (0.3127, 0.3290), atol=1e-4)
-    assert header["whiteLuminance"] == pytest.approx(106.0)
-    assert header["y_n_cd_m2"] == pytest.approx(frame.y_n_cd_m2)
+    assert header["display_cd_m2"] == pytest.approx(106.0)
+    assert header["whiteLuminance"] == pytest.approx(frame.y_n_cd_m2) != pytest.approx(106.0)
     over = rgba[..., :3] + (1.0 - rgba[..., 3:]) * model.background_rgb
     shown = tone.as_shown(frame.light.astype(np.float64), model)
     np.testing.assert_allclose(over, shown, atol=1e-6)

@@ -16,10 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from relgloss_view.base.arrays import AnyArray, Array
+from relgloss_view.base.arrays import AnyArray
 from relgloss_view.base.version import __version__
 from relgloss_view.base.writing import whole_file
 from relgloss_view.display.model import DisplayModel
+from relgloss_view.material.spectra import xy_of
 from relgloss_view.picture.displayed import Displayed, cut_out
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.output.exr_parts import PartsWriter
@@ -89,13 +90,13 @@ def _header(frame: Frame, command: str, displayed: Displayed | None) -> dict[str
     if model.monitor is not None:
         primaries = tuple(xy_of(column) for column in model.xyz_from_rgb.T)
         white = xy_of(model.white)
-    luminance = model.luminance_cd_m2 if model.luminance_known else frame.y_n_cd_m2
+    luminance = model.luminance_cd_m2 if model.luminance_known else None
     return {
         "compression": OpenEXR.ZIP_COMPRESSION,
         "type": OpenEXR.scanlineimage,
         "chromaticities": tuple(chain(*primaries, white)),
-        "whiteLuminance": float(luminance),
-        "y_n_cd_m2": float(frame.y_n_cd_m2),
+        "whiteLuminance": float(frame.y_n_cd_m2),
+        "display_cd_m2": _number(luminance),
         "lamp_m": frame.scene.lamp.position_m.astype(np.float32),
         "eye_m": frame.scene.eye.position_m.astype(np.float32),
         "c": float(frame.c),
@@ -110,15 +111,6 @@ def _header(frame: Frame, command: str, displayed: Displayed | None) -> dict[str
         "parameters": json.dumps(numbers),
         **({"command": command} if command else {}),
     }
-
-
-def xy_of(xyz: Array) -> tuple[float, float]:
-    """Chromaticity of XYZ (3,).
-
-    >>> [round(v, 4) for v in xy_of(np.array([0.95047, 1.0, 1.08883]))]
-    [0.3127, 0.329]
-    """
-    return float(xyz[0] / np.sum(xyz)), float(xyz[1] / np.sum(xyz))
 
 
 def _number(value: float | None) -> float:
