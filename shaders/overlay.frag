@@ -22,6 +22,8 @@ layout(location = 0) out vec4 overlay;
 const int STRIPE_PX = 4;
 const int DOT_STEP_PX = 6;
 const int DOT_PX = 3;
+const int LINE_STEP_PX = 5;
+const int LINE_PX = 2;
 
 vec3 shown(vec3 lab, float share) {
     bool inside;
@@ -30,9 +32,13 @@ vec3 shown(vec3 lab, float share) {
     return digital_of(rgb);
 }
 
-// A pattern of black and white: stripes, or white dots on black.
+// A pattern of black and white: stripes, white lines or white dots on black.
 bool stripes(ivec2 at) {
     return ((at.x + at.y) / STRIPE_PX) % 2 == 0;
+}
+
+bool lines(ivec2 at) {
+    return at.y % LINE_STEP_PX < LINE_PX;
 }
 
 bool dots(ivec2 at) {
@@ -56,6 +62,7 @@ void main() {
     vec3 plain = texelFetch(display_image, at, 0).rgb;
     if (OVERLAY == OVERLAY_CLIPPED) colour = off_object ? plain : marked(at, 1, stripes(at));
     if (OVERLAY == OVERLAY_OUT_OF_GAMUT) colour = off_object ? plain : marked(at, 2, dots(at));
+    if (OVERLAY == OVERLAY_CUT_BY_THIS_DISPLAY) colour = off_object ? plain : marked(at, 4, lines(at));
     if (OVERLAY == OVERLAY_LIGHTNESS) colour = shown(false_colour(scaled_lab(split, c).x), diffuse.a);
     if (OVERLAY == OVERLAY_DIFFUSE_ONLY) colour = shown(lab_from_xyz(diffuse.rgb, white), diffuse.a);
     if (OVERLAY == OVERLAY_SPECULAR_ONLY) colour = shown(vec3(c * split.y, 0.0, 0.0), diffuse.a);

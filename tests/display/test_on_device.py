@@ -24,6 +24,7 @@ from relgloss_view.display.table import Table
 from relgloss_view.display.tone_curve import ToneCurve
 from relgloss_view.picture.gpu.constants import code
 from relgloss_view.picture.gpu.evaluate import evaluate
+from relgloss_view.picture.gpu.overlays import draw_overlay
 from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.gpu.uploads import Uploads
 from relgloss_view.picture.model import tone
@@ -205,6 +206,10 @@ class TestPictures:
             assert np.mean((flags[whole] & 4 > 0) == cut[whole]) > 0.995
             assert np.any(cut) == (model.screen is not None)
             assert frame.clip_count == exact.clip_count  # flag 4 counts as neither
+            texture = draw_overlay(renderer, scene, LOOK, SIZE, "cut by this display")
+            pixels = np.frombuffer(texture.read(alignment=1), np.uint8).reshape(*SIZE, 4)[::-1]
+            lined = np.all((pixels[..., :3] == 0) | (pixels[..., :3] == 255), axis=-1) & whole
+            np.testing.assert_array_equal(lined, (flags & 4 > 0) & whole)
         renderer.release()
 
 

@@ -22,7 +22,7 @@ def test_every_overlay_has_words_the_longest_first():
     assert len({texts[0] for texts in MEANINGS.values()}) == len(MEANINGS)
 
 
-@pytest.mark.parametrize("name", ["STRIPE_PX", "DOT_STEP_PX", "DOT_PX"])
+@pytest.mark.parametrize("name", ["STRIPE_PX", "DOT_STEP_PX", "DOT_PX", "LINE_STEP_PX", "LINE_PX"])
 def test_patterns_are_the_shaders(name):
     text = (data_root() / "shaders" / "overlay.frag").read_text(encoding="utf-8")
     (value,) = re.findall(rf"const int {name} = (\d+);", text)

@@ -22,6 +22,7 @@ SURFACES = ("met", "read")
 OVERLAYS = (
     "clipped",
     "out of gamut",
+    "cut by this display",
     "lightness",
     "diffuse only",
     "specular only",

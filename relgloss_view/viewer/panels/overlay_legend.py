@@ -1,7 +1,7 @@
 """The overlay's name on the picture, what it means, and the pattern or colours that it marks with.
 
-"Clipped" is striped and "out of gamut" is dotted, so that neither needs a colour, which would be a
-stranger beside the pictures. shaders/overlay.frag draws the same patterns.
+"Clipped" is striped, "out of gamut" dotted and "cut by this display" lined, so that none needs a
+colour, which would be a stranger beside the pictures. shaders/overlay.frag draws the same patterns.
 """
 
 from __future__ import annotations
@@ -28,6 +28,11 @@ MEANINGS: dict[str, tuple[str, ...]] = {
         "Out of gamut: colours that the display can't show",
         "Out of gamut",
     ),
+    "cut by this display": (
+        "Cut by this display: light of the one that it is seen on, which this one can't show",
+        "Cut: this display can't show it",
+        "Cut here",
+    ),
     "lightness": ("Lightness (L*) of the picture", "Lightness (L*)", "L*"),
     "diffuse only": ("Diffuse reflection alone", "Diffuse only"),
     "specular only": ("Specular reflection alone, scaled by c", "Specular only"),
@@ -40,7 +45,7 @@ MEANINGS: dict[str, tuple[str, ...]] = {
 PATCH_EM = (2.4, 0.9)
 BAR_EM = (9.0, 0.8)
 BAR_STEPS = 50
-STRIPE_PX, DOT_STEP_PX, DOT_PX = 4, 6, 3  #: as in the shader
+STRIPE_PX, DOT_STEP_PX, DOT_PX, LINE_STEP_PX, LINE_PX = 4, 6, 3, 5, 2  #: as in the shader
 #: Directions whose colours the legend of the normals shows: right, up, to the front.
 NORMALS = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 
@@ -149,6 +154,15 @@ def _dots(painter: Painter, low: ImVec2, high: ImVec2) -> None:
         y += DOT_STEP_PX
 
 
+def _lines(painter: Painter, low: ImVec2, high: ImVec2) -> None:
+    painter.add_rect_filled(low, high, _colour(gray(0.0)))
+    white = _colour(gray(1.0))
+    y = low.y + 1.0
+    while y < high.y:
+        painter.add_rect_filled(ImVec2(low.x, y), ImVec2(high.x, y + LINE_PX), white)
+        y += LINE_STEP_PX
+
+
 def _directions(painter: Painter, low: ImVec2, high: ImVec2) -> None:
     wide = (high.x - low.x) / len(NORMALS)
     for k, (red, green, blue) in enumerate((0.5 + 0.5 * NORMALS).tolist()):
@@ -160,6 +174,7 @@ def _directions(painter: Painter, low: ImVec2, high: ImVec2) -> None:
 _PATTERNS: dict[str, Callable[[Painter, ImVec2, ImVec2], None]] = {
     "clipped": _stripes,
     "out of gamut": _dots,
+    "cut by this display": _lines,
     "normals": _directions,
 }
 
