@@ -14,6 +14,7 @@ import pytest
 from relgloss_view.display.display import Display
 from relgloss_view.pack.shape import ANALYTIC as SHAPES
 from relgloss_view.pack.shape import Shape
+from relgloss_view.picture.gpu import constants
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.setup import Eye, Lamp
 from relgloss_view.viewer.panels import display, scene
@@ -285,7 +286,7 @@ def compares(hand, found):
     hand.drag((edge, top + 200.0), (80.0, 0.0))
     found["wipe"] = model.state.presentation.wipe
     hand.key(keys._1)
-    for _ in range(6):
+    for _ in range(len(constants.OVERLAYS)):
         hand.key(keys.o)
         found.setdefault("overlays", []).append(model.state.presentation.overlay)
     hand.key(keys.o)
@@ -591,7 +592,7 @@ def test_compare_modes(found):
     assert got["flip"] == ["flip", ["reference"]]
     assert got["difference"] == ["difference", ["test"]]
     assert (got["flipped"], got["back"]) == (["test"], ["reference"])
-    assert len(set(got["overlays"])) == 6
+    assert set(got["overlays"]) == set(constants.OVERLAYS)
     assert got["none"] == "none"
 
 
