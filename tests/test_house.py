@@ -29,6 +29,7 @@ ROOMS = [
     "quality",
     "operators",
     "gloss",
+    "proof",
     "fitting",
     "experiment",
     "bench",

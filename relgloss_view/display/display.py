@@ -15,6 +15,9 @@ GAMUTS = ("chroma", "clip")  #: reduce chroma at held L* and hue, or cut RGB
 EDGES = ("sampled", "smooth")  #: of silhouettes: what a pixel's sample meets, or its share
 DITHERS = ("none", "ordered")
 MIN_GAMUT_AREA = 1e-3  #: twice the triangle's area in the xy diagram; sRGB has 0.22
+#: Of a primary in white's chromaticity. Without it the primary adds no light, and no RGB has an
+#: inverse; sRGB's least share, red's, is 0.21.
+MIN_SHARE_OF_WHITE = 1e-6
 USUAL_CD_M2 = 100.0  #: luminance of a white of which nothing is known
 #: Of white. A black of more leaves no range in which a picture could be shown.
 MOST_BLACK = 0.99
@@ -201,8 +204,21 @@ class Display(Checked):
         area = (gx - rx) * (by - ry) - (bx - rx) * (gy - ry)
         if abs(area) < MIN_GAMUT_AREA:
             raise InputError("display.primaries_xy: the three primaries lie on a line")
+        if min(map(abs, self._shares_of_white(area))) < MIN_SHARE_OF_WHITE:
+            raise InputError(
+                "display.white_xy: lies on the line through two primaries, so that the third one "
+                "would be black; expected a white between the three"
+            )
         if self.black_cd_m2 is not None and self.luminance_cd_m2 is not None:
             check_black(self.black_cd_m2, self.luminance_cd_m2, known=True)
+
+    def _shares_of_white(self, area: float) -> tuple[float, float, float]:
+        """Where the white lies in the triangle of the primaries, in barycentric coordinates."""
+        (rx, ry), (gx, gy), (bx, by) = self.primaries_xy
+        x, y = self.white_xy
+        red = ((gx - x) * (by - y) - (bx - x) * (gy - y)) / area
+        green = ((bx - x) * (ry - y) - (rx - x) * (by - y)) / area
+        return red, green, 1.0 - red - green
 
     def for_the_eye(self) -> Display:
         """The display with smooth silhouettes and dither, as new pictures are shown.

@@ -135,6 +135,8 @@ def test_the_gray_of_the_surround_has_three_digital_values(profile):
         ({"black_cd_m2": float("nan")}, "display.black_cd_m2"),
         ({"luminance_cd_m2": 0.0}, "expected 1 to 10000"),
         ({"reflected_cd_m2": -0.1}, "expected 0 to 10000"),
+        # On the line through green and blue: red would add nothing, and no RGB had an inverse.
+        ({"white_xy": (0.225, 0.33)}, "the third one would be black"),
     ],
 )
 def test_contradictions_are_refused_in_one_line(entries, words):

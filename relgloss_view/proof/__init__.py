@@ -1,0 +1,1 @@
+"""The proof: one file that a designer sends and a maker opens."""

@@ -1,0 +1,3 @@
+// What runs when the page is opened.
+
+window.relgloss = { ready: Promise.resolve() };
