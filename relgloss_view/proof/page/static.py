@@ -37,10 +37,11 @@ def body(proof: Proof, language: str = "en") -> str:
         f"<h1>{escaped(proof.title)}</h1></header>\n"
         f'<noscript><p class="notice">{say("state.no-script")}</p></noscript>\n'
         '<p id="notice" class="notice" role="alert" hidden=""></p>\n'
-        '<main id="main">\n<section id="look" class="look">\n'
-        f'<div id="stage" class="stage">\n{_pictures(proof, say)}</div>\n</section>\n'
+        '<main id="main">\n<div class="work">\n<section id="look" class="look">\n'
+        '<div id="view" class="view"><div id="stage" class="stage">\n'
+        f"{_pictures(proof, say)}</div></div>\n</section>\n"
         f'<div id="panel" class="panel"><p class="byline">{_byline(newest, say)}</p>\n{note}'
-        f'<div id="controls"></div></div>\n<div id="more" class="more">\n'
+        f'<div id="controls"></div></div>\n</div>\n<div id="more" class="more">\n'
         f"{_thread(proof, say)}{_readings(proof.content.get('meter'), say)}"
         f"{_made_for(proof.content.get('display'), say)}"
         '<section id="check"></section>\n<section id="screen"></section>\n'
@@ -194,8 +195,7 @@ def _reading(value: object) -> str:
 def _made_for(display: object, say: Say) -> str:
     if not isinstance(display, Mapping):
         return ""
-    words = display.get("words", "")
-    lines = [words] if isinstance(words, str) else list(words)
+    lines = [display.get("words", ""), *display.get("sentences", ())]
     text = "".join(f"<p>{escaped(line)}</p>\n" for line in lines if line)
     if not text:
         return ""

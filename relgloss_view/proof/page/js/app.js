@@ -20,6 +20,7 @@ export class App {
     this.present = proof.messages[this.index].settings;
     this.kept = this.present; // what was saved last
     this.shown = { mode: "both", side: "test", share: 0.5, hand: "turn" };
+    this.digest = document.querySelector('meta[name="relgloss-proof"]').content;
     this.screen = null; // of screen.js, for a reply
     this.listeners = [];
     this.waiting = [];
@@ -209,8 +210,8 @@ export class App {
 
   /** Frame the object again, from where the eye is. */
   frameAgain() {
-    const { eye } = this.present;
-    this.set({ ...this.present, eye: { ...eye, field_of_view_deg: null, shift_right: 0, shift_up: 0 } });
+    const { field_of_view_deg: _, ...eye } = this.present.eye;
+    this.set({ ...this.present, eye: { ...eye, shift_right: 0, shift_up: 0 } });
   }
 
   /** Watch the stage's size and the graphics context. reopen() makes a new engine. */

@@ -93,4 +93,5 @@ function act(app, name) {
   return name in acts;
 }
 
-window.relgloss = { ready: begin() };
+window.relgloss = {};
+window.relgloss.ready = begin();

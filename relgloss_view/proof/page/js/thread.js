@@ -40,7 +40,7 @@ export function banner(app, messages) {
     on: { click: () => app.lookAt(app.at()) },
   });
   const element = make("div", { id: "banner", class: "banner" }, words, back);
-  byId("look").prepend(element);
+  byId("view").prepend(element);
   return () => {
     const changed = app.changed(), k = app.at(), last = messages.length - 1;
     const values = { name: authorOf(messages[k]), number: k + 1, count: messages.length };
