@@ -2,7 +2,7 @@
 
 Paint follows from the samples of the artwork's file by curves and a matrix, bit for bit as
 pack/artwork/raster.py has it. A channel that is one of the pack's masks is named by its file;
-others, composed of several masks, come as gray PNGs. What no curve and matrix give is carried whole.
+others, composed of several masks, come as gray PNGs. What no curve and matrix give comes whole.
 """
 
 from __future__ import annotations

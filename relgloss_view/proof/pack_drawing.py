@@ -11,10 +11,11 @@ from relgloss_view.pack import forms
 from relgloss_view.pack.label import label_of
 from relgloss_view.pack.layers import layers_of
 from relgloss_view.pack.pack import Pack
+from relgloss_view.pack.paint import paint_matrix
 from relgloss_view.picture.gpu.finishes import RGB_OF_PAINT, finish_tables, ink_uniforms
+from relgloss_view.picture.gpu.memory import MOST_TEXELS
 from relgloss_view.picture.gpu.printed import MOST_LEVELS, part_rows, share_defines
 from relgloss_view.picture.gpu.surface import print_uniforms
-from relgloss_view.pack.paint import paint_matrix
 from relgloss_view.picture.gpu.targets import surface_targets
 from relgloss_view.picture.gpu.triangles import WIDE
 from relgloss_view.picture.method import EXACT
@@ -44,6 +45,7 @@ def pack_drawing(scene: Scene, look: Look, lamps: tuple[str, ...]) -> dict[str, 
         "targets": list(surface_targets(finishes)),
         "mesh": None if mesh is None else mesh_drawing(mesh),
         "defines": {"FINISHES": finishes, "MESH_WIDE": WIDE},
+        "most_texels": MOST_TEXELS,
         "printed": None,
     }
     side: dict[str, Any] = {"stages": stages, "surface": surface}
@@ -51,7 +53,18 @@ def pack_drawing(scene: Scene, look: Look, lamps: tuple[str, ...]) -> dict[str, 
         side["shape"] = {"curvature_per_m": curvature(mesh)}
     if pack is None:
         return side
-    return {**side, **_finishes(scene, pack, look, lamps), "surface": surface | _printed(pack, look)}
+    return {
+        **side,
+        **_finishes(scene, pack, look, lamps),
+        "surface": surface | _printed(pack, look),
+    }
+
+
+def share_meshes(sides: dict[str, Any]) -> None:
+    """Write a mesh that both sides have once: the test's becomes 'reference'."""
+    reference, test = (sides.get(name, {}).get("surface") for name in ("reference", "test"))
+    if reference and test and test["mesh"] is not None and test["mesh"] == reference["mesh"]:
+        test["mesh"] = "reference"
 
 
 def _printed(pack: Pack, look: Look) -> dict[str, Any]:
