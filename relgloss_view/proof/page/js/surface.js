@@ -8,49 +8,57 @@ import { TriangleBuffer, hidesBacks, meetMesh, meshOf, meshTextures, projection 
 import { drawCoverage } from "./mesh_edges.js";
 import { printedTextures } from "./printed.js";
 
+const meshes = new WeakMap(); // of a drawing's JSON, so that both sides share one
+
+/** The form of a side, or null where rays meet its shape. files: of the content. */
+export async function openForm(device, drawing, name, files) {
+  const side = drawing.sides[name];
+  const { surface } = side;
+  if (!surface) return null;
+  if (surface.targets.length > device.gl.getParameter(device.gl.MAX_DRAW_BUFFERS)) {
+    throw new Unsupported("few targets");
+  }
+  const content = surface.mesh === "reference" ? drawing.sides.reference.surface.mesh : surface.mesh;
+  if (content && !meshes.has(content)) meshes.set(content, meshOf(content));
+  const mesh = content && (await meshes.get(content));
+  if (mesh) side.shape.outline_m = mesh.outline_m;
+  const { printed } = surface;
+  const layers = printed && (await layersOf(printed, files));
+  const partTable = printed && (await valuesOf(printed.part_table));
+  return new Form(side, drawing.numbers, { mesh, layers, partTable });
+}
+
 /** What a side's surface is drawn from: its mesh and its layers, and their copies on the device. */
-export class Form {
-  /** The forms of a drawing's sides, by name; sides without one are left out. files: of the content. */
-  static async all(device, drawing, files) {
-    const forms = {};
-    for (const [name, side] of Object.entries(drawing.sides)) {
-      if (!side.surface) continue;
-      forms[name] = await Form.of(device, side, files, forms.reference);
-      if (forms[name].mesh) side.shape.outline_m = forms[name].mesh.outline_m;
-    }
-    return forms;
+class Form {
+  constructor(side, numbers, { mesh, layers, partTable }) {
+    Object.assign(this, { side, numbers, mesh, layers, partTable, targets: side.surface.targets });
+    this._held = null;
   }
 
-  static async of(device, side, files, other) {
-    const { surface } = side;
-    if (surface.targets.length > device.gl.getParameter(device.gl.MAX_DRAW_BUFFERS)) {
-      throw new Unsupported("few targets");
-    }
-    const form = new Form();
-    form.side = side;
-    form.surface = surface;
-    const shared = surface.mesh === "reference" && other;
-    form.mesh = shared ? other.mesh : surface.mesh && (await meshOf(surface.mesh));
-    form.layers = surface.printed && (await layersOf(surface.printed, files));
-    form.partTable = surface.printed && (await valuesOf(surface.printed.part_table));
-    form._held = null;
-    return form;
+  /** A surface of this form, for one picture. */
+  surface(device) {
+    return new Surface(device, this);
   }
 
-  /** The copies on the device; made again where a lost context took them. */
+  /** Forget what a lost context took. */
+  forget() {
+    this._held = null;
+  }
+
+  /** The copies on the device, made when first asked for: {triangles, uniforms, scaledDown}. */
   on(device) {
-    if (this._held?.generation === device.generation) return this._held;
-    const held = { generation: device.generation, textures: [], uniforms: {}, triangles: null, notes: [] };
+    if (this._held) return this._held;
+    const held = { triangles: null, uniforms: {}, scaledDown: 1 };
     if (this.mesh) {
       held.triangles = new TriangleBuffer(device, this.mesh);
       held.uniforms = meshTextures(device, this.mesh);
     }
     if (this.layers) {
-      const { printed } = this.surface;
+      const { printed } = this.side.surface;
       const { uniforms, first } = printedTextures(device, this.layers, printed);
       const part_table = device.texture(this.partTable.length / 4, 1, "rgba32f", this.partTable);
       Object.assign(held.uniforms, uniforms, { part_table }, printed.uniforms);
-      if (first > 0) held.notes.push(2 ** first);
+      held.scaledDown = 2 ** first;
     }
     this._held = held;
     return held;
@@ -58,27 +66,26 @@ export class Form {
 }
 
 /** The surface of one picture, as it was last drawn: what passes.js asks of a side's pack or triangles. */
-export class Surface {
-  constructor(device, form, numbers) {
+class Surface {
+  constructor(device, form) {
     this.device = device;
     this.form = form;
-    this.numbers = numbers;
     this.drawn = 0; // how often a tile was drawn
     this._clean();
   }
 
-  /** What a picture of the form follows from, beside the view. */
+  /** What a picture of the form follows from, beside the view: it never changes. */
   key() {
-    return this.device.generation;
+    return "form";
   }
 
   formKey() {
-    return this.device.generation;
+    return "form";
   }
 
-  /** The variant of pass 1 under a lamp. */
-  variant(variant, lampName) {
-    return { ...variant, shade: { ...variant.shade, ...finishTables(this.form.side, lampName) } };
+  /** The constants of pass 1 under a lamp. */
+  defines({ lampName }) {
+    return finishTables(this.form.side, lampName);
   }
 
   /** The numbers of the material, or of the finishes. */
@@ -117,7 +124,7 @@ export class Surface {
 
   /** Width and height of the tiles, pixels: the whole picture where it fits. */
   tileSize(size, samples) {
-    const texels = this.form.surface.most_texels;
+    const texels = this.form.side.surface.most_texels;
     const most = Math.max(1, Math.floor(this.device.maxSize / samples));
     const width = Math.min(size[0], most, Math.max(1, Math.floor(texels / samples ** 2)));
     const fitting = Math.max(1, Math.floor(texels / (samples ** 2 * width)));
@@ -134,8 +141,8 @@ export class Surface {
       per_surface: size.map((side) => 1 / side),
       samples,
     };
-    const defines = { ...variant.surface_pass, ...seen, ...form.surface.defines };
-    const key = JSON.stringify([seenFrom, defines, tile, samples, device.generation]);
+    const defines = { ...variant.surface_pass, ...seen, ...form.side.surface.defines };
+    const key = JSON.stringify([seenFrom, defines, tile, samples]);
     if (key !== this._key) {
       this._key = null;
       this._makeRoom(size);
@@ -148,7 +155,7 @@ export class Surface {
       this._key = key;
       this.drawn += 1;
     }
-    const { targets } = form.surface;
+    const { targets } = form;
     return { ...where, ...Object.fromEntries(targets.map((name, k) => [name, this._target.textures[k]])) };
   }
 
@@ -157,7 +164,7 @@ export class Surface {
     this.release();
     const { device, form } = this;
     const [width, height] = size;
-    const textures = form.surface.targets.map(() => device.texture(width, height, "rgba32f"));
+    const textures = form.targets.map(() => device.texture(width, height, "rgba32f"));
     this._target = device.target(textures);
     if (form.mesh) {
       this._depth = device.depthBuffer(width, height);
@@ -189,7 +196,7 @@ export class Surface {
     const target = device.target([texture], depth);
     try {
       const { triangles } = form.on(device);
-      drawCoverage(device, target, form.mesh, triangles, view, this.numbers.EDGE_RAYS);
+      drawCoverage(device, target, form.mesh, triangles, view, form.numbers.EDGE_RAYS);
     } finally {
       device.releaseTarget(target, { textures: false });
       device.gl.deleteRenderbuffer(depth.handle);
