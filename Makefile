@@ -18,7 +18,8 @@ LOCKED ?= --require-hashes --only-binary :all:
 else
 LOCKED ?= --require-hashes
 endif
-# Worker processes of the tests; each has its own OpenGL context.
+# Worker processes of the tests; each has its own OpenGL context. A file's tests share a process, so
+# that a window or a browser that they look at is opened once.
 WORKERS ?= 2
 
 .PHONY: demo test test-all coverage observers interruptions mutants lint format lock dependencies clean
@@ -27,13 +28,13 @@ demo: $(VENV)/.runtime
 	$(BIN)/python scripts/demo.py out
 
 test: $(VENV)/.development
-	$(BIN)/python -m pytest -n $(WORKERS) -m "not slow"
+	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile -m "not slow"
 
 test-all: $(VENV)/.development
-	$(BIN)/python -m pytest -n $(WORKERS)
+	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile
 
 coverage: $(VENV)/.development
-	$(BIN)/python -m pytest -n $(WORKERS) -m "not slow" --cov --cov-report=term --cov-report=html
+	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile -m "not slow" --cov --cov-report=term --cov-report=html
 
 OBSERVERS ?= --studies 34
 observers: $(VENV)/.runtime

@@ -25,6 +25,7 @@ from relgloss_view.base.terminal import Column, table
 
 #: Licences that ask for a decision, and ours.
 DECIDED = {
+    "certifi": "MPL-2.0: comes with selenium, for the tests alone; nothing of it is distributed",
     "hypothesis": "runs the tests alone; nothing of it is distributed",
     "pikepdf": "MPL-2.0: used as it is, as a library; its files are not changed",
     "pathspec": "builds the wheel and runs mypy; nothing of it is distributed",

@@ -268,6 +268,7 @@ def fresh_tree(tmp_path):
     return tree, environment
 
 
+@pytest.mark.slow
 def test_the_first_pair_is_drawn_as_its_page_says(fresh_tree):
     """Every block is pasted into one shell; what the page shows of the output is printed."""
     tree, environment = fresh_tree

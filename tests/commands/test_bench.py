@@ -77,6 +77,7 @@ def test_chart_table_and_numbers(tmp_path, capsys):
         assert float(line["ms"]) == result["ms"]
 
 
+@pytest.mark.slow
 def test_again_into_the_same_folder_and_not_into_anothers(tmp_path, capsys):
     """And with --json the numbers alone are on standard output."""
     folder = tmp_path / "a"
@@ -107,6 +108,7 @@ def test_sizes_that_no_object_fills_are_refused(tmp_path, capsys, size, told):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "stage", ["speed.run.time_changes", "speed.chart.write_chart", "peers.peers.time_scientist"]
 )

@@ -57,6 +57,7 @@ class Page(HTMLParser):
         self.words.append(data)
 
 
+@pytest.mark.slow
 def test_papers_by_default(capsys, tmp_path):
     png, page = tmp_path / "a.png", tmp_path / "a.html"
     # Large enough that the narrow highlight of cast-coated is not lost between pixels.

@@ -157,6 +157,7 @@ class TestSimulate:
         assert "2 studies of 5 observers" in run(capsys, *words, "--draws", 10)
         assert os.listdir(folder) == []
 
+    @pytest.mark.slow
     def test_both_settings_of_two_that_are_right_are_named(self, folder, capsys):
         words = ("experiment", "simulate", "paper", *SMALL, "--kind", "two-optima")
         told = run(capsys, *words, "--observers", 4, "-o", "s.sqlite")
@@ -169,6 +170,7 @@ class TestSimulate:
         assert "right for the simulated observers" in alone
         assert "and as right" not in alone
 
+    @pytest.mark.slow
     def test_both_signs_of_grain_where_none_is_stated(self, folder, capsys):
         words = ("experiment", "simulate", "paper", *SMALL, *GRID, "--truth", "cells")
         many = ("--studies", 1, "--observers", 2, "--draws", 5)

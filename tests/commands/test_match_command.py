@@ -102,6 +102,7 @@ def test_here_is_the_pose_of_the_options(capsys, tmp_path):
     assert theirs["low"] < mine["c"] < theirs["high"]
 
 
+@pytest.mark.slow
 def test_the_order_by_each_measure_is_reported(capsys, tmp_path):
     status, out, _ = run(capsys, "match", *SMALL)
     assert status == 0

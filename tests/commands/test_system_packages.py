@@ -14,7 +14,13 @@ SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "system-packages"
 
 #: What any machine has, and the script calls.
 TOOLS = ("sh", "grep", "uname")
-COMMANDS = ("glslangValidator", "Xvfb", "xdotool")
+BROWSERS = {
+    "chromium": "chromium",
+    "chromedriver": "chromium-driver",
+    "firefox-esr": "firefox-esr",
+    "WebKitWebDriver": "webkit2gtk-driver",
+}
+COMMANDS = ("glslangValidator", "Xvfb", "xdotool", *BROWSERS)
 
 
 def asked_for(folder, purpose, *, apt_knows, python="python3", commands=COMMANDS, fonts=None):
@@ -64,7 +70,12 @@ def test_the_window_on_a_display_is_for_everybody(tmp_path, purpose):
 
 @pytest.mark.parametrize(
     ("command", "package"),
-    [("Xvfb", "xvfb"), ("xdotool", "xdotool"), ("glslangValidator", "glslang-tools")],
+    [
+        ("Xvfb", "xvfb"),
+        ("xdotool", "xdotool"),
+        ("glslangValidator", "glslang-tools"),
+        *BROWSERS.items(),
+    ],
 )
 def test_commands_of_tests_are_for_tests(tmp_path, command, package):
     others = tuple(name for name in COMMANDS if name != command)

@@ -119,6 +119,7 @@ class TestScreenshot:
         with Image.open(folder / "o.PNG") as picture:
             assert picture.size == got
 
+    @pytest.mark.slow
     def test_window_beyond_every_limit(self, folder):
         """One frame settles where things stand; the pictures come with the second."""
         words = ("--screenshot", "o.png", "--window", "20000x20000", "--frames", 1)
@@ -139,6 +140,7 @@ class TestScreenshot:
         assert (folder / "w.png").read_bytes().startswith(PNG_HEAD)
         assert os.listdir(folder) == ["w.png"]
 
+    @pytest.mark.slow
     @pytest.mark.slow
     def test_text_of_another_size(self, folder):
         plain, same, larger = (
@@ -205,6 +207,7 @@ class TestFiles:
         np.testing.assert_array_equal(by_name, by_scene)
 
     @pytest.mark.slow
+    @pytest.mark.slow
     def test_two_materials_are_reference_and_test(self, folder, plain):
         save_material(materials.flat(0.2), folder / "a.json")
         save_material(materials.flat(0.6), folder / "b.json")
@@ -213,6 +216,7 @@ class TestFiles:
         np.testing.assert_array_equal(both[1], one[1])
         assert (both[0] != one[0]).any(axis=-1).mean() > 0.2
 
+    @pytest.mark.slow
     def test_measurement_is_fitted_first(self, folder, plain):
         """It looks as the material does that `relgloss fit` makes of it."""
         paper = str(asset("papers", "uncoated.csv"))
@@ -232,6 +236,7 @@ class TestFiles:
         ):
             assert (got != before).any(axis=-1).mean() > 0.05
 
+    @pytest.mark.slow
     @pytest.mark.slow
     def test_order_of_scene_and_sample_does_not_matter(self, folder):
         save_material(materials.flat(0.2), folder / "m.json")
@@ -338,6 +343,7 @@ class TestNoWindow:
         assert "relgloss view --screenshot OUT.png" in err
         assert not (folder.parent / "kept").exists()
 
+    @pytest.mark.slow
     def test_no_command_is_view(self, folder):
         assert refused(folder, command=(), status=3) == refused(folder, status=3)
 

@@ -218,6 +218,7 @@ def of_backward_table(path):
         assert_near(apart(*shown), OF_TABLE)
 
 
+@pytest.mark.slow
 def test_a_table_of_colprof(tmp_path):
     path = colprof(tmp_path, "-ql", "-al")
     of_screen(path, path, 200, OF_TABLE)

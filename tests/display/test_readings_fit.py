@@ -30,6 +30,7 @@ def unseen_difference(fit, unseen):
     return float(delta_e_2000(shown, true).mean()), float(model.white[1] / white[1])
 
 
+@pytest.mark.slow
 @needs_argyll
 def test_a_noisy_display_is_found(tmp_path):
     charts(tmp_path)
@@ -147,6 +148,7 @@ def changed(at, factor):
     return dataclasses.replace(plain, xyz=xyz)
 
 
+@pytest.mark.slow
 def test_one_misread_patch_is_left_out_by_name():
     bright = int(np.argsort(readings(srgb).xyz[:, 1])[60])
     fit = fit_display(changed(bright, 1.4))

@@ -235,6 +235,7 @@ def test_a_model_can_be_forced(model: str) -> None:
     json.dumps(asdict(material.fit), allow_nan=False)
 
 
+@pytest.mark.slow
 def test_standard_errors_cover_the_truth() -> None:
     """Jackknife over planes: three standard errors of s, over ten draws, and not absurdly wide."""
     ratios = []

@@ -159,6 +159,7 @@ def test_an_instrument_in_order_is_found_in_order() -> None:
     )
 
 
+@pytest.mark.slow
 def test_an_error_of_two_degrees_is_no_instrument_in_order() -> None:
     material = fit_material(seen(3.0, alpha=2.0))
     assert material.fit.quality == "poor"
@@ -189,6 +190,7 @@ def test_a_narrow_lobe_on_a_coarse_hemisphere_does_not_pass_for_another_index() 
     assert right.fit.quality == "good", right.fit.grounds
 
 
+@pytest.mark.slow
 def test_a_known_index_is_held() -> None:
     material = fit_material(seen(), refractive_index=1.6)
     assert material.specular[0].refractive_index == 1.6

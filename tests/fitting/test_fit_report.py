@@ -66,7 +66,7 @@ def directions(kind: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 @pytest.mark.parametrize(
     "kind", ["in plane", "one incidence", "retro side", "no mirror pair", "cones"]
 )
-@pytest.mark.parametrize("noise", [0.0, 0.02])
+@pytest.mark.parametrize("noise", [pytest.param(0.0, marks=pytest.mark.slow), 0.02])
 def test_a_page_of_every_table_that_fit_takes(kind: str, noise: float, tmp_path) -> None:
     """A slice that the table does not have is words; a fit without any error has an axis."""
     incidence, viewing, azimuth = directions(kind)

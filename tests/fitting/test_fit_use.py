@@ -381,6 +381,7 @@ def false_alarms(count: int) -> list[tuple[int, tuple[str, ...]]]:
     return found
 
 
+@pytest.mark.slow
 def test_sound_tables_are_not_called_poor() -> None:
     assert false_alarms(6) == []
 

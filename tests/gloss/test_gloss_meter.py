@@ -340,6 +340,7 @@ ERRORS = {"albedo_relative": 0.05, "sigma_deg": 2.0, "s_deg": [0.15], "strength"
 
 
 class TestUncertainty:
+    @pytest.mark.slow
     def test_is_the_spread_of_resampled_fits(self):
         rng = np.random.default_rng(4)
         material = fitted(ERRORS | {"refractive_index": [0.02]})

@@ -79,6 +79,7 @@ def test_the_usual_lamps_do_not_import_colour_science(tmp_path):
     subprocess.run([sys.executable, "-c", code, *names], check=True)
 
 
+@pytest.mark.slow
 def test_other_lamps_do_not_import_colour_science_either(tmp_path):
     """It takes 130 MB for good; another process reads its tables. FL2 has a colour of CIE 15."""
     code = (

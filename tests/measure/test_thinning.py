@@ -78,6 +78,7 @@ def test_small_tables_are_fitted_as_they_are() -> None:
     assert words(table) == ""
 
 
+@pytest.mark.slow
 def test_a_part_gives_the_fit_of_the_whole(monkeypatch: pytest.MonkeyPatch) -> None:
     table = dense_table()
     reasons = table.reasons.copy()

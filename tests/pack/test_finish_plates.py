@@ -111,6 +111,7 @@ def test_a_profile_beside_a_scene_is_found_again(folder, monkeypatch):
     assert moved.artwork.finish_plates == {"VP7"}
 
 
+@pytest.mark.slow
 def test_a_name_that_means_a_finish_to_a_pack_alone(tmp_path):
     """ "Gold" is an ink to the artwork, and a foil to a pack that is made of it."""
     spots = {"Go": ("Gold", (0, 0.2, 0.8, 0))}

@@ -254,6 +254,7 @@ def test_inside_and_outside_of_triangles(monkeypatch):
         assert not form.contains(np.array(point))
 
 
+@pytest.mark.slow
 def test_cells_of_surface_grain_have_the_area_that_is_asked_for():
     """Cells that a plane cuts out of the lattice cover a square's area on average, on any plane."""
     cell_m, side_m = 1e-3, 0.06

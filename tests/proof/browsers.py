@@ -176,8 +176,8 @@ def chromium(
 ) -> Iterator[Browser]:
     """A Chromium with a profile of its own in a temporary folder.
 
-    flags: beside FLAGS, GL or SWIFTSHADER for instance. needs: a part of the renderer's name; given,
-    a browser without WebGL 2 with float targets on that renderer fails the test.
+    flags: beside FLAGS, GL or SWIFTSHADER for instance. needs: a part of the renderer's name;
+    where it is given, a browser without WebGL 2 with float targets on that renderer fails the test.
     """
     options = webdriver.ChromeOptions()
     options.binary_location = program("chromium")
@@ -361,7 +361,7 @@ def emulate(
 
 
 def before_pages(browser: Browser, script: str) -> None:
-    """Run JavaScript before any of a page's own, in pages opened from now on; undone after a test."""
+    """Run JavaScript before any of a page's own, in pages opened later; undone after each test."""
     made = browser.cdp("Page.addScriptToEvaluateOnNewDocument", source=script)
     browser.scripts.append(made["identifier"])
 

@@ -15,7 +15,7 @@ from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.method import Method
 from relgloss_view.picture.reference import ReferenceRenderer
 
-QUICK, LONG = range(60), range(60, 3000)
+QUICK, LONG = range(30), range(30, 3000)
 SPLITS = (Method(), Method(split="first pass"))
 VISIBLE = 0.5  #: dE2000
 #: c differs by what the highlight does; 0.3 % of a highlight's L* is not seen.

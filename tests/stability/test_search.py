@@ -21,7 +21,7 @@ from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 
 QUICK = settings(
-    max_examples=120,
+    max_examples=60,
     deadline=None,
     derandomize=True,
     database=None,
@@ -91,6 +91,7 @@ class TestShader:
     def test_any_picture_is_light_at_length(self, drawer, scene, look, method, size):
         try_shader(drawer, scene, look, method, size)
 
+    @pytest.mark.slow
     def test_most_of_what_is_tried_is_drawn(self, drawer):
         """Control: a search whose every request is refused would find nothing."""
         drawn = []

@@ -106,6 +106,7 @@ class TestOpening:
         assert desk.model.state is before
         assert said(desk) == [("s.toml is a scene, which holds both pictures: use Open", True)]
 
+    @pytest.mark.slow
     def test_a_table_is_fitted_and_its_points_are_kept(self, desk):
         table = asset("papers", "uncoated.csv")
         desk.open_path(str(table))

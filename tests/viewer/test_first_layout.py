@@ -138,6 +138,7 @@ def test_sample_above_gloss_above_light_and_no_plots(tmp_path, size):
     assert got["picture"][1] > 0.9 * size[1]  # no strip of plots below
 
 
+@pytest.mark.slow
 def test_what_is_kept_comes_back_and_a_plot_finds_its_place(tmp_path):
     layout = tmp_path / "window.toml"
     first = run(tmp_path / "one", layout, ["looks"])["looks"]
@@ -151,6 +152,7 @@ def test_what_is_kept_comes_back_and_a_plot_finds_its_place(tmp_path):
     assert got["opens_a_plot"]["again"] == FIRST
 
 
+@pytest.mark.slow
 def test_a_layout_from_before_stays_as_it_was(tmp_path):
     from relgloss_view.viewer.state.layout_file import WindowLayout, save_layout
 

@@ -71,7 +71,11 @@ def shows_tooltips(hand, found):
 SCRIPTS = (shows_help, shows_tooltips)
 
 
-@pytest.fixture(scope="module", params=SIZES, ids=lambda p: f"{p[0][0]}x{p[0][1]} {p[1]:g}")
+@pytest.fixture(
+    scope="module",
+    params=[SIZES[1], *(pytest.param(p, marks=pytest.mark.slow) for p in (SIZES[0], *SIZES[2:]))],
+    ids=lambda p: f"{p[0][0]}x{p[0][1]} {p[1]:g}",
+)
 def found(request, tmp_path_factory):
     size, font = request.param
     folder = tmp_path_factory.mktemp("help")

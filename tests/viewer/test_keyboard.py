@@ -88,7 +88,7 @@ class TestKeyboard:
 
 
 @needs_server
-@pytest.mark.parametrize("guarded", [True, False])
+@pytest.mark.parametrize("guarded", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_chords_reach_a_window_whose_frames_are_slow(tmp_path, guarded):
     """The control gives the interface everything at once, and shows what is guarded against."""
     said = tmp_path / "said"

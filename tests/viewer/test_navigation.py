@@ -21,6 +21,7 @@ PANELS = {
     "Pixel": 3,
 }
 MOVED = ("Look", "Scene")
+QUICK = ("Look", "Pixel")  #: the panels of `make test`; each of the others takes seconds
 FOLD = "In numbers (c, c_max)"
 MOST = 60
 WHITE = 250  #: the ring around the focus; nothing else of the interface is as bright over a length
@@ -357,25 +358,43 @@ def moves_the_pictures(hand, found):
     hand.frames(2)
 
 
-SCRIPTS = (
-    *(tabs_through(title) for title in PANELS),
-    *(moves_all(title) for title in MOVED),
-    has_labels,
-    edits_a_slider,
-    goes_from_panel_to_panel,
-    opens_the_menu,
-    moves_the_pictures,
-)
+TABS = {title: tabs_through(title) for title in PANELS}
+MOVES = {title: moves_all(title) for title in MOVED}
+OTHERS = (has_labels, edits_a_slider, goes_from_panel_to_panel, opens_the_menu, moves_the_pictures)
+SCRIPTS = (*TABS.values(), *MOVES.values(), *OTHERS)
+
+
+def run(folder, scripts):
+    names = [script.__name__ for script in scripts]
+    return driven.drive("test_navigation", folder, size=SIZE, panels=True, scripts=names)
 
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("navigation")
-    return driven.drive("test_navigation", folder, size=SIZE, panels=True)
+    quick = [script for title in QUICK for script in (TABS[title], MOVES.get(title)) if script]
+    return run(tmp_path_factory.mktemp("navigation"), [*quick, *OTHERS])
 
 
-@pytest.mark.parametrize("title", PANELS)
+@pytest.fixture(scope="module")
+def found_in_the_rest(tmp_path_factory):
+    rest = [
+        made for titles in (TABS, MOVES) for title, made in titles.items() if title not in QUICK
+    ]
+    return run(tmp_path_factory.mktemp("further-panels"), rest)
+
+
+@pytest.mark.parametrize("title", QUICK)
 def test_tab_reaches_each_control_and_the_focus_is_seen(found, title):
+    check_tabs(found, title)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("title", [title for title in PANELS if title not in QUICK])
+def test_tab_reaches_each_control_of_the_other_panels(found_in_the_rest, title):
+    check_tabs(found_in_the_rest, title)
+
+
+def check_tabs(found, title):
     got = found[f"tabs_through_{title}"]
     assert got["missing"] == got["strange"] == []
     assert got["others"] == PANELS[title]
@@ -386,8 +405,16 @@ def test_tab_reaches_each_control_and_the_focus_is_seen(found, title):
     assert got["around"]
 
 
-@pytest.mark.parametrize("title", MOVED)
-def test_each_control_is_moved(found, title):
+def test_each_control_is_moved(found):
+    check_moves(found, "Look")
+
+
+@pytest.mark.slow
+def test_each_control_of_the_scene_is_moved(found_in_the_rest):
+    check_moves(found_in_the_rest, "Scene")
+
+
+def check_moves(found, title):
     got = found[f"moves_all_{title}"]
     assert got["unmoved"] == []
     assert got["count"] > 14

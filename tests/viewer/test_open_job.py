@@ -169,6 +169,7 @@ class TestOpening:
         assert state == with_sample(State.initial(), "reference", expected)
         assert state.reference.sample == expected
 
+    @pytest.mark.slow
     def test_a_measurement_is_fitted_and_kept(self, home, tmp_path):
         waker = Waker()
         waker.job = job = OpenJob(TABLE, waker)

@@ -248,6 +248,7 @@ class TestProgram:
             until(lambda: azimuth(tmp_path) != first)
             until(lambda: azimuth(tmp_path) == pytest.approx(2.0 * first, abs=1e-3))
 
+    @pytest.mark.slow
     def test_rests_and_keeps_all_when_it_is_asked_to_end(self, tmp_path, display):
         with opened(tmp_path, display, how=LATE) as process:
             drag(display)

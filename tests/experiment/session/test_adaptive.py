@@ -74,6 +74,7 @@ def test_without_answers_nothing_is_known():
     assert verdict.status != BEST
 
 
+@pytest.mark.slow
 def test_finds_the_ideal_with_60_answers():
     """9 studies with ideals inside and at edges: a median error of at most half a step.
 

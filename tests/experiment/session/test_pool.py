@@ -220,6 +220,7 @@ class TestAnalysis:
         assert np.all(np.isfinite(clipped))
         assert 0 < np.sum(np.isnan(dropped)) < 42
 
+    @pytest.mark.slow
     def test_intervals_are_over_observers_not_answers(self, tmp_path):
         """The same observers with twenty times the answers know themselves better, not people.
 

@@ -98,6 +98,7 @@ def test_the_p_of_one_normal_population_is_uniform():
     assert low / 400 <= 0.05 + 3.0 * np.sqrt(0.05 * 0.95 / 400)
 
 
+@pytest.mark.slow
 def test_two_places_are_found_and_one_is_not_doubled():
     for kind, least, most in (("two-optima", 3, 4), ("unique", 0, 0), ("city-block", 0, 0)):
         number = 0

@@ -29,6 +29,7 @@ def shares(renderer, made, studies, kind="unique", truth="cells", draws=30, obse
     return recovery_shares(found)
 
 
+@pytest.mark.slow
 def test_the_true_setting_is_found(renderer):
     """Six studies, each with its own truth: all beside it, at least 4 on it.
 
