@@ -88,11 +88,16 @@ def run_scripts(browser, server):
         call(browser, code, address(server, name))
 
 
+def page_of_today():
+    """A page without content, for what is the same in all."""
+    settings = Settings(PictureSetting(), PictureSetting(), Eye(), LampPlace())
+    return build.page(Proof({}, (Message(settings),)), {}, "")
+
+
 @pytest.fixture(scope="module")
 def policy():
     """The page's own, as HTML."""
-    settings = Settings(PictureSetting(), PictureSetting(), Eye(), LampPlace())
-    return POLICY.search(build.page(Proof({}, (Message(settings),)), {}, ""))[0]
+    return POLICY.search(page_of_today())[0]
 
 
 def test_the_policy_closes_every_way_out(chromium_gl, policy):
