@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import engines
+import other_engines
 import pytest
 from browsers import GL, SWIFTSHADER, Browser, as_before, chromium, screen
 
@@ -37,16 +37,16 @@ def other_screen() -> Iterator[str]:
 
 
 @pytest.fixture(scope="session")
-def firefox(other_screen: str) -> Iterator[engines.Firefox]:
+def firefox(other_screen: str) -> Iterator[other_engines.Firefox]:
     """Firefox, on llvmpipe."""
-    with engines.firefox(other_screen) as browser:
+    with other_engines.firefox(other_screen) as browser:
         yield browser
 
 
 @pytest.fixture(scope="session")
-def webkit(other_screen: str) -> Iterator[engines.WebKit]:
+def webkit(other_screen: str) -> Iterator[other_engines.WebKit]:
     """WebKitGTK, on llvmpipe."""
-    with engines.webkit(other_screen) as browser:
+    with other_engines.webkit(other_screen) as browser:
         yield browser
 
 
