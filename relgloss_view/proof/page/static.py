@@ -1,0 +1,179 @@
+"""The static body of a proof's page: complete with JavaScript off, or where nothing can be drawn.
+
+Texts of people are escaped as browsers escape them when they serialise a page, and never go into an
+attribute, so that the page can hash itself (build.py).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from relgloss_view.proof.page import build
+from relgloss_view.proof.proof import Message, Proof
+from relgloss_view.proof.settings import SIDES, LampPlace, Settings
+
+#: Characters that HTML changes or that no text needs: controls but for the line feed.
+_CONTROLS = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f\ufdd0-\ufdef\ufffe\uffff]")
+Say = Callable[..., str]
+
+
+def body(proof: Proof, language: str = "en") -> str:
+    """The HTML between <body> and the data of a proof's page."""
+    table = build.words(language)
+
+    def say(key: str, **values: object) -> str:
+        """A text of the table with its placeholders filled, escaped."""
+        filled = re.sub(r"\{(\w+)\}", lambda m: str(values[m[1]]), table[key])
+        return escaped(filled)
+
+    newest = proof.messages[-1]
+    note = f'<blockquote class="note">{escaped(newest.note)}</blockquote>\n' if newest.note else ""
+    return (
+        '<div id="top">\n'
+        f'<header class="head"><p class="kicker">{say("page.kind")}</p>\n'
+        f"<h1>{escaped(proof.title)}</h1></header>\n"
+        f'<p id="unchecked" class="notice late">{say("state.unchecked")}</p>\n'
+        '<p id="notice" class="notice" role="alert" hidden=""></p>\n'
+        '<main id="main">\n<div class="work">\n<section id="look" class="look">\n'
+        '<div id="view" class="view"><div id="stage" class="stage">\n'
+        f"{_pictures(proof, say)}</div></div>\n</section>\n"
+        f'<div id="panel" class="panel"><p class="byline">{_byline(newest, say)}</p>\n{note}'
+        f'<div id="controls"></div></div>\n</div>\n<div id="more" class="more">\n'
+        f"{_thread(proof, say)}{_readings(proof.content.get('meter'), say)}"
+        f"{_made_for(proof.content.get('display'), say)}"
+        '<section id="check"></section>\n<section id="screen"></section>\n'
+        f"{_how(say)}</div>\n</main>\n"
+        '<p id="live" class="unseen" role="status" aria-live="polite"></p></div>'
+    )
+
+
+def escaped(text: object) -> str:
+    """Text as browsers serialise it in an element.
+
+    >>> escaped('<b> & "q"')
+    '&lt;b&gt; &amp; "q"'
+    """
+    plain = _CONTROLS.sub("\ufffd", str(text).replace("\r\n", "\n").replace("\r", "\n"))
+    plain = plain.encode("utf-8", "replace").decode("utf-8")
+    for sign, name in (("&", "&amp;"), ("<", "&lt;"), (">", "&gt;"), ("\u00a0", "&nbsp;")):
+        plain = plain.replace(sign, name)
+    return plain
+
+
+def number(value: float) -> str:
+    """A number with three significant digits at most; twin: js/static.js `shortNumber`.
+
+    >>> number(0.14), number(54.5454), number(-1e-9), number(9996.0)
+    ('0.14', '54.5', '0', '10000')
+    """
+    return "0" if abs(value) < 1e-4 else f"{float(f'{value:.3g}'):.10g}"
+
+
+def settings_rows(settings: Settings, say: Say) -> list[tuple[str, str]]:
+    """Settings in words: (what, value) of each, as HTML."""
+    rows = []
+    for side in SIDES:
+        setting = settings.side(side)
+        values = say(
+            "settings.of-side", grain=number(setting.sigma_n_deg), contrast=number(setting.c)
+        )
+        rows.append((say(f"side.{side}"), values))
+    return [*rows, (say("settings.lamp"), _lamp(settings.lamp, say)),
+            (say("settings.eye"), say("settings.eye-place", azimuth=number(settings.eye.azimuth_deg),
+             elevation=number(settings.eye.elevation_deg)))]  # fmt: skip
+
+
+def _lamp(lamp: LampPlace, say: Say) -> str:
+    return say(
+        "settings.lamp-place",
+        spectrum=lamp.illuminant,
+        azimuth=number(lamp.azimuth_deg),
+        elevation=number(lamp.elevation_deg),
+    )
+
+
+def _pictures(proof: Proof, say: Say) -> str:
+    pictures: Mapping[str, Any] = proof.content.get("pictures", {})
+    figures = []
+    for side in SIDES:
+        picture = pictures.get(side)
+        if picture is None:
+            continue
+        # A str is base64 of WebP; a table has its media type.
+        table = {"type": "image/webp", "base64": picture} if isinstance(picture, str) else picture
+        source = f"data:{table.get('type', 'image/webp')};base64,{table['base64']}"
+        figures.append(
+            f'<figure><img alt="{say("picture.stored")}" src="{source}">\n'
+            f"<figcaption>{say(f'side.{side}')}</figcaption></figure>\n"
+        )
+    return "".join(figures)
+
+
+def _byline(message: Message, say: Say) -> str:
+    author = say("message.from", name=message.author) if message.author else say("message.unnamed")
+    return f"{author} {_time(message.made)}"
+
+
+def _time(made: str) -> str:
+    written = re.fullmatch(r"(\d{4}-\d\d-\d\d)T(\d\d:\d\d):\d\dZ", made, re.ASCII)
+    if written is None:
+        return ""
+    return f'<time datetime="{made}">{written[1]} {written[2]} UTC</time>'
+
+
+def _thread(proof: Proof, say: Say) -> str:
+    items = []
+    for message in proof.messages:
+        rows = "".join(
+            f"<div><dt>{name}</dt><dd>{value}</dd></div>"
+            for name, value in settings_rows(message.settings, say)
+        )
+        note = f'<p class="said">{escaped(message.note)}</p>\n' if message.note else ""
+        items.append(
+            f'<li class="message"><p class="byline">{_byline(message, say)}</p>\n{note}'
+            f'<dl class="settings">{rows}</dl>\n</li>\n'
+        )
+    return (
+        f'<section id="thread"><h2>{say("thread.title")}</h2>\n'
+        f'<ol class="thread">\n{"".join(items)}</ol></section>\n'
+    )
+
+
+def _readings(meter: object, say: Say) -> str:
+    rows = []
+    for entry in meter.values() if isinstance(meter, Mapping) else ():
+        decimals = int(entry.get("decimals", 1))
+        cells = "".join(f"<td>{_reading(entry.get(side), decimals)}</td>" for side in SIDES)
+        rows.append(f'<tr><th scope="row">{escaped(entry["name"])}</th>{cells}</tr>\n')
+    if not rows:
+        return ""
+    heads = "".join(f'<th scope="col">{say(f"side.{side}")}</th>' for side in SIDES)
+    return (
+        f'<section id="readings"><h2>{say("readings.title")}</h2>\n'
+        f'<p class="quiet">{say("readings.how")}</p>\n<table class="table"><thead><tr>'
+        f'<th scope="col">{say("readings.meter")}</th>{heads}</tr></thead>\n'
+        f"<tbody>{''.join(rows)}</tbody></table></section>\n"
+    )
+
+
+def _reading(value: object, decimals: int) -> str:
+    return f"{value:.{decimals}f}" if isinstance(value, int | float) else "\u2013"
+
+
+def _made_for(display: object, say: Say) -> str:
+    if not isinstance(display, Mapping):
+        return ""
+    lines = [display.get("words", ""), *display.get("sentences", ())]
+    text = "".join(f"<p>{escaped(line)}</p>\n" for line in lines if line)
+    if not text:
+        return ""
+    return f'<section id="made-for"><h2>{say("display.title")}</h2>\n{text}</section>\n'
+
+
+def _how(say: Say) -> str:
+    return (
+        f'<section id="how"><h2>{say("how.title")}</h2>\n<p>{say("how.browser")}</p>\n'
+        f"<p>{say('how.window')}</p></section>\n"
+    )
