@@ -92,6 +92,14 @@ def test_a_wrong_shader_names_its_line(chromium_gl):
               } finally { engine.device.texts = texts; }
             }""",
         )
+    with pytest.raises(AssertionError, match=r"ambient\.glsl \(included by shade\.frag\): no such"):
+        call(
+            chromium_gl,
+            """() => {
+              const {shade} = engine.drawing.sides.test.variants["smooth one"];
+              engine.device.program("shade.frag", {...shade, AMBIENT: 1});
+            }""",
+        )
     with pytest.raises(AssertionError, match=r"uniform 'c' has no value"):
         call(
             chromium_gl,
@@ -122,7 +130,7 @@ def test_stages_are_composed_as_on_the_desktop(chromium_gl):
         defines,
     )
     expected = ShaderSource("shade.frag", defines).text.split("\n")[1:]
-    found = [line for line in text.split("\n")[6:] if line.strip()]
+    found = [line for line in text.split("\n")[6:] if line.strip() and line[:5] != "#line"]
     assert set(found) <= set(expected)
     assert len(found) > 300
     lines = iter(expected)
@@ -214,7 +222,7 @@ def test_sliders_wait_for_no_compiler(chromium_gl):
         """async (s) => {
           engine.draw(s, [64, 64]);
           const before = engine.device.compiled;
-          await engine.prepare(s);
+          await Promise.all([engine.prepare(s), engine.prepare(s)]);
           const prepared = engine.device.compiled;
           s.reference.sigma_n_deg = 3; s.test.sigma_n_deg = 0.5; s.test.c = 0.2;
           engine.draw(s, [64, 64]);
@@ -366,4 +374,6 @@ def test_drawing_is_small_and_json():
     assert {"shade.frag", "fill.vert", "tiles.vert", "edge.vert"} <= set(texts)
     plain = shaders_of(drawing_of(pair_of(Scene(MATTE), look())))
     assert "grain_field.frag" not in plain
-    assert "mesh.frag" not in texts
+    assert not {"mesh.frag", "finishes.glsl", "ambient.glsl", "lamp_size.glsl"} & set(texts)
+    assert "ambient.glsl" in shaders_of(drawing_of(pair_of(*CASES["ambient"])))
+    assert "lamp_size.glsl" in shaders_of(drawing_of(pair_of(*CASES["disc"])))

@@ -23,6 +23,8 @@ from relgloss_view.proof.proof import Proof
 FOLDER = Path(__file__).parent
 ENTRY = "main.js"  #: which needs all others
 _IMPORT = re.compile(r'^import\b[^;]*?from\s+"\./([\w-]+\.js)";\n', re.M)
+#: Whole lines and blocks, of which a reader of the page's source has the repository.
+_COMMENT = re.compile(r"^[ ]*(?:/\*\*.*?\*/|//[^\n]*)\n", re.M | re.S)
 _EXPORT = re.compile(r"^export (?=(?:async |const |let |function |class ))", re.M)
 
 
@@ -43,7 +45,8 @@ def bundle(*entries: str) -> str:
         text = (FOLDER / "js" / name).read_text(encoding="utf-8")
         for other in _IMPORT.findall(text):
             add(other, (*trail, name))
-        ordered[name] = f"// {name}\n" + _EXPORT.sub("", _IMPORT.sub("", text))
+        text = _COMMENT.sub("", _IMPORT.sub("", text))
+        ordered[name] = f"// {name}\n" + _EXPORT.sub("", text)
 
     for entry in entries:
         add(entry, ())
