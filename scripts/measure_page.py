@@ -18,7 +18,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "proof"))
 
-from browsers import GL, SWIFTSHADER, call, chromium, open_page, screen  # noqa: E402
+from browsers import GL, SWIFTSHADER, call, chromium, open_page, screen
 
 SAMPLES = ("matte-coated", "art-coated")
 #: A part of a frame that changes, and what changes it.
