@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from relgloss_view.picture.gpu.printed import MOST_LEVELS, part_rows, share_defi
 from relgloss_view.picture.gpu.surface import print_uniforms
 from relgloss_view.picture.gpu.targets import surface_targets
 from relgloss_view.picture.gpu.triangles import WIDE
+from relgloss_view.picture.gpu.uniforms import colour_uniforms, material_uniforms
 from relgloss_view.picture.method import EXACT
 from relgloss_view.picture.model.pixel_sampling import curvature
 from relgloss_view.picture.scene.look import Look
@@ -26,6 +28,8 @@ from relgloss_view.proof.arrays import packed
 from relgloss_view.proof.layers_drawing import layers_drawing
 from relgloss_view.proof.mesh_drawing import mesh_drawing
 
+#: Of colours that are drawn band by band, which no page does.
+OF_BANDS = ("band_weights", "band_reflectance")
 MESH_STAGES = ("mesh.frag",)
 MESH_EDGE_STAGES = ("mesh_edge.frag", "mesh_places.frag")
 
@@ -95,8 +99,10 @@ def _finishes(scene: Scene, pack: Pack, look: Look, lamps: tuple[str, ...]) -> d
     for name in lamps:
         lamp = illuminant(name)
         white = lamp.white_xyz()
+        lit = scene.placed(lamp=replace(scene.lamp, illuminant=name))
         colours[name] = _uniforms(
             {
+                **{n: v for n, v in colour_uniforms(lit, EXACT).items() if n not in OF_BANDS},
                 "paint_matrix": paint_matrix(pack.colour, lamp).T,  # columns first
                 "lamp_xyz": white,
                 "per_white": 1.0 / white,
@@ -108,7 +114,8 @@ def _finishes(scene: Scene, pack: Pack, look: Look, lamps: tuple[str, ...]) -> d
         "finish_tables": {
             name: finish_tables(pack, look, EXACT, name, blurred=False) for name in lamps
         },
-        "material": _uniforms(RGB_OF_PAINT),
+        # No finish reads the base's numbers, but linkers of browsers keep their uniforms.
+        "material": _uniforms({**material_uniforms(scene, look, EXACT), **RGB_OF_PAINT}),
         "colours": colours,
     }
 
