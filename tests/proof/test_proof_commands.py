@@ -11,32 +11,18 @@ import proof_samples as samples
 import pytest
 
 from relgloss_view.cli import main
-from relgloss_view.picture.scene.look import viewed_look
-from relgloss_view.picture.scene.sample import Sample
-from relgloss_view.picture.scene.scene_file import SceneFile
-from relgloss_view.picture.scene.setting import Setting
-from relgloss_view.picture.scene.setup import Setup
 from relgloss_view.proof import check, keys
-from relgloss_view.proof.content import content_of
 from relgloss_view.proof.page import whole
 from relgloss_view.proof.page.parts import Page, joined, script_json, split
 from relgloss_view.proof.proof import Message, Proof
 from relgloss_view.proof.read import read_proof
-from relgloss_view.quality.backends import open_renderer
 
 
 @pytest.fixture(scope="module")
 def proof():
     """A small one that can be drawn: two papers, and an answer."""
-    look = viewed_look()
-    scene = SceneFile(
-        Sample.built_in("matte-coated"), look.at(Setting(2.0, c=0.37)), Setup(),
-        Sample.built_in("cast-coated"), look.at(Setting(0.0, c=0.14)),
-    )  # fmt: skip
-    with open_renderer() as renderer:
-        made = content_of(scene, renderer, size=(64, 48), title="Dose")
-    first = Message(made.settings, "Genug Glanz?\nSag es.", "Aya", "2026-11-27T08:30:00Z")
-    return Proof(made.content, (first,)).answered(Message(made.settings, "Ja", "Bo"))
+    opening = samples.drawable((64, 48))
+    return opening.answered(Message(opening.sent, "Ja", "Bo"))
 
 
 @pytest.fixture(autouse=True)
