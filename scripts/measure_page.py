@@ -11,14 +11,15 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import importlib
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "proof"))
-
-from browsers import GL, SWIFTSHADER, call, chromium, open_page, screen
+browsers = importlib.import_module("browsers")
 
 SAMPLES = ("matte-coated", "art-coated")
 #: A part of a frame that changes, and what changes it.
@@ -87,26 +88,26 @@ def main() -> int:
             reference, sample = SAMPLES
             words = ["--sample", sample, "--reference", reference, "-o", args.file]
             subprocess.run(["relgloss", "proof", "make", *words], check=True)
-        flags, display = SWIFTSHADER, None
+        flags, display = browsers.SWIFTSHADER, None
         if args.driver == "gl":
-            flags, display = GL, stack.enter_context(screen())
-        browser = stack.enter_context(chromium(*flags, display=display))
+            flags, display = browsers.GL, stack.enter_context(browsers.screen())
+        browser = stack.enter_context(browsers.chromium(*flags, display=display))
         measure(browser, Path(args.file), args.size, args.frames)
     return 0
 
 
-def measure(browser, path: Path, size: int, count: int) -> None:
+def measure(browser: Any, path: Path, size: int, count: int) -> None:
     """Print the figures of a page."""
     print(f"{browser.renderer or 'Chromium'}; {path.stat().st_size / 1e3:.0f} kB")
     browser.cdp("Page.addScriptToEvaluateOnNewDocument", source=WATCH)
     for name in ("first opening", "second opening"):
-        open_page(browser, path, wait=False)
-        picture, ready = call(browser, FIRST)
+        browsers.open_page(browser, path, wait=False)
+        picture, ready = browsers.call(browser, FIRST)
         print(f"{name}: picture after {picture:.0f} ms, at rest after {ready:.0f} ms")
-    call(browser, "async () => { await relgloss.engine.prepare(relgloss.settings()); }")
+    browsers.call(browser, "async () => { await relgloss.engine.prepare(relgloss.settings()); }")
     print(f"a frame of two pictures of {size} x {size}: median and 95th percentile")
     for name, move in MOVES.items():
-        median, slow = call(browser, FRAMES.replace("MOVE", move), size, count)
+        median, slow = browsers.call(browser, FRAMES.replace("MOVE", move), size, count)
         print(f"  {name:8}{median:7.1f} ms {slow:7.1f} ms {1e3 / median:6.0f} frames/s")
 
 

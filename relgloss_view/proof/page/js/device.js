@@ -1,5 +1,6 @@
 // The browser's graphics: programs, textures, targets and drawing, on one WebGL 2 context.
 
+import { setUniform } from "./setter.js";
 import { ShaderError, ShaderSource, ownName } from "./shader.js";
 
 /** A browser that can't draw; reason is "no webgl2" or "no float targets". */
@@ -311,7 +312,7 @@ export class Device {
         gl.uniform1i(uniform.location, unit);
         unit += 1;
       } else {
-        this._set(uniform, value);
+        setUniform(gl, uniform, value);
       }
     }
     gl.bindFramebuffer(gl.FRAMEBUFFER, target.framebuffer);
@@ -342,35 +343,6 @@ export class Device {
     }
     gl.bindVertexArray(null);
     this.draws += 1;
-  }
-
-  _set({ type, size, location, name }, value) {
-    const gl = this.gl;
-    const values = typeof value === "number" ? [value] : value;
-    const floats = {
-      [gl.FLOAT]: [1, "uniform1fv"],
-      [gl.FLOAT_VEC2]: [2, "uniform2fv"],
-      [gl.FLOAT_VEC3]: [3, "uniform3fv"],
-      [gl.FLOAT_VEC4]: [4, "uniform4fv"],
-      [gl.INT]: [1, "uniform1iv"],
-      [gl.BOOL]: [1, "uniform1iv"],
-      [gl.INT_VEC2]: [2, "uniform2iv"],
-      [gl.INT_VEC3]: [3, "uniform3iv"],
-      [gl.INT_VEC4]: [4, "uniform4iv"],
-      [gl.UNSIGNED_INT]: [1, "uniform1uiv"],
-      [gl.UNSIGNED_INT_VEC2]: [2, "uniform2uiv"],
-      [gl.UNSIGNED_INT_VEC3]: [3, "uniform3uiv"],
-      [gl.UNSIGNED_INT_VEC4]: [4, "uniform4uiv"],
-    };
-    const square = { [gl.FLOAT_MAT2]: [4, "uniformMatrix2fv"], [gl.FLOAT_MAT3]: [9, "uniformMatrix3fv"] };
-    const [each, setter] = floats[type] ?? square[type] ?? [0, ""];
-    // Drivers cut an array to the elements that the variant reads.
-    const cut = Array.from(values).slice(0, each * size);
-    if (each === 0 || cut.length < each * size) {
-      throw new ShaderError(`uniform '${name}' has ${values.length} numbers`);
-    }
-    if (type in square) gl[setter](location, false, cut);
-    else gl[setter](location, cut);
   }
 
   /** Errors of OpenGL since the last look; there are none in a sound program. */

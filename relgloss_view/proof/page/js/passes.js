@@ -1,6 +1,7 @@
 // The passes of one picture, and which of them still hold. The twin of picture/gpu/passes.py,
 // shading.py, held.py, targets.py and asked.py: only what changed is drawn again.
 
+import { Held } from "./held.js";
 import { NOTHING_SEEN } from "./pair.js";
 import { Reduction } from "./reduction.js";
 import { TILE_VERTICES, edgePixels, edgeTiles, fromBottom, vertexList } from "./silhouette.js";
@@ -9,13 +10,6 @@ import {
   lampsIrradiance, litWhite, sampleCount, seesACap,
 } from "./view.js";
 
-// What follows from a pass, and no longer holds where it is drawn again.
-const FOLLOWING = {
-  grain: ["shade"],
-  shade: ["split"],
-  split: ["extremes", "tone"],
-  coverage: ["tone"],
-};
 const TARGET_KINDS = {
   diffuse_weights: "rg32f",
   specular_weights: "rg32f",
@@ -28,31 +22,6 @@ const OFF_TARGETS = ["diffuse_weights", "split"]; // their first number is OFF_O
 const CLEARED_TARGETS = [
   "diffuse", "specular", "diffuse_weights", "specular_weights", "metal_weights", "split", "coverage",
 ];
-
-/** The passes that hold, by name, with the numbers they were drawn from. */
-class Held {
-  constructor() {
-    this._keys = new Map();
-  }
-
-  /** Note what a pass is drawn from; true where it must be drawn again. */
-  renew(name, ...parts) {
-    const key = JSON.stringify(parts);
-    if (this._keys.get(name) === key) return false;
-    this.forget(name);
-    this._keys.set(name, key);
-    return true;
-  }
-
-  forget(name) {
-    this._keys.delete(name);
-    for (const following of FOLLOWING[name] ?? []) this.forget(following);
-  }
-
-  clear() {
-    this._keys.clear();
-  }
-}
 
 export class Passes {
   /**
