@@ -15,7 +15,11 @@ from relgloss_view.proof.proof import Message, Proof
 from relgloss_view.proof.settings import SIDES, LampPlace, Settings
 
 #: Characters that HTML changes or that no text needs: controls but for the line feed.
-_CONTROLS = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f\ufdd0-\ufdef\ufffe\uffff]")
+_CONTROLS = dict.fromkeys(
+    [*range(0x0A), *range(0x0B, 0x20), *range(0x7F, 0xA0), *range(0xFDD0, 0xFDF0), 0xFFFE, 0xFFFF],
+    "\ufffd",
+)
+_SIGNS = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "\u00a0": "&nbsp;"}
 Say = Callable[..., str]
 
 
@@ -23,10 +27,9 @@ def body(proof: Proof, language: str = "en") -> str:
     """The HTML between <body> and the data of a proof's page."""
     table = build.words(language)
 
-    def say(key: str, **values: object) -> str:
+    def say(key: str, /, **values: object) -> str:
         """A text of the table with its placeholders filled, escaped."""
-        filled = re.sub(r"\{(\w+)\}", lambda m: str(values[m[1]]), table[key])
-        return escaped(filled)
+        return escaped(table[key].format_map(values))
 
     newest = proof.messages[-1]
     note = f'<blockquote class="note">{escaped(newest.note)}</blockquote>\n' if newest.note else ""
@@ -55,11 +58,9 @@ def escaped(text: object) -> str:
     >>> escaped('<b> & "q"')
     '&lt;b&gt; &amp; "q"'
     """
-    plain = _CONTROLS.sub("\ufffd", str(text).replace("\r\n", "\n").replace("\r", "\n"))
-    plain = plain.encode("utf-8", "replace").decode("utf-8")
-    for sign, name in (("&", "&amp;"), ("<", "&lt;"), (">", "&gt;"), ("\u00a0", "&nbsp;")):
-        plain = plain.replace(sign, name)
-    return plain
+    lines = "\n".join("\n".join(str(text).split("\r\n")).split("\r"))
+    plain = lines.translate(_CONTROLS).encode("utf-8", "replace").decode("utf-8")
+    return plain.translate(str.maketrans(_SIGNS))
 
 
 def number(value: float) -> str:

@@ -29,7 +29,12 @@ export function thread(app) {
   const items = [...document.querySelectorAll("#thread .message")];
   const buttons = items.map((item, k) => {
     const button = make("button", {
-      type: "button", class: "button", text: say("thread.look"), on: { click: () => app.lookAt(k) },
+      type: "button", class: "button", text: say("thread.look"), on: {
+        click: () => {
+          app.lookAt(k);
+          byId("view").scrollIntoView({ block: "nearest" });
+        },
+      },
     });
     item.append(button);
     return button;
@@ -56,7 +61,9 @@ export function banner(app, messages) {
     const values = { name: authorOf(messages[k]), number: k + 1, count: messages.length };
     const key = changed ? "banner.changed" : k === last ? "banner.sent" : "banner.earlier";
     what.textContent = say(key);
-    who.textContent = say(last > 0 ? "banner.which" : "banner.who", values);
+    const single = changed ? "banner.changed-who" : "banner.who";
+    const several = changed ? "banner.changed-which" : "banner.which";
+    who.textContent = say(last > 0 ? several : single, values);
     element.dataset.changed = String(changed);
     back.setAttribute("aria-pressed", String(!changed));
   };

@@ -20,18 +20,17 @@ export function tools(app, openLife) {
   byId("look").append(make("div", { id: "tools", class: "tools" }, modes.element, hands.element,
     make("div", { class: "row" }, button("frame", say("tools.frame"), () => app.frameAgain()),
       button("life-size", say("tools.life"), openLife))));
-  const handle = wipeHandle(app), flip = button("flip", "", () => app.flip());
+  const handle = wipeHandle(app), flip = button("flip", say("tools.flip"), () => app.flip());
   const names = SIDES.map((side) => make("span", { class: "name", "data-side": side }));
   byId("stage").append(...names, handle, flip);
   return () => {
-    const { mode, hand, side, share } = app.shown, stage = byId("stage");
+    const { mode, hand, share } = app.shown, stage = byId("stage");
     modes.show(mode);
     hands.show(hand);
     stage.dataset.mode = mode;
     stage.dataset.hand = hand;
     handle.hidden = mode !== "wipe";
     flip.hidden = mode !== "flip";
-    flip.textContent = say("tools.other", { side: say(`side.${side === "test" ? "reference" : "test"}`) });
     const [first] = app.boxes ? [app.paneAt()] : [null];
     if (first === null) return;
     handle.style.setProperty("left", `${first.box[0] + share * first.box[2]}px`);
