@@ -7,7 +7,6 @@ from typing import Any
 
 from browsers import Browser, open_page
 
-from relgloss_view.picture.gpu.shader import stage_text
 from relgloss_view.proof.drawing import shaders_of
 from relgloss_view.proof.page.build import FOLDER, bundle, words
 from relgloss_view.proof.proof import Proof
@@ -39,10 +38,9 @@ window.relgloss = {{ready: (async () => {{
 
 
 def shaders_for(proof: Proof) -> dict[str, str]:
-    """The shaders of a proof's page."""
+    """The shaders of a proof's page, with those of the check among them."""
     texts = shaders_of(proof.content["drawing"])
-    for name in ("evaluate.frag", "difference.glsl"):
-        texts.setdefault(name, stage_text(name))
+    assert {"evaluate.frag", "difference.glsl"} <= set(texts)
     return texts
 
 

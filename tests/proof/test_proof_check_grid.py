@@ -28,15 +28,15 @@ SAME = 0.001
 TOLERANCE = 0.005  #: of check.js
 
 
-def proof_of(reference="cast-coated", test="uncoated", sigma_n_deg=2.0, fraction=0.5):
+def proof_of(reference="cast-coated", test="uncoated", sigma_n_deg=2.0, fractions=(0.5, 0.5)):
     look = viewed_look()
     c = {"cast-coated": 0.1406, "art-coated": 0.4488, "matte-coated": 1.28, "uncoated": 6.11}
     scene = SceneFile(
         Sample.built_in(test),
-        look.at(Setting(sigma_n_deg, c=fraction * c[test])),
+        look.at(Setting(sigma_n_deg, c=fractions[1] * c[test])),
         Setup(display=Display().for_the_eye()),
         Sample.built_in(reference),
-        look.at(Setting(0.0, c=fraction * c[reference])),
+        look.at(Setting(0.0, c=fractions[0] * c[reference])),
     )
     with open_renderer() as renderer:
         made = content_of(scene, renderer, size=SIZE)
