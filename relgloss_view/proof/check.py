@@ -136,7 +136,7 @@ def _drawn(found: Checked, proof: Proof, one: Opened, renderer: FrameRenderer) -
     for side in SIDES:
         try:
             drawn[side] = compare(content["grid"]["sides"][side], pictures[side])
-        except (KeyError, TypeError, ValueError, IndexError):
+        except (AttributeError, IndexError, KeyError, TypeError, ValueError):
             raise InputError(f"content.grid: expected the points of the {side} picture") from None
         faults += _faults_of(side, drawn[side])
     derived = canonical(drawing_within(Pair.of(one.scene_file), one.folder))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import random
 import re
@@ -10,10 +11,12 @@ import stat
 import proof_samples as samples
 import pytest
 
+from relgloss_view.base.errors import InputError
 from relgloss_view.cli import main
+from relgloss_view.picture.scene.file_kinds import PROOF, likely_kind
 from relgloss_view.proof import check, keys
 from relgloss_view.proof.page import whole
-from relgloss_view.proof.page.parts import Page, joined, script_json, split
+from relgloss_view.proof.page.parts import MARK, SEAL, Page, joined, script_json, seal_of, split
 from relgloss_view.proof.proof import Message, Proof
 from relgloss_view.proof.read import read_proof
 
@@ -242,3 +245,72 @@ def test_files_that_are_no_proofs(capsys, tmp_path, part):
     status, _, err = ran(capsys, "proof", part, tmp_path / "x.html")
     assert status == 1
     assert "x.html: not a proof; give a proof" in err
+
+
+def test_other_readers_name_a_proof(file):
+    assert PROOF.decode() == MARK
+    with pytest.raises(InputError, match=r"this is a proof; open it with `relgloss view`"):
+        likely_kind(file)
+
+
+#: What a forger may write in the place of any value.
+HOSTILE = [None, True, -1, 1e308, "", "../../x", [], [[]], {}, {"a": []}, [None] * 3, "x" * 500]
+
+
+def places(value, path=()):
+    """The paths of a JSON value's parts, and those of their parts, not too deep."""
+    yield path
+    if len(path) < 5 and isinstance(value, dict | list):
+        items = value.items() if isinstance(value, dict) else enumerate(value[:2])
+        for key, inner in items:
+            yield from places(inner, (*path, key))
+
+
+@pytest.mark.parametrize("count", [12, pytest.param(300, marks=pytest.mark.slow)])
+def test_forged_values_are_read_or_refused_in_one_line(proof, count):
+    """A sealed proof with any value in the place of any other: no traceback, nothing drawn."""
+    texts = split(whole.page_of(proof))
+    whole_json = json.loads(texts["proof"])
+    del whole_json["messages"][1:]
+    chosen, refused = random.Random(5), 0
+    every = [path for path in places(whole_json) if path]
+    for _ in range(count):
+        path, value = chosen.choice(every), chosen.choice(HOSTILE)
+        forged = copy.deepcopy(whole_json)
+        part = forged
+        for key in path[:-1]:
+            part = part[key]
+        part[path[-1]] = value
+        html = joined_as_forged(texts, forged)
+        try:
+            found = check.check_page(Page(html), {})
+            refused += bool(found.faults)
+        except InputError as error:
+            assert "\n" not in str(error)
+            refused += 1
+    assert refused > count / 3
+
+
+def joined_as_forged(texts, forged):
+    text = script_json(forged)
+    changed = {**texts, "proof": text}
+    try:
+        digest = Page(joined(changed, "0" * 64)).digest or "0" * 64
+        return joined(changed, digest)
+    except (AttributeError, KeyError, TypeError):  # too strange for the list of parts
+        return whole_page_with(texts, text)
+
+
+def whole_page_with(texts, text):
+    html = joined(texts, "0" * 64)
+    html = html.replace(texts["proof"], text, 1)
+    page = Page(html)
+    return html.replace(SEAL + page.seal, SEAL + seal_of(html.replace(page.seal, "0" * 64)), 1)
+
+
+@pytest.mark.parametrize("stage", ["../../../etc/passwd", "/etc/passwd", "no.frag", "../x.frag", 3])
+def test_no_file_goes_into_a_page_that_is_no_shader(proof, stage):
+    """An answer to a forged proof sends none of the reader's own files."""
+    drawing = {**proof.content["drawing"], "stages": [stage]}
+    with pytest.raises(InputError, match=r"content\.drawing\.stages"):
+        whole.page_of(Proof({**proof.content, "drawing": drawing}, proof.messages))

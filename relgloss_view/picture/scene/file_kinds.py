@@ -27,6 +27,7 @@ from relgloss_view.picture.scene.scene_file import MAX_BYTES as MAX_SCENE_BYTES
 SCENE, MATERIAL, MEASUREMENT = "scene", "material", "measurement"
 OF_PACKS = (PACK, ARTWORK)
 EXPECTED = "a scene (TOML), a material (JSON) or a measurement (CSV, .bsdf, .binary)"
+PROOF = b'<meta name="relgloss-proof" content="'  #: of the room above, which reads it
 FEWEST_DELIMITERS = 3  #: three angles and a band
 _SCENE_TABLES = ("sample", *TABLES, FURTHER_LAMP, *PAIR_TABLES, *PACK_TABLES)
 #: A line that only a scene has, so that a scene with a mistake is reported as a scene.
@@ -58,6 +59,11 @@ def likely_kind(path: str | os.PathLike[str]) -> str:
         raise InputError(f"{file}: the file is empty; give {EXPECTED}")
     if b"\x00" in head:  # a binary format, or UTF-16: the reader decides
         return MEASUREMENT
+    if PROOF in head:
+        raise InputError(
+            f"{file}: this is a proof; open it with `relgloss view`, or write the scene that is "
+            "inside into a folder with `relgloss proof show --files`"
+        )
     foreign = foreign_format(head)
     if foreign is not None and foreign.key in FORMATS:
         return MEASUREMENT
