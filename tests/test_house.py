@@ -152,7 +152,7 @@ TWINS = {
     "brdf.glsl": ("material/brdf.py", {"squared_angle", "above", "polar_angle"}),
     "noise.glsl": ("picture/model/noise.py", {"cosine_of_turn", "direction_of_turn", "turn"}),
     "grain_field.glsl": ("picture/model/grain_field.py", set()),
-    "shape.glsl": ("picture/model/shape.py", {"arc_tangent", "meet_face"}),
+    "shape.glsl": ("picture/model/shape.py", {"arc_tangent", "cosine", "meet_face"}),
     "tone.glsl": ("picture/model/tone.py", {"on_object", "over", "in_table"}),
     "transfer.glsl": (
         "picture/model/tone.py",

@@ -59,6 +59,8 @@ SMOOTH_STAGES = ("coverage.frag", "edge.frag")
 GRAIN_STAGES = ("grain_field.frag",)
 #: Of colours that are drawn band by band, which no page does.
 OF_BANDS = ("band_weights", "band_reflectance")
+#: Libraries that are included only where a constant of pass 1 is not 0.
+OPTIONAL = {"finishes.glsl": "FINISHES", "ambient.glsl": "AMBIENT", "lamp_size.glsl": "LAMP_SIZE"}
 _INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"', re.M)
 
 
@@ -118,9 +120,15 @@ def drawing_of(
 def shaders_of(drawing: Mapping[str, Any]) -> dict[str, str]:
     """The texts of the shader files that a drawing needs, by name."""
     texts: dict[str, str] = {}
+    sides = drawing["sides"].values()
+    unread = set()
+    for library, constant in OPTIONAL.items():
+        variants = [variant["shade"] for side in sides for variant in side["variants"].values()]
+        if not any(variant.get(constant, 0) for variant in variants):
+            unread.add(library)
 
     def add(name: str) -> None:
-        if name in texts:
+        if name in texts or name in unread:
             return
         texts[name] = stage_text(name)
         for included in _INCLUDE.findall(texts[name]):

@@ -1,7 +1,7 @@
 // The engine: settings become the pictures of both sides, as the window draws them.
 
 import { unpackedAll } from "./arrays.js";
-import { Device } from "./device.js";
+import { Device, DeviceError } from "./device.js";
 import { commonFactor, heldFactor, scalingOf } from "./pair.js";
 import { Passes } from "./passes.js";
 import { openForm } from "./surface.js";
@@ -33,11 +33,10 @@ export class Engine {
     this._factor = 1;
     this._drawn = null;
     this.passes = this._passes();
-    this._spare = null;
+    this._preparing = null;
     device.onRestored = () => {
       for (const form of Object.values(this.forms)) form?.forget();
       for (const passes of Object.values(this.passes)) passes.forget();
-      this._spare = null;
       this._drawn = null;
       this.onRestored?.();
     };
@@ -64,6 +63,7 @@ export class Engine {
    * {c, c_max, extremes, objectPixels, lit, samples, view, notes}, test: {...}}.
    */
   draw(settings, size, { moving = false } = {}) {
+    if (this.device.lost) throw new DeviceError("lost");
     const result = this._draw(this.passes, settings, size, moving);
     this._factor = result.factor;
     this._drawn = { settings, size, result };
@@ -98,34 +98,40 @@ export class Engine {
 
   /**
    * Compile what sliders can reach while nothing else happens. idle: () -> a promise of the next
-   * idle moment; by default the browser's own. Resolves when all is ready.
+   * idle moment; by default the browser's own. Resolves when all is ready; asked for twice at once,
+   * it does it once.
    */
-  async prepare(settings, idle = idleMoment) {
-    const tried = [];
+  prepare(settings, idle = idleMoment) {
+    this._preparing ??= this._prepare(settings, idle).finally(() => {
+      this._preparing = null;
+    });
+    return this._preparing;
+  }
+
+  async _prepare(settings, idle) {
+    const { generation } = this.device;
+    const gone = () => this.device.lost || this.device.generation !== generation;
+    const spare = this._passes(); // so that the pictures that show stay as they are
     for (const sigma_n_deg of [0, 1]) {
       const changed = { ...settings };
       for (const name of this.sides) changed[name] = { ...settings[name], sigma_n_deg };
-      tried.push(changed);
-    }
-    this._spare ??= this._passes();
-    for (const changed of tried) {
+      const begun = [];
       for (const name of this.sides) {
-        const request = this._spare[name].request(changed, name, PREPARED_SIZE);
-        const { variant, seen } = request;
-        const begun = [
-          this.device.begin("shade.frag", { ...variant.shade, ...seen }),
+        const request = spare[name].request(changed, name, PREPARED_SIZE);
+        const { variant } = request;
+        begun.push(
+          this.device.begin("shade.frag", spare[name].shadeDefines(request)),
           this.device.begin("split.frag", variant.split),
-        ];
+        );
         if (variant.reads_field) begun.push(this.device.begin("grain_field.frag", variant.field));
-        do await idle();
-        while (!this.device.lost && !begun.every((program) => this.device.isReady(program)));
       }
-      if (this.device.lost) return;
+      do await idle();
+      while (!gone() && !begun.every((program) => this.device.isReady(program)));
+      if (gone()) return;
       // Drivers end the compiling when a program first draws, so each draws a few pixels.
-      this._draw(this._spare, changed, PREPARED_SIZE);
+      this._draw(spare, changed, PREPARED_SIZE);
     }
-    for (const passes of Object.values(this._spare)) passes.release();
-    this._spare = null;
+    for (const passes of Object.values(spare)) passes.release();
   }
 
   /**

@@ -133,11 +133,17 @@ export class Passes {
     }
   }
 
-  _drawLight(request) {
-    const { variant, view, seen } = request;
-    const uniforms = this._uniforms(request);
+  /** The constants of pass 1. */
+  shadeDefines(request) {
+    const { variant, seen } = request;
     const further = this.surface?.defines?.(request) ?? {};
-    const defines = { ...variant.shade, ...further, ...seen };
+    return { ...variant.shade, ...further, ...seen };
+  }
+
+  _drawLight(request) {
+    const { variant, view } = request;
+    const uniforms = this._uniforms(request);
+    const defines = this.shadeDefines(request);
     if (variant.reads_field) this._drawField(request, uniforms);
     const form = this.surface?.key(request) ?? null;
     if (this.held.renew("shade", defines, request.size, uniforms, form)) {

@@ -112,8 +112,9 @@ export class ShaderSource {
     }
     const text = source ?? this._texts[name];
     if (text === undefined) {
-      const wanted = trail.length ? ` (included by ${trail[trail.length - 1]})` : "";
-      throw new ShaderError(`${name}${wanted}: no such shader file`);
+      if (trail.length === 0) throw new ShaderError(`${name}: no such shader file`);
+      // A page carries only what its variants read; where a condition leaves it out, so does this.
+      return `#error ${name} (included by ${trail[trail.length - 1]}): no such shader file`;
     }
     const index = this.files.length;
     this.files.push(name);
