@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Bytes
+from relgloss_view.base.reading import read_bytes
 from relgloss_view.pack.artwork.options import ArtworkOptions
 from relgloss_view.pack.artwork.raster import AT_ONCE, Raster
 from relgloss_view.pack.layers import Layers
@@ -93,11 +94,15 @@ def _paint(pack: Pack, layers: Layers) -> dict[str, Any] | None:
 
 def _raster(pack: Pack) -> Raster | None:
     """The artwork's file as it is read, where the page can read it too."""
-    from relgloss_view.pack.artwork.pictures import read_picture
+    from relgloss_view.pack.artwork.pictures import MOST_DECODED, read_picture
 
     assert pack.artwork is not None
     path = Path(pack.artwork.file)
-    if not pack.artwork.file or not path.is_file() or not is_plain_png(path.read_bytes()):
+    if (
+        not pack.artwork.file
+        or not path.is_file()
+        or not is_plain_png(read_bytes(path, MOST_DECODED, "an artwork"))
+    ):
         return None
     given = {k: v for k, v in pack.artwork_entries if k in ArtworkOptions.__dataclass_fields__}
     raster = read_picture(path, ArtworkOptions(**given), lambda share, text: None)

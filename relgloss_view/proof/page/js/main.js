@@ -108,7 +108,9 @@ function answered(app, { note, author }) {
 
 /** The stored pictures and words stay, with the reason. */
 function unsupported(fault) {
-  const known = { "no webgl2": "webgl", "no float targets": "float", "no memory": "memory" };
+  const known = {
+    "no webgl2": "webgl", "no float targets": "float", "no memory": "memory", "few targets": "targets",
+  };
   const reason = known[fault.reason] ?? "unknown";
   byId("main").dataset.state = "unsupported";
   for (const id of ["canvas", "loading"]) byId(id)?.remove();

@@ -1,7 +1,6 @@
 // The share of each pixel at a mesh's silhouette that the mesh covers. The twin of picture/gpu/mesh_edges.py.
 
 import { TriangleBuffer, hidesBacks, projection } from "./mesh.js";
-import { dot3 } from "./vectors.js";
 
 const PART_PX = 2048; // side of the parts in which the silhouette is looked for
 const BLOCK_PX = 4; // side in pixels of what besideEdges looks at
@@ -87,11 +86,25 @@ export function besideEdges(mesh, view, coverage) {
     }
   }
   const places = projectedPlaces(mesh.points, view);
+  const { triangles, count } = mesh;
   const found = [];
-  for (let n = 0; n < mesh.count; n++) {
-    const [x0, y0, x1, y1] = reachedBlocks(mesh.triangles, n, places, [across, down]);
-    const held = sums[y1 * wide + x1] - sums[y0 * wide + x1] - sums[y1 * wide + x0] + sums[y0 * wide + x0];
-    if (held > 0) found.push(n);
+  const ends = [0, 0, 0, 0]; // lowest and highest column of blocks, and row
+  for (let n = 0; n < count; n++) {
+    const [a, b, c] = [3 * triangles[3 * n], 3 * triangles[3 * n + 1], 3 * triangles[3 * n + 2]];
+    for (let k = 0; k < 2; k++) {
+      const [p, q, r] = [places[a + k], places[b + k], places[c + k]];
+      const limit = k ? down : across;
+      const low = Math.floor((Math.min(p, q, r) - 1) / BLOCK_PX);
+      const high = Math.ceil((Math.max(p, q, r) + 1) / BLOCK_PX);
+      ends[2 * k] = Math.min(Math.max(low, 0), limit);
+      ends[2 * k + 1] = Math.min(Math.max(high, 0), limit);
+    }
+    const behind = places[a + 2] <= 1e-9 || places[b + 2] <= 1e-9 || places[c + 2] <= 1e-9;
+    const x0 = behind ? 0 : ends[0]; // its bounds are not known
+    const x1 = behind ? across : ends[1];
+    const y0 = wide * (behind ? 0 : ends[2]);
+    const y1 = wide * (behind ? down : ends[3]);
+    if (sums[y1 + x1] - sums[y0 + x1] - sums[y1 + x0] + sums[y0 + x0] > 0) found.push(n);
   }
   return Uint32Array.from(found);
 }
@@ -99,29 +112,18 @@ export function besideEdges(mesh, view, coverage) {
 // Column, row from the bottom and depth of each point.
 function projectedPlaces(points, view) {
   const places = new Float64Array(points.length);
+  const { eye_m, right, up, forward, pixelStep, shift, size } = view;
   for (let n = 0; n < points.length; n += 3) {
-    const way = [0, 1, 2].map((k) => points[n + k] - view.eye_m[k]);
-    const depth = dot3(way, view.forward);
+    const x = points[n] - eye_m[0];
+    const y = points[n + 1] - eye_m[1];
+    const z = points[n + 2] - eye_m[2];
+    const depth = x * forward[0] + y * forward[1] + z * forward[2];
     const before = Math.max(depth, 1e-9);
-    [view.right, view.up].forEach((axis, k) => {
-      const tangent = dot3(way, axis) / before - view.shift[k];
-      places[n + k] = tangent / view.pixelStep + 0.5 * view.size[k];
-    });
+    const across = (x * right[0] + y * right[1] + z * right[2]) / before - shift[0];
+    const tall = (x * up[0] + y * up[1] + z * up[2]) / before - shift[1];
+    places[n] = across / pixelStep + 0.5 * size[0];
+    places[n + 1] = tall / pixelStep + 0.5 * size[1];
     places[n + 2] = depth;
   }
   return places;
-}
-
-function reachedBlocks(triangles, n, places, limits) {
-  const corners = [0, 1, 2].map((k) => 3 * triangles[3 * n + k]);
-  if (corners.some((at) => places[at + 2] <= 1e-9)) return [0, 0, ...limits]; // its bounds are not known
-  const ends = [0, 1].map((k) => {
-    const along = corners.map((at) => places[at + k]);
-    const block = (place) => Math.min(Math.max(place, 0), limits[k]);
-    return [
-      block(Math.floor((Math.min(...along) - 1) / BLOCK_PX)),
-      block(Math.ceil((Math.max(...along) + 1) / BLOCK_PX)),
-    ];
-  });
-  return [ends[0][0], ends[1][0], ends[0][1], ends[1][1]];
 }
