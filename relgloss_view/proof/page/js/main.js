@@ -1,56 +1,115 @@
 // What runs when the page is opened: check, draw, and hand over to whoever looks.
 
 import { App, notice } from "./app.js";
+import { checkPage, checkSignatures, pageText, withMessage, wordsOfPart } from "./canonical.js";
 import { byId, make } from "./dom.js";
 import { Engine } from "./engine.js";
 import { held, lifeSized, listen, orbited, panned, turned, zoomed } from "./hand.js";
 import { lifeSize } from "./life.js";
 import { readout } from "./readout.js";
+import { mountCheck } from "./check.js";
+import { mountScreen } from "./screen.js";
 import { reply } from "./reply.js";
 import { controls } from "./sliders.js";
-import { banner, localTimes, thread } from "./thread.js";
+import { bringUpToDate, withStatic } from "./static.js";
+import { banner, localTimes, signatures, thread } from "./thread.js";
 import { tools } from "./tools.js";
 import { say } from "./words.js";
 
-const pristine = `<!DOCTYPE html>\n${document.documentElement.outerHTML}`;
-const block = (name) => JSON.parse(byId(name).textContent);
+let pristine = ""; // the text of the page, before anything is changed
+const MOST_NAMED = 5; // changed parts that the notice lists
 
-/** Whether what was sealed is what is here, then the canvas in the place of the stored pictures. */
+/** Whether what was sealed is what is here, before anything of it is shown. */
 async function begin() {
-  const proof = block("proof");
-  window.relgloss.proof = proof;
+  if (document.readyState === "loading") {
+    await new Promise((done) => document.addEventListener("DOMContentLoaded", done));
+  }
+  pristine = pageText();
+  const page = checkPage(pristine);
+  Object.assign(window.relgloss, { page, proof: page.proof });
+  byId("unchecked").remove();
+  if (page.newer || page.changes.length > 0 || !page.readable) changed(page);
+  else await open(page);
+}
+
+/** Nothing is shown of a changed page before a click, and never of a proof that is not whole. */
+function changed(page) {
+  const main = byId("main"), names = page.changes.slice(0, MOST_NAMED)
+    .map((part) => say(...wordsOfPart(part)));
+  if (page.changes.length > MOST_NAMED) names.push("\u2026");
+  const what = names.join(", ");
+  main.dataset.state = "changed";
+  main.hidden = true;
+  notice(page.newer ? say("state.newer") : say("state.changed", { what }));
+  if (page.newer || !page.readable) return;
+  const button = make("button", {
+    type: "button", id: "all-the-same", class: "button", text: say("state.all-the-same"),
+    on: {
+      click: () => {
+        button.remove();
+        main.hidden = false;
+        notice(say("state.shown-changed", { what }));
+        window.relgloss.ready = open(page);
+      },
+    },
+  });
+  byId("notice").after(button);
+}
+
+/** The canvas in the place of the stored pictures, or the reason why there is none. */
+async function open({ proof, shaders, digests, digest, signatures: signed }) {
   const main = byId("main");
   main.dataset.state = "loading";
+  bringUpToDate(document, proof.messages);
   localTimes();
+  checkSignatures(digests, signed).then(signatures);
+  byId("how").append(make("p", { class: "quiet" }, say("how.name"), " ",
+    make("code", { text: digest })));
   const canvas = make("canvas", {
     id: "canvas", role: "img", tabindex: 0, "aria-describedby": "keys", hidden: true,
   });
   byId("stage").append(canvas, make("p", { id: "loading", class: "loading", text: say("state.drawing") }));
-  const open = () => Engine.open(canvas, proof, block("shaders"));
   let engine;
   try {
-    engine = await open();
+    engine = await Engine.open(canvas, proof, shaders);
   } catch (fault) {
     unsupported(fault);
     return;
   }
   canvas.hidden = false;
   const app = new App(engine, canvas, proof);
-  arrange(app, canvas);
-  app.watch(open);
+  app.digest = digest;
+  app.answered = (words) => answered(app, words);
   main.dataset.state = "drawing";
   try {
-    await app.frame();
+    app.paint(false);
   } catch (fault) {
     unsupported(fault);
     return;
   }
+  arrange(app, canvas);
+  app.watch();
   await app.idle();
+  mountCheck(byId("check"), app);
+  const screen = mountScreen(byId("screen"), app);
+  app.onRest.push(() => screen.update());
+  screen.update();
+  engine.prepare(app.settings());
+}
+
+/** The page of an answer with the settings shown. words: {note, author}. */
+function answered(app, { note, author }) {
+  const message = {
+    author, note, made: new Date().toISOString().replace(/\.\d+Z$/, "Z"), parent: app.digest,
+    program: app.proof.messages[0].program, screen: app.screen, settings: app.settings(),
+  };
+  return withMessage(withStatic(pristine, message), message);
 }
 
 /** The stored pictures and words stay, with the reason. */
 function unsupported(fault) {
-  const reason = fault.reason ?? "unknown";
+  const known = { "no webgl2": "webgl", "no float targets": "float", "no memory": "memory" };
+  const reason = known[fault.reason] ?? "unknown";
   byId("main").dataset.state = "unsupported";
   for (const id of ["canvas", "loading"]) byId(id)?.remove();
   notice(say("state.unsupported", { reason: say(`unsupported.${reason}`) }));
@@ -64,7 +123,7 @@ function arrange(app, canvas) {
   const reading = readout(app), life = lifeSize(app);
   byId("look").append(make("p", { id: "keys", class: "quiet keys", text: say("canvas.keys") }));
   app.onChange(() => shows.forEach((show) => show()));
-  app.onRest = () => reading.show();
+  app.onRest.push(() => reading.show());
   listen(canvas, Object.assign(Object.create(app), {
     mode: () => app.shown.hand,
     settings: () => app.settings(),
@@ -93,4 +152,5 @@ function act(app, name) {
   return name in acts;
 }
 
-window.relgloss = { ready: begin() };
+window.relgloss = {};
+window.relgloss.ready = begin();
