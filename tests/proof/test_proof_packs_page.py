@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from browsers import console
 from engines import desktop, draw, open_engine, settings_of
-from pack_pages import LIT, carried, make_pack, pair_of
+from pack_pages import carried, make_pack, pair_of
 
 from relgloss_view import Look
 
