@@ -17,10 +17,10 @@ PROGRAM = f"relgloss {__version__}"
 def page_of(proof: Proof, language: str = "en") -> str:
     """The HTML of a proof, the same whether the proof was just made or was read from a file.
 
-    Its static body is that of the first message: replies keep it.
+    A reply that the page itself makes is the same, byte for byte (js/static.js, js/canonical.js).
     """
     # In the order of names, as every reader of the file has it.
     content = load(canonical(proof.content).decode("utf-8"))
     proof = dataclasses.replace(proof, content=content)
     shaders = shaders_of(proof.content["drawing"])
-    return page(proof, shaders, body(proof.opening, language), language)
+    return page(proof, shaders, body(proof, language), language)
