@@ -34,6 +34,7 @@ from relgloss_view.pack.layers import layers_of, resampled_mask
 from relgloss_view.pack.masks import ARTWORK, EVERYWHERE, PART, mask_of
 from relgloss_view.pack.measured import AT_45_0, lobes_in_artwork
 from relgloss_view.pack.pack import MEASURED, Pack
+from relgloss_view.pack.pack_file import read_pack, write_pack
 
 #: Spaces of carried artwork, from the smallest; all have sRGB's curve, of fine steps in the dark.
 SPACES: dict[str, tuple[tuple[float, float], ...]] = {
@@ -101,7 +102,10 @@ def carried_pack(
         }
     entries |= {"shape": shape, "finishes": finishes, "masks": masks}
     carried = dataclasses.replace(pack, file="", measured=BODY, notes=(), **entries)
-    return carried, tuple(notes)
+    # As a file of its own: masks are named from the folder of the pack's file.
+    own = folder / f"{side}-pack.toml"
+    write_pack(own, carried)
+    return read_pack(own), tuple(notes)
 
 
 def _scaled(pack: Pack, most_px: int, notes: list[str]) -> Pack:
@@ -133,8 +137,7 @@ def _scaled(pack: Pack, most_px: int, notes: list[str]) -> Pack:
         xyz=reduced(artwork.xyz).astype(np.float16),
         alpha=None if artwork.alpha is None else reduced(artwork.alpha).astype(np.float16),
         plates={
-            name: np.rint(reduced(plate)).astype(np.uint8)
-            for name, plate in artwork.plates.items()
+            name: np.rint(reduced(plate)).astype(np.uint8) for name, plate in artwork.plates.items()
         },
     )
     return dataclasses.replace(pack, artwork=small)

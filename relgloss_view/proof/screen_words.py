@@ -130,28 +130,35 @@ def screen_words(screen: Screen, language: str = "en") -> tuple[str, ...]:
     ('white 120 cd/m2',)
     """
     parts: dict[str, tuple[Words, ...]] = {
-        "white": () if screen.white_cd_m2 is None else (
-            Words("screen.short.white", {"white": significant(screen.white_cd_m2, 3)}),
+        "white": ()
+        if screen.white_cd_m2 is None
+        else (Words("screen.short.white", {"white": significant(screen.white_cd_m2, 3)}),),
+        "black": ()
+        if screen.black_least is None or screen.black_most is None
+        else (
+            Words(
+                "screen.short.black",
+                {
+                    "least": significant(100.0 * screen.black_least),
+                    "most": significant(100.0 * screen.black_most),
+                },
+            ),
         ),
-        "black": () if screen.black_least is None or screen.black_most is None else (
-            Words("screen.short.black", {
-                "least": significant(100.0 * screen.black_least),
-                "most": significant(100.0 * screen.black_most),
-            }),
-        ),
-        "gamma": () if screen.gamma is None else (
-            Words("screen.short.gamma", {"gamma": significant(screen.gamma)}),
-        ),
-        "surround": () if screen.surround == "" else (
-            Words(f"screen.short.{screen.surround}", {}),
-        ),
+        "gamma": ()
+        if screen.gamma is None
+        else (Words("screen.short.gamma", {"gamma": significant(screen.gamma)}),),
+        "surround": ()
+        if screen.surround == ""
+        else (Words(f"screen.short.{screen.surround}", {}),),
     }
     table = words(language)
     return tuple(
-        table[key].format(**{
-            name: f"{value:g}" if isinstance(value, float) else value
-            for name, value in values.items()
-        })
+        table[key].format(
+            **{
+                name: f"{value:g}" if isinstance(value, float) else value
+                for name, value in values.items()
+            }
+        )
         for said in parts.values()
         for key, values in said
     )

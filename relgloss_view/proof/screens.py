@@ -89,7 +89,10 @@ class Screen:
         _check("white_cd_m2", self.white_cd_m2, 1.0, 10000.0)
         _check("black_least", self.black_least, 0.0, MOST_BLACK)
         _check("black_most", self.black_most, 0.0, MOST_BLACK)
-        for name, value in (("gamma", self.gamma), *zip(CHANNELS, self.channels or (), strict=False)):
+        for name, value in (
+            ("gamma", self.gamma),
+            *zip(CHANNELS, self.channels or (), strict=False),
+        ):
             _check(name, value, 0.5, 5.0)
         _check("clipped", self.clipped, 0.5, 1.0)
         if (self.black_least or 0.0) > (MOST_BLACK if self.black_most is None else self.black_most):
@@ -106,7 +109,11 @@ class Screen:
         values = dict(content)
         channels = values.get("channels")
         if channels is not None:
-            if not isinstance(channels, Sequence) or isinstance(channels, str) or len(channels) != 3:
+            if (
+                not isinstance(channels, Sequence)
+                or isinstance(channels, str)
+                or len(channels) != 3
+            ):
                 raise InputError("screen.channels: expected three numbers")
             values["channels"] = tuple(channels)
         if not isinstance(values.get("surround", ""), str):

@@ -45,9 +45,7 @@ def renderer():
         yield one
 
 
-def srgb_artwork(
-    height: int = 60, width: int = 90, levels: tuple[int, int] = (0, 256)
-) -> Artwork:
+def srgb_artwork(height: int = 60, width: int = 90, levels: tuple[int, int] = (0, 256)) -> Artwork:
     """Random colours of sRGB in fields of a few pixels, with a soft plate of a varnish.
 
     levels: of the digital values, the last one excluded.
@@ -58,9 +56,7 @@ def srgb_artwork(
     profile = read_profile(profile_of(Display()))
     xyz = profile.xyz(rgb.reshape(-1, 3) / 255.0, "relative").reshape(*rgb.shape)
     plate = random.integers(0, 256, (height, width), dtype=np.uint8)
-    return Artwork(
-        xyz.astype(np.float16), 200.0, 200.0 * height / width, plates={"Varnish": plate}
-    )
+    return Artwork(xyz.astype(np.float16), 200.0, 200.0 * height / width, plates={"Varnish": plate})
 
 
 def pack_of(artwork: Artwork, shape: Shape | None = None, measured: str = "body") -> Pack:
@@ -106,7 +102,9 @@ def test_the_other_side_draws_the_carried_pack(renderer):
     # And that is nearly what the designer has: 8 bits change no colour of sRGB by much.
     original = Pair.of(scene).drawn(renderer, SIZE)["test"]
     seen = original.on_object
-    errors = delta_e_2000(original.lab[seen].astype(float), pictures["test"].lab[seen].astype(float))
+    errors = delta_e_2000(
+        original.lab[seen].astype(float), pictures["test"].lab[seen].astype(float)
+    )
     assert np.mean(errors) < 0.05
     # The negative control: the pack without its varnish is seen by the same comparison.
     bare = dataclasses.replace(scene.sample.pack, finishes=scene.sample.pack.finishes[:2])
@@ -257,4 +255,19 @@ def test_files_of_a_pack_name_no_person_and_no_place(tmp_path):
     assert names == ["test-artwork.png", "test-mask-1.png"]  # one file for a mask and its inverse
     with Image.open(tmp_path / "test-artwork.png") as picture:
         assert set(picture.info) <= {"icc_profile"}
-    assert carried.file == ""
+    assert carried.file == str(tmp_path / "test-pack.toml")
+    assert "Varnish" not in (tmp_path / "test-pack.toml").read_text()  # it has become a mask
+
+
+def test_an_unpacked_pack_is_saved_again_from_anywhere(renderer, tmp_path, monkeypatch):
+    from relgloss_view.picture.scene.scene_file import read_scene_file
+    from relgloss_view.picture.scene.scene_writer import write_scene_file
+
+    made = content_of(pair_with(pack_of(srgb_artwork())), renderer, size=SIZE)
+    monkeypatch.chdir(tmp_path)
+    with opened(proof_of(made)) as one:
+        write_scene_file(tmp_path / "copy.toml", one.scene_at())
+        again = read_scene_file(tmp_path / "copy.toml")
+        before = Pair.of(one.scene_file).drawn(renderer, SIZE)["test"]
+        after = Pair.of(again).drawn(renderer, SIZE)["test"]
+    assert np.array_equal(before.rgb, after.rgb)

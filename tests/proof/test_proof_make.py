@@ -147,3 +147,45 @@ def test_a_signed_proof_names_its_key(tmp_path, capsys):
     words = ["proof", "make", "art-coated", "-o", str(output), "--sign", str(tmp_path / "my.pem")]
     assert main([*words, *SMALL]) == 0
     assert [s.key for s in read_proof(output).signatures] == [public]
+
+
+def test_a_snapshot_draws_the_scene_of_a_proof(paper, tmp_path):
+    import numpy as np
+    from PIL import Image
+
+    output = tmp_path / "test.png"
+    assert main(["snapshot", "--scene", str(paper), "-o", str(output), *SMALL]) == 0
+    with opened(read_proof(paper)) as one, open_renderer() as renderer:
+        drawn = one.pair().drawn(renderer, (48, 48))
+    with Image.open(output) as picture:
+        pixels = np.asarray(picture)
+    assert np.array_equal(pixels, drawn["test"].rgb)
+    assert not np.array_equal(pixels, drawn["reference"].rgb)
+
+
+def test_a_study_of_a_proof_shows_its_pair(paper, tmp_path, capsys):
+    from relgloss_view.experiment.design.study_file import load_study
+    from relgloss_view.picture.scene.setting import Setting
+
+    study_file = tmp_path / "mine.toml"
+    assert main(["experiment", "new", "--proof", str(paper), "-o", str(study_file)]) == 0
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["mine-files", "mine.toml"]
+    study = load_study(study_file)
+    proof = read_proof(paper)
+    assert [s.sample.material for s in study.samples] == [load_sample("matte-coated")]
+    assert study.screen.size == (48, 48)
+    with opened(proof) as one, open_renderer() as renderer:
+        pair = one.pair()
+        own = renderer.render(study.reference_scene(), study.reference_look, (48, 48))
+        sent = renderer.render(pair.scenes["reference"], pair.looks["reference"], (48, 48))
+        assert (own.display == sent.display).all()
+        look = study.test_look(Setting(2.0, c=proof.sent.test.c))
+        own = renderer.render(study.scene(0), look, (48, 48))
+        sent = renderer.render(pair.scenes["test"], pair.looks["test"], (48, 48))
+        assert (own.display == sent.display).all()
+    # An existing study stays, and so do its files.
+    before = study_file.read_bytes()
+    assert main(["experiment", "new", "--proof", str(paper), "-o", str(study_file)]) == 1
+    assert study_file.read_bytes() == before
+    assert main(["experiment", "simulate", str(paper), "-o", str(tmp_path / "s.sqlite")]) == 1
+    assert "experiment new --proof" in capsys.readouterr().err
