@@ -37,10 +37,10 @@ REFERENCE_CD_M2 = 100.0  #: of the white on which a step of gloss is STEP_LSTAR
 USUAL_WHITES_CD_M2 = (80.0, 1000.0)  #: of displays; both are tried where white is unknown
 GAMMA_ERROR = 0.06  #: of a gamma set by eye: two of 255 at the match
 MOST_BLACK = 0.99
-#: Of the object's pixels, the strongest: a highlight's centre, and as far as it is seen at a
-#: glance. Observers look at either, and compare it with the body there or with all of the body: an
-#: order holds only where all of them give it.
-HIGHLIGHT_SHARES = (0.002, 0.02)
+#: Of the object's pixels, the strongest: a highlight's centre, and more of it. Observers look at
+#: either, and compare it with the body there or with all of the body: an order holds only where all
+#: of them give it.
+HIGHLIGHT_SHARES = (0.002, 0.012)
 SRGB_GAMMA_RANGE = (2.0, 2.4)  #: where sRGB's curve and a power are both possible
 SURROUNDS = ("", "dark", "office", "bright")
 CHANNELS = ("red", "green", "blue")
