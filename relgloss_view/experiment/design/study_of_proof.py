@@ -38,7 +38,8 @@ def write_study_of_proof(path: str | os.PathLike[str], proof: Proof) -> Path:
 def _tables(one: Opened, folder: str) -> dict[str, Any]:
     """The tables of the study. folder: where its files will lie, beside it."""
     proof, scene, sent = one.proof, one.scene_file, one.placed(one.proof.sent)
-    assert scene.reference is not None and scene.reference_look is not None
+    assert scene.reference is not None
+    assert scene.reference_look is not None
 
     def named(file: str) -> str:
         return f"{folder}/{relative(file, one.folder)}"
