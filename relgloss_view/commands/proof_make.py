@@ -16,6 +16,8 @@ from relgloss_view.commands.scene_options import SOURCES, add_scene_options
 from relgloss_view.picture.scene.look import viewed_look
 
 if TYPE_CHECKING:
+    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
+
     from relgloss_view.proof.proof import Message, Proof
 
 SUFFIXES = (".html", ".htm")
@@ -81,6 +83,7 @@ def run(args: argparse.Namespace) -> int:
     _check_length(args.author, "--author", LONGEST_AUTHOR)
     _check_length(args.title, "--title", LONGEST_TITLE)
     check_writable(output)
+    key = None if args.sign is None else _key(args.sign)
     sizes: dict[str, int] = {}
     notes: tuple[str, ...] = ()
     with Progress("proof") as progress:
@@ -91,8 +94,8 @@ def run(args: argparse.Namespace) -> int:
             for text in warnings:
                 warn(text)
         progress(0.95, "writing")
-        if args.sign is not None:
-            proof = _signed(proof, args.sign)
+        if key is not None:
+            proof = _signed(proof, key)
         html = _page(proof)
         with whole_file(output) as temporary:
             temporary.write_text(html, encoding="utf-8", newline="\n")
@@ -232,10 +235,16 @@ def _check_length(text: str, where: str, most: int) -> None:
         raise InputError(f"{where}: expected at most {most} characters, found {len(text)}")
 
 
-def _signed(proof: Proof, key: str) -> Proof:
-    from relgloss_view.proof.keys import read_private, signed
+def _key(file: str) -> Ed25519PrivateKey:
+    from relgloss_view.proof.keys import read_private
 
-    return signed(proof, read_private(key))
+    return read_private(file)
+
+
+def _signed(proof: Proof, key: Ed25519PrivateKey) -> Proof:
+    from relgloss_view.proof.keys import signed
+
+    return signed(proof, key)
 
 
 def _page(proof: Proof) -> str:

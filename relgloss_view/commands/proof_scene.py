@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from relgloss_view.commands.matched import matched_finishes, matched_picture
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
 #: Of [presentation]: what the page, which shows the paper's split, does not follow.
 OPERATORS = ("reference_operator", "test_operator")
 SPLIT = "split"
+HTML = (".html", ".htm")
 
 
 def scene_of_options(
@@ -120,3 +123,23 @@ def _warnings(content: SceneFile | None) -> tuple[str, ...]:
         f"the scene shows the tones of {', '.join(sorted(others))}; a proof shows the split, on "
         "which c and its sliders act",
     )
+
+
+@contextmanager
+def proof_as_scene(args: argparse.Namespace) -> Iterator[None]:
+    """Where --scene names a proof, the scene of its newest message is in its place for a block.
+
+    Raises InputError where the proof was changed, or holds no pair.
+    """
+    if args.scene is None or not args.scene.lower().endswith(HTML):
+        yield
+        return
+    from relgloss_view.picture.scene.scene_writer import write_scene_file
+    from relgloss_view.proof.read import read_proof
+    from relgloss_view.proof.unpack import opened
+
+    with opened(read_proof(args.scene)) as one:
+        file = one.folder / "scene.toml"
+        write_scene_file(file, one.scene_at())
+        args.scene = str(file)
+        yield

@@ -49,6 +49,13 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Draw, write, and print the sample and its setting."""
+    from relgloss_view.commands.proof_scene import proof_as_scene
+
+    with proof_as_scene(args):
+        return _drawn(args)
+
+
+def _drawn(args: argparse.Namespace) -> int:
     from relgloss_view.display.model import DisplayModel
     from relgloss_view.picture.model.pixel_sampling import sample_count
     from relgloss_view.picture.output.export import check_suffix, save_frame

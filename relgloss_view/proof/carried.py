@@ -17,7 +17,7 @@ from urllib.parse import unquote
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array, Bytes, Floats
+from relgloss_view.base.arrays import AnyArray, Array, Bytes, Floats
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.icc.profile import D50, Profile, read_profile
 from relgloss_view.base.interruptions import checkpoint
@@ -34,8 +34,9 @@ from relgloss_view.pack.layers import layers_of, resampled_mask
 from relgloss_view.pack.masks import ARTWORK, EVERYWHERE, PART, mask_of
 from relgloss_view.pack.measured import AT_45_0, lobes_in_artwork
 from relgloss_view.pack.pack import MEASURED, Pack
+from relgloss_view.pack.pack_file import read_pack, write_pack
 
-#: Spaces of carried artwork, from the smallest; all have sRGB's curve, which spaces dark steps well.
+#: Spaces of carried artwork, from the smallest; all have sRGB's curve, of fine steps in the dark.
 SPACES: dict[str, tuple[tuple[float, float], ...]] = {
     "sRGB": Display().primaries_xy,
     "Display P3": ((0.680, 0.320), (0.265, 0.690), (0.150, 0.060)),
@@ -87,7 +88,7 @@ def carried_pack(
     if shape.file:
         shape = dataclasses.replace(shape, file=carried_mesh(shape.file, folder, f"{side}-form"))
     small = _scaled(pack, most_px, notes)
-    finishes, masks = _finishes(small, folder, side, most_px, notes)
+    finishes, masks = _finishes(small, folder, side, most_px)
     entries: dict[str, Any] = {"artwork": None, "artwork_file": "", "artwork_entries": ()}
     if small.artwork is not None:
         progress(0.3, "coding the artwork")
@@ -99,10 +100,12 @@ def carried_pack(
             "artwork_file": file.name,
             "artwork_entries": (("width_mm", small.artwork.width_mm), ("intent", "relative")),
         }
-    carried = dataclasses.replace(
-        pack, shape=shape, finishes=finishes, masks=masks, file="", measured=BODY, notes=(), **entries
-    )  # fmt: skip
-    return carried, tuple(notes)
+    entries |= {"shape": shape, "finishes": finishes, "masks": masks}
+    carried = dataclasses.replace(pack, file="", measured=BODY, notes=(), **entries)
+    # As a file of its own: masks are named from the folder of the pack's file.
+    own = folder / f"{side}-pack.toml"
+    write_pack(own, carried)
+    return read_pack(own), tuple(notes)
 
 
 def _scaled(pack: Pack, most_px: int, notes: list[str]) -> Pack:
@@ -119,7 +122,7 @@ def _scaled(pack: Pack, most_px: int, notes: list[str]) -> Pack:
     )
     edges = np.linspace(0.0, height, rows + 1)
 
-    def reduced(values: Floats) -> Floats:
+    def reduced(values: AnyArray) -> Floats:
         checkpoint()
         made = np.empty((rows, columns, *values.shape[2:]), np.float32)
         for first in range(0, rows, ROWS):
@@ -134,22 +137,14 @@ def _scaled(pack: Pack, most_px: int, notes: list[str]) -> Pack:
         xyz=reduced(artwork.xyz).astype(np.float16),
         alpha=None if artwork.alpha is None else reduced(artwork.alpha).astype(np.float16),
         plates={
-            name: np.rint(reduced(plate)).astype(np.uint8)
-            for name, plate in artwork.plates.items()
-            if _is_used(pack, plate)
+            name: np.rint(reduced(plate)).astype(np.uint8) for name, plate in artwork.plates.items()
         },
     )
     return dataclasses.replace(pack, artwork=small)
 
 
-def _is_used(pack: Pack, plate: Bytes) -> bool:
-    return any(mask_of(pack, finish).values is plate for finish in pack.finishes) or any(
-        finish.invert for finish in pack.finishes
-    )
-
-
 def _finishes(
-    pack: Pack, folder: Path, side: str, most_px: int, notes: list[str]
+    pack: Pack, folder: Path, side: str, most_px: int
 ) -> tuple[tuple[Finish, ...], dict[str, Bytes]]:
     """The finishes with materials and masks in the folder, and the masks by their files."""
     from relgloss_view.proof.carry import put_material
@@ -162,8 +157,7 @@ def _finishes(
         source = put_material(finish.material, folder, f"{side}-finish-{k}")
         mask = finish.mask
         if mask not in ("", ARTWORK, EVERYWHERE) and not mask.startswith(PART):
-            plain = dataclasses.replace(finish, invert=False)
-            found = mask_of(dataclasses.replace(pack, finishes=(*_below(pack), plain)), plain)
+            found = mask_of(pack, dataclasses.replace(finish, invert=False))
             values = np.ascontiguousarray(
                 found.values if size is None else resampled_mask(found.values, size)
             )
@@ -176,11 +170,6 @@ def _finishes(
             masks[mask] = values
         finishes.append(dataclasses.replace(finish, source=source, mask=mask))
     return tuple(finishes), masks
-
-
-def _below(pack: Pack) -> tuple[Finish, ...]:
-    """A first finish, below the one whose mask is asked for."""
-    return (dataclasses.replace(pack.base, name="\0"),)
 
 
 def _mask_size(pack: Pack, most_px: int) -> tuple[int, int] | None:

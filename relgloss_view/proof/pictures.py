@@ -10,7 +10,7 @@ from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.interruptions import checkpoint
 
 MOST_BYTES = 120_000  #: of both pictures together, as base64
-QUALITIES = (92, 88, 84, 80, 74, 68, 60, 50, 40, 30, 20)
+QUALITIES = (84, 80, 74, 68, 60, 50, 40, 30, 20)
 
 
 def webp(rgb: Bytes, quality: int) -> bytes:

@@ -221,6 +221,9 @@ def _checked(scene: SceneFile) -> SceneFile:
         raise InputError(f"the proof's {SCENE}: expected a reference and its look")
     if scene.look.c is None or scene.reference_look.c is None:
         raise InputError(f"the proof's {SCENE}: expected c itself on both sides")
+    for sample in (scene.sample, scene.reference):
+        if sample.pack is not None and not sample.pack.file:
+            raise InputError(f"the proof's {SCENE}: expected a pack in a file of its own")
     return scene
 
 

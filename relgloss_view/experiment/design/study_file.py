@@ -62,6 +62,11 @@ def load_study(
     """
     if is_built_in(path):
         path = built_in_file(os.fspath(path))
+    elif os.fspath(path).lower().endswith(".html"):
+        raise InputError(
+            f"{path}: a proof is no study; `relgloss experiment new --proof FILE.html -o "
+            "STUDY.toml` makes one of it"
+        )
     content = read_toml(path, MAX_BYTES, EXPECTED)
     try:
         for table, entries_ in (changes or {}).items():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,8 @@ from relgloss_view.pack.pack_file import PACK, pack_tables, read_pack
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.sample import SAMPLES, Sample
 from relgloss_view.picture.scene.scene_file import DISPLAY_FILES, FURTHER_LAMP, SceneFile
+
+_SUFFIX = re.compile(r"\.[A-Za-z]{3,5}$")
 
 
 def write_scene_file(
@@ -153,4 +156,6 @@ def _place(file: str, folder: Path) -> str:
     if inside is path or ".." in inside.parts:
         return str(path)
     name = inside.as_posix()
-    return f"./{name}" if is_lamp_name(name) else name  # a lamp file named as a lamp is
+    # A lamp file named as a lamp is. No lamp's name ends in .json or .png, and asking is dear.
+    may_be_lamp = not _SUFFIX.search(name)
+    return f"./{name}" if may_be_lamp and is_lamp_name(name) else name
