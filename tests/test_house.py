@@ -324,7 +324,6 @@ REPLACING = {
     "measure/readers/headings.py",
     "pack/artwork/pdf_page.py",  # the words of a page
     "proof/page/build.py",  # import lines of our own JavaScript
-    "proof/page/static.py",  # placeholders of our own words
     "pack/artwork/plate_names.py",  # names as they are compared
     "picture/gpu/constants.py",  # the names of our own choices
     "picture/gpu/shader.py",  # the compiler's log

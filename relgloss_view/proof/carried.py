@@ -19,6 +19,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import AnyArray, Array, Bytes, Floats
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.json_files import parse_json
 from relgloss_view.base.icc.profile import D50, Profile, read_profile
 from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.reading import named, read_bytes
@@ -321,7 +322,7 @@ def carried_mesh(name: str, folder: Path, stem: str) -> str:
 
 def _with_buffers(data: bytes, source: Path, expected: str) -> bytes:
     """The JSON of a .gltf with the files that it names inside, and without pictures."""
-    content = json.loads(data.decode("utf-8-sig"))
+    content = parse_json(data.decode("utf-8-sig"))
     for buffer in content.get("buffers", []):
         uri = buffer.get("uri", "")
         if uri and uri[:5].lower() != "data:":

@@ -19,7 +19,7 @@ _CONTROLS = dict.fromkeys(
     [*range(0x0A), *range(0x0B, 0x20), *range(0x7F, 0xA0), *range(0xFDD0, 0xFDF0), 0xFFFE, 0xFFFF],
     "\ufffd",
 )
-_SIGNS = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "\u00a0": "&nbsp;"}
+_SIGNS: dict[str, str | int | None] = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "\u00a0": "&nbsp;"}
 Say = Callable[..., str]
 
 
