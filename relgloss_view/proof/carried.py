@@ -19,9 +19,9 @@ import numpy as np
 
 from relgloss_view.base.arrays import AnyArray, Array, Bytes, Floats
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.json_files import parse_json
 from relgloss_view.base.icc.profile import D50, Profile, read_profile
 from relgloss_view.base.interruptions import checkpoint
+from relgloss_view.base.json_files import parse_json
 from relgloss_view.base.reading import named, read_bytes
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.display.display import Display
