@@ -1,0 +1,71 @@
+"""What a gloss meter would read on both materials, as a proof's page shows it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from relgloss_view.gloss.meter.meter import Reading, gloss_readings
+from relgloss_view.material.material import Material
+from relgloss_view.pack.plain_finish import plain_finishes
+from relgloss_view.picture.scene.scene import Scene
+from relgloss_view.proof.pair import Pair
+
+DIGITS = 6  #: decimals of a kept value; a meter shows one
+
+
+def meter_of(pair: Pair) -> dict[str, dict[str, Any]]:
+    """Readings by key, with the value of each side; None where an instrument reads nothing.
+
+    decimals: how many of them an instrument shows. Of a pack the test is its glossiest finish.
+    """
+    sides = {
+        "reference": _by_key(pair.scenes["reference"].material),
+        "test": _by_key(_judged(pair.scenes["test"])),
+    }
+    return {
+        key: {
+            "name": reading.name,
+            "standard": reading.standard,
+            "decimals": reading.decimals,
+            **{side: _kept(readings[key].value) for side, readings in sides.items()},
+        }
+        for key, reading in sides["reference"].items()
+    }
+
+
+def finishes_of(pair: Pair) -> list[dict[str, Any]]:
+    """The readings of each finish of a pack, in their order; none of a sample.
+
+    lies_somewhere: whether any place of the pack shows it.
+    """
+    scene = pair.scenes["test"]
+    if scene.pack is None:
+        return []
+    plain = plain_finishes(scene.pack, scene.lamp.illuminant)
+    return [
+        {
+            "finish": one.finish.name,
+            "kind": one.finish.kind,
+            "material": one.finish.material.name,
+            "lies_somewhere": one.lies_somewhere,
+            "readings": {
+                key: _kept(reading.value) for key, reading in _by_key(one.finish.material).items()
+            },
+        }
+        for one in plain
+    ]
+
+
+def _judged(scene: Scene) -> Material:
+    from relgloss_view.gloss.samples import SampleLook
+    from relgloss_view.picture.scene.look import Look
+
+    return SampleLook("", scene.material, Look(), scene.pack).judged_material
+
+
+def _by_key(material: Material) -> dict[str, Reading]:
+    return {reading.key: reading for reading in gloss_readings(material)}
+
+
+def _kept(value: float | None) -> float | None:
+    return None if value is None else round(float(value), DIGITS)

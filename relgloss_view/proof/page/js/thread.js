@@ -1,0 +1,53 @@
+// The thread of messages: whose settings one looks at is always said, and each is a click away.
+
+import { byId, make } from "./dom.js";
+import { moment, say } from "./words.js";
+
+/** Times of the static page in the reader's own zone. */
+export function localTimes() {
+  for (const time of document.querySelectorAll("time")) {
+    time.textContent = moment(time.getAttribute("datetime"));
+  }
+}
+
+/** The author of a message, or what stands in the place of a name. */
+export function authorOf(message) {
+  return message.author || say("message.nobody");
+}
+
+/** Buttons in the thread that show a message's settings. Returns show(), which marks the present. */
+export function thread(app) {
+  const items = [...document.querySelectorAll("#thread .message")];
+  const buttons = items.map((item, k) => {
+    const button = make("button", {
+      type: "button", class: "button", text: say("thread.look"), on: { click: () => app.lookAt(k) },
+    });
+    item.append(button);
+    return button;
+  });
+  return () => buttons.forEach((button, k) => {
+    const present = k === app.at() && !app.changed();
+    button.setAttribute("aria-pressed", String(present));
+    button.textContent = say(present ? "thread.looking" : "thread.look");
+  });
+}
+
+/** The line that says whose setting is on the canvas, with the way back. Returns show(). */
+export function banner(app, messages) {
+  const words = make("span", { id: "whose", class: "whose" });
+  const back = make("button", {
+    type: "button", id: "as-sent", class: "button", text: say("banner.back"),
+    on: { click: () => app.lookAt(app.at()) },
+  });
+  const element = make("div", { id: "banner", class: "banner" }, words, back);
+  byId("look").prepend(element);
+  return () => {
+    const changed = app.changed(), k = app.at(), last = messages.length - 1;
+    const values = { name: authorOf(messages[k]), number: k + 1, count: messages.length };
+    const key = changed ? "banner.changed" : k === last ? "banner.sent" : "banner.earlier";
+    words.textContent = last > 0 ? `${say(key, values)} ${say("banner.which", values)}`
+      : say(key, values);
+    element.dataset.changed = String(changed);
+    back.setAttribute("aria-pressed", String(!changed));
+  };
+}

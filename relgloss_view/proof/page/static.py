@@ -1,0 +1,211 @@
+"""The static body of a proof's page: complete with JavaScript off, or where nothing can be drawn.
+
+Texts of people are escaped as browsers escape them when they serialise a page, and never go into an
+attribute, so that the page can hash itself (build.py).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from relgloss_view.proof.page import build
+from relgloss_view.proof.proof import Message, Proof
+from relgloss_view.proof.settings import SIDES, LampPlace, Settings
+
+#: Characters that HTML changes or that no text needs: controls but for the line feed.
+_CONTROLS = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f\ufdd0-\ufdef\ufffe\uffff]")
+NAME_LENGTH = 12  #: digits of a digest that are shown
+Say = Callable[..., str]
+
+
+def body(proof: Proof, language: str = "en") -> str:
+    """The HTML between <body> and the data of a proof's page."""
+    table = build.words(language)
+
+    def say(key: str, **values: object) -> str:
+        """A text of the table with its placeholders filled, escaped."""
+        filled = re.sub(r"\{(\w+)\}", lambda m: str(values[m[1]]), table[key])
+        return escaped(filled)
+
+    newest = proof.messages[-1]
+    note = f'<blockquote class="note">{escaped(newest.note)}</blockquote>\n' if newest.note else ""
+    return (
+        '<div id="top">\n'
+        f'<header class="head"><p class="kicker">{say("page.kind")}</p>\n'
+        f"<h1>{escaped(proof.title)}</h1></header>\n"
+        f'<noscript><p class="notice">{say("state.no-script")}</p></noscript>\n'
+        '<p id="notice" class="notice" role="alert" hidden=""></p>\n'
+        '<main id="main">\n<section id="look" class="look">\n'
+        f'<div id="stage" class="stage">\n{_pictures(proof, say)}</div>\n</section>\n'
+        f'<div id="panel" class="panel"><p class="byline">{_byline(newest, say)}</p>\n{note}'
+        f'<div id="controls"></div></div>\n<div id="more" class="more">\n'
+        f"{_thread(proof, say)}{_readings(proof.content.get('meter'), say)}"
+        f"{_made_for(proof.content.get('display'), say)}"
+        '<section id="check"></section>\n<section id="screen"></section>\n'
+        f"{_how(proof, say)}</div>\n</main>\n"
+        '<p id="live" class="unseen" role="status" aria-live="polite"></p></div>'
+    )
+
+
+def escaped(text: object) -> str:
+    """Text as browsers serialise it in an element.
+
+    >>> escaped('<b> & "q"')
+    '&lt;b&gt; &amp; "q"'
+    """
+    plain = _CONTROLS.sub("\ufffd", str(text).replace("\r\n", "\n").replace("\r", "\n"))
+    plain = plain.encode("utf-8", "replace").decode("utf-8")
+    for sign, name in (("&", "&amp;"), ("<", "&lt;"), (">", "&gt;"), ("\u00a0", "&nbsp;")):
+        plain = plain.replace(sign, name)
+    return plain
+
+
+def number(value: float, digits: int = 3) -> str:
+    """A number with so many significant digits at most.
+
+    >>> number(0.14), number(54.5454), number(0.0)
+    ('0.14', '54.5', '0')
+    """
+    return f"{value:.{digits}g}"
+
+
+def settings_rows(settings: Settings, say: Say) -> list[tuple[str, str]]:
+    """Settings in words: (what, value) of each, as HTML."""
+    rows = []
+    for side in SIDES:
+        setting = settings.side(side)
+        values = say(
+            "settings.of-side", grain=number(setting.sigma_n_deg), contrast=number(setting.c)
+        )
+        rows.append((say(f"side.{side}"), values))
+    return [*rows, (say("settings.lamp"), _lamp(settings.lamp, say)),
+            (say("settings.eye"), say("settings.eye-place", azimuth=number(settings.eye.azimuth_deg),
+             elevation=number(settings.eye.elevation_deg)))]  # fmt: skip
+
+
+def _lamp(lamp: LampPlace, say: Say) -> str:
+    return say(
+        "settings.lamp-place",
+        spectrum=lamp.illuminant,
+        azimuth=number(lamp.azimuth_deg),
+        elevation=number(lamp.elevation_deg),
+    )
+
+
+def _pictures(proof: Proof, say: Say) -> str:
+    pictures: Mapping[str, Any] = proof.content.get("pictures", {})
+    figures = []
+    for side in SIDES:
+        picture = pictures.get(side)
+        if picture is None:
+            continue
+        # A str is base64 of WebP; a table has its media type.
+        table = {"type": "image/webp", "base64": picture} if isinstance(picture, str) else picture
+        source = f"data:{table.get('type', 'image/webp')};base64,{table['base64']}"
+        figures.append(
+            f'<figure><img alt="{say("picture.stored")}" src="{source}">\n'
+            f"<figcaption>{say(f'side.{side}')}</figcaption></figure>\n"
+        )
+    return "".join(figures)
+
+
+def _byline(message: Message, say: Say) -> str:
+    author = say("message.from", name=message.author) if message.author else say("message.unnamed")
+    return f"{author} {_time(message.made)}"
+
+
+def _time(made: str) -> str:
+    written = re.fullmatch(r"(\d{4}-\d\d-\d\d)T(\d\d:\d\d)(:\d\d(\.\d+)?)?Z", made)
+    if written is None:
+        return f"<span>{escaped(made)}</span>" if made else ""
+    return f'<time datetime="{made}">{written[1]} {written[2]} UTC</time>'
+
+
+def _thread(proof: Proof, say: Say) -> str:
+    items = []
+    for k, message in enumerate(proof.messages):
+        rows = "".join(
+            f"<div><dt>{name}</dt><dd>{value}</dd></div>"
+            for name, value in settings_rows(message.settings, say)
+        )
+        note = f'<p class="said">{escaped(message.note)}</p>\n' if message.note else ""
+        signed = "".join(
+            f'<p class="quiet signed">{say("message.signed", key=s.key[:NAME_LENGTH])}</p>\n'
+            for s in proof.signatures
+            if s.message == k
+        )
+        items.append(
+            f'<li class="message"><p class="byline">{_byline(message, say)}</p>\n{note}'
+            f'<dl class="settings">{rows}</dl>\n{signed}</li>\n'
+        )
+    return (
+        f'<section id="thread"><h2>{say("thread.title")}</h2>\n'
+        f'<ol class="thread">\n{"".join(items)}</ol></section>\n'
+    )
+
+
+def _readings(meter: object, say: Say) -> str:
+    rows = []
+    for entry in _entries(meter):
+        cells = "".join(f"<td>{_reading(entry.get(side))}</td>" for side in SIDES)
+        rows.append(f'<tr><th scope="row">{escaped(entry["name"])}</th>{cells}</tr>\n')
+    if not rows:
+        return ""
+    heads = "".join(f'<th scope="col">{say(f"side.{side}")}</th>' for side in SIDES)
+    return (
+        f'<section id="readings"><h2>{say("readings.title")}</h2>\n'
+        f'<p class="quiet">{say("readings.how")}</p>\n<table class="table"><thead><tr>'
+        f'<th scope="col">{say("readings.meter")}</th>{heads}</tr></thead>\n'
+        f"<tbody>{''.join(rows)}</tbody></table></section>\n"
+    )
+
+
+def _entries(meter: object) -> Iterable[Mapping[str, Any]]:
+    """Readings as a list of tables with name, reference and test."""
+    if isinstance(meter, Mapping) and set(SIDES) <= set(meter):
+        # One list of readings for each side: those of one name belong together.
+        joined: dict[str, dict[str, Any]] = {}
+        for side in SIDES:
+            for entry in _named(meter[side]):
+                joined.setdefault(entry["name"], {"name": entry["name"]})[side] = entry
+        return joined.values()
+    return _named(meter)
+
+
+def _named(readings: object) -> list[Mapping[str, Any]]:
+    if isinstance(readings, Mapping):
+        return [
+            {"name": key, **value} if isinstance(value, Mapping) else {"name": key, "value": value}
+            for key, value in readings.items()
+        ]
+    return [{"name": "", **entry} for entry in readings] if isinstance(readings, list) else []
+
+
+def _reading(value: object) -> str:
+    if isinstance(value, Mapping):
+        value = value.get("value")
+    if isinstance(value, int | float):
+        return number(float(value))
+    return escaped(value) if isinstance(value, str) else "\u2013"
+
+
+def _made_for(display: object, say: Say) -> str:
+    if not isinstance(display, Mapping):
+        return ""
+    words = display.get("words", "")
+    lines = [words] if isinstance(words, str) else list(words)
+    text = "".join(f"<p>{escaped(line)}</p>\n" for line in lines if line)
+    if not text:
+        return ""
+    return f'<section id="made-for"><h2>{say("display.title")}</h2>\n{text}</section>\n'
+
+
+def _how(proof: Proof, say: Say) -> str:
+    name = proof.digest
+    return (
+        f'<section id="how"><h2>{say("how.title")}</h2>\n<p>{say("how.browser")}</p>\n'
+        f"<p>{say('how.window')}</p>\n"
+        f'<p class="quiet">{say("how.name")} <code>{name}</code></p></section>\n'
+    )
