@@ -47,7 +47,10 @@ def test_what_a_whole_browser_shows(chromium_gl, html):
     assert console(chromium_gl) is not None
 
 
-@pytest.mark.parametrize("flags", [("--disable-gpu",), ("--disable-gpu", "--disable-3d-apis")])
+NO_SOFTWARE = ("--disable-gpu", "--disable-software-rasterizer")
+
+
+@pytest.mark.parametrize("flags", [NO_SOFTWARE, ("--disable-3d-apis",)])
 def test_no_webgl(html, flags):
     with chromium("--headless=new", *flags) as browser:
         open_page(browser, html)
@@ -74,13 +77,15 @@ def test_no_javascript(chromium_gl, html):
 
 
 def test_an_old_browser_that_can_not_inflate(chromium_gl, html):
+    """A paper has no compressed arrays and is drawn all the same."""
     before_pages(chromium_gl, NO_INFLATION)
     open_page(chromium_gl, html)
-    assert_only_stored(call(chromium_gl, SEEN), WORDS["unsupported.unknown"])
+    assert call(chromium_gl, "() => typeof DecompressionStream") == "undefined"
+    assert call(chromium_gl, SEEN)["canvases"] == 1
 
 
 def test_a_page_from_a_server(chromium_gl, html):
-    """By http:// and a name, where browsers keep crypto.subtle to themselves; it draws all the same."""
+    """By http:// and a name, where browsers have no crypto.subtle; it draws all the same."""
     with listening({"/proof.html": html.encode()}) as server:
         open_page(chromium_gl, f"http://{ELSEWHERE}:{server.port}/proof.html")
         assert not call(chromium_gl, "() => isSecureContext || Boolean(crypto.subtle)")
