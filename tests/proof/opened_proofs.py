@@ -38,14 +38,15 @@ def paper_proof(sample: str = "matte-coated", size: tuple[int, int] = SIZE) -> P
     return Proof(made.content, (Message(made.settings, NOTE, AUTHOR, MADE, PROGRAM),))
 
 
-def page_of(proof: Proof) -> str:
-    """The page of a proof, as `relgloss proof make` writes it."""
-    return page(proof, shaders_of(proof.content["drawing"]), body(proof))
+def page_of(proof: Proof, drawing: Any = None) -> str:
+    """The page of a proof, as `relgloss proof make` writes it.
 
-
-def with_content(proof: Proof, **changed: Any) -> Proof:
-    """A proof with entries of its content changed: another proof, sealed as such."""
-    return dataclasses.replace(proof, content={**proof.content, **changed})
+    drawing: one that takes the place of the proof's own; the shaders stay.
+    """
+    shaders = shaders_of(proof.content["drawing"])
+    if drawing is not None:
+        proof = dataclasses.replace(proof, content={**proof.content, "drawing": drawing})
+    return page(proof, shaders, body(proof))
 
 
 #: What a reader sees, as JSON: words, stored pictures that have a size, controls, the canvas.

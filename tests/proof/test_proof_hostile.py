@@ -10,14 +10,16 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+import random
 
 import pytest
 from browsers import before_pages, call, console, open_page, requests
-from opened_proofs import SEEN, page_of, with_content
+from opened_proofs import SEEN, page_of
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.proof import proof as proofs
-from relgloss_view.proof.page.build import words
+from relgloss_view.proof.drawing import shaders_of
+from relgloss_view.proof.page.build import page, words
 from relgloss_view.proof.page.static import body
 from relgloss_view.proof.proof import MOST_MESSAGES, MOST_NOTE, Proof, Signature, canonical
 
@@ -248,3 +250,88 @@ def planted(value, path, new):
         place = place[key]
     place[path[-1]] = new
     return copy
+
+
+def edited(drawing, edit):
+    """A copy of JSON, edited in place."""
+    copy = json.loads(json.dumps(drawing))
+    edit(copy)
+    return copy
+
+
+def _define(name, value):
+    def edit(drawing):
+        for side in drawing["sides"].values():
+            for variant in side["variants"].values():
+                variant["shade"][name] = value
+
+    return edit
+
+
+#: A drawing that someone changed and sealed again: none of it is what Python writes.
+SEALED_AGAIN = {
+    "nothing": lambda drawing: drawing.clear(),
+    "no sides": lambda drawing: drawing["sides"].clear(),
+    "null": lambda drawing: drawing["display"].update(uniforms=None),
+    "a text for a number": lambda drawing: drawing["numbers"].update(FILL="alert(1)"),
+    "a define with code": _define("REACH", "0\n#error\nwhile (true) {}"),
+    "a define of a name with code": _define("X 1\nvoid main() { for (;;) ; }\n#define Y", 1),
+    "a huge array": lambda drawing: drawing.update(
+        shared={"mesh": {"dtype": "Float32", "shape": [2**31, 2**20], "data": "eJwDAAAAAAE="}}
+    ),
+    "huge numbers": lambda drawing: drawing["numbers"].update(
+        dict.fromkeys(drawing["numbers"], 1e308)
+    ),
+    "negative numbers": lambda drawing: drawing["numbers"].update(
+        dict.fromkeys(drawing["numbers"], -1)
+    ),
+    "a prototype": lambda drawing: drawing.update({"__proto__": {"sides": 1}, "constructor": 1}),
+}
+
+
+def assert_alive(browser, html):
+    """The page draws or shows what is stored, with a reason; the browser goes on in either case."""
+    open_page(browser, html)
+    seen = call(browser, SEEN)
+    assert (seen["canvases"] == 1) == (seen["notice"] == ""), seen["notice"]
+    if seen["canvases"] == 0:
+        assert len(seen["pictures"]) == 2
+        assert seen["sliders"] == 0
+    assert requests(browser) == []
+    assert call(browser, "() => window.canary ?? null") is None
+    return seen["canvases"] == 1
+
+
+@pytest.mark.parametrize("name", SEALED_AGAIN)
+def test_a_drawing_that_was_changed_and_sealed_again(chromium_gl, paper, name):
+    """Sealing is anybody's; what can't be drawn then is said as of a browser that can't draw."""
+    drawing = edited(paper.content["drawing"], SEALED_AGAIN[name])
+    html = page_of(paper, drawing)
+    drawn = assert_alive(chromium_gl, html)
+    if name in ("nothing", "no sides", "null") or name.startswith("a define"):
+        assert not drawn
+    assert assert_alive(chromium_gl, page_of(paper))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(60))
+def test_any_number_of_a_drawing_changed_and_sealed_again(chromium_gl, paper, seed):
+    draw = random.Random(seed)
+    drawing = paper.content["drawing"]
+    path = draw.choice(leaves(drawing))
+    new = draw.choice([None, "x", -1, 1e308, -1e308, 5e-324, 2**53, [], {}, True, "NaN"])
+    assert_alive(chromium_gl, page_of(paper, planted(drawing, path, new)))
+
+
+@pytest.mark.slow
+def test_a_shader_that_never_ends(chromium_sw, paper):
+    """Sealed again with a loop in it: the browser takes its driver away, and goes on."""
+    shaders = shaders_of(paper.content["drawing"])
+    name = "tone.frag"
+    text = shaders[name]
+    at = text.index("void main()")
+    brace = text.index("{", at) + 1
+    loop = "for (int k = 0; k < 2000000000; k++) { if (float(k) < -1.0) break; }"
+    shaders = {**shaders, name: text[:brace] + loop + text[brace:]}
+    open_page(chromium_sw, page(paper, shaders, body(paper)), wait=False)
+    assert_alive(chromium_sw, page_of(paper))
