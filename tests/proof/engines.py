@@ -28,7 +28,7 @@ const canvas = document.getElementById("canvas");
 Object.assign(window, {{Engine, Device, Passes, View, Unsupported, evaluate, unpacked, canvas, data,
   commonFactor, heldFactor, sampleCount, fromAfar, seesACap, edgeTiles, meet, ShaderSource}});
 window.relgloss = {{ready: (async () => {{
-  window.engine = await Engine.open(canvas, {{content: {{drawing: data.drawing}}}}, data.shaders);
+  window.engine = await Engine.open(canvas, {{content: data}}, data.shaders);
 }})()}};
 </script></body></html>
 """
@@ -36,10 +36,16 @@ window.relgloss = {{ready: (async () => {{
 Sides = Mapping[str, tuple[Scene, Look]]
 
 
-def open_engine(browser: Browser, sides: Sides, *, ready: bool = True) -> None:
-    """Open a page that holds nothing but the engine of a pair, as `engine`."""
+def open_engine(
+    browser: Browser, sides: Sides, *, files: Mapping[str, Any] | None = None, ready: bool = True
+) -> None:
+    """Open a page that holds nothing but the engine of a pair, as `engine`.
+
+    files: of a proof's content.
+    """
     drawing = json.loads(json.dumps(drawing_of(sides)))
-    data = json.dumps({"drawing": drawing, "shaders": shaders_of(drawing)})
+    content = {"drawing": drawing, "shaders": shaders_of(drawing), "files": dict(files or {})}
+    data = json.dumps(content)
     page = PAGE.format(data=data.replace("<", "\\u003c"), code=bundle(*ENTRIES))
     open_page(browser, page, wait=ready)
 

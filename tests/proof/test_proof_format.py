@@ -14,6 +14,11 @@ from relgloss_view.proof.proof import Message, Proof, Signature, canonical
 from relgloss_view.proof.read import is_proof, part_words, proof_of, read_proof
 
 
+@pytest.fixture(autouse=True)
+def _small_page(monkeypatch, tmp_path_factory):
+    samples.small_page(monkeypatch, tmp_path_factory.mktemp("page"))
+
+
 def written(path, proof):
     path.write_bytes(samples.page_of(proof).encode("utf-8"))
     return path
@@ -86,8 +91,7 @@ def test_a_thousand_single_bytes():
         ('"style":"', '"style":"0', "parts"),
     ],
 )  # fmt: skip
-def test_changes_are_named(old, new, part, monkeypatch):
-    monkeypatch.setattr("relgloss_view.proof.page.build.script", lambda: "window.relgloss = 1;")
+def test_changes_are_named(old, new, part):
     html = samples.page_of(samples.thread(3))
     assert old in html
     assert Page(html.replace(old, new, 1)).changes == (part,)
@@ -140,7 +144,7 @@ def test_the_forger_of_these_tests_makes_pages_that_are_read():
         ({"more": 1}, "expected content, format"),
         ({"messages": []}, "changed"),
         ({"messages": {}}, "changed"),
-        ({"messages__0__note": "x" * 4001}, r"messages\[0\]\.note: longer than 4000"),
+        ({"messages__0__note": "x" * 20001}, r"messages\[0\]\.note: longer than 20000"),
         ({"messages__0__note": 1}, r"messages\[0\]\.note: expected a text"),
         ({"messages__0__note": None}, r"note: expected a text"),
         ({"messages__0__author": "x" * 201}, "author: longer than 200"),
@@ -226,7 +230,7 @@ def test_wrong_signatures_are_refused(signatures, words):
 
 def test_a_message_that_is_too_long_is_never_made():
     with pytest.raises(InputError, match="note: longer"):
-        Message(samples.settings(), note="x" * 5000)
+        Message(samples.settings(), note="x" * 20001)
     with pytest.raises(InputError, match="key"):
         Signature(0, "xyz", "b" * 128)
 

@@ -21,6 +21,7 @@ export class DeviceError extends Error {
 // Names of a texture's numbers: internal format, format, type, typed array.
 const TEXTURE_KINDS = {
   rgba32f: ["RGBA32F", "RGBA", "FLOAT", Float32Array],
+  rgba16f: ["RGBA16F", "RGBA", "HALF_FLOAT", Uint16Array],
   rg32f: ["RG32F", "RG", "FLOAT", Float32Array],
   r32f: ["R32F", "RED", "FLOAT", Float32Array],
   rgba32ui: ["RGBA32UI", "RGBA_INTEGER", "UNSIGNED_INT", Uint32Array],

@@ -24,6 +24,17 @@ const UNIFORM = /^uniform\s+((?:float|int|uint|[iu]?vec[234]|mat3))\s+(\w+)(\[[1
 const INCLUDE = /^\s*#include\s+"([^"]+)"\s*$/;
 const PLACE = /\b(\d+)(?::|\()(\d+)\)?/;
 
+function wordsReadTwice(lines) {
+  const once = new Set();
+  const twice = new Set();
+  for (const line of lines) {
+    for (const word of line.replace(/\/\/.*/, "").match(/[A-Za-z_]\w*/g) ?? []) {
+      (once.has(word) ? twice : once).add(word);
+    }
+  }
+  return twice;
+}
+
 /** The name of a uniform without the mark of those that are handed on. */
 export function ownName(name) {
   const plain = name.replace(/\[0\]$/, "");
@@ -56,12 +67,13 @@ export class ShaderSource {
     const lines = activeLines([...head, ...body.slice(end + 1).split("\n")]);
     this._handedOn = []; // [type, name, array]
     let left = name.endsWith(".frag") ? most : 0;
+    const read = wordsReadTwice(lines); // what is only declared would stay a uniform of the vertices
     const handed = lines.map((line) => {
       const match = UNIFORM.exec(line);
       if (match === null || !name.endsWith(".frag")) return line;
       const [whole, kind, uniform, array = ""] = match;
       const vectors = (kind === "mat3" ? 3 : 1) * (array ? Number(array[1]) : 1);
-      if (vectors > left) return line;
+      if (vectors > left || !read.has(uniform)) return line;
       left -= vectors;
       this._handedOn.push([kind, uniform, array]);
       return `flat in ${kind} ${uniform}${array};${line.slice(whole.length)}`;
