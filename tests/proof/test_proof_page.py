@@ -263,7 +263,7 @@ def test_an_answer_is_a_file_that_python_reads(page, page_file, tmp_path):
     (tmp_path / "answer.html").write_bytes(html.encode("utf-8"))
     open_page(page, tmp_path / "answer.html")
     assert state(page) == "ready"
-    assert "Message 3 of 3, Zoë" in whose(page)
+    assert "Message 3 of 3, by Zoë" in whose(page)
 
 
 def test_the_static_body_of_an_answer_is_that_of_python(page):
