@@ -13,6 +13,7 @@ from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.picture.scene.setup import Setup
 from relgloss_view.proof.content import content_of
 from relgloss_view.proof.drawing import shaders_of
+from relgloss_view.proof.page import whole
 from relgloss_view.proof.page.build import page
 from relgloss_view.proof.page.static import body
 from relgloss_view.proof.proof import Message, Proof
@@ -43,10 +44,10 @@ def page_of(proof: Proof, drawing: Any = None) -> str:
 
     drawing: one that takes the place of the proof's own; the shaders stay.
     """
-    shaders = shaders_of(proof.content["drawing"])
-    if drawing is not None:
-        proof = dataclasses.replace(proof, content={**proof.content, "drawing": drawing})
-    return page(proof, shaders, body(proof))
+    if drawing is None:
+        return whole.page_of(proof)
+    changed = dataclasses.replace(proof, content={**proof.content, "drawing": drawing})
+    return page(changed, shaders_of(proof.content["drawing"]), body(proof))
 
 
 #: What a reader sees, as JSON: words, stored pictures that have a size, controls, the canvas.
@@ -62,6 +63,6 @@ SEEN = """() => {
     notice: all("#notice, noscript .notice").map((element) => element.innerText).join(" "),
     pictures: all("img").map((image) => [image.naturalWidth, image.naturalHeight]),
     sliders: all("input").length,
-    canvases: all("canvas").length,
+    canvases: all("#canvas").length,
   };
 }"""

@@ -58,11 +58,18 @@ def sample_proof(*, text: str = "", replies: int = 1) -> Proof:
         },
         "display": {"words": text or "27-inch panel", "sentences": [text or "White 160 cd/m2."]},
     }
-    first = Message(FIRST, text or NOTE, text[:200] or "Ayako Ishii", "2026-11-27T08:30:00Z", "relgloss 0")
+    first = Message(
+        FIRST, text or NOTE, text[:200] or "Ayako Ishii", "2026-11-27T08:30:00Z", "relgloss 0"
+    )
     proof = Proof(content, (first,))
     for k in range(replies):
         proof = proof.answered(
-            Message(SECOND, text or f"Answer {k + 1}", text[:200] or "Jonas Weber", "2026-11-27T14:05:00Z")
+            Message(
+                SECOND,
+                text or f"Answer {k + 1}",
+                text[:200] or "Jonas Weber",
+                "2026-11-27T14:05:00Z",
+            )
         )
     return proof
 

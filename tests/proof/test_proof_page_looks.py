@@ -122,7 +122,10 @@ def test_text_has_a_contrast_of_4_5(chromium_gl, files, changed):
     emulate(chromium_gl, 1280, 800)
     open_page(chromium_gl, files["plain"])
     if changed:
-        call(chromium_gl, "async () => { const s = relgloss.settings(); relgloss.set({...s, eye: {...s.eye, azimuth_deg: 1}}); await relgloss.idle(); }")
+        call(
+            chromium_gl,
+            "async () => { const s = relgloss.settings(); relgloss.set({...s, eye: {...s.eye, azimuth_deg: 1}}); await relgloss.idle(); }",
+        )
     found = call(chromium_gl, CONTRASTS)
     assert len(found) > 60
     assert found[0][0] >= 4.5, found[:5]
@@ -145,10 +148,13 @@ def test_fingers_have_targets_of_44_pixels(chromium_gl, files):
 def test_the_keyboard_reaches_all_and_shows_where_it_is(chromium_gl, files):
     emulate(chromium_gl, 1280, 800)
     open_page(chromium_gl, files["plain"])
-    wanted = call(chromium_gl, """() => [...document.querySelectorAll(
+    wanted = call(
+        chromium_gl,
+        """() => [...document.querySelectorAll(
       "#top button, #top input, #top select, #top textarea, #top summary, #top [tabindex]")]
       .filter((e) => e.checkVisibility() && !e.disabled && e.type !== "radio")
-      .map((e, k) => { e.dataset.stop = k; return k; })""")
+      .map((e, k) => { e.dataset.stop = k; return k; })""",
+    )
     here = """() => { const e = document.activeElement, box = e.getBoundingClientRect();
       return [e.dataset.stop ?? null, getComputedStyle(e).outlineStyle,
         parseFloat(getComputedStyle(e).outlineWidth), box.bottom > 0 && box.top < innerHeight]; }"""
@@ -205,7 +211,11 @@ def test_each_key_of_the_words_is_used_and_exists():
     code = "\n".join([*_scripts().values(), (FOLDER / "static.py").read_text(encoding="utf-8")])
     keys = set(re.findall(r'["\'`]([a-z]+(?:\.[\w-]+)+)["\'`]', code))
     heads = {head for head, *_ in (key.split(".") for key in table)}
-    asked = {key for key in keys if key.split(".")[0] in heads and not key.endswith((".js", ".frag", ".glsl"))}
+    asked = {
+        key
+        for key in keys
+        if key.split(".")[0] in heads and not key.endswith((".js", ".frag", ".glsl"))
+    }
     begun = re.findall(r'["\'`]([a-z]+\.(?:[\w-]+\.)*[\w-]*)[$\{]', code)
     assert asked <= set(table), asked - set(table)
     spare = {key for key in table if key not in asked and not key.startswith(tuple(begun))}
