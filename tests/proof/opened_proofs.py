@@ -60,7 +60,7 @@ SEEN = """() => {
   return {
     state: document.getElementById("main")?.dataset.state ?? null,
     text: document.body.innerText,
-    notice: all("#notice, noscript .notice").map((element) => element.innerText).join(" "),
+    notice: all(".notice").map((element) => element.innerText).join(" "),
     pictures: all("img").map((image) => [image.naturalWidth, image.naturalHeight]),
     sliders: all("input").length,
     canvases: all("#canvas").length,

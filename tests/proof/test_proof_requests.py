@@ -7,7 +7,7 @@ import re
 import time
 
 import pytest
-from browsers import SWIFTSHADER, as_before, call, chromium, console, open_page, requests
+from browsers import SWIFTSHADER, as_before, call, chromium, console, emulate, open_page, requests
 from listening import listening
 from opened_proofs import SEEN, page_of
 
@@ -193,8 +193,9 @@ def test_no_request_whatever_is_used(chromium_gl, paper, tmp_path):
     """Opened, everything used, answered, the answer opened: the browser's log stays empty."""
     saves = {"behavior": "allow", "downloadPath": str(tmp_path)}
     chromium_gl.cdp("Browser.setDownloadBehavior", **saves)
+    emulate(chromium_gl, 600, 400)  # small, as every step draws
     open_page(chromium_gl, page_of(paper))
-    assert call(chromium_gl, USE, 2) > 20
+    assert call(chromium_gl, USE, 1) > 20
     until(lambda: saved(tmp_path))
     asked = requests(chromium_gl)
     console(chromium_gl)
