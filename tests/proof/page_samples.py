@@ -50,7 +50,7 @@ def sample_proof(*, text: str = "", replies: int = 1) -> Proof:
         "size_px": [64, 64],
         "files": {"scene.toml": {"text": ""}},
         "pictures": {"reference": picture(90), "test": picture(160)},
-        "grid": {"columns": 1, "rows": 1, "sides": {side: NOTHING for side in SIDES}},
+        "grid": {"columns": 1, "rows": 1, "sides": dict.fromkeys(SIDES, NOTHING)},
         "drawing": json.loads(drawing()[0]),
         "meter": {
             "gloss-60": {"name": text or "60°", "reference": 21.34, "test": 55.2, "decimals": 1},

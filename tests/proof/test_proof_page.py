@@ -233,7 +233,8 @@ def test_nothing_is_drawn_while_nothing_changes(page):
       const {engine} = relgloss, draw = engine.draw.bind(engine);
       let calls = 0;
       engine.draw = (...all) => { calls++; return draw(...all); };
-      if (change) relgloss.set({...relgloss.settings(), eye: {...relgloss.settings().eye, azimuth_deg: 3}});
+      const now = relgloss.settings();
+      if (change) relgloss.set({...now, eye: {...now.eye, azimuth_deg: 3}});
       await new Promise((done) => setTimeout(done, 250));
       return calls;
     }"""
@@ -246,7 +247,8 @@ def test_a_lost_context_comes_back(page):
     call(
         page,
         """() => { window.lose = document.getElementById("canvas").getContext("webgl2")
-      .getExtension("WEBGL_lose_context"); lose.loseContext(); return new Promise(d => setTimeout(d, 100)); }""",
+      .getExtension("WEBGL_lose_context"); lose.loseContext();
+      return new Promise(d => setTimeout(d, 100)); }""",
     )
     assert state(page) == "lost"
     assert "driver" in call(page, "() => document.getElementById('notice').textContent")
@@ -295,7 +297,8 @@ def test_the_static_body_of_an_answer_is_that_of_python(page):
     call(
         page,
         """() => { URL.createObjectURL = (blob) => { window.saved = blob; return "#"; };
-      window.Date = class extends Date { toISOString() { return "2026-11-27T14:05:00.000Z"; } }; }""",
+      const then = "2026-11-27T14:05:00.000Z";
+      window.Date = class extends Date { toISOString() { return then; } }; }""",
     )
     press(page, "reply-note", newest["note"])
     press(page, "reply-name", newest["author"])
@@ -306,8 +309,10 @@ def test_the_static_body_of_an_answer_is_that_of_python(page):
 
 def test_a_changed_page_shows_nothing(chromium_gl, page_file, tmp_path):
     html = page_file.read_text(encoding="utf-8")
-    for old, new, named in (("autumn edition", "winter edition", "words of the page"),
-                            ('"note":"Answer 1"', '"note":"Answer 2"', "note of message 2")):  # fmt: skip
+    for old, new, named in (
+        ("autumn edition", "winter edition", "words of the page"),
+        ('"note":"Answer 1"', '"note":"Answer 2"', "note of message 2"),
+    ):
         assert old in html
         changed = tmp_path / "changed.html"
         changed.write_bytes(html.replace(old, new).encode("utf-8"))

@@ -16,7 +16,14 @@ from selenium.webdriver.common.keys import Keys
 from relgloss_view.proof.page import build, static
 
 FOLDER = Path(build.__file__).parent
-SIZES = ((390, 844), (768, 1024), (1280, 800), (2560, 1440), (640, 400))  # the last: 200 % zoom
+#: The last is 1280 x 800 at 200 %. At 2560 x 1440 there are eight times as many pixels to draw.
+SIZES = (
+    (390, 844),
+    (768, 1024),
+    (1280, 800),
+    pytest.param((2560, 1440), marks=pytest.mark.slow, id="2560x1440"),
+    (640, 400),
+)
 HOSTILE = "<script>window.hurt = 1</script><img src=x onerror=window.hurt=1>" * 15
 #: Elements that reach beyond the page's right edge; boxes that scroll or cut by themselves hold
 #: theirs.
@@ -83,7 +90,12 @@ def test_nothing_reaches_beyond_the_page(chromium_gl, files, size):
         scrolled, wide, out = call(chromium_gl, OVERFLOW)
         assert out == [], name
         assert scrolled <= wide, name
-    planted = "() => { document.body.append(Object.assign(document.createElement('p'), {id: 'wide'})); Object.assign(document.getElementById('wide').style, {width: '9000px', height: '9px'}); }"
+    planted = """() => {
+      const wide = document.createElement("p");
+      wide.id = "wide";
+      Object.assign(wide.style, {width: "9000px", height: "9px"});
+      document.body.append(wide);
+    }"""
     call(chromium_gl, planted)
     scrolled, wide, out = call(chromium_gl, OVERFLOW)
     assert scrolled > wide
@@ -116,19 +128,22 @@ def test_names_and_notes_of_script_are_inert(chromium_gl, files):
     assert requests(chromium_gl) == []
 
 
-@pytest.mark.parametrize("changed", [False, True])
-def test_text_has_a_contrast_of_4_5(chromium_gl, files, changed):
-    """WCAG 2.2, 1.4.3."""
+def test_text_has_a_contrast_of_4_5(chromium_gl, files):
+    """WCAG 2.2, 1.4.3, as sent and after a change."""
     emulate(chromium_gl, 1280, 800)
     open_page(chromium_gl, files["plain"])
-    if changed:
+    for _ in range(2):
+        found = call(chromium_gl, CONTRASTS)
+        assert len(found) > 60
+        assert found[0][0] >= 4.5, found[:5]
         call(
             chromium_gl,
-            "async () => { const s = relgloss.settings(); relgloss.set({...s, eye: {...s.eye, azimuth_deg: 1}}); await relgloss.idle(); }",
+            """async () => {
+              const now = relgloss.settings();
+              relgloss.set({...now, eye: {...now.eye, azimuth_deg: 1}});
+              await relgloss.idle();
+            }""",
         )
-    found = call(chromium_gl, CONTRASTS)
-    assert len(found) > 60
-    assert found[0][0] >= 4.5, found[:5]
     call(chromium_gl, "() => { document.querySelector('h1').style.color = '#555'; }")
     assert call(chromium_gl, CONTRASTS)[0][1].startswith("H1")  # the negative control
 
@@ -136,10 +151,11 @@ def test_text_has_a_contrast_of_4_5(chromium_gl, files, changed):
 def test_fingers_have_targets_of_44_pixels(chromium_gl, files):
     emulate(chromium_gl, 390, 844, 2, touch=True)
     open_page(chromium_gl, files["plain"])
-    small = """() => [...document.querySelectorAll(
-        "#look button, #controls input, #controls select, #thread button, #reply input, #reply button, #wipe")]
-      .map((e) => [e.id || e.textContent, e.getBoundingClientRect()]).filter(([, box]) => box.height > 0
-        && (box.height < 43.9 || box.width < 43.9)).map(([name]) => name)"""
+    small = """() => [...document.querySelectorAll("#look button, #controls input,"
+        + "#controls select, #thread button, #reply input, #reply button, #wipe")]
+      .map((e) => [e.id || e.textContent, e.getBoundingClientRect()])
+      .filter(([, box]) => box.height > 0 && (box.height < 43.9 || box.width < 43.9))
+      .map(([name]) => name)"""
     assert call(chromium_gl, small) == []
     call(chromium_gl, "() => document.documentElement.style.setProperty('--target', '20px')")
     assert call(chromium_gl, small)  # the negative control
@@ -166,7 +182,9 @@ def test_the_keyboard_reaches_all_and_shows_where_it_is(chromium_gl, files):
             if int(stop) in reached:
                 break
             reached.add(int(stop))
-            assert (style != "none" and width >= 2) and inside, stop
+            assert style != "none", stop
+            assert width >= 2, stop
+            assert inside, stop
     assert reached == set(wanted)
 
 
@@ -188,7 +206,8 @@ def test_forced_colours_and_reduced_motion_keep_all(chromium_gl, files):
     emulate(chromium_gl, 1280, 800, forced_colours=True, reduced_motion=True)
     open_page(chromium_gl, files["plain"])
     pressed = """() => { const style = (e) => getComputedStyle(e).backgroundColor;
-      return [style(document.querySelector("[data-key=both]")), style(document.querySelector("[data-key=wipe]")),
+      const [both, wipe] = document.querySelectorAll(".segment");
+      return [style(both), style(wipe),
         getComputedStyle(document.getElementById("canvas")).forcedColorAdjust,
         getComputedStyle(document.querySelector(".button")).transitionDuration]; }"""
     on, off, adjust, duration = call(chromium_gl, pressed)
@@ -226,15 +245,15 @@ def test_no_english_in_javascript_or_html():
     """Two words in a row within quotes are a text; those of errors are for programmers."""
     allowed = re.compile(r"(Error|Unsupported)\(|console\.|throw |querySelector|matchMedia|@")
     found = []
-    own = ("app", "check", "hand", "layout", "life", "main", "readout", "reply", "screen", "screens",
-           "sliders", "static", "thread", "tools", "words")  # fmt: skip
+    own = "app check hand layout life main readout reply screen screens sliders static thread tools"
     for name, text in _scripts().items():
-        if name.removesuffix(".js") not in own:
+        if name.removesuffix(".js") not in own.split():
             continue
         for line in text.splitlines():
             if allowed.search(line):
                 continue
-            found += [(name, m) for m in re.findall(r'"([A-Za-z]{2,} [a-z]{2,}[^"]*)"', line)]
+            texts = re.sub(r'class: "[^"]*"|className = "[^"]*"', "", line)
+            found += [(name, m) for m in re.findall(r'"([A-Za-z]{2,} [a-z]{2,}[^"]*)"', texts)]
     known = ("no webgl2", "no float targets", "no memory")
     assert [entry for entry in found if entry[1] not in known] == []
 

@@ -80,9 +80,12 @@ def settings_rows(settings: Settings, say: Say) -> list[tuple[str, str]]:
             "settings.of-side", grain=number(setting.sigma_n_deg), contrast=number(setting.c)
         )
         rows.append((say(f"side.{side}"), values))
-    return [*rows, (say("settings.lamp"), _lamp(settings.lamp, say)),
-            (say("settings.eye"), say("settings.eye-place", azimuth=number(settings.eye.azimuth_deg),
-             elevation=number(settings.eye.elevation_deg)))]  # fmt: skip
+    eye = settings.eye
+    place = say(
+        "settings.eye-place", azimuth=number(eye.azimuth_deg), elevation=number(eye.elevation_deg)
+    )
+    lamp = (say("settings.lamp"), _lamp(settings.lamp, say))
+    return [*rows, lamp, (say("settings.eye"), place)]
 
 
 def _lamp(lamp: LampPlace, say: Say) -> str:
