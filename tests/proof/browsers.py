@@ -37,6 +37,7 @@ ELSEWHERE = (
 )
 BLANK = "about:blank"
 KEEPER = Path(__file__).with_name("keeper.py")
+TRIES = 3  #: to start a driver
 LONGEST_S = 120.0  #: of one call, on a loaded machine
 SCREEN = "1600x1200x24"
 PACKAGES = {
@@ -48,19 +49,11 @@ PACKAGES = {
 }
 FLAGS = (
     "--no-first-run",
-    "--no-default-browser-check",
     "--disable-dev-shm-usage",  # which may be as small as 64 MB
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
-    "--disable-extensions",
-    "--disable-default-apps",
-    "--disable-breakpad",
-    "--metrics-recording-only",
     "--no-pings",
-    "--mute-audio",
-    "--password-store=basic",
-    "--use-mock-keychain",
     # A window that another one covers draws all the same.
     "--disable-backgrounding-occluded-windows",
     "--disable-renderer-backgrounding",
@@ -134,6 +127,8 @@ def kept(*words: str, folder: str = "", **more: Any) -> Iterator[subprocess.Pope
 
     folder: removed when the program is gone.
     """
+    if folder:
+        Path(folder).mkdir(exist_ok=True)
     process = subprocess.Popen(
         [sys.executable, "-SE", str(KEEPER), folder, *words], stdin=subprocess.PIPE, **more
     )
@@ -163,18 +158,25 @@ def screen() -> Iterator[str]:
 @contextlib.contextmanager
 def driver_at(name: str, *words: str, **more: Any) -> Iterator[str]:
     """The address of a WebDriver program, which chooses its own port and prints it."""
-    with kept(
-        program(name), *words, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, **more
-    ) as process:
-        assert process.stdout is not None
-        for line in iter(process.stdout.readline, b""):
-            if b"on port " in line:
-                port = line.decode().rpartition("on port ")[2].strip().rstrip(".")
-                if port.isdigit() and int(port):
-                    break
-        else:
-            pytest.fail(f"{name} ended before it named its port", pytrace=False)
-        yield f"http://127.0.0.1:{port}"
+    # It takes a free port of IPv4, then the same one of IPv6, and ends where another has that.
+    for _ in range(TRIES):
+        with kept(
+            program(name), *words, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, **more
+        ) as process:
+            port = _port(process)
+            if port:
+                yield f"http://127.0.0.1:{port}"
+                return
+    pytest.fail(f"{name} ended before it named its port", pytrace=False)
+
+
+def _port(process: subprocess.Popen[bytes]) -> int:
+    assert process.stdout is not None
+    for line in iter(process.stdout.readline, b""):
+        word = line.decode().rpartition("on port ")[2].strip().rstrip(".")
+        if word.isdigit() and int(word):
+            return int(word)
+    return 0
 
 
 @contextlib.contextmanager

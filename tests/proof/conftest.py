@@ -7,6 +7,9 @@ from collections.abc import Iterator
 import other_engines
 import pytest
 from browsers import GL, SWIFTSHADER, Browser, as_before, chromium, screen
+from opened_proofs import paper_proof
+
+from relgloss_view.proof.proof import Proof
 
 _started: list[Browser] = []
 
@@ -48,6 +51,12 @@ def webkit(other_screen: str) -> Iterator[other_engines.WebKit]:
     """WebKitGTK, on llvmpipe."""
     with other_engines.webkit(other_screen) as browser:
         yield browser
+
+
+@pytest.fixture(scope="session")
+def paper() -> Proof:
+    """A proof of matte-coated paper beside the reference, small."""
+    return paper_proof()
 
 
 @pytest.fixture(autouse=True)

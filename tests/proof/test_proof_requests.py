@@ -7,12 +7,14 @@ import re
 import time
 
 import pytest
-from browsers import as_before, call, open_page, requests
+from browsers import SWIFTSHADER, as_before, call, chromium, console, emulate, open_page, requests
 from listening import listening
+from opened_proofs import SEEN, page_of
 
 from relgloss_view.picture.scene.setup import Eye
 from relgloss_view.proof.page import build
 from relgloss_view.proof.proof import Message, Proof
+from relgloss_view.proof.read import read_proof
 from relgloss_view.proof.settings import LampPlace, PictureSetting, Settings
 
 LONGEST_S = 60.0
@@ -133,6 +135,117 @@ def test_what_a_policy_does_not_hold(chromium_gl, policy, name):
         words = UNHELD[name].format(at=address(server, name))
         open_page(chromium_gl, PAGE.format(policy + words, ""), wait=False)
         until(lambda: server.connections > 0)
+
+
+#: Use everything that a hand can reach, so many times; returns how many controls were used.
+USE = """async (rounds) => {
+  const rest = () => new Promise(done => setTimeout(done));
+  const used = new Set();
+  Element.prototype.setPointerCapture = () => {};  // of a pointer that is not there
+  for (let round = 0; round < rounds; round++) {
+    for (const details of document.querySelectorAll("details")) details.open = true;
+    for (const field of document.querySelectorAll("input, select, textarea")) {
+      if (field.disabled) continue;
+      used.add(field);
+      field.focus();
+      if (field.type === "checkbox" || field.type === "radio") field.click();
+      else if (field.tagName === "SELECT") {
+        field.selectedIndex = (field.selectedIndex + 1) % field.options.length;
+      } else if (field.type === "range" || field.type === "number") {
+        const low = Number(field.min || 0), high = Number(field.max || 1);
+        field.value = String(low + (high - low) * (round ? 0.7 : 0.3));
+      } else field.value = `http://127.0.0.1:${round}/ <img src=//127.0.0.1/x>`;
+      field.dispatchEvent(new Event("input", {bubbles: true}));
+      field.dispatchEvent(new Event("change", {bubbles: true}));
+      await rest();
+    }
+    for (const button of document.querySelectorAll("button")) {
+      if (button.disabled) continue;
+      used.add(button);
+      button.click();
+      await rest();
+    }
+    const canvas = document.getElementById("canvas");
+    const box = canvas.getBoundingClientRect();
+    for (const [name, step] of [["pointerdown", 0], ["pointermove", 9], ["pointermove", 30],
+        ["pointerup", 30]]) {
+      canvas.dispatchEvent(new PointerEvent(name, {bubbles: true, pointerId: 1, buttons: 1,
+        clientX: box.x + 20 + step, clientY: box.y + 30 + step}));
+      await rest();
+    }
+    canvas.dispatchEvent(new WheelEvent("wheel", {bubbles: true, deltaY: 100, cancelable: true,
+      clientX: box.x + 20, clientY: box.y + 20}));
+    for (const key of ["ArrowLeft", "ArrowUp", "+", "-", "w", "f", "s", "t", "l", "r", "Home", "0"])
+      canvas.dispatchEvent(new KeyboardEvent("keydown", {key, bubbles: true}));
+    await rest();
+  }
+  if (relgloss.idle) await relgloss.idle();
+  return used.size;
+}"""
+
+
+def saved(folder):
+    """Files that a browser has saved whole."""
+    return [path for path in folder.iterdir() if path.suffix not in (".crdownload", ".tmp")]
+
+
+def test_no_request_whatever_is_used(chromium_gl, paper, tmp_path):
+    """Opened, everything used, answered, the answer opened: the browser's log stays empty."""
+    saves = {"behavior": "allow", "downloadPath": str(tmp_path)}
+    chromium_gl.cdp("Browser.setDownloadBehavior", **saves)
+    emulate(chromium_gl, 600, 400)  # small, as every step draws
+    open_page(chromium_gl, page_of(paper))
+    assert call(chromium_gl, USE, 1) > 20
+    until(lambda: saved(tmp_path))
+    asked = requests(chromium_gl)
+    console(chromium_gl)
+    assert asked == []
+    # The name that the walk typed has no ending, by which a browser knows a page.
+    answer = saved(tmp_path)[0].rename(tmp_path / "answer.html")
+    assert len(read_proof(answer).messages) == 2
+    open_page(chromium_gl, answer)
+    assert call(chromium_gl, SEEN)["canvases"] == 1
+    console(chromium_gl)
+    assert requests(chromium_gl) == []
+
+
+def test_a_request_of_the_same_page_is_seen(chromium_gl, paper):
+    """The control: one picture from elsewhere in the same page, without the policy."""
+    with listening() as server:
+        html = POLICY.sub("", page_of(paper))
+        html = html.replace("<main", f'<img src="{address(server, "x")}"><main')
+        open_page(chromium_gl, html)
+        until(lambda: server.paths == ["/x"])
+        assert requests(chromium_gl) == [address(server, "x")]
+
+
+@pytest.mark.slow
+def test_no_connection_of_the_whole_browser(paper, tmp_path):
+    """Chromium's own record of all its processes, from start to end: no connection is made.
+
+    The control is the same browser on a page that asks for a picture.
+    """
+    (tmp_path / "proof.html").write_text(page_of(paper), encoding="utf-8", newline="\n")
+    with listening() as server:
+        (tmp_path / "other.html").write_text(f'<img src="{address(server, "x")}">')
+        for name, expected in (("proof.html", set()), ("other.html", {f"127.0.0.1:{server.port}"})):
+            log = tmp_path / f"{name}.json"
+            with chromium(*SWIFTSHADER, f"--log-net-log={log}") as browser:
+                open_page(browser, tmp_path / name)
+                if name == "proof.html":
+                    call(browser, USE, 1)
+            assert connections(log) == expected, name
+
+
+def connections(log):
+    """Addresses that a browser's network log says it has tried to connect to by TCP."""
+    record = json.loads(log.read_text(encoding="utf-8", errors="replace"))
+    kind = record["constants"]["logEventTypes"]["TCP_CONNECT_ATTEMPT"]
+    return {
+        event["params"]["address"]
+        for event in record["events"]
+        if event["type"] == kind and "address" in event.get("params", {})
+    }
 
 
 def test_the_policy_of_the_page(policy):
