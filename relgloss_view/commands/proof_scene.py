@@ -83,9 +83,7 @@ def _with_open_graininess(own: Pack, matched: Pack, sigma_n_deg: float) -> Pack:
     return dataclasses.replace(matched, finishes=finishes)
 
 
-def _pinned(
-    content: SceneFile, renderer: FrameRenderer, size: tuple[int, int]
-) -> SceneFile:
+def _pinned(content: SceneFile, renderer: FrameRenderer, size: tuple[int, int]) -> SceneFile:
     """The pair with each c that was a share of c_max as the number that its picture has."""
     from relgloss_view.gloss.match import absolute_c
     from relgloss_view.pack.shape import Shape
