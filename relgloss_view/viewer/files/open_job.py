@@ -1,5 +1,5 @@
-"""Opening a file in the background: a scene, a proof, a display, a pack, artwork, a mesh, a material, or a
-measurement, which is fitted first.
+"""Opening a file in the background: a scene, a proof, a display, a pack, artwork, a mesh, a
+material, or a measurement, which is fitted first.
 
 A thread does it and leaves the fit itself to a process (see fit_process.py). What is cancelled is
 done with at once and leaves no file.
