@@ -34,6 +34,7 @@ COMMANDS = {
     "gloss": "compute what gloss meters would read on a material",
     "pack": "check, write and list packs: a form, an artwork and finishes",
     "display": "show what a monitor shows, from its profile or from readings, and check it",
+    "proof": "make one file of a design that others open in a browser, and check it",
     "experiment": "run, simulate and analyse the subjective evaluation",
     "bench": "chart speed against accuracy of every way to draw",
     "doctor": "check this machine's OpenGL and libraries, and how to get what is missing",

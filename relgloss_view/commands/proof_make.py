@@ -239,24 +239,23 @@ def _signed(proof: Proof, key: str) -> Proof:
 
 
 def _page(proof: Proof) -> str:
+    from relgloss_view.proof.drawing import shaders_of
     from relgloss_view.proof.page.build import page
     from relgloss_view.proof.page.static import body
-    from relgloss_view.proof.shaders import shader_texts
 
-    return page(proof, shader_texts(proof), body(proof))
+    return page(proof, shaders_of(proof.content["drawing"]), body(proof))
 
 
 def _numbers(
     proof: Proof, output: Path, total: int, sizes: dict[str, int], notes: tuple[str, ...]
 ) -> dict[str, Any]:
-    pictures = proof.content.get("pictures", {})
     return {
         "output": str(output),
         "digest": proof.digest,
         "title": proof.title,
         "bytes": total,
         "sizes": sizes,
-        "picture_quality": pictures.get("quality"),
+        "picture_quality": proof.content.get("picture_quality"),
         "messages": len(proof.messages),
         "parent": proof.messages[-1].parent,
         "signed": len(proof.signatures),

@@ -88,7 +88,8 @@ def _pinned(content: SceneFile, renderer: FrameRenderer, size: tuple[int, int]) 
     from relgloss_view.gloss.match import absolute_c
     from relgloss_view.pack.shape import Shape
 
-    assert content.reference is not None and content.reference_look is not None
+    assert content.reference is not None
+    assert content.reference_look is not None
 
     def pinned(sample: Sample, scene: Scene, look: Look) -> Look:
         if look.c is not None:

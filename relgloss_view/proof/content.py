@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-import importlib.util
 import json
+import os
 import tempfile
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,11 +18,12 @@ from relgloss_view.display.record import ASSUMED, DisplayRecord
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.scene_file import SceneFile
 from relgloss_view.proof.carry import carried, files_of, relative, size_of
+from relgloss_view.proof.drawing import drawing_of
 from relgloss_view.proof.grid import grid_of
 from relgloss_view.proof.meter import finishes_of, meter_of
 from relgloss_view.proof.pair import Pair
 from relgloss_view.proof.pictures import stored
-from relgloss_view.proof.settings import Settings
+from relgloss_view.proof.settings import SIDES, Settings
 from relgloss_view.quality.backends import FrameRenderer
 
 SIZE = (512, 512)  #: of the stored pictures and the check
@@ -83,7 +85,8 @@ def content_of(
             "meter": meter_of(pair),
             "display": display_words(scene.setup.display),
             "grid": grid_of(pictures),
-            "pictures": {**coded, "type": "image/webp", "quality": quality},
+            "pictures": coded,
+            "picture_quality": quality,
         }
         finishes = finishes_of(pair)
         if finishes:
@@ -91,7 +94,7 @@ def content_of(
         if made.notes:
             content["notes"] = list(made.notes)
         progress(0.8, "preparing the page")
-        content |= _drawing(pair, size)
+        content["drawing"] = _drawing(pair, folder)
         settings = _named_within(pair.settings, folder)
     warnings = [f"{side}: {text}" for side, one in pictures.items() for text in one.warnings]
     return Made(content, settings, made.notes, tuple(dict.fromkeys(warnings)))
@@ -109,9 +112,10 @@ def display_words(display: Display) -> dict[str, Any]:
     }  # fmt: skip
     light = f"{record.luminance_cd_m2:.3g} cd/m2" if record.luminance_known else "not known"
     dark = f"{record.black_cd_m2:.3g} cd/m2" if record.black_known else "not known"
-    sentences = [f"Its white has the luminance {light}." if record.luminance_known else
-                 "The luminance of its white is not known.",
-                 f"Its black has {dark}." if record.black_known else "Its black is not known."]  # fmt: skip
+    sentences = [
+        f"Its white has {light}." if record.luminance_known else "Its luminance is not known.",
+        f"Its black has {dark}." if record.black_known else "Its black is not known.",
+    ]
     if record.reflected_cd_m2:
         sentences.append(f"The screen reflects {record.reflected_cd_m2:.3g} cd/m2 of the room.")
     return {
@@ -123,12 +127,20 @@ def display_words(display: Display) -> dict[str, Any]:
     }
 
 
-def _drawing(pair: Pair, size: tuple[int, int]) -> dict[str, Any]:
-    """What the page draws with."""
-    if importlib.util.find_spec("relgloss_view.proof.drawing") is None:
-        return {}
-    module = importlib.import_module("relgloss_view.proof.drawing")
-    return {"drawing": module.drawing_of(pair, size)}
+def _drawing(pair: Pair, folder: Path) -> dict[str, Any]:
+    """What the page draws with; a lamp that is a file has its name among the proof's files."""
+    sides = {side: (pair.scenes[side], pair.looks[side]) for side in SIDES}
+    made: dict[str, Any] = _renamed(drawing_of(sides), str(folder) + os.sep)
+    return made
+
+
+def _renamed(value: Any, start: str) -> Any:
+    """Names of files without the folder that they lie in, keys and values alike."""
+    if isinstance(value, Mapping):
+        return {key.removeprefix(start): _renamed(one, start) for key, one in value.items()}
+    if isinstance(value, list):
+        return [_renamed(one, start) for one in value]
+    return value.removeprefix(start) if isinstance(value, str) else value
 
 
 def _named_within(settings: Settings, folder: Path) -> Settings:

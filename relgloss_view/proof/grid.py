@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array
+from relgloss_view.base.arrays import AnyArray, Array
 from relgloss_view.material.difference import delta_e_2000
 from relgloss_view.proof.pair import Drawn
 
@@ -30,7 +30,7 @@ class Comparison:
     missed: int
 
 
-def places(size: tuple[int, int]) -> tuple[Array, Array]:
+def places(size: tuple[int, int]) -> tuple[AnyArray, AnyArray]:
     """Columns and rows of the grid's pixels in a picture of this size, (COLUMNS,) and (ROWS,).
 
     >>> [part[:2].tolist() for part in places((512, 480))]

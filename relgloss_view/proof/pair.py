@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 from relgloss_view.base.arrays import Bytes, Floats, Mask
 from relgloss_view.base.errors import InputError
-from relgloss_view.display.display import Display
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.frame import Frame
 from relgloss_view.picture.pair import common_factor
@@ -17,27 +16,9 @@ from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.scene_file import SceneFile
 from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.picture.scene.setup import Setup
+from relgloss_view.proof.drawing import page_display
 from relgloss_view.proof.settings import SIDES, LampPlace, PictureSetting, Settings
 from relgloss_view.quality.backends import FrameRenderer
-
-#: Of a scene's display, what the page keeps: what it shows around a picture and how a pixel is.
-KEPT = (
-    "background_lstar",
-    "gamut",
-    "edges",
-    "dither",
-    "pixel_pitch_mm",
-    "viewing_distance_m",
-)
-
-
-def page_display(display: Display) -> Display:
-    """The display that a page draws for: sRGB, whose colours the browser takes to the screen.
-
-    >>> page_display(Display(gamma=2.4, transfer="gain-offset-gamma", edges="smooth")).edges
-    'smooth'
-    """
-    return Display(**{name: getattr(display, name) for name in KEPT})
 
 
 @dataclass(frozen=True)

@@ -229,7 +229,7 @@ def _check_gltf(name: str, data: bytes, files: Mapping[str, bytes]) -> None:
     buffers = content.get("buffers", []) if isinstance(content, dict) else []
     for buffer in buffers if isinstance(buffers, list) else []:
         uri = buffer.get("uri", "data:") if isinstance(buffer, dict) else "data:"
-        if isinstance(uri, str) and not uri[:5].lower() == "data:" and uri not in files:
+        if isinstance(uri, str) and uri[:5].lower() != "data:" and uri not in files:
             _refuse(name, "buffers of the proof itself")
 
 
