@@ -11,14 +11,23 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from datetime import datetime
 from functools import cached_property
 from typing import Any
 
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import refuse, text
 from relgloss_view.proof.settings import Settings
 
 FORMAT, VERSION = "relgloss-proof", 1
+MOST_NOTE, MOST_AUTHOR, MOST_PROGRAM = 4_000, 200, 100  #: characters
+MOST_MESSAGES = 500
+MOST_SCREEN_BYTES = 20_000  #: of its canonical JSON
+TIME = "%Y-%m-%dT%H:%M:%SZ"
+_DIGEST = re.compile(r"[0-9a-f]{64}")
 
 
 @dataclass(frozen=True)
@@ -29,6 +38,8 @@ class Message:
     made: time in UTC, such as '2026-11-27T08:30:00Z'. program: that made it, with its version.
     parent: SHA-256 of the proof that this answers, hexadecimal; '' of the first.
     screen: what is known of the author's display (screens.py), or None.
+
+    Raises InputError where a field is too long or of another kind.
     """
 
     settings: Settings
@@ -39,10 +50,46 @@ class Message:
     parent: str = ""
     screen: Mapping[str, Any] | None = None
 
+    def __post_init__(self) -> None:
+        for name, most in TEXTS.items():
+            if len(text(getattr(self, name), name)) > most:
+                raise InputError(f"{name}: longer than {most} characters; shorten it")
+        if self.made and not _is_time(self.made):
+            refuse("made", "a time in UTC such as 2026-11-27T08:30:00Z, or nothing", self.made)
+        if self.parent and not _DIGEST.fullmatch(self.parent):
+            refuse("parent", "the SHA-256 of a proof (64 digits 0-9, a-f), or nothing", self.parent)
+        if self.screen is None:
+            return
+        if not isinstance(self.screen, Mapping):
+            refuse("screen", "an object or null", self.screen)
+        if len(canonical(self.screen)) > MOST_SCREEN_BYTES:
+            raise InputError(f"screen: longer than {MOST_SCREEN_BYTES} bytes; leave entries out")
+
+    @classmethod
+    def from_json(cls, content: object) -> Message:
+        """Of a proof's JSON; InputError names the field that is wrong."""
+        names = [f.name for f in dataclasses.fields(cls)]
+        if not isinstance(content, Mapping) or set(content) != set(names):
+            found = list(content) if isinstance(content, Mapping) else content
+            refuse("entries", ", ".join(names), found)
+        return cls(**{**content, "settings": Settings.from_json(content["settings"])})
+
     def as_json(self) -> dict[str, Any]:
         """As a proof's JSON holds it."""
         fields = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
         return {**fields, "settings": self.settings.as_json()}
+
+
+TEXTS = {"note": MOST_NOTE, "author": MOST_AUTHOR, "made": 20, "program": MOST_PROGRAM} | {
+    "parent": 64
+}
+
+
+def _is_time(made: str) -> bool:
+    try:
+        return datetime.strptime(made, TIME).strftime(TIME) == made
+    except ValueError:
+        return False
 
 
 @dataclass(frozen=True)
@@ -50,12 +97,20 @@ class Signature:
     """An Ed25519 signature of the proof that ends with a message.
 
     message: its index. key: the public key, hexadecimal. signature: of the proof's digest as 32
-    bytes, hexadecimal.
+    bytes, hexadecimal. Raises InputError for anything else.
     """
 
     message: int
     key: str
     signature: str
+
+    def __post_init__(self) -> None:
+        if type(self.message) is not int or not 0 <= self.message < MOST_MESSAGES:
+            refuse("message", "the index of a message", self.message)
+        for name, digits in (("key", 64), ("signature", 128)):
+            value = getattr(self, name)
+            if not (isinstance(value, str) and re.fullmatch(f"[0-9a-f]{{{digits}}}", value)):
+                refuse(name, f"{digits} digits 0-9, a-f", value)
 
 
 @dataclass(frozen=True)
@@ -75,25 +130,19 @@ class Proof:
         return self.messages[-1].settings
 
     @property
+    def opening(self) -> Proof:
+        """The proof as it was sent first, before any reply."""
+        return Proof(self.content, self.messages[:1])
+
+    @property
     def title(self) -> str:
         """What the proof is about."""
         return str(self.content.get("title", ""))
 
     @cached_property
     def digests(self) -> tuple[str, ...]:
-        """SHA-256 of the thread's proofs, hexadecimal, one a message; the last names this proof.
-
-        The JSON of all of them begins alike, which is hashed once.
-        """
-        begun = hashlib.sha256(b'{"content":' + canonical(self.content))
-        begun.update(b',"format":' + canonical(FORMAT) + b',"messages":[')
-        names = []
-        for k, message in enumerate(self.messages):
-            begun.update((b"," if k else b"") + canonical(message.as_json()))
-            ended = begun.copy()
-            ended.update(b'],"version":%d}' % VERSION)
-            names.append(ended.hexdigest())
-        return tuple(names)
+        """SHA-256 of the thread's proofs, hexadecimal, one a message; the last names this proof."""
+        return digests_of(self.as_json())
 
     @property
     def digest(self) -> str:
@@ -113,6 +162,22 @@ class Proof:
         """The reply with a message, which names this proof."""
         answer = dataclasses.replace(message, parent=self.digest)
         return Proof(self.content, (*self.messages, answer), self.signatures)
+
+
+def digests_of(proof: Mapping[str, Any]) -> tuple[str, ...]:
+    """SHA-256 of the proofs of a thread, hexadecimal, from the JSON of the last one.
+
+    The JSON of all of them begins alike, which is hashed once.
+    """
+    begun = hashlib.sha256(b'{"content":' + canonical(proof["content"]))
+    begun.update(b',"format":' + canonical(proof["format"]) + b',"messages":[')
+    names = []
+    for k, message in enumerate(proof["messages"]):
+        begun.update((b"," if k else b"") + canonical(message))
+        ended = begun.copy()
+        ended.update(b'],"version":' + canonical(proof["version"]) + b"}")
+        names.append(ended.hexdigest())
+    return tuple(names)
 
 
 def canonical(value: Any) -> bytes:

@@ -8,11 +8,13 @@ from typing import Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.parameters import Checked, parameter
+from relgloss_view.base.reading import refuse
 from relgloss_view.base.toml import build_part, entries
 from relgloss_view.picture.scene.match import MOST_C
 from relgloss_view.picture.scene.setup import Eye, Lamp, Setup
 
 SIDES = ("reference", "test")
+MOST_NAME = 200  #: characters of a lamp's
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,11 @@ class LampPlace(Checked):
     elevation_deg: float = parameter(0.0, -90.0, 90.0, "deg", "height of the lamp")
     distance_m: float = parameter(1.0, 1e-3, 1e3, "m", "distance of the lamp")
     illuminant: str = "HP5"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not isinstance(self.illuminant, str) or len(self.illuminant) > MOST_NAME:
+            refuse("lamp.illuminant", f"a name of at most {MOST_NAME} characters", self.illuminant)
 
     @classmethod
     def of(cls, lamp: Lamp) -> LampPlace:

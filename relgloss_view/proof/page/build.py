@@ -13,18 +13,15 @@ import json
 import re
 from collections.abc import Mapping
 from functools import lru_cache
-from html import escape
 from pathlib import Path
 from typing import Any
 
-from relgloss_view.proof.proof import Proof, canonical
+from relgloss_view.base.visible import visible
+from relgloss_view.proof.page.parts import MARK, SEAL, UNSEALED, joined, script_json
+from relgloss_view.proof.proof import Proof
 
 FOLDER = Path(__file__).parent
 ENTRY = "main.js"  #: which needs all others
-#: Marks a file as a proof, within its first bytes; the content is the proof's name.
-MARK = '<meta name="relgloss-proof" content="'
-SEAL = '<meta name="relgloss-seal" content="'
-UNSEALED = "0" * 64
 _IMPORT = re.compile(r'^import\b[^;]*?from\s+"\./([\w-]+\.js)";\n', re.M)
 _EXPORT = re.compile(r"^export (?=(?:async |const |let |function |class ))", re.M)
 
@@ -58,10 +55,12 @@ def page(proof: Proof, shaders: Mapping[str, str], body: str, language: str = "e
     """The page of a proof.
 
     shaders: the texts of the shader files that it needs, by name. body: its static part as HTML,
-    which is seen where nothing can be drawn (static.py).
+    which is seen where nothing can be drawn (static.py), of the proof's `opening`: replies keep it,
+    so that a browser can write one.
     """
     style = (FOLDER / "style.css").read_text(encoding="utf-8")
     code = script()
+    assert not re.search("</script|<!--|\r|\0", code, re.I), "browsers would end it early"
     policy = (
         f"default-src 'none'; script-src '{_source(code)}'; style-src '{_source(style)}'; "
         "img-src data: blob:; base-uri 'none'; form-action 'none'"
@@ -72,30 +71,29 @@ def page(proof: Proof, shaders: Mapping[str, str], body: str, language: str = "e
         "shaders": dict(shaders),
         "words": words(language),
     }
-    data = "\n".join(
-        f'<script type="application/json" id="{name}">{script_json(value)}</script>'
-        for name, value in blocks.items()
-    )
-    html = (
+    head = (
         "<!DOCTYPE html>\n"
         f'<html lang="{language}"><head><meta charset="utf-8">\n'
-        f'{MARK}{proof.digest}">\n{SEAL}{UNSEALED}">\n'
+        f'{MARK}{UNSEALED}">\n{SEAL}{UNSEALED}">\n'
         f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{escape(proof.title)}</title>\n<style>{style}</style></head><body>\n"
-        f"{body}\n{data}\n<script>{code}</script></body></html>\n"
+        f"<title>{html_text(proof.title)}</title>\n"
     )
-    return html.replace(SEAL + UNSEALED, SEAL + seal_of(html), 1)
+    texts = {"head": head, "style": style, "static": body, "script": code}
+    texts |= {name: script_json(value) for name, value in blocks.items()}
+    return joined(texts, proof.digest)
 
 
-def seal_of(html: str) -> str:
-    """SHA-256 of a page with zeros in place of its seal."""
-    return hashlib.sha256(html.encode("utf-8")).hexdigest()
+def html_text(text: str) -> str:
+    """Plain text as HTML, as browsers write it, on one line.
 
-
-def script_json(value: Any) -> str:
-    """JSON that no HTML ends early: the same values, `<` written as an escape."""
-    return canonical(value).decode("utf-8").replace("<", "\\u003c")
+    >>> html_text("R&D\\u00a0<1>")
+    'R&amp;D&nbsp;&lt;1&gt;'
+    """
+    line = visible("".join(" " if c in "\n\r\t\f" else c for c in text), "\u00a0")
+    for character, entity in (("&", "amp"), ("<", "lt"), (">", "gt"), ("\u00a0", "nbsp")):
+        line = line.replace(character, f"&{entity};")
+    return line
 
 
 def _source(text: str) -> str:
