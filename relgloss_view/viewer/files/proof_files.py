@@ -20,13 +20,14 @@ from relgloss_view.base.reading import read_beginning
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.base.writing import make_folder, whole_file
 from relgloss_view.proof.proof import Proof, canonical
-from relgloss_view.viewer.state.places import state_folder
+from relgloss_view.viewer.state.places import config_folder, state_folder
 from relgloss_view.viewer.state.proofs import OpenProof
 from relgloss_view.viewer.state.session import session_file
 from relgloss_view.viewer.state.state_file import load_state
 
 PROOF = "proof"
 PROOF_SUFFIXES = (".html",)
+UNSIGNED = "not signed"
 KEPT_S = 30 * 86400.0  #: for which an unpacked proof stays that no session names
 _MARK = b"<!doctype html"
 _temporary: list[tempfile.TemporaryDirectory[str]] = []  #: where there is no folder of the user's
@@ -52,10 +53,22 @@ def read(path: str) -> Proof:
 
 
 def signed_words(proof: Proof) -> tuple[str, ...]:
-    """Who signed each message, one a message, as the reader of the proof knows it."""
-    from relgloss_view.proof.keys import signature_words
+    """Who signed each message, one a message, as the user of this window knows the keys.
 
-    return tuple(signature_words(proof, index) for index in range(len(proof.messages)))
+    Raises InputError where the table of known keys is damaged.
+    """
+    from relgloss_view.proof.keys import checked, known_keys
+
+    try:
+        folder = config_folder()
+    except InputError:  # there is no home folder, so no key is known
+        known = {}
+    else:
+        known = known_keys(folder)
+    words: list[list[str]] = [[] for _ in proof.messages]
+    for signature in checked(proof, known):
+        words[signature.message].append(signature.words)
+    return tuple("; ".join(one) or UNSIGNED for one in words)
 
 
 def write_signed(proof: Proof, path: str, key: str = "") -> Proof:
@@ -64,12 +77,12 @@ def write_signed(proof: Proof, path: str, key: str = "") -> Proof:
     Returns it with its signature. Raises InputError.
     """
     from relgloss_view.proof.drawing import shaders_of
-    from relgloss_view.proof.keys import signed
+    from relgloss_view.proof.keys import read_private, signed
     from relgloss_view.proof.page.build import page
     from relgloss_view.proof.page.static import body
 
     if key:
-        proof = signed(proof, key)
+        proof = signed(proof, read_private(key))
     html = page(proof, shaders_of(proof.content["drawing"]), body(proof))
     with whole_file(path) as temporary:
         temporary.write_text(html, encoding="utf-8", newline="\n")

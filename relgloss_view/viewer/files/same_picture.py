@@ -42,7 +42,7 @@ class SamePicture:
     @property
     def words(self) -> str:
         """The outcome in a sentence."""
-        number = f"largest difference {self.largest:.2g} dE2000" if self.points else "no point"
+        number = f"largest difference {_number(self.largest)} dE2000" if self.points else "no point"
         if self.same:
             return f"This window draws what the designer saw ({number})."
         missed = f", {self.missed} points of the outline differ" if self.missed else ""
@@ -50,6 +50,17 @@ class SamePicture:
             f"This window does not draw what the designer saw ({number}{missed}): update relgloss "
             "or the graphics driver before you judge."
         )
+
+
+def _number(difference: float) -> str:
+    """A difference of colour as people read it.
+
+    >>> _number(5e-5), _number(0.034), _number(3.21)
+    ('below 0.01', '0.03', '3.2')
+    """
+    if difference < 0.01:
+        return "below 0.01"
+    return f"{difference:.2f}" if difference < 1.0 else f"{difference:.1f}"
 
 
 def same_picture(opened: OpenProof, renderer: FrameRenderer) -> SamePicture:

@@ -54,7 +54,7 @@ def _heading(opened: OpenProof) -> None:
     newest = opened.proof.messages[-1]
     widgets.wrapped(printable(opened.proof.title, LONGEST_TITLE) or "Without a title")
     widgets.wrapped(f"Sent by {author_of(newest)}, {time_of(newest)}", dim=True)
-    widgets.wrapped(f"{printable(opened.signed[-1], 200)}.", dim=True)
+    widgets.wrapped(widgets.sentence(printable(opened.signed[-1], 200)), dim=True)
 
 
 def _standing(model: Model, opened: OpenProof, actions: ProofActions) -> None:

@@ -154,9 +154,9 @@ def setting_words(setting: PictureSetting) -> str:
     """A picture's setting in words.
 
     >>> setting_words(PictureSetting(2.0, 0.3127))
-    'graininess 2 deg, contrast gloss (c) 0.313'
+    'graininess 2°, contrast gloss (c) 0.313'
     """
-    return f"graininess {setting.sigma_n_deg:.3g} deg, contrast gloss (c) {setting.c:.3g}"
+    return f"graininess {setting.sigma_n_deg:.3g}°, contrast gloss (c) {setting.c:.3g}"
 
 
 def message_words(proof: Proof, index: int) -> tuple[str, ...]:
