@@ -282,7 +282,7 @@ def _level_0(
     height, width = size
     paint = np.zeros((height, width, 4), dtype=np.float16)
     channels = np.zeros((height, width, len(stack.columns)), dtype=np.uint8)
-    grids = [_resampled(mask.values, size) for mask in stack.masks]
+    grids = [resampled_mask(mask.values, size) for mask in stack.masks]
     if pack.artwork is not None:
         paint[..., :3] = pack.artwork.xyz
         paint[..., 3] = 1.0 if pack.artwork.alpha is None else pack.artwork.alpha
@@ -308,7 +308,7 @@ def _rows(grid: Bytes, rows: slice) -> Singles:
     return part.astype(np.float32) / np.float32(255.0)
 
 
-def _resampled(values: Bytes, size: tuple[int, int]) -> Bytes:
+def resampled_mask(values: Bytes, size: tuple[int, int]) -> Bytes:
     """A mask on the artwork's pixels: areas where it is finer, straight lines where coarser."""
     if values.shape in (size, (1, 1)):
         return values

@@ -97,6 +97,10 @@ def drawing_of(
     first, _ = next(iter(scenes.values()))
     stages = [*STAGES, *(SMOOTH_STAGES if first.display.edges == "smooth" else ())]
     drawn = {side: _side(scene, look, offered) for side, (scene, look) in scenes.items()}
+    if any("surface" in side for side in drawn.values()):
+        from relgloss_view.proof.pack_drawing import share_meshes
+
+        share_meshes(drawn)
     if any(look.grain == "eye" for _, look in scenes.values()):
         stages += GRAIN_STAGES
     for side in drawn.values():

@@ -147,8 +147,6 @@ def contents_of(files: object) -> dict[str, bytes]:
     for name, data in contents.items():
         if name.endswith(".toml"):
             _check_names_within(name, data, contents)
-        if name.endswith(".gltf"):
-            _check_gltf(name, data, contents)
     return contents
 
 
@@ -216,21 +214,6 @@ def _check_names_within(name: str, data: bytes, files: Mapping[str, bytes]) -> N
             )
 
     check("", tables)
-
-
-def _check_gltf(name: str, data: bytes, files: Mapping[str, bytes]) -> None:
-    """InputError where a .gltf names a buffer that is not the proof's own."""
-    from relgloss_view.base.json_files import parse_json
-
-    try:
-        content = parse_json(data.decode("utf-8"))
-    except (UnicodeDecodeError, InputError, ValueError):
-        _refuse(name, "glTF")
-    buffers = content.get("buffers", []) if isinstance(content, dict) else []
-    for buffer in buffers if isinstance(buffers, list) else []:
-        uri = buffer.get("uri", "data:") if isinstance(buffer, dict) else "data:"
-        if isinstance(uri, str) and uri[:5].lower() != "data:" and uri not in files:
-            _refuse(name, "buffers of the proof itself")
 
 
 def _checked(scene: SceneFile) -> SceneFile:

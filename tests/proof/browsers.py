@@ -32,6 +32,9 @@ from selenium import webdriver
 from selenium.common.exceptions import WebDriverException
 from selenium.webdriver.chrome.remote_connection import ChromeRemoteConnection
 
+ELSEWHERE = (
+    "maker.test"  #: this machine by a name that browsers do not trust as they trust localhost
+)
 BLANK = "about:blank"
 KEEPER = Path(__file__).with_name("keeper.py")
 LONGEST_S = 120.0  #: of one call, on a loaded machine
@@ -63,6 +66,7 @@ FLAGS = (
     "--disable-renderer-backgrounding",
     "--disable-background-timer-throttling",
     "--force-color-profile=srgb",
+    f"--host-resolver-rules=MAP {ELSEWHERE} 127.0.0.1",
 )
 GL = ("--use-gl=angle", "--use-angle=gl", "--ignore-gpu-blocklist")  #: on llvmpipe, under Xvfb
 SWIFTSHADER = (
@@ -125,10 +129,13 @@ def program(name: str) -> str:
 
 
 @contextlib.contextmanager
-def kept(*words: str, **more: Any) -> Iterator[subprocess.Popen[bytes]]:
-    """A program that runs as long as the block, and never longer than this process."""
+def kept(*words: str, folder: str = "", **more: Any) -> Iterator[subprocess.Popen[bytes]]:
+    """A program that runs as long as the block, and never longer than this process.
+
+    folder: removed when the program is gone.
+    """
     process = subprocess.Popen(
-        [sys.executable, "-SE", str(KEEPER), *words], stdin=subprocess.PIPE, **more
+        [sys.executable, "-SE", str(KEEPER), folder, *words], stdin=subprocess.PIPE, **more
     )
     try:
         yield process
@@ -196,7 +203,7 @@ def chromium(
     ) as name:
         options.add_argument(f"--user-data-dir={name}/profile")
         environment["TMPDIR"] = name
-        with driver_at("chromedriver", "--port=0", env=environment) as address:
+        with driver_at("chromedriver", "--port=0", folder=name, env=environment) as address:
             connection = ChromeRemoteConnection(address, keep_alive=True)
             connection.client_config.timeout = LONGEST_S
             driver = webdriver.Remote(connection, options=options)

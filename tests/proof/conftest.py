@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import other_engines
 import pytest
 from browsers import GL, SWIFTSHADER, Browser, as_before, chromium, screen
 
@@ -26,6 +27,27 @@ def chromium_sw() -> Iterator[Browser]:
         _started.append(browser)
         yield browser
         _started.remove(browser)
+
+
+@pytest.fixture(scope="session")
+def other_screen() -> Iterator[str]:
+    """The display of the other engines."""
+    with screen() as display:
+        yield display
+
+
+@pytest.fixture(scope="session")
+def firefox(other_screen: str) -> Iterator[other_engines.Firefox]:
+    """Firefox, on llvmpipe."""
+    with other_engines.firefox(other_screen) as browser:
+        yield browser
+
+
+@pytest.fixture(scope="session")
+def webkit(other_screen: str) -> Iterator[other_engines.WebKit]:
+    """WebKitGTK, on llvmpipe."""
+    with other_engines.webkit(other_screen) as browser:
+        yield browser
 
 
 @pytest.fixture(autouse=True)

@@ -1,11 +1,11 @@
 """Runs a program, and ends it and all that it started when whoever asked for it is gone.
 
-    python keeper.py PROGRAM ARGUMENT...
+    python keeper.py FOLDER PROGRAM ARGUMENT...
 
 A browser is a tree of processes that outlives the one that started it. The keeper holds the whole
 tree: it ends it when its standard input ends (which happens however its parent ends, a SIGKILL
 included), when its parent is another process, when a signal asks it to, and when the program
-leaves by itself.
+leaves by itself. FOLDER, unless it is empty, is removed then.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import contextlib
 import ctypes
 import os
 import select
+import shutil
 import signal
 import subprocess
 import sys
@@ -54,13 +55,15 @@ def main() -> int:
     signal.signal(signal.SIGHUP, leave)
     parent = os.getppid()
     try:
-        program = subprocess.Popen(sys.argv[1:], stdin=subprocess.DEVNULL)
+        program = subprocess.Popen(sys.argv[2:], stdin=subprocess.DEVNULL)
         while program.poll() is None and os.getppid() == parent:
             if select.select([0], [], [], LOOK_S)[0] and not os.read(0, 4096):
                 return 0
         return program.returncode or 0
     finally:
         end_all()
+        if sys.argv[1]:
+            shutil.rmtree(sys.argv[1], ignore_errors=True)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
 import browsers
 import numpy as np
 import pytest
@@ -52,3 +58,90 @@ def test_emulation_and_its_end(chromium_gl, tmp_path):
     browsers.as_before(chromium_gl)
     assert call(chromium_gl, features)[:3] == [False, False, False]
     assert call(chromium_gl, features)[5] == 1
+
+
+STARTS = """
+import sys
+sys.path[:0] = [{here!r}]
+from browsers import SWIFTSHADER, chromium, kept
+with {what} as started:
+    print(getattr(started, "folder", ""), flush=True)
+    sys.stdin.read()
+"""
+LONGEST_S = 60.0
+
+
+def running(word):
+    """Processes whose command line holds a word."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            if word.encode() in path.read_bytes():
+                found.append(int(path.parent.name))
+        except OSError:  # it has just ended
+            continue
+    return found
+
+
+def until(condition):
+    end = time.monotonic() + LONGEST_S
+    while not condition():
+        assert time.monotonic() < end, "it does not come"
+        time.sleep(0.02)
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
+def test_nothing_outlives_the_tests(how, tmp_path):
+    """A tree with a process that left its session, as browsers have; a stand-in for pytest ends."""
+    word = f"3{tmp_path.stat().st_ino}"  # a time to sleep that nobody else has
+    what = f"kept('sh', '-c', 'setsid sleep {word} & sleep {word}')"
+    code = STARTS.format(here=str(Path(browsers.__file__).parent), what=what)
+    with subprocess.Popen(
+        [sys.executable, "-c", code],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+    ) as stand_in:  # fmt: skip
+        stand_in.stdout.readline()
+        until(lambda: len(running(f"sleep\0{word}")) == 2)
+        stand_in.send_signal(how)
+        stand_in.wait(LONGEST_S)
+    until(lambda: not running(word))
+
+
+@pytest.mark.slow
+def test_no_browser_outlives_the_tests():
+    code = STARTS.format(
+        here=str(Path(browsers.__file__).parent), what="chromium(*SWIFTSHADER, needs='Swift')"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as stand_in:
+        folder = stand_in.stdout.readline().decode().strip()
+        assert len(running(folder)) > 3
+        stand_in.kill()
+    until(lambda: not running(folder))
+    until(lambda: not Path(folder).exists())
+
+
+@pytest.mark.parametrize("name", browsers.PACKAGES)
+def test_a_missing_program_fails_with_the_line_that_brings_it(name, monkeypatch):
+    assert browsers.program(name)
+    monkeypatch.setenv("PATH", "")
+    with pytest.raises(
+        pytest.fail.Exception, match=f"apt-get install .* {browsers.PACKAGES[name]}"
+    ):
+        browsers.program(name)
+
+
+def test_system_packages_bring_them():
+    script = Path(__file__).parents[2] / "scripts" / "system-packages"
+    lines = script.read_text(encoding="utf-8")
+    for command, package in browsers.PACKAGES.items():
+        assert f"command -v {command} >/dev/null || need {package}\n" in lines
+
+
+def test_a_browser_without_what_the_page_needs_fails():
+    with (
+        pytest.raises(pytest.fail.Exception, match=r"apt-get install .*chromium"),
+        browsers.chromium("--headless=new", "--disable-gpu", "--disable-3d-apis", needs="Swift"),
+    ):
+        pass

@@ -201,6 +201,12 @@ def _angles(sides: int) -> Array:
     return np.arange(sides + 1) / sides - 0.5
 
 
+def directions_of(sides: int) -> tuple[Array, Array]:
+    """Sines and cosines of a ring's points, as many sides as `_angles` takes."""
+    angle = _angles(sides)
+    return _sine(angle), _sine(angle + 0.25)
+
+
 def _sine(turns: Array) -> Array:
     """sin of parts of a turn, exactly periodic and symmetric, so that seams close bit by bit."""
     t = turns - np.round(turns)

@@ -29,6 +29,11 @@ _EXPORT = re.compile(r"^export (?=(?:async |const |let |function |class ))", re.
 @lru_cache(maxsize=1)
 def script() -> str:
     """All of page/js as one script."""
+    return f'"use strict";\n(() => {{\n{bundle(ENTRY)}\n}})();\n'
+
+
+def bundle(*entries: str) -> str:
+    """The modules of page/js that some of them need, with them, each after those that it needs."""
     ordered: dict[str, str] = {}
 
     def add(name: str, trail: tuple[str, ...]) -> None:
@@ -40,8 +45,9 @@ def script() -> str:
             add(other, (*trail, name))
         ordered[name] = f"// {name}\n" + _EXPORT.sub("", _IMPORT.sub("", text))
 
-    add(ENTRY, ())
-    return '"use strict";\n(() => {\n' + "\n".join(ordered.values()) + "\n})();\n"
+    for entry in entries:
+        add(entry, ())
+    return "\n".join(ordered.values())
 
 
 def words(language: str = "en") -> dict[str, str]:

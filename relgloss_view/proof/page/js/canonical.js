@@ -366,6 +366,7 @@ export function withMessage(html, message) {
 
 /** A key's fingerprint, in groups that people can compare by telephone. */
 export function fingerprint(key) {
+  if (!/^[0-9a-f]{64}$/.test(key)) return "";
   return sha256(bytesOfHex(key)).slice(0, 32).toUpperCase().match(/..../g).join(" ");
 }
 
@@ -392,7 +393,7 @@ export async function checkSignatures(digests, signatures) {
         state = error.name === "DataError" ? "wrong" : "unchecked";
       }
     }
-    checked.push({ message, key, fingerprint: fingerprint(String(key)), state });
+    checked.push({ message, key, fingerprint: fingerprint(key), state });
   }
   return checked;
 }

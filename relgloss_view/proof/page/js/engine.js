@@ -1,59 +1,228 @@
-// A stand-in of the engine: the stored pictures on a 2D canvas.
+// The engine: settings become the pictures of both sides, as the window draws them.
+
+import { unpackedAll } from "./arrays.js";
+import { Device } from "./device.js";
+import { commonFactor, heldFactor, scalingOf } from "./pair.js";
+import { Passes } from "./passes.js";
+import { openForm } from "./surface.js";
+
+const ENGINE_SIDES = ["reference", "test"];
+const PREPARED_SIZE = [80, 8]; // wide enough for the reduction's further steps
 
 export class Engine {
-  static async open(canvas, proof, _shaders) {
-    const engine = new Engine();
-    engine.canvas = canvas;
-    engine.images = {};
-    for (const side of ["reference", "test"]) {
-      const image = new Image(), picture = proof.content.pictures[side];
-      image.src = `data:image/webp;base64,${picture.base64 ?? picture}`;
-      await image.decode();
-      engine.images[side] = image;
+  /**
+   * An engine on a canvas. proof: its JSON. shaders: texts by name. Throws Unsupported where the
+   * browser can't draw.
+   */
+  static async open(canvas, proof, shaders) {
+    const drawing = await unpackedAll(proof.content.drawing);
+    const device = new Device(canvas, shaders, drawing.definitions);
+    const forms = {};
+    for (const name of Object.keys(drawing.sides)) {
+      forms[name] = await openForm(device, drawing, name, proof.content.files ?? {});
     }
-    return engine;
+    return new Engine(device, drawing, forms);
   }
 
-  draw(settings, size) {
-    this.drawn = {};
-    for (const side of ["reference", "test"]) {
-      const canvas = document.createElement("canvas");
-      [canvas.width, canvas.height] = size;
-      const context = canvas.getContext("2d"), short = Math.min(...size);
-      context.fillStyle = "#777777";
-      context.fillRect(0, 0, ...size);
-      context.filter = `brightness(${0.7 + settings[side].c}) blur(${settings[side].sigma_n_deg}px)`;
-      context.translate(size[0] / 2, size[1] / 2);
-      context.rotate(settings.eye.azimuth_deg * Math.PI / 180);
-      const zoom = settings.eye.field_of_view_deg === null ? 1 : 20 / settings.eye.field_of_view_deg;
-      context.drawImage(this.images[side], -short * zoom / 2, -short * zoom / 2, short * zoom, short * zoom);
-      this.drawn[side] = canvas;
-    }
-    return {
-      factor: 1, view: { pixel_step: Math.tan(Math.PI / 18) / (size[1] / 2) },
-      reference: { c: settings.reference.c, c_max: 0.8 }, test: { c: settings.test.c, c_max: 0.8 },
+  constructor(device, drawing, forms = {}) {
+    this.device = device;
+    this.forms = forms;
+    this.drawing = drawing;
+    this.sides = ENGINE_SIDES.filter((name) => name in drawing.sides);
+    this.onRestored = null; // called when a lost context came back: draw again
+    this._factor = 1;
+    this._drawn = null;
+    this.passes = this._passes();
+    this._spare = null;
+    device.onRestored = () => {
+      for (const form of Object.values(this.forms)) form?.forget();
+      for (const passes of Object.values(this.passes)) passes.forget();
+      this._spare = null;
+      this._drawn = null;
+      this.onRestored?.();
     };
   }
 
-  show(boxes) {
-    const context = this.canvas.getContext("2d");
-    context.fillStyle = "#777777";
-    context.fillRect(0, 0, this.canvas.width, this.canvas.height);
-    for (const { side, from, to } of boxes) context.drawImage(this.drawn[side], ...from, ...to);
+  _passes() {
+    return Object.fromEntries(
+      this.sides.map((name) => [
+        name,
+        new Passes(this.device, this.drawing, name, this.forms[name]?.surface(this.device) ?? null),
+      ]),
+    );
   }
 
+  /** Whether the browser took the graphics away; it draws again after onRestored. */
+  get lost() {
+    return this.device.lost;
+  }
+
+  /**
+   * Draw both pictures, only what changed. settings: of a proof. size: [width, height] of each.
+   *
+   * moving: a hand moves, so the common factor is held where it can be. Returns {factor, reference:
+   * {c, c_max, extremes, objectPixels, lit, samples, view, notes}, test: {...}}.
+   */
+  draw(settings, size, { moving = false } = {}) {
+    const result = this._draw(this.passes, settings, size, moving);
+    this._factor = result.factor;
+    this._drawn = { settings, size, result };
+    return result;
+  }
+
+  _draw(allPasses, settings, size, moving = false) {
+    const { numbers } = this.drawing;
+    const requests = {};
+    const lights = {};
+    for (const name of this.sides) {
+      requests[name] = allPasses[name].request(settings, name, size);
+      lights[name] = allPasses[name].light(requests[name]);
+    }
+    const alone = this.sides.map((name) =>
+      scalingOf(settings[name].c, lights[name].extremes, 1, numbers),
+    );
+    const needed = commonFactor(alone.map(({ c, c_max }) => [c, c_max]));
+    const factor = moving ? heldFactor(needed, this._factor, numbers) : needed;
+    const result = { factor };
+    for (const name of this.sides) {
+      const { extremes, white, objectPixels } = lights[name];
+      const scaling = scalingOf(settings[name].c, extremes, factor, numbers);
+      allPasses[name].tone(requests[name], scaling.c);
+      result[name] = {
+        ...scaling, extremes, objectPixels, lit: white > 0, samples: requests[name].samples,
+        view: { pixel_step: requests[name].view.pixelStep, bounds: requests[name].view.bounds },
+      };
+    }
+    return result;
+  }
+
+  /**
+   * Compile what sliders can reach while nothing else happens. idle: () -> a promise of the next
+   * idle moment; by default the browser's own. Resolves when all is ready.
+   */
+  async prepare(settings, idle = idleMoment) {
+    const tried = [];
+    for (const sigma_n_deg of [0, 1]) {
+      const changed = { ...settings };
+      for (const name of this.sides) changed[name] = { ...settings[name], sigma_n_deg };
+      tried.push(changed);
+    }
+    this._spare ??= this._passes();
+    for (const changed of tried) {
+      for (const name of this.sides) {
+        const request = this._spare[name].request(changed, name, PREPARED_SIZE);
+        const { variant, seen } = request;
+        const begun = [
+          this.device.begin("shade.frag", { ...variant.shade, ...seen }),
+          this.device.begin("split.frag", variant.split),
+        ];
+        if (variant.reads_field) begun.push(this.device.begin("grain_field.frag", variant.field));
+        do await idle();
+        while (!this.device.lost && !begun.every((program) => this.device.isReady(program)));
+      }
+      if (this.device.lost) return;
+      // Drivers end the compiling when a program first draws, so each draws a few pixels.
+      this._draw(this._spare, changed, PREPARED_SIZE);
+    }
+    for (const passes of Object.values(this._spare)) passes.release();
+    this._spare = null;
+  }
+
+  /**
+   * Show parts of the pictures on the canvas. boxes: [{side, from, to}], [x, y, width, height] in
+   * pixels of the picture and of the canvas, rows from the top. background: three bytes around.
+   */
+  show(boxes, background = this.background) {
+    const { gl } = this.device;
+    const height = this.device.canvas.height;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.disable(gl.SCISSOR_TEST);
+    gl.clearColor(...background.map((byte) => byte / 255), 1);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    for (const { side, from, to } of boxes) {
+      const target = this.passes[side].target(["display"]);
+      const [x, y, w, h] = from;
+      const [cx, cy, cw, ch] = to;
+      gl.bindFramebuffer(gl.READ_FRAMEBUFFER, target.framebuffer);
+      gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, null);
+      const whole = cw % w === 0 && ch % h === 0;
+      gl.blitFramebuffer(
+        x, target.height - y - h, x + w, target.height - y,
+        cx, height - cy - ch, cx + cw, height - cy,
+        gl.COLOR_BUFFER_BIT, whole ? gl.NEAREST : gl.LINEAR,
+      );
+    }
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  }
+
+  /** Three bytes of the surround. */
+  get background() {
+    return this.drawing.display.uniforms.background_digital.map((x) => Math.round(255 * x));
+  }
+
+  /** A side's picture as last drawn: {width, height, data}, RGBA, row 0 the top. */
   pixels(side) {
-    const { width, height } = this.drawn[side];
-    const { data } = this.drawn[side].getContext("2d").getImageData(0, 0, width, height);
-    return { width, height, data };
+    const { width, height, rows } = this._rows(side, "display");
+    for (let k = 3; k < rows.length; k += 4) rows[k] = 255;
+    return { width, height, data: new Uint8ClampedArray(rows.buffer) };
   }
 
-  split(side) { return Float32Array.from(this.pixels(side).data, (value) => value / 2.55); }
+  /** What was done to each pixel: bits 1 clipped, 2 out of gamut; row 0 the top. */
+  flags(side) {
+    const { rows } = this._rows(side, "display");
+    return Uint8Array.from({ length: rows.length / 4 }, (_, k) => 255 - rows[4 * k + 3]);
+  }
 
+  /** L_d*, L_s*, a*, b* of each pixel, row 0 the top; L_d* is OFF_OBJECT off the object. */
+  split(side) {
+    return this._rows(side, "split").rows;
+  }
+
+  /** {lab, l_d, l_s} of a pixel, of the picture as scaled; null off the object. */
   lab_at(side, x, y) {
-    const data = this.drawn[side].getContext("2d").getImageData(x, y, 1, 1).data;
-    return [data[0] / 2.55, data[1] / 2.55, data[2] / 2.55];
+    const target = this.passes[side].target(["split"]);
+    const row = target.height - 1 - y;
+    const [l_d, l_s, a, b] = this.device.read(target, 0, [x, row, x + 1, row + 1]);
+    if (l_d < 0.5 * this.drawing.numbers.OFF_OBJECT) return null;
+    const { c } = this._drawn.result[side];
+    return { lab: [l_d + c * l_s, a, b], l_d, l_s };
   }
 
-  release() {}
+  _rows(side, name) {
+    const target = this.passes[side].target([name]);
+    const { width, height } = target;
+    const data = this.device.read(target);
+    const rows = new data.constructor(data.length);
+    for (let y = 0; y < height; y++) {
+      const from = 4 * width * (height - 1 - y);
+      rows.set(data.subarray(from, from + 4 * width), 4 * width * y);
+    }
+    return { width, height, rows };
+  }
+
+  /** Wait until all that was drawn is on the screen's way, by reading one pixel. */
+  finish() {
+    const side = this.sides[this.sides.length - 1];
+    this.device.read(this.passes[side].target(["display"]), 0, [0, 0, 1, 1]);
+  }
+
+  /** Free all that the pictures need; the next draw makes it again. */
+  forget() {
+    for (const passes of Object.values(this.passes)) passes.release();
+    this._drawn = null;
+  }
+
+  /** Free everything. The canvas can't be drawn on again. */
+  release() {
+    this.forget();
+    this.device.release();
+  }
+}
+
+/** The browser's next idle moment. */
+function idleMoment() {
+  return new Promise((resolve) => {
+    if (window.requestIdleCallback) window.requestIdleCallback(resolve, { timeout: 500 });
+    else setTimeout(resolve, 30);
+  });
 }
