@@ -6,6 +6,7 @@ import dataclasses
 import os
 import re
 import threading
+from pathlib import Path
 
 import pytest
 
@@ -78,7 +79,7 @@ def test_a_proof_opens_with_the_settings_of_its_newest_message(file, made):
 
 
 def test_a_changed_file_is_refused_in_one_line_that_names_the_change(file, tmp_path):
-    text = open(file, encoding="utf-8").read()
+    text = Path(file).read_text(encoding="utf-8")
     changed = tmp_path / "changed.html"
     changed.write_text(text.replace('"Is this enough?"', '"Is this too much?"'), encoding="utf-8")
     job = OpenJob(changed, lambda: None)

@@ -13,6 +13,7 @@ import os
 import shutil
 import tempfile
 import time
+from collections.abc import Mapping
 from pathlib import Path
 
 from relgloss_view.base.errors import InputError
@@ -105,8 +106,9 @@ def opened_proof(path: str, progress: ProgressReport = no_progress) -> OpenProof
 
 def unpacked_folder(proof: Proof) -> Path:
     """The folder with a proof's files, the same for all proofs of a thread."""
-    from relgloss_view.proof.unpack import unpacked
+    from relgloss_view.proof.unpack import contents_of, unpacked
 
+    contents = contents_of(proof.content.get("files"))
     name = hashlib.sha256(canonical(proof.content)).hexdigest()[:16]
     try:
         folder = make_folder(state_folder() / "proofs")
@@ -115,8 +117,18 @@ def unpacked_folder(proof: Proof) -> Path:
         _temporary.append(made)
         folder = Path(made.name)
     tidy(folder, name)
-    unpacked(proof, folder / name)
+    if not _holds(folder / name, contents):
+        shutil.rmtree(folder / name, ignore_errors=True)
+        unpacked(proof, folder / name)
     return folder / name
+
+
+def _holds(folder: Path, contents: Mapping[str, bytes]) -> bool:
+    """Whether a folder has these files, byte for byte: states that name them are still right."""
+    try:
+        return all((folder / name).read_bytes() == data for name, data in contents.items())
+    except OSError:
+        return False
 
 
 def tidy(folder: Path, kept: str = "", now_s: float | None = None) -> None:
