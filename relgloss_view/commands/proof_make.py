@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from relgloss_view.proof.proof import Message, Proof
 
 SUFFIXES = (".html", ".htm")
-LONGEST_NOTE, LONGEST_AUTHOR, LONGEST_TITLE = 20_000, 200, 120  #: characters
+LONGEST_NOTE, LONGEST_AUTHOR, LONGEST_TITLE = 4000, 200, 120  #: characters
 ARTWORK_PX = 2048
 #: Options that a reply can change of the settings that it answers.
 OF_REPLIES = ("sigma_n", "c")
@@ -233,9 +233,9 @@ def _check_length(text: str, where: str, most: int) -> None:
 
 
 def _signed(proof: Proof, key: str) -> Proof:
-    from relgloss_view.proof.keys import signed
+    from relgloss_view.proof.keys import read_private, signed
 
-    return signed(proof, key)
+    return signed(proof, read_private(key))
 
 
 def _page(proof: Proof) -> str:

@@ -207,7 +207,9 @@ def _coded(pack: Pack, notes: list[str]) -> Coded:
         )
     elif pack.measured == AT_45_0:
         notes.append("The artwork's colours hold no lobes, so they go along as the body's.")
-    coded = coded_paint(layers_of(pack).paint, pack.artwork is not None and _has_alpha(pack.artwork))
+    coded = coded_paint(
+        layers_of(pack).paint, pack.artwork is not None and _has_alpha(pack.artwork)
+    )
     rounding = coded.rounding
     words = (
         f"The artwork's colours go along in 8 bits of {coded.space}: dE2000 of the rounding "
