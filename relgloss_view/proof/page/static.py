@@ -16,7 +16,6 @@ from relgloss_view.proof.settings import SIDES, LampPlace, Settings
 
 #: Characters that HTML changes or that no text needs: controls but for the line feed.
 _CONTROLS = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f\ufdd0-\ufdef\ufffe\uffff]")
-NAME_LENGTH = 12  #: digits of a digest that are shown
 Say = Callable[..., str]
 
 
@@ -37,14 +36,15 @@ def body(proof: Proof, language: str = "en") -> str:
         f"<h1>{escaped(proof.title)}</h1></header>\n"
         f'<noscript><p class="notice">{say("state.no-script")}</p></noscript>\n'
         '<p id="notice" class="notice" role="alert" hidden=""></p>\n'
-        '<main id="main">\n<section id="look" class="look">\n'
-        f'<div id="stage" class="stage">\n{_pictures(proof, say)}</div>\n</section>\n'
+        '<main id="main">\n<div class="work">\n<section id="look" class="look">\n'
+        '<div id="view" class="view"><div id="stage" class="stage">\n'
+        f"{_pictures(proof, say)}</div></div>\n</section>\n"
         f'<div id="panel" class="panel"><p class="byline">{_byline(newest, say)}</p>\n{note}'
-        f'<div id="controls"></div></div>\n<div id="more" class="more">\n'
+        f'<div id="controls"></div></div>\n</div>\n<div id="more" class="more">\n'
         f"{_thread(proof, say)}{_readings(proof.content.get('meter'), say)}"
         f"{_made_for(proof.content.get('display'), say)}"
         '<section id="check"></section>\n<section id="screen"></section>\n'
-        f"{_how(proof, say)}</div>\n</main>\n"
+        f"{_how(say)}</div>\n</main>\n"
         '<p id="live" class="unseen" role="status" aria-live="polite"></p></div>'
     )
 
@@ -62,13 +62,13 @@ def escaped(text: object) -> str:
     return plain
 
 
-def number(value: float, digits: int = 3) -> str:
-    """A number with so many significant digits at most.
+def number(value: float) -> str:
+    """A number with three significant digits at most; twin: js/static.js `shortNumber`.
 
-    >>> number(0.14), number(54.5454), number(0.0)
-    ('0.14', '54.5', '0')
+    >>> number(0.14), number(54.5454), number(-1e-9), number(9996.0)
+    ('0.14', '54.5', '0', '10000')
     """
-    return f"{value:.{digits}g}"
+    return "0" if abs(value) < 1e-4 else f"{float(f'{value:.3g}'):.10g}"
 
 
 def settings_rows(settings: Settings, say: Say) -> list[tuple[str, str]]:
@@ -117,28 +117,23 @@ def _byline(message: Message, say: Say) -> str:
 
 
 def _time(made: str) -> str:
-    written = re.fullmatch(r"(\d{4}-\d\d-\d\d)T(\d\d:\d\d)(:\d\d(\.\d+)?)?Z", made)
+    written = re.fullmatch(r"(\d{4}-\d\d-\d\d)T(\d\d:\d\d):\d\dZ", made, re.ASCII)
     if written is None:
-        return f"<span>{escaped(made)}</span>" if made else ""
+        return ""
     return f'<time datetime="{made}">{written[1]} {written[2]} UTC</time>'
 
 
 def _thread(proof: Proof, say: Say) -> str:
     items = []
-    for k, message in enumerate(proof.messages):
+    for message in proof.messages:
         rows = "".join(
             f"<div><dt>{name}</dt><dd>{value}</dd></div>"
             for name, value in settings_rows(message.settings, say)
         )
         note = f'<p class="said">{escaped(message.note)}</p>\n' if message.note else ""
-        signed = "".join(
-            f'<p class="quiet signed">{say("message.signed", key=s.key[:NAME_LENGTH])}</p>\n'
-            for s in proof.signatures
-            if s.message == k
-        )
         items.append(
             f'<li class="message"><p class="byline">{_byline(message, say)}</p>\n{note}'
-            f'<dl class="settings">{rows}</dl>\n{signed}</li>\n'
+            f'<dl class="settings">{rows}</dl>\n</li>\n'
         )
     return (
         f'<section id="thread"><h2>{say("thread.title")}</h2>\n'
@@ -194,18 +189,15 @@ def _reading(value: object) -> str:
 def _made_for(display: object, say: Say) -> str:
     if not isinstance(display, Mapping):
         return ""
-    words = display.get("words", "")
-    lines = [words] if isinstance(words, str) else list(words)
+    lines = [display.get("words", ""), *display.get("sentences", ())]
     text = "".join(f"<p>{escaped(line)}</p>\n" for line in lines if line)
     if not text:
         return ""
     return f'<section id="made-for"><h2>{say("display.title")}</h2>\n{text}</section>\n'
 
 
-def _how(proof: Proof, say: Say) -> str:
-    name = proof.digest
+def _how(say: Say) -> str:
     return (
         f'<section id="how"><h2>{say("how.title")}</h2>\n<p>{say("how.browser")}</p>\n'
-        f"<p>{say('how.window')}</p>\n"
-        f'<p class="quiet">{say("how.name")} <code>{name}</code></p></section>\n'
+        f"<p>{say('how.window')}</p></section>\n"
     )

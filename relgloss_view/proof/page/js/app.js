@@ -3,6 +3,7 @@
 import { byId } from "./dom.js";
 import { lifeSized } from "./hand.js";
 import { blits, fitted, panes } from "./layout.js";
+import { View } from "./view.js";
 import { say } from "./words.js";
 
 const SLOW_MS = 33; // of a frame, beyond which a moving picture is drawn smaller
@@ -95,20 +96,24 @@ export class App {
     this.saying = setTimeout(() => { byId("live").textContent = text; }, SAY_MS);
   }
 
-  async frame() {
+  frame() {
     const now = performance.now(), moving = now - this.moved < REST_MS;
     this.dirty = false;
+    this.asked = 0;
     try {
-      if (!this.lost) await this.paint(moving);
-    } finally {
-      this.asked = 0;
+      if (!this.lost) this.paint(moving);
+    } catch (fault) {
+      // A context may be lost in the middle of a frame; it is drawn again when it is back.
+      if (!this.lost && !this.engine.lost) notice(say("state.failed"));
+      console.error(fault);
+      return;
     }
     if (this.dirty) this.redraw();
     else if (moving) setTimeout(() => this.redraw(), REST_MS);
     else if (!this.lost) this.waiting.splice(0).forEach((done) => done());
   }
 
-  async paint(moving) {
+  paint(moving) {
     const stage = this.canvas, ratio = window.devicePixelRatio;
     const [width, height] = [stage.clientWidth, stage.clientHeight];
     if (width < 2 || height < 2) return;
@@ -124,10 +129,10 @@ export class App {
     const drawn = size.map((count) => Math.max(16, Math.round(count * part)));
     const settings = this.present, begun = performance.now();
     const known = this.drawn;
-    if (known === null || known.settings !== settings || !same(known.size, drawn)) {
-      const report = await this.engine.draw(settings, drawn);
-      this.drawn = { settings, size: drawn, report };
-      this.split = null;
+    if (known === null || known.settings !== settings || known.moving !== moving
+      || !same(known.size, drawn)) {
+      const report = this.engine.draw(settings, drawn, { moving });
+      this.drawn = { settings, size: drawn, report, moving };
     }
     this.engine.show(blits(mode, boxes, drawn, share));
     const took = performance.now() - begun;
@@ -187,18 +192,15 @@ export class App {
 
   /** Lab, L_d* and L_s* of a pixel, or null where there is no object. */
   colour(side, x, y) {
-    if (this.lost || this.drawn === null) return null;
-    const lab = this.engine.lab_at(side, x, y);
-    if (lab === null) return null;
-    this.split ??= {};
-    this.split[side] ??= this.engine.split(side);
-    const at = 4 * (y * this.drawn.size[0] + x);
-    return { lab, l_d: this.split[side][at], l_s: this.split[side][at + 1] };
+    return this.lost || this.drawn === null ? null : this.engine.lab_at(side, x, y);
   }
 
   /** Tangent of a CSS pixel of a pane where the eye frames the object. */
   framed(pane) {
-    return this.report().view.pixel_step * this.drawn.size[1] / pane.box[3];
+    const { numbers, sides } = this.engine.drawing, { size } = this.drawn;
+    const { field_of_view_deg: _, ...eye } = this.present.eye;
+    const view = View.of(sides.reference.shape, eye, size, numbers);
+    return view.pixelStep * size[1] / pane.box[3];
   }
 
   /** Show the object life size; a CSS pixel of the screen is so many millimetres. */
@@ -209,29 +211,26 @@ export class App {
 
   /** Frame the object again, from where the eye is. */
   frameAgain() {
-    const { eye } = this.present;
-    this.set({ ...this.present, eye: { ...eye, field_of_view_deg: null, shift_right: 0, shift_up: 0 } });
+    const { field_of_view_deg: _, ...eye } = this.present.eye;
+    this.set({ ...this.present, eye: { ...eye, shift_right: 0, shift_up: 0 } });
   }
 
-  /** Watch the stage's size and the graphics context. reopen() makes a new engine. */
-  watch(reopen) {
+  /** Watch the stage's size, the screen's density and the graphics context. */
+  watch() {
     new ResizeObserver(() => this.redraw()).observe(byId("stage"));
-    this.canvas.addEventListener("webglcontextlost", (event) => {
-      event.preventDefault();
+    window.addEventListener("resize", () => this.redraw());
+    this.canvas.addEventListener("webglcontextlost", () => {
       this.lost = true;
       this.main("lost");
-      this.notice(say("state.lost"));
+      notice(say("state.lost"));
     });
-    this.canvas.addEventListener("webglcontextrestored", async () => {
-      this.engine = await reopen();
+    this.engine.onRestored = () => {
       this.drawn = null;
       this.lost = false;
-      this.notice("");
+      notice("");
       this.redraw();
-    });
+    };
   }
-
-  notice(text) { notice(text); }
 }
 
 /** The line above all else; empty hides it. */

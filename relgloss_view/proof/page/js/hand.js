@@ -35,9 +35,10 @@ export function turned(lamp, moved, width) {
   };
 }
 
-/** Tangent of a pixel's side in a picture so many pixels high; `framed` where the eye has none. */
+/** Tangent of a pixel's side in a picture so many pixels high; `framed` where the eye has no
+ * angle of view. */
 export function pixelStep(eye, height, framed) {
-  if (eye.field_of_view_deg === null) return framed;
+  if (eye.field_of_view_deg === undefined) return framed;
   return Math.tan(eye.field_of_view_deg * Math.PI / 360) / (0.5 * height);
 }
 

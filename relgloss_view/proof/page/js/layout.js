@@ -44,8 +44,9 @@ export function blits(mode, boxes, drawn, share) {
   const [x, y, width, height] = boxes[0].to, cut = Math.round(share * width);
   const part = drawn[0] / width;
   return [
-    { side: SIDES[0], from: [0, 0, cut * part, drawn[1]], to: [x, y, cut, height] },
-    { side: SIDES[1], from: [cut * part, 0, drawn[0] - cut * part, drawn[1]],
+    { side: SIDES[0], from: [0, 0, Math.round(cut * part), drawn[1]], to: [x, y, cut, height] },
+    { side: SIDES[1],
+      from: [Math.round(cut * part), 0, drawn[0] - Math.round(cut * part), drawn[1]],
       to: [x + cut, y, width - cut, height] },
-  ].filter(({ to }) => to[2] > 0);
+  ].filter(({ from, to }) => from[2] > 0 && to[2] > 0);
 }

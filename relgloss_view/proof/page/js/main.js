@@ -1,6 +1,7 @@
 // What runs when the page is opened: check, draw, and hand over to whoever looks.
 
 import { App, notice } from "./app.js";
+import { checkPage, checkSignatures, pageText, withMessage, wordsOfPart } from "./canonical.js";
 import { byId, make } from "./dom.js";
 import { Engine } from "./engine.js";
 import { held, lifeSized, listen, orbited, panned, turned, zoomed } from "./hand.js";
@@ -8,49 +9,73 @@ import { lifeSize } from "./life.js";
 import { readout } from "./readout.js";
 import { reply } from "./reply.js";
 import { controls } from "./sliders.js";
-import { banner, localTimes, thread } from "./thread.js";
+import { bringUpToDate, withStatic } from "./static.js";
+import { banner, localTimes, signatures, thread } from "./thread.js";
 import { tools } from "./tools.js";
 import { say } from "./words.js";
 
-const pristine = `<!DOCTYPE html>\n${document.documentElement.outerHTML}`;
-const block = (name) => JSON.parse(byId(name).textContent);
+const pristine = pageText(); // before anything is changed
+const MOST_NAMED = 5; // changed parts that the notice lists
 
 /** Whether what was sealed is what is here, then the canvas in the place of the stored pictures. */
 async function begin() {
-  const proof = block("proof");
-  window.relgloss.proof = proof;
+  const page = checkPage(pristine), { proof, shaders } = page;
+  Object.assign(window.relgloss, { page, proof });
   const main = byId("main");
+  if (page.newer || page.changes.length > 0 || !page.readable) {
+    main.dataset.state = "changed";
+    const names = page.changes.slice(0, MOST_NAMED).map((part) => say(...wordsOfPart(part)));
+    if (page.changes.length > MOST_NAMED) names.push("\u2026");
+    notice(page.newer ? say("state.newer") : say("state.changed", { what: names.join(", ") }));
+    return;
+  }
   main.dataset.state = "loading";
+  bringUpToDate(document, proof.messages);
   localTimes();
+  checkSignatures(page.digests, page.signatures).then(signatures);
+  byId("how").append(make("p", { class: "quiet" }, say("how.name"), " ",
+    make("code", { text: page.digest })));
   const canvas = make("canvas", {
     id: "canvas", role: "img", tabindex: 0, "aria-describedby": "keys", hidden: true,
   });
   byId("stage").append(canvas, make("p", { id: "loading", class: "loading", text: say("state.drawing") }));
-  const open = () => Engine.open(canvas, proof, block("shaders"));
   let engine;
   try {
-    engine = await open();
+    engine = await Engine.open(canvas, proof, shaders);
   } catch (fault) {
     unsupported(fault);
     return;
   }
   canvas.hidden = false;
   const app = new App(engine, canvas, proof);
-  arrange(app, canvas);
-  app.watch(open);
+  app.digest = page.digest;
+  app.answered = (words) => answered(app, words);
   main.dataset.state = "drawing";
   try {
-    await app.frame();
+    app.paint(false);
   } catch (fault) {
     unsupported(fault);
     return;
   }
+  arrange(app, canvas);
+  app.watch();
   await app.idle();
+  app.engine.prepare(app.settings());
+}
+
+/** The page of an answer with the settings shown. words: {note, author}. */
+function answered(app, { note, author }) {
+  const message = {
+    author, note, made: new Date().toISOString().replace(/\.\d+Z$/, "Z"), parent: app.digest,
+    program: app.proof.messages[0].program, screen: app.screen, settings: app.settings(),
+  };
+  return withMessage(withStatic(pristine, message), message);
 }
 
 /** The stored pictures and words stay, with the reason. */
 function unsupported(fault) {
-  const reason = fault.reason ?? "unknown";
+  const known = { "no webgl2": "webgl", "no float targets": "float", "no memory": "memory" };
+  const reason = known[fault.reason] ?? "unknown";
   byId("main").dataset.state = "unsupported";
   for (const id of ["canvas", "loading"]) byId(id)?.remove();
   notice(say("state.unsupported", { reason: say(`unsupported.${reason}`) }));
@@ -93,4 +118,5 @@ function act(app, name) {
   return name in acts;
 }
 
-window.relgloss = { ready: begin() };
+window.relgloss = {};
+window.relgloss.ready = begin();

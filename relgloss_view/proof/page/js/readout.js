@@ -10,7 +10,7 @@ export function readout(app) {
   const text = make("output", { id: "readout", class: "readout", text: say("read.how") });
   const mark = make("span", { id: "mark", class: "mark", hidden: true, "aria-hidden": "true" });
   byId("stage").append(mark);
-  byId("look").append(text);
+  byId("view").after(text);
   let at = null;
   function show() {
     const pixel = at === null ? null : app.pictureAt(...at);

@@ -49,7 +49,7 @@ export function reply(app) {
     }) }),
     field("reply-note", say("reply.note"), note), field("reply-name", say("reply.name"), name),
     field("reply-file", say("reply.file"), file), save, status);
-  byId("more").prepend(element);
+  byId("thread").after(element);
   window.addEventListener("beforeunload", (event) => {
     if (!saved || app.unsaved()) event.preventDefault();
   });

@@ -15,6 +15,15 @@ export function authorOf(message) {
   return message.author || say("message.nobody");
 }
 
+/** What is known of each signature, in its message of the thread. */
+export function signatures(checked) {
+  for (const line of document.querySelectorAll("#thread .signed")) line.remove();
+  const items = document.querySelectorAll("#thread .message");
+  for (const { message, fingerprint, state } of checked) {
+    items[message]?.append(make("p", { class: "quiet signed", text: say(`signed.${state}`, { key: fingerprint }) }));
+  }
+}
+
 /** Buttons in the thread that show a message's settings. Returns show(), which marks the present. */
 export function thread(app) {
   const items = [...document.querySelectorAll("#thread .message")];
@@ -34,19 +43,20 @@ export function thread(app) {
 
 /** The line that says whose setting is on the canvas, with the way back. Returns show(). */
 export function banner(app, messages) {
-  const words = make("span", { id: "whose", class: "whose" });
+  const what = make("strong", {}), who = make("span", { class: "quiet" });
+  const words = make("p", { id: "whose", class: "whose" }, what, " ", who);
   const back = make("button", {
     type: "button", id: "as-sent", class: "button", text: say("banner.back"),
     on: { click: () => app.lookAt(app.at()) },
   });
   const element = make("div", { id: "banner", class: "banner" }, words, back);
-  byId("look").prepend(element);
+  byId("view").prepend(element);
   return () => {
     const changed = app.changed(), k = app.at(), last = messages.length - 1;
     const values = { name: authorOf(messages[k]), number: k + 1, count: messages.length };
     const key = changed ? "banner.changed" : k === last ? "banner.sent" : "banner.earlier";
-    words.textContent = last > 0 ? `${say(key, values)} ${say("banner.which", values)}`
-      : say(key, values);
+    what.textContent = say(key);
+    who.textContent = say(last > 0 ? "banner.which" : "banner.who", values);
     element.dataset.changed = String(changed);
     back.setAttribute("aria-pressed", String(!changed));
   };

@@ -1,0 +1,92 @@
+// The static body of a reply: twin of proof/page/static.py for what a message adds.
+
+import { splitPage } from "./canonical.js";
+import { say } from "./words.js";
+
+const FRONT_SIDES = ["reference", "test"];
+
+/** A number with three significant digits at most. */
+export function shortNumber(value) {
+  return Math.abs(value) < 1e-4 ? "0" : String(Number(value.toPrecision(3)));
+}
+
+/** Text as Python's `escaped` leaves it, before its signs are escaped. */
+function plainText(text) {
+  return text.replace(/\r\n?/g, "\n")
+    .replace(/[\x00-\x09\x0b-\x1f\x7f-\x9f\ufdd0-\ufdef\ufffe\uffff]/g, "\ufffd");
+}
+
+/** Settings in words: [what, value] of each. */
+export function settingsRows(settings) {
+  const { eye, lamp } = settings;
+  return [
+    ...FRONT_SIDES.map((side) => [say(`side.${side}`), say("settings.of-side", {
+      grain: shortNumber(settings[side].sigma_n_deg), contrast: shortNumber(settings[side].c),
+    })]),
+    [say("settings.lamp"), say("settings.lamp-place", {
+      spectrum: lamp.illuminant, azimuth: shortNumber(lamp.azimuth_deg),
+      elevation: shortNumber(lamp.elevation_deg),
+    })],
+    [say("settings.eye"), say("settings.eye-place", {
+      azimuth: shortNumber(eye.azimuth_deg), elevation: shortNumber(eye.elevation_deg),
+    })],
+  ];
+}
+
+/** The page's text with a message in its static body; the seal and the data are withMessage's. */
+export function withStatic(html, message) {
+  const { static: before, proof } = splitPage(html);
+  const part = new DOMParser().parseFromString(`<body>${before}`, "text/html");
+  bringUpToDate(part, [...JSON.parse(proof).messages, message]);
+  const after = part.body.innerHTML;
+  return html.replace(before, () => after);
+}
+
+/** Add the messages that a static body lacks; the newest is the one in the panel. */
+export function bringUpToDate(part, messages) {
+  const list = part.querySelector("#thread ol"), shown = list.querySelectorAll("li").length;
+  if (shown === messages.length) return;
+  for (const message of messages.slice(shown)) list.append(messageItem(part, message), "\n");
+  const newest = messages.at(-1), panel = part.getElementById("panel");
+  panel.querySelector(".byline").replaceWith(messageByline(part, newest));
+  const note = panel.querySelector("blockquote");
+  if (note !== null) {
+    note.nextSibling.remove();
+    note.remove();
+  }
+  if (newest.note) {
+    part.getElementById("controls").before(madeIn(part, "blockquote", "note", newest.note), "\n");
+  }
+}
+
+function madeIn(part, tag, name, text) {
+  const made = part.createElement(tag);
+  if (name) made.className = name;
+  if (text !== undefined) made.textContent = plainText(text);
+  return made;
+}
+
+function messageByline(part, message) {
+  const line = madeIn(part, "p", "byline", message.author
+    ? say("message.from", { name: message.author }) : say("message.unnamed"));
+  line.append(" ");
+  if (/^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ$/.test(message.made)) {
+    const time = madeIn(part, "time", "", message.made.replace(/^(.{10})T(.{5}).*$/, "$1 $2 UTC"));
+    time.setAttribute("datetime", message.made);
+    line.append(time);
+  }
+  return line;
+}
+
+function messageItem(part, message) {
+  const item = madeIn(part, "li", "message"), rows = madeIn(part, "dl", "settings");
+  rows.append(...settingsRows(message.settings).map(([name, value]) => {
+    const row = part.createElement("div");
+    row.append(madeIn(part, "dt", "", name), madeIn(part, "dd", "", value));
+    return row;
+  }));
+  item.append(messageByline(part, message), "\n");
+  if (message.note) item.append(madeIn(part, "p", "said", message.note), "\n");
+  item.append(rows, "\n");
+  return item;
+}
