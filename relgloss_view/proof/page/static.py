@@ -23,7 +23,7 @@ def body(proof: Proof, language: str = "en") -> str:
     """The HTML between <body> and the data of a proof's page."""
     table = build.words(language)
 
-    def say(key: str, **values: object) -> str:
+    def say(key: str, /, **values: object) -> str:
         """A text of the table with its placeholders filled, escaped."""
         filled = re.sub(r"\{(\w+)\}", lambda m: str(values[m[1]]), table[key])
         return escaped(filled)
