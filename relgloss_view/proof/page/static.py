@@ -34,7 +34,7 @@ def body(proof: Proof, language: str = "en") -> str:
         '<div id="top">\n'
         f'<header class="head"><p class="kicker">{say("page.kind")}</p>\n'
         f"<h1>{escaped(proof.title)}</h1></header>\n"
-        f'<noscript><p class="notice">{say("state.no-script")}</p></noscript>\n'
+        f'<p id="unchecked" class="notice late">{say("state.unchecked")}</p>\n'
         '<p id="notice" class="notice" role="alert" hidden=""></p>\n'
         '<main id="main">\n<div class="work">\n<section id="look" class="look">\n'
         '<div id="view" class="view"><div id="stage" class="stage">\n'

@@ -23,6 +23,7 @@ export class App {
     this.shown = { mode: "both", side: "test", share: 0.5, hand: "turn" };
     this.screen = null; // of screen.js, for a reply
     this.listeners = [];
+    this.onRest = []; // called when a picture at rest is drawn
     this.waiting = [];
     this.dirty = true;
     this.share = 1;
@@ -143,7 +144,7 @@ export class App {
     this.tell();
     if (!moving) {
       this.describe();
-      this.onRest?.();
+      this.onRest.forEach((act) => act());
     }
   }
 

@@ -7,6 +7,8 @@ import { Engine } from "./engine.js";
 import { held, lifeSized, listen, orbited, panned, turned, zoomed } from "./hand.js";
 import { lifeSize } from "./life.js";
 import { readout } from "./readout.js";
+import { mountCheck } from "./check.js";
+import { mountScreen } from "./screen.js";
 import { reply } from "./reply.js";
 import { controls } from "./sliders.js";
 import { bringUpToDate, withStatic } from "./static.js";
@@ -14,27 +16,55 @@ import { banner, localTimes, signatures, thread } from "./thread.js";
 import { tools } from "./tools.js";
 import { say } from "./words.js";
 
-const pristine = pageText(); // before anything is changed
+let pristine = ""; // the text of the page, before anything is changed
 const MOST_NAMED = 5; // changed parts that the notice lists
 
-/** Whether what was sealed is what is here, then the canvas in the place of the stored pictures. */
+/** Whether what was sealed is what is here, before anything of it is shown. */
 async function begin() {
-  const page = checkPage(pristine), { proof, shaders } = page;
-  Object.assign(window.relgloss, { page, proof });
-  const main = byId("main");
-  if (page.newer || page.changes.length > 0 || !page.readable) {
-    main.dataset.state = "changed";
-    const names = page.changes.slice(0, MOST_NAMED).map((part) => say(...wordsOfPart(part)));
-    if (page.changes.length > MOST_NAMED) names.push("\u2026");
-    notice(page.newer ? say("state.newer") : say("state.changed", { what: names.join(", ") }));
-    return;
+  if (document.readyState === "loading") {
+    await new Promise((done) => document.addEventListener("DOMContentLoaded", done));
   }
+  pristine = pageText();
+  const page = checkPage(pristine);
+  Object.assign(window.relgloss, { page, proof: page.proof });
+  byId("unchecked").remove();
+  if (page.newer || page.changes.length > 0 || !page.readable) changed(page);
+  else await open(page);
+}
+
+/** Nothing is shown of a changed page before a click, and never of a proof that is not whole. */
+function changed(page) {
+  const main = byId("main"), names = page.changes.slice(0, MOST_NAMED)
+    .map((part) => say(...wordsOfPart(part)));
+  if (page.changes.length > MOST_NAMED) names.push("\u2026");
+  const what = names.join(", ");
+  main.dataset.state = "changed";
+  main.hidden = true;
+  notice(page.newer ? say("state.newer") : say("state.changed", { what }));
+  if (page.newer || !page.readable) return;
+  const button = make("button", {
+    type: "button", id: "all-the-same", class: "button", text: say("state.all-the-same"),
+    on: {
+      click: () => {
+        button.remove();
+        main.hidden = false;
+        notice(say("state.shown-changed", { what }));
+        window.relgloss.ready = open(page);
+      },
+    },
+  });
+  byId("notice").after(button);
+}
+
+/** The canvas in the place of the stored pictures, or the reason why there is none. */
+async function open({ proof, shaders, digests, digest, signatures: signed }) {
+  const main = byId("main");
   main.dataset.state = "loading";
   bringUpToDate(document, proof.messages);
   localTimes();
-  checkSignatures(page.digests, page.signatures).then(signatures);
+  checkSignatures(digests, signed).then(signatures);
   byId("how").append(make("p", { class: "quiet" }, say("how.name"), " ",
-    make("code", { text: page.digest })));
+    make("code", { text: digest })));
   const canvas = make("canvas", {
     id: "canvas", role: "img", tabindex: 0, "aria-describedby": "keys", hidden: true,
   });
@@ -48,7 +78,7 @@ async function begin() {
   }
   canvas.hidden = false;
   const app = new App(engine, canvas, proof);
-  app.digest = page.digest;
+  app.digest = digest;
   app.answered = (words) => answered(app, words);
   main.dataset.state = "drawing";
   try {
@@ -60,7 +90,11 @@ async function begin() {
   arrange(app, canvas);
   app.watch();
   await app.idle();
-  app.engine.prepare(app.settings());
+  mountCheck(byId("check"), app);
+  const screen = mountScreen(byId("screen"), app);
+  app.onRest.push(() => screen.update());
+  screen.update();
+  engine.prepare(app.settings());
 }
 
 /** The page of an answer with the settings shown. words: {note, author}. */
@@ -89,7 +123,7 @@ function arrange(app, canvas) {
   const reading = readout(app), life = lifeSize(app);
   byId("look").append(make("p", { id: "keys", class: "quiet keys", text: say("canvas.keys") }));
   app.onChange(() => shows.forEach((show) => show()));
-  app.onRest = () => reading.show();
+  app.onRest.push(() => reading.show());
   listen(canvas, Object.assign(Object.create(app), {
     mode: () => app.shown.hand,
     settings: () => app.settings(),
