@@ -4,10 +4,10 @@ import { make } from "./dom.js";
 import { evaluate } from "./evaluate.js";
 import { figure, say } from "./words.js";
 
-// dE2000. Drivers round differently: the four digits of the grid alone make 0.0002, SwiftShader
-// against llvmpipe at most 0.002. What a hand changes is far above: 1 % of c is 0.05 and more.
-const CHECK_TOLERANCE = 0.02;
-const CHECK_SHOWN = 0.005; // below it, two decimals would read 0.00
+// dE2000. Drivers round differently: SwiftShader differs from the desktop's grid by 0.0002, llvmpipe
+// by 0.0001, which is the rounding of the grid itself. A 1 % of c changes 0.009 at the least.
+const CHECK_TOLERANCE = 0.005;
+const CHECK_LEAST = 1e-4; // what the grid's four digits can show
 
 /** Pixels of the grid. Twin: proof/grid.py `places`. */
 function gridPlaces(count, pixels) {
@@ -88,9 +88,8 @@ function atSilhouette(onObject, x, y) {
 
 /** A check in words: [key, values]. */
 export function checkWords(found, size) {
-  const largest = found.largest < CHECK_SHOWN ? null : figure(found.largest, 2);
   if (found.same) {
-    return largest === null ? ["check.same-exactly", {}] : ["check.same", { largest }];
+    return ["check.same", { largest: figure(Math.max(found.largest, CHECK_LEAST), 4) }];
   }
   if (found.points === 0) return ["check.nothing", {}];
   const [x, y] = found.place.map((value, k) => (value + 0.5) / size[k]);
@@ -99,7 +98,9 @@ export function checkWords(found, size) {
   const side = say(`check.side.${found.side}`);
   if (found.missed > 0) return ["check.outline", { missed: found.missed, side, place }];
   return ["check.differs", {
-    largest: Number.isFinite(found.largest) ? figure(found.largest, 2) : say("check.no-number"), side, place,
+    largest: Number.isFinite(found.largest)
+      ? figure(found.largest, found.largest < 0.1 ? 3 : 1) : say("check.no-number"),
+    side, place,
   }];
 }
 
