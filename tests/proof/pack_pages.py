@@ -95,3 +95,26 @@ LIT = {
     "lamp": Lamp(azimuth_deg=35.0, elevation_deg=25.0, ambient=0.25),
     "further_lamps": (FurtherLamp(azimuth_deg=-50.0, elevation_deg=10.0, share=0.5, radius_m=0.1),),
 }
+
+
+def _torus(around: int = 48, across: int = 24, wide: float = 30.0, thick: float = 12.0) -> str:
+    """A ring as the text of an OBJ file, in millimetres, with normals and places on the label."""
+    lines = []
+    for i in range(around + 1):
+        for j in range(across + 1):
+            a, b = 2.0 * np.pi * i / around, 2.0 * np.pi * j / across
+            out = np.array([np.cos(a), np.sin(a), 0.0])
+            n = np.cos(b) * out + np.array([0.0, 0.0, np.sin(b)])
+            place = wide * out + thick * n
+            lines.append("v {:.6f} {:.6f} {:.6f}".format(*place))
+            lines.append("vn {:.6f} {:.6f} {:.6f}".format(*n))
+            lines.append(f"vt {i / around:.6f} {j / across:.6f}")
+    for i in range(around):
+        for j in range(across):
+            first = i * (across + 1) + j + 1
+            corners = (first, first + across + 1, first + across + 2, first + 1)
+            lines.append("f " + " ".join(f"{c}/{c}/{c}" for c in corners))
+    return "\n".join(lines)
+
+
+TORUS = _torus()
