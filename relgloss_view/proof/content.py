@@ -94,7 +94,7 @@ def content_of(
         if made.notes:
             content["notes"] = list(made.notes)
         progress(0.8, "preparing the page")
-        content["drawing"] = _drawing(pair, folder)
+        content["drawing"] = drawing_within(pair, folder)
         settings = _named_within(pair.settings, folder)
     warnings = [f"{side}: {text}" for side, one in pictures.items() for text in one.warnings]
     return Made(content, settings, made.notes, tuple(dict.fromkeys(warnings)))
@@ -127,7 +127,7 @@ def display_words(display: Display) -> dict[str, Any]:
     }
 
 
-def _drawing(pair: Pair, folder: Path) -> dict[str, Any]:
+def drawing_within(pair: Pair, folder: Path) -> dict[str, Any]:
     """What the page draws with; a lamp that is a file has its name among the proof's files."""
     sides = {side: (pair.scenes[side], pair.looks[side]) for side in SIDES}
     made: dict[str, Any] = _renamed(drawing_of(sides), str(folder) + os.sep)

@@ -23,7 +23,7 @@ from relgloss_view.base.reading import refuse, text
 from relgloss_view.proof.settings import Settings
 
 FORMAT, VERSION = "relgloss-proof", 1
-MOST_NOTE, MOST_AUTHOR, MOST_PROGRAM = 4_000, 200, 100  #: characters
+MOST_NOTE, MOST_AUTHOR, MOST_PROGRAM = 20_000, 200, 100  #: characters
 MOST_MESSAGES = 500
 MOST_SCREEN_BYTES = 20_000  #: of its canonical JSON
 TIME = "%Y-%m-%dT%H:%M:%SZ"

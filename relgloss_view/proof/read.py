@@ -144,6 +144,7 @@ PART_WORDS = {
     "words": "the page's table of words",
     "parts": "the list of parts",
     "script": "the page's program",
+    "page": "the page's markup",
     "seal": "the seal",
     "name": "the proof's digest in the page's head",
 }

@@ -224,17 +224,27 @@ def test_changes_are_named_as_python_names_them(page, old, new, part, words):
     assert Page(changed).changes == (part,)
 
 
-def test_what_an_extension_adds_is_found(page):
-    html = samples.page_of(samples.thread(2))
-    for added in ('<div id="ext"></div>', "<style>p{}</style>", "x"):
-        text = html.replace("</body>", f"{added}</body>")
+@pytest.mark.parametrize(
+    ("old", "new", "part"),
+    [
+        ("</body>", '<div id="ext"></div></body>', "page"),
+        ("</body>", "<style>p{}</style></body>", "page"),
+        ("</body></html>", "</body><ext-root></ext-root></html>", "page"),
+        ("<style>", '<style class="dark">p{}</style><style>', "head"),
+        ("<body>", '<body data-ext="1">', "page"),
+        ("<html lang", '<html data-theme="dark" lang', "head"),
+    ],
+)
+def test_what_an_extension_adds_is_found(page, old, new, part):
+    """The sealed JSON is whole: the page may be drawn after a click."""
+    html = samples.page_of(samples.thread(2)).replace(old, new, 1)
+    checked = call(page, "(t) => canon.checkPage(t)", html)
+    assert checked["changes"] == [part] == list(Page(html).changes)
+    assert checked["readable"]
+    for text in (html.replace("5e-324", "4e-323"), html.replace('"Aya"', '"Ay\\u0061"')):
         checked = call(page, "(t) => canon.checkPage(t)", text)
-        assert checked["changes"] == ["script"]
-        assert checked["readable"] is False
-    dark = html.replace("<html lang", '<html data-theme="dark" lang')
-    checked = call(page, "(t) => canon.checkPage(t)", dark)
-    assert checked["changes"] == ["head"]
-    assert checked["readable"]  # the sealed JSON is whole: it may be drawn after a click
+        assert not checked["readable"]
+        assert checked["changes"]
 
 
 def test_a_future_version(page):

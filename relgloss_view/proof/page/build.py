@@ -16,8 +16,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from relgloss_view.base.version import __version__
 from relgloss_view.base.visible import visible
-from relgloss_view.proof.page.parts import MARK, SEAL, UNSEALED, joined, script_json
+from relgloss_view.proof.page.parts import MARK, PROGRAM, SEAL, UNSEALED, joined, script_json
 from relgloss_view.proof.proof import Proof
 
 FOLDER = Path(__file__).parent
@@ -82,6 +83,7 @@ def page(proof: Proof, shaders: Mapping[str, str], body: str, language: str = "e
         f'<html lang="{language}"><head><meta charset="utf-8">\n'
         f'{MARK}{UNSEALED}">\n{SEAL}{UNSEALED}">\n'
         f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
+        f'{PROGRAM}relgloss {__version__}">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f"<title>{html_text(proof.title)}</title>\n"
     )

@@ -22,20 +22,21 @@ from relgloss_view.proof.proof import canonical, digests_of
 #: Marks a file as a proof, within its first bytes; the content is the proof's name.
 MARK = '<meta name="relgloss-proof" content="'
 SEAL = '<meta name="relgloss-seal" content="'
+PROGRAM = '<meta name="generator" content="'
 UNSEALED = "0" * 64
 BLOCKS = ("proof", "signatures", "shaders", "words", "parts")  #: of JSON, in their order
 PARTS = ("head", "style", "static", *BLOCKS, "script")
+END = "</script>"
 #: What ends each of PARTS; nothing follows the last one.
 MARKERS = (
     "<style>",
     "</style></head><body>\n",
     *(
-        ("\n" if name == BLOCKS[0] else "</script>\n")
-        + f'<script type="application/json" id="{name}">'
+        ("" if name == BLOCKS[0] else END) + f'\n<script type="application/json" id="{name}">'
         for name in BLOCKS
     ),
-    "</script>\n<script>",
-    "</script></body></html>",
+    f"{END}\n<script>",
+    f"{END}</body></html>",
 )
 DIGITS = 16
 #: Entries of content with entries of their own, which a user knows by name.
@@ -43,6 +44,7 @@ DIVIDED = ("files", "pictures")
 MOST_VALUES = 1_000_000
 _SEALED = re.compile(re.escape(SEAL) + r"([0-9a-f]{64})\"")
 _MARKED = re.compile(re.escape(MARK) + r"([0-9a-f]{64})\"")
+_MADE_BY = re.compile(re.escape(PROGRAM) + r"([^\"&<>]{1,60})\"")
 FROM_EXACT = 2**53  #: whole numbers from here on are what JavaScript's are: floats
 
 
@@ -73,6 +75,22 @@ def split(html: str) -> dict[str, str]:
     return texts
 
 
+def loosely(html: str) -> dict[str, str]:
+    """The texts of PARTS, as far as they are there, of a page whose markup was changed.
+
+    For a browser extension that adds markup of its own. Head and static words are not among them.
+    """
+    begins = {name: f'<script type="application/json" id="{name}">' for name in BLOCKS}
+    begins |= {"style": "<style>", "script": "\n<script>"}
+    texts = {}
+    for name, begin in begins.items():
+        start = html.find(begin) + len(begin)
+        end = html.find("</style>" if name == "style" else END, start)
+        if start >= len(begin) and end >= 0:
+            texts[name] = html[start:end]
+    return texts
+
+
 def joined(texts: Mapping[str, str], digest: str) -> str:
     """The page of PARTS, named and sealed; `parts` is renewed."""
     texts = dict(texts)
@@ -95,7 +113,7 @@ def _hashes(texts: Mapping[str, str]) -> tuple[dict[str, str], list[str]]:
     """
     names, wrong = {}, []
     for name in PARTS:
-        if name not in ("proof", "shaders", "parts"):
+        if name in texts and name not in ("proof", "shaders", "parts"):
             names[name] = short(texts[name].encode("utf-8"))
     for block, divide in (("shaders", _shaders), ("proof", entries_of)):
         try:
@@ -186,6 +204,12 @@ class Page:
         return found[1] if found else ""
 
     @cached_property
+    def program(self) -> str:
+        """The program that the page names as its maker, such as 'relgloss 0.2.0'; '' where none."""
+        found = _MADE_BY.search(self.texts.get("head", ""))
+        return found[1] if found else ""
+
+    @cached_property
     def is_sealed(self) -> bool:
         """Whether the seal is that of the whole text."""
         return bool(self.seal) and (
@@ -194,13 +218,18 @@ class Page:
 
     @cached_property
     def texts(self) -> dict[str, str]:
-        """The texts of PARTS. Raises InputError."""
-        return split(self.html)
+        """The texts of PARTS; where the page's markup was changed, those that are there."""
+        try:
+            return split(self.html)
+        except InputError:
+            return loosely(self.html)
 
     def block(self, name: str) -> Any:
         """The values of a block of JSON. Raises InputError, which names the block."""
         try:
             return load(self.texts[name])
+        except KeyError:
+            raise InputError(f"{name}: the page has no such block") from None
         except InputError as error:
             raise InputError(f"{name}: {error}") from error
 
@@ -222,10 +251,7 @@ class Page:
         """The names of changed parts, as `manifest` has them; empty where nothing was changed."""
         if self.is_sealed and self.holds_proof:
             return ()
-        try:
-            texts = self.texts
-        except InputError as error:
-            return (str(error).partition(":")[0],)
+        texts = self.texts
         try:
             noted = load(texts["parts"])
             own = noted.pop("parts")
@@ -236,12 +262,15 @@ class Page:
                 return ("parts",)
         except (InputError, AttributeError, KeyError, ValueError):
             return ("parts",)
+        broken = "head" not in texts
+        if broken:
+            noted = {k: v for k, v in noted.items() if k not in ("head", "static")}
         now, wrong = _hashes(texts)
         named = [name for name in noted if noted[name] != now.get(name)]
         named = named or [name for name in now if name not in noted]
         for block, begins in (("shaders", ("shaders/",)), ("proof", ("content/", "messages/"))):
             if block in wrong and not any(name.startswith(begins) for name in now):
                 named = [name for name in named if not name.startswith(begins)]
-        if named or wrong:
-            return (*named, *wrong)
+        if named or wrong or broken:
+            return (*named, *wrong, *(["page"] if broken else []))
         return ("seal",) if self.holds_proof else ("name",)

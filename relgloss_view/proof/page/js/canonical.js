@@ -209,6 +209,20 @@ export function splitPage(html) {
   return texts;
 }
 
+/** The texts that are there, of a page whose markup was changed: by an extension, for instance. */
+function splitLoosely(html) {
+  const texts = {};
+  const begins = Object.fromEntries(BLOCKS.map((name) =>
+    [name, `<script type="application/json" id="${name}">`]));
+  for (const [name, begin] of
+    Object.entries({ ...begins, style: "<style>", script: "\n<script>" })) {
+    const start = html.indexOf(begin);
+    const end = html.indexOf(name === "style" ? "</style>" : END, start + begin.length);
+    if (start >= 0 && end >= 0) texts[name] = html.slice(start + begin.length, end);
+  }
+  return texts;
+}
+
 function statedAt(html, mark) {
   const at = html.indexOf(mark);
   const stated = at < 0 ? "" : html.slice(at + mark.length, at + mark.length + 65);
@@ -231,7 +245,7 @@ function manifestOf(texts) {
 function partHashes(texts) {
   const names = {}, wrong = [];
   for (const name of PARTS) {
-    if (!["proof", "shaders", "parts"].includes(name)) names[name] = shortHash(texts[name]);
+    if (name in texts && !["proof", "shaders", "parts"].includes(name)) names[name] = shortHash(texts[name]);
   }
   for (const [block, divide] of [["shaders", entriesOfShaders], ["proof", entriesOfProof]]) {
     let whole = false;
@@ -287,8 +301,8 @@ export function checkPage(html) {
   let texts;
   try {
     texts = splitPage(html);
-  } catch (error) {
-    return { ...result, changes: [error.message] };
+  } catch {
+    texts = splitLoosely(html);
   }
   try {
     result.proof = JSON.parse(texts.proof);
@@ -321,6 +335,8 @@ function changedParts(texts, readable, sealed) {
   } catch {
     return ["parts"];
   }
+  const broken = !("head" in texts);
+  if (broken) for (const name of ["head", "static"]) delete noted[name];
   const [now, wrong] = partHashes(texts);
   let named = Object.keys(noted).filter((name) => noted[name] !== now[name]);
   if (!named.length) named = Object.keys(now).filter((name) => !(name in noted));
@@ -329,7 +345,9 @@ function changedParts(texts, readable, sealed) {
       named = named.filter((name) => !begins.test(name));
     }
   }
-  if (named.length || wrong.length) return [...named, ...wrong];
+  if (named.length || wrong.length || broken) {
+    return [...named, ...wrong, ...(broken ? ["page"] : [])];
+  }
   return [readable && !sealed ? "seal" : "name"];
 }
 
@@ -350,7 +368,7 @@ export function wordsOfPart(part) {
     return [first === "pictures" ? "part.picture" : "part.file", { name: rest.join("/") }];
   }
   if (kind === "content") return ["part.entry", { name: first }];
-  return [PARTS.includes(part) || part === "seal" ? `part.${part}` : "part.name", {}];
+  return [PARTS.includes(part) || part === "seal" || part === "page" ? `part.${part}` : "part.name", {}];
 }
 
 /**
