@@ -1,4 +1,4 @@
-"""Make the picture strips of the proof in docs/images: proof.webp, proof-make.webp, proof-answer.webp.
+"""Make the pictures of the proof in docs/images: proof, proof-make, proof-answer, proof-window (WebP).
 
 Run: python scripts/proof_strips.py [FOLDER]
 
@@ -33,11 +33,12 @@ SCENE = (
     "--set eye.azimuth_deg=28 --set eye.elevation_deg=10 --set lamp.azimuth_deg=-24 "
     "--set lamp.elevation_deg=2 --set lamp.ambient=0.3 --set lamp.radius_m=0.08"
 )
+COMPARING_S = 4.0  #: in which a page compares its picture with the proof's grid
 WINDOW, FONT = (1240, 800), 1.15  #: of the window, and its text
 WIDE, PHONE = (1240, 800), (390, 780)  #: of the browser, CSS pixels
 GROUND, INK, QUIET = (246, 246, 245), (34, 34, 34), (110, 110, 110)
 MARGIN, GAP, LINE = 36, 28, 30  #: pixels of a strip
-PANEL_W = 760  #: width of a panel in a strip
+PANEL_W, PHONE_W = 760, 390  #: width of a panel in a strip
 
 
 # --- scripts that the window's process runs -------------------------------------------------------
@@ -52,7 +53,7 @@ def saves(hand: Any, found: dict[str, Any]) -> None:
     hand.frames(4)
     hand.until(lambda: files.proofs._compared is not None)
     hand.do(lambda: setattr(model, "proof", None))  # the designer begins with a scene
-    hand.app.layout.focus("Sample")
+    next(p for p in hand.app.layout.panels if p.title == "Proof").visible = False
     hand.do(files.save_proof)
     hand.frames(4)
     dialog = files.proofs._dialog
@@ -104,12 +105,19 @@ class Page:
     browser: Any
     folder: Path
 
-    def sized(self, size: tuple[int, int], scale: float, *, mobile: bool = False) -> None:
-        """Give the page's view a size in CSS pixels, and each of them so many pixels."""
+    def opened(
+        self, file: Path, size: tuple[int, int], scale: float, *, mobile: bool = False
+    ) -> None:
+        """Open a proof in a view of a size in CSS pixels, each of them so many pixels."""
+        import browsers
+
         self.browser.cdp(
             "Emulation.setDeviceMetricsOverride", width=size[0], height=size[1],
             deviceScaleFactor=scale, mobile=mobile,
         )  # fmt: skip
+        browsers.open_page(self.browser, file)
+        self.run("async () => { await relgloss.ready; }")
+        time.sleep(COMPARING_S)
 
     def run(self, function: str, *arguments: Any) -> Any:
         """Call a function in the page."""
@@ -155,23 +163,18 @@ def framed(image: Image.Image) -> Image.Image:
     return made
 
 
-def strip(panels: list[tuple[Image.Image, str]], columns: int) -> Image.Image:
-    """Panels in rows, each with its number and a caption below."""
-    made = [(framed(scaled(image, PANEL_W)), text) for image, text in panels]
-    rows = [made[k : k + columns] for k in range(0, len(made), columns)]
-    width = 2 * MARGIN + columns * (PANEL_W + 2) + (columns - 1) * GAP
-    heights = [max(image.height for image, _ in row) + LINE + 34 for row in rows]
-    sheet = Image.new("RGB", (width, 2 * MARGIN + sum(heights) - 10), GROUND)
-    draw, number, y = ImageDraw.Draw(sheet), 1, MARGIN
-    for row, height in zip(rows, heights, strict=True):
-        for k, (image, text) in enumerate(row):
-            x = MARGIN + k * (PANEL_W + 2 + GAP)
-            sheet.paste(image, (x, y))
-            below = y + image.height + 12
-            draw.text((x, below), str(number), INK, font(21, bold=True))
-            draw.text((x + 26, below), text, INK, font(21))
-            number += 1
-        y += height
+def strip(panels: list[tuple[Image.Image, str]], panel_width: int) -> Image.Image:
+    """Panels in a row, each with its number and a caption below."""
+    made = [(framed(scaled(image, panel_width)), text) for image, text in panels]
+    width = 2 * MARGIN + len(made) * (panel_width + 2) + (len(made) - 1) * GAP
+    tallest = max(image.height for image, _ in made)
+    sheet = Image.new("RGB", (width, MARGIN + tallest + LINE + MARGIN), GROUND)
+    draw = ImageDraw.Draw(sheet)
+    for k, (image, text) in enumerate(made):
+        x, below = MARGIN + k * (panel_width + 2 + GAP), MARGIN + image.height + 14
+        sheet.paste(image, (x, MARGIN))
+        draw.text((x, below), str(k + 1), INK, font(20, bold=True))
+        draw.text((x + 26, below), text, INK, font(20))
     return sheet
 
 
@@ -226,12 +229,12 @@ def main(folder: Path) -> None:
         designer, reader = window("saves"), window("reads")
         with browsers.screen() as display, browsers.chromium(*browsers.GL, display=display) as one:
             page = Page(one, here)
-            page.sized(WIDE, 1.5)
-            browsers.open_page(one, file)
-            page.run("async () => { await relgloss.ready; }")
-            time.sleep(3.0)  # in which the page compares its picture
+            one.cdp("Emulation.setScrollbarsHidden", hidden=True)
+            page.opened(file, WIDE, 1.5)
             sent = page.shot()
-            check = page.shot("check")
+            page.opened(file, PHONE, 2.0, mobile=True)
+            phone = page.shot()
+            check, screen = page.shot("check"), page.shot("screen")
             page.run(
                 "async (f) => { const s = relgloss.settings();"
                 " await relgloss.set({...s, test: {...s.test, c: f * s.test.c}}); }",
@@ -239,27 +242,27 @@ def main(folder: Path) -> None:
             )
             changed = page.shot()
             page.run(
-                "async (note, name) => { const put = (e, t) => { e.value = t;"
+                "async (note, name) => { const put = (id, t) => {"
+                " const e = document.getElementById(id); e.value = t;"
                 " e.dispatchEvent(new Event('input', {bubbles: true})); };"
-                " put(document.querySelector('#reply textarea'), note);"
-                " put(document.querySelector('#reply input'), name); }",
+                " put('reply-note', note); put('reply-name', name); }",
                 ANSWER, MAKER,
             )  # fmt: skip
             reply = page.shot("reply")
-            page.sized(PHONE, 2.0, mobile=True)
-            browsers.open_page(one, file)
-            page.run("async () => { await relgloss.ready; }")
-            time.sleep(3.0)
-            phone = page.shot()
     save(side_by_side(sent, phone), folder / "proof.webp")
-    save(strip([(designer, "The designer adds a note and saves the pair as one file"),
-                (sent, "The maker opens the file in a browser: nothing to install")], 2),
-         folder / "proof-make.webp")  # fmt: skip
-    save(strip([(check, "The maker checks the picture, and then the screen"),
-                (changed, "Less gloss: the page shows that this is a change"),
-                (reply, "The answer, with a note, is a file again"),
-                (reader, "The designer opens it, here in the window: the whole thread")], 2),
-         folder / "proof-answer.webp")  # fmt: skip
+    save(reader, folder / "proof-window.webp")
+    made = [
+        (designer, "The designer adds a note and saves the pair as one file"),
+        (sent, "The maker opens the file in a browser: nothing to install"),
+    ]
+    save(strip(made, PANEL_W), folder / "proof-make.webp")
+    answer_panels = [
+        (check, "The picture is the same here"),
+        (screen, "What does this screen show?"),
+        (changed, "Less gloss: changed by you"),
+        (reply, "The answer is a file again"),
+    ]
+    save(strip(answer_panels, PHONE_W), folder / "proof-answer.webp")
 
 
 if __name__ == "__main__":

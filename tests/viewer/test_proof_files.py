@@ -152,6 +152,22 @@ def test_what_a_reply_cannot_hold_becomes_a_new_proof_that_names_its_parent(
     assert (proof.messages[0].note, proof.messages[0].author) == ("Softer?", "Jo")
 
 
+@pytest.mark.slow
+def test_the_window_makes_a_new_proof_of_what_it_shows(tmp_path):
+    state = moved(State.initial(), 3)
+    path = tmp_path / "new.html"
+    written(ProofRequest(str(path), state, "A note", "Jo", "A title"))
+    opened = opened_proof(str(path))
+    assert settings_of(opened.base) == settings_of(state)
+    assert (opened.proof.title, opened.proof.messages[0].note) == ("A title", "A note")
+    assert opened.proof.messages[0].parent == ""
+    with pytest.raises(InputError, match="the proof was not made"):
+        lost = state.with_sample("test", dataclasses.replace(state.test.sample, file="/gone.json"))
+        lost = lost.with_part("display", profile="/gone.icc")
+        written(ProofRequest(str(path), lost))
+    assert opened_proof(str(path)).proof == opened.proof
+
+
 def test_a_failed_or_cancelled_proof_leaves_nothing(file, tmp_path):
     opened = opened_proof(file)
     path = tmp_path / "answer.html"

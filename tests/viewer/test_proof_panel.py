@@ -54,7 +54,9 @@ def shows_the_thread(hand, found):
     for k in range(CHAIN):
         hand.ctx.item_click(f"//Proof/$${k}/##show")
         hand.frames(1)
-        found["settings"].append(model.state.test.look.c == opened.proof.messages[k].settings.test.c)
+        found["settings"].append(
+            model.state.test.look.c == opened.proof.messages[k].settings.test.c
+        )
     found["chosen"] = model.proof_message
     hand.click("//Proof/$$2/##show")
     hand.click("//Proof/Back to what was sent")
@@ -87,7 +89,50 @@ def finds_another_picture(hand, found):
     found["reported"] = [note.text for note in model.notes if note.fault]
 
 
-SCRIPTS = [shows_the_thread, finds_another_picture]
+def answers(hand, found):
+    import os
+
+    from relgloss_view.viewer.files import proof_writing
+    from relgloss_view.viewer.files.proof_writing import WrittenProof, _message
+
+    model, actions = hand.model, hand.app.files.proofs
+    opened = proof_here(hand, "/answered", 2)
+    hand.do(lambda: model.change(opened.newest))
+    hand.do(lambda: actions.opened(opened))
+    hand.do(lambda: model.set_c("test", 0.2))
+    asked = []
+
+    def written(request, cancelled):
+        asked.append(request)
+        if len(asked) == 1:
+            raise proof_writing.InputError("the disk is full")
+        with open(request.path, "w", encoding="utf-8") as file:
+            file.write("a proof")
+        return WrittenProof(request.path, opened.proof.answered(_message(request)), 7)
+
+    proof_writing.written = written
+    hand.app.layout.focus("Proof")
+    hand.frames(3)
+    hand.click("//Proof/Reply...")
+    hand.frames(3)
+    hand.type("//Reply/##Note", "a little less")
+    hand.type("//Reply/##Your name", "Jo")
+    path = os.path.join(hand.app.files.dialogs.folder, "can-3.html")
+    hand.click("//Reply/Save##proof")
+    hand.until(lambda: len(asked) == 1 and not actions.writing.busy)
+    hand.frames(3)
+    found["failed"] = [actions._dialog._fault, actions._dialog.note, os.path.exists(path)]
+    hand.click("//Reply/Save##proof")
+    hand.until(lambda: len(asked) == 2 and not actions.writing.busy)
+    hand.frames(3)
+    found["asked"] = [asked[1].note, asked[1].author, asked[1].is_reply, asked[1].path == path]
+    found["messages"] = [m.note for m in model.proof.proof.messages]
+    found["c"] = model.proof.proof.sent.test.c
+    found["closed"] = not hand.there("//Reply/Save##proof")
+    found["line"] = model.notes[-1].text
+
+
+SCRIPTS = [shows_the_thread, finds_another_picture, answers]
 
 
 # --- tests ----------------------------------------------------------------------------------------
@@ -121,3 +166,14 @@ def test_the_window_compares_its_own_picture_with_the_proofs(found):
     words = found["finds_another_picture"]["words"]
     assert words.startswith("This window does not draw what the designer saw")
     assert words in found["finds_another_picture"]["reported"]
+
+
+@pytest.mark.slow
+def test_a_reply_is_written_and_takes_the_place_of_what_it_answers(found):
+    got = found["answers"]
+    assert got["failed"] == ["the disk is full", "a little less", False]
+    assert got["asked"] == ["a little less", "Jo", True, True]
+    assert got["messages"] == ["note 0", "note 1", "a little less"]
+    assert got["c"] == 0.2
+    assert got["closed"]
+    assert "send this one file" in got["line"]

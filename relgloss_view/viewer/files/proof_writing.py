@@ -153,7 +153,7 @@ def _run(words: list[str], cancelled: threading.Event) -> None:
             [sys.executable, "-m", followed.__name__, "relgloss_view.cli", *words],
             followed=True,
             env={**os.environ, "PYTHONPATH": path},
-            stdout=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
         )
     except (OSError, ValueError) as error:

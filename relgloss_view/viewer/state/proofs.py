@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.proof.proof import Message, Proof
+from relgloss_view.proof.screen_words import screen_words
+from relgloss_view.proof.screens import Screen
 from relgloss_view.proof.settings import LampPlace, PictureSetting, Settings
 from relgloss_view.viewer.state.state import SIDES, State
 
@@ -160,9 +165,15 @@ def setting_words(setting: PictureSetting) -> str:
 
 
 def message_words(proof: Proof, index: int) -> tuple[str, ...]:
-    """The settings of a message in lines; of eye and lamp only what differs from the one before."""
-    present = proof.messages[index].settings
+    """A message in lines: its settings, of eye and lamp what differs from the one before; screen.
+
+    The screen is that of its author, where they have checked it.
+    """
+    message = proof.messages[index]
+    present = message.settings
     lines = [f"{name.capitalize()}: {setting_words(present.side(name))}" for name in SIDES]
+    if message.screen is not None:
+        lines += _screen_lines(message.screen)
     if index == 0:
         return tuple(lines)
     before = proof.messages[index - 1].settings
@@ -173,3 +184,10 @@ def message_words(proof: Proof, index: int) -> tuple[str, ...]:
     if dataclasses.replace(present.lamp, illuminant=before.lamp.illuminant) != before.lamp:
         lines.append("Lamp moved")
     return tuple(lines)
+
+
+def _screen_lines(content: Mapping[str, Any]) -> tuple[str, ...]:
+    try:
+        return screen_words(Screen.from_json(content))
+    except InputError:
+        return ("The author's screen is not described in a way that this version reads",)
