@@ -239,11 +239,9 @@ def _signed(proof: Proof, key: str) -> Proof:
 
 
 def _page(proof: Proof) -> str:
-    from relgloss_view.proof.drawing import shaders_of
-    from relgloss_view.proof.page.build import page
-    from relgloss_view.proof.page.static import body
+    from relgloss_view.proof.page.whole import page_of
 
-    return page(proof, shaders_of(proof.content["drawing"]), body(proof))
+    return page_of(proof)
 
 
 def _numbers(

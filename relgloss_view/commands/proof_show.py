@@ -88,7 +88,8 @@ def setting_words(settings: Settings) -> dict[str, str]:
     for side in SIDES:
         one = settings.side(side)
         words[side] = (
-            f"{side}: graininess (sigma_N) {one.sigma_n_deg:.4g} deg, contrast gloss (c) {one.c:.4g}"
+            f"{side}: graininess (sigma_N) {one.sigma_n_deg:.4g} deg, "
+            f"contrast gloss (c) {one.c:.4g}"
         )
     eye, lamp = settings.eye, settings.lamp
     words["eye"] = (

@@ -1,4 +1,4 @@
-"""check_proof: whether a proof is whole, who signed it, and whether it is drawn here as it was there."""
+"""check_proof: whether a proof is whole, who signed it, and whether it is drawn here as there."""
 
 from __future__ import annotations
 

@@ -130,11 +130,6 @@ class Proof:
         return self.messages[-1].settings
 
     @property
-    def opening(self) -> Proof:
-        """The proof as it was sent first, before any reply."""
-        return Proof(self.content, self.messages[:1])
-
-    @property
     def title(self) -> str:
         """What the proof is about."""
         return str(self.content.get("title", ""))

@@ -60,6 +60,15 @@ def page_of(proof):
     return build.page(proof, SHADERS, BODY)
 
 
+def small_page(monkeypatch, folder, script="window.relgloss = 1;"):
+    """Pages with a style, words and a program of one line each, as long as a test."""
+    (folder / "words").mkdir(parents=True)
+    (folder / "words" / "en.json").write_text('{"word": "Wort"}')
+    (folder / "style.css").write_text("body {\n  margin: 0;\n}\n")
+    monkeypatch.setattr(build, "FOLDER", folder)
+    monkeypatch.setattr(build, "script", lambda: script)
+
+
 @functools.cache
 def canonical_module():
     """canonical.js as a script that sets window.canon."""

@@ -12,7 +12,6 @@ from browsers import before_pages, call, console, open_page, requests
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from relgloss_view.proof.page import build
 from relgloss_view.proof.page.parts import Page
 from relgloss_view.proof.proof import Message, canonical
 
@@ -23,10 +22,10 @@ CHECKED = """document.addEventListener("DOMContentLoaded", () => {
 
 
 @pytest.fixture
-def browser(chromium_sw, monkeypatch):
+def browser(chromium_sw, monkeypatch, tmp_path_factory):
     """A browser whose pages look at themselves by canonical.js, and draw nothing."""
     before_pages(chromium_sw, samples.canonical_module())
-    monkeypatch.setattr(build, "script", lambda: CHECKED)
+    samples.small_page(monkeypatch, tmp_path_factory.mktemp("page"), CHECKED)
     return chromium_sw
 
 

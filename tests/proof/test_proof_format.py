@@ -14,6 +14,11 @@ from relgloss_view.proof.proof import Message, Proof, Signature, canonical
 from relgloss_view.proof.read import is_proof, part_words, proof_of, read_proof
 
 
+@pytest.fixture(autouse=True)
+def _small_page(monkeypatch, tmp_path_factory):
+    samples.small_page(monkeypatch, tmp_path_factory.mktemp("page"))
+
+
 def written(path, proof):
     path.write_bytes(samples.page_of(proof).encode("utf-8"))
     return path
@@ -86,8 +91,7 @@ def test_a_thousand_single_bytes():
         ('"style":"', '"style":"0', "parts"),
     ],
 )  # fmt: skip
-def test_changes_are_named(old, new, part, monkeypatch):
-    monkeypatch.setattr("relgloss_view.proof.page.build.script", lambda: "window.relgloss = 1;")
+def test_changes_are_named(old, new, part):
     html = samples.page_of(samples.thread(3))
     assert old in html
     assert Page(html.replace(old, new, 1)).changes == (part,)

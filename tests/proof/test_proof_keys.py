@@ -12,7 +12,6 @@ from browsers import before_pages, call, open_page
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.proof import keys
-from relgloss_view.proof.page import build
 from relgloss_view.proof.page.parts import Page
 from relgloss_view.proof.proof import Message, Proof, Signature
 from relgloss_view.proof.read import proof_of
@@ -130,8 +129,8 @@ def test_replies_keep_signatures(own):
     assert len(keys.signed(again, private).signatures) == 2  # signed again, not twice
 
 
-def test_browsers_agree(chromium_sw, own, monkeypatch):
-    monkeypatch.setattr(build, "script", lambda: "")
+def test_browsers_agree(chromium_sw, own, monkeypatch, tmp_path):
+    samples.small_page(monkeypatch, tmp_path / "page")
     before_pages(chromium_sw, samples.canonical_module())
     proof = keys.signed(samples.thread(2), keys.read_private(own))
     (made,) = proof.signatures
