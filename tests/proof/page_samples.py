@@ -15,9 +15,10 @@ from relgloss_view.picture.scene.setup import Eye
 from relgloss_view.proof.drawing import drawing_of, shaders_of
 from relgloss_view.proof.page import build, static
 from relgloss_view.proof.proof import Message, Proof
-from relgloss_view.proof.settings import LampPlace, PictureSetting, Settings
+from relgloss_view.proof.settings import SIDES, LampPlace, PictureSetting, Settings
 
 NOTE = "The lid should look like the sample that you have.\nPlease look at the edge."
+NOTHING = {"lab": [None], "l_d": [None], "l_s": [None]}  #: of a grid's side
 FIRST = Settings(PictureSetting(0.4, 0.1), PictureSetting(0.2, 0.25), Eye(), LampPlace())
 SECOND = Settings(
     PictureSetting(0.4, 0.1), PictureSetting(0.6, 0.2), Eye(20.0), LampPlace(azimuth_deg=30.0)
@@ -49,7 +50,7 @@ def sample_proof(*, text: str = "", replies: int = 1) -> Proof:
         "size_px": [64, 64],
         "files": {"scene.toml": {"text": ""}},
         "pictures": {"reference": picture(90), "test": picture(160)},
-        "grid": {},
+        "grid": {"columns": 1, "rows": 1, "sides": dict.fromkeys(SIDES, NOTHING)},
         "drawing": json.loads(drawing()[0]),
         "meter": {
             "gloss-60": {"name": text or "60°", "reference": 21.34, "test": 55.2, "decimals": 1},
@@ -57,11 +58,18 @@ def sample_proof(*, text: str = "", replies: int = 1) -> Proof:
         },
         "display": {"words": text or "27-inch panel", "sentences": [text or "White 160 cd/m2."]},
     }
-    first = Message(FIRST, text or NOTE, text[:200] or "Ayako Ishii", "2026-11-27T08:30:00Z", "relgloss 0")
+    first = Message(
+        FIRST, text or NOTE, text[:200] or "Ayako Ishii", "2026-11-27T08:30:00Z", "relgloss 0"
+    )
     proof = Proof(content, (first,))
     for k in range(replies):
         proof = proof.answered(
-            Message(SECOND, text or f"Answer {k + 1}", text[:200] or "Jonas Weber", "2026-11-27T14:05:00Z")
+            Message(
+                SECOND,
+                text or f"Answer {k + 1}",
+                text[:200] or "Jonas Weber",
+                "2026-11-27T14:05:00Z",
+            )
         )
     return proof
 

@@ -29,7 +29,9 @@ def page(chromium_gl, page_file):
 
 def pixels(browser, side):
     return call_array(
-        browser, "async (side) => { await relgloss.idle(); return relgloss.engine.pixels(side).data }", side
+        browser,
+        "async (side) => { await relgloss.idle(); return relgloss.engine.pixels(side).data }",
+        side,
     )
 
 
@@ -148,16 +150,23 @@ def test_the_hand_is_that_of_the_window(page):
             for name, value in one.items():
                 expected = getattr(other, name)
                 # Both work in double precision; sums of a few terms differ in the last digits.
-                assert value == (expected if not isinstance(expected, float) else pytest.approx(expected, abs=1e-9)), name
+                assert value == (
+                    expected
+                    if not isinstance(expected, float)
+                    else pytest.approx(expected, abs=1e-9)
+                ), name
 
 
 def test_zooming_keeps_what_is_under_the_pointer(page):
-    got = call(page, """() => {
+    got = call(
+        page,
+        """() => {
       const {zoomed} = relgloss.hand, eye = relgloss.settings().eye, step = 1e-3;
       const near = zoomed(eye, 3, [120, 80], [400, 300], step);
       const back = zoomed(near, -3, [120, 80], [400, 300], step);
       return {eye, near, back};
-    }""")
+    }""",
+    )
     step = np.tan(np.radians(got["near"]["field_of_view_deg"]) / 2) / 150
     assert step == pytest.approx(1e-3 * 1.15**-3)
     right = got["near"]["shift_right"] + (120 - 200) * step
@@ -194,13 +203,16 @@ def test_the_readout_is_that_of_the_pixel(page):
     call(page, "() => document.querySelector('[data-key=read]').click()")
     press(page, "canvas", Keys.ARROW_RIGHT)
     press(page, "canvas", Keys.ARROW_RIGHT)
-    wanted, side, text = call(page, """() => {
+    wanted, side, text = call(
+        page,
+        """() => {
       const app = relgloss.app;
       const {left, top} = document.getElementById("mark").style;
       const at = app.pictureAt(parseFloat(left), parseFloat(top));
       return [relgloss.engine.lab_at(at.side, at.x, at.y), at.side,
         document.getElementById("readout").textContent];
-    }""")
+    }""",
+    )
     assert text.startswith({"reference": "Reference sample", "test": "The design"}[side])
     for number in (*wanted["lab"], wanted["l_d"], wanted["l_s"]):
         assert f"{abs(number):.1f}" in text
@@ -221,7 +233,8 @@ def test_nothing_is_drawn_while_nothing_changes(page):
       const {engine} = relgloss, draw = engine.draw.bind(engine);
       let calls = 0;
       engine.draw = (...all) => { calls++; return draw(...all); };
-      if (change) relgloss.set({...relgloss.settings(), eye: {...relgloss.settings().eye, azimuth_deg: 3}});
+      const now = relgloss.settings();
+      if (change) relgloss.set({...now, eye: {...now.eye, azimuth_deg: 3}});
       await new Promise((done) => setTimeout(done, 250));
       return calls;
     }"""
@@ -231,8 +244,12 @@ def test_nothing_is_drawn_while_nothing_changes(page):
 
 def test_a_lost_context_comes_back(page):
     before = pixels(page, "test")
-    call(page, """() => { window.lose = document.getElementById("canvas").getContext("webgl2")
-      .getExtension("WEBGL_lose_context"); lose.loseContext(); return new Promise(d => setTimeout(d, 100)); }""")
+    call(
+        page,
+        """() => { window.lose = document.getElementById("canvas").getContext("webgl2")
+      .getExtension("WEBGL_lose_context"); lose.loseContext();
+      return new Promise(d => setTimeout(d, 100)); }""",
+    )
     assert state(page) == "lost"
     assert "driver" in call(page, "() => document.getElementById('notice').textContent")
     call(page, "() => { lose.restoreContext(); return new Promise(d => setTimeout(d, 200)); }")
@@ -242,13 +259,18 @@ def test_a_lost_context_comes_back(page):
 
 
 def test_an_answer_is_a_file_that_python_reads(page, page_file, tmp_path):
-    call(page, """() => { URL.createObjectURL = (blob) => { window.saved = blob; return "#"; }; }""")
+    call(
+        page, """() => { URL.createObjectURL = (blob) => { window.saved = blob; return "#"; }; }"""
+    )
     press(page, "test-grain", Keys.ARROW_RIGHT * 7)
     press(page, "reply-note", "Too dull & <b>grainy</b>.")
     press(page, "reply-name", "Zoë")
     unload = "() => !window.dispatchEvent(new Event('beforeunload', {cancelable: true}))"
     assert call(page, unload)  # which a browser asks about
-    assert call(page, "() => document.getElementById('reply-file').value") == "Sample-box-autumn-edition-3.html"
+    assert (
+        call(page, "() => document.getElementById('reply-file').value")
+        == "Sample-box-autumn-edition-3.html"
+    )
     press(page, "reply-save", Keys.ENTER)
     assert not call(page, unload)
     html = call(page, "() => window.saved.text()")
@@ -263,7 +285,7 @@ def test_an_answer_is_a_file_that_python_reads(page, page_file, tmp_path):
     (tmp_path / "answer.html").write_bytes(html.encode("utf-8"))
     open_page(page, tmp_path / "answer.html")
     assert state(page) == "ready"
-    assert "Message 3 of 3, Zoë" in whose(page)
+    assert "Message 3 of 3, by Zoë" in whose(page)
 
 
 def test_the_static_body_of_an_answer_is_that_of_python(page):
@@ -272,8 +294,12 @@ def test_the_static_body_of_an_answer_is_that_of_python(page):
 
     proof = sample_proof(replies=2)
     newest = proof.as_json()["messages"][-1]
-    call(page, """() => { URL.createObjectURL = (blob) => { window.saved = blob; return "#"; };
-      window.Date = class extends Date { toISOString() { return "2026-11-27T14:05:00.000Z"; } }; }""")
+    call(
+        page,
+        """() => { URL.createObjectURL = (blob) => { window.saved = blob; return "#"; };
+      const then = "2026-11-27T14:05:00.000Z";
+      window.Date = class extends Date { toISOString() { return then; } }; }""",
+    )
     press(page, "reply-note", newest["note"])
     press(page, "reply-name", newest["author"])
     press(page, "reply-save", Keys.ENTER)
@@ -283,8 +309,10 @@ def test_the_static_body_of_an_answer_is_that_of_python(page):
 
 def test_a_changed_page_shows_nothing(chromium_gl, page_file, tmp_path):
     html = page_file.read_text(encoding="utf-8")
-    for old, new, named in (("autumn edition", "winter edition", "words of the page"),
-                            ('"note":"Answer 1"', '"note":"Answer 2"', "note of message 2")):  # fmt: skip
+    for old, new, named in (
+        ("autumn edition", "winter edition", "words of the page"),
+        ('"note":"Answer 1"', '"note":"Answer 2"', "note of message 2"),
+    ):
         assert old in html
         changed = tmp_path / "changed.html"
         changed.write_bytes(html.replace(old, new).encode("utf-8"))

@@ -7,7 +7,7 @@ attribute, so that the page can hash itself (build.py).
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from relgloss_view.proof.page import build
@@ -80,9 +80,12 @@ def settings_rows(settings: Settings, say: Say) -> list[tuple[str, str]]:
             "settings.of-side", grain=number(setting.sigma_n_deg), contrast=number(setting.c)
         )
         rows.append((say(f"side.{side}"), values))
-    return [*rows, (say("settings.lamp"), _lamp(settings.lamp, say)),
-            (say("settings.eye"), say("settings.eye-place", azimuth=number(settings.eye.azimuth_deg),
-             elevation=number(settings.eye.elevation_deg)))]  # fmt: skip
+    eye = settings.eye
+    place = say(
+        "settings.eye-place", azimuth=number(eye.azimuth_deg), elevation=number(eye.elevation_deg)
+    )
+    lamp = (say("settings.lamp"), _lamp(settings.lamp, say))
+    return [*rows, lamp, (say("settings.eye"), place)]
 
 
 def _lamp(lamp: LampPlace, say: Say) -> str:
@@ -143,8 +146,9 @@ def _thread(proof: Proof, say: Say) -> str:
 
 def _readings(meter: object, say: Say) -> str:
     rows = []
-    for entry in _entries(meter):
-        cells = "".join(f"<td>{_reading(entry.get(side))}</td>" for side in SIDES)
+    for entry in meter.values() if isinstance(meter, Mapping) else ():
+        decimals = int(entry.get("decimals", 1))
+        cells = "".join(f"<td>{_reading(entry.get(side), decimals)}</td>" for side in SIDES)
         rows.append(f'<tr><th scope="row">{escaped(entry["name"])}</th>{cells}</tr>\n')
     if not rows:
         return ""
@@ -157,33 +161,8 @@ def _readings(meter: object, say: Say) -> str:
     )
 
 
-def _entries(meter: object) -> Iterable[Mapping[str, Any]]:
-    """Readings as a list of tables with name, reference and test."""
-    if isinstance(meter, Mapping) and set(SIDES) <= set(meter):
-        # One list of readings for each side: those of one name belong together.
-        joined: dict[str, dict[str, Any]] = {}
-        for side in SIDES:
-            for entry in _named(meter[side]):
-                joined.setdefault(entry["name"], {"name": entry["name"]})[side] = entry
-        return joined.values()
-    return _named(meter)
-
-
-def _named(readings: object) -> list[Mapping[str, Any]]:
-    if isinstance(readings, Mapping):
-        return [
-            {"name": key, **value} if isinstance(value, Mapping) else {"name": key, "value": value}
-            for key, value in readings.items()
-        ]
-    return [{"name": "", **entry} for entry in readings] if isinstance(readings, list) else []
-
-
-def _reading(value: object) -> str:
-    if isinstance(value, Mapping):
-        value = value.get("value")
-    if isinstance(value, int | float):
-        return number(float(value))
-    return escaped(value) if isinstance(value, str) else "\u2013"
+def _reading(value: object, decimals: int) -> str:
+    return f"{value:.{decimals}f}" if isinstance(value, int | float) else "\u2013"
 
 
 def _made_for(display: object, say: Say) -> str:

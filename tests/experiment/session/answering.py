@@ -1,7 +1,8 @@
 """A program that answers as fast as it can and prints the number of each answer once it is stored.
 
-Run: python answering.py FILE.sqlite [former]. Answer k has the category that `category` gives it,
-so whoever finds it can check it. former: as earlier versions wrote, into a log.
+Run: python answering.py FILE.sqlite [former [COUNT]]. Answer k has the category that `category`
+gives it, so whoever finds it can check it. former: as earlier versions wrote, into a log. COUNT:
+answers after which it waits, its file open, until it is killed.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import contextlib
 import os
 import sqlite3
 import sys
+import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
@@ -43,7 +45,7 @@ def main(file):
             os.write(1, f"{number}\n".encode())
 
 
-def as_former(file):
+def as_former(file, count):
     """Write a file of version 1, as the program did that wrote those."""
     with Store(file, made()) as store:
         observer = store.observer()
@@ -56,6 +58,8 @@ def as_former(file):
     connection.execute("PRAGMA journal_mode = WAL")
     connection.execute("PRAGMA synchronous = FULL")
     for number, trial in enumerate(trials):
+        if number == count:
+            time.sleep(3600.0)
         connection.execute(
             "INSERT INTO answer VALUES (NULL, ?, ?, 'ratio', ?, 500, ?, 'now', NULL)",
             (observer.number, trial.position, category(number), run),
@@ -79,4 +83,7 @@ def to_former(file, *, first=False):
 
 
 if __name__ == "__main__":
-    (as_former if "former" in sys.argv else main)(sys.argv[1])
+    if "former" in sys.argv:
+        as_former(sys.argv[1], int(sys.argv[3]) if len(sys.argv) > 3 else None)
+    else:
+        main(sys.argv[1])

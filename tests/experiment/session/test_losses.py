@@ -313,9 +313,12 @@ class TestJournal:
 
 @pytest.fixture(scope="module")
 def killed(tmp_path_factory):
-    """As it was left by a kill, with 40 answers or more, all of them in the log alone."""
+    """As it was left by a kill between two answers, all 40 of them in the log alone.
+
+    A kill within an answer can leave half of it in the log, which is a damaged one.
+    """
     file = tmp_path_factory.mktemp("former") / "s.sqlite"
-    words = [sys.executable, answering.__file__, str(file), "former"]
+    words = [sys.executable, answering.__file__, str(file), "former", "40"]
     with subprocess.Popen(words, stdout=subprocess.PIPE) as process:
         for _ in range(40):
             process.stdout.readline()

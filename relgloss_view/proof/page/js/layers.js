@@ -36,7 +36,7 @@ let halfNumbers = null;
 export function numbersOfHalves() {
   if (halfNumbers) return halfNumbers;
   halfNumbers = new Float32Array(65536);
-  for (let bits = 0; bits < 65536; ++bits) {
+  for (let bits = 0; bits < 65536; bits++) {
     const exponent = (bits >> 10) & 31;
     const part = bits & 1023;
     const size = exponent ? (1024 + part) * 2 ** (exponent - 25) : part * 2 ** -24;
@@ -53,12 +53,12 @@ export async function layersOf(printed, files) {
   const [width, height] = printed.size_px;
   const count = printed.channels.length;
   const channels = new Uint8Array(width * height * count);
-  for (let k = 0; k < count; ++k) {
+  for (let k = 0; k < count; k++) {
     const { file, png, inverted } = printed.channels[k];
     const mask = await decodePng(bytesOf(png ?? files[file].base64));
     const values = grayValues(mask);
     const flip = inverted ? 255 : 0;
-    for (let n = 0; n < values.length; ++n) channels[n * count + k] = values[n] ^ flip;
+    for (let n = 0; n < values.length; n++) channels[n * count + k] = values[n] ^ flip;
   }
   const paint = await paintOf(printed.paint, files, width, height, channels, count);
   const levels = [{ width, height, paint, channels }];
@@ -104,26 +104,23 @@ function convertedPaint({ width, height, channels, alpha, top, data }, curves, {
     const begin = first * width;
     const end = Math.min(first + rows, height) * width;
     const joined = !isEven(data, begin, end, channels, colours);
-    let last = -1;
-    for (let n = begin; n < end; ++n) {
+    for (let n = begin; n < end; n++) {
       const at = n * channels;
-      if (last >= 0 && isSame(data, at, last * channels, channels)) {
-        paint.copyWithin(4 * n, 4 * last, 4 * last + 4);
-        last = n;
+      if (n > begin && isSame(data, at, at - channels, channels)) {
+        for (let k = 0; k < 4; k++) paint[4 * n + k] = paint[4 * n - 4 + k];
         continue;
       }
-      last = n;
-      for (let c = 0; c < colours; ++c) light[c] = curves[(several ? c * values : 0) + data[at + c]];
-      for (let k = 0; k < 3; ++k) {
+      for (let c = 0; c < colours; c++) light[c] = curves[(several ? c * values : 0) + data[at + c]];
+      for (let k = 0; k < 3; k++) {
         let sum = fround(light[0] * matrix[k]);
-        for (let c = 1; c < colours; ++c) {
+        for (let c = 1; c < colours; c++) {
           const product = light[c] * matrix[3 * c + k];
           sum = fround((joined ? product : fround(product)) + sum);
         }
         xyz[k] = fround(sum * scale[k]);
       }
       const share = alpha ? fround(data[at + colours] / top) : 1;
-      for (let k = 0; k < 3; ++k) {
+      for (let k = 0; k < 3; k++) {
         const number = alpha ? fround(xyz[k] * share) : xyz[k];
         paint[4 * n + k] = halfOf(Math.min(number, LARGEST_PAINT));
       }
@@ -134,12 +131,12 @@ function convertedPaint({ width, height, channels, alpha, top, data }, curves, {
 }
 
 function isSame(data, a, b, count) {
-  for (let c = 0; c < count; ++c) if (data[a + c] !== data[b + c]) return false;
+  for (let c = 0; c < count; c++) if (data[a + c] !== data[b + c]) return false;
   return true;
 }
 
 function isEven(data, begin, end, channels, colours) {
-  for (let n = begin + 1; n < end; ++n) if (!isSame(data, n * channels, begin * channels, colours)) return false;
+  for (let n = begin + 1; n < end; n++) if (!isSame(data, n * channels, begin * channels, colours)) return false;
   return true;
 }
 
@@ -148,17 +145,17 @@ function takeLobesOff(paint, { lobes, specular_channel: places }, channels, coun
   const numbers = numbersOfHalves();
   const finishes = places.length;
   const shares = new Float32Array(finishes);
-  for (let n = 0; 4 * n < paint.length; ++n) {
+  for (let n = 0; 4 * n < paint.length; n++) {
     let sum = 0;
-    for (let f = 0; f < finishes; ++f) {
+    for (let f = 0; f < finishes; f++) {
       shares[f] = places[f] >= 0 ? fround(channels[n * count + places[f]] / 255) : 0;
       sum = fround(sum + shares[f]);
     }
-    for (let f = 0; f < finishes; ++f) if (places[f] === -1) shares[f] = Math.max(fround(1 - sum), 0);
+    for (let f = 0; f < finishes; f++) if (places[f] === -1) shares[f] = Math.max(fround(1 - sum), 0);
     const alpha = numbers[paint[4 * n + 3]];
-    for (let k = 0; k < 3; ++k) {
+    for (let k = 0; k < 3; k++) {
       let lobe = fround(shares[0] * lobes[k]);
-      for (let f = 1; f < finishes; ++f) lobe = fround(shares[f] * lobes[3 * f + k] + lobe);
+      for (let f = 1; f < finishes; f++) lobe = fround(shares[f] * lobes[3 * f + k] + lobe);
       const left = fround(numbers[paint[4 * n + k]] - fround(alpha * lobe));
       paint[4 * n + k] = halfOf(Math.max(left, 0));
     }
@@ -169,20 +166,20 @@ function takeLobesOff(paint, { lobes, specular_channel: places }, channels, coun
 function started({ width, height, paint, channels }) {
   const numbers = numbersOfHalves();
   const light = new Float32Array(paint.length);
-  for (let n = 0; n < light.length; ++n) light[n] = numbers[paint[n]];
+  for (let n = 0; n < light.length; n++) light[n] = numbers[paint[n]];
   return { width, height, paint: light, shares: channels, scale: fround(1 / 255) };
 }
 
 function halvedLevel({ width, height, paint, shares, scale }, count) {
   const means = count ? halved(shares, width, height, count) : new Float32Array(0);
-  for (let n = 0; n < means.length; ++n) means[n] *= scale;
+  for (let n = 0; n < means.length; n++) means[n] *= scale;
   const [across, down] = [Math.ceil(width / 2), Math.ceil(height / 2)];
   return { width: across, height: down, paint: halved(paint, width, height, 4), shares: means, scale: 1 };
 }
 
 function stored({ width, height, paint, shares }, count, groups) {
   const halves = new Uint16Array(paint.length);
-  for (let n = 0; n < halves.length; ++n) halves[n] = halfOf(paint[n]);
+  for (let n = 0; n < halves.length; n++) halves[n] = halfOf(paint[n]);
   return { width, height, paint: halves, channels: quantised(shares, width * height, count, groups) };
 }
 
@@ -192,14 +189,14 @@ export function halved(texels, width, height, count) {
   const out = new Float32Array(across.length * down.length * count);
   const line = width * count;
   const row = new Float32Array(line);
-  for (let y = 0; y < down.length; ++y) {
+  for (let y = 0; y < down.length; y++) {
     mixedRows(row, texels, line, down[y]);
     const to = y * across.length * count;
-    for (let x = 0; x < across.length; ++x) {
+    for (let x = 0; x < across.length; x++) {
       const { from, weights } = across[x];
-      for (let c = 0; c < count; ++c) {
+      for (let c = 0; c < count; c++) {
         let sum = fround(weights[0] * row[from[0] * count + c]);
-        for (let k = 1; k < weights.length; ++k) sum = fround(sum + fround(weights[k] * row[from[k] * count + c]));
+        for (let k = 1; k < weights.length; k++) sum = fround(sum + fround(weights[k] * row[from[k] * count + c]));
         out[to + x * count + c] = sum;
       }
     }
@@ -210,7 +207,7 @@ export function halved(texels, width, height, count) {
 function mixedRows(row, texels, line, { from, weights }) {
   const [first, second, third] = from.map((place) => place * line);
   const [a, b, c] = weights;
-  for (let n = 0; n < line; ++n) {
+  for (let n = 0; n < line; n++) {
     let sum = fround(a * texels[first + n]);
     if (weights.length > 1) sum = fround(sum + fround(b * texels[second + n]));
     if (weights.length > 2) sum = fround(sum + fround(c * texels[third + n]));
@@ -239,7 +236,7 @@ function halvedSide(side) {
 export function quantised(shares, texels, count, groups) {
   const steps = new Uint8Array(texels * count);
   for (const group of groups) {
-    for (let n = 0; n < texels; ++n) {
+    for (let n = 0; n < texels; n++) {
       let total = 0;
       let before = 0;
       for (const channel of group) {

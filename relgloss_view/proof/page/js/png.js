@@ -49,22 +49,22 @@ function joinedBytes(parts) {
 // The five filters, undone in place; `step` is the distance in bytes to the pixel on the left.
 function unfiltered(data, height, line, step) {
   const rows = new Uint8Array(height * line);
-  for (let y = 0; y < height; ++y) {
+  for (let y = 0; y < height; y++) {
     const from = y * (line + 1);
     const to = y * line;
     const filter = data[from];
     rows.set(data.subarray(from + 1, from + 1 + line), to);
     if (filter === 1) {
-      for (let k = step; k < line; ++k) rows[to + k] += rows[to + k - step];
+      for (let k = step; k < line; k++) rows[to + k] += rows[to + k - step];
     } else if (filter === 2 && y > 0) {
-      for (let k = 0; k < line; ++k) rows[to + k] += rows[to + k - line];
+      for (let k = 0; k < line; k++) rows[to + k] += rows[to + k - line];
     } else if (filter === 3) {
-      for (let k = 0; k < line; ++k) {
+      for (let k = 0; k < line; k++) {
         const left = k < step ? 0 : rows[to + k - step];
         rows[to + k] += (left + (y > 0 ? rows[to + k - line] : 0)) >> 1;
       }
     } else if (filter === 4) {
-      for (let k = 0; k < line; ++k) {
+      for (let k = 0; k < line; k++) {
         const a = k < step ? 0 : rows[to + k - step];
         const b = y > 0 ? rows[to + k - line] : 0;
         const c = k < step || y === 0 ? 0 : rows[to + k - line - step];
@@ -82,15 +82,15 @@ function unfiltered(data, height, line, step) {
 
 function wideSamples(rows) {
   const wide = new Uint16Array(rows.length / 2);
-  for (let k = 0; k < wide.length; ++k) wide[k] = (rows[2 * k] << 8) | rows[2 * k + 1];
+  for (let k = 0; k < wide.length; k++) wide[k] = (rows[2 * k] << 8) | rows[2 * k + 1];
   return wide;
 }
 
 function spreadSamples(rows, height, line, width, depth) {
   const samples = new Uint8Array(height * width);
   const mask = 2 ** depth - 1;
-  for (let y = 0; y < height; ++y) {
-    for (let x = 0; x < width; ++x) {
+  for (let y = 0; y < height; y++) {
+    for (let x = 0; x < width; x++) {
       const bit = x * depth;
       samples[y * width + x] = (rows[y * line + (bit >> 3)] >> (8 - depth - (bit & 7))) & mask;
     }
@@ -101,9 +101,9 @@ function spreadSamples(rows, height, line, width, depth) {
 function ofPalette(flat, width, height, palette, clear) {
   const channels = clear ? 4 : 3;
   const data = new Uint8Array(width * height * channels);
-  for (let k = 0; k < flat.length; ++k) {
+  for (let k = 0; k < flat.length; k++) {
     const entry = flat[k];
-    for (let c = 0; c < 3; ++c) data[channels * k + c] = palette[3 * entry + c];
+    for (let c = 0; c < 3; c++) data[channels * k + c] = palette[3 * entry + c];
     if (clear) data[channels * k + 3] = entry < clear.length ? clear[entry] : 255;
   }
   return { width, height, channels, alpha: Boolean(clear), top: 255, data };

@@ -45,7 +45,7 @@ export function reply(app) {
   const element = make("section", { id: "reply" },
     make("h2", { text: say("reply.title") }),
     make("p", { class: "quiet", text: say("reply.how", {
-      name: app.digest.slice(0, NAME_LENGTH), count: app.proof.messages.length,
+      name: app.digest.slice(0, NAME_LENGTH),
     }) }),
     field("reply-note", say("reply.note"), note), field("reply-name", say("reply.name"), name),
     field("reply-file", say("reply.file"), file), save, status);
