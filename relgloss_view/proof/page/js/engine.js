@@ -1,7 +1,7 @@
 // The engine: settings become the pictures of both sides, as the window draws them.
 
 import { unpackedAll } from "./arrays.js";
-import { Device } from "./device.js";
+import { Device, DeviceError } from "./device.js";
 import { commonFactor, heldFactor, scalingOf } from "./pair.js";
 import { Passes } from "./passes.js";
 import { openForm } from "./surface.js";
@@ -64,6 +64,7 @@ export class Engine {
    * {c, c_max, extremes, objectPixels, lit, samples, view, notes}, test: {...}}.
    */
   draw(settings, size, { moving = false } = {}) {
+    if (this.device.lost) throw new DeviceError("lost");
     const result = this._draw(this.passes, settings, size, moving);
     this._factor = result.factor;
     this._drawn = { settings, size, result };
