@@ -1,4 +1,4 @@
-"""Make the pictures of the proof in docs/images: proof, proof-make, proof-answer, proof-window (WebP).
+"""Make docs/images/proof*.webp: the proof in browsers and in the window, and two strips.
 
 Run: python scripts/proof_strips.py [FOLDER]
 
@@ -12,6 +12,7 @@ import os
 import sys
 import time
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -89,7 +90,7 @@ SCRIPTS = [saves, reads]
 
 def window(script: str) -> Image.Image:
     """The window at the end of a script."""
-    import driven
+    driven = import_module("driven")
 
     with TemporaryDirectory() as name:
         driven.drive(
@@ -109,7 +110,7 @@ class Page:
         self, file: Path, size: tuple[int, int], scale: float, *, mobile: bool = False
     ) -> None:
         """Open a proof in a view of a size in CSS pixels, each of them so many pixels."""
-        import browsers
+        browsers = import_module("browsers")
 
         self.browser.cdp(
             "Emulation.setDeviceMetricsOverride", width=size[0], height=size[1],
@@ -121,13 +122,13 @@ class Page:
 
     def run(self, function: str, *arguments: Any) -> Any:
         """Call a function in the page."""
-        import browsers
+        browsers = import_module("browsers")
 
         return browsers.call(self.browser, function, *arguments)
 
     def shot(self, at: str = "top") -> Image.Image:
         """The page, scrolled so that an element is at its top."""
-        import browsers
+        browsers = import_module("browsers")
 
         self.run(
             "async (id) => { await relgloss.idle(); const e = document.getElementById(id);"
@@ -216,7 +217,7 @@ def answered(file: Path, answer: Path) -> None:
 
 def main(folder: Path) -> None:
     """Make all pictures."""
-    import browsers
+    browsers = import_module("browsers")
 
     with TemporaryDirectory() as name:
         here = Path(name)

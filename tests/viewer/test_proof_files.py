@@ -161,9 +161,8 @@ def test_the_window_makes_a_new_proof_of_what_it_shows(tmp_path):
     assert settings_of(opened.base) == settings_of(state)
     assert (opened.proof.title, opened.proof.messages[0].note) == ("A title", "A note")
     assert opened.proof.messages[0].parent == ""
+    lost = state.with_part("display", profile="/gone.icc")
     with pytest.raises(InputError, match="the proof was not made"):
-        lost = state.with_sample("test", dataclasses.replace(state.test.sample, file="/gone.json"))
-        lost = lost.with_part("display", profile="/gone.icc")
         written(ProofRequest(str(path), lost))
     assert opened_proof(str(path)).proof == opened.proof
 

@@ -17,8 +17,9 @@ def proof_here(hand, folder, count=CHAIN):
 
     from test_proof_state import chain
 
+    from relgloss_view.proof.drawing import page_display
     from relgloss_view.proof.grid import grid_of
-    from relgloss_view.proof.pair import Pair, page_display
+    from relgloss_view.proof.pair import Pair
     from relgloss_view.proof.proof import Proof
     from relgloss_view.viewer.state.proofs import OpenProof
     from relgloss_view.viewer.state.state import SIDES

@@ -77,14 +77,12 @@ def write_signed(proof: Proof, path: str, key: str = "") -> Proof:
 
     Returns it with its signature. Raises InputError.
     """
-    from relgloss_view.proof.drawing import shaders_of
     from relgloss_view.proof.keys import read_private, signed
-    from relgloss_view.proof.page.build import page
-    from relgloss_view.proof.page.static import body
+    from relgloss_view.proof.page.whole import page_of
 
     if key:
         proof = signed(proof, read_private(key))
-    html = page(proof, shaders_of(proof.content["drawing"]), body(proof))
+    html = page_of(proof)
     with whole_file(path) as temporary:
         temporary.write_text(html, encoding="utf-8", newline="\n")
     return proof

@@ -8,8 +8,9 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
+from relgloss_view.proof.drawing import page_display
 from relgloss_view.proof.grid import compare
-from relgloss_view.proof.pair import Pair, page_display
+from relgloss_view.proof.pair import Pair
 from relgloss_view.quality.backends import FrameRenderer
 from relgloss_view.viewer.state.proofs import OpenProof
 from relgloss_view.viewer.state.state import SIDES, Presentation
