@@ -32,16 +32,16 @@ def add(commands: Any) -> None:
         "view",
         description="Open the window on the built-in papers, or on a proof, scenes, materials and "
         "measured tables, which are fitted first, or on a pack: a pack file, an artwork (PDF or "
-        "picture), a mesh. One sample becomes the test picture's; of two samples, the first becomes the "
-        "reference's, as does one beside a pack. The last session is restored.",
+        "picture), a mesh. One sample becomes the test picture's; of two samples, the first "
+        "becomes the reference's, as does one beside a pack. The last session is restored.",
         epilog="example: relgloss view paper.csv",
     )
     parser.add_argument(
         "files",
         metavar="FILE",
         nargs="*",
-        help="Proof (.html), scene, material, measured table, pack file, artwork, mesh, display (ICC profile or "
-        "display file), or the name of a built-in paper",
+        help="Proof (.html), scene, material, measured table, pack file, artwork, mesh, display "
+        "(ICC profile or display file), or the name of a built-in paper",
     )
     add_colour_options(parser)
     for flag, entry in DISPLAYS.items():

@@ -6,6 +6,7 @@ Twin: page/js/screens.js, with the same names.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from relgloss_view.proof.page.build import words
@@ -13,7 +14,6 @@ from relgloss_view.proof.screens import (
     CHANNELS,
     Order,
     Screen,
-    light_of_lstar,
     lstar_of,
     pattern_gamma,
     pixel_light,
@@ -22,6 +22,7 @@ from relgloss_view.proof.screens import (
 
 SAME_WHITE = 1.1  #: factor between two whites that judgements don't notice
 SAME_BLACK = 0.003  #: of white; less than screens change while they warm up
+WIDE_BLACK = 0.02  #: of white, between bounds that leave open whether two blacks agree
 SAME_GAMMA = 0.12  #: twice what the eye misses at the pattern
 SAME_CHANNELS = 0.2  #: between the gammas of two channels: a tint that is seen in grays
 
@@ -30,7 +31,7 @@ class Words(NamedTuple):
     """A key of the words, and the numbers that fill it."""
 
     key: str
-    values: dict[str, float | str]
+    values: Mapping[str, float | str]
 
 
 def significant(value: float, digits: int = 2) -> float:
@@ -79,7 +80,7 @@ def _black(mine: Screen, theirs: Screen) -> tuple[Words, ...]:
     yours = Words("screen.black.yours", {"least": least, "most": most})
     if theirs.black_most is None:
         return yours, Words("screen.black.designer-unknown", {})
-    kind = "same"
+    kind = "unsure" if mine.black_most - mine.black_least > WIDE_BLACK else "same"
     if mine.black_least > theirs.black_most + SAME_BLACK:
         kind = "lighter"
     if mine.black_most < theirs.black_most - SAME_BLACK:
@@ -115,7 +116,7 @@ def order_words(order: Order, screen: str) -> Words:
     """A verdict on the order of gloss. screen: 'yours' or 'designer', whose it is."""
     if order.cause == "":
         return Words(f"screen.order.{order.kind}", {"screen": f"screen.{screen}"})
-    values = {
+    values: dict[str, float | str] = {
         "screen": f"screen.{screen}",
         "side": f"screen.side.{order.side}",
         "black": significant(100.0 * order.black),
@@ -130,28 +131,35 @@ def screen_words(screen: Screen, language: str = "en") -> tuple[str, ...]:
     ('white 120 cd/m2',)
     """
     parts: dict[str, tuple[Words, ...]] = {
-        "white": () if screen.white_cd_m2 is None else (
-            Words("screen.short.white", {"white": significant(screen.white_cd_m2, 3)}),
+        "white": ()
+        if screen.white_cd_m2 is None
+        else (Words("screen.short.white", {"white": significant(screen.white_cd_m2, 3)}),),
+        "black": ()
+        if screen.black_least is None or screen.black_most is None
+        else (
+            Words(
+                "screen.short.black",
+                {
+                    "least": significant(100.0 * screen.black_least),
+                    "most": significant(100.0 * screen.black_most),
+                },
+            ),
         ),
-        "black": () if screen.black_least is None or screen.black_most is None else (
-            Words("screen.short.black", {
-                "least": significant(100.0 * screen.black_least),
-                "most": significant(100.0 * screen.black_most),
-            }),
-        ),
-        "gamma": () if screen.gamma is None else (
-            Words("screen.short.gamma", {"gamma": significant(screen.gamma)}),
-        ),
-        "surround": () if screen.surround == "" else (
-            Words(f"screen.short.{screen.surround}", {}),
-        ),
+        "gamma": ()
+        if screen.gamma is None
+        else (Words("screen.short.gamma", {"gamma": significant(screen.gamma)}),),
+        "surround": ()
+        if screen.surround == ""
+        else (Words(f"screen.short.{screen.surround}", {}),),
     }
     table = words(language)
     return tuple(
-        table[key].format(**{
-            name: f"{value:g}" if isinstance(value, float) else value
-            for name, value in values.items()
-        })
+        table[key].format(
+            **{
+                name: f"{value:g}" if isinstance(value, float) else value
+                for name, value in values.items()
+            }
+        )
         for said in parts.values()
         for key, values in said
     )

@@ -37,10 +37,10 @@ REFERENCE_CD_M2 = 100.0  #: of the white on which a step of gloss is STEP_LSTAR
 USUAL_WHITES_CD_M2 = (80.0, 1000.0)  #: of displays; both are tried where white is unknown
 GAMMA_ERROR = 0.06  #: of a gamma set by eye: two of 255 at the match
 MOST_BLACK = 0.99
-#: Of the object's pixels, the strongest: a highlight's centre, and as far as it is seen at a
-#: glance. Observers look at either, and compare it with the body there or with all of the body: an
-#: order holds only where all of them give it.
-HIGHLIGHT_SHARES = (0.002, 0.02)
+#: Of the object's pixels, the strongest: a highlight's centre, and more of it. Observers look at
+#: either, and compare it with the body there or with all of the body: an order holds only where all
+#: of them give it.
+HIGHLIGHT_SHARES = (0.002, 0.012)
 SRGB_GAMMA_RANGE = (2.0, 2.4)  #: where sRGB's curve and a power are both possible
 SURROUNDS = ("", "dark", "office", "bright")
 CHANNELS = ("red", "green", "blue")
@@ -89,7 +89,10 @@ class Screen:
         _check("white_cd_m2", self.white_cd_m2, 1.0, 10000.0)
         _check("black_least", self.black_least, 0.0, MOST_BLACK)
         _check("black_most", self.black_most, 0.0, MOST_BLACK)
-        for name, value in (("gamma", self.gamma), *zip(CHANNELS, self.channels or (), strict=False)):
+        for name, value in (
+            ("gamma", self.gamma),
+            *zip(CHANNELS, self.channels or (), strict=False),
+        ):
             _check(name, value, 0.5, 5.0)
         _check("clipped", self.clipped, 0.5, 1.0)
         if (self.black_least or 0.0) > (MOST_BLACK if self.black_most is None else self.black_most):
@@ -106,7 +109,11 @@ class Screen:
         values = dict(content)
         channels = values.get("channels")
         if channels is not None:
-            if not isinstance(channels, Sequence) or isinstance(channels, str) or len(channels) != 3:
+            if (
+                not isinstance(channels, Sequence)
+                or isinstance(channels, str)
+                or len(channels) != 3
+            ):
                 raise InputError("screen.channels: expected three numbers")
             values["channels"] = tuple(channels)
         if not isinstance(values.get("surround", ""), str):

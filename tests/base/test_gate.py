@@ -38,7 +38,7 @@ ELSEWHERE = {
     "picture/gpu/shader.py": "a shader of its own", "bench/speed/floor.py": "a shader of its own",
     "bench/speed/machine.py": "/proc", "bench/peers/mitsuba_peer.py": "its own parent",
     "bench/peers/mitsuba_runner.py": "its own child",
-    "pack/artwork/pictures.py": "the null device",
+    "pack/artwork/pictures.py": "the null device", "proof/page/build.py": "the page's own parts",
     "pack/artwork/pdf.py": "the answer and the files of its own child",
     "pack/artwork/pdf_streams.py": "unpacks a stream behind the gate",
 }  # fmt: skip

@@ -7,10 +7,16 @@ import functools
 import json
 from pathlib import Path
 
-from relgloss_view.picture.scene.setup import Eye
+from relgloss_view.picture.scene.look import viewed_look
+from relgloss_view.picture.scene.sample import Sample
+from relgloss_view.picture.scene.scene_file import SceneFile
+from relgloss_view.picture.scene.setting import Setting
+from relgloss_view.picture.scene.setup import Eye, Setup
+from relgloss_view.proof.content import content_of
 from relgloss_view.proof.page import build
 from relgloss_view.proof.proof import Message, Proof
 from relgloss_view.proof.settings import LampPlace, PictureSetting, Settings
+from relgloss_view.quality.backends import open_renderer
 
 #: Replaced by `with_module`, as the page's own entry draws.
 MODULES = Path(build.__file__).parent / "js"
@@ -67,6 +73,20 @@ def small_page(monkeypatch, folder, script="window.relgloss = 1;"):
     (folder / "style.css").write_text("body {\n  margin: 0;\n}\n")
     monkeypatch.setattr(build, "FOLDER", folder)
     monkeypatch.setattr(build, "script", lambda: script)
+
+
+@functools.cache
+def drawable(size):
+    """A small proof of two papers that can be drawn: one message."""
+    look = viewed_look()
+    scene = SceneFile(
+        Sample.built_in("matte-coated"), look.at(Setting(2.0, c=0.37)), Setup(),
+        Sample.built_in("cast-coated"), look.at(Setting(0.0, c=0.14)),
+    )  # fmt: skip
+    with open_renderer() as renderer:
+        made = content_of(scene, renderer, size=size, title="Dose")
+    first = Message(made.settings, "Genug Glanz?\nSag es.", "Aya", "2026-11-27T08:30:00Z")
+    return Proof(made.content, (first,))
 
 
 @functools.cache

@@ -46,7 +46,9 @@ def shaders_for(proof: Proof) -> dict[str, str]:
     return texts
 
 
-def open_screen(browser: Browser, proof: Proof | None, shaders: dict[str, str] | None = None) -> None:
+def open_screen(
+    browser: Browser, proof: Proof | None, shaders: dict[str, str] | None = None
+) -> None:
     """Open the page; `engine` draws the proof, where there is one."""
     data: dict[str, Any] = {"proof": None, "shaders": {}}
     if proof is not None:

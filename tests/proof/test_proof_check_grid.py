@@ -22,8 +22,8 @@ from relgloss_view.quality.backends import open_renderer
 
 SIZE = (200, 160)
 #: dE2000 of the same picture by any driver here. The grid keeps four digits, 0.0001 in all. A
-#: driver's exp, of an exponent up to 10, may be off by 23 units in the last place (GLSL 4.6, 4.7.1),
-#: 3e-6 of L_s* and so 3e-4; log and sqrt of the grain's tilts add as much. Found: 0.0002.
+#: driver's exp, of an exponent up to 10, may be off by 23 units in the last place (GLSL 4.6,
+#: 4.7.1), 3e-6 of L_s* and so 3e-4; log and sqrt of the grain's tilts add as much. Found: 0.0002.
 SAME = 0.001
 TOLERANCE = 0.005  #: of check.js
 
@@ -61,7 +61,8 @@ def open_once(browser, proof):
 
 def spoken(browser):
     return call(
-        browser, "() => say(...checkWords(checkGrid(engine, data.proof), data.proof.content.size_px))"
+        browser,
+        "() => say(...checkWords(checkGrid(engine, data.proof), data.proof.content.size_px))",
     )
 
 
@@ -72,7 +73,9 @@ def test_same_picture(lane, request, proof):
     found = checked(browser)
     assert found["same"]
     assert found["missed"] == 0
-    kept = sum(lab is not None for side in proof.content["grid"]["sides"].values() for lab in side["lab"])
+    kept = sum(
+        lab is not None for side in proof.content["grid"]["sides"].values() for lab in side["lab"]
+    )
     assert kept - 4 <= found["points"] <= kept  # a silhouette may fall to either side
     assert found["largest"] <= SAME
     assert "what the designer saw" in spoken(browser)

@@ -56,7 +56,7 @@ def condensed(text: str) -> str:
 
     No text in backquotes goes over several lines, so a line's beginning is never part of one.
 
-    >>> condensed("/** Twice.\\n * x: a number. */\\nfunction f(x) {\\n  // Really.\\n  return 2 * x;\\n}\\n")
+    >>> condensed("/** Twice x. */\\nfunction f(x) {\\n  // Really.\\n  return 2 * x;\\n}\\n")
     'function f(x) {\\nreturn 2 * x;\\n}'
     """
     kept, in_comment = [], False

@@ -130,7 +130,7 @@ export function mountCheck(element, app) {
   };
   element.append(
     make("h2", { text: say("check.title") }), answer, advice,
-    make("p", { class: "quiet", text: say("check.how") }), again,
+    make("p", { class: "quiet", text: say("check.how") }), make("p", { class: "step" }, again),
   );
   return new Promise((resolve) => {
     const begin = () => {

@@ -12,7 +12,7 @@ const REFERENCE_CD_M2 = 100.0;
 const USUAL_WHITES_CD_M2 = [80.0, 1000.0];
 const GAMMA_ERROR = 0.06;
 const MOST_BLACK = 0.99;
-const HIGHLIGHT_SHARES = [0.002, 0.02];
+const HIGHLIGHT_SHARES = [0.002, 0.012];
 const RANK = { kept: 0, hidden: 1, reversed: 2 };
 const SRGB_GAMMA_RANGE = [2.0, 2.4];
 
@@ -117,20 +117,34 @@ export function highlightsOf(l_d, l_s, c) {
   const count = l_s.length;
   if (count === 0) return [];
   const seen = Float64Array.from(l_s, (value, k) => Math.min(l_d[k] + c * value, 100.0));
-  const [byGloss, byLightness] = [l_s, seen].map(
-    (values) => Uint32Array.from(values, (_, k) => k).sort((p, q) => values[p] - values[q] || p - q),
-  );
-  const mean = (values, places) => places.reduce((sum, k) => sum + values[k], 0.0) / places.length;
-  const usual = seen[byLightness[Math.floor(count / 2)]];
+  const byGloss = Float64Array.from(l_s).sort(); // fast, because it sorts numbers alone
+  const byLightness = Float64Array.from(seen).sort();
+  const usual = byLightness[Math.floor(count / 2)];
   const found = [];
   const whole = [];
   for (const share of HIGHLIGHT_SHARES) {
-    const first = count - Math.max(1, halfToEven(share * count));
-    const strongest = byGloss.subarray(first);
-    found.push({ body: mean(l_d, strongest), peak: mean(seen, strongest) });
-    whole.push({ body: usual, peak: mean(seen, byLightness.subarray(first)) });
+    const number = Math.max(1, halfToEven(share * count));
+    const strongest = largestOf(l_s, byGloss, number);
+    found.push({ body: meanOf(l_d, strongest), peak: meanOf(seen, strongest) });
+    whole.push({ body: usual, peak: meanOf(seen, largestOf(seen, byLightness, number)) });
   }
   return [...found, ...whole];
+}
+
+/** Places of the largest values; of equal ones the last, as Python's stable order has them. */
+function largestOf(values, sorted, number) {
+  const least = sorted[sorted.length - number];
+  const above = [];
+  const equal = [];
+  for (let k = values.length - 1; k >= 0; k -= 1) {
+    if (values[k] > least) above.push(k);
+    else if (values[k] === least) equal.push(k);
+  }
+  return [...above, ...equal.slice(0, number - above.length)];
+}
+
+function meanOf(values, places) {
+  return places.reduce((sum, k) => sum + values[k], 0.0) / places.length;
 }
 
 /** Python's round. */
@@ -208,6 +222,7 @@ export function designersScreen(display) {
 
 const SAME_WHITE = 1.1;
 const SAME_BLACK = 0.003;
+const WIDE_BLACK = 0.02;
 const SAME_GAMMA = 0.12;
 const SAME_CHANNELS = 0.2;
 const CHANNEL_NAMES = ["red", "green", "blue"];
@@ -239,7 +254,7 @@ function blackWords(mine, theirs) {
   const [least, most] = [mine.black_least, mine.black_most].map((b) => significant(100.0 * b));
   const yours = ["screen.black.yours", { least, most }];
   if (theirs.black_most === null) return [yours, ["screen.black.designer-unknown", {}]];
-  let kind = "same";
+  let kind = mine.black_most - mine.black_least > WIDE_BLACK ? "unsure" : "same";
   if (mine.black_least > theirs.black_most + SAME_BLACK) kind = "lighter";
   if (mine.black_most < theirs.black_most - SAME_BLACK) kind = "darker";
   return [yours, [`screen.black.${kind}`, { designer: significant(100.0 * theirs.black_most) }]];
