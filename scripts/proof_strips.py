@@ -132,7 +132,8 @@ class Page:
 
         self.run(
             "async (id) => { await relgloss.idle(); const e = document.getElementById(id);"
-            " if (id === 'top') window.scrollTo(0, 0); else e.scrollIntoView({block: 'start'});"
+            " if (id === 'top') window.scrollTo({top: 0, behavior: 'instant'});"
+            " else e.scrollIntoView({block: 'start', behavior: 'instant'});"
             " await new Promise((r) => setTimeout(r, 400)); await relgloss.idle(); }",
             at,
         )
