@@ -30,18 +30,18 @@ def add(commands: Any) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "view",
-        description="Open the window on the built-in papers, or on scenes, materials and measured "
-        "tables, which are fitted first, or on a pack: a pack file, an artwork (PDF or picture), a "
-        "mesh. One sample becomes the test picture's; of two samples, the first becomes the "
-        "reference's, as does one beside a pack. The last session is restored.",
+        description="Open the window on the built-in papers, or on a proof, scenes, materials and "
+        "measured tables, which are fitted first, or on a pack: a pack file, an artwork (PDF or "
+        "picture), a mesh. One sample becomes the test picture's; of two samples, the first "
+        "becomes the reference's, as does one beside a pack. The last session is restored.",
         epilog="example: relgloss view paper.csv",
     )
     parser.add_argument(
         "files",
         metavar="FILE",
         nargs="*",
-        help="Scene, material, measured table, pack file, artwork, mesh, display (ICC profile or "
-        "display file), or the name of a built-in paper",
+        help="Proof (.html), scene, material, measured table, pack file, artwork, mesh, display "
+        "(ICC profile or display file), or the name of a built-in paper",
     )
     add_colour_options(parser)
     for flag, entry in DISPLAYS.items():
@@ -226,7 +226,9 @@ def _show(app: App, opened: list[Opened], colour: Colour | None, displays: dict[
     for one in opened:
         if one.state is not None:
             state = one.applied(state, "test")
-            app.files.scene_path = one.path
+            app.files.scene_path = None if one.proof is not None else one.path
+        if one.proof is not None:
+            app.files.proofs.opened(one.proof)
         if one.warning:
             app.model.report(one.warning, fault=True)
     for one in opened:
@@ -264,19 +266,28 @@ def _check_files(files: list[str]) -> None:
     from relgloss_view.picture.scene.file_kinds import SCENE
     from relgloss_view.viewer.files.display_files import is_display_file
     from relgloss_view.viewer.files.pack_files import MESH, file_kind
+    from relgloss_view.viewer.files.proof_files import PROOF, is_proof_file
 
     displays = sum(is_display_file(file) for file in files)
     if displays > 1:
         raise InputError(f"{displays} displays given: expected at most 1")
     files = [file for file in files if not is_display_file(file)]
     named = [file for file in files if not _is_built_in(file)]
-    kinds = [file_kind(file) for file in named]
-    for kind, words in ((SCENE, "scenes"), (PACK, "packs"), (ARTWORK, "artworks"), (MESH, "forms")):
+    kinds = [PROOF if is_proof_file(file) else file_kind(file) for file in named]
+    for kind, words in (
+        (SCENE, "scenes"),
+        (PROOF, "proofs"),
+        (PACK, "packs"),
+        (ARTWORK, "artworks"),
+        (MESH, "forms"),
+    ):
         count = kinds.count(kind)
         if count > 1:
             raise InputError(f"{count} {words} given: expected at most 1")
+    if SCENE in kinds and PROOF in kinds:
+        raise InputError("a proof and a scene given: expected one of them, both hold a pair")
     packs = any(kind in (PACK, ARTWORK, MESH) for kind in kinds)
-    samples = len(files) - sum(kind in (SCENE, PACK, ARTWORK, MESH) for kind in kinds)
+    samples = len(files) - sum(kind in (SCENE, PROOF, PACK, ARTWORK, MESH) for kind in kinds)
     if samples > 2:
         raise InputError(f"{samples} samples given: expected at most 2, reference and test")
     if samples > 1 and packs:

@@ -265,6 +265,11 @@ class PairRenderer:
         factor = common_factor(contrasts)
         return self._warm.render(state.scene(side), state.side(side).look, size, factor=factor)
 
+    def render(self, scene: Scene, look: Look, size: Size, *, factor: float = 1.0) -> Frame:
+        """Any scene at any size, apart from the window's pictures; see backends.FrameRenderer."""
+        self._enlarged = True
+        return self._warm.render(scene, look, size, factor=factor)
+
     def small(
         self, state: State, side: str, material: Material, size: Size, factor: float
     ) -> Frame:

@@ -1,5 +1,5 @@
-"""Opening a file in the background: a scene, a display, a pack, artwork, a mesh, a material, or a
-measurement, which is fitted first.
+"""Opening a file in the background: a scene, a proof, a display, a pack, artwork, a mesh, a
+material, or a measurement, which is fitted first.
 
 A thread does it and leaves the fit itself to a process (see fit_process.py). What is cancelled is
 done with at once and leaves no file.
@@ -23,11 +23,12 @@ from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.file_kinds import MATERIAL, SCENE
 from relgloss_view.picture.scene.sample import Sample
-from relgloss_view.viewer.files import display_files, pack_files
+from relgloss_view.viewer.files import display_files, pack_files, proof_files
 from relgloss_view.viewer.files.fit_process import FitProcess
 from relgloss_view.viewer.files.own_materials import keep_material
 from relgloss_view.viewer.state import matching, packs
 from relgloss_view.viewer.state.places import data_folder
+from relgloss_view.viewer.state.proofs import OpenProof
 from relgloss_view.viewer.state.state import State
 from relgloss_view.viewer.state.state_file import load_state
 
@@ -47,6 +48,7 @@ class Opened:
     pack: Pack | None = None
     artwork: Pack | None = None
     shape: Shape | None = None
+    proof: OpenProof | None = None  #: whose newest message the state shows
     display: str = ""  #: the entry that an ICC profile or a display file is for
 
     @property
@@ -192,6 +194,9 @@ class OpenJob:
         return "thin out the table" if is_table else "give it fewer pixels or triangles"
 
     def _open(self) -> Opened:
+        if proof_files.is_proof_file(self.path):
+            opened = proof_files.opened_proof(self.path, self._report)
+            return Opened(self.path, state=opened.newest, proof=opened)
         if display_files.is_display_file(self.path):
             return opened_display(self.path)
         kind = pack_files.file_kind(self.path)

@@ -195,7 +195,7 @@ _MODE_HELP = {
 ACTIONS: tuple[Action, ...] = (
     Action(
         "File", "Open...", "Ctrl+O", lambda app: app.files.open(),
-        "opens a scene, a pack, artwork, a mesh, or a measurement or material as the test sample",
+        "opens a proof, a scene, a pack, artwork, a mesh, or a measurement or material as the test",
     ),
     Action(
         "File", "New material...", "Ctrl+N", lambda app: app.files.make_material(),
@@ -212,6 +212,15 @@ ACTIONS: tuple[Action, ...] = (
     Action(
         "File", "Save scene as...", "Ctrl+Shift+S", lambda app: app.files.save_as(),
         "saves the scene under another name",
+    ),
+    Action(
+        "File", "Save as proof...", "Ctrl+P", lambda app: app.files.save_proof(),
+        "saves the pair as one file, which the other side opens in a browser or in relgloss",
+    ),
+    Action(
+        "File", "Reply...", "Ctrl+Shift+P", lambda app: app.files.reply(),
+        "answers the open proof with your settings and a note",
+        possible=lambda app: app.model.proof is not None,
     ),
     Action(
         "File", "Export...", "Ctrl+E", lambda app: app.files.export(),
@@ -330,5 +339,5 @@ MOUSE = (
     ("Ctrl+click a slider", "type a value"),
     ("Double-click a slider", "reset it"),
     ("Alt+click, Alt+drag", "pin a pixel; move artwork"),
-    ("Drop a file", "open it; it becomes the test"),
+    ("Drop a file", "open it; a sample becomes the test"),
 )

@@ -31,6 +31,7 @@ from relgloss_view.viewer.panels import (
     menu,
     pack,
     pixel,
+    proof,
     reflection,
     sample,
     scene,
@@ -80,6 +81,7 @@ class App:
             [
                 Panel("Sample", SAMPLE, lambda: sample.show(self.model, self.files)),
                 Panel("Pack", SAMPLE, lambda: pack.show(self.model, self.files), at_first=False),
+                Panel("Proof", SAMPLE, lambda: proof.show(self.files.proofs), at_first=False),
                 Panel("Look", GLOSS, lambda: look.show(self.model)),
                 Panel("Gloss", GLOSS, lambda: gloss.show(self.model, self._gloss_readings)),
                 Panel("Scene", LIGHT, lambda: scene.show(self.model, self.files)),
@@ -114,6 +116,7 @@ class App:
         self.pair_renderer = PairRenderer(ctx)
         self._window = window
         self.model.render_at = self._render_at
+        self.model.renderer = self.pair_renderer
         self._monitor = watched_monitor(self.model, window, self.wake)
         navigation.enable()
         if self.kept_layout.docking:
@@ -254,7 +257,7 @@ class App:
         self.model.frames, self.model.ghosts, self.model.tints = {}, {}, {}
         self.model.plate_pictures = {}
         self._ghost_pictures = GhostPictures()
-        self.pair_renderer = PairRenderer(ctx)
+        self.model.renderer = self.pair_renderer = PairRenderer(ctx)
         self.model.report("the graphics device lost its objects; everything was made again")
 
     # --- one frame ----------------------------------------------------------------------------

@@ -16,15 +16,17 @@ from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.pack.forms.mesh_files import MESH_SUFFIXES
 from relgloss_view.pack.pack import Pack
 from relgloss_view.viewer.drawing.arrangement import as_shown
-from relgloss_view.viewer.files.display_files import DISPLAY_SUFFIXES, display_note
+from relgloss_view.viewer.files.display_files import DISPLAY_SUFFIXES
 from relgloss_view.viewer.files.new_material import NewMaterial
 from relgloss_view.viewer.files.open_job import Opened, OpenJob, opened_display
+from relgloss_view.viewer.files.opened_words import report_opened
 from relgloss_view.viewer.files.own_materials import safe_name
 from relgloss_view.viewer.files.pack_edits import MaskReader, PackWatch
 from relgloss_view.viewer.files.pack_files import ARTWORK_SUFFIXES, NO_PROFILE
 from relgloss_view.viewer.files.picture_export import write_view
 from relgloss_view.viewer.files.plate_colours import PlateColours
 from relgloss_view.viewer.files.preparation import prepare
+from relgloss_view.viewer.files.proof_files import PROOF_SUFFIXES
 from relgloss_view.viewer.files.scene_saving import save_scene
 from relgloss_view.viewer.files.session_reading import SessionReading
 from relgloss_view.viewer.panels import opening
@@ -32,10 +34,11 @@ from relgloss_view.viewer.panels.export import Export
 from relgloss_view.viewer.panels.file_dialogs import FileDialogs
 from relgloss_view.viewer.panels.new_material import NewMaterialPanel
 from relgloss_view.viewer.panels.own_dialog import Question
+from relgloss_view.viewer.shell.proof_actions import ProofActions
 from relgloss_view.viewer.state.command_line import snapshot_command
 from relgloss_view.viewer.state.matching import as_displayed, with_plain_pack
 from relgloss_view.viewer.state.model import Model
-from relgloss_view.viewer.state.packs import artwork_words, missing_plates, within_memory
+from relgloss_view.viewer.state.packs import within_memory
 from relgloss_view.viewer.state.screens import name_of
 from relgloss_view.viewer.state.session import Autosave
 from relgloss_view.viewer.state.state import State
@@ -44,7 +47,13 @@ TICK_S = 0.1  #: between looks at a running job
 QUICK_S = 0.3  #: a job that ends sooner shows no window
 SCENE_SUFFIXES = (".toml",)
 SAMPLE_SUFFIXES = (".json", ".csv", ".txt", ".bsdf", ".binary")
-OPEN_SUFFIXES = (*SCENE_SUFFIXES, *SAMPLE_SUFFIXES, *ARTWORK_SUFFIXES, *MESH_SUFFIXES)
+OPEN_SUFFIXES = (
+    *SCENE_SUFFIXES,
+    *PROOF_SUFFIXES,
+    *SAMPLE_SUFFIXES,
+    *ARTWORK_SUFFIXES,
+    *MESH_SUFFIXES,
+)
 PROFILE_SUFFIXES = (".icc", ".icm")
 OPEN_SUFFIXES += PROFILE_SUFFIXES
 MASK_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff")  #: of what mask_file.read_mask reads
@@ -74,6 +83,7 @@ class FileActions:
         self._export = Export(model, self.dialogs)
         self.new_material = NewMaterial(model, wake)
         self._new_material_panel = NewMaterialPanel(self.new_material, self.dialogs)
+        self.proofs = ProofActions(model, self.dialogs, wake)
         self._wake = wake
         self._waiting: list[Wanted] = []
         self._job: OpenJob | None = None
@@ -202,6 +212,16 @@ class FileActions:
         self._leave_haploscopic()
         self._export.open()
 
+    def save_proof(self) -> None:
+        """Show the window that writes the pair as a proof."""
+        self._leave_haploscopic()
+        self.proofs.save_as_proof()
+
+    def reply(self) -> None:
+        """Show the window that answers the open proof."""
+        self._leave_haploscopic()
+        self.proofs.reply()
+
     def export_view(self) -> None:
         """Ask for a place and write the pane there: overlay, wipe and all."""
         self._ask(
@@ -246,6 +266,7 @@ class FileActions:
             read = partial(self._read_display, wanted) if wanted.display else None
             self._job = OpenJob(wanted.path, self._wake, self._prepare, read, wanted.profile)
         self.new_material.each_frame()
+        self.proofs.each_frame()
         self._masks.each_frame()
         self._watch.each_frame()
         self._plates.each_frame()
@@ -258,6 +279,7 @@ class FileActions:
         """Draw dialogs, progress and the export window."""
         self.dialogs.show()
         self._export.show()
+        self.proofs.show()
         self._new_material_panel.show()
         if self._job is not None and time.monotonic() - self._began_s >= QUICK_S:
             reading = self._session_reading
@@ -267,7 +289,7 @@ class FileActions:
 
     def due_s(self) -> float | None:
         """Seconds until a frame is needed without an event; None if nothing is under way."""
-        waits = [self.dialogs.due_s(), self._export.due_s()]
+        waits = [self.dialogs.due_s(), self._export.due_s(), self.proofs.due_s()]
         waiting = self._waiting or self.new_material.waiting or self._masks.busy
         if self._job is not None or waiting:
             waits.append(TICK_S)
@@ -280,6 +302,7 @@ class FileActions:
         self._waiting.clear()
         self.new_material.cancel()  # what is in no file would be lost
         self.dialogs.close()
+        self.proofs.close()
         self._watch.close()
         if self._job is not None:
             self._job.close()
@@ -326,36 +349,20 @@ class FileActions:
             self.model.report(f"cancelled: {name}")
 
     def _apply(self, opened: Opened, name: str) -> None:
-        model = self.model
-        if opened.state is not None and self._wanted.side == "reference":
+        model, wanted = self.model, self._wanted
+        if opened.state is not None and wanted.side == "reference":
             model.report(f"{name} is a scene, which holds both pictures: use Open", fault=True)
             return
         model.change(self._after(opened))
         model.history.forget(within_memory)
-        if opened.state is not None:
+        if opened.proof is not None:
+            self.scene_path = None  # its scene is the program's own file
+            self.proofs.opened(opened.proof)
+        elif opened.state is not None:
             self.scene_path = opened.path
-            model.report(f"opened the scene {name}")
-            return
-        if opened.display:
-            model.report(display_note(opened.display, opened.path))
-            return
-        if opened.sample is None:
-            self._report_pack(opened, name)
-            return
-        assert opened.sample is not None
-        if opened.measurement is not None and opened.sample.table is not None:
-            model.measurements[opened.sample.table] = opened.measurement
-        fit = opened.sample.material.fit
-        text = f"fitted {name}" if opened.measurement is not None else f"opened {name}"
-        if opened.measurement is not None and fit is not None:
-            text += f": {fit.quality}"
-        finish, pack = self._wanted.finish, model.pack(self._wanted.side)
-        if finish and pack is not None:
-            model.report(f"{text}; it is the material of the finish {finish} now")
-        else:
-            model.report(f"{text}; it is the {self._wanted.side} sample now")
-        if opened.warning:
-            model.report(opened.warning, fault=True)
+        if opened.pack is not None:
+            self.note_pack(opened.pack)
+        report_opened(model, opened, name, wanted.side, wanted.finish)
 
     @staticmethod
     def _read_display(wanted: Wanted, report: ProgressReport) -> Opened:
@@ -376,25 +383,3 @@ class FileActions:
         if prepared is not None and prepared[0] is state:
             return prepared[1]
         return opened.applied(state, self._wanted.side, self._wanted.finish)
-
-    def _report_pack(self, opened: Opened, name: str) -> None:
-        """A line on a pack, an artwork or a mesh, and its panel in front."""
-        model, side = self.model, self._wanted.side
-        pack = model.pack(side)
-        model.active_side, model.wanted_panel = side, "Pack" if pack is not None else ""
-        if opened.pack is not None:
-            self.note_pack(opened.pack)
-            model.report(f"opened the pack {name}")
-        elif opened.shape is not None:
-            model.report(f"{name} is the form now; the panel {'Pack' if pack else 'Scene'} has it")
-            return
-        else:
-            words = "" if opened.artwork is None else artwork_words(opened.artwork)
-            model.report(f"{name} is the artwork of the {side} picture now{words}")
-        missing = () if pack is None else missing_plates(pack)
-        if missing:
-            model.report(
-                f"the artwork has no plate {', '.join(missing)}: choose another mask in the panel "
-                "Pack",
-                fault=True,
-            )

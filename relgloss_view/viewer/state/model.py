@@ -22,9 +22,11 @@ from relgloss_view.picture.model.view import Size
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.picture.scene.setting import Setting
+from relgloss_view.quality.backends import FrameRenderer
 from relgloss_view.viewer.plots.lightness import Lightness
 from relgloss_view.viewer.state import matching, packs
 from relgloss_view.viewer.state.history import History
+from relgloss_view.viewer.state.proofs import OpenProof
 from relgloss_view.viewer.state.screens import Screen, for_screen, unreadable_files
 from relgloss_view.viewer.state.state import State
 
@@ -112,6 +114,10 @@ class Model:
         self.tints: dict[str, int] = {}  #: textures of the masks that show, by side
         #: Packs of the last session that are still read: name, sample in its place, by side.
         self.coming: dict[str, tuple[str, Sample]] = {}
+        self.proof: OpenProof | None = None  #: the one that was opened last
+        self.proof_message = -1  #: index of its message that was shown last
+        #: Draws any scene on the window's device; None without a window.
+        self.renderer: FrameRenderer | None = None
         #: Textures of plates without a finish, and width over height, by name.
         self.plate_pictures: dict[str, tuple[int, float]] = {}
         self.wanted_panel = ""  #: title of one that the next frame brings to the front
@@ -273,6 +279,13 @@ class Model:
     def set_sample(self, side: str, sample: Sample) -> None:
         """Put another sample on a side, matched to the reference."""
         self.change(matching.with_sample(self.state, side, sample))
+
+    def show_message(self, index: int) -> None:
+        """Show the settings of a message of the open proof, with its scene, as one step of undo."""
+        if self.proof is not None:
+            self.proof_message = index
+            shown = dataclasses.replace(self.proof.at(index), presentation=self.state.presentation)
+            self.change(shown)
 
     def turn_lamp(self) -> None:
         """Turn the lamp to the highlight, as one step of undo; report where none does."""
