@@ -81,7 +81,8 @@ function shifted(eye, [right, up]) {
 /** Listen to pointers, wheel and keys over the canvas.
  *
  * app: mode() is 'turn', 'lamp' or 'read'; paneAt(x, y) of CSS pixels gives {side, box} or null;
- * settings(), set(settings, live), framed(), point(x, y) or point(null), keys(event) for the rest.
+ * settings(), set(settings, live), framed(pane), point(x, y) or point(null), movePoint(step, far);
+ * key(name): whether there is such a key for the rest.
  */
 export function listen(canvas, app) {
   const pointers = new Map();
