@@ -10,13 +10,14 @@ import ast
 import importlib
 import json
 import re
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import pytest
 
 from relgloss_view.proof import proof, screens, settings
-from relgloss_view.proof.page import build
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "relgloss_view"
@@ -33,7 +34,7 @@ class Twin(NamedTuple):
 
     homes: tuple[str, ...]
     test: str
-    named: dict[str, str] = {}
+    named: Mapping[str, str] = MappingProxyType({})
     alone: frozenset[str] = frozenset()
 
 
@@ -321,21 +322,37 @@ def test_these_tests_find_what_is_wrong() -> None:
     assert "no such" not in names_in("viewer/drawing/camera.py")
 
 
-def unused_words(table: set[str]) -> set[str]:
-    """Keys that neither the scripts nor Python name, whole or by their beginning."""
-    texts = "\n".join(
-        path.read_text(encoding="utf-8")
-        for folder in (FOLDER, PACKAGE / "proof", PACKAGE / "commands")
-        for path in (*folder.rglob("*.py"), *folder.glob("*.js"))
-    )
-    named = set(re.findall(r"[\"'`]([a-z]+(?:[.-][a-z-]+)+)[\"'`]", texts))
-    begun = {text for text in re.findall(r"[`\"']([a-z.-]+[.-])[$\{]", texts) if "." in text}
-    return {key for key in table - named if not any(key.startswith(one) for one in begun)}
+def keys_of(value: Any) -> set[str]:
+    """The keys of a drawing but those of numbers by a name of the shaders or of a lamp."""
+    if not isinstance(value, dict):
+        return set()
+    named = {
+        "colours",
+        "edge",
+        "finish_tables",
+        "material",
+        "sides",
+        "tone",
+        "uniforms",
+        "variants",
+    }
+    inner = (keys_of(one) for key, one in value.items() if key not in named)
+    return set(value).union(*inner, *(keys_of(one) for one in value.get("sides", {}).values()))
 
 
-def test_every_word_of_the_page_is_used() -> None:
-    assert not unused_words(set(build.words()))
-    assert unused_words({"reply.nobody-asks", "side.reference"}) == {"reply.nobody-asks"}
+def unread(keys: set[str]) -> set[str]:
+    """Keys that no module of the page names outside of its comments."""
+    code = "\n".join(plain(path.read_text(encoding="utf-8")) for path in FOLDER.glob("*.js"))
+    return {key for key in keys if not re.search(rf"(?:\.|[{{,]\s*){key}\b", code)}
+
+
+def test_a_drawing_holds_nothing_that_no_page_reads(paper: proof.Proof) -> None:
+    drawing = paper.content["drawing"]
+    keys = keys_of(drawing) | set(drawing["sides"]["test"]["variants"]["smooth one"])
+    assert {"narrowest_s", "definitions", "OFF_OBJECT", "reads_field"} <= keys
+    of_python = {"stages"}  # which chooses the shaders by it
+    assert not unread(keys - of_python - {"UNSEEN"})
+    assert unread({"narrowest_s", "no_page_reads_this"}) == {"no_page_reads_this"}
 
 
 def test_versions_agree() -> None:

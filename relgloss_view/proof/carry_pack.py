@@ -1,4 +1,4 @@
-"""Carried: a pack's artwork, masks and mesh as files that another program reads exactly.
+"""Carry a pack: its artwork, masks, materials and mesh as files that any program reads exactly.
 
 An artwork may be a PDF of plates, or larger than a page can show. What goes along is its colours as
 they are printed, in 8 bits a channel of an RGB space whose profile is in the file, and the masks of
@@ -28,6 +28,8 @@ from relgloss_view.display.display import Display
 from relgloss_view.display.icc_writing import profile_of
 from relgloss_view.material.cielab import lab_from_xyz
 from relgloss_view.material.difference import delta_e_2000
+from relgloss_view.material.files import save_material
+from relgloss_view.material.material import Material
 from relgloss_view.pack.artwork.artwork import Artwork
 from relgloss_view.pack.artwork.raster import MM_PER_INCH, area_means
 from relgloss_view.pack.finish import Finish
@@ -46,6 +48,7 @@ SPACES: dict[str, tuple[tuple[float, float], ...]] = {
 }
 #: Linear light beyond a space that counts as inside it: the half floats of an artwork are as rough.
 NEARLY = 1e-3
+MATERIALS = "materials"  #: the folder of material files, within that of the others
 ROWS = 64  #: that are coded together
 BODY, _ = MEASURED
 MOST_MESH_BYTES = 16 << 20
@@ -109,6 +112,13 @@ def carried_pack(
     return read_pack(own), tuple(notes)
 
 
+def put_material(material: Material, folder: Path, stem: str) -> str:
+    """Write a material among the files; its path."""
+    file = folder / MATERIALS / f"{stem}.json"
+    save_material(material, file)
+    return str(file)
+
+
 def _scaled(pack: Pack, most_px: int, notes: list[str]) -> Pack:
     """The pack with an artwork of at most so many pixels, its plates on the same ones."""
     artwork = pack.artwork
@@ -148,8 +158,6 @@ def _finishes(
     pack: Pack, folder: Path, side: str, most_px: int
 ) -> tuple[tuple[Finish, ...], dict[str, Bytes]]:
     """The finishes with materials and masks in the folder, and the masks by their files."""
-    from relgloss_view.proof.carry import put_material
-
     size = _mask_size(pack, most_px)
     files: dict[tuple[tuple[int, ...], bytes], str] = {}
     masks: dict[str, Bytes] = {}
