@@ -36,7 +36,7 @@ class Comparison:
 
     @property
     def is_same(self) -> bool:
-        """Whether nobody sees a difference; the page, which has the grid's shaders, asks for more."""
+        """Whether nobody sees a difference; the page, with shaders of its own, asks for more."""
         few = self.missed <= MISSED_SHARE * (self.points + self.missed)
         return self.points > 0 and self.largest <= LARGEST_DE2000 and few
 
