@@ -133,7 +133,7 @@ class Page:
         self.run(
             "async (id) => { await relgloss.idle(); const e = document.getElementById(id);"
             " if (id === 'top') window.scrollTo({top: 0, behavior: 'instant'});"
-            " else e.scrollIntoView({block: 'start', behavior: 'instant'});"
+            " else window.scrollBy({top: e.getBoundingClientRect().top - 16, behavior: 'instant'});"
             " await new Promise((r) => setTimeout(r, 400)); await relgloss.idle(); }",
             at,
         )

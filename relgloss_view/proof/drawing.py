@@ -109,6 +109,7 @@ def drawing_of(
         "display": _display(first),
         "lamps": offered,
         "stages": stages,
+        "one_form": len({scene.shape for scene, _ in scenes.values()}) == 1,
         "sides": drawn,
     }
 

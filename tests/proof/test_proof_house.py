@@ -61,7 +61,7 @@ TWINS = {
     ),
     "hand.js": Twin(
         ("viewer/drawing/camera.py",), "test_proof_page.py test_the_hand_is_that_of_the_window",
-        {"lifeSized": "life_sized"}, frozenset({"held", "listen", "pixelStep"}),
+        {"lifeSized": "life_sized"}, frozenset({"held", "listen"}),
     ),
     "held.js": Twin(("picture/gpu/held.py",), "test_proof_engine.py test_only_what_changed"),
     "layers.js": Twin(
@@ -107,7 +107,7 @@ TWINS = {
     "static.js": Twin(
         ("proof/page/static.py",),
         "test_proof_whole_page.py test_an_answer_of_the_page_is_pythons_byte_for_byte",
-        {"shortNumber": "number"}, frozenset({"withStatic", "bringUpToDate"}),
+        {"shortNumber": "number"}, frozenset({"withStatic", "bringUpToDate", "putInPanel"}),
     ),
     "surface.js": Twin(
         ("picture/gpu/surface.py",), "test_proof_packs_page.py", alone=frozenset({"openForm"})
@@ -131,7 +131,8 @@ TWINS = {
 PLAIN_MATH = {"abs", "ceil", "floor", "max", "min", "round"}
 INTERFACE: dict[str, set[str]] = {
     "app.js": {"sqrt"},  # a picture's side, from the time that its pixels take
-    "device.js": set(), "dom.js": set(), "engine.js": set(), "layout.js": set(), "life.js": set(),
+    "device.js": set(), "dom.js": set(), "engine.js": set(), "life.js": set(),
+    "layout.js": {"hypot"},  # a form's half width as it turns, for the shape of its pane
     "main.js": set(), "png.js": set(), "preprocessor.js": set(), "readout.js": set(),
     "reply.js": set(), "screen.js": set(), "setter.js": set(), "sliders.js": set(),
     "thread.js": set(), "tools.js": set(), "words.js": set(),
@@ -145,7 +146,10 @@ NUMBERS: dict[str, dict[str, str]] = {
     "evaluate.js": {"EVALUATED_WIDE": "picture.gpu.evaluate WIDTH"},
     "hand.js": {
         name: f"viewer.drawing.camera {name}"
-        for name in ("DEGREES_ACROSS", "FARTHEST_SHIFT", "NARROWEST_DEG", "WIDEST_DEG", "ZOOM_STEP")
+        for name in (
+            "ANGLES_DEG", "BISECTIONS", "DEGREES_ACROSS", "FARTHEST_SHIFT", "INNER",
+            "NARROWEST_DEG", "WIDEST_DEG", "ZOOM_STEP",
+        )
     },
     "mesh.js": {"LEAST_COSINE": "picture.model.sight LEAST_COSINE"},
     "mesh_edges.js": {
@@ -157,6 +161,7 @@ NUMBERS: dict[str, dict[str, str]] = {
         "FURTHER_BLOCK": "picture.gpu.reduction BLOCK",
         "READ_SIDE": "picture.gpu.reduction READ_SIDE",
     },
+    "reply.js": {"MOST_NAME": "proof.proof MOST_AUTHOR", "MOST_NOTE": "proof.proof MOST_NOTE"},
     "screens.js": {
         name: f"proof.screens {name}"
         for name in (
@@ -351,7 +356,7 @@ def test_a_drawing_holds_nothing_that_no_page_reads(paper: proof.Proof) -> None:
     keys = keys_of(drawing) | set(drawing["sides"]["test"]["variants"]["smooth one"])
     assert {"narrowest_s", "definitions", "OFF_OBJECT", "reads_field"} <= keys
     of_python = {"stages"}  # which chooses the shaders by it
-    assert not unread(keys - of_python - {"UNSEEN"})
+    assert not unread(keys - of_python)
     assert unread({"narrowest_s", "no_page_reads_this"}) == {"no_page_reads_this"}
 
 

@@ -32,6 +32,7 @@ def body(proof: Proof, language: str = "en") -> str:
         return escaped(table[key].format_map(values))
 
     newest = proof.messages[-1]
+    byline = _byline(newest, len(proof.messages), say)
     note = f'<blockquote class="note">{escaped(newest.note)}</blockquote>\n' if newest.note else ""
     return (
         '<div id="top">\n'
@@ -42,12 +43,13 @@ def body(proof: Proof, language: str = "en") -> str:
         '<main id="main">\n<div class="work">\n<section id="look" class="look">\n'
         '<div id="view" class="view"><div id="stage" class="stage">\n'
         f"{_pictures(proof, say)}</div></div>\n</section>\n"
-        f'<div id="panel" class="panel"><p class="byline">{_byline(newest, say)}</p>\n{note}'
+        f'<div id="panel" class="panel"><p class="byline">{byline}</p>\n{note}'
         f'<div id="controls"></div></div>\n</div>\n<div id="more" class="more">\n'
-        f"{_thread(proof, say)}{_readings(proof.content.get('meter'), say)}"
+        f'<div class="talk">{_thread(proof, say)}</div>\n<div class="facts">\n'
+        f"{_readings(proof.content, say)}"
         f"{_made_for(proof.content.get('display'), say)}"
         '<section id="check"></section>\n<section id="screen"></section>\n'
-        f"{_how(say)}</div>\n</main>\n"
+        f"{_how(say)}</div></div>\n</main>\n"
         '<p id="live" class="unseen" role="status" aria-live="polite"></p></div>'
     )
 
@@ -115,8 +117,12 @@ def _pictures(proof: Proof, say: Say) -> str:
     return "".join(figures)
 
 
-def _byline(message: Message, say: Say) -> str:
-    author = say("message.from", name=message.author) if message.author else say("message.unnamed")
+def _byline(message: Message, number: int, say: Say) -> str:
+    """number: of the message in its thread, from 1."""
+    if message.author:
+        author = say("message.from", number=number, name=message.author)
+    else:
+        author = say("message.unnamed", number=number)
     return f"{author} {_time(message.made)}"
 
 
@@ -128,16 +134,23 @@ def _time(made: str) -> str:
 
 
 def _thread(proof: Proof, say: Say) -> str:
+    """The messages, each with what it changes of the settings before it."""
     items = []
-    for message in proof.messages:
+    before: list[tuple[str, str]] = []
+    for number, message in enumerate(proof.messages, 1):
+        settings = settings_rows(message.settings, say)
         rows = "".join(
             f"<div><dt>{name}</dt><dd>{value}</dd></div>"
-            for name, value in settings_rows(message.settings, say)
+            for name, value in settings
+            if (name, value) not in before
         )
+        before = settings
+        same = f'<p class="quiet">{say("settings.same")}</p>'
+        listed = f'<dl class="settings">{rows}</dl>' if rows else same
         note = f'<p class="said">{escaped(message.note)}</p>\n' if message.note else ""
         items.append(
-            f'<li class="message"><p class="byline">{_byline(message, say)}</p>\n{note}'
-            f'<dl class="settings">{rows}</dl>\n</li>\n'
+            f'<li class="message"><p class="byline">{_byline(message, number, say)}</p>\n{note}'
+            f"{listed}\n</li>\n"
         )
     return (
         f'<section id="thread"><h2>{say("thread.title")}</h2>\n'
@@ -145,7 +158,8 @@ def _thread(proof: Proof, say: Say) -> str:
     )
 
 
-def _readings(meter: object, say: Say) -> str:
+def _readings(content: Mapping[str, Any], say: Say) -> str:
+    meter, finishes = content.get("meter"), content.get("meter_finishes") or ()
     rows = []
     for entry in meter.values() if isinstance(meter, Mapping) else ():
         decimals = int(entry.get("decimals", 1))
@@ -154,12 +168,32 @@ def _readings(meter: object, say: Say) -> str:
     if not rows:
         return ""
     heads = "".join(f'<th scope="col">{say(f"side.{side}")}</th>' for side in SIDES)
+    how = say("readings.how") + (f" {say('readings.glossiest')}" if finishes else "")
     return (
         f'<section id="readings"><h2>{say("readings.title")}</h2>\n'
-        f'<p class="quiet">{say("readings.how")}</p>\n<table class="table"><thead><tr>'
+        f'<p class="quiet">{how}</p>\n<table class="table"><thead><tr>'
         f'<th scope="col">{say("readings.meter")}</th>{heads}</tr></thead>\n'
-        f"<tbody>{''.join(rows)}</tbody></table></section>\n"
+        f"<tbody>{''.join(rows)}</tbody></table>\n{_finishes(meter, finishes, say)}</section>\n"
     )
+
+
+def _finishes(meter: Any, finishes: Any, say: Say) -> str:
+    """The readings of each finish that lies somewhere on a pack, folded."""
+    parts = []
+    for one in finishes:
+        if not one.get("lies_somewhere", True):
+            continue
+        rows = "".join(
+            f'<tr><th scope="row">{escaped(entry["name"])}</th>'
+            f"<td>{_reading(one['readings'].get(key), int(entry.get('decimals', 1)))}</td></tr>\n"
+            for key, entry in meter.items()
+        )
+        head = f'<tr><th colspan="2" scope="rowgroup">{escaped(one["finish"])}</th></tr>\n'
+        parts.append(f"<tbody>{head}{rows}</tbody>")
+    if not parts:
+        return ""
+    table = f'<table class="table finishes">{"".join(parts)}</table>'
+    return f"<details><summary>{say('readings.finishes')}</summary>\n{table}</details>"
 
 
 def _reading(value: object, decimals: int) -> str:
@@ -169,7 +203,8 @@ def _reading(value: object, decimals: int) -> str:
 def _made_for(display: object, say: Say) -> str:
     if not isinstance(display, Mapping):
         return ""
-    lines = [display.get("words", ""), *display.get("sentences", ())]
+    sentences = list(display.get("sentences", ()))
+    lines = [(display.get("name") if sentences else "") or display.get("words", ""), *sentences]
     text = "".join(f"<p>{escaped(line)}</p>\n" for line in lines if line)
     if not text:
         return ""

@@ -5,6 +5,7 @@ import { Device, DeviceError } from "./device.js";
 import { SIDES, commonFactor, heldFactor, scalingOf } from "./pair.js";
 import { Passes } from "./passes.js";
 import { openForm } from "./surface.js";
+import { atOneScale } from "./view.js";
 
 const PREPARED_SIZE = [80, 8]; // wide enough for the reduction's further steps
 
@@ -31,12 +32,14 @@ export class Engine {
     this.onRestored = null; // called when a lost context came back: draw again
     this._factor = 1;
     this._drawn = null;
+    this._edgedView = null; // JSON of eye and size of the last pictures with smooth edges
     this.passes = this._passes();
     this._preparing = null;
     device.onRestored = () => {
       for (const form of Object.values(this.forms)) form?.forget();
       for (const passes of Object.values(this.passes)) passes.forget();
       this._drawn = null;
+      this._edgedView = null;
       this.onRestored?.();
     };
   }
@@ -63,14 +66,27 @@ export class Engine {
    */
   draw(settings, size, { moving = false } = {}) {
     if (this.device.lost) throw new DeviceError("lost");
-    const result = this._draw(this.passes, settings, size, moving);
+    const edged = this._isEdged(settings, size, moving);
+    const result = this._draw(this.passes, settings, size, { moving, edged });
     this._factor = result.factor;
     this._drawn = { settings, size, result };
     return result;
   }
 
-  _draw(allPasses, settings, size, moving = false) {
+  /**
+   * Whether silhouettes are smooth: where they lie is looked for once a view, which costs as much as
+   * the picture, so not while the view moves. The window's PairRenderer._edged.
+   */
+  _isEdged({ eye }, size, moving) {
+    const view = JSON.stringify([eye, size]);
+    if (moving && view !== this._edgedView) return false;
+    this._edgedView = view;
+    return true;
+  }
+
+  _draw(allPasses, asked, size, { moving = false, edged = true } = {}) {
     const { numbers } = this.drawing;
+    const settings = { ...asked, eye: atOneScale(this.drawing, asked.eye, size) };
     const requests = {};
     const lights = {};
     for (const name of this.sides) {
@@ -86,7 +102,7 @@ export class Engine {
     for (const name of this.sides) {
       const { extremes, white, objectPixels } = lights[name];
       const scaling = scalingOf(settings[name].c, extremes, factor, numbers);
-      allPasses[name].tone(requests[name], scaling.c);
+      allPasses[name].tone(requests[name], scaling.c, edged);
       result[name] = {
         ...scaling, extremes, objectPixels, lit: white > 0, samples: requests[name].samples,
         view: { pixel_step: requests[name].view.pixelStep, bounds: requests[name].view.bounds },

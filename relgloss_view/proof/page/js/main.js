@@ -2,7 +2,7 @@
 
 import { App, notice } from "./app.js";
 import { checkPage, checkSignatures, pageText, withMessage, wordsOfPart } from "./canonical.js";
-import { byId, make } from "./dom.js";
+import { byId, byTouch, make } from "./dom.js";
 import { Engine } from "./engine.js";
 import { held, lifeSized, listen, orbited, panned, turned, zoomed } from "./hand.js";
 import { lifeSize } from "./life.js";
@@ -123,7 +123,7 @@ function arrange(app, canvas) {
   const shows = [banner(app, app.proof.messages), tools(app, () => life.open()),
     controls(app, app.proof.content.drawing?.lamps ?? [app.present.lamp.illuminant]), thread(app)];
   const reading = readout(app), life = lifeSize(app);
-  byId("look").append(make("p", { id: "keys", class: "quiet keys", text: say("canvas.keys") }));
+  byId("look").append(make("p", { id: "keys", class: "quiet keys", text: say(byTouch() ? "canvas.touch" : "canvas.keys") }));
   app.onChange(() => shows.forEach((show) => show()));
   app.onRest.push(() => reading.show());
   listen(canvas, Object.assign(Object.create(app), {
