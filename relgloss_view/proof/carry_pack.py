@@ -38,6 +38,7 @@ from relgloss_view.pack.masks import ARTWORK, EVERYWHERE, PART, mask_of
 from relgloss_view.pack.measured import AT_45_0, lobes_in_artwork
 from relgloss_view.pack.pack import MEASURED, Pack
 from relgloss_view.pack.pack_file import read_pack, write_pack
+from relgloss_view.picture.model.tone import srgb_encode
 
 #: Spaces of carried artwork, from the smallest; all have sRGB's curve, of fine steps in the dark.
 SPACES: dict[str, tuple[tuple[float, float], ...]] = {
@@ -242,7 +243,7 @@ def coded_paint(paint: Floats, has_alpha: bool) -> Coded:
         checkpoint()
         xyz, alpha = _plain(strip)
         light = xyz @ inverses[first].T
-        rgb = np.rint(255.0 * _encoded(np.clip(light, 0.0, 1.0))).astype(np.uint8)
+        rgb = np.rint(255.0 * srgb_encode(np.clip(light, 0.0, 1.0))).astype(np.uint8)
         rows = rgba[k * ROWS : k * ROWS + len(strip)]
         rows[..., :3] = rgb
         if has_alpha:
@@ -289,13 +290,6 @@ def _plain(paint: Array) -> tuple[Array, Array]:
 
 def _outside(light: Array) -> Array:
     return np.asarray(((light < -NEARLY) | (light > 1.0 + NEARLY)).any(axis=-1))
-
-
-def _encoded(light: Array) -> Array:
-    """sRGB's values of linear light; IEC 61966-2-1."""
-    return np.where(
-        light <= 0.0031308, 12.92 * light, 1.055 * np.maximum(light, 0.0) ** (1.0 / 2.4) - 0.055
-    )
 
 
 def _write(file: Path, values: Bytes, artwork: Artwork | None = None, icc: bytes = b"") -> None:
