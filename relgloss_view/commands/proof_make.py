@@ -14,6 +14,7 @@ from relgloss_view.base.writing import check_writable, whole_file
 from relgloss_view.commands.matched import add_reference_option
 from relgloss_view.commands.scene_options import SOURCES, add_scene_options
 from relgloss_view.picture.scene.look import viewed_look
+from relgloss_view.proof.proof import ARTWORK_PX, MOST_AUTHOR, MOST_NOTE, MOST_TITLE
 
 if TYPE_CHECKING:
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
     from relgloss_view.proof.proof import Message, Proof
 
 SUFFIXES = (".html", ".htm")
-LONGEST_NOTE, LONGEST_AUTHOR, LONGEST_TITLE = 4000, 200, 120  #: characters
-ARTWORK_PX = 2048
 #: Options that a reply can change of the settings that it answers.
 OF_REPLIES = ("sigma_n", "c")
 
@@ -80,8 +79,8 @@ def run(args: argparse.Namespace) -> int:
     if not 16 <= args.artwork_px <= 8192:
         args.wrong_usage(f"argument --artwork-px: expected 16 to 8192, found {args.artwork_px}")
     note = _note(args)
-    _check_length(args.author, "--author", LONGEST_AUTHOR)
-    _check_length(args.title, "--title", LONGEST_TITLE)
+    _check_length(args.author, "--author", MOST_AUTHOR)
+    _check_length(args.title, "--title", MOST_TITLE)
     check_writable(output)
     key = None if args.sign is None else _key(args.sign)
     sizes: dict[str, int] = {}
@@ -207,13 +206,10 @@ def _refuse_options(args: argparse.Namespace) -> None:
 
 
 def _message(args: argparse.Namespace, note: str, settings: Any) -> Message:
-    from datetime import UTC, datetime
+    from relgloss_view.base.version import PROGRAM
+    from relgloss_view.proof.proof import Message, present_time
 
-    from relgloss_view.base.version import __version__
-    from relgloss_view.proof.proof import Message
-
-    made = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
-    return Message(settings, note, args.author, made, f"relgloss {__version__}")
+    return Message(settings, note, args.author, present_time(), PROGRAM)
 
 
 def _note(args: argparse.Namespace) -> str:
@@ -221,9 +217,9 @@ def _note(args: argparse.Namespace) -> str:
         note = args.note or ""
         where = "--note"
     else:
-        note = read_text(args.note_file, 4 * LONGEST_NOTE, "a text file of the note")
+        note = read_text(args.note_file, 4 * MOST_NOTE, "a text file of the note")
         where = args.note_file
-    _check_length(note, where, LONGEST_NOTE)
+    _check_length(note, where, MOST_NOTE)
     return note.replace("\r\n", "\n").rstrip("\n")
 
 

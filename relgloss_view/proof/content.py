@@ -23,12 +23,11 @@ from relgloss_view.proof.grid import grid_of
 from relgloss_view.proof.meter import finishes_of, meter_of
 from relgloss_view.proof.pair import Pair
 from relgloss_view.proof.pictures import stored
+from relgloss_view.proof.proof import ARTWORK_PX, MOST_TITLE
 from relgloss_view.proof.settings import SIDES, Settings
 from relgloss_view.quality.backends import FrameRenderer
 
 SIZE = (512, 512)  #: of the stored pictures and the check
-ARTWORK_PX = 2048  #: of the longer side of an artwork, at most
-LONGEST_TITLE = 120  #: characters
 
 
 @dataclass(frozen=True)
@@ -79,7 +78,7 @@ def content_of(
         coded, quality = stored({side: one.rgb for side, one in pictures.items()})
         progress(0.7, "reading gloss")
         content: dict[str, Any] = {
-            "title": title or printable(pair.scenes["test"].name, LONGEST_TITLE),
+            "title": title or printable(pair.scenes["test"].name, MOST_TITLE),
             "size_px": list(size),
             "files": files_of(folder),
             "meter": meter_of(pair),

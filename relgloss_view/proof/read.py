@@ -14,22 +14,22 @@ from relgloss_view.proof.page.parts import MARK, SEAL, Page
 from relgloss_view.proof.proof import (
     FORMAT,
     MOST_MESSAGES,
+    MOST_TITLE,
     VERSION,
     Message,
     Proof,
     Signature,
     canonical,
 )
+from relgloss_view.proof.settings import SIDES
 
 EXPECTED = "a proof (HTML, from `relgloss proof make`)"
 MAX_BYTES = 64 * 1024 * 1024
 HEAD_BYTES = 2048  #: within which a proof is marked as one
-MOST_TITLE = 200  #: characters
 MOST_FILES, MOST_NAME = 1000, 200
 MOST_PX = 16384
 MOST_NAMED = 6  #: changed parts that a message lists
 AGAIN = "ask the sender for the file again, and send it as an attachment or in a ZIP"
-SIDES = ("reference", "test")
 #: What has to be in content, and its kind.
 CONTENT: dict[str, type[Any]] = {
     "title": str,

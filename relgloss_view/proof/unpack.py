@@ -7,17 +7,19 @@ and there is no more of it than any program would write.
 from __future__ import annotations
 
 import base64
+import contextlib
 import dataclasses
+import os
 import re
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.reading import printable
+from relgloss_view.base.reading import named, printable
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.base.toml import parse_toml
 from relgloss_view.base.writing import whole_folder
@@ -25,6 +27,7 @@ from relgloss_view.picture.scene.scene_file import SceneFile, read_scene_file
 from relgloss_view.proof.carry import SCENE, TEXTS, TYPES
 from relgloss_view.proof.pair import Pair
 from relgloss_view.proof.proof import Proof
+from relgloss_view.proof.read import read_proof
 from relgloss_view.proof.settings import Settings
 
 MOST_FILES = 64
@@ -121,10 +124,25 @@ def opened(proof: Proof, *, progress: ProgressReport = no_progress) -> Iterator[
 
 
 @contextmanager
-def scene_of(proof: Proof, settings: Settings | None = None) -> Iterator[Pair]:
-    """The pair of a proof at settings, those of the newest message by default, for a block."""
-    with opened(proof) as one:
-        yield one.pair(settings)
+def open_proof(
+    path: str | os.PathLike[str], *, progress: ProgressReport = no_progress
+) -> Iterator[Opened]:
+    """A proof's file, unpacked into a temporary folder for the length of a block.
+
+    `opened.proof` is what `read_proof` gives. `opened.pair()` has the scenes and looks of the
+    newest message, `opened.pair(opened.proof.messages[0].settings)` those of the first one, and
+    `opened.pair().drawn(renderer, size)` both pictures as the page draws them, scaled alike.
+
+    Raises InputError, one line that names the file, where anything of it was changed since it was
+    made, or its files hold no pair.
+    """
+    proof = read_proof(path)
+    with contextlib.ExitStack() as stack:
+        try:
+            one = stack.enter_context(opened(proof, progress=progress))
+        except InputError as error:
+            raise InputError(f"{named(path)}: {error}") from error
+        yield one
 
 
 def contents_of(files: object) -> dict[str, bytes]:
@@ -229,9 +247,3 @@ def _checked(scene: SceneFile) -> SceneFile:
 
 def _refuse(name: str, expected: str) -> NoReturn:
     raise InputError(f"the proof's file {printable(name, 60)!r}: expected {expected}")
-
-
-def scene_text(proof: Proof) -> str:
-    """The scene file of a proof as text; '' where it has none."""
-    file: Any = proof.content.get("files", {}).get(SCENE, {})
-    return str(file.get("text", "")) if isinstance(file, Mapping) else ""

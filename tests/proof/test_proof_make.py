@@ -11,6 +11,7 @@ from relgloss_view.cli import main
 from relgloss_view.material.files import save_material
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.proof.grid import compare
+from relgloss_view.proof.proof import MOST_NOTE
 from relgloss_view.proof.read import read_proof
 from relgloss_view.proof.unpack import opened
 from relgloss_view.quality.backends import open_renderer
@@ -95,7 +96,7 @@ REFUSED = {
     "no file": (["gone.toml", "-o", "proof.html"], "gone.toml"),
     "no folder": (["matte-coated", "-o", "gone/proof.html"], "gone"),
     "dull reference": (["art-coated", "--reference", "dull.json", "-o", "p.html"], "no highlight"),
-    "long note": (["art-coated", "-o", "p.html", "--note", "x" * 4001], "4000"),
+    "long note": (["art-coated", "-o", "p.html", "--note", "x" * (MOST_NOTE + 1)], str(MOST_NOTE)),
     "no key": (["art-coated", "-o", "p.html", "--sign", "gone.pem"], "gone.pem"),
     "no note file": (["art-coated", "-o", "p.html", "--note-file", "gone.txt"], "gone.txt"),
     "no proof": (["other.html", "-o", "p.html", "--note", "x"], "other.html"),

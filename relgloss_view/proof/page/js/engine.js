@@ -2,12 +2,11 @@
 
 import { unpackedAll } from "./arrays.js";
 import { Device, DeviceError } from "./device.js";
-import { commonFactor, heldFactor, scalingOf } from "./pair.js";
+import { SIDES, commonFactor, heldFactor, scalingOf } from "./pair.js";
 import { Passes } from "./passes.js";
 import { openForm } from "./surface.js";
 import { atOneScale } from "./view.js";
 
-const ENGINE_SIDES = ["reference", "test"];
 const PREPARED_SIZE = [80, 8]; // wide enough for the reduction's further steps
 
 export class Engine {
@@ -29,7 +28,7 @@ export class Engine {
     this.device = device;
     this.forms = forms;
     this.drawing = drawing;
-    this.sides = ENGINE_SIDES.filter((name) => name in drawing.sides);
+    this.sides = SIDES.filter((name) => name in drawing.sides);
     this.onRestored = null; // called when a lost context came back: draw again
     this._factor = 1;
     this._drawn = null;
@@ -148,6 +147,24 @@ export class Engine {
       this._draw(spare, changed, PREPARED_SIZE);
     }
     for (const passes of Object.values(spare)) passes.release();
+  }
+
+  /**
+   * Draw both pictures aside, so that what is shown stays as it is. use(passes, report) reads their
+   * targets before they are freed; its result is handed on.
+   */
+  drawAside(settings, size, use) {
+    const aside = this._passes();
+    try {
+      return use(aside, this._draw(aside, settings, size));
+    } finally {
+      for (const passes of Object.values(aside)) passes.release();
+    }
+  }
+
+  /** What draw() last returned; null before the first picture. */
+  get report() {
+    return this._drawn?.result ?? null;
   }
 
   /**
