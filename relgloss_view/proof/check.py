@@ -167,7 +167,9 @@ def sentences(found: Checked) -> list[str]:
     count = len(found.proof.messages)
     lines = [
         f"whole: nothing was changed since it was made (digest {found.proof.digest})",
-        f"thread: {count} message{'' if count == 1 else 's'}, each names the one before",
+        "thread: 1 message"
+        if count == 1
+        else f"thread: {count} messages, each names the one before",
     ]
     lines += [f"message {s.message + 1}: {s.words}" for s in found.signatures if s.is_right]
     if not found.proof.signatures:

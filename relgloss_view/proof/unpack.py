@@ -24,6 +24,7 @@ from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.base.toml import parse_toml
 from relgloss_view.base.writing import whole_folder
 from relgloss_view.picture.scene.scene_file import SceneFile, read_scene_file
+from relgloss_view.picture.scene.scene_writer import write_scene_file
 from relgloss_view.proof.carry import SCENE, TEXTS, TYPES
 from relgloss_view.proof.pair import Pair
 from relgloss_view.proof.proof import Proof
@@ -88,22 +89,45 @@ class Opened:
         )
 
 
+def answer_scene(message: int) -> str:
+    """The name of the scene with a message's settings; messages are counted from 1.
+
+    >>> answer_scene(2)
+    'message-2.toml'
+    """
+    return f"message-{message}.toml"
+
+
 def unpacked(
-    proof: Proof, folder: str | Path, *, progress: ProgressReport = no_progress
+    proof: Proof,
+    folder: str | Path,
+    *,
+    answers: bool = False,
+    progress: ProgressReport = no_progress,
 ) -> SceneFile:
     """Write a proof's files into a new or an existing folder, whole or not at all; their scene.
 
-    Raises InputError where a name leads out of the folder, a file names one outside, there is too
-    much, or the files hold no pair.
+    answers: beside scene.toml, which has the first message's settings, a scene of each answer
+    (`answer_scene`). Raises InputError where a name leads out of the folder, a file names one
+    outside, there is too much, or the files hold no pair.
     """
     contents = contents_of(proof.content.get("files"))
     target = Path(folder)
+    for inner in sorted({name.partition("/")[0] for name in contents if "/" in name}):
+        if (target / inner).exists():  # files take the place of files, folders do not
+            raise InputError(
+                f"{named(target)}: holds {named(inner)} of another proof; choose a new folder"
+            )
     with whole_folder(target, SCENE) as staged:
         for name, data in contents.items():
             file = staged / name
             file.parent.mkdir(exist_ok=True)
             file.write_bytes(data)
-        _checked(read_scene_file(staged / SCENE, progress=progress))
+        read = _checked(read_scene_file(staged / SCENE, progress=progress))
+        one = Opened(proof, staged, read)
+        for k, message in enumerate(proof.messages[1:] if answers else (), 2):
+            if answer_scene(k) not in contents:
+                write_scene_file(staged / answer_scene(k), one.scene_at(message.settings))
     return _checked(read_scene_file(target / SCENE))
 
 
