@@ -422,7 +422,8 @@ def _small_proof() -> Any:
         "title": "made", "size_px": [1, 1], "files": files, "meter": meter_of(pair),
         "display": display_words(Setup().display),
         "grid": {"columns": 1, "rows": 1, "sides": dict.fromkeys(("reference", "test"), points)},
-        "pictures": dict.fromkeys(("reference", "test"), picture), "drawing": {"stages": [], "sides": {}},
+        "pictures": dict.fromkeys(("reference", "test"), picture),
+        "drawing": {"stages": [], "sides": {}},
     }  # fmt: skip
     first = Message(pair.settings, "Enough?", "Aya", "2026-11-27T08:30:00Z", "relgloss 1")
     proof = Proof(content, (first,))

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.base.words import listed

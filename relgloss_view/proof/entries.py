@@ -39,6 +39,8 @@ def check_entries(content: Mapping[str, Any]) -> None:
     for side, points in _table(grid.get("sides", {}), "content.grid.sides").items():
         most = grid.get("columns", 1) * grid.get("rows", 1)
         _check_points(points, f"content.grid.sides.{side[:40]}", most)
+    for side, name in _table(content.get("names", {}), "content.names").items():
+        _check_line(name, f"content.names.{side[:40]}")
     _check_meter(content.get("meter"))
     _check_display(content.get("display"))
 

@@ -62,7 +62,7 @@ def grid_of(pictures: Mapping[str, Drawn]) -> dict[str, Any]:
 def compare(side: Mapping[str, Any], picture: Drawn) -> Comparison:
     """A side of a grid beside a picture of the same size.
 
-    side: of content["grid"]["sides"]. Raises InputError where it isn't the points of such a picture.
+    side: of content["grid"]["sides"]. Raises InputError for anything else.
     """
     try:
         return _compared(side, picture)

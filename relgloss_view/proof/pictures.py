@@ -46,7 +46,7 @@ def is_shown(coded: object, rgb: Bytes) -> bool:
 
 
 def _blocks(rgb: Bytes) -> Floats:
-    """Means of BLOCK by BLOCK pixels, (h, w, 3); what is left at the right and below is not seen."""
+    """Means of BLOCK by BLOCK pixels, (h, w, 3); a rest at the edges is left out."""
     import numpy as np
 
     rows, columns = (max(n // BLOCK, 1) for n in rgb.shape[:2])
