@@ -55,7 +55,10 @@ def run(args: argparse.Namespace) -> int:
     for k, message in enumerate(proof.messages):
         lines = message_lines(message, before)
         print(f"\nmessage {k + 1}, {proof.digests[k]}")
-        for line in lines + [s.words for s in signatures if s.message == k]:
+        signed = [s.words for s in signatures if s.message == k]
+        if signatures and not signed and k >= len(proof.messages) - proof.unsigned:
+            signed = ["not signed; anyone could have added it"]
+        for line in lines + signed:
             print(f"  {line}")
         before = message
     print(f"\nfiles: {', '.join(printable(name, 80) for name in proof.content['files'])}")
@@ -72,8 +75,10 @@ def run(args: argparse.Namespace) -> int:
 
 def message_lines(message: Message, before: Message | None) -> list[str]:
     """A message as lines: who and when, the note, the settings or what of them has changed."""
-    who = [printable(message.author, 200) or "no name", message.made, message.program]
-    lines = [", ".join(printable(part) for part in who if part)]
+    # "from" before a name that anyone has written, which may read "signed by ...".
+    author = printable(message.author, 200)
+    who = [f"from {author}" if author else "no name", message.made, message.program]
+    lines = [", ".join(printable(part, 220) for part in who if part)]
     if message.parent:
         lines.append(f"answers {message.parent[:SHORT]}")
     lines += [f"| {visible(line)}" for line in message.note.splitlines()]

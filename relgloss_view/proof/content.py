@@ -19,6 +19,7 @@ from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.scene_file import SceneFile
 from relgloss_view.proof.carry import carried, files_of, relative, size_of
 from relgloss_view.proof.drawing import drawing_of
+from relgloss_view.proof.entries import check_size
 from relgloss_view.proof.grid import grid_of
 from relgloss_view.proof.meter import finishes_of, meter_of
 from relgloss_view.proof.pair import Pair
@@ -68,6 +69,7 @@ def content_of(
     scene: with a reference; both looks have c itself. title: '' takes the sample's name. Raises
     InputError where a file that the scene names can't be read.
     """
+    check_size(list(size))
     with tempfile.TemporaryDirectory(prefix="relgloss-") as name:
         folder = Path(name)
         made = carried(scene, folder, artwork_px=artwork_px, progress=_part(progress, 0.0, 0.3))

@@ -23,6 +23,7 @@ from relgloss_view.base.reading import named, printable
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.base.toml import parse_toml
 from relgloss_view.base.writing import whole_folder
+from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.scene_file import SceneFile, read_scene_file
 from relgloss_view.picture.scene.scene_writer import write_scene_file
 from relgloss_view.proof.carry import SCENE, TEXTS, TYPES
@@ -66,7 +67,8 @@ class Opened:
         """Settings whose lamp, where it is a file of the proof, is named by its path."""
         name = settings.lamp.illuminant
         if name not in self.proof.content["files"]:
-            if _OUTSIDE.search(name):
+            # A file beside the reader's own work is none of the proof's.
+            if _OUTSIDE.search(name) or not is_lamp_name(name):
                 raise InputError(f"lamp {printable(name, 60)!r}: the proof has no such file")
             return settings
         place = dataclasses.replace(settings.lamp, illuminant=str(self.folder / name))
@@ -142,9 +144,9 @@ def opened(proof: Proof, *, progress: ProgressReport = no_progress) -> Iterator[
             (folder / file).write_bytes(data)
         try:
             scene = _checked(read_scene_file(folder / SCENE, progress=progress))
-        except InputError as error:
+            yield Opened(proof, folder, scene)
+        except InputError as error:  # lamps are read when they are needed
             raise InputError(str(error).replace(f"{folder}/", "the proof's ")) from error
-        yield Opened(proof, folder, scene)
 
 
 @contextmanager
