@@ -60,7 +60,7 @@ export function numbersOfHalves() {
   return halfNumbers;
 }
 
-/** The layers of a side's `surface.printed`; files: the content's own. {levels, count, uniforms, partTable}.
+/** The layers of a side's `surface.printed`; files: the content's own. {levels, count}.
  *
  * levels: {width, height, paint: Uint16Array of half floats, 4 a texel, channels: Uint8Array, `count` a texel}.
  */

@@ -25,9 +25,9 @@ export async function decodePng(bytes) {
   const [width, height] = [head.getUint32(0), head.getUint32(4)];
   const [depth, colour, interlaced] = [head.getUint8(8), head.getUint8(9), head.getUint8(12)];
   if (interlaced || (clear && colour !== 3)) throw new Error("a PNG that the page does not read");
-  const lines = await inflated(joinedBytes(parts));
   const perPixel = PNG_CHANNELS[colour];
   const line = Math.ceil((width * perPixel * depth) / 8);
+  const lines = await inflated(joinedBytes(parts), height * (line + 1));
   const rows = unfiltered(lines, height, line, Math.max(1, (perPixel * depth) >> 3));
   const flat = depth === 16 ? wideSamples(rows) : depth === 8 ? rows : spreadSamples(rows, height, line, width, depth);
   if (colour === 3) return ofPalette(flat, width, height, palette, clear);

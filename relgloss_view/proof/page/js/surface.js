@@ -167,7 +167,7 @@ class Surface {
       const reached = reachedPart(tile, view.bounds);
       const box = reached.map((place, k) => samples * place - (k % 2 ? bottom : left));
       const inputs = { ...seenFrom, ...where, ...held.uniforms };
-      if (form.mesh) inputs.triangle_image = this._drawTriangles(held.triangles, view, tile, box);
+      if (form.mesh) inputs.triangle_image = this._drawTriangles(held.triangles, view, tile, box, samples);
       device.draw({ stage: "surface.frag", defines, uniforms: inputs, target: this._target, scissor: box });
       this._key = key;
       this.drawn += 1;
@@ -189,13 +189,13 @@ class Surface {
     }
   }
 
-  _drawTriangles(triangles, view, tile, box) {
+  _drawTriangles(triangles, view, tile, box, samples) {
     const { device, form } = this;
     const { gl } = device;
     clearBox(gl, this._triangles, box);
     device.draw({
       stage: "mesh.frag",
-      uniforms: projection(form.mesh, view, tile),
+      uniforms: projection(form.mesh, view, tile, samples),
       target: this._triangles,
       scissor: box,
       geometry: triangles,
