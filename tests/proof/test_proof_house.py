@@ -66,7 +66,7 @@ TWINS = {
     "held.js": Twin(("picture/gpu/held.py",), "test_proof_engine.py test_only_what_changed"),
     "layers.js": Twin(
         ("pack/layers.py",), "test_proof_layers_page.py", {},
-        frozenset({"valuesOf", "halfOf", "numbersOfHalves"}),  # numpy has them
+        frozenset({"valuesOf", "halfOf", "halvesOf", "numbersOfHalves"}),  # numpy has them
     ),
     "mesh.js": Twin(
         ("picture/gpu/triangles.py", "picture/model/sight.py", "proof/mesh_drawing.py"),
@@ -85,7 +85,10 @@ TWINS = {
         ("picture/gpu/printed.py",), "test_proof_layers_page.py",
         {"placedLevels": "_placed", "printedTextures": "Printed"},
     ),
-    "reduction.js": Twin(("picture/gpu/reduction.py",), "test_proof_engine.py test_papers"),
+    "reduction.js": Twin(
+        ("picture/gpu/reduction.py",), "test_proof_engine.py test_papers",
+        alone=frozenset({"blocksOf"}),  # resize() in Python
+    ),
     "screens.js": Twin(
         ("proof/screens.py", "proof/screen_words.py"), "test_proof_screen.py",
         alone=frozenset({"unknownScreen"}),  # Screen() in Python
@@ -130,6 +133,7 @@ TWINS = {
 #: The interface and the device: no science. Of Math they need these alone, or what is named here.
 PLAIN_MATH = {"abs", "ceil", "floor", "max", "min", "round"}
 INTERFACE: dict[str, set[str]] = {
+    "ahead.js": set(),
     "app.js": {"sqrt"},  # a picture's side, from the time that its pixels take
     "device.js": set(), "dom.js": set(), "engine.js": set(), "life.js": set(),
     "layout.js": {"hypot"},  # a form's half width as it turns, for the shape of its pane
@@ -280,8 +284,13 @@ def test_numbers_are_those_of_python(name: str) -> None:
 def test_no_number_of_a_twin_is_the_pages_own() -> None:
     """Each constant of a twin that is a number is compared, or comes from Python, or is listed."""
     alone = {
-        "check.js": {"CHECK_TOLERANCE", "CHECK_LEAST"},  # of the page's own question
+        "arrays.js": {"MOST_INFLATED"},  # of what a browser should hold
+        # Of the page's own question, and of what a browser should hold.
+        "check.js": {"CHECK_TOLERANCE", "CHECK_LEAST", "MOST_CHECKED", "MOST_POINTS"},
         "hand.js": {"KEY_DEGREES"},  # the window turns by other keys
+        "mesh.js": {"CORNER_NUMBERS"},  # of a vertex in a buffer
+        "mesh_edges.js": {"BESIDE_PX"},  # wider than silhouettes are marked
+        "layers.js": {"KEPT_COLOURS", "KEPT_SHIFT"},  # colours that are not converted twice
     }
     for name in TWINS:
         numbers = {
