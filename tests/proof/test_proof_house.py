@@ -289,7 +289,7 @@ def test_no_number_of_a_twin_is_the_pages_own() -> None:
         "check.js": {"CHECK_TOLERANCE", "CHECK_LEAST", "MOST_CHECKED", "MOST_POINTS"},
         "hand.js": {"KEY_DEGREES"},  # the window turns by other keys
         "mesh.js": {"CORNER_NUMBERS"},  # of a vertex in a buffer
-        "mesh_edges.js": {"BESIDE_PX"},  # wider than silhouettes are marked
+        "mesh_edges.js": {"BESIDE_PX"},  # by which bounds are larger
         "layers.js": {"KEPT_COLOURS", "KEPT_SHIFT"},  # colours that are not converted twice
     }
     for name in TWINS:
