@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
+from decimal import ROUND_HALF_UP, Context
 from typing import Any
 
 from relgloss_view.proof.page import build
@@ -21,6 +22,7 @@ _CONTROLS = dict.fromkeys(
 )
 _SIGNS: dict[str, str | int | None] = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "\u00a0": "&nbsp;"}
 Say = Callable[..., str]
+_THREE_DIGITS = Context(prec=3, rounding=ROUND_HALF_UP)
 
 
 def body(proof: Proof, language: str = "en") -> str:
@@ -37,7 +39,7 @@ def body(proof: Proof, language: str = "en") -> str:
     return (
         '<div id="top">\n'
         f'<header class="head"><p class="kicker">{say("page.kind")}</p>\n'
-        f"<h1>{escaped(proof.title)}</h1></header>\n"
+        f"<h1>{escaped(proof.title)}</h1>{_beside(proof.content.get('names'), say)}</header>\n"
         f'<p id="unchecked" class="notice late">{say("state.unchecked")}</p>\n'
         '<p id="notice" class="notice" role="alert" hidden=""></p>\n'
         '<main id="main">\n<div class="work">\n<section id="look" class="look">\n'
@@ -66,12 +68,16 @@ def escaped(text: object) -> str:
 
 
 def number(value: float) -> str:
-    """A number with three significant digits at most; twin: js/static.js `shortNumber`.
+    """A number with three significant digits at most, halves rounded up, as browsers round them.
 
-    >>> number(0.14), number(54.5454), number(-1e-9), number(9996.0)
-    ('0.14', '54.5', '0', '10000')
+    Twin: js/static.js `shortNumber`.
+
+    >>> number(0.14), number(54.5454), number(-1e-9), number(9996.0), number(1.125)
+    ('0.14', '54.5', '0', '10000', '1.13')
     """
-    return "0" if abs(value) < 1e-4 else f"{float(f'{value:.3g}'):.10g}"
+    if abs(value) < 1e-4:
+        return "0"
+    return f"{float(_THREE_DIGITS.create_decimal_from_float(value)):.10g}"
 
 
 def settings_rows(settings: Settings, say: Say) -> list[tuple[str, str]]:
@@ -98,6 +104,12 @@ def _lamp(lamp: LampPlace, say: Say) -> str:
         azimuth=number(lamp.azimuth_deg),
         elevation=number(lamp.elevation_deg),
     )
+
+
+def _beside(names: object, say: Say) -> str:
+    """Which reference sample both sides hold beside the screen; nothing where it has no name."""
+    name = names.get("reference") if isinstance(names, Mapping) else None
+    return f'<p class="quiet">{say("head.beside", name=name)}</p>' if name else ""
 
 
 def _pictures(proof: Proof, say: Say) -> str:

@@ -14,7 +14,7 @@ const SAY_MS = 900; // until a change is read out
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
-/** The page's state; engine draws, sealed is {proof, ...}. */
+/** The page's state. engine: of the proof, on the canvas. proof: the JSON that was sealed. */
 export class App {
   constructor(engine, canvas, proof) {
     Object.assign(this, { engine, canvas, proof, room: roomFor(engine.drawing.sides) });

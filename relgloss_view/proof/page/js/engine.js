@@ -1,14 +1,15 @@
 // The engine: settings become the pictures of both sides, as the window draws them.
 
+import { beginPictures } from "./ahead.js";
 import { unpackedAll } from "./arrays.js";
 import { Device, DeviceError } from "./device.js";
-import { commonFactor, heldFactor, scalingOf } from "./pair.js";
+import { SIDES, commonFactor, heldFactor, scalingOf } from "./pair.js";
 import { Passes } from "./passes.js";
 import { openForm } from "./surface.js";
 import { atOneScale } from "./view.js";
 
-const ENGINE_SIDES = ["reference", "test"];
 const PREPARED_SIZE = [80, 8]; // wide enough for the reduction's further steps
+const LIKELY_SIZE = [512, 512]; // of a first picture, for what depends on a size but little
 
 export class Engine {
   /**
@@ -20,16 +21,20 @@ export class Engine {
     const device = new Device(canvas, shaders, drawing.definitions);
     const forms = {};
     for (const name of Object.keys(drawing.sides)) {
-      forms[name] = await openForm(device, drawing, name, proof.content.files ?? {});
+      forms[name] = await openForm(device, drawing, name);
     }
-    return new Engine(device, drawing, forms);
+    const engine = new Engine(device, drawing, forms);
+    const newest = proof.messages?.[proof.messages.length - 1];
+    if (newest) beginPictures(device, engine.passes, newest.settings, LIKELY_SIZE);
+    for (const form of Object.values(forms)) await form?.print(proof.content.files ?? {});
+    return engine;
   }
 
   constructor(device, drawing, forms = {}) {
     this.device = device;
     this.forms = forms;
     this.drawing = drawing;
-    this.sides = ENGINE_SIDES.filter((name) => name in drawing.sides);
+    this.sides = SIDES.filter((name) => name in drawing.sides);
     this.onRestored = null; // called when a lost context came back: draw again
     this._factor = 1;
     this._drawn = null;
@@ -148,6 +153,24 @@ export class Engine {
       this._draw(spare, changed, PREPARED_SIZE);
     }
     for (const passes of Object.values(spare)) passes.release();
+  }
+
+  /**
+   * Draw both pictures aside, so that what is shown stays as it is. use(passes, report) reads their
+   * targets before they are freed; its result is handed on.
+   */
+  drawAside(settings, size, use) {
+    const aside = this._passes();
+    try {
+      return use(aside, this._draw(aside, settings, size));
+    } finally {
+      for (const passes of Object.values(aside)) passes.release();
+    }
+  }
+
+  /** What draw() last returned; null before the first picture. */
+  get report() {
+    return this._drawn?.result ?? null;
   }
 
   /**

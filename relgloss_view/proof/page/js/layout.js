@@ -1,6 +1,7 @@
 // Where the pictures lie on the canvas: side by side or stacked, under a wipe, or one at a time.
 
-export const SIDES = ["reference", "test"];
+import { SIDES } from "./pair.js";
+
 const GAP = 8; // CSS pixels between the pictures
 export const MOST_PX = 1024; // of a picture's side
 

@@ -1,9 +1,8 @@
 // The static body of a reply: twin of proof/page/static.py for what a message adds.
 
 import { splitPage } from "./canonical.js";
+import { SIDES } from "./pair.js";
 import { say } from "./words.js";
-
-const FRONT_SIDES = ["reference", "test"];
 
 /** A number with three significant digits at most. */
 export function shortNumber(value) {
@@ -20,7 +19,7 @@ function plainText(text) {
 export function settingsRows(settings) {
   const { eye, lamp } = settings;
   return [
-    ...FRONT_SIDES.map((side) => [say(`side.${side}`), say("settings.of-side", {
+    ...SIDES.map((side) => [say(`side.${side}`), say("settings.of-side", {
       grain: shortNumber(settings[side].sigma_n_deg), contrast: shortNumber(settings[side].c),
     })]),
     [say("settings.lamp"), say("settings.lamp-place", {
