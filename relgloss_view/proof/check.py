@@ -13,7 +13,7 @@ from relgloss_view.base.words import listed
 from relgloss_view.proof.content import drawing_within
 from relgloss_view.proof.grid import Comparison, compare
 from relgloss_view.proof.keys import Signed, checked
-from relgloss_view.proof.meter import meter_of
+from relgloss_view.proof.meter import are_close, are_same_finishes, finishes_of, meter_of
 from relgloss_view.proof.page.parts import Page
 from relgloss_view.proof.page.whole import PROGRAM, page_of
 from relgloss_view.proof.pair import Pair
@@ -149,7 +149,11 @@ def _drawn(found: Checked, proof: Proof, one: Opened, renderer: FrameRenderer) -
         faults.append(
             "the page's numbers: not those that its own files give; open it with `relgloss view`"
         )
-    if found.is_own_version and not _same_readings(content.get("meter"), meter_of(own)):
+    meter = meter_of(own)
+    if found.is_own_version and not (
+        _same_readings(content.get("meter"), meter)
+        and are_same_finishes(content.get("meter_finishes"), finishes_of(own), meter)
+    ):
         faults.append("the gloss meter's readings: not those of the materials that are inside")
     return dataclasses.replace(found, drawn=drawn, drawing=same, faults=tuple(faults))
 
@@ -176,10 +180,7 @@ def _same_readings(kept: object, own: Mapping[str, Mapping[str, Any]]) -> bool:
         }:
             return False
         for side in SIDES:
-            before, now = kept[key].get(side), entry[side]
-            if (before is None) != (now is None):
-                return False
-            if before is not None and abs(before - now) > 10.0 ** -entry["decimals"]:
+            if not are_close(kept[key].get(side), entry[side], entry["decimals"]):
                 return False
     return True
 
