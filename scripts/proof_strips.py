@@ -116,6 +116,7 @@ class Page:
             "Emulation.setDeviceMetricsOverride", width=size[0], height=size[1],
             deviceScaleFactor=scale, mobile=mobile,
         )  # fmt: skip
+        self.browser.cdp("Emulation.setTouchEmulationEnabled", enabled=mobile)
         browsers.open_page(self.browser, file)
         self.run("async () => { await relgloss.ready; }")
         time.sleep(COMPARING_S)

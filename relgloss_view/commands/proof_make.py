@@ -12,7 +12,7 @@ from relgloss_view.base.reading import printable, read_text
 from relgloss_view.base.terminal import Progress, warn
 from relgloss_view.base.writing import check_writable, whole_file
 from relgloss_view.commands.matched import add_reference_option
-from relgloss_view.commands.scene_options import SOURCES, add_scene_options
+from relgloss_view.commands.scene_options import DEFAULT_SIZE, SOURCES, add_scene_options
 from relgloss_view.picture.scene.look import viewed_look
 from relgloss_view.proof.proof import ARTWORK_PX, MOST_AUTHOR, MOST_NOTE, MOST_TITLE
 
@@ -30,6 +30,7 @@ def add(commands: Any) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "make",
+        help="make a proof of a scene, a pack, an artwork or a material, or answer a proof",
         description="Make one HTML file of a design and its reference: whoever opens it in a "
         "browser sees both pictures and can change them, without installing anything. SCENE may "
         "also be a proof that you answer.",
@@ -145,13 +146,20 @@ def _place_design(args: argparse.Namespace) -> None:
     given = [name for name in (*SOURCES, "scene") if getattr(args, name) is not None]
     if given:
         args.wrong_usage(f"argument SCENE: not allowed with argument --{given[0]}")
-    from relgloss_view.pack.kinds import ARTWORK, PACK
+    from relgloss_view.pack.kinds import ARTWORK, PACK, SHIPPED
     from relgloss_view.picture.scene.file_kinds import MATERIAL, SCENE, likely_kind
     from relgloss_view.picture.scene.sample import SAMPLES
 
-    if args.design in SAMPLES and not Path(args.design).exists():
-        args.sample = args.design
-        return
+    if not Path(args.design).exists():
+        if args.design in SAMPLES:
+            args.sample = args.design
+            return
+        if args.design not in SHIPPED:
+            raise InputError(
+                f"{args.design}: there is no such file; give a scene or a pack (.toml), a material "
+                "(.json), an artwork (PDF, PNG, JPEG, TIFF, PSD), a proof (.html), or a name of "
+                f"{', '.join((*SAMPLES, *SHIPPED))}"
+            )
     places = {SCENE: "scene", MATERIAL: "material", PACK: "pack", ARTWORK: "artwork"}
     kind = likely_kind(args.design)
     if kind not in places:
@@ -176,8 +184,8 @@ def _reply(args: argparse.Namespace, note: str) -> Proof:
 
     if not note.strip():
         raise InputError(f"{args.design}: is a proof, so this answers it; give --note TEXT")
-    _refuse_options(args)
     proof = read_proof(args.design)
+    _refuse_options(args)
     settings = proof.sent
     test = settings.test
     c = getattr(args, "c", None)
@@ -197,6 +205,8 @@ def _refuse_options(args: argparse.Namespace) -> None:
     given = [name for name in (*SOURCES, "scene", "reference", "lab") if getattr(args, name)]
     given += [o.name for o in OPTIONS if hasattr(args, o.name) and o.name not in OF_REPLIES]
     given += [name for name in ("set", "further_lamp", "title", "lamp") if getattr(args, name)]
+    defaults = {"size": DEFAULT_SIZE, "backend": "auto", "artwork_px": ARTWORK_PX}
+    given += [name for name, default in defaults.items() if getattr(args, name) != default]
     if given:
         flag = given[0].replace("_", "-")
         raise InputError(

@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.base.arrays import AnyArray, Array
+from relgloss_view.base.errors import InputError
 from relgloss_view.material.difference import delta_e_2000
+from relgloss_view.proof.entries import MOST_LAB
 from relgloss_view.proof.pair import Drawn
 
 COLUMNS = ROWS = 24
@@ -71,8 +73,15 @@ def grid_of(pictures: Mapping[str, Drawn]) -> dict[str, Any]:
 def compare(side: Mapping[str, Any], picture: Drawn) -> Comparison:
     """A side of a grid beside a picture of the same size.
 
-    side: of content["grid"]["sides"].
+    side: of content["grid"]["sides"]. Raises InputError for anything else.
     """
+    try:
+        return _compared(side, picture)
+    except (AttributeError, IndexError, KeyError, TypeError, ValueError):
+        raise InputError("content.grid: expected the points of both pictures") from None
+
+
+def _compared(side: Mapping[str, Any], picture: Drawn) -> Comparison:
     at = _at(picture)
     seen = picture.on_object[at].ravel()
     drawn = picture.lab[at].astype(np.float64).reshape(-1, 3)
@@ -81,6 +90,8 @@ def compare(side: Mapping[str, Any], picture: Drawn) -> Comparison:
     if not both.any():
         return Comparison(0.0, 0.0, 0, int(np.sum(seen != kept)))
     lab = np.array([row for row, there in zip(side["lab"], both, strict=True) if there], float)
+    if not (np.abs(lab) <= MOST_LAB).all():
+        raise ValueError("beyond any colour")
     differences = delta_e_2000(lab, drawn[both])
     return Comparison(
         float(np.max(differences)),

@@ -137,6 +137,11 @@ class Proof:
         return self.messages[-1].settings
 
     @property
+    def unsigned(self) -> int:
+        """How many of the newest messages no signature is for, right or wrong."""
+        return len(self.messages) - 1 - max((s.message for s in self.signatures), default=-1)
+
+    @property
     def title(self) -> str:
         """What the proof is about."""
         return str(self.content.get("title", ""))

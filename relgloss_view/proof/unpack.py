@@ -23,7 +23,9 @@ from relgloss_view.base.reading import named, printable
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.base.toml import parse_toml
 from relgloss_view.base.writing import whole_folder
+from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.scene_file import SceneFile, read_scene_file
+from relgloss_view.picture.scene.scene_writer import write_scene_file
 from relgloss_view.proof.carry import SCENE, TEXTS, TYPES
 from relgloss_view.proof.pair import Pair
 from relgloss_view.proof.proof import Proof
@@ -65,7 +67,8 @@ class Opened:
         """Settings whose lamp, where it is a file of the proof, is named by its path."""
         name = settings.lamp.illuminant
         if name not in self.proof.content["files"]:
-            if _OUTSIDE.search(name):
+            # A file beside the reader's own work is none of the proof's.
+            if _OUTSIDE.search(name) or not is_lamp_name(name):
                 raise InputError(f"lamp {printable(name, 60)!r}: the proof has no such file")
             return settings
         place = dataclasses.replace(settings.lamp, illuminant=str(self.folder / name))
@@ -88,22 +91,45 @@ class Opened:
         )
 
 
+def answer_scene(message: int) -> str:
+    """The name of the scene with a message's settings; messages are counted from 1.
+
+    >>> answer_scene(2)
+    'message-2.toml'
+    """
+    return f"message-{message}.toml"
+
+
 def unpacked(
-    proof: Proof, folder: str | Path, *, progress: ProgressReport = no_progress
+    proof: Proof,
+    folder: str | Path,
+    *,
+    answers: bool = False,
+    progress: ProgressReport = no_progress,
 ) -> SceneFile:
     """Write a proof's files into a new or an existing folder, whole or not at all; their scene.
 
-    Raises InputError where a name leads out of the folder, a file names one outside, there is too
-    much, or the files hold no pair.
+    answers: beside scene.toml, which has the first message's settings, a scene of each answer
+    (`answer_scene`). Raises InputError where a name leads out of the folder, a file names one
+    outside, there is too much, or the files hold no pair.
     """
     contents = contents_of(proof.content.get("files"))
     target = Path(folder)
+    for inner in sorted({name.partition("/")[0] for name in contents if "/" in name}):
+        if (target / inner).exists():  # files take the place of files, folders do not
+            raise InputError(
+                f"{named(target)}: holds {named(inner)} of another proof; choose a new folder"
+            )
     with whole_folder(target, SCENE) as staged:
         for name, data in contents.items():
             file = staged / name
             file.parent.mkdir(exist_ok=True)
             file.write_bytes(data)
-        _checked(read_scene_file(staged / SCENE, progress=progress))
+        read = _checked(read_scene_file(staged / SCENE, progress=progress))
+        one = Opened(proof, staged, read)
+        for k, message in enumerate(proof.messages[1:] if answers else (), 2):
+            if answer_scene(k) not in contents:
+                write_scene_file(staged / answer_scene(k), one.scene_at(message.settings))
     return _checked(read_scene_file(target / SCENE))
 
 
@@ -118,9 +144,9 @@ def opened(proof: Proof, *, progress: ProgressReport = no_progress) -> Iterator[
             (folder / file).write_bytes(data)
         try:
             scene = _checked(read_scene_file(folder / SCENE, progress=progress))
-        except InputError as error:
+            yield Opened(proof, folder, scene)
+        except InputError as error:  # lamps are read when they are needed
             raise InputError(str(error).replace(f"{folder}/", "the proof's ")) from error
-        yield Opened(proof, folder, scene)
 
 
 @contextmanager

@@ -93,7 +93,8 @@ def test_a_material_a_scene_and_a_pack_are_told_apart(tmp_path, capsys):
 
 REFUSED = {
     "not .html": (["matte-coated", "-o", "proof.pdf"], "ends in .html"),
-    "no file": (["gone.toml", "-o", "proof.html"], "gone.toml"),
+    "no file": (["gone.toml", "-o", "proof.html"], "gone.toml: there is no such file"),
+    "no name": (["cartoon", "-o", "proof.html"], "uncoated, can, carton"),
     "no folder": (["matte-coated", "-o", "gone/proof.html"], "gone"),
     "dull reference": (["art-coated", "--reference", "dull.json", "-o", "p.html"], "no highlight"),
     "long note": (["art-coated", "-o", "p.html", "--note", "x" * (MOST_NOTE + 1)], str(MOST_NOTE)),
@@ -126,7 +127,11 @@ def test_an_answer_needs_a_note_and_keeps_the_scene(paper, tmp_path, capsys):
     words = ["proof", "make", str(paper), "-o", output, "--note", "x", "--sample", "uncoated"]
     assert main(words) == 1
     assert "keeps the scene" in capsys.readouterr().err
+    # The default of an option that an answer can't follow is no wish; another value is.
+    assert main([*words[:-2], "--size", "100x100"]) == 1
+    assert "--size: an answer keeps the scene" in capsys.readouterr().err
     assert not Path(output).exists()
+    assert main([*words[:-2], "--size", "512x512"]) == 0
 
 
 def test_a_stop_leaves_nothing(tmp_path, monkeypatch):

@@ -21,7 +21,7 @@ def page_file(tmp_path_factory):
 
 @pytest.fixture
 def page(chromium_gl, page_file):
-    emulate(chromium_gl, 1000, 700)
+    emulate(chromium_gl, 640, 480)  # small, as every step draws
     open_page(chromium_gl, page_file)
     yield chromium_gl
     assert requests(chromium_gl) == []
@@ -56,7 +56,7 @@ def whose(browser):
 def test_sliders_move_their_own_picture_and_as_sent_brings_it_back(page, what):
     before = {side: pixels(page, side) for side in ("reference", "test")}
     assert whose(page).startswith("As sent")
-    press(page, f"test-{what}", Keys.ARROW_RIGHT * 20)
+    press(page, f"test-{what}", Keys.ARROW_RIGHT * 8)
     after = {side: pixels(page, side) for side in before}
     assert not np.array_equal(after["test"], before["test"])
     assert np.array_equal(after["reference"], before["reference"])  # the negative control

@@ -283,3 +283,26 @@ def test_a_pair_beyond_its_view_says_what_shows(chromium_gl, tmp_path):
     assert call(chromium_gl, shown, 0.5)[0] is None  # the negative control
     assert call(chromium_gl, shown, 0.5)[1].startswith("c = 0.")
     assert call(chromium_gl, shown, 0.5)[2] == 1
+
+
+def test_paper_gets_pictures_and_words_alone(chromium_gl, tmp_path):
+    emulate(chromium_gl, 1280, 800)
+    open_page(chromium_gl, sample_page(tmp_path / "proof.html"))
+    settings(chromium_gl)
+    seen = """() => {
+      const shown = (selector) => [...document.querySelectorAll(selector)].some((e) =>
+        e.getBoundingClientRect().height > 0);
+      const {width, height} = document.getElementById("canvas").getBoundingClientRect();
+      return [["h1", "blockquote", ".message", "#readings", "#whose", "canvas"].every(shown),
+        ["button", "#controls input", "#screen", "#reply"].some(shown), width, width / height]; }"""
+    words, controls, wide, shape = call(chromium_gl, seen)
+    assert (words, controls) == (True, True)  # the negative control
+    chromium_gl.cdp("Emulation.setEmulatedMedia", media="print")
+    call(chromium_gl, "() => { window.dispatchEvent(new Event('beforeprint')); }")
+    words, controls, narrow, same = call(chromium_gl, seen)
+    assert (words, controls) == (True, False)
+    assert narrow < 700 < wide
+    assert same == pytest.approx(shape, rel=0.01)
+    chromium_gl.cdp("Emulation.setEmulatedMedia", media="")
+    call(chromium_gl, "() => { window.dispatchEvent(new Event('afterprint')); }")
+    assert call(chromium_gl, seen)[2] == wide

@@ -39,7 +39,7 @@ def body(proof: Proof, language: str = "en") -> str:
     return (
         '<div id="top">\n'
         f'<header class="head"><p class="kicker">{say("page.kind")}</p>\n'
-        f"<h1>{escaped(proof.title)}</h1></header>\n"
+        f"<h1>{escaped(proof.title)}</h1>{_beside(proof.content.get('names'), say)}</header>\n"
         f'<p id="unchecked" class="notice late">{say("state.unchecked")}</p>\n'
         '<p id="notice" class="notice" role="alert" hidden=""></p>\n'
         '<main id="main">\n<div class="work">\n<section id="look" class="look">\n'
@@ -104,6 +104,12 @@ def _lamp(lamp: LampPlace, say: Say) -> str:
         azimuth=number(lamp.azimuth_deg),
         elevation=number(lamp.elevation_deg),
     )
+
+
+def _beside(names: object, say: Say) -> str:
+    """Which reference sample both sides hold beside the screen; nothing where it has no name."""
+    name = names.get("reference") if isinstance(names, Mapping) else None
+    return f'<p class="quiet">{say("head.beside", name=name)}</p>' if name else ""
 
 
 def _pictures(proof: Proof, say: Say) -> str:

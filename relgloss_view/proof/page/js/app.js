@@ -9,6 +9,7 @@ import { say } from "./words.js";
 const SLOW_MS = 33; // of a frame, beyond which a moving picture is drawn smaller
 const LEAST_SHARE = 0.3; // of the full size, each way
 const REST_MS = 160; // without a change until the picture is drawn in full
+const PAPER_PX = 660; // of a printed page that is as narrow as paper is
 const SAY_MS = 900; // until a change is read out
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
@@ -246,6 +247,19 @@ export class App {
       this.redraw();
     };
   }
+}
+
+/** On paper the pictures keep their proportions and their names' places, as wide as a page. */
+export function keepForPaper(stage) {
+  window.addEventListener("beforeprint", () => {
+    const { clientWidth, clientHeight } = stage;
+    stage.style.setProperty("width", `${clientWidth}px`);
+    stage.style.setProperty("height", `${clientHeight}px`);
+    stage.style.setProperty("zoom", String(Math.min(1, PAPER_PX / clientWidth)));
+  });
+  window.addEventListener("afterprint", () => {
+    for (const name of ["width", "height", "zoom"]) stage.style.removeProperty(name);
+  });
 }
 
 /** The line above all else; empty hides it. */

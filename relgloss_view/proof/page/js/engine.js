@@ -1,5 +1,6 @@
 // The engine: settings become the pictures of both sides, as the window draws them.
 
+import { beginPictures } from "./ahead.js";
 import { unpackedAll } from "./arrays.js";
 import { Device, DeviceError } from "./device.js";
 import { SIDES, commonFactor, heldFactor, scalingOf } from "./pair.js";
@@ -8,6 +9,7 @@ import { openForm } from "./surface.js";
 import { atOneScale } from "./view.js";
 
 const PREPARED_SIZE = [80, 8]; // wide enough for the reduction's further steps
+const LIKELY_SIZE = [512, 512]; // of a first picture, for what depends on a size but little
 
 export class Engine {
   /**
@@ -19,9 +21,13 @@ export class Engine {
     const device = new Device(canvas, shaders, drawing.definitions);
     const forms = {};
     for (const name of Object.keys(drawing.sides)) {
-      forms[name] = await openForm(device, drawing, name, proof.content.files ?? {});
+      forms[name] = await openForm(device, drawing, name);
     }
-    return new Engine(device, drawing, forms);
+    const engine = new Engine(device, drawing, forms);
+    const newest = proof.messages?.[proof.messages.length - 1];
+    if (newest) beginPictures(device, engine.passes, newest.settings, LIKELY_SIZE);
+    for (const form of Object.values(forms)) await form?.print(proof.content.files ?? {});
+    return engine;
   }
 
   constructor(device, drawing, forms = {}) {

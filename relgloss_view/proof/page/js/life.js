@@ -1,10 +1,11 @@
 // Life size: a bank card held to the screen says how large a pixel is.
 
-import { make } from "./dom.js";
+import { byTouch, make } from "./dom.js";
 import { say } from "./words.js";
 
 const CARD_MM = [85.6, 53.98]; // ISO/IEC 7810 ID-1
-const USUAL_MM = 25.4 / 96; // of a CSS pixel, until it is measured
+const USUAL_MM = 25.4 / 96, PHONE_MM = 25.4 / 160; // of a CSS pixel, until it is measured
+const CORNER_MM = 3.18; // radius
 const KEPT = "relgloss-device-pixel-mm"; // which the browser's zoom does not change
 
 /** A dialog that sets the size of a CSS pixel by a card. app: lifeSize(mm of a CSS pixel). */
@@ -24,6 +25,7 @@ export function lifeSize(app) {
     how.textContent = say(upright ? "life.how-upright" : "life.how");
     card.style.setProperty("width", `${sides[0]}px`);
     card.style.setProperty("height", `${sides[1]}px`);
+    card.style.setProperty("border-radius", `${width * CORNER_MM / CARD_MM[0]}px`);
     size.style.setProperty("--at", String((width - 150) / 750));
   };
   const done = () => {
@@ -45,7 +47,7 @@ export function lifeSize(app) {
   document.body.append(dialog);
   return {
     open() {
-      size.value = CARD_MM[0] / (kept() ?? USUAL_MM);
+      size.value = CARD_MM[0] / (kept() ?? (byTouch() ? PHONE_MM : USUAL_MM));
       show();
       dialog.showModal();
     },

@@ -1,6 +1,6 @@
 // What runs when the page is opened: check, draw, and hand over to whoever looks.
 
-import { App, notice } from "./app.js";
+import { App, keepForPaper, notice } from "./app.js";
 import { checkPage, checkSignatures, pageText, withMessage, wordsOfPart } from "./canonical.js";
 import { byId, byTouch, make } from "./dom.js";
 import { Engine } from "./engine.js";
@@ -89,6 +89,7 @@ async function open({ proof, shaders, digests, digest, signatures: signed }) {
   }
   arrange(app, canvas);
   app.watch();
+  keepForPaper(byId("stage"));
   await app.idle();
   mountCheck(byId("check"), app);
   const screen = mountScreen(byId("screen"), app);

@@ -15,7 +15,7 @@ export function readout(app) {
   let at = null;
   function show() {
     const pixel = at === null ? null : app.pictureAt(...at);
-    mark.hidden = at === null;
+    mark.hidden = at === null || app.mode() !== "read"; // elsewhere a pointer's own sign is enough
     if (at === null) {
       text.textContent = how;
       return;
