@@ -19,7 +19,6 @@ from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Eye, Lamp
 
-
 #: Form and width of the lobe, degrees, in the fast suite; all of them are in the slow one.
 LOBES = (("cylinder", 0.05), ("sphere", 0.1), ("plane", 0.3))
 

@@ -127,9 +127,7 @@ def hides_backs(mesh: Mesh, view: View) -> bool:
     return mesh.is_closed and bool(np.any(np.abs(view.eye_m) > 1.01 * mesh.half_extent_m))
 
 
-def projection(
-    mesh: Mesh, view: View, box: tuple[float, ...], texels: int = 1
-) -> dict[str, Any]:
+def projection(mesh: Mesh, view: View, box: tuple[float, ...], texels: int = 1) -> dict[str, Any]:
     """How mesh.vert draws a view into a target that holds a box of the picture's pixels.
 
     texels: of the target, along each side of a pixel.
