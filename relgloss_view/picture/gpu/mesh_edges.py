@@ -28,7 +28,8 @@ from relgloss_view.picture.model.view import Box, View
 
 TILE_PX = 2048  #: side of the parts in which the silhouette is looked for
 BLOCK = 2  #: side in pixels of what beside_edges looks at
-BESIDE_PX = 1.0 / 64.0  #: that bounds are larger: corners are drawn up to 1/512 beside their place
+#: By which bounds are larger: corners are drawn up to 1/512 beside their place.
+BESIDE_PX = 1.0 / 64.0
 MARK = 1  #: as EDGE_MARK of mesh_edge.frag, of 255
 
 
@@ -140,7 +141,7 @@ def beside_edges(mesh: Mesh, view: View, marked: AnyArray) -> Ints:
 
 
 def _turned_away(corners: AnyArray) -> AnyArray:
-    """Whether triangles (T, 3, 2) run clockwise, (T,), even where corners move by BESIDE_PX."""
+    """Whether triangles (T, 3, 2) run clockwise, (T,), with corners off by up to BESIDE_PX."""
     sides = np.roll(corners, -1, axis=1) - corners
     twice = sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]
     around = np.sum(np.abs(sides), axis=(1, 2))
