@@ -11,7 +11,7 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.base.words import listed
 from relgloss_view.proof.content import drawing_within
-from relgloss_view.proof.grid import Comparison, compare
+from relgloss_view.proof.grid import LARGEST_DE2000, MISSED_SHARE, Comparison, compare
 from relgloss_view.proof.keys import Signed, checked
 from relgloss_view.proof.meter import are_close, are_same_finishes, finishes_of, meter_of
 from relgloss_view.proof.page.parts import Page
@@ -24,9 +24,6 @@ from relgloss_view.proof.settings import SIDES
 from relgloss_view.proof.unpack import Opened, opened
 from relgloss_view.quality.backends import FrameRenderer
 
-#: dE2000 that no eye sees, and above what float32 does to the same picture on two machines.
-LARGEST_DE = 0.3
-MISSED = 0.01  #: share of the grid's points that may lie on the other side of a silhouette
 #: Parts of a page that are this program's own.
 OWN = ("head", "style", "static", "words", "script", "shaders")
 
@@ -160,12 +157,12 @@ def _drawn(found: Checked, proof: Proof, one: Opened, renderer: FrameRenderer) -
 
 def _faults_of(side: str, one: Comparison) -> list[str]:
     faults = []
-    if not one.largest <= LARGEST_DE:  # what is no number is no small difference
+    if not one.largest <= LARGEST_DE2000:  # what is no number is no small difference
         faults.append(
             f"the {side} picture: drawn here it differs by up to {one.largest:.2g} dE2000 from "
-            f"what was sent (at most {LARGEST_DE})"
+            f"what was sent (at most {LARGEST_DE2000})"
         )
-    if one.missed > MISSED * (one.points + one.missed) or not one.points:
+    if one.missed > MISSED_SHARE * (one.points + one.missed) or not one.points:
         faults.append(f"the {side} picture: drawn here the object has another outline or size")
     return faults
 

@@ -14,6 +14,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import number, refuse, text
 from relgloss_view.proof.settings import SIDES
 
+MOST_FILES, LONGEST_FILE_NAME = 64, 80  #: and characters of each name
 MOST_PX, MOST_PIXELS = 16384, 2048 * 2048  #: of a side, and of a picture
 MOST_PICTURE = 8_000_000  #: characters of a stored picture's base64
 MEDIA = ("image/webp", "image/png")

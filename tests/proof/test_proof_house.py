@@ -66,7 +66,7 @@ TWINS = {
     "held.js": Twin(("picture/gpu/held.py",), "test_proof_engine.py test_only_what_changed"),
     "layers.js": Twin(
         ("pack/layers.py",), "test_proof_layers_page.py", {},
-        frozenset({"valuesOf", "halfOf", "numbersOfHalves"}),  # numpy has them
+        frozenset({"valuesOf", "halfOf", "halvesOf", "numbersOfHalves"}),  # numpy has them
     ),
     "mesh.js": Twin(
         ("picture/gpu/triangles.py", "picture/model/sight.py", "proof/mesh_drawing.py"),
@@ -85,7 +85,10 @@ TWINS = {
         ("picture/gpu/printed.py",), "test_proof_layers_page.py",
         {"placedLevels": "_placed", "printedTextures": "Printed"},
     ),
-    "reduction.js": Twin(("picture/gpu/reduction.py",), "test_proof_engine.py test_papers"),
+    "reduction.js": Twin(
+        ("picture/gpu/reduction.py",), "test_proof_engine.py test_papers", {},
+        frozenset({"blocksOf"}),  # for ahead.js
+    ),
     "screens.js": Twin(
         ("proof/screens.py", "proof/screen_words.py"), "test_proof_screen.py",
         alone=frozenset({"unknownScreen"}),  # Screen() in Python
@@ -106,7 +109,7 @@ TWINS = {
     ),
     "static.js": Twin(
         ("proof/page/static.py",),
-        "test_proof_whole_page.py test_an_answer_of_the_page_is_pythons_byte_for_byte",
+        "test_proof_static_js.py test_numbers_are_written_alike",
         {"shortNumber": "number"}, frozenset({"withStatic", "bringUpToDate", "putInPanel"}),
     ),
     "surface.js": Twin(
@@ -130,6 +133,7 @@ TWINS = {
 #: The interface and the device: no science. Of Math they need these alone, or what is named here.
 PLAIN_MATH = {"abs", "ceil", "floor", "max", "min", "round"}
 INTERFACE: dict[str, set[str]] = {
+    "ahead.js": set(),
     "app.js": {"sqrt"},  # a picture's side, from the time that its pixels take
     "device.js": set(), "dom.js": set(), "engine.js": set(), "life.js": set(),
     "layout.js": {"hypot"},  # a form's half width as it turns, for the shape of its pane
@@ -143,6 +147,7 @@ NUMBERS: dict[str, dict[str, str]] = {
     "canonical.js": {
         name: f"proof.page.parts {name}" for name in ("BLOCKS", "DIGITS", "DIVIDED", "MARK", "SEAL")
     } | {"FORMAT": "proof.proof FORMAT", "VERSION": "proof.proof VERSION"},
+    "check.js": {"MOST_POINTS": "proof.entries MOST_POINTS"},
     "evaluate.js": {"EVALUATED_WIDE": "picture.gpu.evaluate WIDTH"},
     "hand.js": {
         name: f"viewer.drawing.camera {name}"
@@ -155,6 +160,7 @@ NUMBERS: dict[str, dict[str, str]] = {
     "mesh_edges.js": {
         "PART_PX": "picture.gpu.mesh_edges TILE_PX", "BLOCK_PX": "picture.gpu.mesh_edges BLOCK",
         "EDGE_MARK": "picture.gpu.mesh_edges MARK",
+        "BESIDE_PX": "picture.gpu.mesh_edges BESIDE_PX",
     },
     "reduction.js": {
         "FIRST_BLOCK": "picture.gpu.reduction FIRST_BLOCK",
@@ -219,10 +225,16 @@ def constants(text: str) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for statement in re.findall(r"^(?:export )?const ([A-Z].*?);$", plain(text), re.M | re.S):
         for name, value in re.findall(
-            r"(\w+) = (\[[^\]]*\]|'[^']*'|\"[^\"]*\"|[-\w.]+)", statement
+            r"(\w+) = (\[[^\]]*\]|'[^']*'|\"[^\"]*\"|[-\w.]+(?: / [\d.]+)?)"
+            r"(?=\s*(?:$|;|,\s*[A-Z]))",
+            statement,
         ):
             if value.startswith("'") and '"' in value:
                 found[name] = value[1:-1]
+                continue
+            if " / " in value:
+                part, whole = map(float, value.split(" / "))
+                found[name] = part / whole
                 continue
             try:
                 found[name] = json.loads(re.sub(r",\s*\]", "]", value))
@@ -282,6 +294,8 @@ def test_no_number_of_a_twin_is_the_pages_own() -> None:
     alone = {
         "check.js": {"CHECK_TOLERANCE", "CHECK_LEAST"},  # of the page's own question
         "hand.js": {"KEY_DEGREES"},  # the window turns by other keys
+        "layers.js": {"KEPT_COLOURS", "KEPT_SHIFT"},  # how many conversions are kept
+        "mesh.js": {"CORNER_NUMBERS"},  # of a buffer's row, whose texts are the shaders'
     }
     for name in TWINS:
         numbers = {
@@ -319,7 +333,8 @@ def test_these_tests_find_what_is_wrong() -> None:
     assert not _PRIVATE.findall("this._draw(other._held)")
     assert snake("eyeGrainSamples") == "eye_grain_samples"
     values = constants(
-        'const A = 4; // four\nexport const B = [1, 2.5], C = "x";\n  const D = 1;\n'
+        'const A = 4; // four\nexport const B = [1, 2.5], C = "x";\n'
+        "  const D = 1;\nconst E = 2 ** 8;\n"
     )
     assert values == {"A": 4, "B": [1, 2.5], "C": "x"}
     assert "two" not in plain("a // two\n/* two */ b")
