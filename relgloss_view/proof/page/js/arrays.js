@@ -1,5 +1,7 @@
 // Arrays of a proof: the way back from proof/arrays.py.
 
+import { Unsupported } from "./device.js";
+
 const ARRAY_KINDS = {
   Uint8: Uint8Array,
   Uint16: Uint16Array,
@@ -17,8 +19,9 @@ export function bytesOf(base64) {
   return bytes;
 }
 
-/** The bytes that were compressed as zlib does it. */
+/** The bytes that were compressed as zlib does it; Unsupported in browsers that can't inflate. */
 export async function inflated(bytes) {
+  if (typeof DecompressionStream === "undefined") throw new Unsupported("no inflation");
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }

@@ -19,6 +19,7 @@ export function lifeSize(app) {
     card.style.setProperty("width", `${width}px`);
     card.style.setProperty("height", `${width * CARD_MM[1] / CARD_MM[0]}px`);
     size.style.setProperty("--at", String((width - 150) / 750));
+    size.setAttribute("aria-valuetext", say("life.value", { width: Math.round(width) }));
   };
   const done = () => {
     const pixel = CARD_MM[0] / Number(size.value);

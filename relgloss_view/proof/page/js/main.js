@@ -110,6 +110,7 @@ function answered(app, { note, author }) {
 function unsupported(fault) {
   const known = {
     "no webgl2": "webgl", "no float targets": "float", "no memory": "memory", "few targets": "targets",
+    "no inflation": "inflation",
   };
   const reason = known[fault.reason] ?? "unknown";
   byId("main").dataset.state = "unsupported";
@@ -123,7 +124,8 @@ function arrange(app, canvas) {
   const shows = [banner(app, app.proof.messages), tools(app, () => life.open()),
     controls(app, app.proof.content.drawing?.lamps ?? [app.present.lamp.illuminant]), thread(app)];
   const reading = readout(app), life = lifeSize(app);
-  byId("look").append(make("p", { id: "keys", class: "quiet keys", text: say("canvas.keys") }));
+  byId("look").append(make("p", { id: "keys", class: "quiet keys", text: say("canvas.keys") }),
+    make("p", { class: "quiet keys fingers", text: say("canvas.fingers") }));
   app.onChange(() => shows.forEach((show) => show()));
   app.onRest.push(() => reading.show());
   listen(canvas, Object.assign(Object.create(app), {

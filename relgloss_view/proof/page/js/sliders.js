@@ -56,7 +56,7 @@ export function slider({ id, label, hint, high, most, decimals, change, sent, un
       return;
     }
     if (Number(range.value) !== value) range.value = value;
-    range.setAttribute("aria-valuetext", `${value.toFixed(decimals)} ${unit}`);
+    range.setAttribute("aria-valuetext", `${value.toFixed(decimals)} ${unit}`.trim());
     if (document.activeElement !== typed) typed.value = value.toFixed(decimals);
     const back = sent();
     notch.hidden = back > high;
