@@ -74,6 +74,8 @@ def readers() -> dict[str, Reader]:
         Reader("font", ".ttf", _font, _fonts),
         Reader("table", ".csv", _own_table, _own_tables, 0.5),
         Reader("session", ".sqlite", _session, _sessions, 2.0),
+        Reader("proof", ".html", _proof, _proofs, 2.0),
+        Reader("sealed", ".html", _sealed, _sealed_values, 2.0),
     )
     return {reader.name: reader for reader in listed}
 
@@ -351,7 +353,102 @@ def _session(path: Path) -> object:
             lamp.unlink()
 
 
+def _proof(path: Path) -> object:
+    """All of a proof but its pictures: seal, thread, fields, files, scene, its page again."""
+    from relgloss_view.proof.check import foreign_parts
+    from relgloss_view.proof.read import proof_of, read_page
+    from relgloss_view.proof.unpack import opened
+
+    page = read_page(path)
+    try:
+        proof = proof_of(page)
+        with opened(proof) as one:
+            return foreign_parts(page, proof), one.pair()
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def _sealed(path: Path) -> object:
+    """A proof whose sealed JSON is the file, sealed again as anybody can."""
+    from relgloss_view.proof.page.parts import joined, load, script_json
+    from relgloss_view.proof.proof import digests_of
+
+    texts = dict(_page_texts())
+    try:
+        values = load(path.read_text("utf-8", "surrogateescape"))
+        texts["proof"] = script_json(values)
+        html = joined(texts, digests_of(values)[-1])
+    except (InputError, AttributeError, IndexError, KeyError, TypeError, ValueError):
+        raise InputError(f"{path}: no JSON that can be sealed") from None
+    path.write_text(html, encoding="utf-8", newline="\n")
+    return _proof(path)
+
+
 # Valid files
+
+
+@functools.cache
+def _small_proof() -> Any:
+    """A proof of two papers whose pictures are of one pixel."""
+    import io
+    import tempfile
+
+    from PIL import Image
+
+    from relgloss_view.picture.scene.look import viewed_look
+    from relgloss_view.picture.scene.sample import Sample
+    from relgloss_view.picture.scene.scene_file import SceneFile
+    from relgloss_view.picture.scene.setting import Setting
+    from relgloss_view.picture.scene.setup import Setup
+    from relgloss_view.proof.carry import carried, files_of
+    from relgloss_view.proof.content import display_words
+    from relgloss_view.proof.meter import meter_of
+    from relgloss_view.proof.pair import Pair
+    from relgloss_view.proof.proof import Message, Proof
+
+    look = viewed_look()
+    scene = SceneFile(
+        Sample.built_in("matte-coated"), look.at(Setting(2.0, c=0.37)), Setup(),
+        Sample.built_in("cast-coated"), look.at(Setting(0.0, c=0.14)),
+    )  # fmt: skip
+    with tempfile.TemporaryDirectory() as folder:
+        pair = Pair.of(carried(scene, Path(folder), artwork_px=16).scene)
+        files = files_of(Path(folder))
+    memory = io.BytesIO()
+    Image.new("RGB", (1, 1)).save(memory, "WEBP")
+    picture = base64.b64encode(memory.getvalue()).decode("ascii")
+    points = {"lab": [[50.0, 1.5, -2.5]], "l_d": [50.0], "l_s": [10.0]}
+    content = {
+        "title": "made", "size_px": [1, 1], "files": files, "meter": meter_of(pair),
+        "display": display_words(Setup().display),
+        "grid": {"columns": 1, "rows": 1, "sides": dict.fromkeys(("reference", "test"), points)},
+        "pictures": dict.fromkeys(("reference", "test"), picture),
+        "drawing": {"stages": [], "sides": {}},
+    }  # fmt: skip
+    first = Message(pair.settings, "Enough?", "Aya", "2026-11-27T08:30:00Z", "relgloss 1")
+    proof = Proof(content, (first,))
+    return proof.answered(Message(pair.settings, "Yes\n<b>", "Bo", screen={"gamma": 2.2}))
+
+
+@functools.cache
+def _page_texts() -> dict[str, str]:
+    """The parts of its page, with a style and a program of one line, so that many are read."""
+    from relgloss_view.proof.page.parts import split
+    from relgloss_view.proof.page.whole import page_of
+
+    return split(page_of(_small_proof())) | {"style": "b {}", "script": "1;", "shaders": "{}"}
+
+
+def _proofs() -> list[bytes]:
+    from relgloss_view.proof.page.parts import joined
+
+    return [joined(_page_texts(), _small_proof().digest).encode()]
+
+
+def _sealed_values() -> list[bytes]:
+    from relgloss_view.proof.proof import canonical
+
+    return [canonical(_small_proof().as_json())]
 
 
 def _real(*patterns: str) -> list[bytes]:

@@ -23,7 +23,8 @@ def add(commands: Any) -> None:
         "show",
         help="print a proof's messages, settings and signatures, and unpack its files",
         description="Print a proof's title, its messages with their settings, and who signed them. "
-        "--files writes the scene, materials and artwork that are inside into a folder.",
+        "--files writes what is inside into a folder: the scene, materials and artwork, and a "
+        "scene with the settings of each answer.",
         epilog="example: relgloss proof show carton.html --files carton",
     )
     parser.add_argument("file", metavar="FILE.html", help="Proof to show")
@@ -45,7 +46,7 @@ def run(args: argparse.Namespace) -> int:
     if args.files is not None:
         from relgloss_view.proof.unpack import unpacked
 
-        unpacked(proof, args.files)
+        unpacked(proof, args.files, answers=True)
     if args.json:
         print(json.dumps(_numbers(args, proof, signatures)))
         return 0
@@ -54,12 +55,19 @@ def run(args: argparse.Namespace) -> int:
     for k, message in enumerate(proof.messages):
         lines = message_lines(message, before)
         print(f"\nmessage {k + 1}, {proof.digests[k]}")
-        for line in lines + [s.words for s in signatures if s.message == k]:
+        signed = [s.words for s in signatures if s.message == k]
+        if signatures and not signed and k >= len(proof.messages) - proof.unsigned:
+            signed = ["not signed; anyone could have added it"]
+        for line in lines + signed:
             print(f"  {line}")
         before = message
     print(f"\nfiles: {', '.join(printable(name, 80) for name in proof.content['files'])}")
     if args.files is not None:
-        print(f"written to {named(args.files)}")
+        print(f"written to {named(args.files)}; scene.toml has the settings of message 1")
+        if before is not proof.messages[0]:
+            from relgloss_view.proof.unpack import answer_scene
+
+            print(f"{answer_scene(len(proof.messages))} has those of the newest message")
     else:
         print("--files FOLDER writes them.")
     return 0
@@ -67,8 +75,10 @@ def run(args: argparse.Namespace) -> int:
 
 def message_lines(message: Message, before: Message | None) -> list[str]:
     """A message as lines: who and when, the note, the settings or what of them has changed."""
-    who = [printable(message.author, 200) or "no name", message.made, message.program]
-    lines = [", ".join(printable(part) for part in who if part)]
+    # "from" before a name that anyone has written, which may read "signed by ...".
+    author = printable(message.author, 200)
+    who = [f"from {author}" if author else "no name", message.made, message.program]
+    lines = [", ".join(printable(part, 220) for part in who if part)]
     if message.parent:
         lines.append(f"answers {message.parent[:SHORT]}")
     lines += [f"| {visible(line)}" for line in message.note.splitlines()]

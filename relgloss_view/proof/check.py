@@ -7,16 +7,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.base.words import listed
 from relgloss_view.proof.content import drawing_within
 from relgloss_view.proof.grid import Comparison, compare
 from relgloss_view.proof.keys import Signed, checked
+from relgloss_view.proof.meter import meter_of
 from relgloss_view.proof.page.parts import Page
 from relgloss_view.proof.page.whole import PROGRAM, page_of
 from relgloss_view.proof.pair import Pair
+from relgloss_view.proof.pictures import is_shown
 from relgloss_view.proof.proof import Proof, canonical
 from relgloss_view.proof.read import AGAIN, changed_words, check_version, part_words, proof_of
 from relgloss_view.proof.settings import SIDES
@@ -134,23 +135,28 @@ def _drawn(found: Checked, proof: Proof, one: Opened, renderer: FrameRenderer) -
     pictures = pair.drawn(renderer, (width, height))
     drawn = {}
     for side in SIDES:
-        try:
-            drawn[side] = compare(content["grid"]["sides"][side], pictures[side])
-        except (AttributeError, IndexError, KeyError, TypeError, ValueError):
-            raise InputError(f"content.grid: expected the points of the {side} picture") from None
+        drawn[side] = compare(content["grid"]["sides"].get(side), pictures[side])
         faults += _faults_of(side, drawn[side])
-    derived = canonical(drawing_within(Pair.of(one.scene_file), one.folder))
+        if not is_shown(content["pictures"][side], pictures[side].rgb):
+            faults.append(
+                f"the stored {side} picture: not the one that is drawn here; readers whose browser "
+                "draws nothing see another one"
+            )
+    own = Pair.of(one.scene_file)
+    derived = canonical(drawing_within(own, one.folder))
     same = derived == canonical(content["drawing"])
     if not same and found.is_own_version:
         faults.append(
             "the page's numbers: not those that its own files give; open it with `relgloss view`"
         )
+    if found.is_own_version and not _same_readings(content.get("meter"), meter_of(own)):
+        faults.append("the gloss meter's readings: not those of the materials that are inside")
     return dataclasses.replace(found, drawn=drawn, drawing=same, faults=tuple(faults))
 
 
 def _faults_of(side: str, one: Comparison) -> list[str]:
     faults = []
-    if one.largest > LARGEST_DE:
+    if not one.largest <= LARGEST_DE:  # what is no number is no small difference
         faults.append(
             f"the {side} picture: drawn here it differs by up to {one.largest:.2g} dE2000 from "
             f"what was sent (at most {LARGEST_DE})"
@@ -160,6 +166,28 @@ def _faults_of(side: str, one: Comparison) -> list[str]:
     return faults
 
 
+def _same_readings(kept: object, own: Mapping[str, Mapping[str, Any]]) -> bool:
+    """Whether a meter would show the same numbers, under the same names."""
+    if not isinstance(kept, Mapping) or set(kept) != set(own):
+        return False
+    for key, entry in own.items():
+        if {k: v for k, v in kept[key].items() if k not in SIDES} != {
+            k: v for k, v in entry.items() if k not in SIDES
+        }:
+            return False
+        for side in SIDES:
+            before, now = kept[key].get(side), entry[side]
+            if (before is None) != (now is None):
+                return False
+            if before is not None and abs(before - now) > 10.0 ** -entry["decimals"]:
+                return False
+    return True
+
+
+def _it(count: int) -> str:
+    return "it" if count == 1 else "them"
+
+
 def sentences(found: Checked) -> list[str]:
     """What was found, one line each, for people."""
     if found.proof is None:
@@ -167,17 +195,24 @@ def sentences(found: Checked) -> list[str]:
     count = len(found.proof.messages)
     lines = [
         f"whole: nothing was changed since it was made (digest {found.proof.digest})",
-        f"thread: {count} message{'' if count == 1 else 's'}, each names the one before",
+        "thread: 1 message"
+        if count == 1
+        else f"thread: {count} messages, each names the one before",
     ]
     lines += [f"message {s.message + 1}: {s.words}" for s in found.signatures if s.is_right]
     if not found.proof.signatures:
         lines.append("signatures: none; anyone could have made it")
+    elif unsigned := found.proof.unsigned:
+        # A stranger's message behind a signed one looks like its signer's.
+        first = count - unsigned + 1
+        which = f"message {first}" if unsigned == 1 else f"messages {first} to {count}"
+        lines.append(f"{which}: not signed; anyone could have added {_it(unsigned)}")
     if found.is_own_version and not found.page:
         lines.append(f"page: as {PROGRAM} makes it")
     elif not found.is_own_version:
         lines.append(
             f"page: made by {printable(found.program or 'another program', 60)}, not compared with "
-            f"{PROGRAM}"
+            f"{PROGRAM}; a stranger's is safe in `relgloss view` alone"
         )
     for side, one in found.drawn.items():
         if not _faults_of(side, one):

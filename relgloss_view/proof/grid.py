@@ -9,11 +9,18 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.base.arrays import AnyArray, Array
+from relgloss_view.base.errors import InputError
 from relgloss_view.material.difference import delta_e_2000
+from relgloss_view.proof.entries import MOST_LAB
 from relgloss_view.proof.pair import Drawn
 
 COLUMNS = ROWS = 24
 DECIMALS = 4  #: of L*, a*, b*: far below the rounding of float32 in them
+#: dE2000 that no eye sees, and above what float32 does to the same picture on two machines.
+LARGEST_DE2000 = 0.3
+#: Of the grid's points, that may show the object in one of both alone: another rounding moves a
+#: silhouette by less than a pixel.
+MISSED_SHARE = 0.01
 
 
 @dataclass(frozen=True)
@@ -28,6 +35,12 @@ class Comparison:
     mean: float
     points: int
     missed: int
+
+    @property
+    def is_same(self) -> bool:
+        """Whether nobody sees a difference; the page, with shaders of its own, asks for more."""
+        few = self.missed <= MISSED_SHARE * (self.points + self.missed)
+        return self.points > 0 and self.largest <= LARGEST_DE2000 and few
 
 
 def places(size: tuple[int, int]) -> tuple[AnyArray, AnyArray]:
@@ -60,8 +73,15 @@ def grid_of(pictures: Mapping[str, Drawn]) -> dict[str, Any]:
 def compare(side: Mapping[str, Any], picture: Drawn) -> Comparison:
     """A side of a grid beside a picture of the same size.
 
-    side: of content["grid"]["sides"].
+    side: of content["grid"]["sides"]. Raises InputError for anything else.
     """
+    try:
+        return _compared(side, picture)
+    except (AttributeError, IndexError, KeyError, TypeError, ValueError):
+        raise InputError("content.grid: expected the points of both pictures") from None
+
+
+def _compared(side: Mapping[str, Any], picture: Drawn) -> Comparison:
     at = _at(picture)
     seen = picture.on_object[at].ravel()
     drawn = picture.lab[at].astype(np.float64).reshape(-1, 3)
@@ -70,6 +90,8 @@ def compare(side: Mapping[str, Any], picture: Drawn) -> Comparison:
     if not both.any():
         return Comparison(0.0, 0.0, 0, int(np.sum(seen != kept)))
     lab = np.array([row for row, there in zip(side["lab"], both, strict=True) if there], float)
+    if not (np.abs(lab) <= MOST_LAB).all():
+        raise ValueError("beyond any colour")
     differences = delta_e_2000(lab, drawn[both])
     return Comparison(
         float(np.max(differences)),

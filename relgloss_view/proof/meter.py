@@ -11,6 +11,8 @@ from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.proof.pair import Pair
 
 DIGITS = 6  #: decimals of a kept value; a meter shows one
+#: Of `gloss_readings`: what people see and no meter reads. Its names are those of the sliders.
+SEEN = ("contrast-gloss", "distinctness")
 
 
 def meter_of(pair: Pair) -> dict[str, dict[str, Any]]:
@@ -64,7 +66,8 @@ def _judged(scene: Scene) -> Material:
 
 
 def _by_key(material: Material) -> dict[str, Reading]:
-    return {reading.key: reading for reading in gloss_readings(material)}
+    """An instrument's readings, by key."""
+    return {one.key: one for one in gloss_readings(material) if one.key not in SEEN}
 
 
 def _kept(value: float | None) -> float | None:

@@ -10,26 +10,26 @@ from typing import Any
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import named, read_beginning, read_bytes, refuse, text
 from relgloss_view.base.words import listed
+from relgloss_view.proof.entries import check_entries
 from relgloss_view.proof.page.parts import MARK, SEAL, Page
 from relgloss_view.proof.proof import (
     FORMAT,
     MOST_MESSAGES,
+    MOST_TITLE,
     VERSION,
     Message,
     Proof,
     Signature,
     canonical,
 )
+from relgloss_view.proof.settings import SIDES
 
 EXPECTED = "a proof (HTML, from `relgloss proof make`)"
 MAX_BYTES = 64 * 1024 * 1024
 HEAD_BYTES = 2048  #: within which a proof is marked as one
-MOST_TITLE = 200  #: characters
 MOST_FILES, MOST_NAME = 1000, 200
-MOST_PX = 16384
 MOST_NAMED = 6  #: changed parts that a message lists
 AGAIN = "ask the sender for the file again, and send it as an attachment or in a ZIP"
-SIDES = ("reference", "test")
 #: What has to be in content, and its kind.
 CONTENT: dict[str, type[Any]] = {
     "title": str,
@@ -57,8 +57,9 @@ def read_page(path: str | os.PathLike[str]) -> Page:
     data = read_bytes(path, MAX_BYTES, EXPECTED)
     if not is_marked(data[:HEAD_BYTES]):
         raise InputError(f"{named(path)}: not a proof; give {EXPECTED}")
-    # A byte that is no UTF-8 becomes a character that the seal finds, as in a browser.
-    return Page(data.decode("utf-8", errors="replace"))
+    # A byte that is no UTF-8 becomes characters that no page holds, so that the seal finds it; one
+    # that stands for it in a browser may be the page's own.
+    return Page(data.decode("utf-8", errors="backslashreplace"))
 
 
 def read_proof(path: str | os.PathLike[str]) -> Proof:
@@ -147,6 +148,8 @@ PART_WORDS = {
     "page": "the page's markup",
     "seal": "the seal",
     "name": "the proof's digest in the page's head",
+    "lines": "the ends of its lines, as some mail programs and editors do",
+    "mark": "the file's beginning, where an editor has added a byte order mark",
 }
 
 
@@ -188,9 +191,7 @@ def check_content(content: object) -> None:
             refuse(f"content.{name}", words, content.get(name))
     if len(text(content["title"], "content.title")) > MOST_TITLE:
         raise InputError(f"content.title: longer than {MOST_TITLE} characters; shorten it")
-    size = content["size_px"]
-    if len(size) != 2 or any(type(n) is not int or not 0 < n <= MOST_PX for n in size):
-        refuse("content.size_px", f"width and height, 1 to {MOST_PX}", size)
+    check_entries(content)
     if set(content["pictures"]) != set(SIDES):
         refuse("content.pictures", " and ".join(SIDES), list(content["pictures"]))
     files = content["files"]

@@ -7,24 +7,29 @@ and there is no more of it than any program would write.
 from __future__ import annotations
 
 import base64
+import contextlib
 import dataclasses
+import os
 import re
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.reading import printable
+from relgloss_view.base.reading import named, printable
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.base.toml import parse_toml
 from relgloss_view.base.writing import whole_folder
+from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.scene_file import SceneFile, read_scene_file
+from relgloss_view.picture.scene.scene_writer import write_scene_file
 from relgloss_view.proof.carry import SCENE, TEXTS, TYPES
 from relgloss_view.proof.pair import Pair
 from relgloss_view.proof.proof import Proof
+from relgloss_view.proof.read import read_proof
 from relgloss_view.proof.settings import Settings
 
 MOST_FILES = 64
@@ -62,7 +67,8 @@ class Opened:
         """Settings whose lamp, where it is a file of the proof, is named by its path."""
         name = settings.lamp.illuminant
         if name not in self.proof.content["files"]:
-            if _OUTSIDE.search(name):
+            # A file beside the reader's own work is none of the proof's.
+            if _OUTSIDE.search(name) or not is_lamp_name(name):
                 raise InputError(f"lamp {printable(name, 60)!r}: the proof has no such file")
             return settings
         place = dataclasses.replace(settings.lamp, illuminant=str(self.folder / name))
@@ -85,22 +91,45 @@ class Opened:
         )
 
 
+def answer_scene(message: int) -> str:
+    """The name of the scene with a message's settings; messages are counted from 1.
+
+    >>> answer_scene(2)
+    'message-2.toml'
+    """
+    return f"message-{message}.toml"
+
+
 def unpacked(
-    proof: Proof, folder: str | Path, *, progress: ProgressReport = no_progress
+    proof: Proof,
+    folder: str | Path,
+    *,
+    answers: bool = False,
+    progress: ProgressReport = no_progress,
 ) -> SceneFile:
     """Write a proof's files into a new or an existing folder, whole or not at all; their scene.
 
-    Raises InputError where a name leads out of the folder, a file names one outside, there is too
-    much, or the files hold no pair.
+    answers: beside scene.toml, which has the first message's settings, a scene of each answer
+    (`answer_scene`). Raises InputError where a name leads out of the folder, a file names one
+    outside, there is too much, or the files hold no pair.
     """
     contents = contents_of(proof.content.get("files"))
     target = Path(folder)
+    for inner in sorted({name.partition("/")[0] for name in contents if "/" in name}):
+        if (target / inner).exists():  # files take the place of files, folders do not
+            raise InputError(
+                f"{named(target)}: holds {named(inner)} of another proof; choose a new folder"
+            )
     with whole_folder(target, SCENE) as staged:
         for name, data in contents.items():
             file = staged / name
             file.parent.mkdir(exist_ok=True)
             file.write_bytes(data)
-        _checked(read_scene_file(staged / SCENE, progress=progress))
+        read = _checked(read_scene_file(staged / SCENE, progress=progress))
+        one = Opened(proof, staged, read)
+        for k, message in enumerate(proof.messages[1:] if answers else (), 2):
+            if answer_scene(k) not in contents:
+                write_scene_file(staged / answer_scene(k), one.scene_at(message.settings))
     return _checked(read_scene_file(target / SCENE))
 
 
@@ -115,16 +144,31 @@ def opened(proof: Proof, *, progress: ProgressReport = no_progress) -> Iterator[
             (folder / file).write_bytes(data)
         try:
             scene = _checked(read_scene_file(folder / SCENE, progress=progress))
-        except InputError as error:
+            yield Opened(proof, folder, scene)
+        except InputError as error:  # lamps are read when they are needed
             raise InputError(str(error).replace(f"{folder}/", "the proof's ")) from error
-        yield Opened(proof, folder, scene)
 
 
 @contextmanager
-def scene_of(proof: Proof, settings: Settings | None = None) -> Iterator[Pair]:
-    """The pair of a proof at settings, those of the newest message by default, for a block."""
-    with opened(proof) as one:
-        yield one.pair(settings)
+def open_proof(
+    path: str | os.PathLike[str], *, progress: ProgressReport = no_progress
+) -> Iterator[Opened]:
+    """A proof's file, unpacked into a temporary folder for the length of a block.
+
+    `opened.proof` is what `read_proof` gives. `opened.pair()` has the scenes and looks of the
+    newest message, `opened.pair(opened.proof.messages[0].settings)` those of the first one, and
+    `opened.pair().drawn(renderer, size)` both pictures as the page draws them, scaled alike.
+
+    Raises InputError, one line that names the file, where anything of it was changed since it was
+    made, or its files hold no pair.
+    """
+    proof = read_proof(path)
+    with contextlib.ExitStack() as stack:
+        try:
+            one = stack.enter_context(opened(proof, progress=progress))
+        except InputError as error:
+            raise InputError(f"{named(path)}: {error}") from error
+        yield one
 
 
 def contents_of(files: object) -> dict[str, bytes]:
@@ -229,9 +273,3 @@ def _checked(scene: SceneFile) -> SceneFile:
 
 def _refuse(name: str, expected: str) -> NoReturn:
     raise InputError(f"the proof's file {printable(name, 60)!r}: expected {expected}")
-
-
-def scene_text(proof: Proof) -> str:
-    """The scene file of a proof as text; '' where it has none."""
-    file: Any = proof.content.get("files", {}).get(SCENE, {})
-    return str(file.get("text", "")) if isinstance(file, Mapping) else ""

@@ -144,6 +144,14 @@ def entries_of(proof: Mapping[str, Any]) -> list[tuple[str, Any]]:
     return found
 
 
+def _is_written(block: str) -> bool:
+    """Whether a block's text is the one way to write its values."""
+    try:
+        return script_json(load(block)) == block
+    except (InputError, AttributeError, KeyError, TypeError, ValueError):
+        return False
+
+
 def short(data: bytes) -> str:
     """The first 16 digits of a SHA-256."""
     return hashlib.sha256(data).hexdigest()[:DIGITS]
@@ -247,10 +255,29 @@ class Page:
         return bool(self.named) and self.digest == self.named
 
     @cached_property
+    def _unwritten(self) -> tuple[str, ...]:
+        """Blocks that aren't written as this format does, whoever sealed them.
+
+        A `<` in them would be markup in a browser, and no JSON.
+        """
+        try:
+            texts = split(self.html)
+        except InputError:
+            return ("page",)
+        names = [name for name in BLOCKS if not _is_written(texts[name])]
+        if not names and texts["parts"] != script_json(manifest(texts)):
+            names = ["parts"]
+        return tuple(names)
+
+    @cached_property
     def changes(self) -> tuple[str, ...]:
         """The names of changed parts, as `manifest` has them; empty where nothing was changed."""
         if self.is_sealed and self.holds_proof:
-            return ()
+            return self._unwritten
+        for name, mended in (("lines", self.html.replace("\r\n", "\n")),
+                             ("mark", self.html.removeprefix("\ufeff"))):  # fmt: skip
+            if mended != self.html and Page(mended).is_sealed:
+                return (name,)
         texts = self.texts
         try:
             noted = load(texts["parts"])

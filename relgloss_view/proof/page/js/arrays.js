@@ -19,20 +19,38 @@ export function bytesOf(base64) {
   return bytes;
 }
 
-/** The bytes that were compressed as zlib does it; Unsupported in browsers that can't inflate. */
-export async function inflated(bytes) {
+const MOST_INFLATED = 2 ** 28; // bytes of an array or a picture, beyond any that a proof holds
+
+/**
+ * The `length` bytes that were compressed as zlib does it. Throws where there are fewer or more: a
+ * few kB can claim to be all of a machine's memory. Unsupported where the browser can't inflate.
+ */
+export async function inflated(bytes, length) {
   if (typeof DecompressionStream === "undefined") throw new Unsupported("no inflation");
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-  return new Uint8Array(await new Response(stream).arrayBuffer());
+  if (!(Number.isSafeInteger(length) && length >= 0 && length <= MOST_INFLATED)) {
+    throw new Error("an array beyond all bounds");
+  }
+  const reader = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate")).getReader();
+  const whole = new Uint8Array(length);
+  let at = 0;
+  for (let { done, value } = await reader.read(); !done; { done, value } = await reader.read()) {
+    if (at + value.length > length) {
+      reader.cancel().catch(() => {});
+      throw new Error("an array has the wrong length");
+    }
+    whole.set(value, at);
+    at += value.length;
+  }
+  if (at !== length) throw new Error("an array has the wrong length");
+  return whole;
 }
 
 /** An array of proof/arrays.py `packed`: {shape, values}, values a typed array, row by row. */
 export async function unpacked(content) {
   const Kind = ARRAY_KINDS[content.dtype];
-  const shuffled = await inflated(bytesOf(content.data));
   const each = Kind.BYTES_PER_ELEMENT;
   const count = content.shape.reduce((product, side) => product * side, 1);
-  if (shuffled.length !== count * each) throw new Error("an array has the wrong length");
+  const shuffled = await inflated(bytesOf(content.data), count * each);
   // Numbers are little-endian on every machine that has a browser of today.
   const bytes = new Uint8Array(count * each);
   for (let byte = 0; byte < each; byte++) {

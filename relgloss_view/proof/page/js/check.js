@@ -9,6 +9,9 @@ import { figure, say } from "./words.js";
 const CHECK_TOLERANCE = 0.005;
 const CHECK_LEAST = 1e-4; // what the grid's four digits can show
 
+const MOST_CHECKED = 2048 * 2048; // pixels, and columns or rows: proof/entries.py
+const MOST_POINTS = 64;
+
 /** Pixels of the grid. Twin: proof/grid.py `places`. */
 function gridPlaces(count, pixels) {
   return Array.from({ length: count }, (_, k) => Math.floor(((2 * k + 1) * pixels) / (2 * count)));
@@ -21,19 +24,19 @@ function gridPlaces(count, pixels) {
  */
 export function checkGrid(engine, proof) {
   const { grid, size_px: size } = proof.content;
+  if (!(size[0] * size[1] <= MOST_CHECKED && grid.columns <= MOST_POINTS && grid.rows <= MOST_POINTS)) {
+    throw new Error("a check grid beyond all bounds");
+  }
   const columns = gridPlaces(grid.columns, size[0]);
   const rows = gridPlaces(grid.rows, size[1]);
   const found = { largest: 0, side: "reference", place: [0, 0], points: 0, missed: 0 };
-  const apart = engine._passes(); // what is shown stays as it is
-  try {
-    const drawn = engine._draw(apart, proof.messages[0].settings, size);
+  engine.drawAside(proof.messages[0].settings, size, (passes, report) => {
     for (const side of Object.keys(grid.sides)) {
-      const split = engine.device.read(apart[side].target(["split"])); // row 0 is the lowest
-      compareSide(engine, found, side, grid.sides[side], { split, size, columns, rows, c: drawn[side].c });
+      const split = engine.device.read(passes[side].target(["split"])); // row 0 is the lowest
+      const { c } = report[side];
+      compareSide(engine, found, side, grid.sides[side], { split, size, columns, rows, c });
     }
-  } finally {
-    for (const passes of Object.values(apart)) passes.release();
-  }
+  });
   found.same = found.points > 0 && found.missed === 0 && found.largest <= CHECK_TOLERANCE;
   return found;
 }

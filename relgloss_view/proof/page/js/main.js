@@ -1,8 +1,8 @@
 // What runs when the page is opened: check, draw, and hand over to whoever looks.
 
-import { App, notice } from "./app.js";
+import { App, keepForPaper, notice } from "./app.js";
 import { checkPage, checkSignatures, pageText, withMessage, wordsOfPart } from "./canonical.js";
-import { byId, make } from "./dom.js";
+import { byId, byTouch, make } from "./dom.js";
 import { Engine } from "./engine.js";
 import { held, lifeSized, listen, orbited, panned, turned, zoomed } from "./hand.js";
 import { lifeSize } from "./life.js";
@@ -89,6 +89,7 @@ async function open({ proof, shaders, digests, digest, signatures: signed }) {
   }
   arrange(app, canvas);
   app.watch();
+  keepForPaper(byId("stage"));
   await app.idle();
   mountCheck(byId("check"), app);
   const screen = mountScreen(byId("screen"), app);
@@ -124,8 +125,7 @@ function arrange(app, canvas) {
   const shows = [banner(app, app.proof.messages), tools(app, () => life.open()),
     controls(app, app.proof.content.drawing?.lamps ?? [app.present.lamp.illuminant]), thread(app)];
   const reading = readout(app), life = lifeSize(app);
-  byId("look").append(make("p", { id: "keys", class: "quiet keys", text: say("canvas.keys") }),
-    make("p", { class: "quiet keys fingers", text: say("canvas.fingers") }));
+  byId("look").append(make("p", { id: "keys", class: "quiet keys", text: say(byTouch() ? "canvas.touch" : "canvas.keys") }));
   app.onChange(() => shows.forEach((show) => show()));
   app.onRest.push(() => reading.show());
   listen(canvas, Object.assign(Object.create(app), {

@@ -1,6 +1,7 @@
 // The maker's screen: what it shows of black, white and grays, and what that changes.
 
 import { make } from "./dom.js";
+import { SIDES } from "./pair.js";
 import {
   BRIGHT_STEPS, DARK_STEPS, STEP_LSTAR, blackBounds, clippedFrom, designersScreen, differences,
   highlightsOf, orderOfGloss, orderWords, patternGamma, possibleGammas, signalOf, unknownScreen,
@@ -81,7 +82,7 @@ function ordered(app, mine, theirs) {
   const pairs = {};
   try {
     const off = 0.5 * app.engine.drawing.numbers.OFF_OBJECT;
-    for (const side of ["reference", "test"]) {
+    for (const side of SIDES) {
       const split = app.engine.split(side);
       const l_d = [];
       const l_s = [];
@@ -91,7 +92,7 @@ function ordered(app, mine, theirs) {
           l_s.push(split[k + 1]);
         }
       }
-      pairs[side] = highlightsOf(l_d, l_s, app.engine._drawn.result[side].c);
+      pairs[side] = highlightsOf(l_d, l_s, app.engine.report[side].c);
     }
   } catch (fault) {
     console.warn(fault);

@@ -1,7 +1,7 @@
 // The tools below the pictures, the handle of the wipe and the button that flips.
 
 import { byId, make, segments } from "./dom.js";
-import { SIDES } from "./layout.js";
+import { SIDES } from "./pair.js";
 import { say } from "./words.js";
 
 const KEY_SHARE = 0.02; // of an arrow on the wipe's handle
