@@ -19,6 +19,12 @@ BOX = """() => {
 }"""
 READOUT = "() => document.getElementById('readout').textContent"
 STATE = "() => document.getElementById('main').dataset.state"
+#: Tangent of a CSS pixel of the first picture.
+STEP = """async () => {
+  await relgloss.idle();
+  const {app} = relgloss;
+  return app.report().reference.view.pixel_step * app.drawn.size[1] / app.paneAt().box[3];
+}"""
 SIZES = """async () => {
   await relgloss.idle();
   const {canvas, drawn} = relgloss.app;
@@ -93,7 +99,7 @@ def test_beside_the_picture_a_finger_scrolls(phone):
 
 def test_two_fingers_zoom_and_move(phone):
     x, y = on_canvas(phone, 0.5, 0.25)
-    framed = call(phone, "() => relgloss.app.framed(relgloss.app.paneAt())")
+    framed = call(phone, STEP)
     drag(phone, ((x - 30, y), (x - 60, y)), ((x + 30, y), (x + 60, y)), steps=12)
     eye = settings(phone)["eye"]
     height = call(phone, "() => relgloss.app.paneAt().box[3]")
