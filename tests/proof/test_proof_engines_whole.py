@@ -28,7 +28,8 @@ READY = """async () => {
   await relgloss.idle();
   const end = performance.now() + 20000;
   const check = document.getElementById("check");
-  while (!check.dataset.same && performance.now() < end) await new Promise((d) => setTimeout(d, 20));
+  const later = () => new Promise((done) => setTimeout(done, 20));
+  while (!check.dataset.same && performance.now() < end) await later();
   return {
     state: document.getElementById("main").dataset.state, same: check.dataset.same,
     signed: [...document.querySelectorAll(".signed")].map((line) => line.textContent),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 
 import pytest
@@ -115,7 +116,7 @@ def test_headings_landmarks_and_live_regions(page):
     levels = [property_of(node, "level") for role, _, node in tree if role == "heading"]
     assert levels[0] == 1
     assert levels.count(1) == 1
-    assert all(after <= before + 1 for before, after in zip(levels, levels[1:], strict=False))
+    assert all(after <= before + 1 for before, after in itertools.pairwise(levels))
     roles = [role for role, _, _ in tree]
     assert (roles.count("main"), roles.count("banner")) == (1, 1)
     assert roles.index("banner") < roles.index("main")

@@ -136,7 +136,8 @@ def test_a_finger_that_rests_reads_a_colour(phone):
 
 @pytest.mark.slow
 def test_a_finger_moves_sliders_and_wipe(phone):
-    phone.cdp("Input.synthesizeTapGesture", **dict(zip("xy", _centre(phone, "test-grain"), strict=True)))  # fmt: skip
+    across, down = _centre(phone, "test-grain")
+    phone.cdp("Input.synthesizeTapGesture", x=across, y=down)
     assert settings(phone)["test"]["sigma_n_deg"] == pytest.approx(1.5, abs=0.02)
     call(phone, "() => { scrollTo(0, 0); document.querySelector('[data-key=wipe]').click(); }")
     settings(phone)
@@ -165,7 +166,7 @@ def _centre(browser, name):
     "scale", [1.5, *(pytest.param(scale, marks=pytest.mark.slow) for scale in (1, 2, 3))]
 )
 def test_pixels_are_the_screens(chromium_gl, page_file, scale):
-    """Of any density: the canvas has a pixel for each of the screen's, and pictures fit in whole."""
+    """Of any density: the canvas has a pixel for each of the screen's."""
     emulate(chromium_gl, *PHONE, scale)
     open_page(chromium_gl, page_file)
     width, height, wide, high, columns, rows = call(chromium_gl, SIZES)
