@@ -1,7 +1,7 @@
 // Which places of a target a triangle covers. Drivers round its corners differently (OpenGL asks for 1/16 of a
 // pixel, most take 1/256), so each would show another side at a silhouette. Here corners lie on a grid of 1/256
 // and whole numbers decide, so that every driver decides alike; the triangle that the driver draws is larger by
-// BESIDE_PX and hands on its places. The vertices' twin: relgloss_view/picture/gpu/enlarged.py.
+// BESIDE_PX and hands on its places. Its vertices: mesh_corner.glsl.
 
 const int GRID = 256;             // steps a pixel
 const float BESIDE_PX = 0.0625;   // more than a driver moves a side: sqrt(1/2) of 1/16

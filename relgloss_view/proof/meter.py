@@ -58,6 +58,38 @@ def finishes_of(pair: Pair) -> list[dict[str, Any]]:
     ]
 
 
+def are_close(kept: float | None, own: float | None, decimals: int) -> bool:
+    """Whether two readings are the same on an instrument that shows so many decimals.
+
+    >>> are_close(1.01, 1.0, 1), are_close(1.2, 1.0, 1), are_close(None, 1.0, 1)
+    (True, False, False)
+    """
+    if kept is None or own is None:
+        return kept is own
+    return abs(kept - own) <= 10.0**-decimals
+
+
+def are_same_finishes(
+    kept: Any, own: list[dict[str, Any]], meter: dict[str, dict[str, Any]]
+) -> bool:
+    """Whether the finishes of a proof are named as its pack's own and read the same.
+
+    kept: `meter_finishes` of a content, within the bounds of entries.py. own: of finishes_of.
+    """
+    entries = kept or []
+    if len(entries) != len(own):
+        return False
+    for one, other in zip(entries, own, strict=True):
+        if any(one.get(name) != other[name] for name in other if name != "readings"):
+            return False
+        if set(one["readings"]) != set(other["readings"]):
+            return False
+        for key, value in other["readings"].items():
+            if not are_close(one["readings"][key], value, meter[key]["decimals"]):
+                return False
+    return True
+
+
 def _judged(scene: Scene) -> Material:
     from relgloss_view.gloss.samples import SampleLook
     from relgloss_view.picture.scene.look import Look

@@ -27,14 +27,13 @@ from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.scene_file import SceneFile, read_scene_file
 from relgloss_view.picture.scene.scene_writer import write_scene_file
 from relgloss_view.proof.carry import SCENE, TEXTS, TYPES
+from relgloss_view.proof.entries import LONGEST_FILE_NAME, MOST_FILES
 from relgloss_view.proof.pair import Pair
 from relgloss_view.proof.proof import Proof
 from relgloss_view.proof.read import read_proof
 from relgloss_view.proof.settings import Settings
 
-MOST_FILES = 64
 MOST_BYTES = 64 << 20  #: of all files together
-LONGEST_NAME = 80
 _PART = r"[a-z0-9][a-z0-9_-]{0,40}"
 #: Lower case alone, so that no file system takes two names for one; no dot but that of the suffix.
 _NAME = re.compile(rf"(?:{_PART}/)?{_PART}\.[a-z]{{2,4}}")
@@ -198,7 +197,7 @@ def check_name(name: object) -> None:
     """InputError for a file's name that this program would not write."""
     if (
         not isinstance(name, str)
-        or len(name) > LONGEST_NAME
+        or len(name) > LONGEST_FILE_NAME
         or not _NAME.fullmatch(name)
         or _DEVICES.search(name)
         or _DEVICES.match(name.rpartition("/")[2])

@@ -121,7 +121,7 @@ def test_check_draws_again(capsys, file):
     status, out, err = ran(capsys, "proof", "check", file, "--json")
     found = json.loads(out)
     assert status == 1
-    assert found["largest_de2000"] > check.LARGEST_DE
+    assert found["largest_de2000"] > check.LARGEST_DE2000
     assert not found["drawing_is_derived"]
     assert "drawn here it differs by up to" in err
 

@@ -306,3 +306,17 @@ def test_paper_gets_pictures_and_words_alone(chromium_gl, tmp_path):
     chromium_gl.cdp("Emulation.setEmulatedMedia", media="")
     call(chromium_gl, "() => { window.dispatchEvent(new Event('afterprint')); }")
     assert call(chromium_gl, seen)[2] == wide
+
+
+def test_pictures_lie_where_the_objects_are_larger(chromium_gl, tmp_path):
+    emulate(chromium_gl, 390, 844, touch=True)
+    open_page(chromium_gl, sample_page(tmp_path / "proof.html"))
+    settings(chromium_gl)
+    boxes = """async (room) => { const {app} = relgloss;
+      if (room) { app.room = room; app.redraw(); await app.idle(); }
+      return [app.room, ...app.panes.map(({box}) => box)]; }"""
+    room, first, second = call(chromium_gl, boxes, None)
+    assert room[0] < room[1]  # an upright cylinder
+    assert first[1] == second[1]  # beside each other on a phone
+    _, first, second = call(chromium_gl, boxes, [3, 1])
+    assert first[0] == second[0]  # the negative control: what is wide lies one above the other

@@ -28,9 +28,8 @@ from relgloss_view.picture.model.view import Box, View
 
 TILE_PX = 2048  #: side of the parts in which the silhouette is looked for
 BLOCK = 2  #: side in pixels of what beside_edges looks at
-BESIDE_PX = (
-    1.0 / 64.0
-)  #: by which bounds are larger: corners are drawn up to 1/512 beside their place
+#: By which bounds are larger: corners are drawn up to 1/512 beside their place.
+BESIDE_PX = 1.0 / 64.0
 MARK = 1  #: as EDGE_MARK of mesh_edge.frag, of 255
 
 

@@ -9,6 +9,7 @@ import { say } from "./words.js";
 const SLOW_MS = 33; // of a frame, beyond which a moving picture is drawn smaller
 const LEAST_SHARE = 0.3; // of the full size, each way
 const REST_MS = 160; // without a change until the picture is drawn in full
+const LOST_MS = 4000; // that a lost context may take to come back
 const PAPER_PX = 660; // of a printed page that is as narrow as paper is
 const SAY_MS = 900; // until a change is read out
 
@@ -239,13 +240,27 @@ export class App {
       this.lost = true;
       this.main("lost");
       notice(say("state.lost"));
+      this.waitsLost = setTimeout(() => this.showStored(true), LOST_MS);
     });
     this.engine.onRestored = () => {
+      clearTimeout(this.waitsLost);
       this.drawn = null;
       this.lost = false;
+      this.showStored(false);
       notice("");
       this.redraw();
     };
+  }
+
+  /** The stored pictures in the canvas's place, where nothing can be drawn any more; or back. */
+  showStored(stored) {
+    this.canvas.hidden = stored;
+    for (const name of ["controls", "tools"]) {
+      const part = byId(name);
+      if (part !== null) part.inert = stored;
+    }
+    this.main(stored ? "stored" : "lost"); // until it is drawn again
+    if (stored) notice(say("state.stored"));
   }
 }
 

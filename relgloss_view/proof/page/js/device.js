@@ -3,7 +3,7 @@
 import { setUniform } from "./setter.js";
 import { ShaderError, ShaderSource, ownName } from "./shader.js";
 
-/** A browser that can't draw; reason is "no webgl2" or "no float targets". */
+/** A browser that can't draw; reason is "no webgl2", "no float targets" or "no inflation". */
 export class Unsupported extends Error {
   constructor(reason) {
     super(reason);

@@ -1,5 +1,6 @@
 // The hand on the object and the lamp: twins of viewer/drawing/camera.py.
 
+import { Press } from "./press.js";
 import { meet } from "./shape.js";
 import { View } from "./view.js";
 
@@ -120,10 +121,17 @@ export function listen(canvas, app) {
     app.set(lamp ? { ...now, lamp: turned(now.lamp, moved, width) }
       : { ...now, eye: orbited(now.eye, moved, width) }, true);
   };
+  const press = new Press((where) => app.point(...where));
   canvas.addEventListener("pointerdown", (event) => {
-    pointers.set(event.pointerId, place(event));
+    const now = place(event);
+    pointers.set(event.pointerId, now);
     canvas.setPointerCapture(event.pointerId);
-    if (app.mode() === "read") app.point(...place(event));
+    if (app.mode() === "read") app.point(...now);
+    else if (event.pointerType !== "mouse") {
+      app.point(null);
+      if (pointers.size === 1) press.begin(now);
+      else press.end();
+    }
   });
   canvas.addEventListener("pointermove", (event) => {
     const now = place(event), before = pointers.get(event.pointerId);
@@ -132,6 +140,7 @@ export function listen(canvas, app) {
       if (event.pointerType === "mouse" || before !== undefined) app.point(...now);
       return;
     }
+    if (pointers.size === 1 && !press.drags(now)) return;
     const moved = [now[0] - before[0], now[1] - before[1]];
     if (pointers.size === 1) drag(moved, pane.box[2], event.shiftKey || app.mode() === "lamp");
     else if (pointers.size === 2) pinch(event.pointerId, before, now, moved, pane);
@@ -154,9 +163,17 @@ export function listen(canvas, app) {
     app.set({ ...settings, eye }, true);
   };
   for (const ended of ["pointerup", "pointercancel", "lostpointercapture"]) {
-    canvas.addEventListener(ended, (event) => pointers.delete(event.pointerId));
+    canvas.addEventListener(ended, (event) => {
+      if (pointers.delete(event.pointerId)) press.end();
+    });
   }
-  canvas.addEventListener("pointerleave", () => { if (app.mode() !== "read") app.point(null); });
+  // What a long press has read stays until the next touch: a finger hides what it points at.
+  canvas.addEventListener("pointerleave", (event) => {
+    if (event.pointerType === "mouse" && app.mode() !== "read") app.point(null);
+  });
+  canvas.addEventListener("contextmenu", (event) => {
+    if (press.reads || event.pointerType === "touch") event.preventDefault();
+  });
   canvas.addEventListener("wheel", (event) => {
     const pane = app.paneAt(...place(event));
     // The wheel scrolls the page until the canvas has the focus.

@@ -7,8 +7,17 @@ export const MOST_PX = 1024; // of a picture's side
 
 /** Width and height of what holds both objects, however they turn about their axes; any unit. */
 export function roomFor(sides) {
-  const halves = Object.values(sides).map(({ shape }) => shape.half_extent_m);
-  return [Math.max(...halves.map(([x, , z]) => Math.hypot(x, z))), Math.max(...halves.map(([, y]) => y))];
+  const shapes = Object.values(sides).map(({ shape }) => shape);
+  return [Math.max(...shapes.map(reachOf)), Math.max(...shapes.map((shape) => shape.half_extent_m[1]))];
+}
+
+// How far an object reaches from its upright axis, metres.
+function reachOf({ kind, half_extent_m: [x, , z], outline_m: points }) {
+  if (kind === "cylinder" || kind === "sphere") return x;
+  if (!points) return Math.hypot(x, z);
+  let reach = 0;
+  for (const [px, , pz] of points) reach = Math.max(reach, Math.hypot(px, pz));
+  return reach;
 }
 
 /** Panes of a stage, CSS pixels: [{side, box: [x, y, width, height]}].

@@ -27,6 +27,7 @@ export function lifeSize(app) {
     card.style.setProperty("height", `${sides[1]}px`);
     card.style.setProperty("border-radius", `${width * CORNER_MM / CARD_MM[0]}px`);
     size.style.setProperty("--at", String((width - 150) / 750));
+    size.setAttribute("aria-valuetext", say("life.value", { width: Math.round(width) }));
   };
   const done = () => {
     const pixel = CARD_MM[0] / Number(size.value);

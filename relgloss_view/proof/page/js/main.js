@@ -113,6 +113,7 @@ function answered(app, { note, author }) {
 function unsupported(fault) {
   const known = {
     "no webgl2": "webgl", "no float targets": "float", "no memory": "memory", "few targets": "targets",
+    "no inflation": "inflation",
   };
   const reason = known[fault.reason] ?? "unknown";
   byId("main").dataset.state = "unsupported";

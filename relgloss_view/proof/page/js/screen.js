@@ -29,8 +29,11 @@ export function mountScreen(element, app) {
     update();
   };
   const update = () => {
-    order.replaceChildren(make("h3", { text: say("screen.order.title") }),
-      ...ordered(app, screenOf(answers), theirs).map(sentence));
+    const sentences = ordered(app, screenOf(answers), theirs).map(sentence);
+    const words = (list) => [...list].map((line) => line.textContent).join("\n");
+    // What is put into it again would be read out again, whenever a slider rests.
+    if (words(order.querySelectorAll("p")) === words(sentences) && order.hasChildNodes()) return;
+    order.replaceChildren(make("h3", { text: say("screen.order.title") }), ...sentences);
   };
   const note = (name) => (value) => {
     answers[name] = value;
@@ -200,6 +203,7 @@ function pattern(name) {
   });
   const draw = (scale) => {
     slider.style.setProperty("--at", (slider.value - 96) / (240 - 96));
+    slider.setAttribute("aria-valuetext", say("screen.gamma.value", { value: slider.value }));
     const place = canvas.parentElement.getBoundingClientRect();
     const width = Math.floor(place.width * scale);
     const height = Math.round(96 * scale);

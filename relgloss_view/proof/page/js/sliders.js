@@ -69,7 +69,7 @@ export function slider({ id, label, hint, usualHigh, most, decimals, change, sen
     range.max = high;
     range.step = high / STEPS / FAST;
     if (Number(range.value) !== value) range.value = value;
-    range.setAttribute("aria-valuetext", `${value.toFixed(decimals)} ${unit}`);
+    range.setAttribute("aria-valuetext", `${value.toFixed(decimals)} ${unit}`.trim());
     if (document.activeElement !== typed) typed.value = value.toFixed(decimals);
     notch.style.setProperty("--at", String(Math.min(back / high, 1)));
     range.style.setProperty("--at", String(Math.min(value / high, 1)));
