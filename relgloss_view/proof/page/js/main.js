@@ -82,7 +82,9 @@ async function open({ proof, shaders, digests, digest, signatures: signed }) {
   app.answered = (words) => answered(app, words);
   main.dataset.state = "drawing";
   try {
-    app.paint(false);
+    // Silhouettes of triangles are smoothed by the next frame, so that a pack is seen sooner.
+    app.paint(Object.values(engine.forms).some((form) => form?.mesh));
+    app.share = 1; // a first frame compiles, so its time says nothing of the next
   } catch (fault) {
     unsupported(fault);
     return;
