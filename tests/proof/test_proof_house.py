@@ -137,7 +137,8 @@ INTERFACE: dict[str, set[str]] = {
     "app.js": {"sqrt"},  # a picture's side, from the time that its pixels take
     "device.js": set(), "dom.js": set(), "engine.js": set(), "life.js": set(),
     "layout.js": {"hypot"},  # a form's half width as it turns, for the shape of its pane
-    "main.js": set(), "png.js": set(), "preprocessor.js": set(), "press.js": set(), "readout.js": set(),
+    "main.js": set(), "png.js": set(), "preprocessor.js": set(), "readout.js": set(),
+    "press.js": {"hypot"},  # how far a finger has gone
     "reply.js": set(), "screen.js": set(), "setter.js": set(), "sliders.js": set(),
     "thread.js": set(), "tools.js": set(), "words.js": set(),
 }  # fmt: skip
