@@ -138,7 +138,7 @@ INTERFACE: dict[str, set[str]] = {
     "device.js": set(), "dom.js": set(), "engine.js": set(), "life.js": set(),
     "layout.js": {"hypot"},  # a form's half width as it turns, for the shape of its pane
     "main.js": set(), "png.js": set(), "preprocessor.js": set(), "readout.js": set(),
-    "press.js": {"hypot"},  # how far a finger has gone
+    "press.js": {"hypot"},  # how far a finger has moved
     "reply.js": set(), "screen.js": set(), "setter.js": set(), "sliders.js": set(),
     "thread.js": set(), "tools.js": set(), "words.js": set(),
 }  # fmt: skip
@@ -293,12 +293,10 @@ def test_numbers_are_those_of_python(name: str) -> None:
 def test_no_number_of_a_twin_is_the_pages_own() -> None:
     """Each constant of a twin that is a number is compared, or comes from Python, or is listed."""
     alone = {
-        "arrays.js": {"MOST_INFLATED"},  # of what a browser should hold
         # Of the page's own question, and of what a browser should hold.
-        "check.js": {"CHECK_TOLERANCE", "CHECK_LEAST", "MOST_CHECKED", "MOST_POINTS"},
+        "check.js": {"CHECK_TOLERANCE", "CHECK_LEAST"},
         "hand.js": {"KEY_DEGREES"},  # the window turns by other keys
         "mesh.js": {"CORNER_NUMBERS"},  # of a vertex in a buffer
-        "mesh_edges.js": {"BESIDE_PX"},  # wider than silhouettes are marked
         "layers.js": {"KEPT_COLOURS", "KEPT_SHIFT"},  # colours that are not converted twice
     }
     for name in TWINS:
